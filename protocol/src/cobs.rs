@@ -1,0 +1,83 @@
+//! Consistent overhead byte stuffing (Cheshire and Baker 1999) for frames that fit into one block.
+//!
+//! A frame here is far shorter than the 254 bytes after which general COBS starts a new block, so one code byte in
+//! front is all it costs, and both ways work in place in a single pass: the zeros of the body become a chain of
+//! distances. The tests hold it against the `cobs` crate.
+
+/// Stuffs `frame[1..]` in place: `frame[0]` and every zero become the distance to the next zero or to the end.
+///
+/// `frame` is at most 254 bytes long; [`crate::MAX_FRAME`] sees to that.
+#[inline]
+pub fn stuff(frame: &mut [u8]) {
+    let mut code_at = 0;
+    for at in 1..frame.len() {
+        if frame[at] == 0 {
+            frame[code_at] = (at - code_at) as u8;
+            code_at = at;
+        }
+    }
+    frame[code_at] = (frame.len() - code_at) as u8;
+}
+
+/// Takes the stuffing out of `frame` in place and returns the body, or `None` if the chain of distances does not end
+/// at the end of the frame.
+///
+/// `frame` is what stands between two delimiters, so it holds no zero; one that does is refused as well.
+#[inline]
+pub fn unstuff(frame: &mut [u8]) -> Option<&[u8]> {
+    let mut at = 0;
+    while at < frame.len() {
+        let distance = usize::from(frame[at]);
+        if distance == 0 {
+            return None;
+        }
+        frame[at] = 0;
+        at += distance;
+    }
+    if at == frame.len() { frame.get(1..) } else { None }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::vec;
+    use std::vec::Vec;
+
+    use super::*;
+
+    fn stuffed(body: &[u8]) -> Vec<u8> {
+        let mut frame = vec![0; body.len() + 1];
+        frame[1..].copy_from_slice(body);
+        stuff(&mut frame);
+        frame
+    }
+
+    /// Bodies of every length up to a frame's, with zeros in many places.
+    fn bodies() -> impl Iterator<Item = Vec<u8>> {
+        (0..=crate::MAX_FRAME - 2).flat_map(|len| {
+            (1..=9_usize)
+                .map(move |stride| (0..len).map(|i| if i % stride == 0 { 0 } else { i as u8 }).collect())
+        })
+    }
+
+    #[test]
+    fn stuffing_gives_the_bytes_of_the_cobs_crate() {
+        for body in bodies() {
+            assert_eq!(stuffed(&body), cobs::encode_vec(&body), "body {body:02x?}");
+        }
+    }
+
+    #[test]
+    fn unstuffing_gives_the_body_back() {
+        for body in bodies() {
+            assert_eq!(unstuff(&mut stuffed(&body)), Some(&body[..]));
+        }
+    }
+
+    #[test]
+    fn a_chain_that_ends_elsewhere_is_refused() {
+        assert_eq!(unstuff(&mut [3, 1]), None);
+        assert_eq!(unstuff(&mut [2, 7, 9]), None);
+        assert_eq!(unstuff(&mut [1, 0, 1]), None);
+        assert_eq!(unstuff(&mut []), None);
+    }
+}

@@ -1,0 +1,62 @@
+//! The decoder as a tokio-util codec.
+
+use core::marker::PhantomData;
+use std::io;
+
+use bytes::{Buf, BytesMut};
+
+use crate::decoder::{Counters, Decoder};
+use crate::frame::FrameError;
+use crate::message::Message;
+
+/// Reads messages of type `In` and writes messages of type `Out`.
+///
+/// A bad frame is an item and not the end of the stream: lines have noise.
+#[derive(Clone, Debug)]
+pub struct Codec<In, Out> {
+    decoder: Decoder,
+    messages: PhantomData<fn(Out) -> In>,
+}
+
+impl<In, Out> Default for Codec<In, Out> {
+    fn default() -> Self {
+        Self { decoder: Decoder::new(), messages: PhantomData }
+    }
+}
+
+impl<In, Out> Codec<In, Out> {
+    /// What has been seen so far.
+    #[must_use]
+    pub const fn counters(&self) -> &Counters {
+        self.decoder.counters()
+    }
+}
+
+impl<In: Message, Out> tokio_util::codec::Decoder for Codec<In, Out> {
+    type Item = Result<In, FrameError>;
+    type Error = io::Error;
+
+    fn decode(&mut self, src: &mut BytesMut) -> io::Result<Option<Self::Item>> {
+        let mut input = &src[..];
+        let item = self.decoder.next(&mut input);
+        let used = src.len() - input.len();
+        src.advance(used);
+        Ok(item)
+    }
+
+    fn decode_eof(&mut self, src: &mut BytesMut) -> io::Result<Option<Self::Item>> {
+        match self.decode(src)? {
+            Some(item) => Ok(Some(item)),
+            None => Ok(self.decoder.finish().err().map(Err)),
+        }
+    }
+}
+
+impl<In, Out: Message> tokio_util::codec::Encoder<Out> for Codec<In, Out> {
+    type Error = io::Error;
+
+    fn encode(&mut self, message: Out, dst: &mut BytesMut) -> io::Result<()> {
+        dst.extend_from_slice(&message.frame());
+        Ok(())
+    }
+}

@@ -1,0 +1,163 @@
+//! Declarations that are written once and give the value type, its bytes and its description together.
+
+/// A byte out of a closed list of names.
+///
+/// Zero is never a name, so that a cleared byte can't pass for a value.
+macro_rules! wire_enum {
+    ($(#[$meta:meta])* pub enum $name:ident { $( $(#[doc = $doc:expr])+ $variant:ident = $value:literal, )+ }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[repr(u8)]
+        pub enum $name { $( $(#[doc = $doc])+ $variant = $value, )+ }
+
+        impl $name {
+            /// Every value, in the order of its byte.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),+];
+
+            /// Every byte with its name.
+            pub const NAMES: &'static [(u8, &'static str)] = &[$(($value, stringify!($variant))),+];
+
+            /// The value of a byte, if it has one.
+            #[must_use]
+            pub const fn from_byte(byte: u8) -> Option<Self> {
+                match byte {
+                    $($value => Some(Self::$variant),)+
+                    _ => None,
+                }
+            }
+        }
+
+        impl $crate::wire::Wire for $name {
+            const LEN: usize = 1;
+            const TYPE: $crate::layout::FieldType = $crate::layout::FieldType::Enum(Self::NAMES);
+
+            #[inline]
+            fn put(self, out: &mut [u8]) {
+                out[0] = self as u8;
+            }
+
+            #[inline]
+            fn get(bytes: &[u8]) -> Option<Self> {
+                Self::from_byte(bytes[0])
+            }
+        }
+    };
+}
+
+/// One kind of message: its value type, its bytes and its layout.
+///
+/// Offsets follow from the order and the lengths of the fields and are computed nowhere else.
+macro_rules! payload {
+    (
+        $(#[doc = $doc:expr])+
+        $kind:literal $direction:ident $name:ident {
+            $( $(#[doc = $field_doc:expr])+ $field:ident: $ty:ty, )*
+        }
+    ) => {
+        $(#[doc = $doc])+
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct $name { $( $(#[doc = $field_doc])+ pub $field: $ty, )* }
+
+        #[allow(unused_mut, unused_variables, unused_assignments, reason = "nothing follows the last field")]
+        impl $crate::wire::Payload for $name {
+            const LAYOUT: $crate::layout::MessageLayout = {
+                const FIELDS: &[$crate::layout::FieldLayout] = &{
+                    let mut end = 1;
+                    [$({
+                        let offset = end;
+                        let len = <$ty as $crate::wire::Wire>::LEN;
+                        end += len;
+                        $crate::layout::FieldLayout {
+                            name: stringify!($field),
+                            ty: <$ty as $crate::wire::Wire>::TYPE,
+                            offset,
+                            len,
+                            meaning: concat!($($field_doc),+),
+                        }
+                    }),*]
+                };
+                $crate::layout::MessageLayout {
+                    name: stringify!($name),
+                    kind: $kind,
+                    direction: $crate::layout::Direction::$direction,
+                    fields: FIELDS,
+                    body_len: 1 $(+ <$ty as $crate::wire::Wire>::LEN)*,
+                    meaning: concat!($($doc),+),
+                }
+            };
+
+            #[inline]
+            fn put(&self, body: &mut [u8]) {
+                body[0] = $kind;
+                let mut at = 1;
+                $({
+                    let end = at + <$ty as $crate::wire::Wire>::LEN;
+                    $crate::wire::Wire::put(self.$field, &mut body[at..end]);
+                    at = end;
+                })*
+            }
+
+            #[inline]
+            fn get(body: &[u8]) -> Result<Self, $crate::wire::BodyError> {
+                const LEN: usize = <$name as $crate::wire::Payload>::LAYOUT.body_len;
+                let body: &[u8; LEN] = body.try_into().map_err(|_| $crate::wire::BodyError::Length {
+                    name: stringify!($name),
+                    expected: LEN,
+                    found: body.len(),
+                })?;
+                let mut at = 1;
+                $(
+                    let end = at + <$ty as $crate::wire::Wire>::LEN;
+                    let $field = <$ty as $crate::wire::Wire>::get(&body[at..end]).ok_or(
+                        $crate::wire::BodyError::Value { name: stringify!($name), field: stringify!($field) },
+                    )?;
+                    at = end;
+                )*
+                Ok(Self { $($field),* })
+            }
+        }
+
+        const _: () = assert!(
+            <$name as $crate::wire::Payload>::LAYOUT.body_len <= $crate::frame::MAX_BODY,
+            concat!(stringify!($name), " does not fit into a frame")
+        );
+    };
+}
+
+/// All messages of one direction as one type.
+macro_rules! direction {
+    ($(#[$meta:meta])* pub enum $name:ident { $($variant:ident,)+ }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub enum $name { $(
+            #[doc = concat!("See [`", stringify!($variant), "`](struct@", stringify!($variant), ").")]
+            $variant($variant),
+        )+ }
+
+        $(impl From<$variant> for $name {
+            fn from(payload: $variant) -> Self {
+                Self::$variant(payload)
+            }
+        })+
+
+        impl $crate::message::Message for $name {
+            const LAYOUTS: &'static [$crate::layout::MessageLayout] =
+                &[$(<$variant as $crate::wire::Payload>::LAYOUT),+];
+
+            #[inline]
+            fn decode_body(body: &[u8]) -> Result<Self, $crate::wire::BodyError> {
+                use $crate::wire::Payload;
+                let kind = body.first().copied().unwrap_or(0);
+                $(if kind == $variant::LAYOUT.kind {
+                    return $variant::get(body).map(Self::$variant);
+                })+
+                Err($crate::wire::BodyError::UnknownKind { kind })
+            }
+
+            #[inline]
+            fn frame(&self) -> $crate::frame::Frame {
+                match self { $(Self::$variant(payload) => $crate::frame::Frame::of(payload),)+ }
+            }
+        }
+    };
+}

@@ -1,0 +1,91 @@
+//! Short texts of fixed length: names, units, log lines.
+
+use core::fmt::{self, Write};
+
+use crate::layout::FieldType;
+use crate::wire::Wire;
+
+/// UTF-8 of at most `N` bytes, padded with zeros on the wire.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Text<const N: usize> {
+    bytes: [u8; N],
+    len: usize,
+}
+
+impl<const N: usize> Text<N> {
+    /// No text.
+    pub const EMPTY: Self = Self { bytes: [0; N], len: 0 };
+
+    /// The text, cut at the last whole character that fits; zeros are dropped, because they are the padding.
+    #[must_use]
+    pub fn new(text: &str) -> Self {
+        let mut this = Self::EMPTY;
+        // Writing into a fixed text cuts and never fails.
+        let _ = this.write_str(text);
+        this
+    }
+
+    /// The text without padding.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        core::str::from_utf8(&self.bytes[..self.len]).unwrap_or_default()
+    }
+}
+
+impl<const N: usize> Write for Text<N> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for character in text.chars().filter(|&c| c != '\0') {
+            let Some(room) = self.bytes[self.len..].get_mut(..character.len_utf8()) else { break };
+            character.encode_utf8(room);
+            self.len += character.len_utf8();
+        }
+        Ok(())
+    }
+}
+
+impl<const N: usize> fmt::Debug for Text<N> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.as_str().fmt(out)
+    }
+}
+
+impl<const N: usize> fmt::Display for Text<N> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.as_str().fmt(out)
+    }
+}
+
+impl<const N: usize> Wire for Text<N> {
+    const LEN: usize = N;
+    const TYPE: FieldType = FieldType::Text;
+
+    fn put(self, out: &mut [u8]) {
+        out.copy_from_slice(&self.bytes);
+    }
+
+    /// Refuses what is not UTF-8 and bytes after the first zero, so that a text has one form only.
+    fn get(bytes: &[u8]) -> Option<Self> {
+        let bytes: [u8; N] = bytes.try_into().ok()?;
+        let len = bytes.iter().position(|&b| b == 0).unwrap_or(N);
+        let padded = bytes[len..].iter().all(|&b| b == 0);
+        (padded && core::str::from_utf8(&bytes[..len]).is_ok()).then_some(Self { bytes, len })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_text_is_cut_between_characters() {
+        assert_eq!(Text::<4>::new("N·m²").as_str(), "N·m");
+        assert_eq!(Text::<3>::new("N·m²").as_str(), "N·");
+    }
+
+    #[test]
+    fn bytes_after_the_padding_began_are_refused() {
+        assert!(Text::<4>::get(b"a\0\0\0").is_some());
+        assert!(Text::<4>::get(b"a\0b\0").is_none());
+        assert!(Text::<4>::get(&[0xff, 0, 0, 0]).is_none());
+    }
+}

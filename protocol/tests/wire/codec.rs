@@ -1,0 +1,45 @@
+//! The tokio-util codec gives what the decoder gives.
+
+use bytes::BytesMut;
+use lashloop_protocol::codec::Codec;
+use lashloop_protocol::frame::FrameError;
+use lashloop_protocol::{DriveMessage, HostMessage, Message};
+use tokio_util::codec::{Decoder, Encoder};
+
+use crate::examples;
+
+#[test]
+fn messages_pass_a_buffer_that_fills_byte_by_byte() {
+    let mut host: Codec<DriveMessage, HostMessage> = Codec::default();
+    let mut drive: Codec<HostMessage, DriveMessage> = Codec::default();
+    let mut line = BytesMut::new();
+    for message in examples::from_host() {
+        host.encode(message, &mut line).unwrap();
+    }
+    let mut arrived = Vec::new();
+    let mut buffer = BytesMut::new();
+    for byte in line {
+        buffer.extend_from_slice(&[byte]);
+        arrived.extend(drive.decode(&mut buffer).unwrap());
+    }
+    assert_eq!(arrived, examples::from_host().into_iter().map(Ok).collect::<Vec<_>>());
+    assert_eq!(drive.counters().messages, 11);
+}
+
+#[test]
+fn a_bad_frame_is_an_item_and_the_stream_goes_on() {
+    let mut codec: Codec<HostMessage, DriveMessage> = Codec::default();
+    let mut line = BytesMut::from(&b"noise\0"[..]);
+    line.extend_from_slice(&HostMessage::from(examples::SAMPLE).frame());
+    assert!(matches!(codec.decode(&mut line), Ok(Some(Err(_)))));
+    assert_eq!(codec.decode(&mut line).unwrap(), Some(Ok(examples::SAMPLE.into())));
+    assert_eq!(codec.decode(&mut line).unwrap(), None);
+}
+
+#[test]
+fn the_end_of_the_stream_inside_a_frame_is_told() {
+    let mut codec: Codec<HostMessage, DriveMessage> = Codec::default();
+    let mut line = BytesMut::from(&HostMessage::from(examples::SAMPLE).frame()[..9]);
+    assert_eq!(codec.decode_eof(&mut line).unwrap(), Some(Err(FrameError::Truncated { bytes: 9 })));
+    assert_eq!(codec.decode_eof(&mut line).unwrap(), None);
+}

@@ -1,0 +1,71 @@
+//! Protocol version 1, byte for byte. Do not change this test: drives in the field speak these bytes. A change that
+//! breaks it needs a new protocol version and a file of its own beside this one.
+
+use std::collections::BTreeSet;
+use std::fmt::Debug;
+
+use lashloop_protocol::layout::{Direction, MessageLayout};
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, MAX_FRAME, Message};
+
+use crate::data_sheet::data_sheet;
+use crate::examples;
+
+fn pin<M: Message + Copy + Debug + PartialEq>(messages: &[M]) {
+    assert_eq!(messages.len(), M::LAYOUTS.len(), "an example of every kind");
+    for message in messages {
+        let sheet = data_sheet(message);
+        let name = sheet.split(',').next().unwrap_or_default().to_lowercase();
+        insta::assert_snapshot!(format!("v1_{name}"), sheet);
+        let decoded = Decoder::new().next::<M>(&mut &message.frame()[..]);
+        assert_eq!(decoded, Some(Ok(*message)), "{name} comes back as it went");
+    }
+}
+
+fn layouts() -> impl Iterator<Item = &'static MessageLayout> {
+    HostMessage::LAYOUTS.iter().chain(DriveMessage::LAYOUTS)
+}
+
+#[test]
+fn every_message_of_the_host_is_pinned() {
+    pin(&examples::from_host());
+}
+
+#[test]
+fn every_message_of_the_drive_is_pinned() {
+    pin(&examples::from_drive());
+}
+
+#[test]
+fn a_control_cycle_is_23_bytes_out_and_19_back() {
+    assert_eq!(HostMessage::from(examples::SAMPLE).frame().len(), 23);
+    assert_eq!(DriveMessage::from(examples::TORQUE).frame().len(), 19);
+}
+
+#[test]
+fn no_frame_is_longer_than_the_limit() {
+    let longest = layouts().max_by_key(|layout| layout.frame_len()).expect("there are messages");
+    assert_eq!((longest.name, longest.frame_len()), ("ParameterDescription", 62));
+    assert!(longest.frame_len() <= MAX_FRAME);
+}
+
+#[test]
+fn kinds_are_unique_and_tell_the_direction() {
+    let kinds: BTreeSet<_> = layouts().map(|layout| layout.kind).collect();
+    assert_eq!(kinds.len(), layouts().count());
+    for layout in layouts() {
+        let from_drive = layout.direction == Direction::DriveToHost;
+        assert_eq!(layout.kind & 0x80 != 0, from_drive, "{}", layout.name);
+        assert_ne!(layout.kind & 0x7f, 0, "zero is no kind");
+    }
+}
+
+#[test]
+fn the_table_of_messages_in_the_documentation_tells_the_truth() {
+    let table = include_str!("../../src/message.rs");
+    for layout in layouts() {
+        let line = format!("//! | `{:#04x}` | [`{}`] |", layout.kind, layout.name);
+        let row = table.lines().find(|row| row.starts_with(&line)).unwrap_or_else(|| panic!("no row {line}"));
+        let frame_bytes = row.split('|').nth(4).map(str::trim);
+        assert_eq!(frame_bytes, Some(layout.frame_len().to_string().as_str()), "{row}");
+    }
+}
