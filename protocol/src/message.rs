@@ -15,11 +15,11 @@
 //! | `0x10` | [`EncoderSample`] | host | 23 | once in a control period |
 //! | `0x81` | [`Identity`] | drive | 51 | answers `Hello` |
 //! | `0x82` | [`ParameterDescription`] | drive | 62 | answers `DescribeParameter` |
-//! | `0x83` | [`ParameterReport`] | drive | 14 | answers `GetParameter` and `SetParameter` |
+//! | `0x83` | [`ParameterReport`] | drive | 15 | answers `GetParameter` and `SetParameter` |
 //! | `0x85` | [`CommandResult`] | drive | 10 | answers every other request |
 //! | `0x90` | [`TorqueAnswer`] | drive | 19 | answers `EncoderSample`, before anything else is sent |
 //! | `0x91` | [`Telemetry`] | drive | 35 | after every n-th torque while running |
-//! | `0x92` | [`FaultReport`] | drive | 21 | when a fault is latched |
+//! | `0x92` | [`FaultReport`] | drive | 24 | when a fault is latched |
 //! | `0x93` | [`Log`] | drive | 60 | when the drive has something to say |
 
 use crate::frame::Frame;
@@ -254,7 +254,7 @@ payload! {
         /// The limit that was broken; 0 where there is none.
         limit: f32,
         /// More, where the code says so.
-        detail: u16,
+        detail: u32,
     }
 }
 

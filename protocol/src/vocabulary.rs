@@ -32,6 +32,16 @@ wire_enum! {
 }
 
 wire_enum! {
+    /// Where the compensation takes the disturbing torque from: values of the parameter `disturbing_torque_source`.
+    pub enum DisturbingTorqueSource {
+        /// The nominal dead-zone model, equation (4); right on the paper's smooth plant only.
+        Model = 1,
+        /// A momentum observer on the motor side; right on any plant.
+        Observed = 2,
+    }
+}
+
+wire_enum! {
     /// Why the drive latched a fault.
     pub enum FaultCode {
         /// No sample within the watchdog's time. `value` and `limit` in seconds.
@@ -70,6 +80,8 @@ wire_enum! {
         WrongType = 6,
         /// The value is outside the parameter's range.
         OutOfRange = 7,
+        /// The sample is older than the last one taken, or too far ahead of it, or not 0 after a start.
+        OutOfSequence = 8,
     }
 }
 
