@@ -82,6 +82,8 @@ wire_enum! {
         OutOfRange = 7,
         /// The sample is older than the last one taken, or too far ahead of it, or not 0 after a start.
         OutOfSequence = 8,
+        /// The parameters, each in its range, don't go together; a log text says which.
+        Inconsistent = 9,
     }
 }
 

@@ -1,0 +1,136 @@
+//! From one encoder sample to what the controller asks for: sensing and law, built from the parameters.
+
+use core::f32::consts::TAU;
+
+use lashloop_protocol::message::EncoderSample;
+use lashloop_protocol::vocabulary::{ControllerId, DisturbingTorqueSource};
+
+use super::parameters::Parameters;
+use crate::control::cascade::CascadeGains;
+use crate::control::dead_zone_observer::DeadZoneObserver;
+use crate::control::faithful::{self, Faithful};
+use crate::control::law::{Law, LawState};
+use crate::control::literal::Literal;
+use crate::control::nominal::NominalModel;
+use crate::control::pd::Pd;
+use crate::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig, SensingState};
+use crate::control::{ControlOutput, Controller, ParameterError};
+
+pub(super) struct ControlLoop {
+    sensing: Sensing<f32>,
+    sensing_state: SensingState<f32>,
+    law: Law<f32>,
+    law_state: LawState<f32>,
+    previous_counts: Option<(i32, i32)>,
+    motor_rad_s_per_count: f32,
+    load_rad_s_per_count: f32,
+}
+
+impl ControlLoop {
+    /// # Errors
+    /// Names the parameter that does not go with the others.
+    pub(super) fn new(parameters: &Parameters) -> Result<Self, ParameterError> {
+        let period_s = parameters.period_us as f32 * 1e-6;
+        let sensing = Sensing::new(sensing_config(parameters, period_s))?;
+        let law = law(parameters, period_s)?;
+        Ok(Self {
+            sensing_state: sensing.initial_state(),
+            sensing,
+            law_state: law.initial_state(),
+            law,
+            previous_counts: None,
+            motor_rad_s_per_count: TAU / (parameters.motor_counts_per_rev as f32 * period_s),
+            load_rad_s_per_count: TAU / (parameters.load_counts_per_rev as f32 * period_s),
+        })
+    }
+
+    /// How fast motor and load must have turned since the last sample, in rad/s; zero for the first one.
+    pub(super) fn speeds(&self, sample: &EncoderSample, periods: u32) -> (f32, f32) {
+        let Some((motor, load)) = self.previous_counts else { return (0.0, 0.0) };
+        let moved = |now: i32, before: i32, scale: f32| now.wrapping_sub(before) as f32 * scale / periods as f32;
+        (
+            moved(sample.motor_counts, motor, self.motor_rad_s_per_count),
+            moved(sample.load_counts, load, self.load_rad_s_per_count),
+        )
+    }
+
+    /// One control step. `applied_torque_nm` is what the motor has been given since the last one.
+    pub(super) fn step(
+        &mut self,
+        sample: &EncoderSample,
+        periods: u32,
+        applied_torque_nm: f32,
+    ) -> ControlOutput<f32> {
+        self.previous_counts = Some((sample.motor_counts, sample.load_counts));
+        let measurement = self.sensing.step(
+            &mut self.sensing_state,
+            &Sample {
+                motor_counts: sample.motor_counts,
+                load_counts: sample.load_counts,
+                reference_rad: sample.reference_rad,
+                applied_torque_nm,
+                elapsed_periods: periods,
+            },
+        );
+        self.law.step(&mut self.law_state, &measurement)
+    }
+}
+
+fn sensing_config(parameters: &Parameters, period_s: f32) -> SensingConfig<f32> {
+    SensingConfig {
+        motor: EncoderConfig {
+            counts_per_revolution: parameters.motor_counts_per_rev,
+            velocity_bandwidth_rad_s: parameters.motor_filter_rad_s,
+        },
+        load: EncoderConfig {
+            counts_per_revolution: parameters.load_counts_per_rev,
+            velocity_bandwidth_rad_s: parameters.load_filter_rad_s,
+        },
+        ratio: parameters.reduction_ratio,
+        period_s,
+    }
+}
+
+fn law(parameters: &Parameters, period_s: f32) -> Result<Law<f32>, ParameterError> {
+    let model = NominalModel {
+        motor_inertia_kg_m2: parameters.motor_inertia_kg_m2,
+        motor_friction_nm_s_rad: parameters.motor_friction_nm_s_rad,
+        load_inertia_kg_m2: parameters.load_inertia_kg_m2,
+        load_friction_nm_s_rad: parameters.load_friction_nm_s_rad,
+        ratio: parameters.reduction_ratio,
+        stiffness_nm_rad: parameters.stiffness_nm_rad,
+        dead_zone_rad: parameters.dead_zone_rad,
+        motor_coulomb_nm: parameters.motor_coulomb_nm,
+    };
+    let gains = CascadeGains {
+        motor_position: parameters.k_p1,
+        motor_velocity: parameters.k_d1,
+        load_position: parameters.k_p2,
+        load_velocity: parameters.k_d2,
+        elastic: parameters.k_1,
+    };
+    let observer = DeadZoneObserver {
+        load_error_gain: parameters.k_21,
+        elastic_error_gain: parameters.k_22,
+        initial_rad: parameters.dead_zone_initial_rad,
+        min_rad: 0.0,
+        max_rad: parameters.dead_zone_max_rad,
+    };
+    // A byte without a name can't get past the parameter's range; the plain cascade is the harmless reading.
+    let id = u8::try_from(parameters.controller).ok().and_then(ControllerId::from_byte);
+    Ok(match id.unwrap_or(ControllerId::Pd) {
+        ControllerId::Pd => Law::Pd(Pd::new(&model, gains)?),
+        ControllerId::Literal => Law::Literal(Literal::new(&model, gains, observer, period_s)?),
+        ControllerId::Faithful => {
+            Law::Faithful(Faithful::new(&model, gains, observer, source(parameters), period_s)?)
+        }
+    })
+}
+
+fn source(parameters: &Parameters) -> faithful::DisturbingTorqueSource<f32> {
+    if parameters.disturbing_torque_source == DisturbingTorqueSource::Model as u32 {
+        faithful::DisturbingTorqueSource::NominalModel
+    } else {
+        faithful::DisturbingTorqueSource::Observed { pole_rad_s: parameters.momentum_observer_rad_s }
+    }
+}

@@ -1,0 +1,173 @@
+//! The drive: what a host talks to.
+//!
+//! A state machine without I/O. Its owner hands it the bytes that arrived and a clock, takes the bytes it wants sent,
+//! calls [`Drive::tick`] every millisecond or so, and gives [`Drive::torque_nm`] to the motor if there is one.
+//!
+//! ```text
+//!            Hello (same version)       Arm           Start
+//!     Boot ───────────────────▶ Idle ─────▶ Armed ─────────▶ Running
+//!      ▲ Reset (from anywhere)  ▲ ▲  ◀─────  │ ◀──────────────  │
+//!                               │ │   Stop; Hello of another   │
+//!                    ClearFault │      session                 │ watchdog, encoder jump,
+//!                               │                              ▼ non-finite number
+//!                             Faulted ◀──────────────────── EmergencyStop (from anywhere)
+//! ```
+//!
+//! Only `Running` gives torque. In HIL the encoder sample is the tick of the control loop: no timer is in its path, so
+//! the torque depends on the frames alone.
+
+mod clock;
+mod control_loop;
+mod output;
+pub mod parameters;
+mod safety;
+mod sample;
+mod session;
+
+use core::time::Duration;
+
+use lashloop_protocol::message::{FaultReport, TorqueAnswer};
+use lashloop_protocol::vocabulary::{FaultCode, LogLevel, State, Version};
+use lashloop_protocol::{Counters, Decoder, Frame};
+
+pub use clock::{Clock, Frozen};
+use control_loop::ControlLoop;
+use output::Output;
+use parameters::Parameters;
+use safety::Safety;
+
+/// Version of this firmware.
+pub const FIRMWARE_VERSION: Version = Version {
+    major: parse(env!("CARGO_PKG_VERSION_MAJOR")),
+    minor: parse(env!("CARGO_PKG_VERSION_MINOR")),
+    patch: parse(env!("CARGO_PKG_VERSION_PATCH")),
+};
+
+const fn parse(number: &str) -> u8 {
+    match u8::from_str_radix(number, 10) {
+        Ok(number) => number,
+        Err(_) => panic!("a part of the version does not fit into a byte"),
+    }
+}
+
+/// What the firmware can't know of itself.
+#[derive(Clone, Copy, Debug)]
+pub struct BoardInfo {
+    /// Name of the board, at most 16 bytes.
+    pub board: &'static str,
+    /// First 32 bits of the commit the firmware was built from; 0 if unknown.
+    pub build_id: u32,
+}
+
+/// The state machine.
+pub struct Drive {
+    board: BoardInfo,
+    decoder: Decoder,
+    output: Output,
+    parameters: Parameters,
+    safety: Safety,
+    session: Option<u32>,
+    control: Option<ControlLoop>,
+    last_answer: Option<TorqueAnswer>,
+    /// Bytes the hardware lost before they got here.
+    line_errors: u32,
+    counters_at_start: Counters,
+}
+
+impl Drive {
+    /// A drive that has just been powered: disarmed, with default parameters.
+    #[must_use]
+    pub fn new(board: BoardInfo) -> Self {
+        Self {
+            board,
+            decoder: Decoder::new(),
+            output: Output::default(),
+            parameters: Parameters::default(),
+            safety: Safety::new(),
+            session: None,
+            control: None,
+            last_answer: None,
+            line_errors: 0,
+            counters_at_start: Counters::default(),
+        }
+    }
+
+    /// Takes bytes from the line, at most to the end of one frame, and returns how many it took.
+    ///
+    /// Call it again with the rest after sending [`Drive::output`] and clearing it. Zero for a non-empty input means
+    /// that the output has to be sent first.
+    pub fn receive(&mut self, bytes: &[u8], clock: &impl Clock) -> usize {
+        if !self.output.has_room_for_an_answer() {
+            return 0;
+        }
+        let mut rest = bytes;
+        // A damaged frame is nothing but a missing one: the decoder counts it, and the host notices the silence.
+        if let Some(Ok(message)) = self.decoder.next(&mut rest) {
+            self.handle(&message, clock);
+        }
+        bytes.len() - rest.len()
+    }
+
+    /// Lets time pass: the watchdog. `now` is device time since boot.
+    pub fn tick(&mut self, now: Duration) {
+        if let Err(fault) = self.safety.check_watchdog(now) {
+            self.latch(fault);
+        }
+    }
+
+    /// The bytes to be sent.
+    #[must_use]
+    pub fn output(&self) -> &[u8] {
+        self.output.bytes()
+    }
+
+    /// Forgets the bytes, once they are sent.
+    pub fn clear_output(&mut self) {
+        self.output.clear();
+    }
+
+    /// The torque the motor is to give now, in N m. Zero unless running.
+    #[must_use]
+    pub fn torque_nm(&self) -> f32 {
+        self.safety.torque_nm()
+    }
+
+    /// Where the drive is in its life.
+    #[must_use]
+    pub fn state(&self) -> State {
+        self.safety.state()
+    }
+
+    /// What the decoder has seen.
+    #[must_use]
+    pub fn counters(&self) -> &Counters {
+        self.decoder.counters()
+    }
+
+    /// Sends a line of text to the host, if there is room: a text never displaces an answer.
+    pub fn log(&mut self, level: LogLevel, text: core::fmt::Arguments<'_>) {
+        self.output.log(level, text);
+    }
+
+    /// Tells of `count` more bytes that the hardware lost (overrun, framing). The host hears of them at the stop.
+    pub fn line_errors(&mut self, count: u32) {
+        self.line_errors = self.line_errors.saturating_add(count);
+    }
+
+    /// Torque to zero first, then the report.
+    fn latch(&mut self, fault: FaultReport) {
+        self.disarm_with(fault);
+        self.output.send(fault);
+    }
+
+    fn disarm_with(&mut self, fault: FaultReport) {
+        self.safety.latch(fault);
+        self.control = None;
+    }
+}
+
+/// The last thing a dying firmware says, as a whole frame: for panic and fault handlers, which have no drive to ask.
+#[must_use]
+pub fn last_words(code: FaultCode, detail: u32) -> Frame {
+    Frame::of(&FaultReport { code, sequence: 0, value: 0.0, limit: 0.0, detail })
+}

@@ -1,0 +1,152 @@
+//! The parameters of the drive: each declared once, with unit, default, range and meaning.
+//!
+//! The index on the wire is the place in [`TABLE`]. Defaults are table 1 of Merzouki and Cadiou.
+
+use lashloop_protocol::vocabulary::{Outcome, ParameterValue};
+
+/// One parameter, as the host may learn it.
+pub struct Entry {
+    /// Name, with the unit at its end.
+    pub name: &'static str,
+    /// Unit as text; empty for a pure number.
+    pub unit: &'static str,
+    /// Value after power-up.
+    pub default: ParameterValue,
+    /// Smallest value taken.
+    pub min: ParameterValue,
+    /// Largest value taken.
+    pub max: ParameterValue,
+    /// Whether it may be set while running.
+    pub live: bool,
+    get: fn(&Parameters) -> ParameterValue,
+    put: fn(&mut Parameters, ParameterValue) -> Outcome,
+}
+
+impl Entry {
+    /// The value in force.
+    #[must_use]
+    pub fn get(&self, parameters: &Parameters) -> ParameterValue {
+        (self.get)(parameters)
+    }
+
+    /// Sets the value if it is of the right type and in range; otherwise nothing changes.
+    pub fn set(&self, parameters: &mut Parameters, value: ParameterValue) -> Outcome {
+        (self.put)(parameters, value)
+    }
+}
+
+macro_rules! parameters {
+    ($( $(#[doc = $doc:expr])+ $name:ident: $ty:ident = $default:literal in $min:literal..=$max:literal $unit:literal $($live:ident)?; )+) => {
+        /// The values in force.
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct Parameters { $( $(#[doc = $doc])+ pub $name: wire!($ty), )+ }
+
+        impl Default for Parameters {
+            fn default() -> Self {
+                Self { $($name: $default),+ }
+            }
+        }
+
+        /// Every parameter, in the order of its index on the wire.
+        pub const TABLE: &[Entry] = &[$(Entry {
+            name: stringify!($name),
+            unit: $unit,
+            default: ParameterValue::$ty($default),
+            min: ParameterValue::$ty($min),
+            max: ParameterValue::$ty($max),
+            live: is_live!($($live)?),
+            get: |parameters| ParameterValue::$ty(parameters.$name),
+            put: |parameters, value| match value {
+                // NaN is in no range.
+                ParameterValue::$ty(value) if ($min..=$max).contains(&value) => {
+                    parameters.$name = value;
+                    Outcome::Accepted
+                }
+                ParameterValue::$ty(_) => Outcome::OutOfRange,
+                _ => Outcome::WrongType,
+            },
+        }),+];
+    };
+}
+
+macro_rules! wire {
+    (U32) => { u32 };
+    (F32) => { f32 };
+}
+
+macro_rules! is_live {
+    () => {
+        false
+    };
+    (live) => {
+        true
+    };
+}
+
+parameters! {
+    /// Control law: a [`ControllerId`](lashloop_protocol::vocabulary::ControllerId).
+    controller: U32 = 1 in 1..=3 "";
+    /// Control period.
+    period_us: U32 = 1000 in 100..=100_000 "us";
+    /// Resolution of the motor encoder, after quadrature.
+    motor_counts_per_rev: U32 = 131_072 in 4..=16_777_216 "counts/rev";
+    /// Resolution of the load encoder, after quadrature.
+    load_counts_per_rev: U32 = 131_072 in 4..=16_777_216 "counts/rev";
+
+    /// Largest torque given, either way.
+    torque_limit_nm: F32 = 20.0 in 0.0..=1000.0 "N m";
+    /// Longest time without a new sample while running, in device time.
+    watchdog_us: U32 = 20_000 in 200..=60_000_000 "us";
+    /// Fastest motor that is believed.
+    motor_speed_limit_rad_s: F32 = 1000.0 in 0.1..=1e6 "rad/s";
+    /// Fastest load that is believed.
+    load_speed_limit_rad_s: F32 = 100.0 in 0.1..=1e6 "rad/s";
+    /// Telemetry follows every n-th torque; 0 for never.
+    telemetry_every: U32 = 10 in 0..=65_535 "" live;
+
+    /// Bandwidth of the filter that gives the motor velocity.
+    motor_filter_rad_s: F32 = 2000.0 in 0.01..=1e6 "rad/s";
+    /// Bandwidth of the filter that gives the load velocity.
+    load_filter_rad_s: F32 = 400.0 in 0.01..=1e6 "rad/s";
+
+    /// K_P1, motor position to torque.
+    k_p1: F32 = 1.0 in 0.0..=1e6 "N m/rad";
+    /// K_D1, motor velocity to torque.
+    k_d1: F32 = 0.01 in 0.0..=1e6 "N m s/rad";
+    /// K_P2, load position to motor position.
+    k_p2: F32 = 10.0 in 0.0..=1e6 "";
+    /// K_D2, load velocity to motor position.
+    k_d2: F32 = 10.0 in 0.0..=1e6 "s";
+    /// k1, elastic torque to torque.
+    k_1: F32 = 1.0 in 0.0..=1e6 "";
+    /// k21, load position error to the dead-zone estimate.
+    k_21: F32 = 0.01 in 0.0..=1e6 "1/s";
+    /// k22, elastic torque error to the dead-zone estimate.
+    k_22: F32 = 0.5 in 0.0..=1e6 "1/(N m s)";
+    /// Dead-zone estimate at the start.
+    dead_zone_initial_rad: F32 = 0.16 in 0.0..=3.0 "rad";
+    /// Largest dead-zone estimate. The paper's transient passes 1.7 rad; a bound below 2 rad spoils it.
+    dead_zone_max_rad: F32 = 3.0 in 0.0..=100.0 "rad";
+    /// Where the disturbing torque comes from: a
+    /// [`DisturbingTorqueSource`](lashloop_protocol::vocabulary::DisturbingTorqueSource).
+    disturbing_torque_source: U32 = 2 in 1..=2 "";
+    /// Pole of the momentum observer.
+    momentum_observer_rad_s: F32 = 60.0 in 0.1..=10_000.0 "rad/s";
+
+    /// Nominal motor inertia J_m.
+    motor_inertia_kg_m2: F32 = 9.72e-4 in 1e-9..=1e3 "kg m^2";
+    /// Nominal viscous friction of the motor f_m.
+    motor_friction_nm_s_rad: F32 = 4.3e-4 in 0.0..=1e4 "N m s/rad";
+    /// Nominal Coulomb friction of the motor F_cM.
+    motor_coulomb_nm: F32 = 0.0 in 0.0..=1e3 "N m";
+    /// Nominal load inertia J_s.
+    load_inertia_kg_m2: F32 = 7.5 in 1e-9..=1e6 "kg m^2";
+    /// Nominal viscous friction of the load f_s.
+    load_friction_nm_s_rad: F32 = 16.0 in 0.0..=1e6 "N m s/rad";
+    /// Reduction ratio N0.
+    reduction_ratio: F32 = 3.0 in 1e-3..=1e4 "";
+    /// Nominal stiffness K, seen at the motor.
+    stiffness_nm_rad: F32 = 1.0 in 1e-6..=1e9 "N m/rad";
+    /// Nominal dead-zone amplitude j0, half the gap.
+    dead_zone_rad: F32 = 0.16 in 1e-6..=10.0 "rad";
+}
