@@ -1,1 +1,7 @@
 //! Skeleton.
+#![no_std]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod control;
