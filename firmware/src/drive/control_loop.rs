@@ -47,7 +47,8 @@ impl ControlLoop {
     /// How fast motor and load must have turned since the last sample, in rad/s; zero for the first one.
     pub(super) fn speeds(&self, sample: &EncoderSample, periods: u32) -> (f32, f32) {
         let Some((motor, load)) = self.previous_counts else { return (0.0, 0.0) };
-        let moved = |now: i32, before: i32, scale: f32| now.wrapping_sub(before) as f32 * scale / periods as f32;
+        let moved =
+            |now: i32, before: i32, scale: f32| now.wrapping_sub(before) as f32 * scale / periods as f32;
         (
             moved(sample.motor_counts, motor, self.motor_rad_s_per_count),
             moved(sample.load_counts, load, self.load_rad_s_per_count),

@@ -70,8 +70,12 @@ macro_rules! parameters {
 }
 
 macro_rules! wire {
-    (U32) => { u32 };
-    (F32) => { f32 };
+    (U32) => {
+        u32
+    };
+    (F32) => {
+        f32
+    };
 }
 
 macro_rules! is_live {

@@ -133,7 +133,12 @@ impl Safety {
     }
 
     /// An encoder that is faster than the mechanics can be is broken, unplugged or miscounted.
-    pub(super) fn check_speed(&self, code: FaultCode, speed_rad_s: f32, limit: f32) -> Result<(), FaultReport> {
+    pub(super) fn check_speed(
+        &self,
+        code: FaultCode,
+        speed_rad_s: f32,
+        limit: f32,
+    ) -> Result<(), FaultReport> {
         // Written so that NaN does not pass.
         if speed_rad_s.abs() <= limit { Ok(()) } else { Err(self.report(code, speed_rad_s, limit)) }
     }

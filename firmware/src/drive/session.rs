@@ -143,8 +143,11 @@ impl Drive {
                 self.safety.arm()
             }
             Err(error) => {
-                self.log(LogLevel::Error, format_args!("{} is {}", error.name, error.value));
-                self.log(LogLevel::Error, format_args!("allowed: {} to {}", error.low, error.high));
+                self.log(LogLevel::Error, format_args!("{} is {}", error.name, error.value as f32));
+                self.log(
+                    LogLevel::Error,
+                    format_args!("allowed: {} to {}", error.low as f32, error.high as f32),
+                );
                 Outcome::Inconsistent
             }
         }
@@ -163,7 +166,10 @@ impl Drive {
         let damaged = self.decoder.counters().damaged() - self.counters_at_start.damaged();
         let overruns = core::mem::take(&mut self.line_errors);
         if damaged > 0 || overruns > 0 {
-            self.log(LogLevel::Warning, format_args!("line: {damaged} damaged frames, {overruns} bytes overrun"));
+            self.log(
+                LogLevel::Warning,
+                format_args!("line: {damaged} damaged frames, {overruns} bytes overrun"),
+            );
         }
     }
 }

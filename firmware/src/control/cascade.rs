@@ -1,0 +1,120 @@
+//! The two cascaded loops, equations (16) and (17).
+//!
+//! C2 turns the load error into a wanted motor position, C1 turns the motor error and the elastic torque error into a
+//! torque. Before compensation, after it and as printed differ only in the [`Compensation`] they hand to the cascade.
+
+use crate::control::feed_forward::FeedForward;
+use crate::control::nominal::NominalModel;
+use crate::control::parameter::{GAIN_MAX, within};
+use crate::control::{ControlOutput, Measurement, ParameterError, Real};
+
+/// Gains of the cascade.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CascadeGains<F> {
+    /// K_P1 of C1, N m/rad.
+    pub motor_position: F,
+    /// K_D1 of C1, N m s/rad.
+    pub motor_velocity: F,
+    /// K_P2 of C2, rad/rad.
+    pub load_position: F,
+    /// K_D2 of C2, s.
+    pub load_velocity: F,
+    /// k1 of C1, N m/N m.
+    pub elastic: F,
+}
+
+impl<F: Real> CascadeGains<F> {
+    /// Tables 1 and 2 of the paper.
+    pub fn paper() -> Self {
+        Self {
+            motor_position: F::ONE,
+            motor_velocity: F::from_f64(0.01),
+            load_position: F::from_f64(10.0),
+            load_velocity: F::from_f64(10.0),
+            elastic: F::ONE,
+        }
+    }
+
+    /// Checks every gain.
+    ///
+    /// # Errors
+    /// Names the first gain outside its range.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        within("motor_position", self.motor_position, 0.0, GAIN_MAX)?;
+        within("motor_velocity", self.motor_velocity, 0.0, GAIN_MAX)?;
+        within("load_position", self.load_position, 0.0, GAIN_MAX)?;
+        within("load_velocity", self.load_velocity, 0.0, GAIN_MAX)?;
+        within("elastic", self.elastic, 0.0, GAIN_MAX)
+    }
+}
+
+/// What is added to the bare cascade.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Compensation<F> {
+    /// Amplitude j_hat in rad the estimate below was made with.
+    pub dead_zone_estimate_rad: F,
+    /// Estimated disturbing torque w_hat in N m, equation (19).
+    pub disturbing_torque_nm: F,
+    /// How far the motor is sent ahead of the load in rad.
+    pub lead_rad: F,
+    /// The free control u of equation (16) in N m.
+    pub free_torque_nm: F,
+}
+
+/// The cascade with its gains and the mechanics it needs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cascade<F> {
+    gains: CascadeGains<F>,
+    ratio: F,
+    stiffness_nm_rad: F,
+    feed_forward: FeedForward<F>,
+}
+
+impl<F: Real> Cascade<F> {
+    /// The cascade for the mechanics of `model`.
+    ///
+    /// # Errors
+    /// Names the parameter outside its range.
+    pub fn new(model: &NominalModel<F>, gains: CascadeGains<F>) -> Result<Self, ParameterError> {
+        model.validate()?;
+        gains.validate()?;
+        Ok(Self {
+            gains,
+            ratio: model.ratio,
+            stiffness_nm_rad: model.stiffness_nm_rad,
+            feed_forward: FeedForward::new(model),
+        })
+    }
+
+    /// Torque and errors at one sample.
+    pub fn output(&self, measurement: &Measurement<F>, compensation: &Compensation<F>) -> ControlOutput<F> {
+        let m = measurement;
+        let load_error = m.load_position_rad - m.reference_position_rad;
+        let load_error_rate = m.load_velocity_rad_s - m.reference_velocity_rad_s;
+        // (11): e_zeta = K z - zeta_d
+        let elastic_error = self.stiffness_nm_rad * m.twist_rad + compensation.disturbing_torque_nm
+            - self.feed_forward.elastic_torque_nm(m);
+        // (17) around the motor position that belongs to the reference.
+        let motor_reference = self.ratio * m.reference_position_rad
+            - self.gains.load_velocity * load_error_rate
+            - self.gains.load_position * load_error
+            + compensation.lead_rad;
+        let motor_error = m.motor_position_rad - motor_reference;
+        // Of the rate of theta_e_d only the reference's own part is known without another derivative.
+        let motor_error_rate = m.motor_velocity_rad_s - self.ratio * m.reference_velocity_rad_s;
+        // (15), (16)
+        let torque = self.feed_forward.motor_torque_nm(m)
+            - self.gains.elastic * elastic_error
+            - self.gains.motor_velocity * motor_error_rate
+            - self.gains.motor_position * motor_error
+            + compensation.free_torque_nm;
+        ControlOutput {
+            torque_nm: torque,
+            dead_zone_estimate_rad: compensation.dead_zone_estimate_rad,
+            disturbing_torque_nm: compensation.disturbing_torque_nm,
+            load_error_rad: load_error,
+            motor_error_rad: motor_error,
+            elastic_error_nm: elastic_error,
+        }
+    }
+}

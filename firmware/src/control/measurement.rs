@@ -1,0 +1,60 @@
+//! What a control law sees and what it answers.
+
+use crate::control::Real;
+
+/// One sample of the drive's own view of the bench.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measurement<F> {
+    /// Motor position theta_e in rad.
+    pub motor_position_rad: F,
+    /// Motor velocity in rad/s.
+    pub motor_velocity_rad_s: F,
+    /// Load position theta_s in rad.
+    pub load_position_rad: F,
+    /// Load velocity in rad/s.
+    pub load_velocity_rad_s: F,
+    /// Twist z = theta_e - N0 theta_s in rad. It is a field of its own because the difference of two large positions
+    /// has lost its digits in single precision, while the difference of their counts has not.
+    pub twist_rad: F,
+    /// Where the load should be, r, in rad.
+    pub reference_position_rad: F,
+    /// Velocity of the reference in rad/s.
+    pub reference_velocity_rad_s: F,
+    /// Acceleration of the reference in rad/s^2.
+    pub reference_acceleration_rad_s2: F,
+    /// Torque applied since the previous sample in N m, after the drive's limit.
+    pub applied_torque_nm: F,
+}
+
+/// What a control law answers to one [`Measurement`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ControlOutput<F> {
+    /// Motor torque U in N m, before the drive's limit.
+    pub torque_nm: F,
+    /// Dead-zone amplitude j_hat in rad, as used in this very torque.
+    pub dead_zone_estimate_rad: F,
+    /// Estimated disturbing torque w_hat in N m; nought for a law without compensation.
+    pub disturbing_torque_nm: F,
+    /// Load error e_s = theta_s - r in rad.
+    pub load_error_rad: F,
+    /// Motor error e_e = theta_e - theta_e_d in rad.
+    pub motor_error_rad: F,
+    /// Elastic torque error e_zeta = K z - zeta_d in N m.
+    pub elastic_error_nm: F,
+}
+
+impl<F: Real> ControlOutput<F> {
+    /// Whether every number can be acted upon and recorded.
+    pub fn is_finite(&self) -> bool {
+        [
+            self.torque_nm,
+            self.dead_zone_estimate_rad,
+            self.disturbing_torque_nm,
+            self.load_error_rad,
+            self.motor_error_rad,
+            self.elastic_error_nm,
+        ]
+        .into_iter()
+        .all(Real::is_finite)
+    }
+}

@@ -1,0 +1,35 @@
+//! What is said when a parameter can't be used.
+
+use crate::control::Real;
+
+/// A parameter outside its allowed range.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("control parameter {name} is {value}, allowed is {low} to {high}")]
+pub struct ParameterError {
+    /// Name of the parameter, with its unit.
+    pub name: &'static str,
+    /// The value given.
+    pub value: f64,
+    /// Smallest allowed value.
+    pub low: f64,
+    /// Largest allowed value.
+    pub high: f64,
+}
+
+/// Passes a parameter on if it lies in `low..=high`; NaN lies nowhere.
+pub(crate) fn within<F: Real>(
+    name: &'static str,
+    value: F,
+    low: f64,
+    high: f64,
+) -> Result<(), ParameterError> {
+    let value = value.to_f64();
+    if (low..=high).contains(&value) { Ok(()) } else { Err(ParameterError { name, value, low, high }) }
+}
+
+/// Largest feedback gain of any loop, in its own unit: far above what a 1 kHz loop can carry, so only a slip of the
+/// pen gets there.
+pub(crate) const GAIN_MAX: f64 = 1e6;
+
+/// Range of the control period in seconds: 10 us to 1 s.
+pub(crate) const PERIOD_S: (f64, f64) = (1e-5, 1.0);

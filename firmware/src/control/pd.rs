@@ -1,0 +1,41 @@
+//! The cascade before compensation: "only a PD controller".
+//!
+//! No estimate of the disturbing torque, no lead, no free control. The elastic feedback k1 stays: without it neither
+//! the paper's 13 s nor its static error of 0.32 rad comes out.
+
+use crate::control::cascade::{Cascade, CascadeGains, Compensation};
+use crate::control::nominal::NominalModel;
+use crate::control::{ControlOutput, Controller, Measurement, ParameterError, Real};
+
+/// The two loops alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pd<F> {
+    cascade: Cascade<F>,
+    nominal_dead_zone_rad: F,
+}
+
+impl<F: Real> Pd<F> {
+    /// The law for the mechanics of `model`.
+    ///
+    /// # Errors
+    /// Names the parameter outside its range.
+    pub fn new(model: &NominalModel<F>, gains: CascadeGains<F>) -> Result<Self, ParameterError> {
+        Ok(Self { cascade: Cascade::new(model, gains)?, nominal_dead_zone_rad: model.dead_zone_rad })
+    }
+}
+
+impl<F: Real> Controller<F> for Pd<F> {
+    type State = ();
+
+    fn initial_state(&self) -> Self::State {}
+
+    fn step(&self, (): &mut Self::State, measurement: &Measurement<F>) -> ControlOutput<F> {
+        let nothing = Compensation {
+            dead_zone_estimate_rad: self.nominal_dead_zone_rad,
+            disturbing_torque_nm: F::ZERO,
+            lead_rad: F::ZERO,
+            free_torque_nm: F::ZERO,
+        };
+        self.cascade.output(measurement, &nothing)
+    }
+}

@@ -1,0 +1,120 @@
+//! A host in a few lines, with the clock in its hand.
+
+use std::time::Duration;
+
+use lashloop_firmware::drive::{BoardInfo, Drive, Frozen};
+use lashloop_protocol::message::{
+    Arm, CommandResult, EncoderSample, FaultReport, Hello, Identity, ParameterReport, SetParameter, Start,
+    TorqueAnswer,
+};
+use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State};
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
+
+pub const SESSION: u32 = 7;
+
+pub struct Host {
+    pub drive: Drive,
+    pub clock: Frozen,
+}
+
+impl Host {
+    pub fn new() -> Self {
+        let drive = Drive::new(BoardInfo { board: "test", build_id: 0xfeed });
+        Self { drive, clock: Frozen::default() }
+    }
+
+    /// Greeted, and disarmed.
+    pub fn idle() -> Self {
+        let mut host = Self::new();
+        host.say(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION });
+        host
+    }
+
+    /// Armed and started with these parameters.
+    pub fn running(parameters: &[(&str, ParameterValue)]) -> Self {
+        let mut host = Self::idle();
+        for (name, value) in parameters {
+            assert_eq!(host.set(name, *value).outcome, Outcome::Accepted, "{name}");
+        }
+        assert_eq!(host.command(Arm { session: SESSION }), (Outcome::Accepted, State::Armed));
+        assert_eq!(host.command(Start { session: SESSION }), (Outcome::Accepted, State::Running));
+        host
+    }
+
+    pub fn pass(&mut self, time: Duration) {
+        self.clock.0 += time;
+        self.drive.tick(self.clock.0);
+    }
+
+    /// Sends bytes and returns everything the drive has to say, what a tick made it say included.
+    pub fn send(&mut self, mut bytes: &[u8]) -> Vec<DriveMessage> {
+        let mut answers = self.listen();
+        while !bytes.is_empty() {
+            let used = self.drive.receive(bytes, &self.clock);
+            bytes = &bytes[used..];
+            answers.extend(self.listen());
+        }
+        answers
+    }
+
+    pub fn listen(&mut self) -> Vec<DriveMessage> {
+        let mut decoder = Decoder::new();
+        let mut said = self.drive.output();
+        let messages =
+            std::iter::from_fn(|| decoder.next(&mut said)).map(|m| m.expect("a good frame")).collect();
+        decoder.finish().expect("whole frames");
+        self.drive.clear_output();
+        messages
+    }
+
+    pub fn say(&mut self, message: impl Into<HostMessage>) -> Vec<DriveMessage> {
+        self.send(&message.into().frame())
+    }
+
+    pub fn command(&mut self, message: impl Into<HostMessage>) -> (Outcome, State) {
+        let answers = self.say(message);
+        let result = answers.iter().find_map(|answer| match answer {
+            DriveMessage::CommandResult(CommandResult { outcome, state, .. }) => Some((*outcome, *state)),
+            _ => None,
+        });
+        result.unwrap_or_else(|| panic!("no result in {answers:?}"))
+    }
+
+    pub fn identity(&mut self, hello: Hello) -> Identity {
+        let answers = self.say(hello);
+        let identity = answers.iter().find_map(|answer| match answer {
+            DriveMessage::Identity(identity) => Some(*identity),
+            _ => None,
+        });
+        identity.unwrap_or_else(|| panic!("no identity in {answers:?}"))
+    }
+
+    pub fn set(&mut self, name: &str, value: ParameterValue) -> ParameterReport {
+        let index = lashloop_firmware::drive::parameters::TABLE.iter().position(|entry| entry.name == name);
+        let index = index.unwrap_or_else(|| panic!("no parameter {name}")) as u8;
+        match self.say(SetParameter { index, value })[..] {
+            [DriveMessage::ParameterReport(report)] => report,
+            ref other => panic!("{other:?}"),
+        }
+    }
+
+    /// A sample at rest, `counts` off on the load.
+    pub fn sample(&mut self, sequence: u32, motor_counts: i32, load_counts: i32) -> Vec<DriveMessage> {
+        self.say(EncoderSample { sequence, motor_counts, load_counts, reference_rad: 0.0 })
+    }
+}
+
+pub fn torque(answers: &[DriveMessage]) -> TorqueAnswer {
+    match answers.first() {
+        Some(DriveMessage::TorqueAnswer(answer)) => *answer,
+        _ => panic!("the first answer to a sample is the torque: {answers:?}"),
+    }
+}
+
+pub fn fault(answers: &[DriveMessage]) -> FaultReport {
+    let fault = answers.iter().find_map(|answer| match answer {
+        DriveMessage::FaultReport(report) => Some(*report),
+        _ => None,
+    });
+    fault.unwrap_or_else(|| panic!("no fault in {answers:?}"))
+}

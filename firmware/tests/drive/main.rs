@@ -1,0 +1,7 @@
+//! The drive as a host meets it: bytes in, bytes out, device time by hand.
+
+mod host;
+mod parameters;
+mod running;
+mod safety;
+mod session;

@@ -1,0 +1,102 @@
+//! Parameters over the wire.
+
+use std::fmt::Write;
+
+use lashloop_firmware::drive::parameters::TABLE;
+use lashloop_protocol::DriveMessage;
+use lashloop_protocol::message::{DescribeParameter, GetParameter, SetParameter};
+use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State};
+
+use crate::host::Host;
+
+#[test]
+fn the_drive_describes_its_parameters() {
+    let mut host = Host::idle();
+    let mut table = String::new();
+    for index in 0..TABLE.len() as u8 {
+        match host.say(DescribeParameter { index })[..] {
+            [DriveMessage::ParameterDescription(it)] => {
+                let live = if it.live == 1 { "live" } else { "" };
+                let _ = writeln!(
+                    table,
+                    "{index:>2} {:<26} {:<10} {:?} in {} ..= {} {live}",
+                    it.name.as_str(),
+                    it.unit.as_str(),
+                    it.default,
+                    it.min,
+                    it.max
+                );
+            }
+            ref other => panic!("{other:?}"),
+        }
+    }
+    insta::assert_snapshot!(table);
+}
+
+#[test]
+fn names_and_units_reach_the_host_uncut_and_defaults_are_in_range() {
+    let mut host = Host::idle();
+    for (index, entry) in TABLE.iter().enumerate() {
+        match host.say(DescribeParameter { index: index as u8 })[..] {
+            [DriveMessage::ParameterDescription(it)] => {
+                assert_eq!((it.name.as_str(), it.unit.as_str()), (entry.name, entry.unit));
+            }
+            ref other => panic!("{other:?}"),
+        }
+        for value in [entry.default, entry.min, entry.max] {
+            let report = host.set(entry.name, value);
+            assert_eq!((report.outcome, report.value), (Outcome::Accepted, value), "{}", entry.name);
+        }
+    }
+}
+
+#[test]
+fn a_value_out_of_range_changes_nothing_and_the_old_one_is_read_back() {
+    let mut host = Host::idle();
+    for value in [-1.0, 1000.1, f32::NAN, f32::INFINITY] {
+        let report = host.set("torque_limit_nm", ParameterValue::F32(value));
+        assert_eq!(
+            (report.outcome, report.value),
+            (Outcome::OutOfRange, ParameterValue::F32(20.0)),
+            "{value}"
+        );
+    }
+}
+
+#[test]
+fn a_value_of_the_wrong_type_is_refused() {
+    let report = Host::idle().set("torque_limit_nm", ParameterValue::U32(5));
+    assert_eq!((report.outcome, report.value), (Outcome::WrongType, ParameterValue::F32(20.0)));
+}
+
+#[test]
+fn an_unknown_index_is_refused() {
+    let mut host = Host::idle();
+    let index = TABLE.len() as u8;
+    let value = ParameterValue::U32(0);
+    for answers in [
+        host.say(DescribeParameter { index }),
+        host.say(GetParameter { index: 255 }),
+        host.say(SetParameter { index, value }),
+    ] {
+        assert!(
+            matches!(answers[..], [DriveMessage::ParameterReport(r)] if r.outcome == Outcome::UnknownParameter),
+            "{answers:?}"
+        );
+    }
+}
+
+#[test]
+fn while_running_only_live_parameters_can_be_set() {
+    let mut host = Host::running(&[]);
+    let refused = host.set("k_p1", ParameterValue::F32(2.0));
+    assert_eq!((refused.outcome, refused.state), (Outcome::WrongState, State::Running));
+    assert_eq!(refused.value, ParameterValue::F32(1.0));
+    assert_eq!(host.set("telemetry_every", ParameterValue::U32(1)).outcome, Outcome::Accepted);
+}
+
+#[test]
+fn before_the_greeting_nothing_can_be_set() {
+    let mut host = Host::new();
+    assert_eq!(host.set("k_p1", ParameterValue::F32(2.0)).outcome, Outcome::WrongState);
+}
