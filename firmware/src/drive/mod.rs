@@ -115,6 +115,12 @@ impl Drive {
         }
     }
 
+    /// When [`Drive::tick`] is next needed, in device time; `None` while nothing can trip.
+    #[must_use]
+    pub fn next_tick(&self) -> Option<Duration> {
+        self.safety.watchdog_deadline()
+    }
+
     /// The bytes to be sent.
     #[must_use]
     pub fn output(&self) -> &[u8] {

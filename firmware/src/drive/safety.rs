@@ -94,8 +94,9 @@ impl Safety {
         Outcome::Accepted
     }
 
-    pub(super) fn clear_fault(&mut self) -> Outcome {
-        let outcome = self.advance(State::Faulted, State::Idle);
+    /// Back to where a greeted drive rests, or to `Boot` if no host has greeted it yet.
+    pub(super) fn clear_fault(&mut self, greeted: bool) -> Outcome {
+        let outcome = self.advance(State::Faulted, if greeted { State::Idle } else { State::Boot });
         if outcome == Outcome::Accepted {
             self.fault = None;
         }
@@ -114,6 +115,11 @@ impl Safety {
 
     pub(super) fn emergency_stop(&self) -> FaultReport {
         self.report(FaultCode::EmergencyStop, 0.0, 0.0)
+    }
+
+    /// Device time after which a running drive trips without a new sample.
+    pub(super) fn watchdog_deadline(&self) -> Option<Duration> {
+        (self.state == State::Running).then(|| self.last_sample_at + self.limits.watchdog)
     }
 
     /// Without a new sample in time the host is gone or blind.

@@ -48,7 +48,7 @@ impl Drive {
                 self.conclude::<message::EmergencyStop>(Outcome::Accepted);
             }
             HostMessage::ClearFault(_) => {
-                let outcome = self.safety.clear_fault();
+                let outcome = self.safety.clear_fault(self.session.is_some());
                 self.conclude::<message::ClearFault>(outcome);
             }
             HostMessage::Reset(_) => {

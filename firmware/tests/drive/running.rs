@@ -106,7 +106,7 @@ fn a_new_run_starts_from_the_initial_state() {
     use lashloop_protocol::message::{Arm, Start, Stop};
     let faithful = [("controller", ParameterValue::U32(2)), ("torque_limit_nm", ParameterValue::F32(100.0))];
     let mut host = Host::running(&faithful);
-    let mut run = |host: &mut Host| -> Vec<u32> {
+    let run = |host: &mut Host| -> Vec<u32> {
         (0..50).map(|k| torque(&host.sample(k, MOTOR - 300 * k as i32, LOAD)).torque_nm.to_bits()).collect()
     };
     let first = run(&mut host);

@@ -79,6 +79,13 @@ fn a_fault_stays_until_it_is_cleared() {
 }
 
 #[test]
+fn clearing_a_fault_does_not_stand_in_for_the_greeting() {
+    let mut host = Host::new();
+    host.say(EmergencyStop {});
+    assert_eq!(host.command(ClearFault {}), (Outcome::Accepted, State::Boot));
+}
+
+#[test]
 fn an_encoder_faster_than_the_limit_is_a_fault_before_the_controller_sees_it() {
     // 1000 rad/s at 131072 counts are 20,861 counts in a millisecond; the load has 100 rad/s.
     let cases = [
