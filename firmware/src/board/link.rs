@@ -1,0 +1,105 @@
+//! The link: USART2 on PA2 (out) and PA3 (in), 8N1.
+//!
+//! Received bytes come by interrupt and wait in a queue. Answers are sent by polling: QEMU never raises the
+//! transmitter's interrupts, and a path that ran nowhere but on silicon would be the one path no test has seen. The
+//! processor has nothing better to do meanwhile, and what does come (bytes, ticks) interrupts it.
+
+use heapless::{Vec, spsc};
+use lashloop_firmware::drive::OUTPUT_BYTES;
+use stm32f4xx_hal::gpio::{PA2, PA3, Pull};
+use stm32f4xx_hal::nb;
+use stm32f4xx_hal::pac::USART2;
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::rcc::Rcc;
+use stm32f4xx_hal::serial::{Config, Rx, RxListen, Tx};
+
+/// Bits per second. 1 Mbaud divides both the 42 MHz of the peripheral (by 42) and the 3 MHz and 48 MHz of the common
+/// USB adapters without a rest; 921,600 baud would be off by 0.9 % on this side alone.
+const BAUD: u32 = 1_000_000;
+
+/// Received bytes that may wait: 10 ms of the line, far more than one frame's work.
+const QUEUE_BYTES: usize = 1024;
+
+/// Bytes handed to the drive at once.
+const CHUNK_BYTES: usize = 64;
+
+/// Where received bytes wait.
+pub(crate) type Queue = spsc::Queue<u8, QUEUE_BYTES>;
+
+/// Something was lost on the way in: an overrun of the USART or the queue, a framing error or noise.
+pub(crate) struct LineError;
+
+/// The side of the receive interrupt.
+pub(crate) struct Receiver {
+    rx: Rx<USART2>,
+    queue: spsc::Producer<'static, u8>,
+}
+
+/// The side of the task that reads.
+pub(crate) struct Inbox {
+    queue: spsc::Consumer<'static, u8>,
+}
+
+/// What is to be sent, and the way out.
+pub(crate) struct Outbox {
+    tx: Tx<USART2>,
+    bytes: Vec<u8, OUTPUT_BYTES>,
+}
+
+/// Opens the link and listens.
+pub(crate) fn open(
+    usart: USART2,
+    (out_pin, in_pin): (PA2, PA3),
+    rcc: &mut Rcc,
+    queue: &'static mut Queue,
+) -> (Receiver, Inbox, Outbox) {
+    // The pull-up keeps an open input at rest: without it noise would look like bytes.
+    let pins = (out_pin, in_pin.internal_resistor(Pull::Up));
+    let config = Config::default().baudrate(BAUD.bps());
+    let serial =
+        usart.serial(pins, config, rcc).expect("the peripheral clock is a multiple of the baud rate");
+    let (tx, mut rx) = serial.split();
+    rx.listen();
+    let (producer, consumer) = queue.split();
+    (Receiver { rx, queue: producer }, Inbox { queue: consumer }, Outbox { tx, bytes: Vec::new() })
+}
+
+impl Receiver {
+    /// Puts the byte that raised the interrupt into the queue.
+    pub(crate) fn take_byte(&mut self) -> Result<(), LineError> {
+        match self.rx.read() {
+            Ok(byte) => self.queue.enqueue(byte).map_err(|_| LineError),
+            Err(nb::Error::WouldBlock) => Ok(()),
+            Err(nb::Error::Other(_)) => Err(LineError),
+        }
+    }
+}
+
+impl Inbox {
+    /// Takes what has come, at most a chunk.
+    pub(crate) fn take(&mut self) -> Vec<u8, CHUNK_BYTES> {
+        core::iter::from_fn(|| self.queue.dequeue()).take(CHUNK_BYTES).collect()
+    }
+
+    /// Whether nothing waits.
+    pub(crate) fn is_empty(&self) -> bool {
+        !self.queue.ready()
+    }
+}
+
+impl Outbox {
+    /// Copies what the drive says.
+    pub(crate) fn put(&mut self, bytes: &[u8]) {
+        self.bytes.clear();
+        self.bytes.extend_from_slice(bytes).expect("the outbox holds the drive's whole output");
+    }
+
+    /// Sends it, 10 us a byte.
+    pub(crate) fn send(&mut self) {
+        for byte in &self.bytes {
+            // A transmitter has no error to report (RM0090 30.6.1), it only makes us wait.
+            let _ = nb::block!(self.tx.write(*byte));
+        }
+        self.bytes.clear();
+    }
+}

@@ -1,0 +1,64 @@
+//! The STM32F405: everything that touches a register.
+//!
+//! One image serves the chip and QEMU's `netduinoplus2`, which models the core, SysTick and the USARTs but neither
+//! the clock tree nor the timers. What differs between the two is decided at run time, in [`start`] and nowhere else.
+//!
+//! The image gives its torque over the link only. No pin of a power stage is configured, so the gate inputs keep the
+//! high impedance they have after reset, and a panic has nothing to switch off.
+
+pub(crate) mod clock_tree;
+pub(crate) mod device_clock;
+mod last_words;
+pub(crate) mod link;
+
+use lashloop_firmware::drive::LogLevel;
+use stm32f4xx_hal::gpio::GpioExt;
+use stm32f4xx_hal::pac::{DBGMCU, Peripherals, RCC};
+
+use clock_tree::Source;
+use device_clock::{DeviceClock, Ticker};
+use link::{Inbox, Outbox, Queue, Receiver};
+
+/// First 32 bits of the commit the image was built from, 0 when unknown.
+pub(crate) const BUILD_ID: u32 = match u32::from_str_radix(env!("LASHLOOP_BUILD_ID"), 16) {
+    Ok(id) => id,
+    Err(_) => 0,
+};
+
+/// The board at work: clocks run, the link listens.
+pub(crate) struct Board {
+    /// What the drive calls itself.
+    pub(crate) name: &'static str,
+    /// What the host should know about the start.
+    pub(crate) notice: Option<(LogLevel, &'static str)>,
+    pub(crate) clock: DeviceClock,
+    pub(crate) ticker: Ticker,
+    pub(crate) receiver: Receiver,
+    pub(crate) inbox: Inbox,
+    pub(crate) outbox: Outbox,
+}
+
+/// Brings the board up. Takes at most 0.2 s, however the crystal behaves.
+pub(crate) fn start(
+    syst: cortex_m::peripheral::SYST,
+    device: Peripherals,
+    queue: &'static mut Queue,
+) -> Board {
+    let emulated = is_emulated(&device.RCC, &device.DBGMCU);
+    let (mut rcc, source) = clock_tree::start(device.RCC, emulated);
+    let gpioa = device.GPIOA.split(&mut rcc);
+    let (receiver, inbox, outbox) = link::open(device.USART2, (gpioa.pa2, gpioa.pa3), &mut rcc, queue);
+    let (name, notice) = match source {
+        Source::Emulator => ("stm32f405-qemu", None),
+        Source::Crystal => ("stm32f405", None),
+        Source::InternalOscillator => ("stm32f405", Some((LogLevel::Warning, "no crystal, clock is 1% RC"))),
+    };
+    let (clock, ticker) = device_clock::start(syst);
+    Board { name, notice, clock, ticker, receiver, inbox, outbox }
+}
+
+/// Whether this is QEMU. It answers 0 for the clock control and the chip's identity; on silicon the first has the
+/// internal oscillator's bits set from reset (RM0090 7.3.1) and the second is never 0 (RM0090 38.6.1).
+fn is_emulated(rcc: &RCC, dbgmcu: &DBGMCU) -> bool {
+    rcc.cr().read().bits() == 0 && dbgmcu.idcode().read().bits() == 0
+}

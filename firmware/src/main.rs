@@ -1,0 +1,115 @@
+//! The drive as a program: the image of a board on Arm, the native twin on a PC. The one drive of the library
+//! runs in both.
+//!
+//! The image is four tasks. Every byte is taken by `receive` as it comes, every millisecond `tick` counts the
+//! device clock and lets the watchdog look, and `serve` feeds what was received to the drive and sends what it
+//! answers. The control law has no timer of its own: the encoder frame is the tick.
+//!
+//! | task | bound to | priority | why there |
+//! |---|---|---|---|
+//! | `receive` | USART2 | 3 | 10 us from one byte to the next |
+//! | `tick` | SysTick | 2 | the watchdog counts while `serve` is sending |
+//! | `serve` | EXTI0, pended by the others | 1 | a pended interrupt is never lost, however often it is asked for |
+//! | `idle` | | 0 | sleeps |
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod board;
+
+#[cfg(not(target_os = "none"))]
+fn main() {}
+
+#[cfg(target_os = "none")]
+// RTIC's expansion takes the peripherals and unmasks interrupts; there is no unsafe code written by hand here.
+#[allow(unsafe_code)]
+#[rtic::app(device = stm32f4xx_hal::pac)]
+mod app {
+    use core::sync::atomic::{AtomicU32, Ordering};
+
+    use lashloop_firmware::drive::{BoardInfo, Drive};
+    use stm32f4xx_hal::pac::Interrupt;
+
+    use crate::board::device_clock::{DeviceClock, Ticker};
+    use crate::board::link::{Inbox, Outbox, Queue, Receiver};
+    use crate::board::{self, Board};
+
+    #[shared]
+    struct Shared {
+        drive: Drive,
+        line_errors: AtomicU32,
+    }
+
+    #[local]
+    struct Local {
+        clock: DeviceClock,
+        ticker: Ticker,
+        receiver: Receiver,
+        inbox: Inbox,
+        outbox: Outbox,
+    }
+
+    #[init(local = [queue: Queue = Queue::new()])]
+    fn init(cx: init::Context) -> (Shared, Local) {
+        let Board { name, notice, clock, ticker, receiver, inbox, outbox } =
+            board::start(cx.core.SYST, cx.device, cx.local.queue);
+        let mut drive = Drive::new(BoardInfo { board: name, build_id: board::BUILD_ID });
+        if let Some((level, text)) = notice {
+            drive.log(level, text);
+        }
+        let shared = Shared { drive, line_errors: AtomicU32::new(0) };
+        (shared, Local { clock, ticker, receiver, inbox, outbox })
+    }
+
+    #[task(binds = USART2, priority = 3, local = [receiver], shared = [&line_errors])]
+    fn receive(cx: receive::Context) {
+        if cx.local.receiver.take_byte().is_err() {
+            cx.shared.line_errors.fetch_add(1, Ordering::Relaxed);
+        }
+        rtic::pend(Interrupt::EXTI0);
+    }
+
+    #[task(binds = SysTick, priority = 2, local = [ticker], shared = [drive])]
+    fn tick(mut cx: tick::Context) {
+        let now = cx.local.ticker.count_millisecond();
+        let to_send = cx.shared.drive.lock(|drive| {
+            drive.tick(now);
+            !drive.output().is_empty()
+        });
+        if to_send {
+            rtic::pend(Interrupt::EXTI0);
+        }
+    }
+
+    #[task(binds = EXTI0, priority = 1, local = [clock, inbox, outbox], shared = [drive, &line_errors])]
+    fn serve(mut cx: serve::Context) {
+        let lost = cx.shared.line_errors.swap(0, Ordering::Relaxed);
+        if lost > 0 {
+            cx.shared.drive.lock(|drive| drive.line_errors(lost));
+        }
+        let chunk = cx.local.inbox.take();
+        let mut rest = chunk.as_slice();
+        loop {
+            // Sending takes longer than deciding, so it happens outside the lock, where `tick` can interrupt it.
+            cx.shared.drive.lock(|drive| {
+                rest = &rest[drive.receive(rest, cx.local.clock)..];
+                cx.local.outbox.put(drive.output());
+                drive.clear_output();
+            });
+            cx.local.outbox.send();
+            if rest.is_empty() {
+                break;
+            }
+        }
+        if !cx.local.inbox.is_empty() {
+            rtic::pend(Interrupt::EXTI0);
+        }
+    }
+
+    #[idle]
+    fn idle(_: idle::Context) -> ! {
+        loop {
+            cortex_m::asm::wfi();
+        }
+    }
+}
