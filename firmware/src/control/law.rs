@@ -7,7 +7,6 @@ use crate::control::{ControlOutput, Controller, Measurement, Real};
 
 /// Any of the control laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "one per drive, and no_std has nowhere to box it")]
 pub enum Law<F> {
     /// The cascade before compensation.
     Pd(Pd<F>),
