@@ -18,7 +18,9 @@
 mod board;
 
 #[cfg(not(target_os = "none"))]
-fn main() {}
+fn main() -> Result<(), String> {
+    lashloop_firmware::twin::main()
+}
 
 #[cfg(target_os = "none")]
 // RTIC's expansion takes the peripherals and unmasks interrupts; there is no unsafe code written by hand here.
@@ -27,7 +29,7 @@ fn main() {}
 mod app {
     use core::sync::atomic::{AtomicU32, Ordering};
 
-    use lashloop_firmware::drive::{BoardInfo, Drive};
+    use lashloop_firmware::drive::Drive;
     use stm32f4xx_hal::pac::Interrupt;
 
     use crate::board::device_clock::{DeviceClock, Ticker};
@@ -53,9 +55,9 @@ mod app {
     fn init(cx: init::Context) -> (Shared, Local) {
         let Board { name, notice, clock, ticker, receiver, inbox, outbox } =
             board::start(cx.core.SYST, cx.device, cx.local.queue);
-        let mut drive = Drive::new(BoardInfo { board: name, build_id: board::BUILD_ID });
+        let mut drive = Drive::new(name);
         if let Some((level, text)) = notice {
-            drive.log(level, text);
+            drive.log(level, format_args!("{text}"));
         }
         let shared = Shared { drive, line_errors: AtomicU32::new(0) };
         (shared, Local { clock, ticker, receiver, inbox, outbox })

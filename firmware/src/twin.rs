@@ -13,7 +13,7 @@ use std::{format, println, thread};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
-use crate::drive::{BoardInfo, Clock, Drive};
+use crate::drive::{Clock, Drive};
 
 /// Name of the board in the twin's identity.
 pub const BOARD: &str = "native-twin";
@@ -55,8 +55,8 @@ impl Twin {
     ///
     /// # Errors
     /// What broke the line.
-    pub fn serve(&self, board: BoardInfo) -> io::Result<()> {
-        let shared = Shared { drive: Mutex::new(Drive::new(board)), changed: Condvar::new(), clock: BootClock::new() };
+    pub fn serve(&self) -> io::Result<()> {
+        let shared = Shared { drive: Mutex::new(Drive::new(BOARD)), changed: Condvar::new(), clock: BootClock::new() };
         thread::scope(|scope| {
             scope.spawn(|| shared.watch(&self.line));
             let ended = shared.answer(&self.line);
@@ -73,8 +73,7 @@ impl Twin {
 pub fn main() -> Result<(), std::string::String> {
     let twin = Twin::open().map_err(|error| format!("no pseudo-terminal for the drive: {error}"))?;
     println!("{}", twin.path().display());
-    let board = BoardInfo { board: BOARD, build_id: crate::BUILD_ID };
-    twin.serve(board).map_err(|error| format!("the line of the drive broke: {error}"))
+    twin.serve().map_err(|error| format!("the line of the drive broke: {error}"))
 }
 
 struct BootClock(Instant);

@@ -1,1 +1,4 @@
 //! Skeleton.
+
+pub mod encoder;
+pub mod plant;

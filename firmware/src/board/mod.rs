@@ -11,19 +11,13 @@ pub(crate) mod device_clock;
 mod last_words;
 pub(crate) mod link;
 
-use lashloop_firmware::drive::LogLevel;
+use lashloop_protocol::vocabulary::LogLevel;
 use stm32f4xx_hal::gpio::GpioExt;
 use stm32f4xx_hal::pac::{DBGMCU, Peripherals, RCC};
 
 use clock_tree::Source;
 use device_clock::{DeviceClock, Ticker};
 use link::{Inbox, Outbox, Queue, Receiver};
-
-/// First 32 bits of the commit the image was built from, 0 when unknown.
-pub(crate) const BUILD_ID: u32 = match u32::from_str_radix(env!("LASHLOOP_BUILD_ID"), 16) {
-    Ok(id) => id,
-    Err(_) => 0,
-};
 
 /// The board at work: clocks run, the link listens.
 pub(crate) struct Board {

@@ -50,18 +50,15 @@ const fn parse(number: &str) -> u8 {
     }
 }
 
-/// What the firmware can't know of itself.
-#[derive(Clone, Copy, Debug)]
-pub struct BoardInfo {
-    /// Name of the board, at most 16 bytes.
-    pub board: &'static str,
-    /// First 32 bits of the commit the firmware was built from; 0 if unknown.
-    pub build_id: u32,
-}
+/// First 32 bits of the commit this firmware was built from; 0 if unknown.
+pub const BUILD_ID: u32 = match u32::from_str_radix(env!("LASHLOOP_BUILD_ID"), 16) {
+    Ok(id) => id,
+    Err(_) => 0,
+};
 
 /// The state machine.
 pub struct Drive {
-    board: BoardInfo,
+    board: &'static str,
     decoder: Decoder,
     output: Output,
     parameters: Parameters,
@@ -75,9 +72,10 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// A drive that has just been powered: disarmed, with default parameters.
+    /// A drive that has just been powered: disarmed, with default parameters. `board` is the name of the board, of at
+    /// most 16 bytes.
     #[must_use]
-    pub fn new(board: BoardInfo) -> Self {
+    pub fn new(board: &'static str) -> Self {
         Self {
             board,
             decoder: Decoder::new(),

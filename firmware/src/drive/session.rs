@@ -13,7 +13,7 @@ use lashloop_protocol::{HostMessage, PROTOCOL_VERSION, message};
 use super::control_loop::ControlLoop;
 use super::parameters::{Parameters, TABLE};
 use super::safety::Safety;
-use super::{Clock, Drive, FIRMWARE_VERSION};
+use super::{BUILD_ID, Clock, Drive, FIRMWARE_VERSION};
 
 impl Drive {
     pub(super) fn handle(&mut self, message: &HostMessage, clock: &impl Clock) {
@@ -78,9 +78,9 @@ impl Drive {
             protocol_version: PROTOCOL_VERSION,
             session: hello.session,
             firmware: FIRMWARE_VERSION,
-            build_id: self.board.build_id,
+            build_id: BUILD_ID,
             state: self.safety.state(),
-            board: Text::new(self.board.board),
+            board: Text::new(self.board),
             period_us: self.parameters.period_us,
             motor_counts_per_rev: self.parameters.motor_counts_per_rev,
             load_counts_per_rev: self.parameters.load_counts_per_rev,

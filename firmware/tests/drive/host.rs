@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use lashloop_firmware::drive::{BoardInfo, Drive, Frozen};
+use lashloop_firmware::drive::{Drive, Frozen};
 use lashloop_protocol::message::{
     Arm, CommandResult, EncoderSample, FaultReport, Hello, Identity, ParameterReport, SetParameter, Start,
     TorqueAnswer,
@@ -19,8 +19,7 @@ pub struct Host {
 
 impl Host {
     pub fn new() -> Self {
-        let drive = Drive::new(BoardInfo { board: "test", build_id: 0xfeed });
-        Self { drive, clock: Frozen::default() }
+        Self { drive: Drive::new("test"), clock: Frozen::default() }
     }
 
     /// Greeted, and disarmed.

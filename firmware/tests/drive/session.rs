@@ -1,5 +1,6 @@
 //! Greeting, arming, stopping.
 
+use lashloop_firmware::drive::BUILD_ID;
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, EncoderSample, Hello, Reset, Start, Stop};
 use lashloop_protocol::vocabulary::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::{DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
@@ -17,7 +18,7 @@ fn a_drive_says_nothing_until_spoken_to() {
 fn hello_ends_boot_and_tells_who_is_there() {
     let mut host = Host::new();
     let identity = host.identity(HELLO);
-    assert_eq!((identity.session, identity.state, identity.build_id), (SESSION, State::Idle, 0xfeed));
+    assert_eq!((identity.session, identity.state, identity.build_id), (SESSION, State::Idle, BUILD_ID));
     assert_eq!(identity.board.as_str(), "test");
     assert_eq!(identity.protocol_version, PROTOCOL_VERSION);
 }

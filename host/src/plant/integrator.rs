@@ -1,0 +1,179 @@
+//! Fixed-step integration of a system that switches between smooth modes.
+//!
+//! Within a mode (this side in contact, the load sticking) the right-hand side is smooth and Runge-Kutta of fourth
+//! order keeps its order. A step across a switch would not: its error is of first order in the step, however good the
+//! method. So after each substep the mode functions are tested; if one has changed sign, the step *length* at which
+//! it is nought is found (Illinois variant of false position, each trial one Runge-Kutta step from the same start), the
+//! earliest switch is taken, and the rest of the substep goes on in the new mode.
+//!
+//! Two changes within one substep that cancel each other are not seen; the substep has to be short against the fastest
+//! motion of the plant.
+
+use nalgebra::SVector;
+
+use crate::plant::PlantError;
+
+/// Switches in one substep beyond which a plant is said to chatter.
+pub const MAX_EVENTS: u32 = 64;
+
+/// Trials for one switch. Illinois takes about eight; the bound is for a mode function without a slope.
+const MAX_TRIALS: u32 = 100;
+
+/// Width of the bracket, as a share of the substep, at which a switch counts as located.
+const BRACKET_SHARE: f64 = 1e-13;
+
+/// The first instant of a mode that begins on its edge, as a share of the substep: long enough for time to go on, short
+/// enough not to be seen.
+const FIRST_INSTANT_SHARE: f64 = 1e-9;
+
+/// A system of `N` coordinates that switches between smooth modes.
+pub trait HybridSystem<const N: usize> {
+    /// The mode: which right-hand side holds.
+    type Mode: Copy;
+
+    /// Number of mode functions.
+    const GUARDS: usize;
+
+    /// Right-hand side in `mode`, also valid a little beyond the end of the mode.
+    fn rates(&self, x: &SVector<f64, N>, mode: Self::Mode, torque_nm: f64) -> SVector<f64, N>;
+
+    /// Mode function number `guard`: not negative while `mode` holds, and smooth across its end.
+    fn guard(&self, guard: usize, x: &SVector<f64, N>, mode: Self::Mode, torque_nm: f64) -> f64;
+
+    /// The mode that follows where mode function `guard` has reached nought; sets the coordinates that are known
+    /// exactly there.
+    fn switch(&self, guard: usize, x: &mut SVector<f64, N>, mode: Self::Mode, torque_nm: f64) -> Self::Mode;
+
+    /// The mode under a torque that has just changed.
+    fn settle(&self, x: &SVector<f64, N>, mode: Self::Mode, torque_nm: f64) -> Self::Mode;
+}
+
+/// Holds the torque for `dt_s` seconds in `substeps` equal steps.
+///
+/// # Errors
+/// See [`PlantError`].
+pub fn advance<const N: usize, S: HybridSystem<N>>(
+    system: &S,
+    x: &mut SVector<f64, N>,
+    mode: &mut S::Mode,
+    torque_nm: f64,
+    dt_s: f64,
+    substeps: u32,
+) -> Result<(), PlantError> {
+    if !torque_nm.is_finite() {
+        return Err(PlantError::Torque { torque_nm });
+    }
+    if !(dt_s >= 0.0 && dt_s.is_finite()) {
+        return Err(PlantError::Duration { dt_s });
+    }
+    let substep_s = dt_s / f64::from(substeps);
+    *mode = system.settle(x, *mode, torque_nm);
+    for _ in 0..substeps {
+        substep(system, x, mode, torque_nm, substep_s)?;
+    }
+    if x.iter().all(|coordinate| coordinate.is_finite()) {
+        Ok(())
+    } else {
+        Err(PlantError::NotFinite { torque_nm })
+    }
+}
+
+fn substep<const N: usize, S: HybridSystem<N>>(
+    system: &S,
+    x: &mut SVector<f64, N>,
+    mode: &mut S::Mode,
+    torque_nm: f64,
+    substep_s: f64,
+) -> Result<(), PlantError> {
+    let mut rest_s = substep_s;
+    for _ in 0..=MAX_EVENTS {
+        let end = runge_kutta(system, x, *mode, torque_nm, rest_s);
+        let violated = (0..S::GUARDS).filter(|&guard| system.guard(guard, &end, *mode, torque_nm) < 0.0);
+        let located = violated.map(|guard| (locate(system, guard, x, *mode, torque_nm, rest_s), guard));
+        let Some((event_s, guard)) = located.min_by(|a, b| a.0.total_cmp(&b.0)) else {
+            *x = end;
+            return Ok(());
+        };
+        *x = runge_kutta(system, x, *mode, torque_nm, event_s);
+        *mode = system.switch(guard, x, *mode, torque_nm);
+        rest_s -= event_s;
+        if rest_s <= 0.0 {
+            return Ok(());
+        }
+    }
+    Err(PlantError::Chattering { substep_s })
+}
+
+/// One step of the classical Runge-Kutta method.
+fn runge_kutta<const N: usize, S: HybridSystem<N>>(
+    system: &S,
+    x: &SVector<f64, N>,
+    mode: S::Mode,
+    torque_nm: f64,
+    h: f64,
+) -> SVector<f64, N> {
+    let k1 = system.rates(x, mode, torque_nm);
+    let k2 = system.rates(&(x + k1 * (0.5 * h)), mode, torque_nm);
+    let k3 = system.rates(&(x + k2 * (0.5 * h)), mode, torque_nm);
+    let k4 = system.rates(&(x + k3 * h), mode, torque_nm);
+    x + (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0)
+}
+
+/// Step length, just past the zero of a mode function that is negative after `limit_s`. The far side is returned so
+/// that the mode that follows holds from its first instant.
+fn locate<const N: usize, S: HybridSystem<N>>(
+    system: &S,
+    guard: usize,
+    x: &SVector<f64, N>,
+    mode: S::Mode,
+    torque_nm: f64,
+    limit_s: f64,
+) -> f64 {
+    let value = |h: f64| system.guard(guard, &runge_kutta(system, x, mode, torque_nm, h), mode, torque_nm);
+    let (mut near, mut far) = (0.0, limit_s);
+    let (mut near_value, mut far_value) = (value(near), value(far));
+    if near_value <= 0.0 {
+        // The mode begins on its own edge: a load breaking away at no velocity, or rounding at a contact. Either it
+        // leaves the edge and comes back later, or it ends at once.
+        near = FIRST_INSTANT_SHARE * limit_s;
+        near_value = value(near);
+        if near_value <= 0.0 {
+            return near;
+        }
+    }
+    let mut last_kept = End::Neither;
+    for _ in 0..MAX_TRIALS {
+        if far - near <= BRACKET_SHARE * limit_s {
+            break;
+        }
+        let trial = far - far_value * (far - near) / (far_value - near_value);
+        let trial = if trial > near && trial < far { trial } else { 0.5 * (near + far) };
+        let trial_value = value(trial);
+        if trial_value == 0.0 {
+            return trial;
+        }
+        // Illinois: an end kept twice in a row is weighed half, so that it can't stay for ever.
+        if trial_value < 0.0 {
+            (far, far_value) = (trial, trial_value);
+            if last_kept == End::Near {
+                near_value *= 0.5;
+            }
+            last_kept = End::Near;
+        } else {
+            (near, near_value) = (trial, trial_value);
+            if last_kept == End::Far {
+                far_value *= 0.5;
+            }
+            last_kept = End::Far;
+        }
+    }
+    far
+}
+
+/// The end of the bracket that the last trial left in place.
+#[derive(Clone, Copy, PartialEq)]
+enum End {
+    Neither,
+    Near,
+    Far,
+}

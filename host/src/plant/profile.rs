@@ -1,0 +1,87 @@
+//! The choice of a plant at run time.
+//!
+//! A scenario names its plant, so which one it is shows at run time only. A state that was begun with another profile is
+//! an error, never a guess.
+
+use crate::plant::hard_coulomb::{HardCoulomb, HardCoulombState};
+use crate::plant::smooth::{Smooth, SmoothState};
+use crate::plant::{Plant, PlantError, Start, Truth};
+
+/// Any of the plants.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Profile {
+    /// The paper's plant.
+    Smooth(Smooth),
+    /// Hard gap and dry friction.
+    HardCoulomb(HardCoulomb),
+}
+
+/// The state of any of the plants.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ProfileState {
+    /// State of [`Smooth`].
+    Smooth(SmoothState),
+    /// State of [`HardCoulomb`].
+    HardCoulomb(HardCoulombState),
+}
+
+const SMOOTH: &str = "smooth";
+const HARD_COULOMB: &str = "hard-coulomb";
+
+impl Profile {
+    /// Name of the profile as scenarios write it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Smooth(_) => SMOOTH,
+            Self::HardCoulomb(_) => HARD_COULOMB,
+        }
+    }
+
+    /// The state of a plant released at rest.
+    pub fn initial_state(&self, start: Start) -> ProfileState {
+        match self {
+            Self::Smooth(plant) => ProfileState::Smooth(plant.initial_state(start)),
+            Self::HardCoulomb(plant) => ProfileState::HardCoulomb(plant.initial_state(start)),
+        }
+    }
+
+    /// Holds `torque_nm` at the motor for `dt_s` seconds.
+    ///
+    /// # Errors
+    /// As [`Plant::step`], and when the state belongs to another profile.
+    pub fn step(&self, state: &mut ProfileState, torque_nm: f64, dt_s: f64) -> Result<(), PlantError> {
+        match (self, state) {
+            (Self::Smooth(plant), ProfileState::Smooth(state)) => plant.step(state, torque_nm, dt_s),
+            (Self::HardCoulomb(plant), ProfileState::HardCoulomb(state)) => {
+                plant.step(state, torque_nm, dt_s)
+            }
+            (plant, state) => Err(plant.foreign(state)),
+        }
+    }
+
+    /// Everything there is to know about a state.
+    ///
+    /// # Errors
+    /// The state belongs to another profile.
+    pub fn truth(&self, state: &ProfileState) -> Result<Truth, PlantError> {
+        match (self, state) {
+            (Self::Smooth(plant), ProfileState::Smooth(state)) => Ok(plant.truth(state)),
+            (Self::HardCoulomb(plant), ProfileState::HardCoulomb(state)) => Ok(plant.truth(state)),
+            (plant, state) => Err(plant.foreign(state)),
+        }
+    }
+
+    fn foreign(&self, state: &ProfileState) -> PlantError {
+        PlantError::ForeignState { state: state.name(), plant: self.name() }
+    }
+}
+
+impl ProfileState {
+    /// Name of the profile the state belongs to.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Smooth(_) => SMOOTH,
+            Self::HardCoulomb(_) => HARD_COULOMB,
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! A drive and a plant in one loop, without frames and without a drive's life cycle around the law.
+//!
+//! Row `k` holds the state at `k` periods and the torque applied from there on; the dead-zone estimate is the one used
+//! in that torque.
+
+use lashloop::encoder::{Encoder, EncoderState};
+use lashloop::plant::{Plant, Start, Truth};
+use lashloop_firmware::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig, SensingState};
+use lashloop_firmware::control::{Controller, Measurement, Real};
+
+/// One sample of a trajectory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Row {
+    pub(crate) time_s: f64,
+    pub(crate) truth: Truth,
+    pub(crate) torque_nm: f64,
+    pub(crate) dead_zone_estimate_rad: f64,
+}
+
+/// How long, how often and how strong.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Timing {
+    pub(crate) period_s: f64,
+    pub(crate) periods: usize,
+    pub(crate) torque_limit_nm: f64,
+}
+
+impl Timing {
+    /// 25 s at 1 kHz without a limit, as the recorded trajectories.
+    pub(crate) const RECORDED: Self = Self { period_s: 1e-3, periods: 25_000, torque_limit_nm: f64::INFINITY };
+}
+
+/// What lies between the plant's truth and the law.
+pub(crate) trait Sensors<F> {
+    fn measure(&mut self, truth: &Truth, reference_rad: f64, applied_torque_nm: f64) -> Measurement<F>;
+}
+
+/// True positions and velocities.
+pub(crate) struct Ideal;
+
+impl<F: Real> Sensors<F> for Ideal {
+    fn measure(&mut self, truth: &Truth, reference_rad: f64, applied_torque_nm: f64) -> Measurement<F> {
+        Measurement {
+            motor_position_rad: F::from_f64(truth.motor_position_rad),
+            motor_velocity_rad_s: F::from_f64(truth.motor_velocity_rad_s),
+            load_position_rad: F::from_f64(truth.load_position_rad),
+            load_velocity_rad_s: F::from_f64(truth.load_velocity_rad_s),
+            twist_rad: F::from_f64(truth.twist_rad),
+            reference_position_rad: F::from_f64(reference_rad),
+            reference_velocity_rad_s: F::ZERO,
+            reference_acceleration_rad_s2: F::ZERO,
+            applied_torque_nm: F::from_f64(applied_torque_nm),
+        }
+    }
+}
+
+/// Two encoders and the drive's own sensing.
+pub(crate) struct Quantised<F> {
+    encoder: Encoder,
+    encoder_states: [EncoderState; 2],
+    sensing: Sensing<F>,
+    sensing_state: SensingState<F>,
+}
+
+impl<F: Real> Quantised<F> {
+    pub(crate) fn new(counts: u32, motor_bandwidth_rad_s: f64, load_bandwidth_rad_s: f64, period_s: f64) -> Self {
+        let encoder = Encoder::new(counts, 0.0).expect("valid encoder");
+        let channel = |bandwidth| EncoderConfig {
+            counts_per_revolution: counts,
+            velocity_bandwidth_rad_s: F::from_f64(bandwidth),
+        };
+        let sensing = Sensing::new(SensingConfig {
+            motor: channel(motor_bandwidth_rad_s),
+            load: channel(load_bandwidth_rad_s),
+            ratio: F::from_f64(3.0),
+            period_s: F::from_f64(period_s),
+        })
+        .expect("valid sensing");
+        let sensing_state = sensing.initial_state();
+        Self {
+            encoder,
+            encoder_states: [encoder.initial_state(1), encoder.initial_state(2)],
+            sensing,
+            sensing_state,
+        }
+    }
+}
+
+impl<F: Real> Sensors<F> for Quantised<F> {
+    fn measure(&mut self, truth: &Truth, reference_rad: f64, applied_torque_nm: f64) -> Measurement<F> {
+        let [motor, load] = &mut self.encoder_states;
+        let sample = Sample {
+            motor_counts: self.encoder.step(motor, truth.motor_position_rad),
+            load_counts: self.encoder.step(load, truth.load_position_rad),
+            reference_rad: F::from_f64(reference_rad),
+            applied_torque_nm: F::from_f64(applied_torque_nm),
+            elapsed_periods: 1,
+        };
+        self.sensing.step(&mut self.sensing_state, &sample)
+    }
+}
+
+/// Runs the loop; the first row is the start, the last the state after `timing.periods`.
+pub(crate) fn run<F: Real, P: Plant, C: Controller<F>>(
+    plant: &P,
+    start: Start,
+    law: &C,
+    mut sensors: impl Sensors<F>,
+    reference_rad: impl Fn(f64) -> f64,
+    timing: Timing,
+) -> Vec<Row> {
+    let mut state = plant.initial_state(start);
+    let mut law_state = law.initial_state();
+    let mut applied_nm = 0.0;
+    let mut rows = Vec::with_capacity(timing.periods + 1);
+    for k in 0..=timing.periods {
+        let time_s = k as f64 * timing.period_s;
+        let truth = plant.truth(&state);
+        let measurement = sensors.measure(&truth, reference_rad(time_s), applied_nm);
+        let output = law.step(&mut law_state, &measurement);
+        applied_nm = output.torque_nm.to_f64().clamp(-timing.torque_limit_nm, timing.torque_limit_nm);
+        rows.push(Row {
+            time_s,
+            truth,
+            torque_nm: applied_nm,
+            dead_zone_estimate_rad: output.dead_zone_estimate_rad.to_f64(),
+        });
+        plant.step(&mut state, applied_nm, timing.period_s).expect("the plant steps");
+    }
+    rows
+}

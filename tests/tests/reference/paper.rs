@@ -1,0 +1,53 @@
+//! The paper's bench: table 1, released at rest at pi/2 with the motor at 3 pi/2.
+
+use core::f64::consts::FRAC_PI_2;
+
+use lashloop::plant::hard_coulomb::HardCoulomb;
+use lashloop::plant::smooth::Smooth;
+use lashloop::plant::{Mechanics, Start};
+use lashloop_firmware::control::Real;
+use lashloop_firmware::control::cascade::CascadeGains;
+use lashloop_firmware::control::dead_zone_observer::DeadZoneObserver;
+use lashloop_firmware::control::faithful::{DisturbingTorqueSource, Faithful};
+use lashloop_firmware::control::law::Law;
+use lashloop_firmware::control::nominal::NominalModel;
+use lashloop_firmware::control::pd::Pd;
+
+/// Where the paper releases its bench.
+pub(crate) const START: Start = Start { load_position_rad: FRAC_PI_2, motor_position_rad: 3.0 * FRAC_PI_2 };
+
+/// Coulomb friction of the load in N m that meets the paper's static error.
+pub(crate) const LOAD_COULOMB_NM: f64 = 3.84;
+
+pub(crate) fn smooth(substeps: u32) -> Smooth {
+    Smooth::new(Mechanics::paper(), substeps).expect("valid plant")
+}
+
+pub(crate) fn hard_coulomb(substeps: u32) -> HardCoulomb {
+    HardCoulomb::new(Mechanics::paper(), LOAD_COULOMB_NM, substeps).expect("valid plant")
+}
+
+pub(crate) fn pd<F: Real>() -> Law<F> {
+    Law::Pd(Pd::new(&NominalModel::paper(), CascadeGains::paper()).expect("valid law"))
+}
+
+fn faithful<F: Real>(source: DisturbingTorqueSource<F>, period_s: f64) -> Law<F> {
+    let law = Faithful::new(
+        &NominalModel::paper(),
+        CascadeGains::paper(),
+        DeadZoneObserver::paper(),
+        source,
+        F::from_f64(period_s),
+    );
+    Law::Faithful(law.expect("valid law"))
+}
+
+/// The faithful law on the paper's own plant, where the disturbing torque is known.
+pub(crate) fn faithful_nominal<F: Real>(period_s: f64) -> Law<F> {
+    faithful(DisturbingTorqueSource::NominalModel, period_s)
+}
+
+/// The faithful law on any other plant.
+pub(crate) fn faithful_observed<F: Real>(period_s: f64) -> Law<F> {
+    faithful(DisturbingTorqueSource::Observed { pole_rad_s: F::from_f64(60.0) }, period_s)
+}
