@@ -154,6 +154,10 @@ macro_rules! direction {
                 Err($crate::wire::BodyError::UnknownKind { kind })
             }
 
+            fn layout(&self) -> &'static $crate::layout::MessageLayout {
+                match self { $(Self::$variant(_) => const { &<$variant as $crate::wire::Payload>::LAYOUT },)+ }
+            }
+
             #[inline]
             fn frame(&self) -> $crate::frame::Frame {
                 match self { $(Self::$variant(payload) => $crate::frame::Frame::of(payload),)+ }

@@ -41,6 +41,9 @@ pub trait Message: Sized {
     /// What is wrong with it as a message of this direction.
     fn decode_body(body: &[u8]) -> Result<Self, BodyError>;
 
+    /// The layout of this message.
+    fn layout(&self) -> &'static MessageLayout;
+
     /// The whole frame, ready to be sent.
     fn frame(&self) -> Frame;
 }

@@ -1,0 +1,186 @@
+//! The drive a run is made with: which one, how it is reached, and who has to be started for it.
+
+mod error;
+mod qemu;
+
+use std::env::consts::EXE_SUFFIX;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::{fmt, io};
+
+pub use error::DeviceError;
+
+use crate::link::in_process::InProcess;
+use crate::link::pty::{self, Pty};
+use crate::link::serial::Serial;
+use crate::link::{Link, LinkError};
+use crate::session::{Session, SessionError};
+use crate::supervisor::{Process, Program, Supervisor};
+
+/// How long a program may take to come up.
+const START_LIMIT: Duration = Duration::from_secs(5);
+
+/// Which drive.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum DeviceChoice {
+    /// The drive in this process, called directly.
+    InProcess,
+    /// The native twin, a process of its own on a pseudo-terminal.
+    Native,
+    /// The Cortex-M image in QEMU; `None` for the image the build puts into `target`.
+    Qemu(Option<PathBuf>),
+    /// Whatever answers on this terminal.
+    Terminal(PathBuf),
+}
+
+impl FromStr for DeviceChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "inproc" => Ok(Self::InProcess),
+            "native" => Ok(Self::Native),
+            "qemu" => Ok(Self::Qemu(None)),
+            _ => match text.strip_prefix("qemu:") {
+                Some("") => Err("qemu: wants the path of an image after the colon".to_owned()),
+                Some(image) => Ok(Self::Qemu(Some(image.into()))),
+                None if text.contains('/') => Ok(Self::Terminal(text.into())),
+                None => Err("expected inproc, native, qemu, qemu:ELF or the path of a terminal like /dev/ttyACM0"
+                    .to_owned()),
+            },
+        }
+    }
+}
+
+impl fmt::Display for DeviceChoice {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::InProcess => write!(out, "inproc"),
+            Self::Native => write!(out, "native"),
+            Self::Qemu(None) => write!(out, "qemu"),
+            Self::Qemu(Some(image)) => write!(out, "qemu:{}", image.display()),
+            Self::Terminal(path) => write!(out, "{}", path.display()),
+        }
+    }
+}
+
+/// A drive that has been greeted, with the process behind it if the bench started one.
+pub struct Device {
+    /// The conversation.
+    pub session: Session,
+    choice: DeviceChoice,
+    process: Option<Process>,
+    /// What has to stay as long as the process: the folder of the emulator's socket.
+    _folder: Option<tempfile::TempDir>,
+}
+
+impl Device {
+    /// Starts what has to be started, opens the link and greets the drive. `baud` is for serial ports.
+    ///
+    /// # Errors
+    /// A sentence that says what could not be reached, and what to do.
+    pub fn open(choice: &DeviceChoice, baud: u32, supervisor: &Supervisor) -> Result<Self, DeviceError> {
+        match choice {
+            DeviceChoice::InProcess => {
+                let started = Started { link: Box::new(InProcess::default()), process: None, folder: None };
+                Self::greet(choice, started)
+            }
+            DeviceChoice::Native => Self::greet(choice, start_twin(supervisor)?),
+            DeviceChoice::Qemu(image) => Self::greet(choice, qemu::start(image.as_deref(), supervisor)?),
+            DeviceChoice::Terminal(path) => {
+                let link = open_terminal(path, baud)?;
+                Self::greet(choice, Started { link, process: None, folder: None })
+            }
+        }
+    }
+
+    /// What the run was made with, in words.
+    #[must_use]
+    pub fn description(&self) -> String {
+        let identity = self.session.identity();
+        format!("{} ({}, firmware {}, build {:08x})", self.choice, identity.board, identity.firmware, identity.build_id)
+    }
+
+    /// The choice this device was opened by.
+    #[must_use]
+    pub fn choice(&self) -> &DeviceChoice {
+        &self.choice
+    }
+
+    /// The process behind the drive, if the bench started one.
+    #[must_use]
+    pub fn process(&self) -> Option<&Process> {
+        self.process.as_ref()
+    }
+
+    /// An error of the conversation as an error of this device: with its name, and with what became of its process.
+    #[must_use]
+    pub fn explain(&self, source: SessionError) -> DeviceError {
+        explain(&self.choice, self.process.as_ref(), source)
+    }
+
+    fn greet(choice: &DeviceChoice, started: Started) -> Result<Self, DeviceError> {
+        let Started { link, process, folder } = started;
+        let session = Session::open(link, session_number())
+            .map_err(|source| explain(choice, process.as_ref(), source))?;
+        Ok(Self { session, choice: choice.clone(), process, _folder: folder })
+    }
+}
+
+/// A link to a drive nobody has greeted yet.
+struct Started {
+    link: Box<dyn Link>,
+    process: Option<Process>,
+    folder: Option<tempfile::TempDir>,
+}
+
+fn start_twin(supervisor: &Supervisor) -> Result<Started, DeviceError> {
+    let program =
+        Program { name: "native twin", program: supervisor.bench(), arguments: vec!["device".into()], core: None };
+    let process = spawn(supervisor, &program)?;
+    let Some(path) = process.next_line(Instant::now() + START_LIMIT) else {
+        return Err(DeviceError::not_up(&process));
+    };
+    let link = open_terminal(Path::new(&path), 0)?;
+    Ok(Started { link, process: Some(process), folder: None })
+}
+
+fn spawn(supervisor: &Supervisor, program: &Program) -> Result<Process, DeviceError> {
+    supervisor.spawn(program).map_err(|source| DeviceError::Spawn { name: program.name, source })
+}
+
+fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, DeviceError> {
+    let opened: io::Result<Box<dyn Link>> = if path.starts_with(pty::DIRECTORY) {
+        Pty::open(path).map(|pty| Box::new(pty) as _)
+    } else {
+        Serial::open(path, baud).map(|serial| Box::new(serial) as _)
+    };
+    opened.map_err(|source| DeviceError::Open { path: path.to_owned(), source })
+}
+
+fn explain(choice: &DeviceChoice, process: Option<&Process>, source: SessionError) -> DeviceError {
+    let lost = matches!(source, SessionError::Silent { .. } | SessionError::Broken { source: LinkError::Disconnected, .. });
+    // A line that closes is often the first sign of a process that ends; give its end a moment to be seen.
+    let ended = process.filter(|_| lost).and_then(|process| {
+        process.ended_within(Duration::from_millis(500)).map(|status| (process, status))
+    });
+    match ended {
+        Some((process, status)) => DeviceError::Ended {
+            device: choice.to_string(),
+            name: process.name(),
+            id: process.id(),
+            status,
+            said: process.last_words(),
+            source,
+        },
+        None => DeviceError::Session { device: choice.to_string(), source },
+    }
+}
+
+/// A number no earlier session on this machine had, for all practical purposes.
+fn session_number() -> u32 {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    (now.as_nanos() as u32) ^ std::process::id().rotate_left(16)
+}

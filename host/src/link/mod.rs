@@ -1,0 +1,76 @@
+//! Anything that carries bytes to a drive and back.
+//!
+//! | link | reaches |
+//! |---|---|
+//! | [`in_process`] | the drive in this very process, called directly |
+//! | [`pty`] | a drive on a pseudo-terminal: the native twin, or a foreign one |
+//! | [`serial`] | a drive on a serial port, by the `serialport` crate |
+//! | [`socket`] | the emulator's UART |
+//!
+//! Every wait has a deadline, and the end of a line is an error on its own: a terminal whose far end is gone reads as
+//! "nothing yet" for ever if one lets it.
+
+pub mod in_process;
+pub mod pty;
+pub mod serial;
+pub mod socket;
+
+use std::io;
+use std::time::{Duration, Instant};
+
+/// What can go wrong with a line.
+#[derive(Debug, thiserror::Error)]
+pub enum LinkError {
+    /// The far end is gone: unplugged, closed or killed.
+    #[error("the far end closed the line")]
+    Disconnected,
+    /// The operating system refused.
+    #[error("{0}")]
+    Io(io::Error),
+}
+
+impl From<io::Error> for LinkError {
+    fn from(error: io::Error) -> Self {
+        use io::ErrorKind::{BrokenPipe, ConnectionReset, NotConnected, UnexpectedEof};
+        // EIO is what a terminal says when the other side of it is closed or unplugged; ENXIO and ENODEV likewise.
+        let gone = matches!(error.raw_os_error(), Some(5 | 6 | 19));
+        if gone || matches!(error.kind(), BrokenPipe | ConnectionReset | NotConnected | UnexpectedEof) {
+            Self::Disconnected
+        } else {
+            Self::Io(error)
+        }
+    }
+}
+
+impl From<rustix::io::Errno> for LinkError {
+    fn from(error: rustix::io::Errno) -> Self {
+        io::Error::from(error).into()
+    }
+}
+
+/// A line to a drive.
+pub trait Link: Send {
+    /// Sends all of `bytes`.
+    ///
+    /// # Errors
+    /// The line is gone or the system refused; some of the bytes may have been sent.
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError>;
+
+    /// Waits until at least one byte has arrived or the deadline has passed, and returns the number of bytes put into
+    /// `buffer`: zero only after the deadline.
+    ///
+    /// # Errors
+    /// The line is gone or the system refused.
+    fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError>;
+
+    /// Throws away what has arrived and not been read: the rest of somebody else's conversation.
+    ///
+    /// # Errors
+    /// The line is gone or the system refused.
+    fn discard_input(&mut self) -> Result<(), LinkError>;
+}
+
+/// Time until the deadline; `None` once it has passed.
+fn remaining(deadline: Instant) -> Option<Duration> {
+    deadline.checked_duration_since(Instant::now()).filter(|left| !left.is_zero())
+}

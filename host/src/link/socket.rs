@@ -1,0 +1,64 @@
+//! A Unix socket: how the emulator's UART is reached without the delays of its pseudo-terminal.
+
+use std::io::{self, Read, Write};
+use std::os::unix::net::UnixStream;
+use std::time::{Duration, Instant};
+
+use super::{Link, LinkError, remaining};
+
+/// The kernel does the waiting, in slices of this length, so that no call is needed to change a timeout.
+const SLICE: Duration = Duration::from_millis(50);
+
+/// A connected socket.
+pub struct Socket {
+    stream: UnixStream,
+}
+
+impl Socket {
+    /// Takes over a connected stream.
+    ///
+    /// # Errors
+    /// The system refused to set the time limits.
+    pub fn new(stream: UnixStream) -> io::Result<Self> {
+        stream.set_nonblocking(false)?;
+        stream.set_read_timeout(Some(SLICE))?;
+        stream.set_write_timeout(Some(Duration::from_secs(1)))?;
+        Ok(Self { stream })
+    }
+}
+
+impl Link for Socket {
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        Ok(self.stream.write_all(bytes)?)
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
+        loop {
+            match self.stream.read(buffer) {
+                Ok(0) => return Err(LinkError::Disconnected),
+                Ok(count) => return Ok(count),
+                Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted) => {
+                    if remaining(deadline).is_none() {
+                        return Ok(0);
+                    }
+                }
+                Err(error) => return Err(error.into()),
+            }
+        }
+    }
+
+    fn discard_input(&mut self) -> Result<(), LinkError> {
+        let mut rest = [0; 1024];
+        self.stream.set_nonblocking(true)?;
+        let drained = loop {
+            match self.stream.read(&mut rest) {
+                Ok(0) => break Err(LinkError::Disconnected),
+                Ok(_) => {}
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => break Ok(()),
+                Err(error) => break Err(error.into()),
+            }
+        };
+        self.stream.set_nonblocking(false)?;
+        drained
+    }
+}

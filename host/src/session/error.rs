@@ -1,0 +1,94 @@
+//! What can go wrong in a conversation, in sentences that say which side and how far it got.
+
+use std::fmt;
+use std::time::Duration;
+
+use lashloop_protocol::vocabulary::{Outcome, State};
+use lashloop_protocol::{DriveMessage, Message, PROTOCOL_VERSION};
+
+use crate::link::LinkError;
+
+/// How far the conversation had got.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct LastSeen {
+    /// Sequence of the last sample sent; `None` before the first.
+    pub sample_sent: Option<u32>,
+    /// Name of the last good frame received.
+    pub frame: Option<&'static str>,
+    /// Sequence of the last torque received.
+    pub torque: Option<u32>,
+}
+
+impl LastSeen {
+    pub(super) fn note(&mut self, message: &DriveMessage) {
+        self.frame = Some(message.layout().name);
+        if let DriveMessage::TorqueAnswer(answer) = message {
+            self.torque = Some(answer.sequence);
+        }
+    }
+}
+
+impl fmt::Display for LastSeen {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.sample_sent {
+            Some(sequence) => write!(out, "last sample sent: {sequence}, ")?,
+            None => write!(out, "no sample sent yet, ")?,
+        }
+        match (self.frame, self.torque) {
+            (None, _) => write!(out, "no good frame received"),
+            (Some(frame), None) => write!(out, "last good frame received: {frame}"),
+            (Some(frame), Some(torque)) => {
+                write!(out, "last good frame received: {frame}, last torque for sample {torque}")
+            }
+        }
+    }
+}
+
+/// What can go wrong in a conversation.
+#[derive(Debug, thiserror::Error)]
+pub enum SessionError {
+    /// The line is gone.
+    #[error("{source} ({last_seen})")]
+    Broken {
+        /// What the line said.
+        source: LinkError,
+        /// How far it had got.
+        last_seen: LastSeen,
+    },
+    /// The drive did not answer in time.
+    #[error("the drive was silent for {:.1} s after {waiting_for} ({last_seen})", limit.as_secs_f64())]
+    Silent {
+        /// What it should have answered.
+        waiting_for: &'static str,
+        /// How long it was waited for.
+        limit: Duration,
+        /// How far it had got.
+        last_seen: LastSeen,
+    },
+    /// The drive speaks another version of the protocol.
+    #[error(
+        "the drive speaks protocol version {drive}, this bench speaks version {}: flash the firmware that came with \
+         this bench, or use the bench that came with that firmware",
+        PROTOCOL_VERSION
+    )]
+    Version {
+        /// Version of the drive.
+        drive: u8,
+    },
+    /// The drive refused a request.
+    #[error("the drive refused {request} in state {state:?}: {outcome:?}{}", in_words(said))]
+    Refused {
+        /// The request.
+        request: &'static str,
+        /// Why.
+        outcome: Outcome,
+        /// In which state.
+        state: State,
+        /// What it said about it.
+        said: String,
+    },
+}
+
+fn in_words(said: &str) -> String {
+    if said.is_empty() { String::new() } else { format!(" ({said})") }
+}

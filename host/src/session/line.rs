@@ -1,0 +1,118 @@
+//! Messages on a link: sending, decoding, and keeping what comes unasked.
+
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+use lashloop_protocol::message::{FaultReport, Telemetry};
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
+
+use super::{LastSeen, SessionError};
+use crate::link::{Link, LinkError};
+
+/// How long a request may take. Requests are answered at once; this is for an emulator on a busy machine.
+const REQUEST_LIMIT: Duration = Duration::from_secs(2);
+
+/// A link with a decoder at its end.
+pub(super) struct Line {
+    link: Box<dyn Link>,
+    decoder: Decoder,
+    inbox: Box<[u8; 4096]>,
+    /// The part of `inbox` that holds bytes not decoded yet.
+    unread: Range<usize>,
+    pub(super) frames_sent: u64,
+    pub(super) last_seen: LastSeen,
+    pub(super) last_heard: Instant,
+    pub(super) telemetry: Option<Telemetry>,
+    pub(super) fault: Option<FaultReport>,
+    pub(super) logs: Vec<String>,
+}
+
+impl Line {
+    pub(super) fn new(link: Box<dyn Link>) -> Self {
+        Self {
+            link,
+            decoder: Decoder::new(),
+            inbox: Box::new([0; 4096]),
+            unread: 0..0,
+            frames_sent: 0,
+            last_seen: LastSeen::default(),
+            last_heard: Instant::now(),
+            telemetry: None,
+            fault: None,
+            logs: Vec::new(),
+        }
+    }
+
+    pub(super) fn decoder(&self) -> &Decoder {
+        &self.decoder
+    }
+
+    /// Throws away what is on the line and ends whatever half frame an earlier host left in the drive's decoder.
+    pub(super) fn clear(&mut self) -> Result<(), SessionError> {
+        self.link.discard_input().map_err(|error| self.broken(error))?;
+        self.link.send(&[lashloop_protocol::frame::DELIMITER]).map_err(|error| self.broken(error))
+    }
+
+    pub(super) fn send(&mut self, message: &HostMessage) -> Result<(), SessionError> {
+        self.frames_sent += 1;
+        self.link.send(&message.frame()).map_err(|error| self.broken(error))
+    }
+
+    /// The next good message, or `None` at the deadline. Telemetry, faults and logs are kept on the way.
+    pub(super) fn next(&mut self, deadline: Instant) -> Result<Option<DriveMessage>, SessionError> {
+        loop {
+            let mut bytes = &self.inbox[self.unread.clone()];
+            let decoded = self.decoder.next::<DriveMessage>(&mut bytes);
+            self.unread.start = self.unread.end - bytes.len();
+            match decoded {
+                Some(Ok(message)) => {
+                    self.note(&message);
+                    return Ok(Some(message));
+                }
+                // A damaged frame is counted by the decoder; what it was can't be known.
+                Some(Err(_)) => continue,
+                None => {}
+            }
+            match self.link.receive(&mut self.inbox[..], deadline) {
+                Ok(0) => return Ok(None),
+                Ok(count) => self.unread = 0..count,
+                Err(error) => return Err(self.broken(error)),
+            }
+        }
+    }
+
+    /// Sends a request and waits for the answer that `wanted` recognises.
+    pub(super) fn request<T>(
+        &mut self,
+        request: &HostMessage,
+        wanted: impl Fn(&DriveMessage) -> Option<T>,
+    ) -> Result<T, SessionError> {
+        self.send(request)?;
+        let deadline = Instant::now() + REQUEST_LIMIT;
+        while let Some(message) = self.next(deadline)? {
+            if let Some(answer) = wanted(&message) {
+                return Ok(answer);
+            }
+        }
+        Err(self.silent(request.layout().name, REQUEST_LIMIT))
+    }
+
+    pub(super) fn silent(&self, waiting_for: &'static str, limit: Duration) -> SessionError {
+        SessionError::Silent { waiting_for, limit, last_seen: self.last_seen }
+    }
+
+    fn broken(&self, source: LinkError) -> SessionError {
+        SessionError::Broken { source, last_seen: self.last_seen }
+    }
+
+    fn note(&mut self, message: &DriveMessage) {
+        self.last_heard = Instant::now();
+        self.last_seen.note(message);
+        match message {
+            DriveMessage::Telemetry(telemetry) => self.telemetry = Some(*telemetry),
+            DriveMessage::FaultReport(fault) => self.fault = Some(*fault),
+            DriveMessage::Log(log) => self.logs.push(format!("{:?}: {}", log.level, log.text)),
+            _ => {}
+        }
+    }
+}

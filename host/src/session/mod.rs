@@ -1,0 +1,182 @@
+//! The conversation with a drive: greeting, parameters, commands, and the exchange of a sample for a torque.
+//!
+//! The session knows messages and deadlines, not plants or scenarios. Every wait ends, and every error says which side,
+//! the last sample sent and the last good frame received.
+
+mod error;
+mod greeting;
+mod line;
+mod parameters;
+
+use std::time::{Duration, Instant};
+
+use lashloop_protocol::message::{
+    Arm, ClearFault, EncoderSample, FaultReport, Identity, Start, Stop, Telemetry, TorqueAnswer,
+};
+use lashloop_protocol::vocabulary::{Outcome, State};
+use lashloop_protocol::wire::Payload;
+use lashloop_protocol::{DriveMessage, HostMessage};
+
+pub use error::{LastSeen, SessionError};
+pub use parameters::{Parameter, SetError};
+
+use crate::link::Link;
+use line::Line;
+
+/// What came of a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Exchange {
+    /// The drive's torque for it.
+    Answered(TorqueAnswer),
+    /// No answer within the time given.
+    Unanswered,
+}
+
+/// Frames out and in, as this side counts them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// Frames sent.
+    pub frames_sent: u64,
+    /// Good frames received.
+    pub frames_received: u64,
+    /// Frames received damaged.
+    pub damaged: u64,
+    /// Answers that came after their sample had been given up.
+    pub late: u64,
+}
+
+/// An open conversation.
+pub struct Session {
+    line: Line,
+    number: u32,
+    identity: Identity,
+    parameters: Vec<Parameter>,
+    late: u64,
+}
+
+impl Session {
+    /// Opens a conversation on a fresh link: clears the line, greets, learns the parameters. `number` tells this session
+    /// from earlier ones.
+    ///
+    /// # Errors
+    /// Nobody answers, what answers speaks another version, or the line breaks.
+    pub fn open(link: Box<dyn Link>, number: u32) -> Result<Self, SessionError> {
+        let mut line = Line::new(link);
+        line.clear()?;
+        let identity = greeting::greet(&mut line, number)?;
+        let parameters = parameters::learn(&mut line, identity.parameter_count)?;
+        Ok(Self { line, number, identity, parameters, late: 0 })
+    }
+
+    /// Who the drive said it is, at the greeting.
+    #[must_use]
+    pub fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    /// The last telemetry since the start.
+    #[must_use]
+    pub fn telemetry(&self) -> Option<&Telemetry> {
+        self.line.telemetry.as_ref()
+    }
+
+    /// The last fault the drive reported, since it was last asked for.
+    pub fn take_fault(&mut self) -> Option<FaultReport> {
+        self.line.fault.take()
+    }
+
+    /// What the drive had to say in words, since it was last asked for.
+    pub fn take_logs(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.line.logs)
+    }
+
+    /// Frames and what became of them.
+    #[must_use]
+    pub fn traffic(&self) -> Traffic {
+        let counters = self.line.decoder().counters();
+        Traffic {
+            frames_sent: self.line.frames_sent,
+            frames_received: counters.messages.into(),
+            damaged: counters.damaged().into(),
+            late: self.late,
+        }
+    }
+
+    /// Time since the last good frame.
+    #[must_use]
+    pub fn silence(&self) -> Duration {
+        self.line.last_heard.elapsed()
+    }
+
+    /// The error for a drive that has not answered for `limit`.
+    #[must_use]
+    pub fn silent(&self, limit: Duration) -> SessionError {
+        self.line.silent(EncoderSample::LAYOUT.name, limit)
+    }
+
+    /// Clears a latched fault if there is one, arms and starts.
+    ///
+    /// # Errors
+    /// The drive refused, or the line broke.
+    pub fn start(&mut self) -> Result<(), SessionError> {
+        let session = self.number;
+        if self.identity.state == State::Faulted {
+            self.command(ClearFault {})?;
+        }
+        self.command(Arm { session })?;
+        self.command(Start { session })?;
+        (self.line.telemetry, self.line.fault) = (None, None);
+        self.line.last_seen = LastSeen::default();
+        Ok(())
+    }
+
+    /// Ends the run in good order. A drive that has latched a fault needs no stop.
+    ///
+    /// # Errors
+    /// The line broke, or the drive did not answer.
+    pub fn stop(&mut self) -> Result<(), SessionError> {
+        match self.command(Stop {}) {
+            Err(SessionError::Refused { state: State::Faulted, .. }) => Ok(()),
+            done => done,
+        }
+    }
+
+    /// Sends a sample and waits for its torque until `limit` has passed.
+    ///
+    /// # Errors
+    /// The line broke, or the drive refused the sample.
+    pub fn exchange(&mut self, sample: &EncoderSample, limit: Duration) -> Result<Exchange, SessionError> {
+        self.line.send(&HostMessage::EncoderSample(*sample))?;
+        self.line.last_seen.sample_sent = Some(sample.sequence);
+        let deadline = Instant::now() + limit;
+        while let Some(message) = self.line.next(deadline)? {
+            match message {
+                DriveMessage::TorqueAnswer(answer) if answer.sequence == sample.sequence => {
+                    return Ok(Exchange::Answered(answer));
+                }
+                DriveMessage::TorqueAnswer(_) => self.late += 1,
+                DriveMessage::CommandResult(result) if result.request == EncoderSample::LAYOUT.kind => {
+                    return Err(self.refused::<EncoderSample>(result.outcome, result.state));
+                }
+                _ => {}
+            }
+        }
+        Ok(Exchange::Unanswered)
+    }
+
+    /// Sends a command and waits until the drive has said what became of it.
+    fn command<C: Payload + Into<HostMessage>>(&mut self, command: C) -> Result<(), SessionError> {
+        let (outcome, state) = self.line.request(&command.into(), |answer| match answer {
+            DriveMessage::CommandResult(result) if result.request == C::LAYOUT.kind => {
+                Some((result.outcome, result.state))
+            }
+            _ => None,
+        })?;
+        if outcome == Outcome::Accepted { Ok(()) } else { Err(self.refused::<C>(outcome, state)) }
+    }
+
+    fn refused<Request: Payload>(&mut self, outcome: Outcome, state: State) -> SessionError {
+        let said = self.take_logs().join("; ");
+        SessionError::Refused { request: Request::LAYOUT.name, outcome, state, said }
+    }
+}
