@@ -2,3 +2,8 @@
 
 pub mod encoder;
 pub mod plant;
+pub mod metrics;
+pub mod record;
+pub mod reference;
+pub mod scenario;
+pub mod verdict;

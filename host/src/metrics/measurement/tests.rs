@@ -1,0 +1,163 @@
+//! Runs whose metrics are known in closed form.
+
+use super::{Measurement, Sample};
+use crate::metrics::{Measured, Metric, Metrics};
+
+const PERIOD_S: f64 = 0.001;
+
+/// A run of `seconds` whose error and torque are functions of time.
+fn run(seconds: f64, error_rad: impl Fn(f64) -> f64, torque_nm: impl Fn(f64) -> f64) -> Metrics {
+    let mut measurement = Measurement::new(PERIOD_S);
+    for step in 0..(seconds / PERIOD_S).round() as u32 {
+        let time_s = f64::from(step) * PERIOD_S;
+        measurement.push(&Sample {
+            time_s,
+            reference_rad: 0.5,
+            load_position_rad: 0.5 + error_rad(time_s),
+            torque_nm: torque_nm(time_s),
+            dead_zone_estimate_rad: 0.16,
+        });
+    }
+    measurement.metrics()
+}
+
+fn error(seconds: f64, error_rad: impl Fn(f64) -> f64) -> Metrics {
+    run(seconds, error_rad, |_| 0.0)
+}
+
+#[track_caller]
+fn assert_close(metrics: &Metrics, metric: Metric, want: f64) {
+    let have = metrics.get(metric);
+    let close = have.value().is_some_and(|have| (have - want).abs() < 1e-9);
+    assert!(close, "{metric}: have {have}, want {want}");
+}
+
+#[test]
+fn an_exponential_settles_when_it_enters_each_band() {
+    // exp(-t) is 0.05 at 2.9957 s and 0.02 at 3.9120 s; the grid times after are 2.996 and 3.913.
+    let metrics = error(10.0, |t_s| (-t_s).exp());
+    assert_close(&metrics, Metric::SettleTime, 2.996);
+    assert_close(&metrics, Metric::SettleTime2Pct, 3.913);
+}
+
+#[test]
+fn leaving_the_band_once_more_starts_settling_anew() {
+    let metrics = error(10.0, |t_s| if t_s < 1.0 || (t_s - 7.0).abs() < 1e-9 { 1.0 } else { 0.0 });
+    assert_close(&metrics, Metric::SettleTime, 7.001);
+}
+
+#[test]
+fn a_last_sample_outside_the_band_means_never() {
+    let metrics = error(10.0, |t_s| if t_s > 9.9985 { 0.051 } else { 0.0 });
+    assert_eq!(metrics.get(Metric::SettleTime), Measured::Never);
+}
+
+#[test]
+fn an_error_of_exactly_the_band_is_inside() {
+    let mut measurement = Measurement::new(PERIOD_S);
+    let sample = Sample {
+        time_s: 0.0,
+        reference_rad: 0.0,
+        load_position_rad: -0.05,
+        torque_nm: 0.0,
+        dead_zone_estimate_rad: 0.0,
+    };
+    measurement.push(&sample);
+    assert_close(&measurement.metrics(), Metric::SettleTime, 0.0);
+}
+
+#[test]
+fn static_error_is_the_signed_mean_of_the_last_second_only() {
+    // A ramp of -1 rad/s: over the last 1000 samples its mean is that of 9.0 to 9.999 s.
+    assert_close(&error(10.0, |t_s| -t_s), Metric::StaticError, -9.4995);
+}
+
+#[test]
+fn hunting_is_peak_to_peak_over_the_last_ten_seconds_only() {
+    let metrics = error(20.0, |t_s| if t_s < 9.9995 { 5.0 } else { (0.1 * t_s - 1.0) * 0.01 });
+    assert_close(&metrics, Metric::Hunting, 0.009_999);
+}
+
+#[test]
+fn overshoot_counts_the_far_side_of_the_reference_only() {
+    let swing = |t_s: f64| if t_s < 1.0 { 2.0 } else { -0.2 * (-t_s).exp() };
+    assert_close(&error(10.0, swing), Metric::Overshoot, 0.2 * (-1.0_f64).exp());
+    assert_close(&error(10.0, |t_s| -swing(t_s)), Metric::Overshoot, 0.2 * (-1.0_f64).exp());
+    // Running away on the near side isn't overshoot.
+    assert_close(&error(10.0, |t_s| 1.0 + t_s), Metric::Overshoot, 0.0);
+}
+
+#[test]
+fn effort_and_variation_follow_the_held_torque() {
+    // 2 N m for half of 10 s, -1 N m for the rest: 4 * 5 + 1 * 5, and one change of 3 N m.
+    let metrics = run(10.0, |_| 0.0, |t_s| if t_s < 4.9995 { 2.0 } else { -1.0 });
+    assert_close(&metrics, Metric::Effort, 25.0);
+    assert_close(&metrics, Metric::TorqueTotalVariation, 3.0);
+}
+
+#[test]
+fn a_run_shorter_than_a_window_has_no_figure_of_that_window() {
+    let metrics = error(0.999, |_| 0.01);
+    assert_eq!(metrics.get(Metric::StaticError), Measured::RunTooShort);
+    assert_eq!(metrics.get(Metric::Hunting), Measured::RunTooShort);
+    assert_close(&metrics, Metric::SettleTime, 0.0);
+    let metrics = error(1.0, |_| 0.01);
+    assert_close(&metrics, Metric::StaticError, 0.01);
+    assert_eq!(error(9.999, |_| 0.0).get(Metric::Hunting), Measured::RunTooShort);
+    assert_close(&error(10.0, |_| 0.0), Metric::Hunting, 0.0);
+}
+
+#[test]
+fn a_run_without_samples_has_no_figure_at_all() {
+    let metrics = Measurement::new(PERIOD_S).metrics();
+    assert!(metrics.iter().all(|(_, measured)| measured == Measured::RunTooShort));
+}
+
+#[test]
+fn without_an_initial_error_nothing_is_measured_against_it() {
+    let metrics = error(10.0, |t_s| if t_s < 1.0 { 0.0 } else { 0.3 });
+    assert_eq!(metrics.get(Metric::SettleTime2Pct), Measured::NoInitialError);
+    assert_eq!(metrics.get(Metric::Overshoot), Measured::NoInitialError);
+}
+
+#[test]
+fn one_sample_that_is_not_finite_takes_every_figure_of_the_run() {
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for at_s in [0.0, 5.0, 19.999] {
+            let is_bad = move |t_s: f64| (t_s - at_s).abs() < 1e-9;
+            let in_position = error(20.0, |t_s| if is_bad(t_s) { bad } else { 0.0 });
+            let in_torque = run(20.0, |_| 0.0, |t_s| if is_bad(t_s) { bad } else { 0.0 });
+            for metrics in [in_position, in_torque] {
+                assert!(!metrics.run_was_finite());
+                for (metric, measured) in metrics.iter() {
+                    assert_eq!(measured, Measured::NotFinite, "{metric} with {bad} at {at_s} s");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_run_that_diverges_within_the_finite_numbers_scores_by_its_size() {
+    let metrics = run(20.0, |t_s| (10.0 * t_s).exp(), |t_s| (30.0 * t_s).exp());
+    assert_eq!(metrics.get(Metric::SettleTime), Measured::Never);
+    assert!(metrics.get(Metric::StaticError).value().is_some_and(|error_rad| error_rad > 1e80));
+    // The torque is finite, its square isn't.
+    assert_eq!(metrics.get(Metric::Effort), Measured::NotFinite);
+}
+
+#[test]
+fn a_drive_without_an_estimate_loses_that_figure_only() {
+    let mut measurement = Measurement::new(PERIOD_S);
+    measurement.push(&Sample {
+        time_s: 0.0,
+        reference_rad: 0.0,
+        load_position_rad: 1.0,
+        torque_nm: 1.0,
+        dead_zone_estimate_rad: f64::NAN,
+    });
+    let metrics = measurement.metrics();
+    assert_eq!(metrics.get(Metric::DeadZoneEstimate), Measured::NotFinite);
+    assert_eq!(metrics.get(Metric::TorqueTotalVariation), Measured::Value(0.0));
+    assert!(metrics.run_was_finite());
+}

@@ -1,0 +1,51 @@
+//! A fingerprint of everything the drive commanded: two runs with the same digest are the same run, bit by
+//! bit, whatever link and host they ran on.
+
+use std::fmt::Write;
+
+use sha2::{Digest, Sha256};
+
+/// SHA-256 over the torques in the order of the steps, each an f32 in N m, four bytes, little endian.
+#[derive(Debug, Clone, Default)]
+pub struct TorqueDigest(Sha256);
+
+impl TorqueDigest {
+    /// Takes the torque of the next step.
+    pub fn push(&mut self, torque_nm: f32) {
+        self.0.update(torque_nm.to_le_bytes());
+    }
+
+    /// The digest in lower-case hexadecimal.
+    #[must_use]
+    pub fn finish(self) -> String {
+        self.0.finalize().iter().fold(String::with_capacity(64), |mut hex, byte| {
+            // Writing to a String can't fail.
+            let _ = write!(hex, "{byte:02x}");
+            hex
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::TorqueDigest;
+
+    fn digest(torques_nm: &[f32]) -> String {
+        let mut digest = TorqueDigest::default();
+        torques_nm.iter().for_each(|&torque_nm| digest.push(torque_nm));
+        digest.finish()
+    }
+
+    #[test]
+    fn a_digest_is_sha_256_of_the_little_endian_bytes() {
+        // printf '' | sha256sum; printf '\0\0\200\077\0\0\040\300' | sha256sum (1.0 and -2.5)
+        assert_eq!(digest(&[]), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+        assert_eq!(digest(&[1.0, -2.5]), "48943f7a0ea247f8e3c9386d0c5822fe181d323a9289980426638cc4e72a43e1");
+    }
+
+    #[test]
+    fn order_and_sign_of_zero_count() {
+        assert_ne!(digest(&[1.0, 2.0]), digest(&[2.0, 1.0]));
+        assert_ne!(digest(&[0.0]), digest(&[-0.0]));
+    }
+}

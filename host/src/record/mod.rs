@@ -1,0 +1,28 @@
+//! What a run leaves behind.
+//!
+//! | file | holds | in |
+//! |---|---|---|
+//! | `trace.csv` | one row per control step | [`trace`] |
+//! | `summary.json` | the verdict and everything needed to trust and repeat it | [`summary`] |
+//!
+//! A reader never meets half a row or half a summary: rows reach the file whole, and a summary takes its name
+//! only when it is complete.
+
+pub mod digest;
+pub mod summary;
+pub mod trace;
+
+use std::io;
+use std::path::PathBuf;
+
+/// A record that can't be written.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: cannot be {action}: {source}", path.display())]
+pub struct RecordError {
+    /// The file.
+    pub path: PathBuf,
+    /// `created` or `written`.
+    pub action: &'static str,
+    /// The operating system's reason.
+    pub source: io::Error,
+}

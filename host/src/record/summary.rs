@@ -1,0 +1,164 @@
+//! `summary.json`: the verdict and what is needed to trust it, compare it and repeat it.
+
+use std::fs::Permissions;
+use std::io::Write;
+use std::os::unix::fs::PermissionsExt;
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::RecordError;
+use crate::metrics::Metrics;
+use crate::verdict::{Finding, LinkCounts, Verdict};
+
+/// One run in one JSON object, its keys in this order.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// What the run says.
+    pub verdict: Verdict,
+    /// The scenario's file.
+    pub scenario: String,
+    /// The drive: what was connected to, and where.
+    pub device: String,
+    /// The control law.
+    pub controller: String,
+    /// Starts every random stream of the run.
+    pub seed: u64,
+    /// Control steps run.
+    pub steps: u64,
+    /// Time of the plant.
+    pub simulated_s: f64,
+    /// Time on the wall.
+    pub wall_s: f64,
+    /// The eight metrics by name; null where there is no value.
+    pub metrics: Metrics,
+    /// The expectations of the scenario and what became of them.
+    pub expectations: Vec<Finding>,
+    /// What the link counted.
+    pub link: LinkCounts,
+    /// The digest of everything the drive commanded, see [`TorqueDigest`](super::digest::TorqueDigest).
+    pub torque_sha256: String,
+    /// Who took part.
+    pub versions: Versions,
+}
+
+/// The versions of everything that has a say in the result.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Versions {
+    /// This tool.
+    pub lashloop: String,
+    /// The protocol that was agreed on.
+    pub protocol: String,
+    /// The drive's firmware.
+    pub firmware: String,
+}
+
+impl Summary {
+    /// Writes the summary under its final name only when it is complete: into a temporary file in the same
+    /// directory, then renamed.
+    ///
+    /// # Errors
+    /// The directory isn't there or can't be written to.
+    pub fn write(&self, path: &Path) -> Result<(), RecordError> {
+        let error = |action| move |source| RecordError { path: path.to_owned(), action, source };
+        let directory =
+            path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        // Temporary files are private by default; a summary is for others as well, as far as the umask lets.
+        let mut file = tempfile::Builder::new()
+            .prefix(".summary-")
+            .permissions(Permissions::from_mode(0o666))
+            .tempfile_in(directory)
+            .map_err(error("created"))?;
+        serde_json::to_writer_pretty(&mut file, self).map_err(|source| error("written")(source.into()))?;
+        file.write_all(b"\n").and_then(|()| file.as_file().sync_all()).map_err(error("written"))?;
+        file.persist(path).map_err(|failure| error("written")(failure.error))?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::Path;
+
+    use super::{Summary, Versions};
+    use crate::metrics::{Measurement, Metric, Sample};
+    use crate::scenario::bench::Allowance;
+    use crate::scenario::expectation::Expectation;
+    use crate::verdict::{Judgement, LinkCounts};
+
+    fn summary() -> Summary {
+        let mut measurement = Measurement::new(0.5);
+        for step in 0..4 {
+            measurement.push(&Sample {
+                time_s: f64::from(step) * 0.5,
+                reference_rad: 0.0,
+                load_position_rad: 1.0 - 0.25 * f64::from(step),
+                torque_nm: -1.5,
+                dead_zone_estimate_rad: 0.16,
+            });
+        }
+        let metrics = measurement.metrics();
+        let settle =
+            Expectation { metric: Metric::SettleTime, unit: "s", min: None, max: Some(2.0), note: None };
+        let link = LinkCounts { frames_sent: 4, frames_received: 4, ..LinkCounts::default() };
+        let judgement = Judgement::new(&[settle], &metrics, &Allowance::default(), &link);
+        Summary {
+            verdict: judgement.verdict,
+            scenario: "scenarios/smooth-before.toml".to_owned(),
+            device: "native twin".to_owned(),
+            controller: "pd".to_owned(),
+            seed: 1,
+            steps: 4,
+            simulated_s: 2.0,
+            wall_s: 0.25,
+            metrics,
+            expectations: judgement.findings,
+            link,
+            torque_sha256: "00".repeat(32),
+            versions: Versions {
+                lashloop: "0.1.0".to_owned(),
+                protocol: "1".to_owned(),
+                firmware: "0.1.0".to_owned(),
+            },
+        }
+    }
+
+    #[test]
+    fn a_summary_has_every_metric_and_null_for_what_never_came() {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let path = directory.path().join("summary.json");
+        summary().write(&path).expect("a summary");
+        insta::assert_snapshot!(fs::read_to_string(&path).expect("a summary"), @"");
+    }
+
+    #[test]
+    fn a_summary_replaces_the_last_one_and_leaves_nothing_beside_it() {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let path = directory.path().join("summary.json");
+        fs::write(&path, "{").expect("an old summary");
+        summary().write(&path).expect("a summary");
+        let text = fs::read_to_string(&path).expect("a summary");
+        serde_json::from_str::<serde_json::Value>(&text).expect("whole JSON");
+        assert_eq!(fs::read_dir(directory.path()).expect("the directory").count(), 1);
+    }
+
+    #[test]
+    fn a_summary_that_cannot_take_its_name_leaves_nothing_behind() {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let path = directory.path().join("summary.json");
+        fs::create_dir(&path).expect("a directory in the way");
+        let error = summary().write(&path).expect_err("a directory in the way");
+        assert!(
+            error.to_string().starts_with(&format!("{}: cannot be written: ", path.display())),
+            "{error}"
+        );
+        assert_eq!(fs::read_dir(directory.path()).expect("the directory").count(), 1);
+    }
+
+    #[test]
+    fn an_absent_directory_is_reported_with_the_path() {
+        let error = summary().write(Path::new("no/such/summary.json")).expect_err("no directory");
+        assert!(error.to_string().starts_with("no/such/summary.json: cannot be created: "), "{error}");
+    }
+}

@@ -1,0 +1,96 @@
+//! Traces as bytes in a file.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::{TraceRow, TraceWriter};
+
+fn row(step: u32) -> TraceRow {
+    let value = f64::from(step);
+    TraceRow {
+        time_s: value * 0.001,
+        reference_rad: 0.0,
+        load_position_rad: std::f64::consts::FRAC_PI_2 / (value + 1.0),
+        load_velocity_rad_s: -1.0 / 3.0,
+        motor_position_rad: 1e-7 * value,
+        motor_velocity_rad_s: -0.0,
+        torque_nm: f64::from(0.1_f32),
+        transmitted_torque_nm: 1e300,
+        twist_rad: f64::MIN_POSITIVE,
+        dead_zone_estimate_rad: 0.16,
+    }
+}
+
+/// A trace file in a directory of its own.
+fn place() -> (tempfile::TempDir, PathBuf) {
+    let directory = tempfile::tempdir().expect("a temporary directory");
+    let path = directory.path().join("trace.csv");
+    (directory, path)
+}
+
+fn data_rows(path: &Path) -> usize {
+    let text = fs::read_to_string(path).expect("a trace");
+    assert!(text.ends_with('\n'), "a torn row: {:?}", text.lines().last());
+    text.lines().count() - 1
+}
+
+#[test]
+fn a_trace_is_a_header_and_one_line_per_step() {
+    let (_directory, path) = place();
+    let mut writer = TraceWriter::create(&path, 1000).expect("a trace");
+    writer.push(&row(0)).expect("a row");
+    writer.push(&TraceRow { torque_nm: f64::NAN, ..row(1) }).expect("a row");
+    writer.finish().expect("the rows");
+    insta::assert_snapshot!(fs::read_to_string(&path).expect("a trace"), @"");
+}
+
+#[test]
+fn numbers_read_back_to_the_same_bits() {
+    let (_directory, path) = place();
+    let mut writer = TraceWriter::create(&path, 7).expect("a trace");
+    (0..100).for_each(|step| writer.push(&row(step)).expect("a row"));
+    writer.finish().expect("the rows");
+    let mut reader = csv::Reader::from_path(&path).expect("a trace");
+    for (step, record) in (0..).zip(reader.records()) {
+        let record = record.expect("a row");
+        let have = record.iter().map(|field| field.parse::<f64>().expect("a number").to_bits());
+        assert!(have.eq(row(step).values().map(f64::to_bits)), "step {step}: {record:?}");
+    }
+}
+
+#[test]
+fn rows_reach_the_file_whole_and_flush_rows_at_a_time() {
+    let (_directory, path) = place();
+    let mut writer = TraceWriter::create(&path, 10).expect("a trace");
+    for step in 0..25 {
+        writer.push(&row(step)).expect("a row");
+        assert_eq!(data_rows(&path), (step as usize + 1) / 10 * 10, "after step {step}");
+    }
+    drop(writer);
+    assert_eq!(data_rows(&path), 25);
+}
+
+#[test]
+fn an_existing_trace_is_replaced() {
+    let (_directory, path) = place();
+    fs::write(&path, "x".repeat(10_000)).expect("an old trace");
+    TraceWriter::create(&path, 1).and_then(TraceWriter::finish).expect("a trace");
+    assert_eq!(data_rows(&path), 0);
+}
+
+#[test]
+fn a_file_that_cannot_be_made_is_named() {
+    let error = TraceWriter::create(Path::new("no/such/trace.csv"), 1).expect_err("no directory");
+    assert_eq!(
+        error.to_string(),
+        "no/such/trace.csv: cannot be created: No such file or directory (os error 2)"
+    );
+}
+
+/// `/dev/full` refuses every byte, as a full disk does.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_reported_with_the_path() {
+    let error = TraceWriter::create(Path::new("/dev/full"), 1).expect_err("a full disk");
+    assert_eq!(error.to_string(), "/dev/full: cannot be written: No space left on device (os error 28)");
+}

@@ -1,0 +1,107 @@
+//! The position the load has to follow, as pure functions of time.
+//!
+//! | profile | for |
+//! |---|---|
+//! | `constant` | regulation, the paper's test: to zero from pi/2 |
+//! | `step` | the answer to a jump |
+//! | `sine` | tracking, and lost motion under slow reversal |
+//! | `trapezoid` | a positioning move a drive can follow |
+//! | `table` | anything recorded or computed elsewhere |
+
+mod table;
+mod trapezoid;
+
+use std::f64::consts::TAU;
+
+use serde::Serialize;
+
+pub use self::table::{Interpolation, Table, TableError, TableFault};
+pub use self::trapezoid::Trapezoid;
+
+/// A reference for the load position.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "profile", rename_all = "lowercase")]
+pub enum Reference {
+    /// One position for the whole run.
+    Constant {
+        /// Where the load should be.
+        position_rad: f64,
+    },
+    /// A jump.
+    Step {
+        /// Position before the jump.
+        before_rad: f64,
+        /// Position from the jump on.
+        after_rad: f64,
+        /// The first time at which `after_rad` holds.
+        at_s: f64,
+    },
+    /// offset + amplitude sin(2 pi f t + phase).
+    Sine {
+        /// Half of peak to peak.
+        amplitude_rad: f64,
+        /// Periods per second.
+        frequency_hz: f64,
+        /// The middle.
+        offset_rad: f64,
+        /// Phase at time 0.
+        phase_rad: f64,
+    },
+    /// A move with limited velocity and acceleration.
+    Trapezoid(Trapezoid),
+    /// Points of a file.
+    Table(Table),
+}
+
+impl Reference {
+    /// The position asked for at a time of the run, in rad.
+    #[must_use]
+    pub fn position_rad(&self, t_s: f64) -> f64 {
+        match self {
+            Self::Constant { position_rad } => *position_rad,
+            Self::Step { before_rad, after_rad, at_s } => {
+                if t_s < *at_s {
+                    *before_rad
+                } else {
+                    *after_rad
+                }
+            }
+            // libm, not std: the same bits on every platform, so that a run repeats anywhere.
+            Self::Sine { amplitude_rad, frequency_hz, offset_rad, phase_rad } => {
+                offset_rad + amplitude_rad * libm::sin(TAU * frequency_hz * t_s + phase_rad)
+            }
+            Self::Trapezoid(profile) => profile.position_rad(t_s),
+            Self::Table(table) => table.position_rad(t_s),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Reference;
+
+    #[test]
+    fn a_step_has_its_new_value_at_the_very_instant() {
+        let step = Reference::Step { before_rad: 1.0, after_rad: -2.0, at_s: 0.5 };
+        assert_eq!(step.position_rad(0.499_999), 1.0);
+        assert_eq!(step.position_rad(0.5), -2.0);
+    }
+
+    #[test]
+    fn a_sine_has_its_extremes_a_quarter_period_from_its_middle() {
+        let sine =
+            Reference::Sine { amplitude_rad: 0.5, frequency_hz: 0.05, offset_rad: 0.1, phase_rad: 0.0 };
+        assert_eq!(sine.position_rad(0.0), 0.1);
+        assert!((sine.position_rad(5.0) - 0.6).abs() < 1e-15);
+        assert!((sine.position_rad(15.0) + 0.4).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_phase_of_half_a_turn_mirrors_a_sine() {
+        let at = |phase_rad, t_s| {
+            Reference::Sine { amplitude_rad: 2.0, frequency_hz: 1.0, offset_rad: 0.0, phase_rad }
+                .position_rad(t_s)
+        };
+        assert!((at(std::f64::consts::PI, 0.1) + at(0.0, 0.1)).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,146 @@
+//! The short sections: how long and how fast the bench runs, what it senses, how it talks to the drive, what
+//! it forgives and what it keeps.
+
+use std::time::Duration;
+
+use serde::Serialize;
+
+use super::range::{positive, within};
+use super::reader::Section;
+use super::unit;
+
+/// TOML integers end here.
+const LARGEST: u64 = i64::MAX as u64;
+
+/// `[run]`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunSettings {
+    /// How long the plant is simulated.
+    pub duration_s: f64,
+    /// Time between two torques of the drive.
+    pub control_period_us: u32,
+    /// Starts every random stream of the run.
+    pub seed: u64,
+}
+
+impl RunSettings {
+    /// The control period in seconds.
+    #[must_use]
+    pub fn control_period_s(&self) -> f64 {
+        f64::from(self.control_period_us) / 1e6
+    }
+
+    /// Control steps of the run: the duration in whole periods, to the nearest. At least 1.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        // At most 1e6 s / 100 us = 1e10, so the conversion is exact.
+        (self.duration_s * 1e6 / f64::from(self.control_period_us)).round() as u64
+    }
+}
+
+pub(super) fn read_run(run: &mut Section<'_>) -> RunSettings {
+    let settings = RunSettings {
+        duration_s: run.number("duration_s", unit::SECOND, None, positive(1e6)),
+        control_period_us: run.integer("control_period_us", unit::MICROSECOND, 1000, 100..=100_000),
+        seed: run.integer("seed", unit::NONE, 1, 0..=LARGEST),
+    };
+    if settings.duration_s < settings.control_period_s() {
+        let period_us = settings.control_period_us;
+        run.reject("duration_s", format!("is shorter than one control period; it must be >= {period_us} us"));
+    }
+    settings
+}
+
+/// `[encoders]`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EncoderSettings {
+    /// Counts per turn of the motor.
+    pub motor_counts_per_rev: u32,
+    /// Counts per turn of the load.
+    pub load_counts_per_rev: u32,
+    /// Standard deviation of the noise added before counting.
+    pub noise_counts: f64,
+}
+
+pub(super) fn read_encoders(encoders: &mut Section<'_>) -> EncoderSettings {
+    let (per_rev, resolution) = (unit::COUNT_PER_REVOLUTION, 4..=16_777_216);
+    EncoderSettings {
+        motor_counts_per_rev: encoders.integer("motor_counts_per_rev", per_rev, 131_072, resolution.clone()),
+        load_counts_per_rev: encoders.integer("load_counts_per_rev", per_rev, 131_072, resolution),
+        noise_counts: encoders.number("noise_counts", unit::COUNT, 0.0, within(0.0, 1e6)),
+    }
+}
+
+/// `[link]`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LinkSettings {
+    /// How long the bench waits for one answer.
+    pub answer_timeout_ms: u32,
+    /// How long the drive may be silent before the link counts as dead.
+    pub silence_limit_ms: u32,
+    /// Speed of a tty; other links have none.
+    pub baud: u32,
+}
+
+impl LinkSettings {
+    /// How long the bench waits for one answer.
+    #[must_use]
+    pub fn answer_timeout(&self) -> Duration {
+        Duration::from_millis(self.answer_timeout_ms.into())
+    }
+
+    /// How long the drive may be silent.
+    #[must_use]
+    pub fn silence_limit(&self) -> Duration {
+        Duration::from_millis(self.silence_limit_ms.into())
+    }
+}
+
+pub(super) fn read_link(link: &mut Section<'_>) -> LinkSettings {
+    LinkSettings {
+        answer_timeout_ms: link.integer("answer_timeout_ms", unit::MILLISECOND, 1000, 1..=600_000),
+        silence_limit_ms: link.integer("silence_limit_ms", unit::MILLISECOND, 2500, 1..=600_000),
+        baud: link.integer("baud", unit::BAUD, 921_600, 1200..=12_000_000),
+    }
+}
+
+/// `[allow]`: what the link may lose before the run says nothing any more and its verdict is INVALID.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct Allowance {
+    /// Steps without an answer.
+    pub lost: u64,
+    /// Steps whose answer came too late.
+    pub late: u64,
+    /// Frames refused for their checksum.
+    pub crc_errors: u64,
+}
+
+pub(super) fn read_allow(allow: &mut Section<'_>) -> Allowance {
+    Allowance {
+        lost: allow.integer("lost", unit::STEP, 0, 0..=LARGEST),
+        late: allow.integer("late", unit::STEP, 0, 0..=LARGEST),
+        crc_errors: allow.integer("crc_errors", unit::NONE, 0, 0..=LARGEST),
+    }
+}
+
+/// `[telemetry]`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct TelemetrySettings {
+    /// The drive reports its inner state every so many steps; 0 for never.
+    pub every_steps: u16,
+}
+
+pub(super) fn read_telemetry(telemetry: &mut Section<'_>) -> TelemetrySettings {
+    TelemetrySettings { every_steps: telemetry.integer("every_steps", unit::STEP, 10, 0..=u16::MAX) }
+}
+
+/// `[record]`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct RecordSettings {
+    /// Rows of the trace that reach the file together.
+    pub flush_rows: u32,
+}
+
+pub(super) fn read_record(record: &mut Section<'_>) -> RecordSettings {
+    RecordSettings { flush_rows: record.integer("flush_rows", unit::ROW, 1000, 1..=1_000_000) }
+}

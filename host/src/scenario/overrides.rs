@@ -1,0 +1,99 @@
+//! Options of the command line that replace values of a scenario: `--set section.key=value` and
+//! `--controller NAME`.
+//!
+//! They are applied to the tree after the file has been read and before anything is validated, so that an
+//! overridden value is checked as strictly as a written one and its errors name the option.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::error::{Origin, ScenarioError};
+use super::tree::{Node, Table, Value, parse_value};
+
+/// No key of a scenario lies deeper than `plant.initial.load_position_rad`.
+const DEEPEST: usize = 3;
+
+/// One replacement.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Override {
+    /// `--set section.key=value`. The value is read as TOML; what isn't TOML is text, so that words need no
+    /// quotes. A section of a list is named by its index from 0: `expect.0.max=5.5`.
+    Set(String),
+    /// `--controller NAME`, short for `--set controller.name=NAME`.
+    Controller(String),
+}
+
+impl fmt::Display for Override {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Set(assignment) => write!(f, "--set {assignment}"),
+            Self::Controller(name) => write!(f, "--controller {name}"),
+        }
+    }
+}
+
+impl Override {
+    /// Replaces the value in `root`, or adds it: the reader refuses what it doesn't know.
+    pub(super) fn apply(&self, root: &mut Table) -> Result<(), ScenarioError> {
+        let option: Arc<str> = self.to_string().into();
+        let origin = Origin::Option(option.clone());
+        let (path, value) = match self {
+            Self::Controller(name) => ("controller.name", Ok(Value::Text(name.clone()))),
+            Self::Set(assignment) => match assignment.split_once('=') {
+                Some((path, text)) => (path.trim(), read_value(text.trim(), &origin)),
+                None => ("", Err("it must be section.key=value".to_owned())),
+            },
+        };
+        let placed = value.and_then(|value| place(root, path, Node { origin, value }));
+        placed.map_err(|reason| ScenarioError::Option { option, reason })
+    }
+}
+
+/// A TOML value, or a text without quotes.
+fn read_value(text: &str, origin: &Origin) -> Result<Value, String> {
+    if text.is_empty() {
+        return Err("there is no value after the =; an empty text is \"\"".to_owned());
+    }
+    let meant_as_toml = text.starts_with(['"', '\'', '[', '{']);
+    match parse_value(text, origin) {
+        Err(_) if !meant_as_toml => Ok(Value::Text(text.to_owned())),
+        result => result,
+    }
+}
+
+fn place(root: &mut Table, path: &str, node: Node) -> Result<(), String> {
+    let steps: Vec<_> = path.split('.').collect();
+    if steps.iter().any(|step| step.is_empty()) {
+        return Err("the key is incomplete; it must be section.key=value".to_owned());
+    }
+    let (Some((key, sections)), true) = (steps.split_last(), steps.len() <= DEEPEST) else {
+        return Err(format!("no key lies deeper than {DEEPEST} levels; it must be section.key=value"));
+    };
+    let mut table = root;
+    let mut walked = sections.iter();
+    while let Some(&name) = walked.next() {
+        if table.get(name).is_none() {
+            table.insert(name, Node { origin: node.origin.clone(), value: Value::Table(Table::default()) });
+        }
+        let mut value = table.get_mut(name).map(|node| &mut node.value);
+        if let Some(Value::Array(items)) = value {
+            let count = items.len();
+            let index = walked.next().ok_or_else(|| format!("{name} is a list; write {name}.0.{key}"))?;
+            let item = index.parse::<usize>().ok().and_then(|index| items.get_mut(index));
+            value = Some(&mut item.ok_or_else(|| no_such_item(name, index, count))?.value);
+        }
+        let Some(Value::Table(next)) = value else {
+            return Err(format!("{name} is no section, so it has no key {key}"));
+        };
+        table = next;
+    }
+    table.insert(key, node);
+    Ok(())
+}
+
+fn no_such_item(name: &str, index: &str, count: usize) -> String {
+    match count.checked_sub(1) {
+        Some(last) => format!("there is no {name}.{index}; the index must be >= 0 and <= {last}"),
+        None => format!("there is no {name}.{index}; the list is empty"),
+    }
+}

@@ -1,0 +1,49 @@
+//! Allowed ranges of numbers, and how a message spells them.
+
+use std::fmt::Write;
+
+/// The numbers a key may take; never NaN, never infinite.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct NumberRange {
+    low: f64,
+    low_is_allowed: bool,
+    high: f64,
+}
+
+/// From `low` to `high`, both allowed.
+pub(super) const fn within(low: f64, high: f64) -> NumberRange {
+    NumberRange { low, low_is_allowed: true, high }
+}
+
+/// Above zero, up to `high`, which is allowed.
+pub(super) const fn positive(high: f64) -> NumberRange {
+    NumberRange { low: 0.0, low_is_allowed: false, high }
+}
+
+impl NumberRange {
+    pub(super) fn contains(self, number: f64) -> bool {
+        let above = if self.low_is_allowed { number >= self.low } else { number > self.low };
+        above && number <= self.high
+    }
+
+    /// `> 0 and <= 1e6 N m/rad`.
+    pub(super) fn describe(self, unit: &str) -> String {
+        let sign = if self.low_is_allowed { ">=" } else { ">" };
+        with_unit(format!("{sign} {} and <= {}", spell_number(self.low), spell_number(self.high)), unit)
+    }
+}
+
+/// Appends the unit, if there is one.
+pub(super) fn with_unit(mut text: String, unit: &str) -> String {
+    if !unit.is_empty() {
+        // Writing to a String can't fail.
+        let _ = write!(text, " {unit}");
+    }
+    text
+}
+
+/// A limit as an engineer writes it: 0.5, 5000, 1e6.
+fn spell_number(number: f64) -> String {
+    let size = number.abs();
+    if size != 0.0 && !(1e-3..1e5).contains(&size) { format!("{number:e}") } else { format!("{number}") }
+}

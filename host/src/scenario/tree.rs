@@ -1,0 +1,174 @@
+//! A TOML document as a tree in which every value knows where it was written.
+//!
+//! The tree stands between the file and the reader so that values of the command line can replace values of
+//! the file without losing either one's origin.
+
+use std::fmt;
+use std::ops::Range;
+use std::sync::Arc;
+
+use toml_edit::{Document, Item, TableLike, TomlError};
+
+use super::error::{Origin, ScenarioError, spell_text};
+
+/// A value and where it was written.
+#[derive(Debug, Clone)]
+pub(super) struct Node {
+    pub(super) origin: Origin,
+    pub(super) value: Value,
+}
+
+/// A TOML value.
+#[derive(Debug, Clone)]
+pub(super) enum Value {
+    Text(String),
+    Integer(i64),
+    Float(f64),
+    Boolean(bool),
+    Date(String),
+    Array(Vec<Node>),
+    Table(Table),
+}
+
+/// The keys of a section, in the order of the file.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Table(Vec<(String, Node)>);
+
+impl Table {
+    pub(super) fn get(&self, key: &str) -> Option<&Node> {
+        self.0.iter().find(|(name, _)| name == key).map(|(_, node)| node)
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&str, &Node)> {
+        self.0.iter().map(|(name, node)| (name.as_str(), node))
+    }
+
+    pub(super) fn get_mut(&mut self, key: &str) -> Option<&mut Node> {
+        self.0.iter_mut().find(|(name, _)| name == key).map(|(_, node)| node)
+    }
+
+    /// Replaces the value of `key`, or adds the key.
+    pub(super) fn insert(&mut self, key: &str, node: Node) {
+        match self.get_mut(key) {
+            Some(old) => *old = node,
+            None => self.0.push((key.to_owned(), node)),
+        }
+    }
+}
+
+impl Value {
+    /// The type in words, to follow "is".
+    pub(super) fn kind(&self) -> &'static str {
+        match self {
+            Self::Text(_) => "text",
+            Self::Integer(_) => "a whole number",
+            Self::Float(_) => "a fractional number",
+            Self::Boolean(_) => "a boolean",
+            Self::Date(_) => "a date",
+            Self::Array(_) => "a list",
+            Self::Table(_) => "a section",
+        }
+    }
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Text(text) => f.write_str(&spell_text(text)),
+            Self::Integer(number) => write!(f, "{number}"),
+            // Debug keeps the point of 3.0 and the exponent of 1e300.
+            Self::Float(number) => write!(f, "{number:?}"),
+            Self::Boolean(boolean) => write!(f, "{boolean}"),
+            Self::Date(date) => f.write_str(date),
+            Self::Array(items) => write!(f, "[{} items]", items.len()),
+            Self::Table(table) => write!(f, "{{{} keys}}", table.0.len()),
+        }
+    }
+}
+
+/// Reads a whole file.
+pub(super) fn parse_file(file: &Arc<str>, text: &str) -> Result<Table, ScenarioError> {
+    let lines = Lines::new(text);
+    let document = Document::parse(text).map_err(|error| {
+        let (line, column) = lines.place(error.span().map_or(0, |span| span.start));
+        ScenarioError::Syntax { file: file.clone(), line, column, reason: reason(&error) }
+    })?;
+    let origin = |span: Option<Range<usize>>| Origin::File {
+        file: file.clone(),
+        line: lines.place(span.map_or(0, |span| span.start)).0,
+    };
+    Ok(from_table(document.as_table(), &origin))
+}
+
+/// Reads the value of an option.
+pub(super) fn parse_value(text: &str, origin: &Origin) -> Result<Value, String> {
+    let value = text.parse::<toml_edit::Value>().map_err(|error| reason(&error))?;
+    Ok(from_value(&value, &|_| origin.clone()))
+}
+
+/// The parser's reason on one line.
+fn reason(error: &TomlError) -> String {
+    error.message().lines().collect::<Vec<_>>().join("; ")
+}
+
+type FindOrigin<'a> = dyn Fn(Option<Range<usize>>) -> Origin + 'a;
+
+fn from_table(table: &dyn TableLike, origin: &FindOrigin) -> Table {
+    let entries = table.iter().filter_map(|(name, item)| {
+        let span = table.key(name).and_then(toml_edit::Key::span).or_else(|| item.span());
+        Some((name.to_owned(), Node { origin: origin(span), value: from_item(item, origin)? }))
+    });
+    Table(entries.collect())
+}
+
+fn from_item(item: &Item, origin: &FindOrigin) -> Option<Value> {
+    match item {
+        Item::None => None,
+        Item::Value(value) => Some(from_value(value, origin)),
+        Item::Table(table) => Some(Value::Table(from_table(table, origin))),
+        Item::ArrayOfTables(tables) => {
+            let nodes = tables.iter().map(|table| Node {
+                origin: origin(table.span()),
+                value: Value::Table(from_table(table, origin)),
+            });
+            Some(Value::Array(nodes.collect()))
+        }
+    }
+}
+
+fn from_value(value: &toml_edit::Value, origin: &FindOrigin) -> Value {
+    match value {
+        toml_edit::Value::String(text) => Value::Text(text.value().clone()),
+        toml_edit::Value::Integer(number) => Value::Integer(*number.value()),
+        toml_edit::Value::Float(number) => Value::Float(*number.value()),
+        toml_edit::Value::Boolean(boolean) => Value::Boolean(*boolean.value()),
+        toml_edit::Value::Datetime(date) => Value::Date(date.value().to_string()),
+        toml_edit::Value::Array(items) => {
+            let nodes = items
+                .iter()
+                .map(|item| Node { origin: origin(item.span()), value: from_value(item, origin) });
+            Value::Array(nodes.collect())
+        }
+        toml_edit::Value::InlineTable(table) => Value::Table(from_table(table, origin)),
+    }
+}
+
+/// Where lines begin, to turn the parser's byte offsets into lines and columns.
+struct Lines<'a> {
+    text: &'a str,
+    starts: Vec<usize>,
+}
+
+impl<'a> Lines<'a> {
+    fn new(text: &'a str) -> Self {
+        let after_breaks = text.match_indices('\n').map(|(at, _)| at + 1);
+        Self { text, starts: std::iter::once(0).chain(after_breaks).collect() }
+    }
+
+    /// Line and column of a byte offset, both counted from 1; the column in characters.
+    fn place(&self, offset: usize) -> (usize, usize) {
+        let line = self.starts.partition_point(|&start| start <= offset);
+        let before = self.text.get(self.starts[line - 1]..offset).unwrap_or_default();
+        (line, before.chars().count() + 1)
+    }
+}

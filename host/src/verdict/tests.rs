@@ -1,0 +1,97 @@
+//! Runs of one second with a constant error, judged.
+
+use super::{Exit, Judgement, LinkCounts, Verdict};
+use crate::metrics::{Measurement, Metric, Metrics, Sample};
+use crate::scenario::bench::Allowance;
+use crate::scenario::expectation::Expectation;
+
+fn metrics(load_position_rad: f64) -> Metrics {
+    let mut measurement = Measurement::new(0.001);
+    for step in 0..1000 {
+        measurement.push(&Sample {
+            time_s: f64::from(step) * 0.001,
+            reference_rad: 0.0,
+            load_position_rad,
+            torque_nm: 0.0,
+            dead_zone_estimate_rad: 0.16,
+        });
+    }
+    measurement.metrics()
+}
+
+fn expect(metric: Metric, min: Option<f64>, max: Option<f64>) -> Expectation {
+    Expectation { metric, unit: metric.unit(), min, max, note: None }
+}
+
+fn judge(expectations: &[Expectation], metrics: &Metrics) -> Judgement {
+    Judgement::new(expectations, metrics, &Allowance::default(), &LinkCounts::default())
+}
+
+#[test]
+fn bounds_themselves_pass_and_anything_beyond_fails() {
+    let metrics = metrics(0.25);
+    for (min, max, verdict) in [
+        (Some(0.25), Some(0.25), Verdict::Pass),
+        (Some(0.25), None, Verdict::Pass),
+        (None, Some(0.25), Verdict::Pass),
+        (Some(0.26), None, Verdict::Fail),
+        (None, Some(0.24), Verdict::Fail),
+    ] {
+        let judgement = judge(&[expect(Metric::StaticError, min, max)], &metrics);
+        assert_eq!(judgement.verdict, verdict, "{min:?} to {max:?}");
+    }
+}
+
+#[test]
+fn one_missed_expectation_of_many_fails_the_run() {
+    let expectations = [
+        expect(Metric::StaticError, Some(0.0), Some(1.0)),
+        expect(Metric::Overshoot, None, Some(0.0)),
+        expect(Metric::SettleTime, None, Some(100.0)),
+    ];
+    let judgement = judge(&expectations, &metrics(0.25));
+    assert_eq!(judgement.verdict, Verdict::Fail);
+    let lines: Vec<_> = judgement.findings.iter().map(ToString::to_string).collect();
+    insta::assert_snapshot!(lines.join("\n"), @"");
+}
+
+#[test]
+fn a_run_that_is_not_finite_fails_every_expectation_and_also_none() {
+    let nan = metrics(f64::NAN);
+    for metric in Metric::ALL {
+        let finding = &judge(&[expect(metric, Some(f64::MIN), Some(f64::MAX))], &nan).findings[0];
+        assert!(!finding.ok, "{finding}");
+    }
+    assert_eq!(judge(&[], &nan).verdict, Verdict::Fail);
+    assert_eq!(judge(&[], &metrics(0.0)).verdict, Verdict::Pass);
+}
+
+#[test]
+fn a_link_beyond_its_allowance_makes_even_a_failed_run_invalid() {
+    let allow = Allowance { lost: 2, late: 5, crc_errors: 0 };
+    let missed = [expect(Metric::StaticError, None, Some(0.0))];
+    let judge = |counts| Judgement::new(&missed, &metrics(0.25), &allow, &counts);
+    let counts = LinkCounts { frames_sent: 1000, frames_received: 998, crc_errors: 0, lost: 2, late: 5 };
+    assert_eq!(judge(counts).verdict, Verdict::Fail);
+    for (counts, reason) in [
+        (LinkCounts { lost: 3, ..counts }, "lost: 3 counted, allow.lost is 2"),
+        (LinkCounts { late: 6, ..counts }, "late: 6 counted, allow.late is 5"),
+        (LinkCounts { crc_errors: 1, ..counts }, "crc_errors: 1 counted, allow.crc_errors is 0"),
+    ] {
+        let judgement = judge(counts);
+        assert_eq!(judgement.verdict, Verdict::Invalid);
+        assert_eq!(judgement.breaches.iter().map(ToString::to_string).collect::<Vec<_>>(), [reason]);
+    }
+}
+
+#[test]
+fn every_ending_has_its_own_exit_code() {
+    let endings = [
+        Verdict::Pass.into(),
+        Verdict::Fail.into(),
+        Exit::UsageOrScenario,
+        Verdict::Invalid.into(),
+        Exit::DeviceOrLink,
+    ];
+    assert_eq!(endings.map(|exit: Exit| exit as u8), [0, 1, 2, 3, 4]);
+}
