@@ -1,4 +1,5 @@
 //! Skeleton.
 
 pub mod encoder;
+pub mod picture;
 pub mod plant;
