@@ -30,15 +30,15 @@ pub(super) fn strokes(x: &[f64], y: &[f64], x_scale: Scale, y_scale: Scale) -> V
         .collect()
 }
 
-/// Both coordinate ranges of a curve, of the points that will be drawn.
-pub(super) fn spans(curves: &[(&[f64], &[f64])]) -> Option<(Span, Span)> {
+/// Both coordinate ranges of the points that will be drawn; the vertical one takes in some `levels`, too.
+pub(super) fn spans(curves: &[(&[f64], &[f64])], levels: &[f64]) -> (Span, Span) {
     let drawable = || {
-        curves
-            .iter()
-            .flat_map(|(x, y)| x.iter().copied().zip(y.iter().copied()))
-            .filter(|&(x, y)| is_drawable(x) && is_drawable(y))
+        let points = curves.iter().flat_map(|(x, y)| x.iter().copied().zip(y.iter().copied()));
+        points.filter(|&(x, y)| is_drawable(x) && is_drawable(y))
     };
-    Span::of(drawable().map(|(x, _)| x)).zip(Span::of(drawable().map(|(_, y)| y)))
+    let x = Span::of(drawable().map(|(x, _)| x));
+    let y = Span::of(drawable().map(|(_, y)| y).chain(levels.iter().copied()));
+    (x.unwrap_or(Span::UNIT), y.unwrap_or(Span::UNIT))
 }
 
 fn thin(stroke: &[Point]) -> Vec<Point> {

@@ -129,9 +129,9 @@ fn caption(runs: &DemoRuns) -> String {
          and compensated.\n\
          a) Time to stay within \u{b1}{SETTLED_RAD} rad: paper about 13 s before, 5.2 s after; here {} and {}.\n\
          b) Static error: paper about 0.32 rad before, eliminated after; here {} and {}.\n\
-         c) Estimate at the end: {} on the smooth plant, where {dead_zone_rad} rad is set; with friction {}, because \
-         it takes up the friction as well.\n\
-         The width of the band and the friction are chosen so that the two numbers before come out; those after follow.",
+         c) Estimate at the end: {} on the smooth plant, where {dead_zone_rad} rad is set; {} with friction, which it \
+         takes up too.\n\
+         Band width and friction are fitted to the paper's two numbers before; those after follow.",
         seconds(smooth.before.settle_time_s),
         seconds(smooth.after.settle_time_s),
         radians(friction.before.static_error_rad),

@@ -11,7 +11,7 @@ pub enum Role {
     Reference,
     /// A value not to be exceeded, drawn dotted.
     Limit,
-    /// One of several equals; the number picks the colour and wraps around.
+    /// One of several equals; the number picks the colour. After five colours the next five are dashed.
     Other(usize),
 }
 

@@ -33,7 +33,7 @@ pub(super) fn draw(figure: &Figure) -> String {
     let (panel_width, plot_height) = if columns == 1 { ALONE_PX } else { BESIDE_PX };
     let inner_width = columns as f64 * (panel_width + COLUMN_GAP_PX) - COLUMN_GAP_PX;
 
-    let is_lettered = figure.panels.len() > 1;
+    let is_lettered = (2..=26).contains(&figure.panels.len());
     let prepared: Vec<Prepared> = figure
         .panels
         .iter()

@@ -137,22 +137,22 @@ impl<'a> Prepared<'a> {
             right: frame.plot_right,
             bottom: frame.plot_bottom,
         };
-        let marks = || {
-            let drawable = self.panel.marks.iter().filter(|mark| is_drawable(mark.x) && is_drawable(mark.y));
-            drawable.map(|mark| (mark, (x_scale.px(mark.x), y_scale.px(mark.y))))
-        };
-        let mut taken: Vec<Area> =
-            marks().map(|(_, point)| Area::around(point, 2.0 * RING_PX, 2.0 * RING_PX)).collect();
-        for (mark, point) in marks() {
+        let drawable = self.panel.marks.iter().filter(|mark| is_drawable(mark.x) && is_drawable(mark.y));
+        let marks: Vec<_> = drawable.map(|mark| (mark, (x_scale.px(mark.x), y_scale.px(mark.y)))).collect();
+        let mut labels: Vec<Area> = Vec::new();
+        for &(mark, point) in &marks {
             let colour = pen(mark.role).colour;
-            let area = place(point, (BOLD * width_px(&mark.label, LABEL_PX), LABEL_PX), plot, curves, &taken);
-            let near = (point.0.clamp(area.left, area.right), point.1.clamp(area.top, area.bottom));
-            svg.lines(&[[point, near]], colour, 1.0);
+            let rings = marks.iter().filter(|(_, other)| *other != point);
+            let rings = rings.map(|(_, other)| Area::around(*other, 2.0 * RING_PX, 2.0 * RING_PX));
+            let taken: Vec<Area> = rings.chain(labels.iter().copied()).collect();
+            let size = (BOLD * width_px(&mark.label, LABEL_PX), LABEL_PX);
+            let area = place(point, size, plot, curves, &taken);
+            svg.lines(&[[point, area.nearest(point)]], colour, 1.0);
             svg.ring(point, RING_PX, colour);
             let x = (area.left + area.right) / 2.0;
             let y = area.bottom - 2.0;
             svg.text(Label { x, y, colour, anchor: Anchor::Middle, bold: true, ..Label::new(&mark.label) });
-            taken.push(area);
+            labels.push(area);
         }
     }
 }
@@ -163,9 +163,6 @@ fn data_spans(panel: &Panel) -> (Span, Span) {
     let mut curves: Vec<(&[f64], &[f64])> =
         panel.series.iter().map(|series| (&*series.x, &*series.y)).collect();
     curves.push((&mark_x, &mark_y));
-    let Some((x, y)) = spans(&curves) else {
-        return (Span::UNIT, Span::UNIT);
-    };
-    let edges = panel.band.iter().flat_map(|band| [band.low, band.high]);
-    (x, Span::of(edges.chain([y.low, y.high])).unwrap_or(y))
+    let edges: Vec<f64> = panel.band.iter().flat_map(|band| [band.low, band.high]).collect();
+    spans(&curves, &edges)
 }

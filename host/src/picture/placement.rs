@@ -23,7 +23,7 @@ const DIRECTIONS: [Point; 12] = [
 ];
 
 /// Distances between point and label to try, in pixels.
-const DISTANCES_PX: [f64; 8] = [9.0, 14.0, 20.0, 28.0, 38.0, 50.0, 66.0, 88.0];
+const DISTANCES_PX: [f64; 9] = [9.0, 14.0, 20.0, 28.0, 38.0, 50.0, 66.0, 88.0, 120.0];
 
 /// Free space kept around a label, in pixels.
 const CLEARANCE_PX: f64 = 4.0;
@@ -45,6 +45,11 @@ impl Area {
     pub(super) fn around(centre: Point, width: f64, height: f64) -> Self {
         let (left, top) = (centre.0 - width / 2.0, centre.1 - height / 2.0);
         Self { left, top, right: left + width, bottom: top + height }
+    }
+
+    /// The point of the rectangle next to another point; a leader from that point ends here.
+    pub(super) fn nearest(&self, point: Point) -> Point {
+        (point.0.clamp(self.left, self.right), point.1.clamp(self.top, self.bottom))
     }
 
     fn contains(&self, inner: &Self) -> bool {
@@ -85,7 +90,8 @@ impl Area {
     }
 }
 
-/// Finds the area for a label of a size that belongs to `point`, inside `frame`.
+/// Finds the area for a label of a size that belongs to `point`, inside `frame`. Neither the label nor the leader from
+/// the point to it shall cross what is `taken`.
 pub(super) fn place(
     point: Point,
     (width, height): (f64, f64),
@@ -104,8 +110,13 @@ pub(super) fn place(
                 || stroke.iter().any(|point| room.is_crossed_by(*point, *point))
         });
         let covers_label = taken.iter().any(|other| room.overlaps(other));
-        COVERED * (f64::from(u8::from(covers_curve)) + 2.0 * f64::from(u8::from(covers_label)))
-            + if frame.contains(&room) { 0.0 } else { 4.0 * COVERED }
+        let leader_end = area.nearest(point);
+        let leader_crosses_label = taken.iter().any(|other| other.is_crossed_by(point, leader_end));
+        let outside = !frame.contains(&room);
+        [(outside, 4.0), (covers_label, 2.0), (covers_curve, 1.0), (leader_crosses_label, 0.5)]
+            .into_iter()
+            .map(|(is_so, weight)| if is_so { weight * COVERED } else { 0.0 })
+            .sum::<f64>()
     };
     DISTANCES_PX
         .iter()

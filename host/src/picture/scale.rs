@@ -8,6 +8,9 @@ pub(super) type Point = (f64, f64);
 /// Beyond this magnitude the difference of two values may overflow; such a value counts as no number.
 const LARGEST: f64 = 1e300;
 
+/// Below this magnitude a value counts as zero: its ticks would need powers of ten that a double doesn't reach.
+const SMALLEST: f64 = 1e-290;
+
 /// A spread below this part of the magnitude is rounding noise: labels could not tell its ticks apart.
 const SMALLEST_SPREAD: f64 = 1e-9;
 
@@ -36,7 +39,7 @@ impl Span {
             return None;
         }
         let magnitude = low.abs().max(high.abs());
-        if magnitude < 1.0 / LARGEST {
+        if magnitude < SMALLEST {
             return Some(Self { low: -1.0, high: 1.0 });
         }
         if high - low > SMALLEST_SPREAD * magnitude {

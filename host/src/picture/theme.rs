@@ -39,6 +39,9 @@ pub(super) fn pen(role: Role) -> Pen {
         Role::After => Pen { colour: "#0067a8", width_px: 2.0, dash: None },
         Role::Reference => Pen { colour: "#55606d", width_px: 1.5, dash: Some("6 4") },
         Role::Limit => Pen { colour: "#55606d", width_px: 1.5, dash: Some("1.5 3.5") },
-        Role::Other(index) => Pen { colour: EQUALS[index % EQUALS.len()], width_px: 1.8, dash: None },
+        Role::Other(index) => {
+            let dash = (index / EQUALS.len() % 2 == 1).then_some("9 4");
+            Pen { colour: EQUALS[index % EQUALS.len()], width_px: 1.8, dash }
+        }
     }
 }

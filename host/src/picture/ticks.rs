@@ -100,6 +100,16 @@ mod tests {
     }
 
     #[test]
+    fn ranges_at_the_ends_of_what_is_drawable_get_ticks_too() {
+        for values in [[1e-290, 1.000_000_01e-290], [0.0, 1e-300], [-9.9e299, 9.9e299]] {
+            let span = Span::of(values.into_iter()).expect("drawable values");
+            let ticks = ticks(span.low, span.high);
+            assert!((2..=8).contains(&ticks.len()), "{ticks:?}");
+            assert!(ticks.windows(2).all(|pair| pair[0] < pair[1]), "{ticks:?}");
+        }
+    }
+
+    #[test]
     fn one_sample_past_the_last_tick_adds_no_interval() {
         assert_eq!(ticks(0.0, 25.001), [0.0, 5.0, 10.0, 15.0, 20.0, 25.0]);
     }

@@ -92,6 +92,19 @@ fn a_panel_without_any_value_says_so() {
 }
 
 #[test]
+fn the_scale_of_an_error_that_stays_zero_is_set_by_its_band() {
+    let svg = Figure::new("title", "caption", 1)
+        .panel(panel([series(vec![0.0, 1.0], vec![0.0; 2])]).band("settled", -0.05, 0.05))
+        .to_svg();
+    let document = Document::parse(&svg).expect("valid XML");
+    assert!(
+        texts(&document).contains(&"0.04") && !texts(&document).contains(&"0.5"),
+        "{:?}",
+        texts(&document)
+    );
+}
+
+#[test]
 fn a_constant_curve_lies_inside_the_plot() {
     for value in [0.0, 0.16, -1e12, 1e-320, 1e299] {
         let svg = svg_of([series(vec![0.0, 1.0], vec![value; 2])]);
