@@ -1,6 +1,6 @@
 //! A curve in pixels: unbroken strokes with as few points as show the same ink.
 //!
-//! A run of 25 s at 1 kHz has 25,000 points on some 400 columns of pixels. Of the points that follow each other within
+//! A run of 25 s at 1 kHz has 25,000 points on 400 to 700 columns of pixels. Of the points that follow each other within
 //! one column, the first, the lowest, the highest and the last draw the same ink as all of them. The rule asks only
 //! for neighbours in one column, not for rising x; so it also serves curves that turn back, such as a hysteresis. A
 //! curve that leaves its column with every sample can't be shortened that way; only when it would pass the budget do
@@ -10,7 +10,7 @@ use std::fmt::Write;
 
 use super::scale::{Point, Scale, Span, is_drawable};
 
-/// Most points of one stroke, some 40 kB of path. A time series on 600 columns stays below it.
+/// Most points of one stroke, some 40 kB of path. A time series has four per column at most and stays below it.
 const BUDGET: usize = 4000;
 
 /// Points kept per run at most: first, last and the extremes on both axes.

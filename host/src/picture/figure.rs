@@ -11,7 +11,7 @@ pub enum Role {
     Reference,
     /// A value not to be exceeded, drawn dotted.
     Limit,
-    /// One of several equals; the number picks the colour. After five colours the next five are dashed.
+    /// One of several equals; the number picks the colour. After three colours the next three are dashed.
     Other(usize),
 }
 

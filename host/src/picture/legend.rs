@@ -79,3 +79,24 @@ impl<'a> Legend<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::picture::{Axis, Series};
+
+    #[test]
+    fn entries_that_do_not_fit_go_to_the_next_row() {
+        let axis = || Axis::new("time", "s");
+        let names = ["pd", "faithful", "lash-compensating", "literal"];
+        let panel = names.iter().fold(Panel::new("laws", axis(), axis()), |panel, name| {
+            panel.series(Series::new(*name, Role::After, vec![], vec![]))
+        });
+        let legend = Legend::new(&panel, 250.0);
+        let right_px =
+            |entry: &Entry| entry.offset_px + SAMPLE_PX + SAMPLE_GAP_PX + width_px(entry.name, LABEL_PX);
+        assert!(legend.entries.iter().all(|entry| right_px(entry) <= 250.0), "{legend:?}");
+        assert_eq!(legend.entries.iter().map(|entry| entry.row).collect::<Vec<_>>(), [0, 0, 1, 1]);
+        assert_eq!(legend.height_px(), 2.0 * LINE_PX);
+    }
+}

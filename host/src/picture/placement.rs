@@ -158,6 +158,18 @@ mod tests {
     }
 
     #[test]
+    fn leader_passes_no_other_label_if_there_is_another_way() {
+        // The point sits in a box open to the top, and the only short way out leads through the other label.
+        let walls = [150.0, 250.0].map(|x| vec![(x, 40.0), (x, 200.0)]);
+        let floors = [112.0, 128.0, 144.0, 160.0, 176.0, 192.0].map(|y| vec![(150.0, y), (250.0, y)]);
+        let strokes: Vec<_> = walls.into_iter().chain(floors).collect();
+        let other = Area { left: 165.0, top: 70.0, right: 235.0, bottom: 84.0 };
+        let point = (200.0, 100.0);
+        let area = place(point, (60.0, 14.0), FRAME, &strokes, &[other]);
+        assert!(!other.is_crossed_by(point, area.nearest(point)), "{area:?}");
+    }
+
+    #[test]
     fn label_without_a_free_spot_still_stays_in_the_frame() {
         let hatch: Vec<Vec<Point>> =
             (0..40).map(|row| vec![(0.0, 5.0 * f64::from(row)), (400.0, 5.0 * f64::from(row))]).collect();
