@@ -1,6 +1,7 @@
 //! Skeleton.
 
 pub mod encoder;
+pub mod picture;
 pub mod plant;
 pub mod metrics;
 pub mod record;
