@@ -95,13 +95,24 @@ fn extrapolated(coarse: &[Row], fine: &[Row]) -> Vec<Row> {
 fn shrinking_the_period_leads_to_continuous_control() {
     for (faithful, name) in [(false, "cont_smooth_pd"), (true, "cont_smooth_faithful")] {
         let recorded = read(name);
-        let [slow, medium, fast] = [8, 16, 32].map(|rate| smooth_at_rate(rate, faithful));
-        let at = |rows: &[Row]| difference(rows, &recorded, 1);
-        println!("{name}: 8, 16, 32 kHz {:?} {:?} {:?}", at(&slow), at(&medium), at(&fast));
-        println!(
-            "{name}: extrapolated {:?} {:?}",
-            at(&extrapolated(&slow, &medium)),
-            at(&extrapolated(&medium, &fast))
+        let rows @ [_, medium, fast] = &[8, 16, 32].map(|rate| smooth_at_rate(rate, faithful));
+        let motor = |rows: &[Row]| difference(rows, &recorded, 1).motor_position_rad;
+        let [at_8_khz, at_16_khz, at_32_khz] = rows.each_ref().map(|rows| motor(rows));
+        for ratio in [at_8_khz / at_16_khz, at_16_khz / at_32_khz] {
+            assert!(
+                (1.95..2.05).contains(&ratio),
+                "{name}: half the period leaves 1/{ratio} of the difference"
+            );
+        }
+        // What is left is of second order in 1/32 ms: with 55 rad/s of ringing behind 190 rad/s, some 1e-4 rad.
+        let limit = difference(&extrapolated(medium, fast), &recorded, 1);
+        assert!(limit.load_position_rad < 2e-7, "{name}: load differs by {:e} rad", limit.load_position_rad);
+        assert!(
+            limit.motor_position_rad < 2e-4,
+            "{name}: motor differs by {:e} rad",
+            limit.motor_position_rad
         );
+        assert!(limit.dead_zone_estimate_rad < 2e-6, "{name}: {:e} rad", limit.dead_zone_estimate_rad);
+        assert!(at_32_khz / limit.motor_position_rad > 50.0, "{name}: extrapolation is worth its while");
     }
 }

@@ -2,6 +2,7 @@
 //! that were computed by independent programs, against closed forms and against conservation of energy; then the same
 //! laws in single precision behind encoders.
 
+mod bench;
 mod closed_loop;
 mod open_loop;
 mod paper;

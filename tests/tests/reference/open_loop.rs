@@ -7,7 +7,7 @@ const PUSH_S: f64 = 0.4;
 
 /// A push of 4 N m one way and 3 N m the other: it crosses the gap, breaks the load away, lets it stick again.
 pub(crate) fn push_nm(time_s: f64) -> f64 {
-    if (time_s / PUSH_S) as u64 % 2 == 0 { 4.0 } else { -3.0 }
+    if ((time_s / PUSH_S) as u64).is_multiple_of(2) { 4.0 } else { -3.0 }
 }
 
 /// The truth at every step of `dt_s`, from rest in the middle of the gap; `dt_s` divides [`PUSH_S`].

@@ -76,7 +76,6 @@ impl Plant for WithoutEvents {
 fn smooth_plant_converges_with_the_fourth_order() {
     let errors = errors(paper::smooth, &paper::smooth(64), [1, 2, 4]);
     let order = order(errors);
-    println!("smooth: {errors:?} order {order}");
     assert!((3.8..4.2).contains(&order), "order {order} from errors {errors:?} rad");
 }
 
@@ -84,7 +83,6 @@ fn smooth_plant_converges_with_the_fourth_order() {
 fn located_events_keep_the_order_across_contact_and_friction() {
     let errors = errors(paper::hard_coulomb, &paper::hard_coulomb(64), [1, 2, 4]);
     let order = order(errors);
-    println!("hard: {errors:?} order {order}");
     assert!(order > 3.5, "order {order} from errors {errors:?} rad");
 }
 
@@ -93,7 +91,6 @@ fn without_events_the_order_is_one_and_the_error_a_million_times_larger() {
     let located = errors(paper::hard_coulomb, &paper::hard_coulomb(64), [4]);
     let errors = errors(|substeps| WithoutEvents { substeps }, &paper::hard_coulomb(64), [4, 8, 16]);
     let order = order(errors);
-    println!("none: {errors:?} order {order}, located {located:?}");
     assert!((0.7..1.3).contains(&order), "order {order} from errors {errors:?} rad");
     assert!(errors[0] > 1e6 * located[0], "have {} rad without, {} rad with events", errors[0], located[0]);
 }
