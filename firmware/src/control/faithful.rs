@@ -1,8 +1,10 @@
 //! The cascade after compensation, in the reading that meets the paper's figures.
 //!
 //! The paper leaves the free control u of equation (16) open. Taken as u = w - w_hat, equation (24) with H = 0, and
-//! with the motor sent ahead by -w_hat / K, as (13) and (18) imply, the simulated transients and the static error of
-//! the bench come out together.
+//! with the motor sent ahead by zeta_d / K, as (13) and (18) imply, the simulated transients and the static error of the
+//! bench come out together. With a constant reference zeta_d / K is -w_hat / K; under a slow sine the reference's own
+//! part of zeta_d in the lead is what lets the motor run ahead of the dead zone (lost motion 0.003 instead of 0.13 rad
+//! on the hard gap).
 //!
 //! The disturbing torque w is known on the paper's smooth plant, from equation (4). Everywhere else it is observed:
 //! w = C_obs - K z with the momentum observer's C_obs.
@@ -10,6 +12,7 @@
 use crate::control::cascade::{Cascade, CascadeGains, Compensation};
 use crate::control::dead_zone::DeadZone;
 use crate::control::dead_zone_observer::DeadZoneObserver;
+use crate::control::feed_forward::FeedForward;
 use crate::control::momentum_observer::{MomentumObserver, MomentumObserverState};
 use crate::control::nominal::NominalModel;
 use crate::control::{ControlOutput, Controller, Measurement, ParameterError, Real};
@@ -36,6 +39,7 @@ enum Source<F> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Faithful<F> {
     cascade: Cascade<F>,
+    feed_forward: FeedForward<F>,
     dead_zone: DeadZone<F>,
     nominal_dead_zone_rad: F,
     stiffness_nm_rad: F,
@@ -73,6 +77,7 @@ impl<F: Real> Faithful<F> {
         };
         Ok(Self {
             cascade: Cascade::new(model, gains)?,
+            feed_forward: FeedForward::new(model),
             dead_zone: DeadZone::new(model),
             nominal_dead_zone_rad: model.dead_zone_rad,
             stiffness_nm_rad: model.stiffness_nm_rad,
@@ -107,10 +112,11 @@ impl<F: Real> Controller<F> for Faithful<F> {
         };
         let estimate = state.dead_zone_estimate_rad;
         let estimated_torque = self.dead_zone.disturbing_torque_nm(estimate, twist);
+        let wanted_elastic_torque = self.feed_forward.elastic_torque_nm(measurement) - estimated_torque;
         let compensation = Compensation {
             dead_zone_estimate_rad: estimate,
             disturbing_torque_nm: estimated_torque,
-            lead_rad: -estimated_torque / self.stiffness_nm_rad,
+            lead_rad: wanted_elastic_torque / self.stiffness_nm_rad,
             free_torque_nm: disturbing_torque - estimated_torque,
         };
         let output = self.cascade.output(measurement, &compensation);

@@ -52,3 +52,114 @@ impl<F: Real> Controller<F> for Law<F> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use core::f64::consts::FRAC_PI_2;
+
+    use super::*;
+    use crate::control::cascade::CascadeGains;
+    use crate::control::dead_zone_observer::DeadZoneObserver;
+    use crate::control::faithful::DisturbingTorqueSource;
+    use crate::control::nominal::NominalModel;
+
+    /// The paper's start: at rest at pi/2, the motor at 3 pi/2.
+    fn start() -> Measurement<f64> {
+        Measurement {
+            motor_position_rad: 3.0 * FRAC_PI_2,
+            motor_velocity_rad_s: 0.0,
+            load_position_rad: FRAC_PI_2,
+            load_velocity_rad_s: 0.0,
+            twist_rad: 0.0,
+            reference_position_rad: 0.0,
+            reference_velocity_rad_s: 0.0,
+            reference_acceleration_rad_s2: 0.0,
+            applied_torque_nm: 0.0,
+        }
+    }
+
+    fn laws() -> [Law<f64>; 3] {
+        let (model, gains, observer) =
+            (NominalModel::paper(), CascadeGains::paper(), DeadZoneObserver::paper());
+        let source = DisturbingTorqueSource::Observed { pole_rad_s: 60.0 };
+        [
+            Law::Pd(Pd::new(&model, gains).expect("valid")),
+            Law::Faithful(Faithful::new(&model, gains, observer, source, 1e-3).expect("valid")),
+            Law::Literal(Literal::new(&model, gains, observer, 1e-3).expect("valid")),
+        ]
+    }
+
+    #[test]
+    fn first_torque_of_the_paper_is_the_same_in_every_law() {
+        for law in laws() {
+            let output = law.step(&mut law.initial_state(), &start());
+            // Without twist there is nothing to compensate: -(theta_e + 10 theta_s).
+            assert!((output.torque_nm + 13.0 * FRAC_PI_2).abs() < 1e-9, "have {} N m", output.torque_nm);
+            assert_eq!(output.dead_zone_estimate_rad, 0.16);
+        }
+    }
+
+    #[test]
+    fn laws_differ_by_lead_and_free_torque_at_a_wound_spring() {
+        let wound = Measurement { twist_rad: 2.0, motor_position_rad: 3.0 * FRAC_PI_2 + 2.0, ..start() };
+        let [pd, faithful, literal] = laws().map(|law| law.step(&mut law.initial_state(), &wound).torque_nm);
+        let w_hat = -0.64 * libm::tanh(2.0 / 0.64);
+        assert!((literal - (pd - w_hat)).abs() < 1e-12, "literal: have {literal}, pd {pd}");
+        // Lead -w_hat, and w - w_hat with nothing observed yet: C_obs = 0, w = -K z.
+        assert!(
+            (faithful - (pd - w_hat - w_hat - 2.0 - w_hat)).abs() < 1e-12,
+            "faithful: have {faithful}, pd {pd}"
+        );
+    }
+
+    #[test]
+    fn literal_and_faithful_use_the_estimate_of_before_its_update() {
+        let wound = Measurement { twist_rad: 2.0, ..start() };
+        for law in laws().into_iter().skip(1) {
+            let mut state = law.initial_state();
+            let first = law.step(&mut state, &wound);
+            let second = law.step(&mut state, &wound);
+            assert_eq!(first.dead_zone_estimate_rad, 0.16);
+            let rate = 0.01 * first.load_error_rad + 0.5 * first.elastic_error_nm;
+            assert!((second.dead_zone_estimate_rad - 0.16 - 1e-3 * rate).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn state_of_another_law_is_begun_anew() {
+        let [pd, faithful, _] = laws();
+        let mut state = pd.initial_state();
+        let mut own = faithful.initial_state();
+        assert_eq!(faithful.step(&mut state, &start()), faithful.step(&mut own, &start()));
+        assert_eq!(state, own);
+    }
+
+    #[test]
+    fn perfect_tracking_asks_for_the_torque_of_the_rigid_mechanics() {
+        // On the reference in position and velocity, the spring wound by exactly zeta_d and the motor where (17) wants
+        // it, nothing but the feed-forward is left.
+        let moving = Measurement {
+            motor_position_rad: 3.0,
+            motor_velocity_rad_s: 1.5,
+            load_position_rad: 1.0,
+            load_velocity_rad_s: 0.5,
+            twist_rad: (7.5 * 0.2 + 16.0 * 0.5) / 3.0,
+            reference_position_rad: 1.0,
+            reference_velocity_rad_s: 0.5,
+            reference_acceleration_rad_s2: 0.2,
+            applied_torque_nm: 0.0,
+        };
+        let [pd, ..] = laws();
+        let want = (9.72e-4 * 3.0 + 7.5 / 3.0) * 0.2 + (4.3e-4 * 3.0 + 16.0 / 3.0) * 0.5;
+        let have = pd.step(&mut pd.initial_state(), &moving).torque_nm;
+        assert!((have - want).abs() < 1e-12, "have {have}, want {want} N m");
+    }
+
+    #[test]
+    fn a_number_that_is_none_shows_in_the_output() {
+        for law in laws() {
+            let blind = Measurement { load_position_rad: f64::NAN, ..start() };
+            assert!(!law.step(&mut law.initial_state(), &blind).is_finite());
+        }
+    }
+}

@@ -228,3 +228,140 @@ impl<F: Real> Sensing<F> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f64::consts::TAU;
+    use std::string::ToString;
+
+    fn encoder(counts_per_revolution: u32) -> EncoderConfig<f32> {
+        EncoderConfig { counts_per_revolution, velocity_bandwidth_rad_s: 1e6 }
+    }
+
+    fn sensing(counts: u32, bandwidth: f32) -> Sensing<f32> {
+        let channel = EncoderConfig { velocity_bandwidth_rad_s: bandwidth, ..encoder(counts) };
+        Sensing::new(SensingConfig { motor: channel, load: channel, ratio: 3.0, period_s: 1e-3 })
+            .expect("valid")
+    }
+
+    fn sample(motor_counts: i32, load_counts: i32) -> Sample<f32> {
+        Sample { motor_counts, load_counts, reference_rad: 0.0, applied_torque_nm: 0.0, elapsed_periods: 1 }
+    }
+
+    #[test]
+    fn first_sample_has_no_velocity() {
+        let sensing = sensing(4000, 1e6);
+        let first = sensing.step(&mut sensing.initial_state(), &sample(123_456, -7));
+        assert_eq!([first.motor_velocity_rad_s, first.load_velocity_rad_s], [0.0, 0.0]);
+    }
+
+    #[test]
+    fn position_is_decoded_at_the_middle_of_the_count() {
+        let sensing = sensing(1000, 1e6);
+        let measured = sensing.step(&mut sensing.initial_state(), &sample(0, -1));
+        assert!((f64::from(measured.motor_position_rad) - 0.0005 * TAU).abs() < 1e-9);
+        assert!((f64::from(measured.load_position_rad) + 0.0005 * TAU).abs() < 1e-9);
+    }
+
+    #[test]
+    fn velocity_and_twist_survive_a_thousand_radians_in_single_precision() {
+        let sensing = sensing(1 << 20, 1e6);
+        let mut state = sensing.initial_state();
+        // 1000 rad at the load are 3000 rad at the motor; the twist is 5 counts and the load moves 3 counts.
+        let load = 166_886_053;
+        sensing.step(&mut state, &sample(3 * load + 5 + 1, load));
+        let measured = sensing.step(&mut state, &sample(3 * (load + 3) + 5 + 1, load + 3));
+        let count = TAU / f64::from(1 << 20);
+        let velocity = f64::from(measured.load_velocity_rad_s);
+        assert!(
+            (velocity / (3.0 * count / 1e-3) - 1.0).abs() < 1e-6,
+            "have {velocity} rad/s, want three counts"
+        );
+        // Middles of counts: (n_e + 1/2) - 3 (n_s + 1/2) = 6 - 1.
+        let twist = f64::from(measured.twist_rad);
+        assert!((twist / (5.0 * count) - 1.0).abs() < 1e-6, "have {twist} rad, want five counts");
+    }
+
+    #[test]
+    fn wrapping_counter_keeps_position_velocity_and_twist() {
+        let sensing = sensing(1 << 20, 1e6);
+        let mut state = sensing.initial_state();
+        sensing.step(&mut state, &sample(i32::MAX - 1, 715_827_882));
+        let measured = sensing.step(&mut state, &sample(i32::MIN + 1, 715_827_883));
+        let count = TAU / f64::from(1 << 20);
+        assert!((f64::from(measured.motor_velocity_rad_s) / (3.0 * count / 1e-3) - 1.0).abs() < 1e-6);
+        assert!((f64::from(measured.motor_position_rad) - 2048.0 * TAU).abs() < 1e-3);
+        // n_e = 2^31 + 1, three times n_s = 2^31 + 1, and minus one count for the middles.
+        assert!((f64::from(measured.twist_rad) / -count - 1.0).abs() < 1e-6, "have {}", measured.twist_rad);
+    }
+
+    #[test]
+    fn lost_samples_do_not_multiply_the_velocity() {
+        let sensing = sensing(4000, 200.0);
+        let (mut every, mut third) = (sensing.initial_state(), sensing.initial_state());
+        sensing.step(&mut every, &sample(0, 0));
+        sensing.step(&mut third, &sample(0, 0));
+        for k in 1..=60 {
+            let of_every = sensing.step(&mut every, &sample(12 * k, 4 * k));
+            if k % 3 == 0 {
+                let of_third =
+                    sensing.step(&mut third, &Sample { elapsed_periods: 3, ..sample(12 * k, 4 * k) });
+                let (have, want) = (of_third.motor_velocity_rad_s, of_every.motor_velocity_rad_s);
+                assert!((have / want - 1.0).abs() < 1e-5, "sample {k}: have {have}, want {want} rad/s");
+            }
+        }
+    }
+
+    #[test]
+    fn velocity_filter_reaches_its_share_of_a_step_exactly() {
+        let sensing = sensing(4000, 100.0);
+        let mut state = sensing.initial_state();
+        sensing.step(&mut state, &sample(0, 0));
+        let last = (1..=20).map(|k| sensing.step(&mut state, &sample(10 * k, 0))).last().expect("stepped");
+        // 20 ms at 100 rad/s are two time constants.
+        let want = 10.0 * TAU / 4000.0 / 1e-3 * (1.0 - libm::exp(-2.0));
+        let have = f64::from(last.motor_velocity_rad_s);
+        assert!((have / want - 1.0).abs() < 1e-5, "have {have}, want {want} rad/s");
+    }
+
+    #[test]
+    fn twist_holds_for_a_ratio_that_is_no_whole_number_of_counts() {
+        let config =
+            SensingConfig { motor: encoder(4096), load: encoder(10_000), ratio: 2.5_f32, period_s: 1e-3 };
+        let sensing = Sensing::new(config).expect("valid");
+        let measured = sensing.step(&mut sensing.initial_state(), &sample(5000, 4900));
+        let want = 5000.5 * TAU / 4096.0 - 2.5 * 4900.5 * TAU / 10_000.0;
+        assert!(
+            (f64::from(measured.twist_rad) - want).abs() < 1e-6,
+            "have {}, want {want}",
+            measured.twist_rad
+        );
+    }
+
+    #[test]
+    fn reference_ramp_has_rates_and_a_jump_has_none() {
+        let sensing = sensing(4000, 1e6);
+        let mut state = sensing.initial_state();
+        let mut at = |reference_rad: f32| {
+            let measured = sensing.step(&mut state, &Sample { reference_rad, ..sample(0, 0) });
+            [measured.reference_velocity_rad_s, measured.reference_acceleration_rad_s2]
+        };
+        assert_eq!(at(1.0), [0.0, 0.0]);
+        let [velocity, acceleration] = at(1.0 + 1.0 / 128.0);
+        assert!((velocity - 7.8125).abs() < 1e-4);
+        assert_eq!(acceleration, 0.0, "the first velocity has no predecessor");
+        let [_, acceleration] = at(1.0 + 3.0 / 128.0);
+        assert!((acceleration - 7812.5).abs() < 1.0, "have {acceleration}");
+        assert_eq!(at(2.0), [0.0, 0.0], "a jump");
+        assert_eq!(at(2.0 + 1.0 / 128.0)[1], 0.0, "after a jump");
+    }
+
+    #[test]
+    fn encoder_without_counts_is_refused_by_name() {
+        let config = SensingConfig { motor: encoder(4000), load: encoder(0), ratio: 3.0, period_s: 1e-3 };
+        let error = Sensing::new(config).expect_err("no counts");
+        let want = "control parameter load.counts_per_revolution is 0, allowed is 4 to 268435456";
+        assert_eq!(error.to_string(), want);
+    }
+}

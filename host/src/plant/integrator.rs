@@ -177,3 +177,97 @@ enum End {
     Near,
     Far,
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector2;
+
+    use super::*;
+
+    /// A ball under constant acceleration over a floor at nought, which it never leaves once it is there.
+    struct Landing;
+
+    impl HybridSystem<2> for Landing {
+        type Mode = bool;
+        const GUARDS: usize = 1;
+
+        fn rates(&self, x: &Vector2<f64>, landed: bool, torque_nm: f64) -> Vector2<f64> {
+            if landed { Vector2::zeros() } else { Vector2::new(x[1], torque_nm) }
+        }
+
+        fn guard(&self, _guard: usize, x: &Vector2<f64>, landed: bool, _torque_nm: f64) -> f64 {
+            if landed { 1.0 } else { x[0] }
+        }
+
+        fn switch(&self, _guard: usize, x: &mut Vector2<f64>, _landed: bool, _torque_nm: f64) -> bool {
+            x[0] = 0.0;
+            true
+        }
+
+        fn settle(&self, _x: &Vector2<f64>, landed: bool, _torque_nm: f64) -> bool {
+            landed
+        }
+    }
+
+    /// A system whose mode function is violated in both of its modes.
+    struct Chatterer;
+
+    impl HybridSystem<2> for Chatterer {
+        type Mode = bool;
+        const GUARDS: usize = 1;
+
+        fn rates(&self, _x: &Vector2<f64>, _mode: bool, _torque_nm: f64) -> Vector2<f64> {
+            Vector2::zeros()
+        }
+
+        fn guard(&self, _guard: usize, _x: &Vector2<f64>, _mode: bool, _torque_nm: f64) -> f64 {
+            -1.0
+        }
+
+        fn switch(&self, _guard: usize, _x: &mut Vector2<f64>, mode: bool, _torque_nm: f64) -> bool {
+            !mode
+        }
+
+        fn settle(&self, _x: &Vector2<f64>, mode: bool, _torque_nm: f64) -> bool {
+            mode
+        }
+    }
+
+    #[test]
+    fn switch_is_located_where_the_closed_form_has_it() {
+        // From 1 m at -9.81 m/s^2: down after sqrt(2 / 9.81) s at sqrt(2 * 9.81) m/s, within a single step of 1 s.
+        let (mut x, mut landed) = (Vector2::new(1.0, 0.0), false);
+        advance(&Landing, &mut x, &mut landed, -9.81, 1.0, 1).expect("lands");
+        assert!(landed);
+        assert_eq!(x[0], 0.0);
+        let want = -(2.0_f64 * 9.81).sqrt();
+        assert!((x[1] - want).abs() < 1e-11, "have {} m/s, want {want} m/s", x[1]);
+    }
+
+    #[test]
+    fn endless_switching_is_an_error_that_says_chattering() {
+        let error =
+            advance(&Chatterer, &mut Vector2::zeros(), &mut false, 0.0, 1e-3, 4).expect_err("never ends");
+        assert_eq!(error, PlantError::Chattering { substep_s: 2.5e-4 });
+        assert!(error.to_string().starts_with("plant is chattering: more than 64 changes"), "{error}");
+    }
+
+    #[test]
+    fn bad_input_is_refused_before_the_state_moves() {
+        let (mut x, mut landed) = (Vector2::new(1.0, 0.0), false);
+        let refused = advance(&Landing, &mut x, &mut landed, f64::NAN, 1.0, 1);
+        assert!(matches!(refused, Err(PlantError::Torque { .. })));
+        assert!(matches!(
+            advance(&Landing, &mut x, &mut landed, 0.0, -1.0, 1),
+            Err(PlantError::Duration { dt_s: -1.0 })
+        ));
+        assert_eq!(x, Vector2::new(1.0, 0.0));
+    }
+
+    #[test]
+    fn overflow_of_the_state_is_an_error() {
+        let (mut x, mut landed) = (Vector2::new(1.0, f64::MAX), false);
+        let refused = advance(&Landing, &mut x, &mut landed, f64::MAX, 1e9, 1);
+        assert!(matches!(refused, Err(PlantError::NotFinite { .. })), "{refused:?}");
+    }
+}

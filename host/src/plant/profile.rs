@@ -85,3 +85,34 @@ impl ProfileState {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::Mechanics;
+
+    const START: Start = Start { load_position_rad: 0.0, motor_position_rad: 0.1 };
+
+    #[test]
+    fn state_of_another_profile_is_refused_and_named() {
+        let smooth = Profile::Smooth(Smooth::new(Mechanics::paper(), 4).expect("valid"));
+        let hard = Profile::HardCoulomb(HardCoulomb::new(Mechanics::paper(), 3.84, 4).expect("valid"));
+        let error = hard.step(&mut smooth.initial_state(START), 0.0, 1e-3).expect_err("foreign");
+        let want =
+            "state belongs to a smooth plant, this one is hard-coulomb; start from its own initial state";
+        assert_eq!(error.to_string(), want);
+        assert_eq!(hard.truth(&smooth.initial_state(START)), Err(error));
+    }
+
+    #[test]
+    fn parameters_out_of_range_are_refused_by_name() {
+        let gapless = Mechanics { dead_zone_rad: 0.0, ..Mechanics::paper() };
+        let error = Smooth::new(gapless, 4).expect_err("no gap to smooth");
+        assert_eq!(error.to_string(), "plant parameter dead_zone_rad is 0, allowed is 0.000001 to 10");
+        assert_eq!(
+            HardCoulomb::new(Mechanics::paper(), f64::NAN, 4).expect_err("NaN").name,
+            "load_coulomb_nm"
+        );
+        assert_eq!(Smooth::new(Mechanics::paper(), 0).expect_err("no substeps").name, "substeps");
+    }
+}

@@ -27,28 +27,42 @@ pub(crate) struct Timing {
 
 impl Timing {
     /// 25 s at 1 kHz without a limit, as the recorded trajectories.
-    pub(crate) const RECORDED: Self = Self { period_s: 1e-3, periods: 25_000, torque_limit_nm: f64::INFINITY };
+    pub(crate) const RECORDED: Self =
+        Self { period_s: 1e-3, periods: 25_000, torque_limit_nm: f64::INFINITY };
+}
+
+/// Where the load should be, and how that moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Reference {
+    pub(crate) position_rad: f64,
+    pub(crate) velocity_rad_s: f64,
+    pub(crate) acceleration_rad_s2: f64,
+}
+
+/// The paper's reference: nought from the first instant.
+pub(crate) fn regulate_to_nought(_time_s: f64) -> Reference {
+    Reference { position_rad: 0.0, velocity_rad_s: 0.0, acceleration_rad_s2: 0.0 }
 }
 
 /// What lies between the plant's truth and the law.
 pub(crate) trait Sensors<F> {
-    fn measure(&mut self, truth: &Truth, reference_rad: f64, applied_torque_nm: f64) -> Measurement<F>;
+    fn measure(&mut self, truth: &Truth, reference: Reference, applied_torque_nm: f64) -> Measurement<F>;
 }
 
-/// True positions and velocities.
+/// True positions and velocities, and the reference's true rates.
 pub(crate) struct Ideal;
 
 impl<F: Real> Sensors<F> for Ideal {
-    fn measure(&mut self, truth: &Truth, reference_rad: f64, applied_torque_nm: f64) -> Measurement<F> {
+    fn measure(&mut self, truth: &Truth, reference: Reference, applied_torque_nm: f64) -> Measurement<F> {
         Measurement {
             motor_position_rad: F::from_f64(truth.motor_position_rad),
             motor_velocity_rad_s: F::from_f64(truth.motor_velocity_rad_s),
             load_position_rad: F::from_f64(truth.load_position_rad),
             load_velocity_rad_s: F::from_f64(truth.load_velocity_rad_s),
             twist_rad: F::from_f64(truth.twist_rad),
-            reference_position_rad: F::from_f64(reference_rad),
-            reference_velocity_rad_s: F::ZERO,
-            reference_acceleration_rad_s2: F::ZERO,
+            reference_position_rad: F::from_f64(reference.position_rad),
+            reference_velocity_rad_s: F::from_f64(reference.velocity_rad_s),
+            reference_acceleration_rad_s2: F::from_f64(reference.acceleration_rad_s2),
             applied_torque_nm: F::from_f64(applied_torque_nm),
         }
     }
@@ -63,7 +77,12 @@ pub(crate) struct Quantised<F> {
 }
 
 impl<F: Real> Quantised<F> {
-    pub(crate) fn new(counts: u32, motor_bandwidth_rad_s: f64, load_bandwidth_rad_s: f64, period_s: f64) -> Self {
+    pub(crate) fn new(
+        counts: u32,
+        motor_bandwidth_rad_s: f64,
+        load_bandwidth_rad_s: f64,
+        period_s: f64,
+    ) -> Self {
         let encoder = Encoder::new(counts, 0.0).expect("valid encoder");
         let channel = |bandwidth| EncoderConfig {
             counts_per_revolution: counts,
@@ -87,12 +106,12 @@ impl<F: Real> Quantised<F> {
 }
 
 impl<F: Real> Sensors<F> for Quantised<F> {
-    fn measure(&mut self, truth: &Truth, reference_rad: f64, applied_torque_nm: f64) -> Measurement<F> {
+    fn measure(&mut self, truth: &Truth, reference: Reference, applied_torque_nm: f64) -> Measurement<F> {
         let [motor, load] = &mut self.encoder_states;
         let sample = Sample {
             motor_counts: self.encoder.step(motor, truth.motor_position_rad),
             load_counts: self.encoder.step(load, truth.load_position_rad),
-            reference_rad: F::from_f64(reference_rad),
+            reference_rad: F::from_f64(reference.position_rad),
             applied_torque_nm: F::from_f64(applied_torque_nm),
             elapsed_periods: 1,
         };
@@ -106,7 +125,7 @@ pub(crate) fn run<F: Real, P: Plant, C: Controller<F>>(
     start: Start,
     law: &C,
     mut sensors: impl Sensors<F>,
-    reference_rad: impl Fn(f64) -> f64,
+    reference: impl Fn(f64) -> Reference,
     timing: Timing,
 ) -> Vec<Row> {
     let mut state = plant.initial_state(start);
@@ -116,7 +135,7 @@ pub(crate) fn run<F: Real, P: Plant, C: Controller<F>>(
     for k in 0..=timing.periods {
         let time_s = k as f64 * timing.period_s;
         let truth = plant.truth(&state);
-        let measurement = sensors.measure(&truth, reference_rad(time_s), applied_nm);
+        let measurement = sensors.measure(&truth, reference(time_s), applied_nm);
         let output = law.step(&mut law_state, &measurement);
         applied_nm = output.torque_nm.to_f64().clamp(-timing.torque_limit_nm, timing.torque_limit_nm);
         rows.push(Row {
