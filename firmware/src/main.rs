@@ -92,13 +92,15 @@ mod app {
         let chunk = cx.local.inbox.take();
         let mut rest = chunk.as_slice();
         loop {
-            // Sending takes longer than deciding, so it happens outside the lock, where `tick` can interrupt it.
-            cx.shared.drive.lock(|drive| {
+            let mut to_send = cx.shared.drive.lock(|drive| {
                 rest = &rest[drive.receive(rest, cx.local.clock)..];
-                cx.local.outbox.put(drive.output());
-                drive.clear_output();
+                cx.local.outbox.load(drive)
             });
-            cx.local.outbox.send();
+            // Sending takes longer than deciding, so it happens outside the lock, where `tick` can interrupt it.
+            while to_send {
+                cx.local.outbox.send();
+                to_send = cx.shared.drive.lock(|drive| cx.local.outbox.load(drive));
+            }
             if rest.is_empty() {
                 break;
             }

@@ -56,7 +56,8 @@ impl Twin {
     /// # Errors
     /// What broke the line.
     pub fn serve(&self) -> io::Result<()> {
-        let shared = Shared { drive: Mutex::new(Drive::new(BOARD)), changed: Condvar::new(), clock: BootClock::new() };
+        let shared =
+            Shared { drive: Mutex::new(Drive::new(BOARD)), changed: Condvar::new(), clock: BootClock::new() };
         thread::scope(|scope| {
             scope.spawn(|| shared.watch(&self.line));
             let ended = shared.answer(&self.line);

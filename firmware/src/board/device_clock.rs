@@ -1,17 +1,12 @@
 //! Device time: milliseconds counted by SysTick plus the cycles since the last of them.
 //!
-//! SysTick counts `RELOAD..=0` and asks for its interrupt on the step to 0, so a millisecond begins at 0. Between that
-//! step and the interrupt's task the count has started over while the milliseconds haven't; the pending flag tells. We
-//! read with interrupts off, so that no task can count in between:
+//! SysTick counts down to 0 and asks for its interrupt on the step to 0, so a millisecond begins at 0. Between that
+//! step and the interrupt's task the count has started over while the milliseconds haven't; the pending flag tells. The
+//! count is then read again, for it may be from before the step. All of it happens with interrupts off, so that no
+//! task can count in between.
 //!
-//! | count | pending | meaning |
-//! |---|---|---|
-//! | any | yes | a millisecond has ended that is not counted yet; the count is read again, for it may be from before |
-//! | 0 | no | ended this very moment (QEMU stays at 0 until its timer has run) |
-//! | other | no | within the counted millisecond |
-//!
-//! QEMU can be late by whole milliseconds when its host is busy, and then delivers one interrupt for several. Device
-//! time lags then, but never runs backwards.
+//! A millisecond is lost when the task of SysTick is kept waiting for longer than one: never on silicon, but in QEMU
+//! when its host is busy. Device time lags then. It never runs backwards, whatever happens.
 
 use core::cell::Cell;
 use core::time::Duration;
@@ -25,7 +20,33 @@ use super::clock_tree::CORE_HZ;
 
 const CYCLES_PER_MILLISECOND: u32 = CORE_HZ / 1_000;
 
-static MILLISECONDS: Mutex<Cell<u64>> = Mutex::new(Cell::new(0));
+/// What the clock remembers.
+struct Memory {
+    counted: Cell<Counted>,
+    /// The latest time given.
+    latest: Cell<Duration>,
+}
+
+/// Milliseconds counted so far, kept in two parts because the core divides 64-bit numbers in software.
+#[derive(Clone, Copy)]
+struct Counted {
+    seconds: u64,
+    milliseconds: u32,
+}
+
+impl Counted {
+    fn plus_millisecond(self) -> Self {
+        match self.milliseconds {
+            999 => Self { seconds: self.seconds + 1, milliseconds: 0 },
+            milliseconds => Self { milliseconds: milliseconds + 1, ..self },
+        }
+    }
+}
+
+static MEMORY: Mutex<Memory> = Mutex::new(Memory {
+    counted: Cell::new(Counted { seconds: 0, milliseconds: 0 }),
+    latest: Cell::new(Duration::ZERO),
+});
 
 /// The clock of the board, with a resolution of one cycle (6 ns). It is right for tasks up to the priority of SysTick;
 /// one above could read it between SysTick's interrupt and [`Ticker::count_millisecond`].
@@ -48,8 +69,8 @@ impl Ticker {
     /// Counts one millisecond, once per interrupt, and gives the device time.
     pub(crate) fn count_millisecond(&mut self) -> Duration {
         interrupt::free(|token| {
-            let milliseconds = MILLISECONDS.borrow(token);
-            milliseconds.set(milliseconds.get() + 1);
+            let counted = &MEMORY.borrow(token).counted;
+            counted.set(counted.get().plus_millisecond());
         });
         DeviceClock(()).now()
     }
@@ -57,19 +78,21 @@ impl Ticker {
 
 impl Clock for DeviceClock {
     fn now(&self) -> Duration {
-        let (milliseconds, cycles) = interrupt::free(|token| {
-            let milliseconds = MILLISECONDS.borrow(token).get();
-            let count = SYST::get_current();
+        interrupt::free(|token| {
+            let memory = MEMORY.borrow(token);
+            let mut counted = memory.counted.get();
+            let mut count = SYST::get_current();
             if SCB::is_pendst_pending() {
-                (milliseconds + 1, cycles_since_zero(SYST::get_current()))
-            } else if count == 0 {
-                (milliseconds + 1, 0)
-            } else {
-                (milliseconds, cycles_since_zero(count))
+                counted = counted.plus_millisecond();
+                count = SYST::get_current();
             }
-        });
-        // 168 cycles are 1,000 ns; the product stays below 2^25.
-        Duration::from_millis(milliseconds) + Duration::from_nanos(u64::from(cycles * 125 / 21))
+            // 168 cycles are 1,000 ns; the product stays below 2^25.
+            let nanoseconds = cycles_since_zero(count) * 125 / 21;
+            let now = Duration::new(counted.seconds, counted.milliseconds * 1_000_000 + nanoseconds);
+            let now = now.max(memory.latest.get());
+            memory.latest.set(now);
+            now
+        })
     }
 }
 

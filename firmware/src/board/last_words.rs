@@ -7,8 +7,9 @@ use core::panic::PanicInfo;
 
 use cortex_m::peripheral::{NVIC, Peripherals};
 use cortex_m_rt::{ExceptionFrame, exception};
-use lashloop_firmware::drive::{FaultCode, last_words};
+use lashloop_firmware::drive::last_words;
 use lashloop_protocol::frame::DELIMITER;
+use lashloop_protocol::vocabulary::FaultCode;
 use stm32f4xx_hal::pac::{Interrupt, USART2};
 
 /// How often to ask the transmitter whether it is ready for a byte: at 168 MHz some 100 times as long as a byte needs.

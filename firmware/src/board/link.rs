@@ -5,7 +5,7 @@
 //! processor has nothing better to do meanwhile, and what does come (bytes, ticks) interrupts it.
 
 use heapless::{Vec, spsc};
-use lashloop_firmware::drive::OUTPUT_BYTES;
+use lashloop_firmware::drive::Drive;
 use stm32f4xx_hal::gpio::{PA2, PA3, Pull};
 use stm32f4xx_hal::nb;
 use stm32f4xx_hal::pac::USART2;
@@ -20,7 +20,7 @@ const BAUD: u32 = 1_000_000;
 /// Received bytes that may wait: 10 ms of the line, far more than one frame's work.
 const QUEUE_BYTES: usize = 1024;
 
-/// Bytes handed to the drive at once.
+/// Bytes handed to the drive, or copied from it, at once.
 const CHUNK_BYTES: usize = 64;
 
 /// Where received bytes wait.
@@ -40,10 +40,12 @@ pub(crate) struct Inbox {
     queue: spsc::Consumer<'static, u8>,
 }
 
-/// What is to be sent, and the way out.
+/// A piece of the drive's output, and the way out.
 pub(crate) struct Outbox {
     tx: Tx<USART2>,
-    bytes: Vec<u8, OUTPUT_BYTES>,
+    piece: Vec<u8, CHUNK_BYTES>,
+    /// Bytes of the drive's output that were loaded since it was cleared.
+    loaded: usize,
 }
 
 /// Opens the link and listens.
@@ -61,7 +63,7 @@ pub(crate) fn open(
     let (tx, mut rx) = serial.split();
     rx.listen();
     let (producer, consumer) = queue.split();
-    (Receiver { rx, queue: producer }, Inbox { queue: consumer }, Outbox { tx, bytes: Vec::new() })
+    (Receiver { rx, queue: producer }, Inbox { queue: consumer }, Outbox { tx, piece: Vec::new(), loaded: 0 })
 }
 
 impl Receiver {
@@ -88,18 +90,25 @@ impl Inbox {
 }
 
 impl Outbox {
-    /// Copies what the drive says.
-    pub(crate) fn put(&mut self, bytes: &[u8]) {
-        self.bytes.clear();
-        self.bytes.extend_from_slice(bytes).expect("the outbox holds the drive's whole output");
+    /// Copies the next piece of the drive's output. When all of it has been sent, clears it and returns `false`.
+    ///
+    /// Piece by piece, because the drive is locked only while we copy and may add to its output while we send.
+    pub(crate) fn load(&mut self, drive: &mut Drive) -> bool {
+        self.piece = drive.output().iter().skip(self.loaded).take(CHUNK_BYTES).copied().collect();
+        self.loaded += self.piece.len();
+        let more = !self.piece.is_empty();
+        if !more {
+            drive.clear_output();
+            self.loaded = 0;
+        }
+        more
     }
 
-    /// Sends it, 10 us a byte.
+    /// Sends the piece, 10 us a byte.
     pub(crate) fn send(&mut self) {
-        for byte in &self.bytes {
+        for byte in &self.piece {
             // A transmitter has no error to report (RM0090 30.6.1), it only makes us wait.
             let _ = nb::block!(self.tx.write(*byte));
         }
-        self.bytes.clear();
     }
 }
