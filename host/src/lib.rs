@@ -1,9 +1,9 @@
 //! Skeleton.
 
 pub mod encoder;
+pub mod metrics;
 pub mod picture;
 pub mod plant;
-pub mod metrics;
 pub mod record;
 pub mod reference;
 pub mod scenario;

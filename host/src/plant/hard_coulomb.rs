@@ -74,6 +74,17 @@ impl HardCoulomb {
         }
     }
 
+    /// Friction of a load of which nothing is known but where it is and how fast it moves.
+    fn friction_from(&self, x: &Vector4<f64>, contact: Contact) -> LoadFriction {
+        if x[LOAD_VELOCITY] > 0.0 {
+            LoadFriction::SlipPositive
+        } else if x[LOAD_VELOCITY] < 0.0 {
+            LoadFriction::SlipNegative
+        } else {
+            self.friction_at_rest(x, contact)
+        }
+    }
+
     /// Friction of a load at rest.
     fn friction_at_rest(&self, x: &Vector4<f64>, contact: Contact) -> LoadFriction {
         let drive = self.mechanics.ratio * self.transmitted_torque_nm(x, contact);
@@ -163,11 +174,11 @@ impl Plant for HardCoulomb {
     type State = HardCoulombState;
 
     fn initial_state(&self, start: Start) -> HardCoulombState {
-        let x = Mechanics::at_rest(start);
+        let x = start.coordinates();
         let contact = self.contact(&x);
         HardCoulombState {
             x,
-            mode: HardCoulombMode { contact, load_friction: self.friction_at_rest(&x, contact) },
+            mode: HardCoulombMode { contact, load_friction: self.friction_from(&x, contact) },
         }
     }
 

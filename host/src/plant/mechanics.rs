@@ -34,13 +34,30 @@ pub struct Mechanics {
     pub dead_zone_rad: f64,
 }
 
-/// Where a plant is released, at rest.
+/// Where a plant is released, and how fast it moves then.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Start {
     /// Load position theta_s in rad.
     pub load_position_rad: f64,
+    /// Load velocity in rad/s.
+    pub load_velocity_rad_s: f64,
     /// Motor position theta_e in rad.
     pub motor_position_rad: f64,
+    /// Motor velocity in rad/s.
+    pub motor_velocity_rad_s: f64,
+}
+
+impl Start {
+    /// Released without a push.
+    pub const fn at_rest(load_position_rad: f64, motor_position_rad: f64) -> Self {
+        Self { load_position_rad, load_velocity_rad_s: 0.0, motor_position_rad, motor_velocity_rad_s: 0.0 }
+    }
+
+    /// The coordinates of it.
+    pub(crate) fn coordinates(&self) -> Vector4<f64> {
+        let Self { load_position_rad, load_velocity_rad_s, motor_position_rad, motor_velocity_rad_s } = *self;
+        Vector4::new(load_position_rad, load_velocity_rad_s, motor_position_rad, motor_velocity_rad_s)
+    }
 }
 
 impl Mechanics {
@@ -74,11 +91,6 @@ impl Mechanics {
     /// Twist z in rad.
     pub(crate) fn twist_rad(&self, x: &Vector4<f64>) -> f64 {
         x[MOTOR_POSITION] - self.ratio * x[LOAD_POSITION]
-    }
-
-    /// The coordinates of a start at rest.
-    pub(crate) fn at_rest(start: Start) -> Vector4<f64> {
-        Vector4::new(start.load_position_rad, 0.0, start.motor_position_rad, 0.0)
     }
 
     /// Rates of change when the load moves freely, equation (6), with dry friction as a given torque on the load.

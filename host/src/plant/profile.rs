@@ -91,7 +91,7 @@ mod tests {
     use super::*;
     use crate::plant::Mechanics;
 
-    const START: Start = Start { load_position_rad: 0.0, motor_position_rad: 0.1 };
+    const START: Start = Start::at_rest(0.0, 0.1);
 
     #[test]
     fn state_of_another_profile_is_refused_and_named() {

@@ -68,7 +68,7 @@ impl Plant for Smooth {
     type State = SmoothState;
 
     fn initial_state(&self, start: Start) -> SmoothState {
-        SmoothState { x: Mechanics::at_rest(start) }
+        SmoothState { x: start.coordinates() }
     }
 
     fn step(&self, state: &mut SmoothState, torque_nm: f64, dt_s: f64) -> Result<(), PlantError> {

@@ -4,7 +4,7 @@
 //! the command line says. Then comes the key, then the value found and what would have been allowed:
 //!
 //! ```text
-//! scenarios/x.toml:12: plant.stiffness_n_m_rad: -1 is out of range; it must be > 0 and <= 1e6 N m/rad
+//! scenarios/x.toml:12: plant.stiffness_nm_rad: -1 is out of range; it must be > 0 and <= 1e6 N m/rad
 //! ```
 
 use std::fmt;

@@ -28,20 +28,20 @@ pub struct PlantSettings {
     /// J_s.
     pub load_inertia_kg_m2: f64,
     /// f_s, viscous.
-    pub load_friction_n_m_s: f64,
+    pub load_friction_nm_s_rad: f64,
     /// J_m.
     pub motor_inertia_kg_m2: f64,
     /// f_m, viscous.
-    pub motor_friction_n_m_s: f64,
+    pub motor_friction_nm_s_rad: f64,
     /// N0, motor turns per load turn.
     pub reduction_ratio: f64,
     /// K, of the spring between motor and load, seen from the motor.
-    pub stiffness_n_m_rad: f64,
+    pub stiffness_nm_rad: f64,
     /// j0, half the width of the gap, seen from the motor.
     pub dead_zone_rad: f64,
     /// F_c on the load; `None` for a model without it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub load_coulomb_friction_nm: Option<f64>,
+    pub load_coulomb_nm: Option<f64>,
     /// Where the run starts.
     pub initial: InitialState,
 }
@@ -64,13 +64,13 @@ const MODELS: [(&str, PlantModel); 2] =
 
 /// The paper's symbols, for a reader who has the paper at hand and this schema not.
 const SYMBOLS: &[(&str, &str)] = &[
-    ("k", "stiffness_n_m_rad"),
+    ("k", "stiffness_nm_rad"),
     ("j0", "dead_zone_rad"),
     ("n0", "reduction_ratio"),
     ("j_s", "load_inertia_kg_m2"),
-    ("f_s", "load_friction_n_m_s"),
+    ("f_s", "load_friction_nm_s_rad"),
     ("j_m", "motor_inertia_kg_m2"),
-    ("f_m", "motor_friction_n_m_s"),
+    ("f_m", "motor_friction_nm_s_rad"),
 ];
 
 pub(super) fn read(plant: &mut Section<'_>) -> PlantSettings {
@@ -85,8 +85,8 @@ pub(super) fn read(plant: &mut Section<'_>) -> PlantSettings {
             7.5,
             positive(1e6),
         ),
-        load_friction_n_m_s: plant.number(
-            "load_friction_n_m_s",
+        load_friction_nm_s_rad: plant.number(
+            "load_friction_nm_s_rad",
             unit::NEWTON_METRE_SECOND,
             16.0,
             within(0.0, 1e6),
@@ -97,21 +97,16 @@ pub(super) fn read(plant: &mut Section<'_>) -> PlantSettings {
             9.72e-4,
             positive(1e6),
         ),
-        motor_friction_n_m_s: plant.number(
-            "motor_friction_n_m_s",
+        motor_friction_nm_s_rad: plant.number(
+            "motor_friction_nm_s_rad",
             unit::NEWTON_METRE_SECOND,
             4.3e-4,
             within(0.0, 1e6),
         ),
         reduction_ratio: plant.number("reduction_ratio", unit::NONE, 3.0, positive(1e4)),
-        stiffness_n_m_rad: plant.number(
-            "stiffness_n_m_rad",
-            unit::NEWTON_METRE_PER_RADIAN,
-            1.0,
-            positive(1e6),
-        ),
+        stiffness_nm_rad: plant.number("stiffness_nm_rad", unit::NEWTON_METRE_PER_RADIAN, 1.0, positive(1e6)),
         dead_zone_rad: plant.number("dead_zone_rad", unit::RADIAN, 0.16, positive(PI)),
-        load_coulomb_friction_nm: read_coulomb_friction(plant, model),
+        load_coulomb_nm: read_coulomb_friction(plant, model),
         initial: plant.section("initial", read_initial),
     }
 }
@@ -119,9 +114,8 @@ pub(super) fn read(plant: &mut Section<'_>) -> PlantSettings {
 /// Coulomb friction exists in one model only; on the other it is an error, not a value without effect.
 fn read_coulomb_friction(plant: &mut Section<'_>, model: Option<PlantModel>) -> Option<f64> {
     // 3.84 N m leaves the paper's static error of 0.32 rad under the uncompensated law.
-    let read = |plant: &mut Section<'_>| {
-        plant.number("load_coulomb_friction_nm", unit::NEWTON_METRE, 3.84, within(0.0, 1e6))
-    };
+    let read =
+        |plant: &mut Section<'_>| plant.number("load_coulomb_nm", unit::NEWTON_METRE, 3.84, within(0.0, 1e6));
     if model == Some(PlantModel::Smooth) {
         plant.belongs_to("model = \"hard-coulomb\"", "model = \"smooth\"", read);
         return None;

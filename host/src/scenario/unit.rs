@@ -1,6 +1,6 @@
 //! Units as the reader names them, and the recognition of a right quantity in a wrong unit.
 //!
-//! A key is a quantity and its unit, `stiffness_n_m_rad`. Two keys that differ only in their trailing unit
+//! A key is a quantity and its unit, `stiffness_nm_rad`. Two keys that differ only in their trailing unit
 //! words name the same quantity, so `stiffness_nm_deg` is no spelling mistake but a wrong unit, and a message
 //! that says so saves the reader from a value that is wrong by a factor of 57.
 
@@ -56,7 +56,7 @@ mod tests {
     #[test]
     fn a_quantity_is_known_in_any_unit_and_without_one() {
         assert!(same_quantity("duration_ms", "duration_s"));
-        assert!(same_quantity("stiffness_nm_deg", "stiffness_n_m_rad"));
+        assert!(same_quantity("stiffness_nm_deg", "stiffness_nm_rad"));
         assert!(same_quantity("load_inertia", "load_inertia_kg_m2"));
         assert!(same_quantity("motor_rev", "motor_counts_per_rev"));
     }
@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn quantities_with_a_common_unit_stay_apart() {
         assert!(!same_quantity("load_velocity_rad_s", "motor_velocity_rad_s"));
-        assert!(!same_quantity("load_friction_n_m_s", "load_inertia_kg_m2"));
+        assert!(!same_quantity("load_friction_nm_s_rad", "load_inertia_kg_m2"));
         assert!(!same_quantity("s", "m"));
     }
 }

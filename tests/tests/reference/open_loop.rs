@@ -12,7 +12,7 @@ pub(crate) fn push_nm(time_s: f64) -> f64 {
 
 /// The truth at every step of `dt_s`, from rest in the middle of the gap; `dt_s` divides [`PUSH_S`].
 pub(crate) fn pushed<P: Plant>(plant: &P, dt_s: f64, steps: usize) -> Vec<(Truth, f64)> {
-    let mut state = plant.initial_state(Start { load_position_rad: 0.0, motor_position_rad: 0.0 });
+    let mut state = plant.initial_state(Start::at_rest(0.0, 0.0));
     let mut trajectory = Vec::with_capacity(steps + 1);
     for k in 0..=steps {
         // In the middle of the step, where rounding can't turn the push round.

@@ -66,7 +66,7 @@ impl Plant for WithoutEvents {
 
     fn truth(&self, state: &[f64; 4]) -> Truth {
         let plant = paper::hard_coulomb(1);
-        let start = Start { load_position_rad: state[0], motor_position_rad: state[2] };
+        let start = Start::at_rest(state[0], state[2]);
         let truth = plant.truth(&plant.initial_state(start));
         Truth { load_velocity_rad_s: state[1], motor_velocity_rad_s: state[3], ..truth }
     }

@@ -14,7 +14,7 @@ use lashloop_firmware::control::nominal::NominalModel;
 use lashloop_firmware::control::pd::Pd;
 
 /// Where the paper releases its bench.
-pub(crate) const START: Start = Start { load_position_rad: FRAC_PI_2, motor_position_rad: 3.0 * FRAC_PI_2 };
+pub(crate) const START: Start = Start::at_rest(FRAC_PI_2, 3.0 * FRAC_PI_2);
 
 /// Coulomb friction of the load in N m that meets the paper's static error.
 pub(crate) const LOAD_COULOMB_NM: f64 = 3.84;

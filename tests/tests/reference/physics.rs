@@ -14,7 +14,7 @@ fn hard_coulomb_rows(faithful: bool, start: Start) -> Vec<Row> {
 }
 
 fn mirrored(start: Start) -> Start {
-    Start { load_position_rad: -start.load_position_rad, motor_position_rad: -start.motor_position_rad }
+    Start::at_rest(-start.load_position_rad, -start.motor_position_rad)
 }
 
 /// Largest imbalance between work, stored and dissipated energy along an open-loop run, as a share of the work turned
@@ -74,7 +74,7 @@ fn smooth_dead_zone_has_no_torque_and_no_slope_in_its_middle() {
     // (5): C = K (z - 4 j0 tanh(z / 4 j0)) = K z^3 / (3 (4 j0)^2) + O(z^5).
     let plant = paper::smooth(4);
     let transmitted = |twist_rad: f64| {
-        let start = Start { load_position_rad: 0.0, motor_position_rad: twist_rad };
+        let start = Start::at_rest(0.0, twist_rad);
         plant.truth(&plant.initial_state(start)).transmitted_torque_nm
     };
     assert_eq!(transmitted(0.0), 0.0);
@@ -129,7 +129,7 @@ fn lost_motion_rad(faithful: bool) -> f64 {
         acceleration_rad_s2: -0.5 * omega * omega * (omega * time_s).sin(),
     };
     let law = if faithful { paper::faithful_observed::<f64>(1e-3) } else { paper::pd() };
-    let middle = Start { load_position_rad: 0.0, motor_position_rad: 0.0 };
+    let middle = Start::at_rest(0.0, 0.0);
     let timing = Timing { periods: 80_000, ..Timing::RECORDED };
     let rows = run(&paper::hard_coulomb(4), middle, &law, Ideal, sine, timing);
     (rows[80_000].truth.load_position_rad - rows[70_000].truth.load_position_rad).abs()
