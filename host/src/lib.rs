@@ -1,10 +1,28 @@
-//! Skeleton.
+//! The bench: a drive with gear backlash, simulated around the real firmware of its controller.
+//!
+//! | module | is |
+//! |---|---|
+//! | [`scenario`] | what is to be run and what is expected, as data, with errors that teach |
+//! | [`plant`], [`encoder`], [`reference`](mod@reference) | the mechanics, what the drive gets to see of them, and where the load is wanted |
+//! | [`link`] | anything that carries bytes |
+//! | [`session`] | the conversation with a drive |
+//! | [`device`], [`supervisor`] | which drive, and the processes behind it |
+//! | [`run`] | the loop, and what came of it |
+//! | [`metrics`], [`verdict`], [`record`] | figures, judgement, evidence |
+//! | [`picture`] | plots |
 
+#![forbid(unsafe_code)]
+
+pub mod device;
 pub mod encoder;
+pub mod link;
 pub mod metrics;
 pub mod picture;
 pub mod plant;
 pub mod record;
 pub mod reference;
+pub mod run;
 pub mod scenario;
+pub mod session;
+pub mod supervisor;
 pub mod verdict;

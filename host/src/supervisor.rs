@@ -71,6 +71,12 @@ impl Supervisor {
         self.interrupted.load(Ordering::Relaxed)
     }
 
+    /// The `lashloop` program itself.
+    #[must_use]
+    pub fn bench(&self) -> OsString {
+        self.tie.clone().into()
+    }
+
     /// Runs a program until it ends by itself or its [`Process`] is dropped.
     ///
     /// # Errors
@@ -120,7 +126,10 @@ impl Process {
     pub fn ended_within(&self, limit: Duration) -> Option<ExitStatus> {
         let (fate, changed) = &*self.fate;
         let fate = fate.lock().unwrap_or_else(PoisonError::into_inner);
-        *changed.wait_timeout_while(fate, limit, |fate| fate.is_none()).unwrap_or_else(PoisonError::into_inner).0
+        *changed
+            .wait_timeout_while(fate, limit, |fate| fate.is_none())
+            .unwrap_or_else(PoisonError::into_inner)
+            .0
     }
 
     /// The next line it writes to standard output, or `None` at the deadline or when it has ended.

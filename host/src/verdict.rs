@@ -14,7 +14,7 @@ use crate::scenario::bench::Allowance;
 use crate::scenario::expectation::Expectation;
 
 /// What a run says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Verdict {
     /// Every expectation is met.
@@ -175,6 +175,14 @@ impl Judgement {
             Verdict::Fail
         };
         Self { verdict, findings, breaches }
+    }
+
+    /// Lowers the verdict to what the end of the run leaves possible: from PASS to FAIL or INVALID, and from FAIL to
+    /// INVALID, never the other way.
+    pub fn cap(&mut self, ceiling: Option<Verdict>) {
+        if let Some(ceiling) = ceiling {
+            self.verdict = self.verdict.max(ceiling);
+        }
     }
 }
 

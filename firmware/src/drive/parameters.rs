@@ -109,9 +109,9 @@ parameters! {
     telemetry_every: U32 = 10 in 0..=65_535 "" live;
 
     /// Bandwidth of the filter that gives the motor velocity.
-    motor_filter_rad_s: F32 = 2000.0 in 0.01..=1e6 "rad/s";
+    motor_filter_rad_s: F32 = 400.0 in 0.01..=1e6 "rad/s";
     /// Bandwidth of the filter that gives the load velocity.
-    load_filter_rad_s: F32 = 400.0 in 0.01..=1e6 "rad/s";
+    load_filter_rad_s: F32 = 200.0 in 0.01..=1e6 "rad/s";
 
     /// K_P1, motor position to torque.
     k_p1: F32 = 1.0 in 0.0..=1e6 "N m/rad";

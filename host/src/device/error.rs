@@ -25,7 +25,9 @@ pub enum DeviceError {
         path: PathBuf,
     },
     /// There is no emulator.
-    #[error("qemu-system-arm is not installed: `cargo xtask setup` installs it, or on Debian `apt-get install qemu-system-arm`")]
+    #[error(
+        "qemu-system-arm is not installed: `cargo xtask setup` installs it, or on Debian `apt-get install qemu-system-arm`"
+    )]
     NoEmulator,
     /// A program can't be started.
     #[error("the {name} can't be started: {source}")]
@@ -44,7 +46,10 @@ pub enum DeviceError {
         said: String,
     },
     /// The process behind the drive ended.
-    #[error("the drive side ended: the {name} (process {id}) {status} while the bench was talking to {device}{}: {source}", tail(said))]
+    #[error(
+        "the drive side ended: the {name} (process {id}) {status} while the bench was talking to {device}{}: {source}",
+        tail(said)
+    )]
     Ended {
         /// The device as it was chosen.
         device: String,
@@ -57,7 +62,15 @@ pub enum DeviceError {
         /// What it wrote to standard error.
         said: String,
         /// How far the conversation had got.
-        source: SessionError,
+        source: Box<SessionError>,
+    },
+    /// The drive keeps to the protocol but can't serve this bench.
+    #[error("drive on {device}: the drive gave {problem}")]
+    Unfit {
+        /// The device as it was chosen.
+        device: String,
+        /// What is wrong with it.
+        problem: String,
     },
     /// The conversation broke or was refused.
     #[error("drive on {device}: {source}{}", remedy(source))]

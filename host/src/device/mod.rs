@@ -3,8 +3,6 @@
 mod error;
 mod qemu;
 
-use std::env::consts::EXE_SUFFIX;
-use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -47,8 +45,10 @@ impl FromStr for DeviceChoice {
                 Some("") => Err("qemu: wants the path of an image after the colon".to_owned()),
                 Some(image) => Ok(Self::Qemu(Some(image.into()))),
                 None if text.contains('/') => Ok(Self::Terminal(text.into())),
-                None => Err("expected inproc, native, qemu, qemu:ELF or the path of a terminal like /dev/ttyACM0"
-                    .to_owned()),
+                None => {
+                    Err("expected inproc, native, qemu, qemu:ELF or the path of a terminal like /dev/ttyACM0"
+                        .to_owned())
+                }
             },
         }
     }
@@ -100,7 +100,10 @@ impl Device {
     #[must_use]
     pub fn description(&self) -> String {
         let identity = self.session.identity();
-        format!("{} ({}, firmware {}, build {:08x})", self.choice, identity.board, identity.firmware, identity.build_id)
+        format!(
+            "{} ({}, firmware {}, build {:08x})",
+            self.choice, identity.board, identity.firmware, identity.build_id
+        )
     }
 
     /// The choice this device was opened by.
@@ -121,6 +124,12 @@ impl Device {
         explain(&self.choice, self.process.as_ref(), source)
     }
 
+    /// The error for a drive that keeps to the protocol but can't serve this bench.
+    #[must_use]
+    pub fn unfit(&self, problem: String) -> DeviceError {
+        DeviceError::Unfit { device: self.choice.to_string(), problem }
+    }
+
     fn greet(choice: &DeviceChoice, started: Started) -> Result<Self, DeviceError> {
         let Started { link, process, folder } = started;
         let session = Session::open(link, session_number())
@@ -137,8 +146,12 @@ struct Started {
 }
 
 fn start_twin(supervisor: &Supervisor) -> Result<Started, DeviceError> {
-    let program =
-        Program { name: "native twin", program: supervisor.bench(), arguments: vec!["device".into()], core: None };
+    let program = Program {
+        name: "native twin",
+        program: supervisor.bench(),
+        arguments: vec!["device".into()],
+        core: None,
+    };
     let process = spawn(supervisor, &program)?;
     let Some(path) = process.next_line(Instant::now() + START_LIMIT) else {
         return Err(DeviceError::not_up(&process));
@@ -161,11 +174,14 @@ fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, DeviceError> {
 }
 
 fn explain(choice: &DeviceChoice, process: Option<&Process>, source: SessionError) -> DeviceError {
-    let lost = matches!(source, SessionError::Silent { .. } | SessionError::Broken { source: LinkError::Disconnected, .. });
+    let lost = matches!(
+        source,
+        SessionError::Silent { .. } | SessionError::Broken { source: LinkError::Disconnected, .. }
+    );
     // A line that closes is often the first sign of a process that ends; give its end a moment to be seen.
-    let ended = process.filter(|_| lost).and_then(|process| {
-        process.ended_within(Duration::from_millis(500)).map(|status| (process, status))
-    });
+    let ended = process
+        .filter(|_| lost)
+        .and_then(|process| process.ended_within(Duration::from_millis(500)).map(|status| (process, status)));
     match ended {
         Some((process, status)) => DeviceError::Ended {
             device: choice.to_string(),
@@ -173,7 +189,7 @@ fn explain(choice: &DeviceChoice, process: Option<&Process>, source: SessionErro
             id: process.id(),
             status,
             said: process.last_words(),
-            source,
+            source: Box::new(source),
         },
         None => DeviceError::Session { device: choice.to_string(), source },
     }

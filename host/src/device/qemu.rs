@@ -40,7 +40,8 @@ pub(super) fn start(image: Option<&Path>, supervisor: &Supervisor) -> Result<Sta
 
 fn program(image: &Path, socket: &Path) -> Program {
     let uart = format!("socket,id=uart,path={}", socket.display());
-    let words = ["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-serial", "null", "-chardev"];
+    let words =
+        ["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-serial", "null", "-chardev"];
     let mut arguments: Vec<_> = words.map(Into::into).to_vec();
     arguments.extend([uart.into(), "-serial".into(), "chardev:uart".into(), "-kernel".into(), image.into()]);
     Program { name: "emulator", program: PROGRAM.into(), arguments, core: last_core() }

@@ -28,7 +28,8 @@ impl Pty {
     /// # Errors
     /// It is not there, not a terminal, or another bench holds it (`WouldBlock`).
     pub fn open(path: &Path) -> Result<Self, std::io::Error> {
-        let near_end = rustix::fs::open(path, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?;
+        let near_end =
+            rustix::fs::open(path, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?;
         flock(&near_end, FlockOperation::NonBlockingLockExclusive)?;
         let mut settings = tcgetattr(&near_end)?;
         settings.make_raw();

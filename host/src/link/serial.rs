@@ -54,7 +54,8 @@ impl Link for Serial {
                 // A terminal that is readable and has nothing to read is one whose device is gone.
                 Ok(0) => return Err(LinkError::Disconnected),
                 Ok(count) => return Ok(count),
-                Err(error) if matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::Interrupted) => {}
+                Err(error)
+                    if matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::Interrupted) => {}
                 Err(error) => return Err(error.into()),
             }
         }

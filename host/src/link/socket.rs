@@ -37,7 +37,9 @@ impl Link for Socket {
             match self.stream.read(buffer) {
                 Ok(0) => return Err(LinkError::Disconnected),
                 Ok(count) => return Ok(count),
-                Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted) => {
+                Err(error)
+                    if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted) =>
+                {
                     if remaining(deadline).is_none() {
                         return Ok(0);
                     }

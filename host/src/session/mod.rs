@@ -11,7 +11,7 @@ mod parameters;
 use std::time::{Duration, Instant};
 
 use lashloop_protocol::message::{
-    Arm, ClearFault, EncoderSample, FaultReport, Identity, Start, Stop, Telemetry, TorqueAnswer,
+    Arm, EmergencyStop, EncoderSample, FaultReport, Identity, Reset, Start, Stop, Telemetry, TorqueAnswer,
 };
 use lashloop_protocol::vocabulary::{Outcome, State};
 use lashloop_protocol::wire::Payload;
@@ -80,9 +80,10 @@ impl Session {
         self.line.telemetry.as_ref()
     }
 
-    /// The last fault the drive reported, since it was last asked for.
-    pub fn take_fault(&mut self) -> Option<FaultReport> {
-        self.line.fault.take()
+    /// The last fault the drive reported since the start.
+    #[must_use]
+    pub fn fault(&self) -> Option<FaultReport> {
+        self.line.fault
     }
 
     /// What the drive had to say in words, since it was last asked for.
@@ -114,15 +115,27 @@ impl Session {
         self.line.silent(EncoderSample::LAYOUT.name, limit)
     }
 
-    /// Clears a latched fault if there is one, arms and starts.
+    /// Puts the drive into the state it has after power-up, default parameters and no fault, and greets it again.
+    ///
+    /// # Errors
+    /// The drive does not answer, or the line broke.
+    pub fn reset(&mut self) -> Result<(), SessionError> {
+        if let Some(fault) = self.line.fault {
+            self.line
+                .logs
+                .push(format!("the drive came with a latched fault, now cleared: {:?}", fault.code));
+        }
+        self.command(Reset {})?;
+        self.identity = greeting::greet(&mut self.line, self.number)?;
+        Ok(())
+    }
+
+    /// Arms and starts.
     ///
     /// # Errors
     /// The drive refused, or the line broke.
     pub fn start(&mut self) -> Result<(), SessionError> {
         let session = self.number;
-        if self.identity.state == State::Faulted {
-            self.command(ClearFault {})?;
-        }
         self.command(Arm { session })?;
         self.command(Start { session })?;
         (self.line.telemetry, self.line.fault) = (None, None);
@@ -139,6 +152,12 @@ impl Session {
             Err(SessionError::Refused { state: State::Faulted, .. }) => Ok(()),
             done => done,
         }
+    }
+
+    /// Leaves a drive that can't be trusted or is not there any more: asks for an emergency stop and waits for nothing.
+    pub fn abandon(&mut self) {
+        // The line may be what is broken; then the drive's watchdog does it.
+        let _ = self.line.send(&EmergencyStop {}.into());
     }
 
     /// Sends a sample and waits for its torque until `limit` has passed.

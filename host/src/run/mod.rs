@@ -1,0 +1,41 @@
+//! One run: a scenario, a device, a verdict.
+//!
+//! | module | does |
+//! |---|---|
+//! | [`bench`] | the simulated side of the loop: plant, encoders, reference |
+//! | [`setup`] | tells the drive what the scenario says |
+//! | [`lockstep`] | closes the loop: the plant waits for the drive |
+//! | [`outcome`] | what came of it |
+
+pub mod bench;
+pub mod lockstep;
+pub mod outcome;
+pub mod setup;
+
+use crate::device::DeviceError;
+use crate::plant::ParameterError;
+use crate::record::RecordError;
+use crate::scenario::ScenarioError;
+
+pub use lockstep::{Watcher, run};
+pub use outcome::{End, Outcome};
+
+/// Why a run could not be made or not be finished.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The scenario asks the drive for something it does not take.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The scenario's plant can't be built.
+    #[error(transparent)]
+    Plant(#[from] ParameterError),
+    /// The scenario's encoders can't be built.
+    #[error(transparent)]
+    Encoder(#[from] crate::encoder::EncoderError),
+    /// The device or the link.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// The record.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+}

@@ -1,0 +1,74 @@
+//! What came of a run.
+
+use std::fmt;
+
+use lashloop_protocol::message::FaultReport;
+use lashloop_protocol::vocabulary::FaultCode;
+
+use crate::metrics::Metrics;
+use crate::plant::PlantError;
+use crate::verdict::{Judgement, LinkCounts, Verdict};
+
+/// How a run ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum End {
+    /// After its full duration.
+    Complete,
+    /// The drive latched a fault.
+    DriveFault(FaultReport),
+    /// The plant could not be followed any further: its state left the range of numbers, above all.
+    Diverged(PlantError),
+    /// The user asked the bench to stop.
+    Interrupted,
+}
+
+impl End {
+    /// The verdict a run can't rise above because of its end. A watchdog that trips tells of the host or of the line,
+    /// not of the controller.
+    #[must_use]
+    pub fn verdict(&self) -> Option<Verdict> {
+        match self {
+            Self::Complete => None,
+            Self::DriveFault(fault) if fault.code == FaultCode::Watchdog => Some(Verdict::Invalid),
+            Self::DriveFault(_) | Self::Diverged(_) => Some(Verdict::Fail),
+            Self::Interrupted => Some(Verdict::Invalid),
+        }
+    }
+}
+
+impl fmt::Display for End {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Complete => write!(out, "complete"),
+            Self::Interrupted => write!(out, "interrupted by the user"),
+            Self::Diverged(error) => write!(out, "the plant can't be followed any further: {error}"),
+            Self::DriveFault(fault) => {
+                let FaultReport { code, sequence, value, limit, .. } = fault;
+                write!(out, "the drive latched {code:?} at sample {sequence} (value {value}, limit {limit})")
+            }
+        }
+    }
+}
+
+/// A judged run.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// Verdict and reasons.
+    pub judgement: Judgement,
+    /// How it ended.
+    pub end: End,
+    /// What was measured.
+    pub metrics: Metrics,
+    /// What the link counted.
+    pub link: LinkCounts,
+    /// Control steps made.
+    pub steps: u64,
+    /// Time of the plant.
+    pub simulated_s: f64,
+    /// Time on the wall, from the start of the controller to the last answer.
+    pub wall_s: f64,
+    /// Digest of the torque stream.
+    pub torque_sha256: String,
+    /// What the drive said in words.
+    pub logs: Vec<String>,
+}

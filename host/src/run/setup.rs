@@ -1,0 +1,92 @@
+//! Tells the drive what the scenario says.
+//!
+//! A drive on a bench remembers what the last host set. It is reset first, so that a run depends on its scenario alone.
+
+use lashloop_protocol::vocabulary::{ControllerId, DisturbingTorqueSource};
+
+use super::RunError;
+use crate::device::Device;
+use crate::scenario::controller::{ControllerName, ParameterSetting, ParameterValue};
+use crate::scenario::{Scenario, ScenarioError};
+use crate::session::SetError;
+
+/// Parameters that other keys of a scenario set, with those keys.
+const SET_ELSEWHERE: [(&str, &str); 5] = [
+    ("controller", "controller.name"),
+    ("period_us", "run.control_period_us"),
+    ("motor_counts_per_rev", "encoders.motor_counts_per_rev"),
+    ("load_counts_per_rev", "encoders.load_counts_per_rev"),
+    ("telemetry_every", "telemetry.every_steps"),
+];
+
+/// Resets the drive and sets everything the scenario has to say about it.
+///
+/// # Errors
+/// The drive does not offer the controller or does not take a parameter, with the place in the scenario; or the
+/// conversation broke.
+pub fn set_up(device: &mut Device, scenario: &Scenario) -> Result<(), RunError> {
+    device.session.reset().map_err(|source| device.explain(source))?;
+    let controller = id_of(scenario.controller.name);
+    // In lockstep the plant waits for the drive and the drive for the plant, so the watchdog has to bear a bench that
+    // is slow, though not one that is gone.
+    let watchdog_us = 2_000 * u64::from(scenario.link.answer_timeout_ms);
+    let from_sections = [
+        ("controller", f64::from(controller as u8)),
+        ("period_us", scenario.run.control_period_us.into()),
+        ("motor_counts_per_rev", scenario.encoders.motor_counts_per_rev.into()),
+        ("load_counts_per_rev", scenario.encoders.load_counts_per_rev.into()),
+        ("telemetry_every", scenario.telemetry.every_steps.into()),
+        ("watchdog_us", watchdog_us as f64),
+    ];
+    for (name, number) in from_sections {
+        device.session.set(name, number).map_err(|error| required(device, name, number, error))?;
+    }
+    for setting in &scenario.controller.parameters {
+        apply(device, setting)?;
+    }
+    Ok(())
+}
+
+/// The name of a controller on the wire.
+#[must_use]
+pub fn id_of(name: ControllerName) -> ControllerId {
+    match name {
+        ControllerName::Pd => ControllerId::Pd,
+        ControllerName::Faithful => ControllerId::Faithful,
+        ControllerName::Literal => ControllerId::Literal,
+    }
+}
+
+fn apply(device: &mut Device, setting: &ParameterSetting) -> Result<(), RunError> {
+    if let Some((_, key)) = SET_ELSEWHERE.iter().find(|(name, _)| *name == setting.name) {
+        return Err(ScenarioError::parameter(setting, format!("is set by {key}; set it there")).into());
+    }
+    let number = number_of(setting)?;
+    device.session.set(&setting.name, number).map_err(|error| match error {
+        SetError::Session(source) => device.explain(source).into(),
+        refused => RunError::from(ScenarioError::parameter(setting, format!("is refused: {refused}"))),
+    })
+}
+
+fn number_of(setting: &ParameterSetting) -> Result<f64, ScenarioError> {
+    match (&setting.value, setting.name.as_str()) {
+        (ParameterValue::Number(number), _) => Ok(*number),
+        (ParameterValue::Boolean(on), _) => Ok(f64::from(u8::from(*on))),
+        (ParameterValue::Text(text), "disturbing_torque_source") => match text.as_str() {
+            "model" => Ok(f64::from(DisturbingTorqueSource::Model as u8)),
+            "observed" => Ok(f64::from(DisturbingTorqueSource::Observed as u8)),
+            _ => Err(ScenarioError::parameter(setting, "is no source; it must be \"model\" or \"observed\"")),
+        },
+        (ParameterValue::Text(_), _) => {
+            Err(ScenarioError::parameter(setting, "is a text; the drive takes a number"))
+        }
+    }
+}
+
+/// A parameter every drive must have was refused.
+fn required(device: &Device, name: &str, number: f64, error: SetError) -> RunError {
+    match error {
+        SetError::Session(source) => device.explain(source).into(),
+        refused => device.unfit(format!("{name} = {number}, which the scenario needs: {refused}")).into(),
+    }
+}
