@@ -1,4 +1,4 @@
-//! Skeleton.
+//! The bench: a simulated plant with gear backlash, and everything on the PC that runs a drive against it.
 
 pub mod metrics;
 pub mod record;
