@@ -129,7 +129,51 @@ mod tests {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let path = directory.path().join("summary.json");
         summary().write(&path).expect("a summary");
-        insta::assert_snapshot!(fs::read_to_string(&path).expect("a summary"), @"");
+        insta::assert_snapshot!(fs::read_to_string(&path).expect("a summary"), @r#"
+        {
+          "verdict": "FAIL",
+          "scenario": "scenarios/smooth-before.toml",
+          "device": "native twin",
+          "controller": "pd",
+          "seed": 1,
+          "steps": 4,
+          "simulated_s": 2.0,
+          "wall_s": 0.25,
+          "metrics": {
+            "settle_time_s": null,
+            "settle_time_2pct_s": null,
+            "static_error_rad": 0.375,
+            "hunting_rad": null,
+            "overshoot_rad": 0.0,
+            "effort_nm2s": 4.5,
+            "torque_total_variation_nm": 0.0,
+            "dead_zone_estimate_rad": 0.16
+          },
+          "expectations": [
+            {
+              "metric": "settle_time_s",
+              "value": null,
+              "unit": "s",
+              "min": null,
+              "max": 2.0,
+              "ok": false
+            }
+          ],
+          "link": {
+            "frames_sent": 4,
+            "frames_received": 4,
+            "crc_errors": 0,
+            "lost": 0,
+            "late": 0
+          },
+          "torque_sha256": "0000000000000000000000000000000000000000000000000000000000000000",
+          "versions": {
+            "lashloop": "0.1.0",
+            "protocol": "1",
+            "firmware": "0.1.0"
+          }
+        }
+        "#);
     }
 
     #[test]

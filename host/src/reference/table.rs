@@ -41,7 +41,7 @@ pub struct TableError {
     /// The file as it was opened.
     pub file: PathBuf,
     /// Counted from 1; `None` if the whole file is at fault.
-    pub line: Option<u64>,
+    pub line: Option<usize>,
     /// What is wrong.
     pub fault: TableFault,
 }
@@ -53,11 +53,11 @@ pub enum TableFault {
     #[error("cannot be read: {0}")]
     Read(#[source] io::Error),
     /// The first line isn't the header.
-    #[error("the columns are \"{0}\"; they must be \"time_s,position_rad\"")]
+    #[error("the columns are {0:?}; they must be \"time_s,position_rad\"")]
     Header(String),
-    /// A line that isn't two fields of text.
-    #[error("not a row of two fields: {0}")]
-    Row(#[source] csv::Error),
+    /// A line with more or fewer than two fields.
+    #[error("fields in this row: {0}; a row must have 2")]
+    Fields(usize),
     /// A field that isn't a number.
     #[error("{column} is {found:?}; it must be a number")]
     NotANumber {
@@ -97,7 +97,7 @@ impl Table {
     /// after the one before and a finite position.
     pub fn from_file(file: &Path, interpolation: Interpolation) -> Result<Self, TableError> {
         let error = |fault| TableError { file: file.to_owned(), line: None, fault };
-        let text = std::fs::read(file).map_err(|source| error(TableFault::Read(source)))?;
+        let text = std::fs::read_to_string(file).map_err(|source| error(TableFault::Read(source)))?;
         let points =
             read_points(&text).map_err(|(line, fault)| TableError { file: file.to_owned(), line, fault })?;
         Ok(Self { file: file.to_owned(), interpolation, points })
@@ -121,45 +121,48 @@ impl Table {
     }
 }
 
-fn read_points(text: &[u8]) -> Result<Vec<Point>, (Option<u64>, TableFault)> {
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .has_headers(true)
-        .from_reader(text);
-    let header = reader.headers().map_err(in_row)?;
-    if header.iter().ne(COLUMNS) {
-        let found = header.iter().collect::<Vec<_>>().join(",");
-        let line = header.position().map(csv::Position::line);
-        return Err((line, TableFault::Header(found)));
+/// Line by line rather than with a CSV reader: two columns of numbers need no quoting, and a reader that skips
+/// blank lines and comments loses count of the lines a fault has to name.
+fn read_points(text: &str) -> Result<Vec<Point>, (Option<usize>, TableFault)> {
+    // Spreadsheets put a byte order mark before the header.
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut lines =
+        (1..).zip(text.lines().map(str::trim)).filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+    let empty = (None, TableFault::Empty);
+    let Some((number, header)) = lines.next() else {
+        return Err(empty);
+    };
+    if !header.split(',').map(str::trim).eq(COLUMNS) {
+        return Err((Some(number), TableFault::Header(header.to_owned())));
     }
     let mut points: Vec<Point> = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(in_row)?;
-        let line = record.position().map(csv::Position::line);
-        let point = read_point(&record).map_err(|fault| (line, fault))?;
+    for (number, line) in lines {
+        let point = read_point(line).map_err(|fault| (Some(number), fault))?;
         if let Some(last) = points.last()
             && point.time_s <= last.time_s
         {
-            return Err((line, TableFault::NotIncreasing { found: point.time_s, before: last.time_s }));
+            let fault = TableFault::NotIncreasing { found: point.time_s, before: last.time_s };
+            return Err((Some(number), fault));
         }
         points.push(point);
     }
-    if points.is_empty() { Err((None, TableFault::Empty)) } else { Ok(points) }
+    if points.is_empty() { Err(empty) } else { Ok(points) }
 }
 
-fn in_row(error: csv::Error) -> (Option<u64>, TableFault) {
-    (error.position().map(csv::Position::line), TableFault::Row(error))
-}
-
-fn read_point(record: &csv::StringRecord) -> Result<Point, TableFault> {
-    let number = |index: usize| {
-        let (column, field) = (COLUMNS[index], &record[index]);
-        let number: f64 =
-            field.parse().map_err(|_| TableFault::NotANumber { column, found: field.to_owned() })?;
-        if number.is_finite() { Ok(number) } else { Err(TableFault::NotFinite { column, found: number }) }
+fn read_point(line: &str) -> Result<Point, TableFault> {
+    let Some((time, position)) = line.split_once(',').filter(|(_, position)| !position.contains(',')) else {
+        return Err(TableFault::Fields(line.split(',').count()));
     };
-    Ok(Point { time_s: number(0)?, position_rad: number(1)? })
+    Ok(Point { time_s: read_number(COLUMNS[0], time)?, position_rad: read_number(COLUMNS[1], position)? })
+}
+
+fn read_number(column: &'static str, field: &str) -> Result<f64, TableFault> {
+    let field = field.trim();
+    match field.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        Ok(found) => Err(TableFault::NotFinite { column, found }),
+        Err(_) => Err(TableFault::NotANumber { column, found: field.to_owned() }),
+    }
 }
 
 #[cfg(test)]
@@ -213,12 +216,24 @@ mod tests {
             "time_s,position_rad\ninf,0\n",
             "time_s,position_rad\n0,0\n0,1\n",
             "time_s,position_rad\n1,0\n0.5,1\n",
-            "time_s,position_rad\n0,0,0\n",
+            "time_s,position_rad\n\n0,0,0\n",
+            "time_s,position_rad\n0;0\n",
         ]
         .into_iter()
         .map(|text| table(text, Interpolation::Linear).expect_err("a faulty table"))
         .collect();
-        insta::assert_snapshot!(faults.join("\n"), @"");
+        insta::assert_snapshot!(faults.join("\n"), @r#"
+        table points.csv: has no points; it must have at least one
+        table points.csv: has no points; it must have at least one
+        table points.csv:1: the columns are "t,theta"; they must be "time_s,position_rad"
+        table points.csv:4: position_rad is "one"; it must be a number
+        table points.csv:3: position_rad is NaN; it must be finite
+        table points.csv:2: time_s is inf; it must be finite
+        table points.csv:3: time_s is 0 after 0; times must increase
+        table points.csv:3: time_s is 0.5 after 1; times must increase
+        table points.csv:3: fields in this row: 3; a row must have 2
+        table points.csv:2: fields in this row: 1; a row must have 2
+        "#);
     }
 
     #[test]

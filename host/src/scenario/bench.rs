@@ -44,9 +44,14 @@ pub(super) fn read_run(run: &mut Section<'_>) -> RunSettings {
         control_period_us: run.integer("control_period_us", unit::MICROSECOND, 1000, 100..=100_000),
         seed: run.integer("seed", unit::NONE, 1, 0..=LARGEST),
     };
-    if settings.duration_s < settings.control_period_s() {
-        let period_us = settings.control_period_us;
-        run.reject("duration_s", format!("is shorter than one control period; it must be >= {period_us} us"));
+    let (duration_s, period_s) = (settings.duration_s, settings.control_period_s());
+    if duration_s < period_s && run.is_option("control_period_us") {
+        run.reject(
+            "control_period_us",
+            format!("is longer than the run; it must be <= {} us", duration_s * 1e6),
+        );
+    } else if duration_s < period_s {
+        run.reject("duration_s", format!("is shorter than one control period; it must be >= {period_s} s"));
     }
     settings
 }

@@ -116,13 +116,13 @@ pub enum Fault {
         unit: &'static str,
     },
     /// A key that only another choice has.
-    #[error("{found} is given, but this key belongs to {owner} and the scenario chooses {chosen}")]
+    #[error("{found} is given, but this key belongs to {owner} and {chosen}")]
     BelongsTo {
         /// The value as written.
         found: String,
         /// The choice that has the key.
         owner: String,
-        /// The choice that was made.
+        /// Who chose what instead.
         chosen: String,
     },
     /// The value alone is fine, but not together with the rest.
@@ -177,7 +177,7 @@ pub enum ScenarioError {
         /// The whole path, such as `plant.initial.load_position_rad`.
         key: String,
         /// What is wrong.
-        fault: Fault,
+        fault: Box<Fault>,
     },
 }
 
@@ -190,8 +190,14 @@ impl ScenarioError {
         Self::Key {
             origin: setting.origin.clone(),
             key: format!("controller.parameters.{}", spell_key(&setting.name)),
-            fault: Fault::Rejected { found: setting.value.to_string(), reason: reason.into() },
+            fault: Box::new(Fault::Rejected { found: setting.value.to_string(), reason: reason.into() }),
         }
+    }
+
+    /// Whether this is a missing key whose path begins with `inside`.
+    pub(super) fn is_missing_inside(&self, inside: &str) -> bool {
+        matches!(self, Self::Key { key, fault, .. }
+            if matches!(**fault, Fault::Missing { .. }) && key.starts_with(inside))
     }
 
     fn order(&self) -> (bool, usize) {

@@ -34,6 +34,9 @@ pub(super) fn read(expect: &mut Section<'_>) -> Expectation {
     let note = expect.text("note", None).map(str::to_owned);
     match (min, max) {
         (None, None) => expect.reject_section("gives neither min nor max; it must give at least one"),
+        (Some(min), Some(max)) if min > max && expect.is_option("max") => {
+            expect.reject("max", format!("is less than min; it must be >= {min} {unit}"));
+        }
         (Some(min), Some(max)) if min > max => {
             expect.reject("min", format!("is greater than max; it must be <= {max} {unit}"));
         }

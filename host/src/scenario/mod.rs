@@ -26,6 +26,7 @@ pub mod plant;
 mod range;
 mod reader;
 mod reference;
+mod schema;
 mod tree;
 mod unit;
 
@@ -110,6 +111,15 @@ impl Scenario {
                 Err(ScenarioErrors::new(errors))
             }
         }
+    }
+
+    /// The scenario as a file with every default spelled out. Read again it is the same scenario; the path of a
+    /// table is relative to the working directory then.
+    ///
+    /// # Errors
+    /// The path of a table isn't UTF-8, or a whole number lies beyond TOML's 64 bits with sign.
+    pub fn to_toml(&self) -> Result<String, toml_edit::ser::Error> {
+        toml_edit::ser::to_string_pretty(self)
     }
 }
 

@@ -117,7 +117,7 @@ fn read_coulomb_friction(plant: &mut Section<'_>, model: Option<PlantModel>) -> 
     let read =
         |plant: &mut Section<'_>| plant.number("load_coulomb_nm", unit::NEWTON_METRE, 3.84, within(0.0, 1e6));
     if model == Some(PlantModel::Smooth) {
-        plant.belongs_to("model = \"hard-coulomb\"", "model = \"smooth\"", read);
+        plant.belongs_to("model", "hard-coulomb", "smooth", read);
         return None;
     }
     Some(read(plant))

@@ -42,8 +42,8 @@ pub(super) fn with_unit(mut text: String, unit: &str) -> String {
     text
 }
 
-/// A limit as an engineer writes it: 0.5, 5000, 1e6.
-fn spell_number(number: f64) -> String {
+/// A number as an engineer writes it: 0.5, 5000, 1e6.
+pub(super) fn spell_number(number: f64) -> String {
     let size = number.abs();
-    if size != 0.0 && !(1e-3..1e5).contains(&size) { format!("{number:e}") } else { format!("{number}") }
+    if size != 0.0 && !(1e-3..1e4).contains(&size) { format!("{number:e}") } else { format!("{number}") }
 }

@@ -11,37 +11,18 @@ use std::ops::RangeInclusive;
 
 use super::error::{Fault, Origin, ScenarioError, spell_key};
 use super::range::{NumberRange, with_unit};
+use super::schema::{Elsewhere, KnownKey, Schema};
 use super::tree::{Node, Table, Value};
 use super::unit;
-
-/// How alike two keys must be (0 to 1) to take one for a misspelling of the other.
-const ALIKE: f64 = 0.6;
 
 /// A section that is being read.
 pub(super) struct Section<'a> {
     path: String,
     origin: Origin,
     table: Option<&'a Table>,
-    known: Vec<KnownKey>,
-    elsewhere: Vec<Elsewhere>,
-    symbols: &'static [(&'static str, &'static str)],
+    schema: Schema,
     accepts_the_rest: bool,
     errors: &'a RefCell<Vec<ScenarioError>>,
-}
-
-#[derive(Clone)]
-struct KnownKey {
-    name: &'static str,
-    unit: &'static str,
-    /// What the key must be, if it is required and absent.
-    missing: Option<String>,
-}
-
-/// Keys that would be known had another choice been made.
-struct Elsewhere {
-    owner: String,
-    chosen: String,
-    keys: Vec<KnownKey>,
 }
 
 /// Reads a whole document and returns what was read or everything that is wrong.
@@ -63,8 +44,7 @@ impl<'a> Section<'a> {
         table: Option<&'a Table>,
         errors: &'a RefCell<Vec<ScenarioError>>,
     ) -> Self {
-        let (known, elsewhere) = (Vec::new(), Vec::new());
-        Self { path, origin, table, known, elsewhere, symbols: &[], accepts_the_rest: false, errors }
+        Self { path, origin, table, schema: Schema::default(), accepts_the_rest: false, errors }
     }
 
     /// Runs `read` on this section, then reports missing and unknown keys.
@@ -239,9 +219,10 @@ impl<'a> Section<'a> {
         self.accepts_the_rest = true;
     }
 
-    /// Declares the keys `read` would have read, had `owner` been chosen instead of `chosen`.
+    /// Declares the keys `read` would have read, had `owner` been the value of `key` instead of `chosen`.
     pub(super) fn belongs_to<T>(
         &mut self,
+        key: &str,
         owner: &str,
         chosen: &str,
         read: impl FnOnce(&mut Section<'_>) -> T,
@@ -249,16 +230,33 @@ impl<'a> Section<'a> {
         let ignored = RefCell::new(Vec::new());
         let mut section = Section::new(String::new(), self.origin.clone(), None, &ignored);
         read(&mut section);
-        self.elsewhere.push(Elsewhere {
-            owner: owner.to_owned(),
-            chosen: chosen.to_owned(),
-            keys: section.known,
+        let chooser = match self.node(key).map(|node| &node.origin) {
+            Some(Origin::Option(option)) => option.to_string(),
+            _ => "the scenario".to_owned(),
+        };
+        self.schema.elsewhere.push(Elsewhere {
+            owner: format!("{key} = \"{owner}\""),
+            chosen: format!("{chooser} chooses {key} = \"{chosen}\""),
+            keys: section.schema.known,
         });
     }
 
     /// Declares symbols of the paper and the key each stands for.
     pub(super) fn symbols(&mut self, symbols: &'static [(&'static str, &'static str)]) {
-        self.symbols = symbols;
+        self.schema.symbols = symbols;
+    }
+
+    /// Blames `key` for what is missing from here on, if the command line set it: the option that chose a
+    /// profile is what has to be completed, not the section of the file.
+    pub(super) fn blame_option(&mut self, key: &str) {
+        if let Some(origin @ Origin::Option(_)) = self.node(key).map(|node| &node.origin) {
+            self.origin = origin.clone();
+        }
+    }
+
+    /// Whether the command line set this key: of two keys that don't go together, that one is to blame.
+    pub(super) fn is_option(&self, key: &str) -> bool {
+        matches!(self.node(key), Some(Node { origin: Origin::Option(_), .. }))
     }
 
     /// Reports a value that is fine alone but not together with others. `reason` continues the sentence after
@@ -297,61 +295,33 @@ impl<'a> Section<'a> {
         required: Option<String>,
     ) -> Option<&'a Node> {
         let node = self.node(key);
-        self.known.push(KnownKey { name: key, unit, missing: required.filter(|_| node.is_none()) });
+        self.schema.known.push(KnownKey { name: key, unit, missing: required.filter(|_| node.is_none()) });
         node
     }
 
     fn finish(mut self) {
         for (name, node) in self.table.into_iter().flat_map(Table::iter) {
-            if self.accepts_the_rest || self.known.iter().any(|key| key.name == name) {
+            if self.accepts_the_rest || self.schema.knows(name) {
                 continue;
             }
-            let (fault, meant) = self.explain_unknown(name, node);
-            // One sentence is enough for a key that is there under another name.
-            if let Some(key) = self.known.iter_mut().find(|key| Some(key.name) == meant) {
-                key.missing = None;
-            }
+            let (fault, meant) = self.schema.explain_unknown(name, &node.value);
             self.fault(&spell_key(name), node, fault);
-        }
-        let mut missing = Vec::new();
-        for key in &mut self.known {
-            missing.extend(key.missing.take().map(|allowed| (key.name, allowed)));
-        }
-        for (name, allowed) in missing {
-            self.push(self.path_of(name), self.origin.clone(), Fault::Missing { allowed });
-        }
-    }
-
-    /// The fault of an unknown key, and the key that was probably meant.
-    fn explain_unknown(&self, name: &str, node: &Node) -> (Fault, Option<&'static str>) {
-        let found = node.value.to_string();
-        for Elsewhere { owner, chosen, keys } in &self.elsewhere {
-            if keys.iter().any(|key| key.name == name) {
-                let (owner, chosen) = (owner.clone(), chosen.clone());
-                return (Fault::BelongsTo { found, owner, chosen }, None);
+            // One sentence is enough for a key, or a section with all its keys, that is there under another name.
+            if let Some(meant) = meant {
+                self.schema.known.retain(|key| key.name != meant);
+                let inside = format!("{}.", self.path_of(meant));
+                self.errors.borrow_mut().retain(|error| !error.is_missing_inside(&inside));
             }
         }
-        let symbol = self.symbols.iter().find(|(symbol, _)| symbol.eq_ignore_ascii_case(name));
-        if let Some(key) = symbol.and_then(|(_, meant)| self.known.iter().find(|key| key.name == *meant)) {
-            return (Fault::PaperSymbol { found, key: key.name, unit: key.unit }, Some(key.name));
-        }
-        let in_units = self.known.iter().filter(|key| !key.unit.is_empty());
-        if let Some(key) = in_units.into_iter().find(|key| unit::same_quantity(key.name, name)) {
-            return (Fault::WrongUnit { found, key: key.name, unit: key.unit }, Some(key.name));
-        }
-        let likeness = |key: &KnownKey| strsim::normalized_damerau_levenshtein(key.name, name);
-        let nearest = self.known.iter().max_by(|one, other| likeness(one).total_cmp(&likeness(other)));
-        match nearest.filter(|key| likeness(key) >= ALIKE) {
-            Some(key) => (Fault::Misspelled { nearest: key.name }, Some(key.name)),
-            None => {
-                let known: Vec<_> = self.known.iter().map(|key| key.name).collect();
-                (Fault::Unknown { known: known.join(", ") }, None)
+        for KnownKey { name, missing, .. } in &self.schema.known {
+            if let Some(allowed) = missing.clone() {
+                self.push(self.path_of(name), self.origin.clone(), Fault::Missing { allowed });
             }
         }
     }
 
     fn push(&self, key: String, origin: Origin, fault: Fault) {
-        self.errors.borrow_mut().push(ScenarioError::Key { origin, key, fault });
+        self.errors.borrow_mut().push(ScenarioError::Key { origin, key, fault: Box::new(fault) });
     }
 
     fn path_of(&self, key: &str) -> String {

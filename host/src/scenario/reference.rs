@@ -27,13 +27,13 @@ pub(super) fn read(reference: &mut Section<'_>, directory: &Path) -> Reference {
         reference.accept_the_rest();
         return STAND_IN;
     };
+    reference.blame_option("profile");
     let mut result = None;
     for (name, read_profile) in PROFILES {
         if name == chosen {
             result = read_profile(reference, directory);
         } else {
-            let (owner, chosen) = (format!("profile = \"{name}\""), format!("profile = \"{chosen}\""));
-            reference.belongs_to(&owner, &chosen, |section| read_profile(section, directory));
+            reference.belongs_to("profile", name, chosen, |section| read_profile(section, directory));
         }
     }
     result.unwrap_or(STAND_IN)
@@ -83,7 +83,7 @@ fn read_table(table: &mut Section<'_>, directory: &Path) -> Option<Reference> {
     let interpolations = [("linear", Interpolation::Linear), ("hold", Interpolation::Hold)];
     let interpolation = table.choice("interpolation", Interpolation::Linear, &interpolations);
     let file = table.text("file", Some("the path of a CSV file with the columns time_s,position_rad"))?;
-    match Table::from_file(&directory.join(file), interpolation?) {
+    match Table::from_file(&directory.join(file), interpolation.unwrap_or(Interpolation::Linear)) {
         Ok(points) => Some(Reference::Table(points)),
         Err(error) => {
             if let Some(node) = table.node("file") {

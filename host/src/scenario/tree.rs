@@ -10,6 +10,7 @@ use std::sync::Arc;
 use toml_edit::{Document, Item, TableLike, TomlError};
 
 use super::error::{Origin, ScenarioError, spell_text};
+use super::range::spell_number;
 
 /// A value and where it was written.
 #[derive(Debug, Clone)]
@@ -76,8 +77,9 @@ impl fmt::Display for Value {
         match self {
             Self::Text(text) => f.write_str(&spell_text(text)),
             Self::Integer(number) => write!(f, "{number}"),
-            // Debug keeps the point of 3.0 and the exponent of 1e300.
-            Self::Float(number) => write!(f, "{number:?}"),
+            // The point of 3.0 is what makes it a wrong type where a whole number is wanted.
+            Self::Float(number) if number.abs() < 1e4 && number.fract() == 0.0 => write!(f, "{number:.1}"),
+            Self::Float(number) => f.write_str(&spell_number(*number)),
             Self::Boolean(boolean) => write!(f, "{boolean}"),
             Self::Date(date) => f.write_str(date),
             Self::Array(items) => write!(f, "[{} items]", items.len()),
@@ -90,8 +92,11 @@ impl fmt::Display for Value {
 pub(super) fn parse_file(file: &Arc<str>, text: &str) -> Result<Table, ScenarioError> {
     let lines = Lines::new(text);
     let document = Document::parse(text).map_err(|error| {
-        let (line, column) = lines.place(error.span().map_or(0, |span| span.start));
-        ScenarioError::Syntax { file: file.clone(), line, column, reason: reason(&error) }
+        let span = error.span().unwrap_or_default();
+        let (line, column) = lines.place(span.start);
+        let found = text.get(span).unwrap_or_default();
+        let found = if found.is_empty() { String::new() } else { format!(" at {}", spell_text(found)) };
+        ScenarioError::Syntax { file: file.clone(), line, column, reason: reason(&error) + &found }
     })?;
     let origin = |span: Option<Range<usize>>| Origin::File {
         file: file.clone(),

@@ -52,7 +52,11 @@ fn one_missed_expectation_of_many_fails_the_run() {
     let judgement = judge(&expectations, &metrics(0.25));
     assert_eq!(judgement.verdict, Verdict::Fail);
     let lines: Vec<_> = judgement.findings.iter().map(ToString::to_string).collect();
-    insta::assert_snapshot!(lines.join("\n"), @"");
+    insta::assert_snapshot!(lines.join("\n"), @r#"
+    static_error_rad: 0.25 rad; meets 0 to 1 rad
+    overshoot_rad: 0 rad; meets at most 0 rad
+    settle_time_s: never; misses at most 100 s
+    "#);
 }
 
 #[test]
