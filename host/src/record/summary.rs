@@ -24,6 +24,8 @@ pub struct Summary {
     pub controller: String,
     /// Starts every random stream of the run.
     pub seed: u64,
+    /// How the run ended: `complete`, or what cut it short.
+    pub end: String,
     /// Control steps run.
     pub steps: u64,
     /// Time of the plant.
@@ -109,6 +111,7 @@ mod tests {
             device: "native twin".to_owned(),
             controller: "pd".to_owned(),
             seed: 1,
+            end: "complete".to_owned(),
             steps: 4,
             simulated_s: 2.0,
             wall_s: 0.25,

@@ -1,0 +1,32 @@
+//! `lashloop device`: the native twin, for a bench in another shell.
+
+use std::io::{self, IsTerminal, Write};
+
+use clap::Args;
+use lashloop::verdict::Exit;
+use lashloop_firmware::twin::Twin;
+
+use super::error::CliError;
+
+/// Be a drive on a pseudo-terminal until killed.
+///
+/// Prints the terminal's path on standard output. Reach it from another shell with
+/// `lashloop run SCENARIO --device PATH`.
+#[derive(Args)]
+pub(crate) struct Arguments {}
+
+impl Arguments {
+    pub(crate) fn run(self) -> Result<Exit, CliError> {
+        let failed = |what| move |source| CliError::System { what, source };
+        let twin = Twin::open().map_err(failed("open a pseudo-terminal"))?;
+        let path = twin.path().display();
+        let mut stdout = io::stdout();
+        // Whoever started this waits for the line, so it must not stay in a buffer.
+        writeln!(stdout, "{path}").and_then(|()| stdout.flush()).map_err(failed("print the path"))?;
+        if io::stderr().is_terminal() {
+            eprintln!("A drive listens there. In another shell: lashloop run SCENARIO.toml --device {path}");
+        }
+        twin.serve().map_err(failed("serve the drive any longer"))?;
+        Ok(Exit::Pass)
+    }
+}

@@ -1,0 +1,44 @@
+//! What ends a command early, and with which exit code.
+
+use std::io;
+use std::path::PathBuf;
+
+use lashloop::device::DeviceError;
+use lashloop::record::RecordError;
+use lashloop::run::RunError;
+use lashloop::scenario::ScenarioErrors;
+use lashloop::verdict::Exit;
+
+/// An error of a command: one sentence for the user.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum CliError {
+    #[error(transparent)]
+    Scenario(#[from] ScenarioErrors),
+    #[error(transparent)]
+    Run(#[from] RunError),
+    #[error("{}: can't be written: {source}; choose another folder with --out", path.display())]
+    Output { path: PathBuf, source: io::Error },
+    #[error("can't {what}: {source}")]
+    System { what: &'static str, source: io::Error },
+}
+
+impl CliError {
+    pub(crate) fn exit(&self) -> Exit {
+        match self {
+            Self::Run(RunError::Device(_)) | Self::System { .. } => Exit::DeviceOrLink,
+            Self::Scenario(_) | Self::Run(_) | Self::Output { .. } => Exit::UsageOrScenario,
+        }
+    }
+}
+
+impl From<DeviceError> for CliError {
+    fn from(error: DeviceError) -> Self {
+        Self::Run(error.into())
+    }
+}
+
+impl From<RecordError> for CliError {
+    fn from(error: RecordError) -> Self {
+        Self::Run(error.into())
+    }
+}

@@ -1,0 +1,92 @@
+//! The command line: one file per command.
+
+mod compare;
+mod demo;
+mod device;
+mod error;
+mod ping_pong;
+mod progress;
+mod report;
+mod run;
+mod tied;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use lashloop::supervisor::Supervisor;
+use lashloop::verdict::Exit;
+
+use error::CliError;
+
+/// Hardware-in-the-loop bench for drives with gear backlash.
+///
+/// The mechanics are simulated here, the controller runs in the real firmware, and only bytes pass between them: over
+/// a serial port, a pseudo-terminal, or to a Cortex-M image in QEMU. A run ends in a verdict.
+#[derive(Parser)]
+#[command(version, after_help = EXIT_CODES, after_long_help = LONG_HELP, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Run(run::Arguments),
+    Demo(demo::Arguments),
+    Device(device::Arguments),
+    Compare(compare::Arguments),
+    #[command(hide = true)]
+    Tied(tied::Arguments),
+    #[command(hide = true)]
+    PingPong,
+}
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 PASS, 1 FAIL, 2 bad usage, scenario or output folder, 3 INVALID, 4 device or link.";
+
+const LONG_HELP: &str = "\
+Exit codes:
+  0  PASS     every expectation of the scenario is met
+  1  FAIL     an expectation is not met, or the drive latched a fault
+  2           bad usage, a bad scenario, or an output folder that can't be written
+  3  INVALID  link or timing broke what the scenario allows, or the run was interrupted
+  4           the device or the link failed; there is no verdict
+
+First steps:
+  lashloop demo                                        the paper's four runs and a picture
+  lashloop run scenarios/smooth-after.toml             one run, with the native twin
+  lashloop run scenarios/smooth-after.toml --device qemu --out out/qemu
+  lashloop device                                      a drive on a terminal, for a second shell:
+  lashloop run scenarios/smooth-after.toml --device /dev/pts/N";
+
+/// Parses, runs, and says in one sentence what went wrong.
+pub(crate) fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            let _ = error.print();
+            return if error.use_stderr() { Exit::UsageOrScenario.into() } else { Exit::Pass.into() };
+        }
+    };
+    let result = match arguments.command {
+        Command::Run(arguments) => arguments.run(),
+        Command::Demo(arguments) => arguments.run(),
+        Command::Device(arguments) => arguments.run(),
+        Command::Compare(arguments) => arguments.run(),
+        Command::Tied(arguments) => arguments.run(),
+        Command::PingPong => ping_pong::answer(),
+    };
+    match result {
+        Ok(exit) => exit.into(),
+        Err(error) => {
+            eprintln!("lashloop: {error}");
+            error.exit().into()
+        }
+    }
+}
+
+fn start_supervisor() -> Result<Supervisor, CliError> {
+    std::env::current_exe()
+        .and_then(Supervisor::start)
+        .map_err(|source| CliError::System { what: "start the supervisor", source })
+}

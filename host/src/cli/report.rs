@@ -1,0 +1,39 @@
+//! A run on the terminal: who, what, how well, and the verdict last.
+
+use lashloop::record::summary::Summary;
+use lashloop::run::{End, Outcome};
+use lashloop::scenario::Scenario;
+use lashloop::verdict::LinkCounts;
+
+pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
+    println!("{}", scenario.title);
+    println!("device      {}", summary.device);
+    println!("controller  {}", summary.controller);
+    let (steps, simulated_s, wall_s) = (summary.steps, summary.simulated_s, summary.wall_s);
+    println!("run         {steps} steps, {simulated_s:.3} s of the plant in {wall_s:.3} s");
+    let LinkCounts { frames_sent, frames_received, crc_errors, lost, late } = summary.link;
+    println!(
+        "link        {frames_sent} frames out, {frames_received} in; {crc_errors} damaged, {lost} lost, {late} late"
+    );
+    println!("torque      sha256 {}", summary.torque_sha256);
+    for line in &outcome.logs {
+        println!("drive says  {line}");
+    }
+    println!();
+    for (metric, value) in summary.metrics.iter() {
+        let unit = if value.value().is_some() { metric.unit() } else { "" };
+        let value = value.value().map_or_else(|| value.to_string(), |number| format!("{number:.4}"));
+        println!("{:<26} {value:>14} {unit}", metric.name());
+    }
+    println!();
+    for finding in &summary.expectations {
+        println!("{} {finding}", if finding.ok { "ok    " } else { "MISSED" });
+    }
+    for breach in &outcome.judgement.breaches {
+        println!("BROKEN {breach}");
+    }
+    if outcome.end != End::Complete {
+        println!("ENDED  {}", outcome.end);
+    }
+    println!("{}", summary.verdict);
+}

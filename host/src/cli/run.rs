@@ -1,0 +1,123 @@
+//! `lashloop run`: one scenario on one device.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use lashloop::device::{Device, DeviceChoice};
+use lashloop::record::RecordError;
+use lashloop::record::summary::{Summary, Versions};
+use lashloop::record::trace::{TraceRow, TraceWriter};
+use lashloop::run::{self, Outcome, Watcher};
+use lashloop::scenario::{Override, Scenario};
+use lashloop::supervisor::Supervisor;
+use lashloop::verdict::Exit;
+use lashloop_protocol::PROTOCOL_VERSION;
+
+use super::error::CliError;
+use super::progress::Progress;
+use super::{report, start_supervisor};
+
+/// Run a scenario on a drive and judge it.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// The scenario: plant, encoders, controller, reference and expectations, as TOML
+    scenario: PathBuf,
+
+    /// The drive: `inproc` calls it in this process, `native` runs it as a process on a pseudo-terminal, `qemu` boots
+    /// the Cortex-M image that `cargo xtask image` built (`qemu:ELF` another one), and a path like /dev/ttyACM0
+    /// or /dev/pts/3 is a terminal with a drive at its far end
+    #[arg(long, default_value = "native", value_name = "DEVICE")]
+    device: DeviceChoice,
+
+    /// Another controller than the scenario's: pd, faithful or literal
+    #[arg(long, value_name = "NAME")]
+    controller: Option<String>,
+
+    /// Another value for a key of the scenario, as often as needed: plant.dead_zone_rad=0.2
+    #[arg(long, value_name = "SECTION.KEY=VALUE")]
+    set: Vec<String>,
+
+    /// Write summary.json and trace.csv into this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+impl Arguments {
+    pub(crate) fn run(self) -> Result<Exit, CliError> {
+        let controller = self.controller.map(Override::Controller);
+        let overrides: Vec<_> = self.set.into_iter().map(Override::Set).chain(controller).collect();
+        let scenario = Scenario::from_file(&self.scenario, &overrides)?;
+        let trace = self.out.as_deref().map(|folder| prepare(folder, &scenario)).transpose()?;
+        let supervisor = start_supervisor()?;
+        let mut device = Device::open(&self.device, scenario.link.baud, &supervisor)?;
+        let mut watcher = RunWatcher { trace, supervisor: &supervisor, progress: Progress::of(&scenario) };
+        let outcome = run::run(&scenario, &mut device, &mut watcher)?;
+        let RunWatcher { trace, progress, .. } = watcher;
+        progress.finish();
+        if let Some(trace) = trace {
+            trace.finish()?;
+        }
+        let summary = summary(&scenario, &device, &outcome);
+        if let Some(folder) = &self.out {
+            summary.write(&folder.join(SUMMARY))?;
+        }
+        report::print(&scenario, &summary, &outcome);
+        Ok(summary.verdict.into())
+    }
+}
+
+const SUMMARY: &str = "summary.json";
+const TRACE: &str = "trace.csv";
+
+/// Makes the folder and begins the trace. An old summary goes first: if this run is cut short, it must not stand beside
+/// the new trace.
+fn prepare(folder: &Path, scenario: &Scenario) -> Result<TraceWriter, CliError> {
+    let failed = |source| CliError::Output { path: folder.to_owned(), source };
+    fs::create_dir_all(folder).map_err(failed)?;
+    match fs::remove_file(folder.join(SUMMARY)) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(failed(error)),
+        _ => {}
+    }
+    Ok(TraceWriter::create(&folder.join(TRACE), scenario.record.flush_rows)?)
+}
+
+pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -> Summary {
+    Summary {
+        verdict: outcome.judgement.verdict,
+        scenario: scenario.name.clone(),
+        device: device.description(),
+        controller: scenario.controller.name.to_string(),
+        seed: scenario.run.seed,
+        end: outcome.end.to_string(),
+        steps: outcome.steps,
+        simulated_s: outcome.simulated_s,
+        wall_s: outcome.wall_s,
+        metrics: outcome.metrics.clone(),
+        expectations: outcome.judgement.findings.clone(),
+        link: outcome.link,
+        torque_sha256: outcome.torque_sha256.clone(),
+        versions: Versions {
+            lashloop: env!("CARGO_PKG_VERSION").to_owned(),
+            protocol: PROTOCOL_VERSION.to_string(),
+            firmware: device.session.identity().firmware.to_string(),
+        },
+    }
+}
+
+struct RunWatcher<'a> {
+    trace: Option<TraceWriter>,
+    supervisor: &'a Supervisor,
+    progress: Progress,
+}
+
+impl Watcher for RunWatcher<'_> {
+    fn row(&mut self, row: &TraceRow) -> Result<(), RecordError> {
+        self.progress.step();
+        self.trace.as_mut().map_or(Ok(()), |trace| trace.push(row))
+    }
+
+    fn stop_asked(&self) -> bool {
+        self.supervisor.interrupted()
+    }
+}
