@@ -1,2 +1,59 @@
-//! Skeleton.
-fn main() {}
+//! Developer chores, called as `cargo xtask <chore>`.
+
+mod arm_toolchain;
+mod checks;
+mod command;
+mod image;
+mod setup;
+mod size;
+mod test_counts;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+#[derive(Parser)]
+#[command(about = "Developer chores of Lashloop", bin_name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    chore: Chore,
+}
+
+#[derive(Subcommand)]
+enum Chore {
+    /// Build the Arm image, copy it to target/lashloop-firmware.elf and print its size
+    Image,
+    /// Print the size of the Arm image and fail if it is beyond its limits
+    Size,
+    /// Install what the emulated board needs and is missing here: QEMU and a core library for Arm
+    Setup,
+    /// Run every check and every test; the last line is the sum
+    Test,
+}
+
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().chore {
+        Chore::Image => image::build().and_then(|()| size::print().map(drop)),
+        Chore::Size => size::check(),
+        Chore::Setup => setup::install_missing(),
+        Chore::Test => return checks::run_all(),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("xtask: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The workspace.
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the package is a folder of the workspace")
+}
+
+/// Where everybody finds the Arm image.
+fn image_path() -> PathBuf {
+    root().join("target/lashloop-firmware.elf")
+}

@@ -3,7 +3,7 @@
 //!
 //! There is no torque to take away: see the [board](super). The host sees the fault, or the silence.
 
-use core::panic::PanicInfo;
+use core::panic::{Location, PanicInfo};
 
 use cortex_m::peripheral::{NVIC, Peripherals};
 use cortex_m_rt::{ExceptionFrame, exception};
@@ -17,7 +17,7 @@ const POLLS_PER_BYTE: u32 = 20_000;
 
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
-    stop(FaultCode::Panic, info.location().map_or(0, |location| location.line()))
+    stop(FaultCode::Panic, info.location().map_or(0, Location::line))
 }
 
 // SAFETY: the attribute asks for `unsafe` because the handler may come in the middle of anything; `stop` relies on

@@ -1,0 +1,91 @@
+//! Every check of the project in one go.
+//!
+//! A step that fails doesn't keep the others from running: one call shows everything that is wrong.
+
+use std::io::{self, BufReader};
+use std::process::{Command, ExitCode, Stdio};
+
+use anyhow::{Context, Result};
+
+use crate::arm_toolchain::ArmToolchain;
+use crate::test_counts::Counts;
+use crate::{command, image, setup, size};
+
+/// Runs all checks. The last line printed is the sum, in which every test and every other step counts one.
+pub(crate) fn run_all() -> ExitCode {
+    let mut checks = Checks::default();
+    checks.step("setup", setup::install_missing);
+    checks.step("format", || command::run(cargo("fmt").args(["--all", "--check"])));
+    checks.step("clippy", || command::run(cargo("clippy").args(ALL_TARGETS).args(["--", "-D", "warnings"])));
+    checks.step("documentation", || {
+        command::run(cargo("doc").args(["--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))
+    });
+    checks.step("image", image::build);
+    checks.step("image size", size::check);
+    checks.step("image clippy", lint_image);
+    checks.tests();
+    let Counts { passed, failed } = checks.0;
+    println!("{passed} passed, {failed} failed");
+    if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+const ALL_TARGETS: [&str; 2] = ["--workspace", "--all-targets"];
+
+#[derive(Default)]
+struct Checks(Counts);
+
+impl Checks {
+    fn step(&mut self, name: &str, run: impl FnOnce() -> Result<()>) {
+        println!("== {name}");
+        match run() {
+            Ok(()) => self.0.passed += 1,
+            Err(error) => self.fail(name, &error),
+        }
+    }
+
+    fn tests(&mut self) {
+        println!("== tests");
+        match run_tests() {
+            Ok(counts) => self.0 += counts,
+            Err(error) => self.fail("tests", &error),
+        }
+    }
+
+    fn fail(&mut self, name: &str, error: &anyhow::Error) {
+        println!("{name} failed: {error:#}");
+        self.0.failed += 1;
+    }
+}
+
+fn cargo(chore: &str) -> Command {
+    let mut command = command::cargo();
+    command.arg(chore);
+    command
+}
+
+fn lint_image() -> Result<()> {
+    match ArmToolchain::find()?.clippy() {
+        Some(mut clippy) => command::run(&mut clippy),
+        None => {
+            println!("left out: the compiler for Arm has no clippy here (rust-web-clippy on Debian)");
+            Ok(())
+        }
+    }
+}
+
+fn run_tests() -> Result<Counts> {
+    let mut tests = cargo("test");
+    tests.args(["--workspace", "--release", "--no-fail-fast"]).stdin(Stdio::null()).stdout(Stdio::piped());
+    // Tests that need the image or the emulator fail where these are missing, instead of being left out.
+    tests.env("LASHLOOP_LEAVE_NOTHING_OUT", "1");
+    let mut child = tests.spawn().with_context(|| command::cannot_start(&tests))?;
+    let stdout = child.stdout.take().context("the output of the tests was not kept")?;
+    let counts = Counts::of_stream(BufReader::new(stdout), io::stdout())?;
+    let status = child.wait()?;
+    // A test that doesn't build or dies of a signal has no line of its own in the counts.
+    if !status.success() && counts.failed == 0 {
+        println!("{} ended with {status}", command::name(&tests));
+        return Ok(Counts { failed: 1, ..counts });
+    }
+    Ok(counts)
+}

@@ -1,0 +1,71 @@
+//! How much of the chip the Arm image takes.
+
+use std::fs;
+
+use anyhow::{Context, Result, ensure};
+use object::elf::{self, SHF_ALLOC, SHF_WRITE};
+use object::{Object, ObjectSection, ObjectSymbol, SectionFlags};
+
+/// Most flash for vectors, code and constants (bytes). The chip has 1 MiB: the limit is an alarm, not a shortage.
+const TEXT_LIMIT: u64 = 32 * 1024;
+/// Most RAM for what has a fixed address (bytes). The chip has 128 KiB; the stack takes what is left.
+const STATIC_RAM_LIMIT: u64 = 8 * 1024;
+
+/// Sizes in bytes.
+pub(crate) struct Size {
+    text: u64,
+    static_ram: u64,
+    /// What is left between the statics and the top of the RAM.
+    stack_room: u64,
+}
+
+/// Prints the sizes.
+pub(crate) fn print() -> Result<Size> {
+    let path = crate::image_path();
+    let elf =
+        fs::read(&path).with_context(|| format!("{}: run `cargo xtask image` first", path.display()))?;
+    let size = Size::of(&elf).with_context(|| path.display().to_string())?;
+    println!(
+        "image: text {} B of {TEXT_LIMIT} B; static RAM {} B of {STATIC_RAM_LIMIT} B, beside {} B for the stack",
+        size.text, size.static_ram, size.stack_room
+    );
+    Ok(size)
+}
+
+/// Prints the sizes and holds them against their limits.
+pub(crate) fn check() -> Result<()> {
+    let size = print()?;
+    ensure!(
+        size.text <= TEXT_LIMIT,
+        "the image has {} B of text, at most {TEXT_LIMIT} B are allowed",
+        size.text
+    );
+    ensure!(
+        size.static_ram <= STATIC_RAM_LIMIT,
+        "the image has {} B of static RAM, at most {STATIC_RAM_LIMIT} B are allowed",
+        size.static_ram
+    );
+    Ok(())
+}
+
+impl Size {
+    fn of(elf: &[u8]) -> Result<Self> {
+        let file = object::File::parse(elf)?;
+        let sum = |wanted: elf::SectionFlags| -> u64 {
+            let sections = file.sections().filter(|section| match section.flags() {
+                SectionFlags::Elf { sh_flags, .. } => sh_flags & (SHF_ALLOC | SHF_WRITE) == wanted,
+                _ => false,
+            });
+            sections.map(|section| section.size()).sum()
+        };
+        let address = |name: &str| {
+            let symbol = file.symbols().find(|symbol| symbol.name() == Ok(name));
+            symbol.map(|symbol| symbol.address()).with_context(|| format!("the image has no symbol {name}"))
+        };
+        Ok(Self {
+            text: sum(SHF_ALLOC),
+            static_ram: sum(SHF_ALLOC | SHF_WRITE),
+            stack_room: address("_stack_start")? - address("__sheap")?,
+        })
+    }
+}
