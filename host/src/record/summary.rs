@@ -81,6 +81,7 @@ impl Summary {
 #[cfg(test)]
 mod tests {
     use std::fs;
+    use std::os::unix::fs::PermissionsExt;
     use std::path::Path;
 
     use super::{Summary, Versions};
@@ -188,6 +189,16 @@ mod tests {
         let text = fs::read_to_string(&path).expect("a summary");
         serde_json::from_str::<serde_json::Value>(&text).expect("whole JSON");
         assert_eq!(fs::read_dir(directory.path()).expect("the directory").count(), 1);
+    }
+
+    #[test]
+    fn a_summary_is_as_readable_for_others_as_any_file() {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let [path, plain] = ["summary.json", "plain"].map(|name| directory.path().join(name));
+        summary().write(&path).expect("a summary");
+        fs::write(&plain, "").expect("a file");
+        let mode = |path| fs::metadata(path).expect("a file").permissions().mode();
+        assert_eq!(mode(path), mode(plain));
     }
 
     #[test]

@@ -105,7 +105,7 @@ impl TraceWriter {
     /// # Errors
     /// It was time to write and the file can't take the rows; they are lost, those before are kept.
     pub fn push(&mut self, row: &TraceRow) -> Result<(), RecordError> {
-        let mut number = ryu::Buffer::new();
+        let mut number = zmij::Buffer::new();
         for value in row.values() {
             self.pending.extend_from_slice(number.format(value).as_bytes());
             self.pending.push(b',');

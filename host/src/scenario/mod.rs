@@ -11,7 +11,7 @@
 //! | section | says | in |
 //! |---|---|---|
 //! | `title`, `description` | what the scenario shows | here |
-//! | `[run]` `[encoders]` `[link]` `[allow]` `[telemetry]` `[record]` | how the bench works | [`bench`] |
+//! | `[run]` `[encoders]` `[link]` `[allow]` `[telemetry]` `[record]` | how the bench works | [`mod@bench`] |
 //! | `[plant]` | load, motor, gap and where they start | [`plant`] |
 //! | `[controller]` | the law and the drive's own parameters | [`controller`] |
 //! | `[reference]` | the position to follow | [`crate::reference`] |

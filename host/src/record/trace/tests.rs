@@ -43,8 +43,8 @@ fn a_trace_is_a_header_and_one_line_per_step() {
     writer.finish().expect("the rows");
     insta::assert_snapshot!(fs::read_to_string(&path).expect("a trace"), @r#"
     time_s,reference_rad,load_position_rad,load_velocity_rad_s,motor_position_rad,motor_velocity_rad_s,torque_nm,transmitted_torque_nm,twist_rad,dead_zone_estimate_rad
-    0.0,0.0,1.5707963267948966,-0.3333333333333333,0.0,-0.0,0.10000000149011612,1e300,2.2250738585072014e-308,0.16
-    0.001,0.0,0.7853981633974483,-0.3333333333333333,1e-7,-0.0,NaN,1e300,2.2250738585072014e-308,0.16
+    0.0,0.0,1.5707963267948966,-0.3333333333333333,0.0,-0.0,0.10000000149011612,1e+300,2.2250738585072014e-308,0.16
+    0.001,0.0,0.7853981633974483,-0.3333333333333333,1e-7,-0.0,NaN,1e+300,2.2250738585072014e-308,0.16
     "#);
 }
 
