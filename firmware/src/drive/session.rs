@@ -143,11 +143,8 @@ impl Drive {
                 self.safety.arm()
             }
             Err(error) => {
-                self.log(LogLevel::Error, format_args!("{} is {}", error.name, error.value as f32));
-                self.log(
-                    LogLevel::Error,
-                    format_args!("allowed: {} to {}", error.low as f32, error.high as f32),
-                );
+                // The name is enough: numbers in words would cost a third of the image.
+                self.log(LogLevel::Error, format_args!("{} does not go with the others", error.name));
                 Outcome::Inconsistent
             }
         }

@@ -2,7 +2,7 @@
 //!
 //! | module | does |
 //! |---|---|
-//! | [`bench`] | the simulated side of the loop: plant, encoders, reference |
+//! | [`mod@bench`] | the simulated side of the loop: plant, encoders, reference |
 //! | [`setup`] | tells the drive what the scenario says |
 //! | [`lockstep`] | closes the loop: the plant waits for the drive |
 //! | [`outcome`] | what came of it |
