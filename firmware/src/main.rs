@@ -57,7 +57,7 @@ mod app {
             board::start(cx.core.SYST, cx.device, cx.local.queue);
         let mut drive = Drive::new(name);
         if let Some((level, text)) = notice {
-            drive.log(level, format_args!("{text}"));
+            drive.log(level, &[text]);
         }
         let shared = Shared { drive, line_errors: AtomicU32::new(0) };
         (shared, Local { clock, ticker, receiver, inbox, outbox })
@@ -87,7 +87,7 @@ mod app {
     fn serve(mut cx: serve::Context) {
         let lost = cx.shared.line_errors.swap(0, Ordering::Relaxed);
         if lost > 0 {
-            cx.shared.drive.lock(|drive| drive.line_errors(lost));
+            cx.shared.drive.lock(|drive| drive.note_overruns(lost));
         }
         let chunk = cx.local.inbox.take();
         let mut rest = chunk.as_slice();

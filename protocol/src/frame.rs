@@ -26,10 +26,15 @@ impl Frame {
     #[inline]
     #[must_use]
     pub fn of<P: Payload>(payload: &P) -> Self {
-        let body_end = 1 + P::LAYOUT.body_len;
-        let crc_end = body_end + crc::LEN;
         let mut bytes = [0; MAX_FRAME];
-        payload.put(&mut bytes[1..body_end]);
+        payload.put(&mut bytes[1..=P::LAYOUT.body_len]);
+        Self::close(bytes, P::LAYOUT.body_len)
+    }
+
+    /// Adds all that is not the body: one piece of code for every kind of message.
+    fn close(mut bytes: [u8; MAX_FRAME], body_len: usize) -> Self {
+        let body_end = 1 + body_len;
+        let crc_end = body_end + crc::LEN;
         let checksum = crc::checksum(&bytes[1..body_end]);
         bytes[body_end..crc_end].copy_from_slice(&checksum.to_le_bytes());
         cobs::stuff(&mut bytes[..crc_end]);

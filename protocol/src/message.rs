@@ -21,6 +21,7 @@
 //! | `0x91` | [`Telemetry`] | drive | 35 | after every n-th torque while running |
 //! | `0x92` | [`FaultReport`] | drive | 24 | when a fault is latched |
 //! | `0x93` | [`Log`] | drive | 60 | when the drive has something to say |
+//! | `0x94` | [`LineReport`] | drive | 23 | answers `Stop`, before its result |
 
 use crate::frame::Frame;
 use crate::layout::MessageLayout;
@@ -271,6 +272,20 @@ payload! {
     }
 }
 
+payload! {
+    /// What the drive's end of the line has seen since the start of the run.
+    0x94 DriveToHost LineReport {
+        /// Good messages.
+        messages: u32,
+        /// Frames that arrived damaged.
+        damaged: u32,
+        /// Whole frames that were no message of this version.
+        refused: u32,
+        /// Bytes the receiver lost before they became part of a frame.
+        overruns: u32,
+    }
+}
+
 direction! {
     /// What the host says.
     pub enum HostMessage {
@@ -299,5 +314,6 @@ direction! {
         Telemetry,
         FaultReport,
         Log,
+        LineReport,
     }
 }

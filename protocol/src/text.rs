@@ -1,6 +1,6 @@
 //! Short texts of fixed length: names, units, log lines.
 
-use core::fmt::{self, Write};
+use core::fmt;
 
 use crate::layout::FieldType;
 use crate::wire::Wire;
@@ -20,26 +20,23 @@ impl<const N: usize> Text<N> {
     #[must_use]
     pub fn new(text: &str) -> Self {
         let mut this = Self::EMPTY;
-        // Writing into a fixed text cuts and never fails.
-        let _ = this.write_str(text);
+        this.push(text);
         this
+    }
+
+    /// Adds as much of `text` as fits.
+    pub fn push(&mut self, text: &str) {
+        for character in text.chars().filter(|&c| c != '\0') {
+            let Some(room) = self.bytes[self.len..].get_mut(..character.len_utf8()) else { break };
+            character.encode_utf8(room);
+            self.len += character.len_utf8();
+        }
     }
 
     /// The text without padding.
     #[must_use]
     pub fn as_str(&self) -> &str {
         core::str::from_utf8(&self.bytes[..self.len]).unwrap_or_default()
-    }
-}
-
-impl<const N: usize> Write for Text<N> {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        for character in text.chars().filter(|&c| c != '\0') {
-            let Some(room) = self.bytes[self.len..].get_mut(..character.len_utf8()) else { break };
-            character.encode_utf8(room);
-            self.len += character.len_utf8();
-        }
-        Ok(())
     }
 }
 

@@ -42,8 +42,9 @@ impl<F: Real> DeadZoneObserver<F> {
         within("load_error_gain", self.load_error_gain, 0.0, GAIN_MAX)?;
         within("elastic_error_gain", self.elastic_error_gain, 0.0, GAIN_MAX)?;
         within("dead_zone_min_rad", self.min_rad, 0.0, 100.0)?;
-        within("dead_zone_max_rad", self.max_rad, self.min_rad.to_f64(), 100.0)?;
-        within("dead_zone_initial_rad", self.initial_rad, self.min_rad.to_f64(), self.max_rad.to_f64())?;
+        let (min_rad, max_rad) = (self.min_rad.to_f64() as f32, self.max_rad.to_f64() as f32);
+        within("dead_zone_max_rad", self.max_rad, min_rad, 100.0)?;
+        within("dead_zone_initial_rad", self.initial_rad, min_rad, max_rad)?;
         within("period_s", period_s, PERIOD_S.0, PERIOD_S.1)
     }
 

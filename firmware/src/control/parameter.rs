@@ -9,27 +9,32 @@ pub struct ParameterError {
     /// Name of the parameter, with its unit.
     pub name: &'static str,
     /// The value given.
-    pub value: f64,
+    pub value: f32,
     /// Smallest allowed value.
-    pub low: f64,
+    pub low: f32,
     /// Largest allowed value.
-    pub high: f64,
+    pub high: f32,
 }
 
 /// Passes a parameter on if it lies in `low..=high`; NaN lies nowhere.
+///
+/// The bounds are single precision, so that a microcontroller compares them in hardware.
 pub(crate) fn within<F: Real>(
     name: &'static str,
     value: F,
-    low: f64,
-    high: f64,
+    low: f32,
+    high: f32,
 ) -> Result<(), ParameterError> {
-    let value = value.to_f64();
-    if (low..=high).contains(&value) { Ok(()) } else { Err(ParameterError { name, value, low, high }) }
+    if (F::from_f32(low)..=F::from_f32(high)).contains(&value) {
+        Ok(())
+    } else {
+        Err(ParameterError { name, value: value.to_f64() as f32, low, high })
+    }
 }
 
 /// Largest feedback gain of any loop, in its own unit: far above what a 1 kHz loop can carry, so only a slip of the
 /// pen gets there.
-pub(crate) const GAIN_MAX: f64 = 1e6;
+pub(crate) const GAIN_MAX: f32 = 1e6;
 
 /// Range of the control period in seconds: 10 us to 1 s.
-pub(crate) const PERIOD_S: (f64, f64) = (1e-5, 1.0);
+pub(crate) const PERIOD_S: (f32, f32) = (1e-5, 1.0);

@@ -99,7 +99,7 @@ pub struct SensingState<F> {
 impl<F: Real> Channel<F> {
     fn new(names: [&'static str; 2], config: EncoderConfig<F>, period_s: F) -> Result<Self, ParameterError> {
         let counts = f64::from(config.counts_per_revolution);
-        within(names[0], counts, 4.0, f64::from(1 << 28))?;
+        within(names[0], counts, 4.0, (1 << 24) as f32)?;
         within(names[1], config.velocity_bandwidth_rad_s, 1e-2, 1e6)?;
         Ok(Self {
             half_count_rad: F::from_f64(core::f64::consts::PI / counts),
@@ -361,7 +361,7 @@ mod tests {
     fn encoder_without_counts_is_refused_by_name() {
         let config = SensingConfig { motor: encoder(4000), load: encoder(0), ratio: 3.0, period_s: 1e-3 };
         let error = Sensing::new(config).expect_err("no counts");
-        let want = "control parameter load.counts_per_revolution is 0, allowed is 4 to 268435456";
+        let want = "control parameter load.counts_per_revolution is 0, allowed is 4 to 16777216";
         assert_eq!(error.to_string(), want);
     }
 }

@@ -66,8 +66,8 @@ pub struct Drive {
     session: Option<u32>,
     control: Option<ControlLoop>,
     last_answer: Option<TorqueAnswer>,
-    /// Bytes the hardware lost before they got here.
-    line_errors: u32,
+    /// Bytes the hardware lost before they got here, since the start of the run.
+    overruns: u32,
     counters_at_start: Counters,
 }
 
@@ -85,7 +85,7 @@ impl Drive {
             session: None,
             control: None,
             last_answer: None,
-            line_errors: 0,
+            overruns: 0,
             counters_at_start: Counters::default(),
         }
     }
@@ -148,14 +148,16 @@ impl Drive {
         self.decoder.counters()
     }
 
-    /// Sends a line of text to the host, if there is room: a text never displaces an answer.
-    pub fn log(&mut self, level: LogLevel, text: core::fmt::Arguments<'_>) {
-        self.output.log(level, text);
+    /// Sends the pieces as one line of text to the host, if there is room: a text never displaces an answer.
+    ///
+    /// Pieces and no format: formatting would cost the image more flash than the control laws.
+    pub fn log(&mut self, level: LogLevel, pieces: &[&str]) {
+        self.output.log(level, pieces);
     }
 
     /// Tells of `count` more bytes that the hardware lost (overrun, framing). The host hears of them at the stop.
-    pub fn line_errors(&mut self, count: u32) {
-        self.line_errors = self.line_errors.saturating_add(count);
+    pub fn note_overruns(&mut self, count: u32) {
+        self.overruns = self.overruns.saturating_add(count);
     }
 
     /// Torque to zero first, then the report.

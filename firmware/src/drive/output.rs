@@ -1,7 +1,5 @@
 //! What the drive wants sent.
 
-use core::fmt::{Arguments, Write};
-
 use lashloop_protocol::message::Log;
 use lashloop_protocol::text::Text;
 use lashloop_protocol::vocabulary::LogLevel;
@@ -35,11 +33,11 @@ impl Output {
         let _ = self.bytes.extend_from_slice(&message.into().frame());
     }
 
-    pub(super) fn log(&mut self, level: LogLevel, text: Arguments<'_>) {
+    pub(super) fn log(&mut self, level: LogLevel, pieces: &[&str]) {
         if self.has_room_for_an_answer() {
-            let mut line = Text::EMPTY;
-            let _ = line.write_fmt(text);
-            self.send(Log { level, text: line });
+            let mut text = Text::EMPTY;
+            pieces.iter().for_each(|piece| text.push(piece));
+            self.send(Log { level, text });
         }
     }
 }

@@ -17,6 +17,7 @@ use lashloop_protocol::message::FaultReport;
 use lashloop_protocol::vocabulary::{FaultCode, Outcome, State};
 
 use super::parameters::Parameters;
+use crate::control::Real;
 
 pub(super) struct Safety {
     state: State,
@@ -162,8 +163,9 @@ impl Safety {
         if !requested_nm.is_finite() {
             return Err(self.report(FaultCode::TorqueNotFinite, requested_nm, self.limits.torque_nm));
         }
+        // `Real`'s clamp, because core's would print its bounds in a panic and bring 12 KiB of float formatting with it.
         let limit = self.limits.torque_nm;
-        self.torque_nm = requested_nm.clamp(-limit, limit);
+        self.torque_nm = Real::clamp(requested_nm, -limit, limit);
         Ok((self.torque_nm, self.torque_nm != requested_nm))
     }
 

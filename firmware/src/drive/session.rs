@@ -3,7 +3,7 @@
 use core::time::Duration;
 
 use lashloop_protocol::message::{
-    CommandResult, Hello, Identity, ParameterDescription, ParameterReport, SetParameter,
+    CommandResult, Hello, Identity, LineReport, ParameterDescription, ParameterReport, SetParameter,
 };
 use lashloop_protocol::text::Text;
 use lashloop_protocol::vocabulary::{Controllers, LogLevel, Outcome, ParameterValue, State};
@@ -40,8 +40,8 @@ impl Drive {
             HostMessage::Stop(_) => {
                 let outcome = self.safety.stop();
                 self.control = None;
+                self.report_line();
                 self.conclude::<message::Stop>(outcome);
-                self.log_line_quality();
             }
             HostMessage::EmergencyStop(_) => {
                 self.latch(self.safety.emergency_stop());
@@ -143,8 +143,7 @@ impl Drive {
                 self.safety.arm()
             }
             Err(error) => {
-                // The name is enough: numbers in words would cost a third of the image.
-                self.log(LogLevel::Error, format_args!("{} does not go with the others", error.name));
+                self.log(LogLevel::Error, &[error.name, " does not go with the others"]);
                 Outcome::Inconsistent
             }
         }
@@ -154,19 +153,19 @@ impl Drive {
         let outcome = self.safety.start(&self.parameters, now);
         if outcome == Outcome::Accepted {
             self.counters_at_start = *self.decoder.counters();
+            self.overruns = 0;
             self.last_answer = None;
         }
         outcome
     }
 
-    fn log_line_quality(&mut self) {
-        let damaged = self.decoder.counters().damaged() - self.counters_at_start.damaged();
-        let overruns = core::mem::take(&mut self.line_errors);
-        if damaged > 0 || overruns > 0 {
-            self.log(
-                LogLevel::Warning,
-                format_args!("line: {damaged} damaged frames, {overruns} bytes overrun"),
-            );
-        }
+    fn report_line(&mut self) {
+        let (now, then) = (self.decoder.counters(), &self.counters_at_start);
+        self.output.send(LineReport {
+            messages: now.messages - then.messages,
+            damaged: now.damaged() - then.damaged(),
+            refused: now.refused - then.refused,
+            overruns: self.overruns,
+        });
     }
 }

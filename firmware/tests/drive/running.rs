@@ -1,6 +1,7 @@
 //! The control path.
 
 use lashloop_protocol::DriveMessage;
+use lashloop_protocol::message::LineReport;
 use lashloop_protocol::vocabulary::{ParameterValue, State, TorqueFlags};
 
 use crate::host::{Host, torque};
@@ -121,11 +122,10 @@ fn a_new_run_starts_from_the_initial_state() {
 fn after_a_run_on_a_noisy_line_the_drive_tells_of_the_damage() {
     let mut host = Host::running(&[]);
     host.send(b"noise\0more noise\0");
-    host.drive.line_errors(3);
+    host.drive.note_overruns(3);
+    host.sample(0, 0, 0);
     let answers = host.say(lashloop_protocol::message::Stop {});
-    let text = answers.iter().find_map(|answer| match answer {
-        DriveMessage::Log(log) => Some(log.text.as_str().to_owned()),
-        _ => None,
-    });
-    assert_eq!(text.as_deref(), Some("line: 2 damaged frames, 3 bytes overrun"));
+    // The sample and the stop itself are the good ones.
+    let want = LineReport { messages: 2, damaged: 2, refused: 0, overruns: 3 };
+    assert_eq!(answers[0], DriveMessage::LineReport(want));
 }

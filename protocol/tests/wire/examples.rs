@@ -2,8 +2,8 @@
 
 use lashloop_protocol::message::{
     Arm, ClearFault, CommandResult, DescribeParameter, EmergencyStop, EncoderSample, FaultReport,
-    GetParameter, Hello, Identity, Log, ParameterDescription, ParameterReport, Reset, SetParameter, Start,
-    Stop, Telemetry, TorqueAnswer,
+    GetParameter, Hello, Identity, LineReport, Log, ParameterDescription, ParameterReport, Reset,
+    SetParameter, Start, Stop, Telemetry, TorqueAnswer,
 };
 use lashloop_protocol::text::Text;
 use lashloop_protocol::vocabulary::{
@@ -95,5 +95,6 @@ pub fn from_drive() -> Vec<DriveMessage> {
         }
         .into(),
         Log { level: LogLevel::Warning, text: Text::new("crystal does not start, running from HSI") }.into(),
+        LineReport { messages: 25_003, damaged: 2, refused: 0, overruns: 1 }.into(),
     ]
 }
