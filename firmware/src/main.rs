@@ -7,7 +7,7 @@
 //!
 //! | task | bound to | priority | why there |
 //! |---|---|---|---|
-//! | `receive` | USART2 | 3 | 10 us from one byte to the next |
+//! | `receive` | USART2 | 3 | 11 us from one byte to the next |
 //! | `tick` | SysTick | 2 | the watchdog counts while `serve` is sending |
 //! | `serve` | EXTI0, pended by the others | 1 | a pended interrupt is never lost, however often it is asked for |
 //! | `idle` | | 0 | sleeps |

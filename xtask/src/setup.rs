@@ -37,9 +37,13 @@ fn install_core() -> Result<()> {
         return Ok(());
     }
     if command::find_program("rustup").is_some() {
-        match command::run_for(Command::new("rustup").args(["target", "add", TARGET]), RUSTUP_LIMIT) {
-            Ok(()) => return ArmToolchain::find().map(drop),
-            Err(error) => eprintln!("setup: {error:#}; trying Debian's compiler"),
+        let added = command::run_for(Command::new("rustup").args(["target", "add", TARGET]), RUSTUP_LIMIT);
+        // rustup may have added it to another compiler than the one in PATH, so its word is not enough.
+        if ArmToolchain::find().is_ok() {
+            return Ok(());
+        }
+        if let Err(error) = added {
+            eprintln!("setup: {error:#}; trying Debian's compiler");
         }
     }
     if let Err(error) = apt_install(&["rustc-web", "rust-web-src", "rust-web-clippy"]) {
