@@ -80,6 +80,10 @@ pub struct LinkCounts {
     pub lost: u64,
     /// Steps whose answer came too late.
     pub late: u64,
+    /// Frames that reached the drive damaged, as the drive counted them.
+    pub damaged_at_drive: u64,
+    /// Bytes the drive's receiver lost, as the drive counted them.
+    pub overruns_at_drive: u64,
 }
 
 /// One expectation held against its metric.

@@ -11,9 +11,18 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
     println!("controller  {}", summary.controller);
     let (steps, simulated_s, wall_s) = (summary.steps, summary.simulated_s, summary.wall_s);
     println!("run         {steps} steps, {simulated_s:.3} s of the plant in {wall_s:.3} s");
-    let LinkCounts { frames_sent, frames_received, crc_errors, lost, late } = summary.link;
+    let LinkCounts {
+        frames_sent,
+        frames_received,
+        crc_errors,
+        lost,
+        late,
+        damaged_at_drive,
+        overruns_at_drive,
+    } = summary.link;
+    println!("link        {frames_sent} frames out, {frames_received} in; {lost} answers lost, {late} late");
     println!(
-        "link        {frames_sent} frames out, {frames_received} in; {crc_errors} damaged, {lost} lost, {late} late"
+        "damage      {crc_errors} frames here; {damaged_at_drive} frames, {overruns_at_drive} bytes at the drive"
     );
     println!("torque      sha256 {}", summary.torque_sha256);
     for line in &outcome.logs {

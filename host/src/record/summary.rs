@@ -140,6 +140,7 @@ mod tests {
           "device": "native twin",
           "controller": "pd",
           "seed": 1,
+          "end": "complete",
           "steps": 4,
           "simulated_s": 2.0,
           "wall_s": 0.25,
@@ -168,7 +169,9 @@ mod tests {
             "frames_received": 4,
             "crc_errors": 0,
             "lost": 0,
-            "late": 0
+            "late": 0,
+            "damaged_at_drive": 0,
+            "overruns_at_drive": 0
           },
           "torque_sha256": "0000000000000000000000000000000000000000000000000000000000000000",
           "versions": {

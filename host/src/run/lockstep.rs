@@ -18,7 +18,7 @@ use crate::record::RecordError;
 use crate::record::digest::TorqueDigest;
 use crate::record::trace::TraceRow;
 use crate::scenario::Scenario;
-use crate::session::{Exchange, Traffic};
+use crate::session::{Exchange, Session, Traffic};
 use crate::verdict::{Judgement, LinkCounts};
 
 /// Whoever looks on: a record, a progress bar, a plot.
@@ -70,7 +70,7 @@ pub fn run(scenario: &Scenario, device: &mut Device, watcher: &mut dyn Watcher) 
     run.finish_row(device)?;
     let end = end?;
     stopped?;
-    let link = link_counts(run.lost, before, device.session.traffic());
+    let link = link_counts(run.lost, before, &device.session);
     let metrics = run.measurement.metrics();
     let mut judgement = Judgement::new(&scenario.expectations, &metrics, &scenario.allow, &link);
     judgement.cap(end.verdict());
@@ -181,13 +181,17 @@ fn drive_fault(device: &mut Device, answer: &TorqueAnswer) -> Result<End, RunErr
     }
 }
 
-fn link_counts(lost: u64, before: Traffic, after: Traffic) -> LinkCounts {
+fn link_counts(lost: u64, before: Traffic, session: &Session) -> LinkCounts {
+    let after = session.traffic();
+    let at_drive = session.line_report();
     LinkCounts {
         frames_sent: after.frames_sent - before.frames_sent,
         frames_received: after.frames_received - before.frames_received,
         crc_errors: after.damaged - before.damaged,
         lost,
         late: after.late - before.late,
+        damaged_at_drive: at_drive.map_or(0, |report| report.damaged.into()),
+        overruns_at_drive: at_drive.map_or(0, |report| report.overruns.into()),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use lashloop_protocol::message::{FaultReport, Telemetry};
+use lashloop_protocol::message::{FaultReport, LineReport, Telemetry};
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 
 use super::{LastSeen, SessionError};
@@ -24,6 +24,7 @@ pub(super) struct Line {
     pub(super) last_heard: Instant,
     pub(super) telemetry: Option<Telemetry>,
     pub(super) fault: Option<FaultReport>,
+    pub(super) report: Option<LineReport>,
     pub(super) logs: Vec<String>,
 }
 
@@ -39,6 +40,7 @@ impl Line {
             last_heard: Instant::now(),
             telemetry: None,
             fault: None,
+            report: None,
             logs: Vec::new(),
         }
     }
@@ -111,6 +113,7 @@ impl Line {
         match message {
             DriveMessage::Telemetry(telemetry) => self.telemetry = Some(*telemetry),
             DriveMessage::FaultReport(fault) => self.fault = Some(*fault),
+            DriveMessage::LineReport(report) => self.report = Some(*report),
             DriveMessage::Log(log) => self.logs.push(format!("{:?}: {}", log.level, log.text)),
             _ => {}
         }

@@ -11,7 +11,8 @@ mod parameters;
 use std::time::{Duration, Instant};
 
 use lashloop_protocol::message::{
-    Arm, EmergencyStop, EncoderSample, FaultReport, Identity, Reset, Start, Stop, Telemetry, TorqueAnswer,
+    Arm, EmergencyStop, EncoderSample, FaultReport, Identity, LineReport, Reset, Start, Stop, Telemetry,
+    TorqueAnswer,
 };
 use lashloop_protocol::vocabulary::{Outcome, State};
 use lashloop_protocol::wire::Payload;
@@ -86,6 +87,12 @@ impl Session {
         self.line.fault
     }
 
+    /// What the drive's end of the line saw of the last run, once it has been stopped.
+    #[must_use]
+    pub fn line_report(&self) -> Option<&LineReport> {
+        self.line.report.as_ref()
+    }
+
     /// What the drive had to say in words, since it was last asked for.
     pub fn take_logs(&mut self) -> Vec<String> {
         std::mem::take(&mut self.line.logs)
@@ -138,7 +145,7 @@ impl Session {
         let session = self.number;
         self.command(Arm { session })?;
         self.command(Start { session })?;
-        (self.line.telemetry, self.line.fault) = (None, None);
+        (self.line.telemetry, self.line.fault, self.line.report) = (None, None, None);
         self.line.last_seen = LastSeen::default();
         Ok(())
     }
