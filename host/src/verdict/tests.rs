@@ -75,7 +75,8 @@ fn a_link_beyond_its_allowance_makes_even_a_failed_run_invalid() {
     let allow = Allowance { lost: 2, late: 5, crc_errors: 0 };
     let missed = [expect(Metric::StaticError, None, Some(0.0))];
     let judge = |counts| Judgement::new(&missed, &metrics(0.25), &allow, &counts);
-    let counts = LinkCounts { frames_sent: 1000, frames_received: 998, crc_errors: 0, lost: 2, late: 5 };
+    let counts =
+        LinkCounts { frames_sent: 1000, frames_received: 998, lost: 2, late: 5, ..LinkCounts::default() };
     assert_eq!(judge(counts).verdict, Verdict::Fail);
     for (counts, reason) in [
         (LinkCounts { lost: 3, ..counts }, "lost: 3 counted, allow.lost is 2"),
