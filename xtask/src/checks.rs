@@ -25,7 +25,7 @@ pub(crate) fn run_all() -> ExitCode {
     match ArmToolchain::find().map(|toolchain| toolchain.clippy()) {
         Ok(Some(mut clippy)) => checks.step("image clippy", || command::run(&mut clippy)),
         Ok(None) => {
-            println!("== image clippy left out: no clippy for this compiler (rust-web-clippy on Debian)")
+            println!("== image clippy left out: no clippy for this compiler (rust-web-clippy on Debian)");
         }
         // The step that builds the image has said why.
         Err(_) => {}
