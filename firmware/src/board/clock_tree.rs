@@ -12,7 +12,7 @@ pub(crate) const CORE_HZ: u32 = 168_000_000;
 const CRYSTAL_HZ: u32 = 8_000_000;
 
 /// How often to look for a steady crystal. A look takes at least 8 cycles of the 16 MHz the chip starts with, so
-/// this is 100 ms or a little more; a crystal needs some 2 ms (data sheet, table 39).
+/// this is 100 ms or a little more; a crystal needs some 2 ms by the data sheet.
 const CRYSTAL_LOOKS: u32 = 200_000;
 
 /// What drives the core.
