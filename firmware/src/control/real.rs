@@ -29,17 +29,13 @@ pub trait Real:
     fn from_f32(value: f32) -> Self;
     /// The nearest value of this type; encoder arithmetic is exact until it gets here.
     fn from_i64(value: i64) -> Self;
-    /// The nearest value of this type.
-    fn from_i32(value: i32) -> Self {
-        Self::from_i64(i64::from(value))
-    }
+    /// The whole part; what doesn't fit stays at the end of the range, and NaN is nought.
+    fn whole(self) -> i64;
     /// The value as an `f64`, exactly.
     fn to_f64(self) -> f64;
 
     /// Hyperbolic tangent.
     fn tanh(self) -> Self;
-    /// e to the power of the value.
-    fn exp(self) -> Self;
     /// e to the power of the value, less one, accurate near nought.
     fn exp_m1(self) -> Self;
     /// Magnitude.
@@ -83,14 +79,14 @@ impl Real for f32 {
     fn from_i64(value: i64) -> Self {
         value as Self
     }
+    fn whole(self) -> i64 {
+        self as i64
+    }
     fn to_f64(self) -> f64 {
         f64::from(self)
     }
     fn tanh(self) -> Self {
         libm::tanhf(self)
-    }
-    fn exp(self) -> Self {
-        libm::expf(self)
     }
     fn exp_m1(self) -> Self {
         libm::expm1f(self)
@@ -116,14 +112,14 @@ impl Real for f64 {
     fn from_i64(value: i64) -> Self {
         value as Self
     }
+    fn whole(self) -> i64 {
+        self as i64
+    }
     fn to_f64(self) -> f64 {
         self
     }
     fn tanh(self) -> Self {
         libm::tanh(self)
-    }
-    fn exp(self) -> Self {
-        libm::exp(self)
     }
     fn exp_m1(self) -> Self {
         libm::expm1(self)

@@ -98,11 +98,11 @@ pub struct SensingState<F> {
 
 impl<F: Real> Channel<F> {
     fn new(names: [&'static str; 2], config: EncoderConfig<F>, period_s: F) -> Result<Self, ParameterError> {
-        let counts = f64::from(config.counts_per_revolution);
+        let counts = F::from_i64(config.counts_per_revolution.into());
         within(names[0], counts, 4.0, (1 << 24) as f32)?;
         within(names[1], config.velocity_bandwidth_rad_s, 1e-2, 1e6)?;
         Ok(Self {
-            half_count_rad: F::from_f64(core::f64::consts::PI / counts),
+            half_count_rad: F::from_f64(core::f64::consts::PI) / counts,
             bandwidth_rad_s: config.velocity_bandwidth_rad_s,
             share_per_period: lag_share(config.velocity_bandwidth_rad_s, period_s),
         })
@@ -163,15 +163,17 @@ impl<F: Real> Sensing<F> {
         let load_names = ["load.counts_per_revolution", "load.velocity_bandwidth_rad_s"];
         let motor = Channel::new(motor_names, config.motor, config.period_s)?;
         let load = Channel::new(load_names, config.load, config.period_s)?;
-        // Done in f64 once, so that a whole ratio stays whole whatever F is.
-        let ratio_in_counts = config.ratio.to_f64() * f64::from(config.motor.counts_per_revolution)
-            / f64::from(config.load.counts_per_revolution);
-        let whole = libm::floor(ratio_in_counts);
+        // Not in f64, for which the microcontroller would need 3 KiB of software. A whole ratio stays whole: counts have
+        // at most 24 bits, so product and quotient are rounded to it.
+        let [motor_counts, load_counts] =
+            [config.motor, config.load].map(|encoder| F::from_i64(encoder.counts_per_revolution.into()));
+        let ratio_in_counts = config.ratio * motor_counts / load_counts;
+        let whole = ratio_in_counts.whole();
         Ok(Self {
             motor,
             load,
-            ratio_in_counts: whole as i64,
-            ratio_rest: F::from_f64(ratio_in_counts - whole),
+            ratio_in_counts: whole,
+            ratio_rest: ratio_in_counts - F::from_i64(whole),
             period_s: config.period_s,
         })
     }
