@@ -8,6 +8,7 @@ mod ping_pong;
 mod progress;
 mod report;
 mod run;
+mod show;
 mod tied;
 
 use std::process::ExitCode;
@@ -34,6 +35,7 @@ enum Command {
     Run(run::Arguments),
     Demo(demo::Arguments),
     Device(device::Arguments),
+    Show(show::Arguments),
     Compare(compare::Arguments),
     #[command(hide = true)]
     Tied(tied::Arguments),
@@ -55,6 +57,7 @@ Exit codes:
 First steps:
   lashloop demo                                        the paper's four runs and a picture
   lashloop run scenarios/smooth-after.toml             one run, with the native twin
+  lashloop show scenarios/smooth-after.toml            every key a scenario can have
   lashloop run scenarios/smooth-after.toml --device qemu --out out/qemu
   lashloop device                                      a drive on a terminal, for a second shell:
   lashloop run scenarios/smooth-after.toml --device /dev/pts/N";
@@ -72,6 +75,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Run(arguments) => arguments.run(),
         Command::Demo(arguments) => arguments.run(),
         Command::Device(arguments) => arguments.run(),
+        Command::Show(arguments) => arguments.run(),
         Command::Compare(arguments) => arguments.run(),
         Command::Tied(arguments) => arguments.run(),
         Command::PingPong => ping_pong::answer(),

@@ -103,6 +103,10 @@ fn open_reason(source: &io::Error) -> String {
         io::ErrorKind::WouldBlock | io::ErrorKind::ResourceBusy => {
             "another program holds it; a drive talks to one host at a time".to_owned()
         }
+        // ENOTTY, of which the serialport crate keeps only the words.
+        _ if source.raw_os_error() == Some(25) || source.to_string() == "Not a typewriter" => {
+            "this is no terminal; a drive sits on one".to_owned()
+        }
         _ => source.to_string(),
     }
 }

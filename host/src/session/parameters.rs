@@ -54,8 +54,10 @@ impl Parameter {
 #[derive(Debug, thiserror::Error)]
 pub enum SetError {
     /// The drive has no such parameter.
-    #[error("the drive has no such parameter; it has {known}")]
+    #[error("the drive has no such parameter; did you mean {nearest}? It has {known}")]
     Unknown {
+        /// The name most like it.
+        nearest: String,
         /// The names it has.
         known: String,
     },
@@ -117,8 +119,7 @@ impl Session {
     /// Unknown name, value out of the drive's range, a drive that refuses, or a broken conversation.
     pub fn set(&mut self, name: &str, number: f64) -> Result<(), SetError> {
         let Some(parameter) = self.parameter(name) else {
-            let known: Vec<_> = self.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-            return Err(SetError::Unknown { known: known.join(", ") });
+            return Err(self.unknown(name));
         };
         let index = parameter.index;
         let value =
@@ -137,6 +138,13 @@ impl Session {
     /// The conversation broke.
     pub fn get(&mut self, index: u8) -> Result<ParameterValue, SessionError> {
         Ok(self.report_of(index, &GetParameter { index }.into())?.value)
+    }
+
+    fn unknown(&self, name: &str) -> SetError {
+        let known: Vec<_> = self.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+        let likeness = |known: &&&str| strsim::jaro_winkler(known, name);
+        let nearest = known.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b))).copied();
+        SetError::Unknown { nearest: nearest.unwrap_or_default().to_owned(), known: known.join(", ") }
     }
 
     fn report_of(&mut self, index: u8, request: &HostMessage) -> Result<ParameterReport, SessionError> {
