@@ -56,10 +56,10 @@ impl Arguments {
             loops.push(outcome.steps as f64 / outcome.wall_s);
         }
         let (bare, looped) = (median(&mut bare), median(&mut loops));
-        println!("{:<44} {:>10}", format!("median of {} rounds of {}", self.rounds, self.steps), "1/s");
-        println!("{:<44} {bare:>10.0}", "bare blocking pty ping-pong, same bytes");
-        println!("{:<44} {looped:>10.0}", "the loop: plant, frames, drive, record");
-        println!("{:<44} {:>10.2}", "ratio", looped / bare);
+        say!("{:<44} {:>10}", format!("median of {} rounds of {}", self.rounds, self.steps), "1/s");
+        say!("{:<44} {bare:>10.0}", "bare blocking pty ping-pong, same bytes");
+        say!("{:<44} {looped:>10.0}", "the loop: plant, frames, drive, record");
+        say!("{:<44} {:>10.2}", "ratio", looped / bare);
         Ok(Exit::Pass)
     }
 }

@@ -70,7 +70,7 @@ impl Arguments {
             let verdict = outcome.judgement.verdict;
             dead_zone_rad = scenario.plant.dead_zone_rad;
             runs.push(history.into_run(&outcome));
-            println!("{what:<38} {paper:>12} {here:>12}  {verdict}");
+            say!("{what:<38} {paper:>12} {here:>12}  {verdict}");
             worst = worst.max(verdict);
             if supervisor.interrupted() {
                 return Ok(worst.into());
@@ -86,14 +86,14 @@ impl Arguments {
         let path = self.out.join(PICTURE);
         fs::write(&path, figure.to_svg())
             .map_err(|source| CliError::Output { path: path.clone(), source })?;
-        println!("picture: {}", path.display());
+        say!("picture: {}", path.display());
         Ok(worst.into())
     }
 
     fn open(&self, baud: u32, supervisor: &Supervisor) -> Result<Device, CliError> {
         let device = Device::open(&self.device, baud, supervisor)?;
-        println!("{}", device.description());
-        println!("{:<38} {:>12} {:>12}  verdict", "", "paper", "here");
+        say!("{}", device.description());
+        say!("{:<38} {:>12} {:>12}  verdict", "", "paper", "here");
         Ok(device)
     }
 }

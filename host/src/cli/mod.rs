@@ -1,5 +1,13 @@
 //! The command line: one file per command.
 
+/// Prints a line. A reader that has gone away (`| head`) is no reason to fail a run, let alone to panic.
+macro_rules! say {
+    ($($text:tt)*) => {{
+        use std::io::Write;
+        let _ = writeln!(std::io::stdout(), $($text)*);
+    }};
+}
+
 mod compare;
 mod demo;
 mod device;

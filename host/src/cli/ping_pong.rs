@@ -27,7 +27,7 @@ pub(super) fn answer() -> Result<Exit, CliError> {
         unlockpt(&line)?;
         let path = ptsname(&line, [])?;
         let near_end = open_raw(Path::new(&*path.to_string_lossy()))?;
-        println!("{}", path.to_string_lossy());
+        say!("{}", path.to_string_lossy());
         io::stdout().flush()?;
         let mut bytes = [0; OUT];
         loop {

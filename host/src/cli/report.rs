@@ -6,11 +6,11 @@ use lashloop::scenario::Scenario;
 use lashloop::verdict::LinkCounts;
 
 pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
-    println!("{}", scenario.title);
-    println!("device      {}", summary.device);
-    println!("controller  {}", summary.controller);
+    say!("{}", scenario.title);
+    say!("device      {}", summary.device);
+    say!("controller  {}", summary.controller);
     let (steps, simulated_s, wall_s) = (summary.steps, summary.simulated_s, summary.wall_s);
-    println!("run         {steps} steps, {simulated_s:.3} s of the plant in {wall_s:.3} s");
+    say!("run         {steps} steps, {simulated_s:.3} s of the plant in {wall_s:.3} s");
     let LinkCounts {
         frames_sent,
         frames_received,
@@ -20,29 +20,29 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
         damaged_at_drive,
         overruns_at_drive,
     } = summary.link;
-    println!("link        {frames_sent} frames out, {frames_received} in; {lost} answers lost, {late} late");
-    println!(
+    say!("link        {frames_sent} frames out, {frames_received} in; {lost} answers lost, {late} late");
+    say!(
         "damage      {crc_errors} frames here; {damaged_at_drive} frames, {overruns_at_drive} bytes at the drive"
     );
-    println!("torque      sha256 {}", summary.torque_sha256);
+    say!("torque      sha256 {}", summary.torque_sha256);
     for line in &outcome.logs {
-        println!("drive says  {line}");
+        say!("drive says  {line}");
     }
-    println!();
+    say!();
     for (metric, value) in summary.metrics.iter() {
         let unit = if value.value().is_some() { metric.unit() } else { "" };
         let value = value.value().map_or_else(|| value.to_string(), |number| format!("{number:.4}"));
-        println!("{:<26} {value:>14} {unit}", metric.name());
+        say!("{:<26} {value:>14} {unit}", metric.name());
     }
-    println!();
+    say!();
     for finding in &summary.expectations {
-        println!("{} {finding}", if finding.ok { "ok    " } else { "MISSED" });
+        say!("{} {finding}", if finding.ok { "ok    " } else { "MISSED" });
     }
     for breach in &outcome.judgement.breaches {
-        println!("BROKEN {breach}");
+        say!("BROKEN {breach}");
     }
     if outcome.end != End::Complete {
-        println!("ENDED  {}", outcome.end);
+        say!("ENDED  {}", outcome.end);
     }
-    println!("{}", summary.verdict);
+    say!("{}", summary.verdict);
 }

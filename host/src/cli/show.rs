@@ -27,7 +27,7 @@ impl Arguments {
             what: "spell the scenario as TOML",
             source: std::io::Error::other(error),
         })?;
-        print!("{text}");
+        say!("{}", text.trim_end());
         Ok(Exit::Pass)
     }
 }
