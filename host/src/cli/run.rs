@@ -54,7 +54,7 @@ impl Arguments {
         let mut watcher = RunWatcher { trace, supervisor: &supervisor, progress: Progress::of(&scenario) };
         let outcome = run::run(&scenario, &mut device, &mut watcher)?;
         let RunWatcher { trace, progress, .. } = watcher;
-        progress.finish();
+        drop(progress);
         if let Some(trace) = trace {
             trace.finish()?;
         }

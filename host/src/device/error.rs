@@ -65,7 +65,7 @@ pub enum DeviceError {
         source: Box<SessionError>,
     },
     /// The drive keeps to the protocol but can't serve this bench.
-    #[error("drive on {device}: the drive gave {problem}")]
+    #[error("drive on {device}: {problem}; the firmware does not fit this bench")]
     Unfit {
         /// The device as it was chosen.
         device: String,
