@@ -14,7 +14,7 @@ use lashloop_protocol::message::{
     Arm, EmergencyStop, EncoderSample, FaultReport, Identity, LineReport, Reset, Start, Stop, Telemetry,
     TorqueAnswer,
 };
-use lashloop_protocol::vocabulary::{Outcome, State};
+use lashloop_protocol::vocabulary::{Outcome, State, TorqueFlags};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
@@ -180,6 +180,8 @@ impl Session {
                 DriveMessage::TorqueAnswer(answer) if answer.sequence == sample.sequence => {
                     return Ok(Exchange::Answered(answer));
                 }
+                // The line doubled a sample; its answer came in time.
+                DriveMessage::TorqueAnswer(answer) if answer.flags.contains(TorqueFlags::REPEATED) => {}
                 DriveMessage::TorqueAnswer(_) => self.late += 1,
                 DriveMessage::CommandResult(result) if result.request == EncoderSample::LAYOUT.kind => {
                     return Err(self.refused::<EncoderSample>(result.outcome, result.state));
