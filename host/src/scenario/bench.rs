@@ -103,7 +103,8 @@ impl LinkSettings {
 
 pub(super) fn read_link(link: &mut Section<'_>) -> LinkSettings {
     LinkSettings {
-        answer_timeout_ms: link.integer("answer_timeout_ms", unit::MILLISECOND, 1000, 1..=600_000),
+        // The drive's watchdog is set to twice this, and a drive bears a minute at most.
+        answer_timeout_ms: link.integer("answer_timeout_ms", unit::MILLISECOND, 1000, 1..=30_000),
         silence_limit_ms: link.integer("silence_limit_ms", unit::MILLISECOND, 2500, 1..=600_000),
         baud: link.integer("baud", unit::BAUD, 921_600, 1200..=12_000_000),
     }
