@@ -62,8 +62,8 @@ async fn converse(terminal: File) -> Vec<f32> {
     assert_eq!(line.command(Start { session: SESSION }).await, State::Running);
     let mut torques_nm = Vec::new();
     for sequence in 0..10 {
-        // A load 100 counts and a motor 300 counts from the reference, at rest: PD alone, so k_p1 times the error.
-        let sample = EncoderSample { sequence, motor_counts: 300, load_counts: 100, reference_rad: 0.0 };
+        // Off the reference at rest and, read at the middles of the counts, without twist: 301.5 = 3 * 100.5.
+        let sample = EncoderSample { sequence, motor_counts: 301, load_counts: 100, reference_rad: 0.0 };
         let DriveMessage::TorqueAnswer(answer) = line.ask(sample).await else {
             panic!("a torque was expected")
         };
@@ -96,5 +96,10 @@ fn a_foreign_bench_on_tokio_runs_the_twin() {
     let terminal = open_near_end(twin.path());
     let conversation = async { tokio::time::timeout(Duration::from_secs(60), converse(terminal)).await };
     let torques_nm = runtime.block_on(conversation).expect("the conversation ends in time");
-    assert_eq!(torques_nm, [0.0; 10]);
+    // By default the drive is the plain cascade. At rest and without twist it gives -(k_p2 + N0) k_p1 theta_s.
+    let want_nm = -13.0 * 100.5 * std::f32::consts::TAU / 131_072.0;
+    assert_eq!(torques_nm.len(), 10);
+    for have_nm in torques_nm {
+        assert!((have_nm - want_nm).abs() <= 1e-6, "have {have_nm} N m, want {want_nm} N m");
+    }
 }

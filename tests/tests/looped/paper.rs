@@ -23,7 +23,7 @@ fn four_runs_of_the_paper_in_process_and_on_the_twin() {
                 run.name,
                 summary["verdict"].as_str().unwrap_or("none"),
                 metric("settle_time_s", 2),
-                metric("static_error_rad", 3),
+                metric("static_error_rad", 4),
                 metric("overshoot_rad", 3),
                 metric("hunting_rad", 3),
                 summary["steps"],
