@@ -190,7 +190,7 @@ fn explain(choice: &DeviceChoice, process: Option<&Process>, source: SessionErro
             name: process.name(),
             id: process.id(),
             status,
-            said: process.last_words(),
+            said: process.said(),
             source: Box::new(source),
         },
         None => DeviceError::Session { device: choice.to_string(), source },
