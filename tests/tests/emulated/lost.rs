@@ -21,7 +21,12 @@ pub(crate) fn killed() {
     let lost_at = Instant::now();
     processes::signal(emulator, Signal::KILL);
     let sentence = told(bench, &records, lost_at);
-    let names = [format!("the drive side ended: the emulator (process {emulator})"), "signal: 9".to_owned()];
+    let names = [
+        format!(
+            "the drive side ended while the bench was talking to qemu: the emulator (process {emulator})"
+        ),
+        "signal: 9".to_owned(),
+    ];
     assert!(names.iter().all(|name| sentence.contains(name)), "{sentence}");
 }
 

@@ -22,7 +22,7 @@ const TRIALS: [(&str, Check); 6] = [
     ("lost::a_killed_bench_leaves_no_emulator_behind", lost::bench_killed),
     ("lost::an_interrupted_bench_leaves_no_emulator_behind", lost::bench_interrupted),
     ("runs::the_image_says_who_it_is", runs::identity),
-    ("runs::a_program_that_is_no_drive_is_given_up_with_advice", runs::stranger),
+    ("runs::an_image_that_locks_the_processor_up_is_reported_with_the_emulator_s_reason", runs::stranger),
 ];
 
 fn main() -> ExitCode {
