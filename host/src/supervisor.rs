@@ -1,7 +1,6 @@
 //! Everything that happens beside the loop: child processes that are watched, read and ended, and the signals that ask
 //! the bench to stop. One thread with a tokio runtime does it, so the loop's thread never waits for any of it.
 
-use std::collections::VecDeque;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::{ExitStatus, Stdio};
@@ -15,8 +14,9 @@ use tokio::process::{Child, Command};
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::{mpsc as channel, oneshot};
 
-/// Lines of a child's standard error that are kept for an error message.
-const TAIL: usize = 8;
+/// Lines of a child's standard error that are kept for an error message. The first ones, because what follows the cause
+/// is a dump of registers or a stack.
+const KEPT_LINES: usize = 2;
 /// A killed child is gone at once; this is for a machine that is busy.
 const KILL_LIMIT: Duration = Duration::from_secs(2);
 
@@ -103,7 +103,7 @@ pub struct Process {
     name: &'static str,
     id: u32,
     fate: Arc<(Mutex<Option<ExitStatus>>, Condvar)>,
-    errors: Arc<Mutex<VecDeque<String>>>,
+    errors: Arc<Mutex<Vec<String>>>,
     lines: mpsc::Receiver<String>,
     kill: Option<oneshot::Sender<()>>,
 }
@@ -138,11 +138,10 @@ impl Process {
         self.lines.recv_timeout(deadline.saturating_duration_since(Instant::now())).ok()
     }
 
-    /// The last lines it wrote to standard error, as one.
+    /// The first lines it wrote to standard error, as one.
     #[must_use]
-    pub fn last_words(&self) -> String {
-        let errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner);
-        errors.iter().map(String::as_str).collect::<Vec<_>>().join("; ")
+    pub fn said(&self) -> String {
+        self.errors.lock().unwrap_or_else(PoisonError::into_inner).join("; ")
     }
 }
 
@@ -185,7 +184,7 @@ fn start(command: std::process::Command, name: &'static str) -> io::Result<Proce
     let mut child = Command::from(command).kill_on_drop(true).spawn()?;
     let id = child.id().unwrap_or_default();
     let fate = Arc::new((Mutex::new(None), Condvar::new()));
-    let errors = Arc::new(Mutex::new(VecDeque::new()));
+    let errors = Arc::new(Mutex::new(Vec::new()));
     let (line_to, lines) = mpsc::channel();
     let (kill, killed) = oneshot::channel();
     if let Some(stdout) = child.stdout.take() {
@@ -195,16 +194,15 @@ fn start(command: std::process::Command, name: &'static str) -> io::Result<Proce
     let stderr = child.stderr.take().map(|stderr| {
         tokio::spawn(each_line(stderr, move |line| {
             let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-            if kept.len() == TAIL {
-                kept.pop_front();
+            if kept.len() < KEPT_LINES && !line.is_empty() {
+                kept.push(line);
             }
-            kept.push_back(line);
         }))
     });
     let told = Arc::clone(&fate);
     tokio::spawn(async move {
         let status = watch(child, killed).await;
-        // Standard error ends with the process; what it said last belongs to how it ended.
+        // Standard error ends with the process; what it said belongs to how it ended.
         if let Some(reader) = stderr {
             let _ = tokio::time::timeout(Duration::from_millis(200), reader).await;
         }

@@ -47,7 +47,7 @@ pub enum DeviceError {
     },
     /// The process behind the drive ended.
     #[error(
-        "the drive side ended: the {name} (process {id}) {status} while the bench was talking to {device}{}: {source}",
+        "the drive side ended while the bench was talking to {device}: the {name} (process {id}), {status}{}: {source}",
         tail(said)
     )]
     Ended {
@@ -86,7 +86,7 @@ impl DeviceError {
     pub(super) fn not_up(process: &Process) -> Self {
         // Whatever it has to say, it has said when it has ended.
         let _ = process.ended_within(std::time::Duration::from_millis(200));
-        Self::NotUp { name: process.name(), said: process.last_words() }
+        Self::NotUp { name: process.name(), said: process.said() }
     }
 }
 

@@ -174,21 +174,23 @@ fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, DeviceError> {
 }
 
 fn explain(choice: &DeviceChoice, process: Option<&Process>, source: SessionError) -> DeviceError {
-    let lost = matches!(
-        source,
-        SessionError::Silent { .. } | SessionError::Broken { source: LinkError::Disconnected, .. }
-    );
-    // A line that closes is often the first sign of a process that ends; give its end a moment to be seen.
+    // A line that closes is often the first sign of a process that ends; give its end a moment to be seen. One that is
+    // merely silent has been waited for long enough.
+    let patience = match source {
+        SessionError::Broken { source: LinkError::Disconnected, .. } => Some(Duration::from_millis(500)),
+        SessionError::Silent { .. } => Some(Duration::ZERO),
+        _ => None,
+    };
     let ended = process
-        .filter(|_| lost)
-        .and_then(|process| process.ended_within(Duration::from_millis(500)).map(|status| (process, status)));
+        .zip(patience)
+        .and_then(|(process, patience)| process.ended_within(patience).map(|status| (process, status)));
     match ended {
         Some((process, status)) => DeviceError::Ended {
             device: choice.to_string(),
             name: process.name(),
             id: process.id(),
             status,
-            said: process.last_words(),
+            said: process.said(),
             source: Box::new(source),
         },
         None => DeviceError::Session { device: choice.to_string(), source },

@@ -103,6 +103,7 @@ impl LinkSettings {
 
 pub(super) fn read_link(link: &mut Section<'_>) -> LinkSettings {
     LinkSettings {
+        // A terminal waits in tenths of a second. The drive's watchdog gets the silence limit, and bears a minute.
         answer_timeout_ms: link.integer("answer_timeout_ms", unit::MILLISECOND, 1000, 100..=30_000),
         silence_limit_ms: link.integer("silence_limit_ms", unit::MILLISECOND, 2500, 100..=60_000),
         baud: link.integer("baud", unit::BAUD, 921_600, 1200..=12_000_000),

@@ -14,7 +14,7 @@ use lashloop_protocol::message::{
     Arm, EmergencyStop, EncoderSample, FaultReport, Identity, LineReport, Reset, Start, Stop, Telemetry,
     TorqueAnswer,
 };
-use lashloop_protocol::vocabulary::{Outcome, State};
+use lashloop_protocol::vocabulary::{Outcome, State, TorqueFlags};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
@@ -178,6 +178,8 @@ impl Session {
             DriveMessage::TorqueAnswer(answer) if answer.sequence == sequence => {
                 Some(Ok(Exchange::Answered(*answer)))
             }
+            // The line doubled a sample; its answer came in time.
+            DriveMessage::TorqueAnswer(answer) if answer.flags.contains(TorqueFlags::REPEATED) => None,
             DriveMessage::TorqueAnswer(_) => {
                 late += 1;
                 None
