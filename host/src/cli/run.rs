@@ -52,7 +52,9 @@ impl Arguments {
         let supervisor = start_supervisor()?;
         let mut device = Device::open(&self.device, scenario.link.baud, &supervisor)?;
         let mut watcher = RunWatcher { trace, supervisor: &supervisor, progress: Progress::of(&scenario) };
+        let heed = supervisor.heed_signals();
         let outcome = run::run(&scenario, &mut device, &mut watcher)?;
+        drop(heed);
         let RunWatcher { trace, progress, .. } = watcher;
         drop(progress);
         if let Some(trace) = trace {

@@ -4,6 +4,8 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitStatus;
 
+use lashloop_protocol::vocabulary::State;
+
 use crate::session::SessionError;
 use crate::supervisor::Process;
 
@@ -30,7 +32,7 @@ pub enum DeviceError {
     )]
     NoEmulator,
     /// A program can't be started.
-    #[error("the {name} can't be started: {source}")]
+    #[error("the {name} can't be started: {source}; is the machine out of processes, memory or terminals?")]
     Spawn {
         /// What it is.
         name: &'static str,
@@ -38,7 +40,10 @@ pub enum DeviceError {
         source: io::Error,
     },
     /// A program was started and did not come up.
-    #[error("the {name} did not come up{}", tail(said))]
+    #[error(
+        "the {name} did not come up{}; for the emulator `cargo xtask image` builds an image it can boot",
+        tail(said)
+    )]
     NotUp {
         /// What it is.
         name: &'static str,
@@ -118,6 +123,9 @@ fn remedy(source: &SessionError) -> &'static str {
             "; is it a Lashloop drive, powered, at this baud rate?"
         }
         SessionError::Silent { .. } => "; the firmware hangs or the line is cut",
+        SessionError::Refused { state: State::Boot, .. } => {
+            "; it has restarted: look at its power and its reset line"
+        }
         SessionError::Version { .. } | SessionError::Refused { .. } => "",
     }
 }

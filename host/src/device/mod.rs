@@ -14,7 +14,7 @@ use crate::link::in_process::InProcess;
 use crate::link::pty::{self, Pty};
 use crate::link::serial::Serial;
 use crate::link::{Link, LinkError};
-use crate::session::{Session, SessionError};
+use crate::session::{Session, SessionError, printable};
 use crate::supervisor::{Process, Program, Supervisor};
 
 /// How long a program may take to come up.
@@ -72,8 +72,6 @@ pub struct Device {
     pub session: Session,
     choice: DeviceChoice,
     process: Option<Process>,
-    /// What has to stay as long as the process: the folder of the emulator's socket.
-    _folder: Option<tempfile::TempDir>,
 }
 
 impl Device {
@@ -84,14 +82,14 @@ impl Device {
     pub fn open(choice: &DeviceChoice, baud: u32, supervisor: &Supervisor) -> Result<Self, DeviceError> {
         match choice {
             DeviceChoice::InProcess => {
-                let started = Started { link: Box::new(InProcess::default()), process: None, folder: None };
+                let started = Started { link: Box::new(InProcess::default()), process: None };
                 Self::greet(choice, started)
             }
             DeviceChoice::Native => Self::greet(choice, start_twin(supervisor)?),
             DeviceChoice::Qemu(image) => Self::greet(choice, qemu::start(image.as_deref(), supervisor)?),
             DeviceChoice::Terminal(path) => {
                 let link = open_terminal(path, baud)?;
-                Self::greet(choice, Started { link, process: None, folder: None })
+                Self::greet(choice, Started { link, process: None })
             }
         }
     }
@@ -102,7 +100,10 @@ impl Device {
         let identity = self.session.identity();
         format!(
             "{} ({}, firmware {}, build {:08x})",
-            self.choice, identity.board, identity.firmware, identity.build_id
+            self.choice,
+            printable(identity.board.as_str()),
+            identity.firmware,
+            identity.build_id
         )
     }
 
@@ -131,10 +132,10 @@ impl Device {
     }
 
     fn greet(choice: &DeviceChoice, started: Started) -> Result<Self, DeviceError> {
-        let Started { link, process, folder } = started;
+        let Started { link, process } = started;
         let session = Session::open(link, session_number())
             .map_err(|source| explain(choice, process.as_ref(), source))?;
-        Ok(Self { session, choice: choice.clone(), process, _folder: folder })
+        Ok(Self { session, choice: choice.clone(), process })
     }
 }
 
@@ -142,7 +143,6 @@ impl Device {
 struct Started {
     link: Box<dyn Link>,
     process: Option<Process>,
-    folder: Option<tempfile::TempDir>,
 }
 
 fn start_twin(supervisor: &Supervisor) -> Result<Started, DeviceError> {
@@ -157,7 +157,7 @@ fn start_twin(supervisor: &Supervisor) -> Result<Started, DeviceError> {
         return Err(DeviceError::not_up(&process));
     };
     let link = open_terminal(Path::new(&path), 0)?;
-    Ok(Started { link, process: Some(process), folder: None })
+    Ok(Started { link, process: Some(process) })
 }
 
 fn spawn(supervisor: &Supervisor, program: &Program) -> Result<Process, DeviceError> {
@@ -165,6 +165,8 @@ fn spawn(supervisor: &Supervisor, program: &Program) -> Result<Process, DeviceEr
 }
 
 fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, DeviceError> {
+    // A name under /dev/serial/by-id, or any other link, stands for what it points to.
+    let path = &path.canonicalize().map_err(|source| DeviceError::Open { path: path.to_owned(), source })?;
     let opened: io::Result<Box<dyn Link>> = if path.starts_with(pty::DIRECTORY) {
         Pty::open(path).map(|pty| Box::new(pty) as _)
     } else {

@@ -23,6 +23,7 @@ pub use parameters::{Parameter, SetError};
 
 use crate::link::Link;
 use line::Line;
+pub(crate) use line::printable;
 
 /// What came of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
