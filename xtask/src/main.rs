@@ -3,6 +3,7 @@
 mod arm_toolchain;
 mod checks;
 mod command;
+mod header;
 mod image;
 mod setup;
 mod size;
@@ -26,6 +27,8 @@ enum Chore {
     Image,
     /// Print the size of the Arm image and fail if it is beyond its limits
     Size,
+    /// Write the C header of the wire contract, protocol/include/lashloop.h, from the layouts of the messages
+    Header,
     /// Install what the emulated board needs and is missing here: QEMU and a core library for Arm
     Setup,
     /// Run every check and every test; the last line is the sum
@@ -36,6 +39,7 @@ fn main() -> ExitCode {
     let outcome = match Arguments::parse().chore {
         Chore::Image => image::build().and_then(|()| size::print().map(drop)),
         Chore::Size => size::check(),
+        Chore::Header => header::write(),
         Chore::Setup => setup::install_missing(),
         Chore::Test => return checks::run_all(),
     };
