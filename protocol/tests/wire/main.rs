@@ -4,7 +4,9 @@ mod c;
 #[cfg(feature = "tokio-codec")]
 mod codec;
 mod data_sheet;
+mod document;
 mod examples;
 mod golden;
+mod markdown;
 mod pinned_v1;
 mod stream;
