@@ -126,12 +126,12 @@ fn set(name: &str, value: ParameterValue) -> HostMessage {
 
 /// Why a request was refused, if it was.
 pub fn refusal(answers: &[DriveMessage]) -> Option<Outcome> {
-    let outcomes = answers.iter().filter_map(|answer| match answer {
+    let mut outcomes = answers.iter().filter_map(|answer| match answer {
         DriveMessage::CommandResult(result) => Some(result.outcome),
         DriveMessage::ParameterReport(report) => Some(report.outcome),
         _ => None,
     });
-    outcomes.filter(|outcome| *outcome != Outcome::Accepted).last()
+    outcomes.find(|outcome| *outcome != Outcome::Accepted)
 }
 
 /// The names of messages, as the document lists them.
