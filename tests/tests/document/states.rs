@@ -108,12 +108,16 @@ fn a_silence_of_exactly_the_watchdog_s_time_is_in_time() {
 }
 
 #[test]
-fn an_emergency_stop_takes_the_place_of_an_earlier_fault() {
+fn an_emergency_stop_is_reported_and_the_first_fault_kept() {
     let (mut talk, _) = happen(FaultCode::Watchdog);
-    talk.say(request("EmergencyStop"));
+    let answers = talk.say(request("EmergencyStop"));
+    assert!(
+        matches!(answers[0], DriveMessage::FaultReport(report) if report.code == FaultCode::EmergencyStop),
+        "{answers:?}"
+    );
     let answers = talk.say(request("Hello, same session"));
     assert!(
-        matches!(answers[1], DriveMessage::FaultReport(report) if report.code == FaultCode::EmergencyStop),
+        matches!(answers[1], DriveMessage::FaultReport(report) if report.code == FaultCode::Watchdog),
         "{answers:?}"
     );
 }
