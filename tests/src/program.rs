@@ -9,8 +9,8 @@ use crate::workspace;
 
 /// The `lashloop` program, built with the profile of this test into its target directory.
 ///
-/// Cargo gives the path of a program only to the tests of the package that has it, so we ask cargo to build it; after
-/// the first time that is a look at the time stamps.
+/// Cargo gives the path of a program only to the tests of the package that has it, so we ask cargo to build it. It has
+/// the whole workspace in view, because then it is the very program that `cargo test --workspace` has built already.
 ///
 /// # Panics
 /// It does not build; the panic shows what cargo said.
@@ -30,7 +30,7 @@ fn build() -> PathBuf {
         None => panic!("{} is not the folder of a profile", folder.display()),
     };
     let built = Command::new(env!("CARGO"))
-        .args(["build", "--quiet", "--package", "lashloop", "--profile", profile, "--target-dir"])
+        .args(["build", "--quiet", "--workspace", "--bin", "lashloop", "--profile", profile, "--target-dir"])
         .arg(target)
         .current_dir(workspace())
         .output()

@@ -8,6 +8,26 @@ use tests::records::Records;
 
 const SCENARIO: &str = "scenarios/smooth-after.toml";
 
+/// A scenario whose lines stay where they are.
+const MINE: &str = r#"title = "Mine"
+
+[run]
+duration_s = 25.0
+
+[plant]
+model = "smooth"
+
+[controller]
+name = "faithful"
+
+[controller.parameters]
+torque_limit_nm = 25.0
+
+[reference]
+profile = "constant"
+position_rad = 0.0
+"#;
+
 #[test]
 fn every_wrong_command_line_says_what_instead() {
     let run = |rest: &[&'static str]| [&["run", SCENARIO, "--device", "inproc"], rest].concat();
@@ -45,7 +65,6 @@ fn what_a_scenario_file_has_wrong_is_named_by_file_and_line() {
     let records = Records::new();
     let file = records.path("mine.toml");
     let path = file.display().to_string();
-    let text = fs::read_to_string(tests::workspace().join(SCENARIO)).expect("a scenario");
     let mut messages = String::new();
     for (right, wrong) in [
         ("torque_limit_nm = 25.0", "torque_limit_nm = 2000.0"),
@@ -56,8 +75,8 @@ fn what_a_scenario_file_has_wrong_is_named_by_file_and_line() {
         ("name = \"faithful\"", "name = \"faithfull\""),
         ("[plant]", "[plant"),
     ] {
-        assert!(text.contains(right), "{right} is not in the scenario");
-        fs::write(&file, text.replace(right, wrong)).expect("a scenario of the test");
+        assert!(MINE.contains(right), "{right} is not in the scenario");
+        fs::write(&file, MINE.replace(right, wrong)).expect("a scenario of the test");
         let ended = bench::run(["run", &path, "--device", "inproc"]).with_code(2);
         let message = ended.stderr.replace(&path, "mine.toml");
         writeln!(messages, "{right} -> {wrong}\n{message}").expect("writing to a string");
