@@ -15,7 +15,11 @@ fn passes_unchanged<M: Message + Debug>(body: &[u8]) -> Result<(), TestCaseError
     let frame = message.unwrap().frame();
     prop_assert_eq!(&frame[..], &frame_around(body)[..]);
     prop_assert!(frame.len() <= MAX_FRAME);
-    prop_assert_eq!(frame.iter().position(|&byte| byte == 0), Some(frame.len() - 1), "one delimiter, at the end");
+    prop_assert_eq!(
+        frame.iter().position(|&byte| byte == 0),
+        Some(frame.len() - 1),
+        "one delimiter, at the end"
+    );
 
     let mut stuffed = frame[..frame.len() - 1].to_vec();
     let unstuffed = cobs::unstuff(&mut stuffed).map(<[u8]>::to_vec);

@@ -53,7 +53,11 @@ pub fn check<M: Message + Debug>(stream: &[u8], piece_lens: &[usize]) -> Vec<Res
     };
     assert_eq!(decoder.finish(), end);
     let discarded = decoder.counters().discarded_bytes as usize;
-    assert_eq!(expected.good + discarded + expected.idle, stream.len(), "the counters add up to the bytes offered");
+    assert_eq!(
+        expected.good + discarded + expected.idle,
+        stream.len(),
+        "the counters add up to the bytes offered"
+    );
     found
 }
 
