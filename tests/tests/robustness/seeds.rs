@@ -63,7 +63,11 @@ fn decoder_seeds() -> Vec<Seed> {
     let mut seeds: Vec<Seed> = host.iter().map(|m| seed(name_of(m), 64, &m.frame())).collect();
     seeds.extend(drive.iter().map(|m| seed(name_of(m), 64, &m.frame())));
     seeds.push(seed("all_in_small_pieces".into(), 7, &frames.concat()));
-    seeds.push(seed("all_without_delimiters".into(), 64, &frames.concat().iter().map(|&byte| byte.max(1)).collect::<Vec<_>>()));
+    seeds.push(seed(
+        "all_without_delimiters".into(),
+        64,
+        &frames.concat().iter().map(|&byte| byte.max(1)).collect::<Vec<_>>(),
+    ));
     seeds.push(seed("all_cut".into(), 3, &frames.iter().flat_map(|f| f[2..].to_vec()).collect::<Vec<_>>()));
     seeds
 }
@@ -83,7 +87,8 @@ fn drive_seeds() -> Vec<Seed> {
     for (name, law) in [("run_pd", 1), ("run_faithful", 2), ("run_literal", 3)] {
         seeds.push(seed(name, &[run(law)]));
     }
-    let emergency = [told(&EmergencyStop {}.into()), sample(1, 1, 0.0), told(&ClearFault {}.into()), go.clone()];
+    let emergency =
+        [told(&EmergencyStop {}.into()), sample(1, 1, 0.0), told(&ClearFault {}.into()), go.clone()];
     seeds.push(seed("emergency", &[&[go.clone(), sample(900, 300, 0.0)][..], &emergency].concat()));
     seeds.push(seed("silence", &[go.clone(), sample(900, 300, 0.0), pass(20_001), sample(0, 0, 0.0)]));
     seeds.push(seed("not_a_number", &[go.clone(), sample(900, 300, f32::NAN)]));
