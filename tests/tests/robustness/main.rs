@@ -1,15 +1,6 @@
 //! What damage can and can't do.
 
-mod fuzz_seeds {
-    use crate::seeds::seeds;
-
-    #[test]
-    fn the_committed_seeds_are_the_examples_of_today() {
-        let stale: Vec<_> = seeds().into_iter().filter(|seed| !seed.is_committed()).collect();
-        assert!(
-            stale.is_empty(),
-            "stale: {stale:?}; write them by `cargo run -p tests --example fuzz_seeds`"
-        );
-    }
-}
+mod damaged;
+mod fuzzed;
+mod residual;
 mod seeds;
