@@ -3,6 +3,7 @@
 mod arm_toolchain;
 mod checks;
 mod command;
+mod fuzz;
 mod header;
 mod image;
 mod setup;
@@ -31,6 +32,12 @@ enum Chore {
     Header,
     /// Install what the emulated board needs and is missing here: QEMU and a core library for Arm
     Setup,
+    /// Give every fuzzer some time; installs cargo-fuzz into target/tools if there is none
+    Fuzz {
+        /// Time for each of them
+        #[arg(long, default_value_t = 20)]
+        seconds: u32,
+    },
     /// Run every check and every test; the last line is the sum
     Test,
 }
@@ -41,6 +48,7 @@ fn main() -> ExitCode {
         Chore::Size => size::check(),
         Chore::Header => header::write(),
         Chore::Setup => setup::install_missing(),
+        Chore::Fuzz { seconds } => fuzz::run(seconds),
         Chore::Test => return checks::run_all(),
     };
     match outcome {
