@@ -94,13 +94,15 @@ pub enum SettingsError {
         /// What TOML says to it.
         problem: String,
     },
-    /// A word that is no setting.
-    #[error("{place}: {found} is no setting; it must be NAME=VALUE with a number")]
+    /// A word or a line that is no setting.
+    #[error("{place}: {found}; it must be {wanted}")]
     Malformed {
         /// Where it was written.
         place: String,
         /// What was written.
         found: String,
+        /// What may stand there.
+        wanted: &'static str,
     },
     /// A name that is set twice.
     #[error("{place}: {name} is set already, by {before}")]
@@ -174,7 +176,10 @@ impl Settings {
             let number = match item {
                 Item::Value(Value::Integer(value)) => *value.value() as f64,
                 Item::Value(Value::Float(value)) => *value.value(),
-                _ => return Err(SettingsError::Malformed { place, found: name.to_owned() }),
+                _ => {
+                    let found = format!("{name} is no setting");
+                    return Err(SettingsError::Malformed { place, found, wanted: "NAME = NUMBER" });
+                }
             };
             settings.push(place, name, number)?;
         }
@@ -188,7 +193,11 @@ impl Settings {
     pub fn from_words(words: &[String]) -> Result<Self, SettingsError> {
         let mut settings = Self::default();
         for word in words {
-            let malformed = || SettingsError::Malformed { place: "set".to_owned(), found: word.clone() };
+            let malformed = || SettingsError::Malformed {
+                place: format!("set {word}"),
+                found: "no setting".to_owned(),
+                wanted: "NAME=NUMBER",
+            };
             let (name, number) = word.split_once('=').ok_or_else(malformed)?;
             let number = number.trim().parse().map_err(|_| malformed())?;
             settings.push(format!("set {word}"), name.trim(), number)?;

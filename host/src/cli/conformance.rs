@@ -41,9 +41,15 @@ impl Arguments {
             DeviceChoice::InProcess => DeviceTime::StandsStill,
             _ => DeviceTime::Passes,
         };
-        let mut printer =
-            Printer { device: self.device.to_string(), findings: Vec::new(), supervisor: &supervisor };
+        let mut printer = Printer {
+            connection: &connection,
+            device: self.device.to_string(),
+            findings: Vec::new(),
+            supervisor: &supervisor,
+        };
+        let heed = supervisor.heed_signals();
         let ended = conformance::run(link, session_number(), time, &mut printer);
+        drop(heed);
         let Printer { device, findings, .. } = printer;
         let (passed, failed, left_out) = counts(&findings);
         if let Some(path) = &self.junit {
@@ -73,6 +79,7 @@ fn counts(findings: &[Finding]) -> (usize, usize, usize) {
 }
 
 struct Printer<'a> {
+    connection: &'a Connection,
     /// Who is tested, in words.
     device: String,
     findings: Vec<Finding>,
@@ -81,8 +88,7 @@ struct Printer<'a> {
 
 impl Watcher for Printer<'_> {
     fn greeted(&mut self, identity: &Identity) {
-        let Identity { board, firmware, build_id, .. } = identity;
-        self.device = format!("{} ({board}, firmware {firmware}, build {build_id:08x})", self.device);
+        self.device = self.connection.description(identity);
         say!("{}", self.device);
     }
 

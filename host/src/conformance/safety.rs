@@ -36,6 +36,14 @@ pub(super) fn checks() -> Vec<Check> {
             client.sample(0)?;
             equal("state", State::Faulted, client.state())
         }),
+        check("the first fault is the one that is kept", |client| {
+            client.running(&[])?;
+            client.say(EncoderSample { reference_rad: f32::NAN, ..sample(0) })?;
+            client.say(EmergencyStop {})?;
+            let session = client.session();
+            let answers = client.say(Hello { protocol_version: PROTOCOL_VERSION, session })?;
+            equal("fault told after the identity", FaultCode::ReferenceNotFinite, fault(&answers)?.code)
+        }),
         check("a fault that is cleared gives no torque back", |client| {
             client.running(&[])?;
             client.torque(0)?;

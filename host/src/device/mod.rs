@@ -9,6 +9,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use std::{fmt, io};
 
 pub use error::DeviceError;
+use lashloop_protocol::message::Identity;
 
 use crate::link::in_process::InProcess;
 use crate::link::pty::{self, Pty};
@@ -87,14 +88,7 @@ impl Device {
     /// What the run was made with, in words.
     #[must_use]
     pub fn description(&self) -> String {
-        let identity = self.session.identity();
-        format!(
-            "{} ({}, firmware {}, build {:08x})",
-            self.connection.choice,
-            printable(identity.board.as_str()),
-            identity.firmware,
-            identity.build_id
-        )
+        self.connection.description(self.session.identity())
     }
 
     /// The choice this device was opened by.
@@ -145,6 +139,18 @@ impl Connection {
             DeviceChoice::Terminal(path) => Started { link: open_terminal(path, baud)?, process: None },
         };
         Ok((link, Self { choice: choice.clone(), process }))
+    }
+
+    /// What was chosen and who answered, in words.
+    #[must_use]
+    pub fn description(&self, identity: &Identity) -> String {
+        format!(
+            "{} ({}, firmware {}, build {:08x})",
+            self.choice,
+            printable(identity.board.as_str()),
+            identity.firmware,
+            identity.build_id
+        )
     }
 
     /// An error of the conversation as an error of this device: with its name, and with what became of its process.

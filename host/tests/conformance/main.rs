@@ -58,6 +58,10 @@ fn every_broken_rule_is_caught_by_the_check_of_that_rule() {
         .map(|(variant, failed)| format!("a drive that {}: {failed:?}", variant.does))
         .collect();
     assert!(missed.is_empty(), "not caught by their check:\n{}", missed.join("\n"));
+    let caught: BTreeSet<_> = failures.iter().flatten().collect();
+    let every = findings(Variant::FAITHFUL);
+    let idle: Vec<_> = every.iter().map(|it| &it.name).filter(|name| !caught.contains(name)).collect();
+    assert!(idle.is_empty(), "checks that no broken drive fails: {idle:#?}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use lashloop_protocol::message::{
     Arm, CommandResult, EncoderSample, Hello, ParameterReport, SetParameter, Start, Stop, Telemetry,
     TorqueAnswer,
 };
-use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State, TorqueFlags, Version};
+use lashloop_protocol::vocabulary::{FaultCode, Outcome, ParameterValue, State, TorqueFlags, Version};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
 
@@ -185,14 +185,45 @@ pub const VARIANTS: &[Variant] = &[
             }
         })
     }),
-    says("names no state but Boot", "Arm leads from Idle to Armed", |past, answers| {
-        each(answers, |answer| match answer {
-            DriveMessage::CommandResult(it) if matches!(past.request, Some(HostMessage::Arm(_))) => {
-                it.state = State::Boot;
+    says("never says Idle", "Stop leads from Running to Idle", |_, answers| {
+        each(answers, |answer| {
+            if let DriveMessage::CommandResult(it) = answer
+                && it.state == State::Idle
+            {
+                it.state = State::Armed;
             }
-            _ => {}
         })
     }),
+    says("never says Armed", "Arm leads from Idle to Armed", |_, answers| {
+        each(answers, |answer| {
+            if let DriveMessage::CommandResult(it) = answer
+                && it.state == State::Armed
+            {
+                it.state = State::Idle;
+            }
+        })
+    }),
+    says("never says Running", "Start leads from Armed to Running", |_, answers| {
+        each(answers, |answer| {
+            if let DriveMessage::CommandResult(it) = answer
+                && it.state == State::Running
+            {
+                it.state = State::Armed;
+            }
+        })
+    }),
+    says(
+        "clears faults to Idle without a greeting",
+        "a fault cleared before the greeting leads back to Boot",
+        |past, answers| {
+            let cleared = matches!(past.request, Some(HostMessage::ClearFault(_)));
+            each(answers, |answer| {
+                if let (DriveMessage::CommandResult(it), true) = (answer, cleared) {
+                    it.state = State::Idle;
+                }
+            })
+        },
+    ),
     // Parameters.
     says("has lost its watchdog", "the drive has the parameters that every bench sets", |_, answers| {
         describing(answers, |it| {
@@ -269,38 +300,28 @@ pub const VARIANTS: &[Variant] = &[
             _ => {}
         })
     }),
-    Variant {
-        hear: |past, request| match request {
-            HostMessage::SetParameter(set) if set.index == 4 => {
-                past.kept = Some(request);
-                vec![request]
+    says(
+        "keeps a parameter through Reset",
+        "a reset brings back the default of what was set",
+        |past, answers| {
+            if matches!(past.request, Some(HostMessage::Reset(_))) {
+                past.number += 1;
             }
-            HostMessage::Hello(_) => std::iter::once(request).chain(past.kept).collect(),
-            HostMessage::GetParameter(_) if past.kept.is_some() => vec![request],
-            other => vec![other],
+            // Wrong from the second value on that is read after a set of the torque limit.
+            if let Some(HostMessage::SetParameter(SetParameter { index: 4, .. })) = past.request {
+                past.kept = past.request;
+            }
+            let kept = past.kept;
+            each(answers, |answer| match (answer, kept) {
+                (DriveMessage::ParameterReport(it), Some(HostMessage::SetParameter(set)))
+                    if it.index == 4 =>
+                {
+                    it.value = set.value;
+                }
+                _ => {}
+            })
         },
-        ..says(
-            "keeps a parameter through Reset",
-            "after a reset every parameter has its default",
-            |_, answers| answers,
-        )
-    },
-    says("resets to something else", "a reset brings back the default of what was set", |past, answers| {
-        if matches!(past.request, Some(HostMessage::Reset(_))) {
-            past.number += 1;
-        }
-        // Wrong from the second value on that is read after a set of the torque limit.
-        if let Some(HostMessage::SetParameter(SetParameter { index: 4, .. })) = past.request {
-            past.kept = past.request;
-        }
-        let kept = past.kept;
-        each(answers, |answer| match (answer, kept) {
-            (DriveMessage::ParameterReport(it), Some(HostMessage::SetParameter(set))) if it.index == 4 => {
-                it.value = set.value;
-            }
-            _ => {}
-        })
-    }),
+    ),
     says(
         "has an identity of its own",
         "the identity has the period and the encoders that were set",
@@ -512,6 +533,19 @@ pub const VARIANTS: &[Variant] = &[
     says("tells of no fault", "EmergencyStop is answered with its fault", |_, mut answers| {
         answers.retain(|answer| !matches!(answer, DriveMessage::FaultReport(_)));
         answers
+    }),
+    says("tells the last fault", "the first fault is the one that is kept", |past, answers| {
+        match past.request {
+            Some(HostMessage::EmergencyStop(_)) => past.number = 1,
+            Some(HostMessage::Reset(_)) => past.number = 0,
+            _ => {}
+        }
+        let stopped = past.number == 1;
+        each(answers, |answer| {
+            if let (DriveMessage::FaultReport(it), true) = (answer, stopped) {
+                it.code = FaultCode::EmergencyStop;
+            }
+        })
     }),
     hears("clears faults by Stop", "a fault stays latched through Stop and samples", |_, request| {
         match request {
