@@ -37,6 +37,14 @@ fn a_drive_that_is_right_passes_every_check() {
     assert!(findings.iter().all(|it| it.outcome == Outcome::Passed), "{findings:#?}");
 }
 
+/// Checks that no altered drive here can fail: it begins every check in Boot by the same Reset, gathers bytes to whole
+/// frames before it alters anything, and says nothing but whole frames.
+const OUT_OF_REACH: [&str; 3] = [
+    "Reset leads from Boot to Boot",
+    "a frame that comes byte by byte is answered",
+    "everything the drive has sent has arrived whole and is a message",
+];
+
 #[test]
 fn names_of_checks_are_unique() {
     let findings = findings(Variant::FAITHFUL);
@@ -61,7 +69,7 @@ fn every_broken_rule_is_caught_by_the_check_of_that_rule() {
     let caught: BTreeSet<_> = failures.iter().flatten().collect();
     let every = findings(Variant::FAITHFUL);
     let idle: Vec<_> = every.iter().map(|it| &it.name).filter(|name| !caught.contains(name)).collect();
-    assert!(idle.is_empty(), "checks that no broken drive fails: {idle:#?}");
+    assert_eq!(idle, OUT_OF_REACH, "checks that no broken drive fails");
 }
 
 #[test]
