@@ -7,16 +7,20 @@
 //! | [`link`] | anything that carries bytes |
 //! | [`session`] | the conversation with a drive |
 //! | [`device`], [`supervisor`] | which drive, and the processes behind it |
+//! | [`conformance`] | whether a drive keeps to the protocol, rule by rule |
+//! | [`parameter_set`] | the parameters of a drive as a file and as a fingerprint |
 //! | [`run`] | the loop, and what came of it |
 //! | [`metrics`], [`verdict`], [`record`] | figures, judgement, evidence |
 //! | [`picture`] | plots |
 
 #![forbid(unsafe_code)]
 
+pub mod conformance;
 pub mod device;
 pub mod encoder;
 pub mod link;
 pub mod metrics;
+pub mod parameter_set;
 pub mod picture;
 pub mod plant;
 pub mod record;

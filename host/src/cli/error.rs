@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use lashloop::device::DeviceError;
+use lashloop::parameter_set::SettingsError;
 use lashloop::record::RecordError;
 use lashloop::run::RunError;
 use lashloop::scenario::ScenarioErrors;
@@ -18,6 +19,10 @@ pub(crate) enum CliError {
     Run(#[from] RunError),
     #[error("{}: can't be written: {source}; choose another folder with --out", path.display())]
     Output { path: PathBuf, source: io::Error },
+    #[error("{}: can't be written: {source}; choose another file with --junit", path.display())]
+    Report { path: PathBuf, source: io::Error },
+    #[error(transparent)]
+    Settings(SettingsError),
     #[error("can't {what}: {source}")]
     System { what: &'static str, source: io::Error },
 }
@@ -25,8 +30,14 @@ pub(crate) enum CliError {
 impl CliError {
     pub(crate) fn exit(&self) -> Exit {
         match self {
-            Self::Run(RunError::Device(_)) | Self::System { .. } => Exit::DeviceOrLink,
-            Self::Scenario(_) | Self::Run(_) | Self::Output { .. } => Exit::UsageOrScenario,
+            Self::Run(RunError::Device(_))
+            | Self::Settings(SettingsError::Refused { .. } | SettingsError::Session(_))
+            | Self::System { .. } => Exit::DeviceOrLink,
+            Self::Scenario(_)
+            | Self::Run(_)
+            | Self::Settings(_)
+            | Self::Output { .. }
+            | Self::Report { .. } => Exit::UsageOrScenario,
         }
     }
 }

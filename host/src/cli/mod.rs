@@ -8,10 +8,12 @@ macro_rules! say {
 }
 
 mod compare;
+mod conformance;
 mod demo;
 mod device;
 mod error;
 mod output;
+mod parameters;
 mod ping_pong;
 mod progress;
 mod report;
@@ -45,6 +47,8 @@ enum Command {
     Device(device::Arguments),
     Show(show::Arguments),
     Compare(compare::Arguments),
+    Conformance(conformance::Arguments),
+    Parameters(parameters::Arguments),
     #[command(hide = true)]
     Tied(tied::Arguments),
     #[command(hide = true)]
@@ -57,7 +61,7 @@ Exit codes: 0 PASS, 1 FAIL, 2 bad usage, scenario or output folder, 3 INVALID, 4
 const LONG_HELP: &str = "\
 Exit codes:
   0  PASS     every expectation of the scenario is met
-  1  FAIL     an expectation is not met, or the drive latched a fault
+  1  FAIL     an expectation is not met, the drive latched a fault, or it breaks a rule of the protocol
   2           bad usage, a bad scenario, or an output folder that can't be written
   3  INVALID  link or timing broke what the scenario allows, or the run was interrupted
   4           the device or the link failed; there is no verdict
@@ -85,6 +89,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Device(arguments) => arguments.run(),
         Command::Show(arguments) => arguments.run(),
         Command::Compare(arguments) => arguments.run(),
+        Command::Conformance(arguments) => arguments.run(),
+        Command::Parameters(arguments) => arguments.run(),
         Command::Tied(arguments) => arguments.run(),
         Command::PingPong => ping_pong::answer(),
     };
@@ -96,6 +102,9 @@ pub(crate) fn main() -> ExitCode {
         }
     }
 }
+
+/// Bits a second on a serial port, where no scenario says it.
+const DEFAULT_BAUD: u32 = 921_600;
 
 fn start_supervisor() -> Result<Supervisor, CliError> {
     std::env::current_exe()

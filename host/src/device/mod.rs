@@ -9,6 +9,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use std::{fmt, io};
 
 pub use error::DeviceError;
+use lashloop_protocol::message::Identity;
 
 use crate::link::in_process::InProcess;
 use crate::link::pty::{self, Pty};
@@ -70,8 +71,7 @@ impl fmt::Display for DeviceChoice {
 pub struct Device {
     /// The conversation.
     pub session: Session,
-    choice: DeviceChoice,
-    process: Option<Process>,
+    connection: Connection,
 }
 
 impl Device {
@@ -80,24 +80,70 @@ impl Device {
     /// # Errors
     /// A sentence that says what could not be reached, and what to do.
     pub fn open(choice: &DeviceChoice, baud: u32, supervisor: &Supervisor) -> Result<Self, DeviceError> {
-        match choice {
-            DeviceChoice::InProcess => {
-                let started = Started { link: Box::new(InProcess::default()), process: None };
-                Self::greet(choice, started)
-            }
-            DeviceChoice::Native => Self::greet(choice, start_twin(supervisor)?),
-            DeviceChoice::Qemu(image) => Self::greet(choice, qemu::start(image.as_deref(), supervisor)?),
-            DeviceChoice::Terminal(path) => {
-                let link = open_terminal(path, baud)?;
-                Self::greet(choice, Started { link, process: None })
-            }
-        }
+        let (link, connection) = Connection::open(choice, baud, supervisor)?;
+        let session = Session::open(link, session_number()).map_err(|source| connection.explain(source))?;
+        Ok(Self { session, connection })
     }
 
     /// What the run was made with, in words.
     #[must_use]
     pub fn description(&self) -> String {
-        let identity = self.session.identity();
+        self.connection.description(self.session.identity())
+    }
+
+    /// The choice this device was opened by.
+    #[must_use]
+    pub fn choice(&self) -> &DeviceChoice {
+        &self.connection.choice
+    }
+
+    /// The process behind the drive, if the bench started one.
+    #[must_use]
+    pub fn process(&self) -> Option<&Process> {
+        self.connection.process.as_ref()
+    }
+
+    /// An error of the conversation as an error of this device: with its name, and with what became of its process.
+    #[must_use]
+    pub fn explain(&self, source: SessionError) -> DeviceError {
+        self.connection.explain(source)
+    }
+
+    /// The error for a drive that keeps to the protocol but can't serve this bench.
+    #[must_use]
+    pub fn unfit(&self, problem: String) -> DeviceError {
+        DeviceError::Unfit { device: self.connection.choice.to_string(), problem }
+    }
+}
+
+/// What is behind a link: which drive was chosen, and the process behind it if the bench started one.
+pub struct Connection {
+    choice: DeviceChoice,
+    process: Option<Process>,
+}
+
+impl Connection {
+    /// Starts what has to be started and opens the link, without a word to the drive. `baud` is for serial ports.
+    ///
+    /// # Errors
+    /// A sentence that says what could not be reached, and what to do.
+    pub fn open(
+        choice: &DeviceChoice,
+        baud: u32,
+        supervisor: &Supervisor,
+    ) -> Result<(Box<dyn Link>, Self), DeviceError> {
+        let Started { link, process } = match choice {
+            DeviceChoice::InProcess => Started { link: Box::new(InProcess::default()), process: None },
+            DeviceChoice::Native => start_twin(supervisor)?,
+            DeviceChoice::Qemu(image) => qemu::start(image.as_deref(), supervisor)?,
+            DeviceChoice::Terminal(path) => Started { link: open_terminal(path, baud)?, process: None },
+        };
+        Ok((link, Self { choice: choice.clone(), process }))
+    }
+
+    /// What was chosen and who answered, in words.
+    #[must_use]
+    pub fn description(&self, identity: &Identity) -> String {
         format!(
             "{} ({}, firmware {}, build {:08x})",
             self.choice,
@@ -107,35 +153,10 @@ impl Device {
         )
     }
 
-    /// The choice this device was opened by.
-    #[must_use]
-    pub fn choice(&self) -> &DeviceChoice {
-        &self.choice
-    }
-
-    /// The process behind the drive, if the bench started one.
-    #[must_use]
-    pub fn process(&self) -> Option<&Process> {
-        self.process.as_ref()
-    }
-
     /// An error of the conversation as an error of this device: with its name, and with what became of its process.
     #[must_use]
     pub fn explain(&self, source: SessionError) -> DeviceError {
         explain(&self.choice, self.process.as_ref(), source)
-    }
-
-    /// The error for a drive that keeps to the protocol but can't serve this bench.
-    #[must_use]
-    pub fn unfit(&self, problem: String) -> DeviceError {
-        DeviceError::Unfit { device: self.choice.to_string(), problem }
-    }
-
-    fn greet(choice: &DeviceChoice, started: Started) -> Result<Self, DeviceError> {
-        let Started { link, process } = started;
-        let session = Session::open(link, session_number())
-            .map_err(|source| explain(choice, process.as_ref(), source))?;
-        Ok(Self { session, choice: choice.clone(), process })
     }
 }
 
@@ -199,8 +220,9 @@ fn explain(choice: &DeviceChoice, process: Option<&Process>, source: SessionErro
     }
 }
 
-/// A number no earlier session on this machine had, for all practical purposes.
-fn session_number() -> u32 {
+/// A number for a session that no earlier session on this machine had, for all practical purposes.
+#[must_use]
+pub fn session_number() -> u32 {
     let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     (now.as_nanos() as u32) ^ std::process::id().rotate_left(16)
 }

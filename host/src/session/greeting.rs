@@ -15,7 +15,7 @@ const LIMIT: Duration = Duration::from_millis(2500);
 const INTERVAL: Duration = Duration::from_millis(100);
 
 /// Greets until the drive has answered this very session.
-pub(super) fn greet(line: &mut Line, session: u32) -> Result<Identity, SessionError> {
+pub(crate) fn greet(line: &mut Line, session: u32) -> Result<Identity, SessionError> {
     let hello = Hello { protocol_version: PROTOCOL_VERSION, session };
     let give_up = Instant::now() + LIMIT;
     while Instant::now() < give_up {

@@ -10,28 +10,28 @@ use super::{LastSeen, SessionError};
 use crate::link::{Link, LinkError};
 
 /// How long a request may take. Requests are answered at once; this is for an emulator on a busy machine.
-const REQUEST_LIMIT: Duration = Duration::from_secs(2);
+pub(crate) const REQUEST_LIMIT: Duration = Duration::from_secs(2);
 
 /// Texts of the drive that are kept.
 const LOGS: usize = 100;
 
 /// A link with a decoder at its end.
-pub(super) struct Line {
+pub(crate) struct Line {
     link: Box<dyn Link>,
     decoder: Decoder,
     inbox: Box<[u8; 4096]>,
     /// The part of `inbox` that holds bytes not decoded yet.
     unread: Range<usize>,
-    pub(super) frames_sent: u64,
-    pub(super) last_seen: LastSeen,
-    pub(super) telemetry: Option<Telemetry>,
-    pub(super) fault: Option<FaultReport>,
-    pub(super) report: Option<LineReport>,
-    pub(super) logs: Vec<String>,
+    pub(crate) frames_sent: u64,
+    pub(crate) last_seen: LastSeen,
+    pub(crate) telemetry: Option<Telemetry>,
+    pub(crate) fault: Option<FaultReport>,
+    pub(crate) report: Option<LineReport>,
+    pub(crate) logs: Vec<String>,
 }
 
 impl Line {
-    pub(super) fn new(link: Box<dyn Link>) -> Self {
+    pub(crate) fn new(link: Box<dyn Link>) -> Self {
         Self {
             link,
             decoder: Decoder::new(),
@@ -46,24 +46,29 @@ impl Line {
         }
     }
 
-    pub(super) fn decoder(&self) -> &Decoder {
+    pub(crate) fn decoder(&self) -> &Decoder {
         &self.decoder
     }
 
     /// Throws away what is on the line and ends whatever half frame an earlier host left in the drive's decoder.
-    pub(super) fn clear(&mut self) -> Result<(), SessionError> {
+    pub(crate) fn clear(&mut self) -> Result<(), SessionError> {
         self.link.discard_input().map_err(|error| self.broken(error))?;
-        self.link.send(&[lashloop_protocol::frame::DELIMITER]).map_err(|error| self.broken(error))
+        self.send_bytes(&[lashloop_protocol::frame::DELIMITER])
     }
 
-    pub(super) fn send(&mut self, message: &HostMessage) -> Result<(), SessionError> {
+    pub(crate) fn send(&mut self, message: &HostMessage) -> Result<(), SessionError> {
         self.frames_sent += 1;
-        self.link.send(&message.frame()).map_err(|error| self.broken(error))
+        self.send_bytes(&message.frame())
+    }
+
+    /// Sends bytes as they are, which need not be frames.
+    pub(crate) fn send_bytes(&mut self, bytes: &[u8]) -> Result<(), SessionError> {
+        self.link.send(bytes).map_err(|error| self.broken(error))
     }
 
     /// Waits for the message that `wanted` recognises; `None` at the deadline, even on a line that never stops talking.
     /// What is on the line already is looked at in any case, so a bench that slept through its deadline blames nobody.
-    pub(super) fn wait<T>(
+    pub(crate) fn wait<T>(
         &mut self,
         deadline: Instant,
         mut wanted: impl FnMut(&DriveMessage) -> Option<T>,
@@ -88,7 +93,7 @@ impl Line {
     }
 
     /// Sends a request and waits for the answer that `wanted` recognises.
-    pub(super) fn request<T>(
+    pub(crate) fn request<T>(
         &mut self,
         request: &HostMessage,
         wanted: impl FnMut(&DriveMessage) -> Option<T>,
@@ -112,12 +117,12 @@ impl Line {
         }
     }
 
-    pub(super) fn silent(&self, waiting_for: &'static str, limit: Duration) -> SessionError {
+    pub(crate) fn silent(&self, waiting_for: &'static str, limit: Duration) -> SessionError {
         SessionError::Silent { waiting_for, limit, last_seen: self.last_seen }
     }
 
     /// Keeps the latest texts: a drive that never stops talking must not fill the memory.
-    pub(super) fn keep(&mut self, text: String) {
+    pub(crate) fn keep(&mut self, text: String) {
         if self.logs.len() == LOGS {
             self.logs.remove(0);
         }

@@ -4,9 +4,9 @@
 //! the last sample sent and the last good frame received.
 
 mod error;
-mod greeting;
-mod line;
-mod parameters;
+pub(crate) mod greeting;
+pub(crate) mod line;
+pub(crate) mod parameters;
 
 use std::time::{Duration, Instant};
 

@@ -81,7 +81,7 @@ pub enum SetError {
 }
 
 /// Asks the drive for all its parameters.
-pub(super) fn learn(line: &mut Line, count: u8) -> Result<Vec<Parameter>, SessionError> {
+pub(crate) fn learn(line: &mut Line, count: u8) -> Result<Vec<Parameter>, SessionError> {
     (0..count)
         .map(|index| {
             line.request(&DescribeParameter { index }.into(), |answer| match answer {
@@ -113,17 +113,20 @@ impl Session {
         self.parameters.iter().find(|parameter| parameter.name == name)
     }
 
+    /// Whether the drive has a parameter of this name and takes this number, by what it says of itself.
+    ///
+    /// # Errors
+    /// Unknown name, or value out of the drive's range.
+    pub fn fits(&self, name: &str, number: f64) -> Result<(), SetError> {
+        self.placed(name, number).map(drop)
+    }
+
     /// Sets a parameter and checks what is read back.
     ///
     /// # Errors
     /// Unknown name, value out of the drive's range, a drive that refuses, or a broken conversation.
     pub fn set(&mut self, name: &str, number: f64) -> Result<(), SetError> {
-        let Some(parameter) = self.parameter(name) else {
-            return Err(self.unknown(name));
-        };
-        let index = parameter.index;
-        let value =
-            parameter.value(number).ok_or_else(|| SetError::OutOfRange { range: parameter.range() })?;
+        let (index, value) = self.placed(name, number)?;
         let report = self.report_of(index, &SetParameter { index, value }.into())?;
         if report.outcome == Outcome::Accepted && report.value == value {
             Ok(())
@@ -138,6 +141,14 @@ impl Session {
     /// The conversation broke.
     pub fn get(&mut self, index: u8) -> Result<ParameterValue, SessionError> {
         Ok(self.report_of(index, &GetParameter { index }.into())?.value)
+    }
+
+    /// Index and value on the wire.
+    fn placed(&self, name: &str, number: f64) -> Result<(u8, ParameterValue), SetError> {
+        let parameter = self.parameter(name).ok_or_else(|| self.unknown(name))?;
+        let value =
+            parameter.value(number).ok_or_else(|| SetError::OutOfRange { range: parameter.range() })?;
+        Ok((parameter.index, value))
     }
 
     fn unknown(&self, name: &str) -> SetError {

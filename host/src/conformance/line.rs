@@ -1,0 +1,138 @@
+//! The line: a drive finds its way back after any damage, answers nothing that was damaged, and tells of it.
+
+use lashloop_protocol::frame::DELIMITER;
+use lashloop_protocol::message::{GetParameter, LineReport, Stop};
+use lashloop_protocol::{DriveMessage, HostMessage, MAX_FRAME, Message};
+
+use super::check::{Check, Checked, Failure, equal, expect, find, names};
+use super::client::Client;
+
+/// More than a frame can have, without a delimiter.
+const OVERSIZED: [u8; 5 * MAX_FRAME] = [0x55; 5 * MAX_FRAME];
+
+pub(super) fn checks() -> Vec<Check> {
+    let check = |name, run: fn(&mut Client) -> Checked| Check::new("line", name, run);
+    vec![
+        check("garbage before a frame is dropped", |client| {
+            let garbage = [b"noise\0more noise\0", &*request(0)].concat();
+            answered(client, &garbage, &[0])?;
+            // Without a delimiter between them the garbage takes the frame with it, but not the one after.
+            answered(client, &[b"noise", &*request(0), &*request(1)].concat(), &[1])
+        }),
+        check("a frame with a flipped bit is not answered", flipped_bits),
+        check("a truncated frame is not answered, and the next one is", |client| {
+            let whole = request(0);
+            (1..whole.len() - 1).try_for_each(|length| {
+                answered(client, &[&whole[..length], &[DELIMITER], &*request(1)].concat(), &[1])
+            })
+        }),
+        check("an oversized frame is dropped, and the next one answered", |client| {
+            answered(client, &[&OVERSIZED[..], &[DELIMITER], &*request(0)].concat(), &[0])
+        }),
+        check("a frame without its delimiter takes the next one with it and no more", |client| {
+            let whole = request(0);
+            let bytes = [&whole[..whole.len() - 1], &*request(1), &*request(2)].concat();
+            answered(client, &bytes, &[2])
+        }),
+        check("frames in one write are answered in their order", |client| {
+            answered(client, &[request(0), request(1), request(2)].concat(), &[0, 1, 2])
+        }),
+        check("a frame that comes byte by byte is answered", |client| {
+            for byte in request(0) {
+                client.send_bytes(&[byte])?;
+            }
+            answered(client, &[], &[0])
+        }),
+        check("a whole frame that is no request is not answered", |client| {
+            answered(client, &[no_request(), request(0)].concat(), &[0])
+        }),
+        check("Stop is answered with a LineReport before its result", |client| {
+            client.running(&[])?;
+            equal("answers", vec!["LineReport", "CommandResult"], names(&client.say(Stop {})?))
+        }),
+        check("the LineReport of a clean run tells of no damage, delimiters alone included", |client| {
+            client.running(&[])?;
+            client.send_bytes(&[DELIMITER; 5])?;
+            client.torque(0)?;
+            // The question after Start, the sample, the question after it, and Stop itself.
+            reported(client, LineReport { messages: 4, damaged: 0, refused: 0, overruns: 0 })
+        }),
+        check("the LineReport counts damaged and refused frames", |client| {
+            client.running(&[])?;
+            client.send_bytes(&damaged())?;
+            reported(client, LineReport { messages: 2, damaged: 4, refused: 1, overruns: 0 })
+        }),
+        check("the LineReport counts each run anew", |client| {
+            client.running(&[])?;
+            client.send_bytes(&damaged())?;
+            client.say(Stop {})?;
+            client.send_bytes(b"noise between runs\0")?;
+            client.arm()?;
+            client.start()?;
+            reported(client, LineReport { messages: 2, damaged: 0, refused: 0, overruns: 0 })
+        }),
+        check("everything the drive has sent has arrived whole and is a message", |client| {
+            let counters = *client.line().decoder().counters();
+            let came = (counters.damaged(), counters.refused);
+            client.note(format!("{} messages", counters.messages));
+            equal("damaged and refused frames of the drive", (0, 0), came)
+        }),
+    ]
+}
+
+fn request(index: u8) -> Vec<u8> {
+    HostMessage::from(GetParameter { index }).frame().to_vec()
+}
+
+/// A message of the drive's own: whole, but nothing that a host may say.
+fn no_request() -> Vec<u8> {
+    let report = LineReport { messages: 0, damaged: 0, refused: 0, overruns: 0 };
+    DriveMessage::from(report).frame().to_vec()
+}
+
+/// Four damaged frames, one of each sort, and one that is no request.
+fn damaged() -> Vec<u8> {
+    let mut bad_crc = request(0);
+    // The last byte before the delimiter, and kept from becoming one.
+    let last = bad_crc.len() - 2;
+    bad_crc[last] ^= if bad_crc[last] == 1 { 2 } else { 1 };
+    let truncated = [&request(0)[..4], &[DELIMITER]].concat();
+    let too_short = vec![1, DELIMITER];
+    [bad_crc, truncated, too_short, [&OVERSIZED[..], &[DELIMITER]].concat(), no_request()].concat()
+}
+
+/// Sends bytes and checks that exactly these parameters are reported.
+fn answered(client: &mut Client, bytes: &[u8], indices: &[u8]) -> Checked {
+    let answers = client.say_bytes(bytes)?;
+    let reports: Vec<_> = answers
+        .iter()
+        .filter_map(|answer| match answer {
+            DriveMessage::ParameterReport(report) => Some(report.index),
+            _ => None,
+        })
+        .collect();
+    let only_these = reports == indices && answers.len() == indices.len();
+    expect(only_these, format!("a ParameterReport for each of {indices:?} and nothing else"), answers)
+}
+
+/// Every bit of every byte but the delimiter, whose loss is a check of its own.
+fn flipped_bits(client: &mut Client) -> Checked {
+    let whole = request(0);
+    for place in 0..whole.len() - 1 {
+        for bit in 0..u8::BITS {
+            let mut bytes = whole.clone();
+            bytes[place] ^= 1 << bit;
+            answered(client, &bytes, &[])?;
+        }
+    }
+    Ok(())
+}
+
+fn reported(client: &mut Client, wanted: LineReport) -> Checked {
+    let answers = client.say(Stop {})?;
+    let came: Result<LineReport, Failure> = find("a LineReport", &answers, |answer| match answer {
+        DriveMessage::LineReport(report) => Some(*report),
+        _ => None,
+    });
+    equal("line report", wanted, came?)
+}

@@ -1,0 +1,187 @@
+//! Parameters: what the drive says of them, what it takes, and what it has in force afterwards.
+
+use std::collections::HashSet;
+
+use lashloop_protocol::DriveMessage;
+use lashloop_protocol::message::{DescribeParameter, GetParameter, SetParameter};
+use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State};
+
+use super::check::{Check, Checked, equal, expect, find};
+use super::client::{Client, report};
+use crate::session::Parameter;
+
+/// Parameters every drive must have, because every run sets them or a rule of safety speaks of them.
+pub const REQUIRED_PARAMETERS: [&str; 9] = [
+    "controller",
+    "period_us",
+    "motor_counts_per_rev",
+    "load_counts_per_rev",
+    "watchdog_us",
+    "telemetry_every",
+    "torque_limit_nm",
+    "motor_speed_limit_rad_s",
+    "load_speed_limit_rad_s",
+];
+
+pub(super) fn checks() -> Vec<Check> {
+    let check = |name, run: fn(&mut Client) -> Checked| Check::new("parameters", name, run);
+    let mut checks = vec![
+        check("the drive has the parameters that every bench sets", |client| {
+            REQUIRED_PARAMETERS.iter().try_for_each(|name| client.parameter(name).map(drop))
+        }),
+        check("every parameter has a name of its own", |client| {
+            let mut seen = HashSet::new();
+            client.parameters().iter().try_for_each(|it| {
+                expect(!it.name.is_empty() && seen.insert(&it.name), "a name no other has", &it.name)
+            })
+        }),
+        check("default, smallest and largest value are of one type", |client| {
+            client.parameters().iter().try_for_each(|it| {
+                let types = (it.default.ty(), it.min.ty(), it.max.ty());
+                expect(types.0 == types.1 && types.1 == types.2, format!("{}: one type", it.name), types)
+            })
+        }),
+        check("every default lies in its range", |client| {
+            client.parameters().iter().try_for_each(|it| {
+                expect(within(it), format!("{} within {} to {}", it.name, it.min, it.max), it.default)
+            })
+        }),
+        check("after a reset every parameter has its default", |client| {
+            client.idle()?;
+            each(client, |client, it| in_force(client, it, it.default))
+        }),
+        check("every parameter takes its smallest and its largest value and reads it back", |client| {
+            client.idle()?;
+            each(client, |client, it| {
+                for value in [it.min, it.max, it.default] {
+                    let came = client.set(it.index, value)?;
+                    let what = format!("{} set to {value}:", it.name);
+                    equal(&what, (Outcome::Accepted, value), (came.outcome, came.value))?;
+                    in_force(client, it, value)?;
+                }
+                Ok(())
+            })
+        }),
+        check("a value out of range is refused and changes nothing", |client| {
+            client.idle()?;
+            each(client, |client, it| {
+                outside(it).into_iter().try_for_each(|value| refused(client, it, value, Outcome::OutOfRange))
+            })
+        }),
+        check("a value of the wrong type is refused and changes nothing", |client| {
+            client.idle()?;
+            each(client, |client, it| {
+                let value = match it.default {
+                    ParameterValue::U32(value) => ParameterValue::F32(value as f32),
+                    ParameterValue::F32(value) => ParameterValue::U32(value as u32),
+                };
+                refused(client, it, value, Outcome::WrongType)
+            })
+        }),
+        check("an index that no parameter has is refused", unknown_index),
+        check("a reset brings back the default of what was set", |client| {
+            client.idle()?;
+            let it = client.parameter("torque_limit_nm")?.clone();
+            client.put(&it.name, it.min)?;
+            client.fresh()?;
+            in_force(client, &it, it.default)
+        }),
+        check("the identity has the period and the encoders that were set", identity_follows),
+        check("while running a parameter is taken if it is live and refused if not", |client| {
+            client.running(&[])?;
+            // The bench itself has set it.
+            let watchdog = client.parameter("watchdog_us")?.index;
+            each(client, |client, it| {
+                if it.index == watchdog {
+                    return Ok(());
+                }
+                let outcome = if it.live { Outcome::Accepted } else { Outcome::WrongState };
+                let came = client.set(it.index, it.default)?;
+                let what = format!("{} with live = {}:", it.name, it.live);
+                equal(&what, (outcome, State::Running), (came.outcome, came.state))
+            })
+        }),
+    ];
+    for state in [State::Boot, State::Faulted] {
+        checks.push(Check::new("parameters", format!("in {state:?} nothing can be set"), move |client| {
+            client.enter(state)?;
+            each(client, |client, it| {
+                let came = client.set(it.index, it.default)?;
+                equal(&it.name, (Outcome::WrongState, state), (came.outcome, came.state))
+            })
+        }));
+    }
+    checks
+}
+
+fn each(client: &mut Client, mut check: impl FnMut(&mut Client, &Parameter) -> Checked) -> Checked {
+    client.parameters().to_vec().iter().try_for_each(|parameter| check(client, parameter))
+}
+
+fn in_force(client: &mut Client, parameter: &Parameter, value: ParameterValue) -> Checked {
+    let came = client.get(parameter.index)?;
+    let what = format!("{} read back:", parameter.name);
+    equal(&what, (Outcome::Accepted, value), (came.outcome, came.value))
+}
+
+fn refused(client: &mut Client, parameter: &Parameter, value: ParameterValue, outcome: Outcome) -> Checked {
+    let came = client.set(parameter.index, value)?;
+    let what = format!("{} set to {value}:", parameter.name);
+    equal(&what, (outcome, parameter.default), (came.outcome, came.value))?;
+    in_force(client, parameter, parameter.default)
+}
+
+fn within(parameter: &Parameter) -> bool {
+    use ParameterValue::{F32, U32};
+    match (parameter.min, parameter.default, parameter.max) {
+        (U32(min), U32(value), U32(max)) => (min..=max).contains(&value),
+        (F32(min), F32(value), F32(max)) => (min..=max).contains(&value),
+        _ => false,
+    }
+}
+
+/// The values next to the range, and those that are no numbers.
+fn outside(parameter: &Parameter) -> Vec<ParameterValue> {
+    use ParameterValue::{F32, U32};
+    match (parameter.min, parameter.max) {
+        (U32(min), U32(max)) => {
+            [min.checked_sub(1), max.checked_add(1)].into_iter().flatten().map(U32).collect()
+        }
+        (F32(min), F32(max)) => {
+            let beside = [min.next_down(), max.next_up(), f32::NEG_INFINITY, f32::INFINITY, f32::NAN];
+            beside.into_iter().filter(|value| !(min..=max).contains(value)).map(F32).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn unknown_index(client: &mut Client) -> Checked {
+    client.idle()?;
+    let index = client.identity().parameter_count;
+    let value = ParameterValue::U32(0);
+    for (what, answers) in [
+        ("DescribeParameter", client.say(DescribeParameter { index })?),
+        ("GetParameter", client.say(GetParameter { index })?),
+        ("SetParameter", client.say(SetParameter { index, value })?),
+    ] {
+        equal(&format!("{what} {index}:"), Outcome::UnknownParameter, report(index, &answers)?.outcome)?;
+    }
+    // And the last one that there is, is described under its own index.
+    let Some(last) = index.checked_sub(1) else { return Ok(()) };
+    let answers = client.say(DescribeParameter { index: last })?;
+    find(&format!("a ParameterDescription for index {last}"), &answers, |answer| match answer {
+        DriveMessage::ParameterDescription(it) if it.index == last => Some(()),
+        _ => None,
+    })
+}
+
+fn identity_follows(client: &mut Client) -> Checked {
+    client.idle()?;
+    let wanted = (2_000, 4_096, 8_192);
+    client.put("period_us", ParameterValue::U32(wanted.0))?;
+    client.put("motor_counts_per_rev", ParameterValue::U32(wanted.1))?;
+    client.put("load_counts_per_rev", ParameterValue::U32(wanted.2))?;
+    let it = client.greet(client.session())?;
+    let came = (it.period_us, it.motor_counts_per_rev, it.load_counts_per_rev);
+    equal("period and counts per revolution of motor and load", wanted, came)
+}

@@ -1,0 +1,261 @@
+//! Safety: no torque where there should be none, and a fault that says why.
+
+use std::f32::consts::TAU;
+use std::time::{Duration, Instant};
+
+use lashloop_protocol::DriveMessage;
+use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, FaultReport, Hello, Reset, Stop};
+use lashloop_protocol::vocabulary::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::{HostMessage, PROTOCOL_VERSION};
+
+use super::check::{Check, Checked, Failure, equal, expect, names};
+use super::client::{Client, fault, sample, torque};
+
+/// Short, so that nobody waits long; long enough that a busy bench gets its first sample through.
+const WATCHDOG: Duration = Duration::from_millis(100);
+/// How long a bench waits for a watchdog that has to trip. Beyond it, it is taken to be missing.
+const WATCHDOG_PATIENCE: Duration = Duration::from_secs(5);
+/// How far the drive's clock may be off the bench's.
+const CLOCK_TOLERANCE: f64 = 0.1;
+
+pub(super) fn checks() -> Vec<Check> {
+    let check = |name, run: fn(&mut Client) -> Checked| Check::new("safety", name, run);
+    let mut checks = vec![
+        check("a torque beyond the limit is limited and flagged SATURATED", limited),
+        check("EmergencyStop is answered with its fault", |client| {
+            client.running(&[])?;
+            client.torque(0)?;
+            let answers = client.say(EmergencyStop {})?;
+            equal("answers", vec!["FaultReport", "CommandResult"], names(&answers))?;
+            let it = fault(&answers)?;
+            equal("code and sequence", (FaultCode::EmergencyStop, 0), (it.code, it.sequence))
+        }),
+        check("a fault stays latched through Stop and samples", |client| {
+            client.faulted()?;
+            client.say(Stop {})?;
+            client.sample(0)?;
+            equal("state", State::Faulted, client.state())
+        }),
+        check("the first fault is the one that is kept", |client| {
+            client.running(&[])?;
+            client.say(EncoderSample { reference_rad: f32::NAN, ..sample(0) })?;
+            client.say(EmergencyStop {})?;
+            let session = client.session();
+            let answers = client.say(Hello { protocol_version: PROTOCOL_VERSION, session })?;
+            equal("fault told after the identity", FaultCode::ReferenceNotFinite, fault(&answers)?.code)
+        }),
+        check("a fault that is cleared gives no torque back", |client| {
+            client.running(&[])?;
+            client.torque(0)?;
+            client.say(EmergencyStop {})?;
+            equal("ClearFault", (Outcome::Accepted, State::Idle), client.command(ClearFault {})?)?;
+            no_torque(client, 1, State::Idle)
+        }),
+        check("without samples the watchdog trips, not before its time", watchdog_trips).waiting(),
+        check("after the watchdog has tripped there is no torque", |client| {
+            await_watchdog(client)?;
+            no_torque(client, 1, State::Faulted)
+        })
+        .waiting(),
+        check("repeating one sample does not feed the watchdog", |client| {
+            watched(client)?;
+            let give_up = Instant::now() + WATCHDOG_PATIENCE;
+            while client.state() == State::Running && Instant::now() < give_up {
+                client.sample(0)?;
+            }
+            equal("state", State::Faulted, client.state())
+        })
+        .waiting(),
+        check("a motor encoder that jumps is a fault", |client| {
+            [1.5, -1.5].into_iter().try_for_each(|share| jump(client, MOTOR, share))
+        }),
+        check("a load encoder that jumps is a fault", |client| {
+            [1.5, -1.5].into_iter().try_for_each(|share| jump(client, LOAD, share))
+        }),
+        check("an encoder within its speed limit is believed", |client| {
+            for (encoder, share) in [(MOTOR, 0.9), (MOTOR, -0.9), (LOAD, 0.9), (LOAD, -0.9)] {
+                let answer = torque(&moved(client, encoder, share)?.0)?;
+                equal(
+                    &format!("{} at {share} of its limit: state", encoder.speed_limit),
+                    State::Running,
+                    answer.state,
+                )?;
+            }
+            Ok(())
+        }),
+        check("an encoder that wraps around has not jumped", |client| {
+            client.running(&[])?;
+            for (sequence, counts) in [(0, i32::MAX), (1, i32::MIN)] {
+                client.say(EncoderSample {
+                    motor_counts: counts,
+                    load_counts: counts,
+                    ..sample(sequence)
+                })?;
+                equal("state", State::Running, client.state())?;
+            }
+            Ok(())
+        }),
+        check("a reference that is not finite is a fault", |client| {
+            for reference_rad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+                client.fresh()?;
+                client.running(&[])?;
+                client.torque(0)?;
+                let answers = client.say(EncoderSample { reference_rad, ..sample(1) })?;
+                faulted(&answers, FaultCode::ReferenceNotFinite)?;
+                no_torque(client, 2, State::Faulted)?;
+            }
+            Ok(())
+        }),
+    ];
+    checks.extend(ends_of_torque());
+    checks
+}
+
+/// Whatever ends a run ends the torque.
+fn ends_of_torque() -> impl Iterator<Item = Check> {
+    type End = (&'static str, fn(u32) -> HostMessage, State);
+    const ENDS: [End; 4] = [
+        ("Stop", |_| Stop {}.into(), State::Idle),
+        ("EmergencyStop", |_| EmergencyStop {}.into(), State::Faulted),
+        (
+            "a new session",
+            |session| Hello { protocol_version: PROTOCOL_VERSION, session: session ^ 1 }.into(),
+            State::Idle,
+        ),
+        ("Reset", |_| Reset {}.into(), State::Boot),
+    ];
+    ENDS.into_iter().map(|(name, end, state)| {
+        Check::new("safety", format!("{name} takes the torque away"), move |client| {
+            client.running(&[])?;
+            expect(client.torque(0)?.torque_nm != 0.0, "a torque while running", "none")?;
+            client.say(end(client.session()))?;
+            if state == State::Boot {
+                return equal("answers", vec!["CommandResult"], names(&client.sample(1)?));
+            }
+            no_torque(client, 1, state)
+        })
+    })
+}
+
+fn no_torque(client: &mut Client, sequence: u32, state: State) -> Checked {
+    let answer = client.torque(sequence)?;
+    equal("torque and state", (0.0, state), (answer.torque_nm, answer.state))
+}
+
+fn limited(client: &mut Client) -> Checked {
+    client.running(&[])?;
+    let free = client.torque(0)?;
+    let limit_nm = free.torque_nm.abs() / 2.0;
+    client.fresh()?;
+    client.running(&[("torque_limit_nm", ParameterValue::F32(limit_nm))])?;
+    let answer = client.torque(0)?;
+    let wanted = (limit_nm.copysign(free.torque_nm), TorqueFlags::SATURATED);
+    equal("torque and flags", wanted, (answer.torque_nm, answer.flags))?;
+    client.fresh()?;
+    client.running(&[("torque_limit_nm", ParameterValue::F32(4.0 * limit_nm))])?;
+    equal("far from the limit the flags", TorqueFlags::empty(), client.torque(0)?.flags)
+}
+
+/// Running with a short watchdog, after one sample.
+fn watched(client: &mut Client) -> Checked {
+    client.idle()?;
+    client.put("watchdog_us", ParameterValue::U32(WATCHDOG.as_micros() as u32))?;
+    client.arm()?;
+    client.start()?;
+    client.torque(0).map(drop)
+}
+
+fn await_watchdog(client: &mut Client) -> Result<FaultReport, Failure> {
+    watched(client)?;
+    let tripped = client.listen(WATCHDOG_PATIENCE, |message| match message {
+        DriveMessage::FaultReport(fault) => Some(*fault),
+        _ => None,
+    })?;
+    tripped.ok_or_else(|| Failure::Rule {
+        expected: format!("a FaultReport {WATCHDOG:?} after the last sample"),
+        came: format!("none within {WATCHDOG_PATIENCE:?}"),
+    })
+}
+
+fn watchdog_trips(client: &mut Client) -> Checked {
+    let asked = Instant::now();
+    let it = await_watchdog(client)?;
+    let waited_s = asked.elapsed().as_secs_f64();
+    equal("code and sequence", (FaultCode::Watchdog, 0), (it.code, it.sequence))?;
+    let limit_s = WATCHDOG.as_secs_f32();
+    expect((it.limit - limit_s).abs() <= 1e-6, format!("limit {limit_s} s"), it.limit)?;
+    expect(it.value >= it.limit, format!("a silence of at least {limit_s} s"), it.value)?;
+    let least_s = WATCHDOG.as_secs_f64() * (1.0 - CLOCK_TOLERANCE);
+    expect(waited_s >= least_s, format!("at least {least_s} s on the bench's clock"), waited_s)?;
+    client.note(format!("tripped {:.1} ms after the last sample, device time", 1e3 * it.value));
+    Ok(())
+}
+
+/// One of the two encoders, by the names of its parameters.
+#[derive(Clone, Copy)]
+struct Encoder {
+    speed_limit: &'static str,
+    counts_per_rev: u32,
+    code: FaultCode,
+    load: bool,
+}
+
+/// Coarse enough that the largest speed in a period fits into a counter, fine enough that a count is a small part of it.
+const COUNTS_PER_REV: u32 = 65_536;
+const SPEED_LIMIT_RAD_S: f32 = 50.0;
+const PERIOD_US: u32 = 1_000;
+
+const MOTOR: Encoder = Encoder {
+    speed_limit: "motor_speed_limit_rad_s",
+    counts_per_rev: COUNTS_PER_REV,
+    code: FaultCode::MotorEncoderJump,
+    load: false,
+};
+const LOAD: Encoder =
+    Encoder { speed_limit: "load_speed_limit_rad_s", code: FaultCode::LoadEncoderJump, load: true, ..MOTOR };
+
+/// Moves one encoder by a share of what its speed limit allows in a period; returns the answers and the speed in rad/s.
+fn moved(client: &mut Client, encoder: Encoder, share: f32) -> Result<(Vec<DriveMessage>, f32), Failure> {
+    client.fresh()?;
+    client.running(&[
+        ("period_us", ParameterValue::U32(PERIOD_US)),
+        ("motor_counts_per_rev", ParameterValue::U32(encoder.counts_per_rev)),
+        ("load_counts_per_rev", ParameterValue::U32(encoder.counts_per_rev)),
+        (encoder.speed_limit, ParameterValue::F32(SPEED_LIMIT_RAD_S)),
+    ])?;
+    client.torque(0)?;
+    let per_count = speed_per_count_rad_s(encoder);
+    let counts = (share * SPEED_LIMIT_RAD_S / per_count) as i32;
+    let still = sample(1);
+    let moved = if encoder.load {
+        EncoderSample { load_counts: counts, ..still }
+    } else {
+        EncoderSample { motor_counts: counts, ..still }
+    };
+    Ok((client.say(moved)?, counts as f32 * per_count))
+}
+
+/// What one count in a period means.
+fn speed_per_count_rad_s(encoder: Encoder) -> f32 {
+    TAU / encoder.counts_per_rev as f32 / (PERIOD_US as f32 * 1e-6)
+}
+
+fn jump(client: &mut Client, encoder: Encoder, share: f32) -> Checked {
+    let (answers, speed_rad_s) = moved(client, encoder, share)?;
+    let it = faulted(&answers, encoder.code)?;
+    equal("sequence and limit", (1, SPEED_LIMIT_RAD_S), (it.sequence, it.limit))?;
+    // Within a count a drive may make of an encoder's reading what it thinks best.
+    let near = (it.value - speed_rad_s).abs() <= 1.01 * speed_per_count_rad_s(encoder);
+    expect(near, format!("the speed {speed_rad_s} rad/s"), it.value)?;
+    no_torque(client, 2, State::Faulted)
+}
+
+/// The answers to a sample that is a fault: torque zero, then the report.
+fn faulted(answers: &[DriveMessage], code: FaultCode) -> Result<FaultReport, Failure> {
+    equal("answers", vec!["TorqueAnswer", "FaultReport"], names(answers))?;
+    let answer = torque(answers)?;
+    equal("torque and state", (0.0, State::Faulted), (answer.torque_nm, answer.state))?;
+    let it = fault(answers)?;
+    equal("code", code, it.code)?;
+    Ok(it)
+}

@@ -1,0 +1,177 @@
+//! Samples: a torque for each, the rules of the sequence, and telemetry.
+
+use lashloop_protocol::DriveMessage;
+use lashloop_protocol::message::{EncoderSample, Stop};
+use lashloop_protocol::vocabulary::{ControllerId, Outcome, ParameterValue, State, TorqueFlags};
+
+use super::check::{Check, Checked, Failure, equal, expect, find, names};
+use super::client::{Client, outcome, sample, torque};
+
+/// Steps that are enough for any memory a controller has to show.
+const STEPS: u32 = 50;
+
+pub(super) fn checks() -> Vec<Check> {
+    let check = |name, run: fn(&mut Client) -> Checked| Check::new("samples", name, run);
+    let mut checks = vec![
+        check("a sample before the greeting is refused", |client| {
+            let answers = client.sample(0)?;
+            equal("answers", vec!["CommandResult"], names(&answers))?;
+            equal("outcome", Outcome::WrongState, outcome::<EncoderSample>(&answers)?)
+        }),
+        check("while running a sample gets a torque with its sequence", |client| {
+            client.running(&[])?;
+            for sequence in 0..3 {
+                let answer = client.torque(sequence)?;
+                equal("sequence and state", (sequence, State::Running), (answer.sequence, answer.state))?;
+                equal("flags", TorqueFlags::empty(), answer.flags - TorqueFlags::SATURATED)?;
+                let pushes = answer.torque_nm != 0.0 && answer.torque_nm.is_finite();
+                expect(pushes, "a torque for a load 1 rad off its reference", answer.torque_nm)?;
+            }
+            Ok(())
+        }),
+        check("every controller that is offered gives a torque", every_controller),
+        check("the first sample of a run must carry sequence 0", |client| {
+            client.running(&[])?;
+            stray(client, 1)?;
+            stray(client, 5)?;
+            equal("answers", "TorqueAnswer", names(&client.sample(0)?).first().copied().unwrap_or("nothing"))
+        }),
+        check("a repeated sample gets the same torque, flagged REPEATED", |client| {
+            client.running(&[])?;
+            for sequence in 0..2 {
+                let (first, again) = (client.torque(sequence)?, client.torque(sequence)?);
+                equal("sequence", sequence, again.sequence)?;
+                equal("torque", first.torque_nm, again.torque_nm)?;
+                equal("flags", first.flags | TorqueFlags::REPEATED, again.flags)?;
+            }
+            Ok(())
+        }),
+        check("a repeated sample makes no control step", |client| {
+            let once = torques(client, |_, _| Ok(()))?;
+            let twice = torques(client, |client, sample| client.say(*sample).map(drop))?;
+            equal("torques", once, twice)
+        }),
+        check("a gap is flagged GAP, once", |client| {
+            client.running(&[])?;
+            client.torque(0)?;
+            let has_gap = |flags: TorqueFlags| flags.contains(TorqueFlags::GAP);
+            for (sequence, gap) in [(1, false), (4, true), (5, false), (7, true)] {
+                equal(&format!("GAP at {sequence}:"), gap, has_gap(client.torque(sequence)?.flags))?;
+            }
+            Ok(())
+        }),
+        check("a sample older than the last or far ahead of it is refused", |client| {
+            client.running(&[])?;
+            for sequence in 0..3 {
+                client.torque(sequence)?;
+            }
+            [0, 1, u32::MAX, 1 << 31].into_iter().try_for_each(|sequence| stray(client, sequence))
+        }),
+        check("a stray sample makes no control step", |client| {
+            let quiet = torques(client, |_, _| Ok(()))?;
+            let disturbed = torques(client, |client, sample| {
+                // Half the numbers away, and moved a little, so that a step with it would show.
+                let sequence = sample.sequence ^ 1 << 31;
+                client
+                    .say(EncoderSample { sequence, load_counts: sample.load_counts + 90, ..*sample })
+                    .map(drop)
+            })?;
+            equal("torques", quiet, disturbed)
+        }),
+        check("a new start begins anew: the same samples get the same torques", |client| {
+            let first = torques(client, |_, _| Ok(()))?;
+            let again = torques(client, |_, _| Ok(()))?;
+            equal("torques", first, again)
+        }),
+        check("telemetry follows the torque of every n-th sample", |client| {
+            client.running(&[("telemetry_every", ParameterValue::U32(3))])?;
+            for sequence in 0..7u32 {
+                let answers = client.sample(sequence)?;
+                let both = vec!["TorqueAnswer", "Telemetry"];
+                let wanted = if sequence.is_multiple_of(3) { both } else { vec!["TorqueAnswer"] };
+                equal(&format!("to sample {sequence} of telemetry_every = 3"), wanted, names(&answers))?;
+                if sequence.is_multiple_of(3) {
+                    equal("sequence of the telemetry", sequence, requested(&answers)?.0)?;
+                }
+            }
+            Ok(())
+        }),
+        check("telemetry_every = 0 means no telemetry", |client| {
+            client.running(&[("telemetry_every", ParameterValue::U32(0))])?;
+            (0..20).try_for_each(|sequence| {
+                equal("answers", vec!["TorqueAnswer"], names(&client.sample(sequence)?))
+            })
+        }),
+        check("telemetry has the torque asked for before the limit", |client| {
+            client.running(&[("telemetry_every", ParameterValue::U32(1))])?;
+            let limit_nm = client.real("torque_limit_nm")?;
+            (0..3).try_for_each(|sequence| {
+                let answers = client.sample(sequence)?;
+                let wanted_nm = requested(&answers)?.1.clamp(-limit_nm, limit_nm);
+                equal(
+                    "torque, of that in the telemetry within the limit,",
+                    wanted_nm,
+                    torque(&answers)?.torque_nm,
+                )
+            })
+        }),
+    ];
+    for state in [State::Idle, State::Armed, State::Faulted] {
+        checks.push(Check::new(
+            "samples",
+            format!("a sample gets torque zero in {state:?}"),
+            move |client| {
+                client.enter(state)?;
+                let answers = client.sample(0)?;
+                equal("answers", vec!["TorqueAnswer"], names(&answers))?;
+                let answer = torque(&answers)?;
+                equal("torque and state", (0.0, state), (answer.torque_nm, answer.state))
+            },
+        ));
+    }
+    checks
+}
+
+/// The torques of a run, as bits, with something done after every sample.
+fn torques(
+    client: &mut Client,
+    after_each: impl Fn(&mut Client, &EncoderSample) -> Checked,
+) -> Result<Vec<u32>, Failure> {
+    client.running(&[])?;
+    let mut torques = Vec::new();
+    for sequence in 0..STEPS {
+        let place = sequence as i32;
+        let sample = EncoderSample { motor_counts: 3 * place, load_counts: place, ..sample(sequence) };
+        torques.push(torque(&client.say(sample)?)?.torque_nm.to_bits());
+        after_each(client, &sample)?;
+    }
+    client.command(Stop {})?;
+    Ok(torques)
+}
+
+fn stray(client: &mut Client, sequence: u32) -> Checked {
+    let answers = client.sample(sequence)?;
+    equal(&format!("to sample {sequence}"), vec!["CommandResult"], names(&answers))?;
+    equal("outcome", Outcome::OutOfSequence, outcome::<EncoderSample>(&answers)?)?;
+    equal("state", State::Running, client.state())
+}
+
+/// Sequence and requested torque of the telemetry among answers.
+fn requested(answers: &[DriveMessage]) -> Result<(u32, f32), Failure> {
+    find("a Telemetry", answers, |answer| match answer {
+        DriveMessage::Telemetry(telemetry) => Some((telemetry.sequence, telemetry.requested_torque_nm)),
+        _ => None,
+    })
+}
+
+fn every_controller(client: &mut Client) -> Checked {
+    let offered = client.identity().controllers;
+    for controller in ControllerId::ALL.iter().copied().filter(|&controller| offered.offers(controller)) {
+        client.fresh()?;
+        client.running(&[("controller", ParameterValue::U32(controller as u32))])?;
+        let answer = client.torque(0)?;
+        equal(&format!("with {controller:?} the state"), State::Running, answer.state)?;
+        expect(answer.torque_nm.is_finite(), format!("a torque of {controller:?}"), answer.torque_nm)?;
+    }
+    Ok(())
+}

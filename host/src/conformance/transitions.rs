@@ -1,0 +1,98 @@
+//! Every request in every state: what is done, and where it leads.
+
+use lashloop_protocol::HostMessage;
+use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Reset, Start, Stop};
+use lashloop_protocol::vocabulary::{Outcome, State};
+use lashloop_protocol::{DriveMessage, Message};
+
+use super::check::{Check, Checked, Failure, equal, find};
+use super::client::Client;
+
+/// What has to become of a request.
+#[derive(Clone, Copy)]
+enum Reaction {
+    To(State),
+    Refused(Outcome),
+}
+
+use Reaction::{Refused, To};
+use State::{Armed, Boot, Faulted, Idle, Running};
+
+const REQUESTS: [fn(u32) -> HostMessage; 6] = [
+    |session| Arm { session }.into(),
+    |session| Start { session }.into(),
+    |_| Stop {}.into(),
+    |_| EmergencyStop {}.into(),
+    |_| ClearFault {}.into(),
+    |_| Reset {}.into(),
+];
+
+const WRONG: Reaction = Refused(Outcome::WrongState);
+const STALE: Reaction = Refused(Outcome::WrongSession);
+
+/// The columns are [`REQUESTS`].
+const TABLE: [(State, [Reaction; REQUESTS.len()]); 5] = [
+    (Boot, [STALE, STALE, WRONG, To(Faulted), WRONG, To(Boot)]),
+    (Idle, [To(Armed), WRONG, To(Idle), To(Faulted), WRONG, To(Boot)]),
+    (Armed, [WRONG, To(Running), To(Idle), To(Faulted), WRONG, To(Boot)]),
+    (Running, [WRONG, WRONG, To(Idle), To(Faulted), WRONG, To(Boot)]),
+    (Faulted, [WRONG, WRONG, WRONG, To(Faulted), To(Idle), To(Boot)]),
+];
+
+pub(super) fn checks() -> Vec<Check> {
+    let table = TABLE.iter().flat_map(|(state, row)| {
+        REQUESTS.iter().zip(row).map(|(request, reaction)| transition(*state, *request, *reaction))
+    });
+    table.chain(sessions()).collect()
+}
+
+fn transition(state: State, request: fn(u32) -> HostMessage, reaction: Reaction) -> Check {
+    let name = request(0).layout().name;
+    let (name, expected) = match reaction {
+        To(to) => (format!("{name} leads from {state:?} to {to:?}"), (Outcome::Accepted, to)),
+        Refused(outcome) => (format!("{name} is refused in {state:?} as {outcome:?}"), (outcome, state)),
+    };
+    Check::new("transitions", name, move |client| {
+        client.enter(state)?;
+        let came = ask(client, request(client.session()))?;
+        equal("outcome and state", expected, came)?;
+        equal("state afterwards", expected.1, client.state())
+    })
+}
+
+fn sessions() -> Vec<Check> {
+    let check = |name, run: fn(&mut Client) -> Checked| Check::new("transitions", name, run);
+    vec![
+        check("Arm of another session is refused", |client| {
+            client.idle()?;
+            let session = client.session() ^ 1;
+            equal("Arm", (Outcome::WrongSession, Idle), client.command(Arm { session })?)
+        }),
+        check("Start of another session is refused", |client| {
+            client.armed()?;
+            let session = client.session() ^ 1;
+            equal("Start", (Outcome::WrongSession, Armed), client.command(Start { session })?)
+        }),
+        check("a new session makes the one before it stale", |client| {
+            client.idle()?;
+            client.greet(client.session() ^ 1)?;
+            let session = client.session();
+            equal("Arm", (Outcome::WrongSession, Idle), client.command(Arm { session })?)
+        }),
+        check("a fault cleared before the greeting leads back to Boot", |client| {
+            client.say(EmergencyStop {})?;
+            equal("ClearFault", (Outcome::Accepted, Boot), client.command(ClearFault {})?)
+        }),
+    ]
+}
+
+fn ask(client: &mut Client, request: HostMessage) -> Result<(Outcome, State), Failure> {
+    let layout = request.layout();
+    let answers = client.say(request)?;
+    find(&format!("a CommandResult for {}", layout.name), &answers, |answer| match answer {
+        DriveMessage::CommandResult(result) if result.request == layout.kind => {
+            Some((result.outcome, result.state))
+        }
+        _ => None,
+    })
+}

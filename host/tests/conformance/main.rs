@@ -1,0 +1,84 @@
+//! Who checks the checks: drives that break one rule each, and the check of that rule.
+
+mod altered;
+mod variants;
+
+use std::collections::BTreeSet;
+use std::thread;
+
+use altered::{Altered, Variant};
+use lashloop::conformance::{DeviceTime, Finding, Outcome, Watcher, run};
+use lashloop::link::in_process::InProcess;
+use variants::VARIANTS;
+
+#[derive(Default)]
+struct Findings(Vec<Finding>);
+
+impl Watcher for Findings {
+    fn found(&mut self, finding: &Finding) {
+        self.0.push(finding.clone());
+    }
+}
+
+fn findings(variant: Variant) -> Vec<Finding> {
+    let mut findings = Findings::default();
+    run(Box::new(Altered::new(variant)), 7, DeviceTime::Passes, &mut findings).expect("a line that holds");
+    findings.0
+}
+
+fn failed(findings: &[Finding]) -> BTreeSet<String> {
+    let failed = findings.iter().filter(|it| matches!(it.outcome, Outcome::Failed { .. }));
+    failed.map(|it| it.name.clone()).collect()
+}
+
+#[test]
+fn a_drive_that_is_right_passes_every_check() {
+    let findings = findings(Variant::FAITHFUL);
+    assert!(findings.iter().all(|it| it.outcome == Outcome::Passed), "{findings:#?}");
+}
+
+/// Checks that no altered drive here can fail: it begins every check in Boot by the same Reset, gathers bytes to whole
+/// frames before it alters anything, and says nothing but whole frames.
+const OUT_OF_REACH: [&str; 3] = [
+    "Reset leads from Boot to Boot",
+    "a frame that comes byte by byte is answered",
+    "everything the drive has sent has arrived whole and is a message",
+];
+
+#[test]
+fn names_of_checks_are_unique() {
+    let findings = findings(Variant::FAITHFUL);
+    let names: BTreeSet<_> = findings.iter().map(|it| &it.name).collect();
+    assert_eq!(names.len(), findings.len());
+}
+
+#[test]
+fn every_broken_rule_is_caught_by_the_check_of_that_rule() {
+    let failures: Vec<_> = thread::scope(|scope| {
+        let runs: Vec<_> =
+            VARIANTS.iter().map(|variant| scope.spawn(|| failed(&findings(*variant)))).collect();
+        runs.into_iter().map(|run| run.join().expect("a battery that ends")).collect()
+    });
+    let missed: Vec<_> = VARIANTS
+        .iter()
+        .zip(&failures)
+        .filter(|(variant, failed)| !failed.contains(variant.caught_by))
+        .map(|(variant, failed)| format!("a drive that {}: {failed:?}", variant.does))
+        .collect();
+    assert!(missed.is_empty(), "not caught by their check:\n{}", missed.join("\n"));
+    let caught: BTreeSet<_> = failures.iter().flatten().collect();
+    let every = findings(Variant::FAITHFUL);
+    let idle: Vec<_> = every.iter().map(|it| &it.name).filter(|name| !caught.contains(name)).collect();
+    assert_eq!(idle, OUT_OF_REACH, "checks that no broken drive fails");
+}
+
+#[test]
+fn in_process_what_needs_device_time_is_left_out_and_said_so() {
+    let mut findings = Findings::default();
+    run(Box::new(InProcess::default()), 7, DeviceTime::StandsStill, &mut findings).expect("a drive");
+    let (left_out, made): (Vec<_>, Vec<_>) =
+        findings.0.iter().partition(|it| matches!(it.outcome, Outcome::LeftOut { .. }));
+    assert!(made.iter().all(|it| it.outcome == Outcome::Passed));
+    assert_eq!(left_out.len(), 3, "{left_out:#?}");
+    assert!(left_out.iter().all(|it| it.name.contains("watchdog")));
+}

@@ -1,0 +1,84 @@
+//! Parameters listed, set, kept and brought back on a drive that stays.
+
+use std::fs;
+
+use tests::bench::{Ended, run};
+use tests::twin::Twin;
+
+fn parameters(twin: &Twin, words: &[&str]) -> Ended {
+    run(["parameters", "--device", &twin.device()].iter().chain(words))
+}
+
+fn hash(twin: &Twin) -> String {
+    parameters(twin, &["hash"]).with_code(0).stdout
+}
+
+#[test]
+fn what_was_set_stays_in_the_drive_and_shows_in_list_and_hash() {
+    let twin = Twin::start();
+    let before = hash(&twin);
+    assert_eq!(before, hash(&twin));
+    assert_eq!(before.trim_end().len(), 64);
+    let ended = parameters(&twin, &["set", "torque_limit_nm=5", "telemetry_every=7"]).with_code(0);
+    assert_eq!(ended.stdout, "torque_limit_nm = 5.0\ntelemetry_every = 7\n");
+    assert_ne!(before, hash(&twin));
+    let list = parameters(&twin, &["list"]).with_code(0).stdout;
+    let row = list.lines().find(|line| line.starts_with("torque_limit_nm ")).expect("a row for it");
+    let words: Vec<_> = row.split_whitespace().collect();
+    assert_eq!(words, ["torque_limit_nm", "5.0", "20.0", "no", "0", "to", "1000", "N", "m"]);
+}
+
+#[test]
+fn a_dump_that_is_restored_brings_back_every_bit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("drive.toml").display().to_string();
+    let twin = Twin::start();
+    // Numbers that few digits don't hold, and the ends of the range of single precision's spelling.
+    let words =
+        ["set", "k_p1=0.1", "k_d1=0.3333333", "motor_inertia_kg_m2=1e-9", "stiffness_nm_rad=987654321"];
+    let _ = parameters(&twin, &words).with_code(0);
+    let wanted = hash(&twin);
+    fs::write(&file, parameters(&twin, &["dump"]).with_code(0).stdout).expect("a file");
+    let other = Twin::start();
+    assert_ne!(wanted, hash(&other));
+    let _ = parameters(&other, &["restore", &file]).with_code(0);
+    assert_eq!(wanted, hash(&other));
+}
+
+#[test]
+fn a_run_resets_what_was_set() {
+    let twin = Twin::start();
+    let _ = parameters(&twin, &["set", "load_speed_limit_rad_s=0.2"]).with_code(0);
+    let device = twin.device();
+    let _ = run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(0);
+    let list = parameters(&twin, &["list"]).with_code(0).stdout;
+    let row = list.lines().find(|line| line.starts_with("load_speed_limit_rad_s ")).expect("a row for it");
+    assert_eq!(row.split_whitespace().nth(1), Some("100.0"));
+}
+
+#[test]
+fn mistakes_name_the_place_and_set_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("drive.toml").display().to_string();
+    let twin = Twin::start();
+    let before = hash(&twin);
+    let unknown = parameters(&twin, &["set", "k_p1=2", "torque_limit=5"]).with_code(2).stderr;
+    let wanted = "lashloop: set torque_limit=5: torque_limit = 5: the drive has no such parameter; \
+        did you mean torque_limit_nm?";
+    assert!(unknown.starts_with(wanted), "{unknown}");
+    fs::write(&file, "k_p1 = 2.0\n\ntorque_limit_nm = 2000\n").expect("a file");
+    let high = parameters(&twin, &["restore", &file]).with_code(2).stderr;
+    let wanted = format!(
+        "lashloop: {file}:3: torque_limit_nm = 2000: the drive takes 0 to 1000 N m; nothing has been set\n"
+    );
+    assert_eq!(high, wanted);
+    fs::write(&file, "k_p1 = 2.0\nk_p1 = 3.0\n").expect("a file");
+    let twice = parameters(&twin, &["restore", &file]).with_code(2).stderr;
+    assert!(twice.starts_with(&format!("lashloop: {file}:2: ")), "{twice}");
+    fs::write(&file, "k_p1 = \"two\"\n").expect("a file");
+    let text = parameters(&twin, &["restore", &file]).with_code(2).stderr;
+    assert_eq!(text, format!("lashloop: {file}:1: k_p1 is no setting; it must be NAME = NUMBER\n"));
+    let word = parameters(&twin, &["set", "k_p1"]).with_code(2).stderr;
+    assert_eq!(word, "lashloop: set k_p1: no setting; it must be NAME=NUMBER\n");
+    assert_eq!(before, hash(&twin));
+}
