@@ -82,18 +82,29 @@ impl Device {
     /// # Errors
     /// A sentence that says what could not be reached, and what to do.
     pub fn open(choice: &DeviceChoice, baud: u32, supervisor: &Supervisor) -> Result<Self, DeviceError> {
-        match choice {
-            DeviceChoice::InProcess => {
-                let started = Started { link: Box::new(InProcess::default()), process: None, folder: None };
-                Self::greet(choice, started)
-            }
-            DeviceChoice::Native => Self::greet(choice, start_twin(supervisor)?),
-            DeviceChoice::Qemu(image) => Self::greet(choice, qemu::start(image.as_deref(), supervisor)?),
-            DeviceChoice::Terminal(path) => {
-                let link = open_terminal(path, baud)?;
-                Self::greet(choice, Started { link, process: None, folder: None })
-            }
-        }
+        Self::open_through(choice, baud, supervisor, |link| link)
+    }
+
+    /// The same, with a middleware around the link, from its first byte on.
+    ///
+    /// # Errors
+    /// A sentence that says what could not be reached, and what to do.
+    pub fn open_through(
+        choice: &DeviceChoice,
+        baud: u32,
+        supervisor: &Supervisor,
+        middleware: impl FnOnce(Box<dyn Link>) -> Box<dyn Link>,
+    ) -> Result<Self, DeviceError> {
+        let without_process = |link| Started { link, process: None, folder: None };
+        let Started { link, process, folder } = match choice {
+            DeviceChoice::InProcess => without_process(Box::new(InProcess::default())),
+            DeviceChoice::Native => start_twin(supervisor)?,
+            DeviceChoice::Qemu(image) => qemu::start(image.as_deref(), supervisor)?,
+            DeviceChoice::Terminal(path) => without_process(open_terminal(path, baud)?),
+        };
+        let session = Session::open(middleware(link), session_number())
+            .map_err(|source| explain(choice, process.as_ref(), source))?;
+        Ok(Self { session, choice: choice.clone(), process, _folder: folder })
     }
 
     /// What the run was made with, in words.
@@ -128,13 +139,6 @@ impl Device {
     #[must_use]
     pub fn unfit(&self, problem: String) -> DeviceError {
         DeviceError::Unfit { device: self.choice.to_string(), problem }
-    }
-
-    fn greet(choice: &DeviceChoice, started: Started) -> Result<Self, DeviceError> {
-        let Started { link, process, folder } = started;
-        let session = Session::open(link, session_number())
-            .map_err(|source| explain(choice, process.as_ref(), source))?;
-        Ok(Self { session, choice: choice.clone(), process, _folder: folder })
     }
 }
 
