@@ -175,7 +175,9 @@ mod tests {
     fn a_file_that_breaks_off_gives_its_whole_packets_and_says_so() {
         let whole = file(&[(1, Direction::HostToDrive, &[5, 0]), (2, Direction::HostToDrive, &[6, 0])]);
         let read: Vec<_> = packets(&whole[..whole.len() - 1]).collect();
-        assert!(matches!(&read[..], [Ok(first), Err(ReadError::Truncated { packets: 1 })] if first.number == 1));
+        assert!(
+            matches!(&read[..], [Ok(first), Err(ReadError::Truncated { packets: 1 })] if first.number == 1)
+        );
     }
 
     #[test]

@@ -18,6 +18,8 @@ pub(crate) enum CliError {
     Run(#[from] RunError),
     #[error("{}: can't be written: {source}; choose another folder with --out", path.display())]
     Output { path: PathBuf, source: io::Error },
+    #[error("{}: can't be read: {source}", path.display())]
+    Input { path: PathBuf, source: io::Error },
     #[error("can't {what}: {source}")]
     System { what: &'static str, source: io::Error },
 }
@@ -26,7 +28,9 @@ impl CliError {
     pub(crate) fn exit(&self) -> Exit {
         match self {
             Self::Run(RunError::Device(_)) | Self::System { .. } => Exit::DeviceOrLink,
-            Self::Scenario(_) | Self::Run(_) | Self::Output { .. } => Exit::UsageOrScenario,
+            Self::Scenario(_) | Self::Run(_) | Self::Output { .. } | Self::Input { .. } => {
+                Exit::UsageOrScenario
+            }
         }
     }
 }

@@ -9,10 +9,13 @@ macro_rules! say {
 }
 
 mod compare;
+mod decode;
 mod demo;
 mod device;
+mod doctor;
 mod error;
 mod ping_pong;
+mod ports;
 mod progress;
 mod report;
 mod run;
@@ -44,6 +47,9 @@ enum Command {
     Demo(demo::Arguments),
     Device(device::Arguments),
     Show(show::Arguments),
+    Decode(decode::Arguments),
+    Ports(ports::Arguments),
+    Doctor(doctor::Arguments),
     Compare(compare::Arguments),
     #[command(hide = true)]
     Tied(tied::Arguments),
@@ -84,6 +90,9 @@ pub(crate) fn main() -> ExitCode {
         Command::Demo(arguments) => arguments.run(),
         Command::Device(arguments) => arguments.run(),
         Command::Show(arguments) => arguments.run(),
+        Command::Decode(arguments) => arguments.run(),
+        Command::Ports(arguments) => arguments.run(),
+        Command::Doctor(arguments) => arguments.run(),
         Command::Compare(arguments) => arguments.run(),
         Command::Tied(arguments) => arguments.run(),
         Command::PingPong => ping_pong::answer(),

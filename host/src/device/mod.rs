@@ -168,7 +168,8 @@ fn spawn(supervisor: &Supervisor, program: &Program) -> Result<Process, DeviceEr
     supervisor.spawn(program).map_err(|source| DeviceError::Spawn { name: program.name, source })
 }
 
-fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, DeviceError> {
+/// Opens whatever terminal this is, for nobody else. `baud` is for serial ports.
+pub(crate) fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, DeviceError> {
     let opened: io::Result<Box<dyn Link>> = if path.starts_with(pty::DIRECTORY) {
         Pty::open(path).map(|pty| Box::new(pty) as _)
     } else {
@@ -200,7 +201,7 @@ fn explain(choice: &DeviceChoice, process: Option<&Process>, source: SessionErro
 }
 
 /// A number no earlier session on this machine had, for all practical purposes.
-fn session_number() -> u32 {
+pub(crate) fn session_number() -> u32 {
     let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     (now.as_nanos() as u32) ^ std::process::id().rotate_left(16)
 }
