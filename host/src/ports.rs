@@ -157,12 +157,20 @@ mod tests {
             .map(|name| Path::new(BY_ID).join(name));
         let [ftdi, other] = by_id;
         let stable_names = [(ftdi, "/dev/ttyUSB0".into()), (other, "/dev/ttyACM7".into())];
-        insta::assert_snapshot!(describe(&known(found, &stable_names)), @"");
+        insta::assert_snapshot!(describe(&known(found, &stable_names)), @r"
+        /dev/ttyACM0     USB 0483:374b  STM32 STLink
+        /dev/ttyS0       not on USB
+        /dev/ttyUSB0     USB 0403:6001  FTDI, FT232R USB UART, serial number A50285BI
+                         /dev/serial/by-id/usb-FTDI_FT232R_USB_UART_A50285BI-if00-port0
+        ");
     }
 
     #[test]
     fn a_machine_without_ports_gets_advice() {
-        insta::assert_snapshot!(describe(&[]), @"");
+        insta::assert_snapshot!(describe(&[]), @r"
+        No serial port here. A board that is plugged in and not listed may have a cable without data wires, or wait in its boot loader.
+        Without a board: `lashloop run SCENARIO` uses the native twin.
+        ");
     }
 
     #[test]

@@ -35,7 +35,8 @@ local CONTROLLERS = { [2] = "PD", [4] = "FAITHFUL", [8] = "LITERAL" }
 
 local u8, u16, u32 = { len = 1, new = ProtoField.uint8 }, { len = 2, new = ProtoField.uint16 },
     { len = 4, new = ProtoField.uint32 }
-local i32, f32 = { len = 4, new = ProtoField.int32 }, { len = 4, new = ProtoField.float }
+-- Wireshark shows a float with six digits and a double with enough to read the float back, so reals are doubles here.
+local i32, f32 = { len = 4, new = ProtoField.int32 }, { len = 4, new = ProtoField.double, is_real = true }
 local value, version = { len = 5, is_value = true }, { len = 3, is_version = true }
 
 local function enum(names) return { len = 1, new = ProtoField.uint8, names = names } end
@@ -155,7 +156,7 @@ local UNITS = {
 }
 local function unit_of(name)
     for _, unit in ipairs(UNITS) do
-        if name:find(unit[1]) then return " " .. unit[2] end
+        if name:find(unit[1]) then return (unit[2]:find("^%d") and " x " or " ") .. unit[2] end
     end
     return ""
 end
@@ -180,7 +181,7 @@ local function add_fields(name, ty)
             return ProtoField.uint8(abbreviation .. ".type", name .. " type", base.DEC, PARAMETER_TYPE)
         end)
         add(name .. ".u32", function() return ProtoField.uint32(abbreviation .. ".u32", name) end)
-        add(name .. ".f32", function() return ProtoField.float(abbreviation .. ".f32", name) end)
+        add(name .. ".f32", function() return ProtoField.double(abbreviation .. ".f32", name) end)
     elseif ty.is_text or ty.is_version then
         add(name, function() return ProtoField.string(abbreviation, name) end)
     elseif ty.names then
@@ -264,8 +265,13 @@ local function show_value(tree, name, range)
     local ty = range(0, 1):uint()
     if not PARAMETER_TYPE[ty] then return nil end
     tree:add(fields[name .. ".type"], range(0, 1))
-    tree:add_le(fields[name .. (ty == 1 and ".u32" or ".f32")], range(1, 4))
-    return ty == 1 and tostring(range(1, 4):le_uint()) or string.format("%g", range(1, 4):le_float())
+    local bytes = range(1, 4)
+    if ty == 1 then
+        tree:add_le(fields[name .. ".u32"], bytes)
+        return tostring(bytes:le_uint())
+    end
+    tree:add(fields[name .. ".f32"], bytes, bytes:le_float())
+    return string.format("%.4g", bytes:le_float())
 end
 
 local function show_flags(tree, name, ty, range)
@@ -302,9 +308,12 @@ local function show_field(tree, field, range)
         return text
     end
     local unit = unit_of(name)
+    if ty.is_real then
+        tree:add(fields[name], range, range:le_float()):append_text(unit)
+        return string.format("%.4g", range:le_float()) .. unit
+    end
     tree:add_le(fields[name], range):append_text(unit)
     if ty.names then return ty.names[range:uint()] end
-    if ty == f32 then return string.format("%.4g", range:le_float()) .. unit end
     return tostring(ty == i32 and range:le_int() or range:le_uint()) .. unit
 end
 

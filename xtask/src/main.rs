@@ -26,7 +26,7 @@ enum Chore {
     Image,
     /// Print the size of the Arm image and fail if it is beyond its limits
     Size,
-    /// Install what the emulated board needs and is missing here: QEMU and a core library for Arm
+    /// Install what the tests need and is missing here: QEMU, tshark and a core library for Arm
     Setup,
     /// Run every check and every test; the last line is the sum
     Test,

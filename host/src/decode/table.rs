@@ -49,7 +49,9 @@ fn describe(line: &mut String, entry: &Entry) -> fmt::Result {
                 let separator = if at == 0 { "" } else { ", " };
                 write!(line, "{separator}{} {}", field.name, field.value)?;
                 if let Some(unit) = field.unit {
-                    write!(line, " {unit}")?;
+                    // 57 x 0.1 us
+                    let times = if unit.starts_with(|c: char| c.is_ascii_digit()) { "x " } else { "" };
+                    write!(line, " {times}{unit}")?;
                 }
             }
         }

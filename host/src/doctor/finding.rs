@@ -110,14 +110,19 @@ pub(super) fn latency_timer(timer: Option<&LatencyTimer>) -> Finding {
                 "was {from_ms} ms, set to 1 ms until the adapter is unplugged; a udev rule makes it last"
             ),
         ),
-        Some(LatencyTimer::Long { ms, reason }) => Finding::wrong(
+        Some(LatencyTimer::Long { ms, file, reason }) => Finding::wrong(
             about,
             format!(
-                "{ms} ms and can't be shortened ({reason}): as root write 1 into latency_timer of this port below \
-                 /sys/bus/usb-serial/devices, or add a udev rule that does"
+                "{ms} ms and can't be shortened ({reason}): echo 1 | sudo tee {}, or add a udev rule that does it",
+                file.display()
             ),
         ),
     }
+}
+
+/// What the greeting begins with, whoever is at the far end.
+pub(super) fn drained() -> Finding {
+    Finding::fine("drain", "what is on the line is thrown away, and a delimiter ends a half frame at the drive")
 }
 
 pub(super) fn greeted(identity: &Identity) -> Finding {
@@ -210,7 +215,11 @@ mod tests {
     }
 
     fn long_timer() -> LatencyTimer {
-        LatencyTimer::Long { ms: 16, reason: io::ErrorKind::PermissionDenied.into() }
+        LatencyTimer::Long {
+            ms: 16,
+            file: "/sys/bus/usb-serial/devices/ttyUSB0/latency_timer".into(),
+            reason: io::ErrorKind::PermissionDenied.into(),
+        }
     }
 
     #[test]
@@ -218,7 +227,10 @@ mod tests {
         let timer = long_timer();
         let findings =
             [latency_timer(Some(&timer)), speed(&timing(16_400), Some(wire_time(921_600)), Some(&timer))];
-        insta::assert_snapshot!(findings.map(|finding| finding.to_string()).join("\n"), @"");
+        insta::assert_snapshot!(findings.map(|finding| finding.to_string()).join("\n"), @r"
+        WRONG  latency timer  16 ms and can't be shortened (permission denied): echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer, or add a udev rule that does it
+        WRONG  speed          p50 is 15944.3 us above the 455.7 us that 42 bytes take on the wire at 10 bits each: the adapter's latency timer of 16 ms
+        ");
     }
 
     #[test]
@@ -227,14 +239,19 @@ mod tests {
         let wire = Some(wire_time(921_600));
         let findings = [100, 900, 4_500, 16_000].map(|p50_us| speed(&timing(p50_us), wire, Some(&none)));
         let text = findings.map(|finding| finding.to_string()).join("\n");
-        insta::assert_snapshot!(text, @"");
+        insta::assert_snapshot!(text, @r"
+        ok     speed          faster than the 455.7 us that 42 bytes take at this baud rate: the port has none, as USB CDC
+        ok     speed          p50 is 444.3 us above the 455.7 us that 42 bytes take on the wire at 10 bits each
+        WRONG  speed          p50 is 4044.3 us above the 455.7 us that 42 bytes take on the wire at 10 bits each: something on the way keeps bytes to itself: a hub, the adapter, or firmware that answers late
+        WRONG  speed          p50 is 15544.3 us above the 455.7 us that 42 bytes take on the wire at 10 bits each: this is what a latency timer of 16 ms looks like, in the adapter or in a virtual machine's USB; plug the adapter into the machine itself, or try another
+        ");
     }
 
     #[test]
     fn lost_samples_and_damaged_frames_are_wrong() {
         assert_eq!(losses(&timing(10), 0), None);
         let lossy = Timing { lost: 2, answered: 998, ..timing(10) };
-        insta::assert_snapshot!(losses(&lossy, 3).unwrap(), @"");
+        insta::assert_snapshot!(losses(&lossy, 3).unwrap(), @"WRONG  losses         2 of 1000 samples without an answer, 3 damaged frames: check ground and cable, or take a lower baud rate on both sides");
         assert!(losses(&timing(10), 1).unwrap().is_wrong(), "damage alone");
     }
 

@@ -3,7 +3,7 @@
 
 use std::fs;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Where the kernel shows the timers.
 const DEVICES: &str = "/sys/bus/usb-serial/devices";
@@ -26,6 +26,8 @@ pub enum LatencyTimer {
     Long {
         /// What it is, in ms.
         ms: u32,
+        /// Where it is written.
+        file: PathBuf,
         /// Why it can't be shortened.
         reason: io::Error,
     },
@@ -49,8 +51,8 @@ impl LatencyTimer {
         }
         match fs::write(&file, SHORTEST_MS.to_string()) {
             Ok(()) if read() == Some(SHORTEST_MS) => Self::Shortened { from_ms: ms },
-            Ok(()) => Self::Long { ms, reason: io::Error::other("the driver keeps its value") },
-            Err(reason) => Self::Long { ms, reason },
+            Ok(()) => Self::Long { ms, file, reason: io::Error::other("the driver keeps its value") },
+            Err(reason) => Self::Long { ms, file, reason },
         }
     }
 }

@@ -75,11 +75,15 @@ fn look(patient: &Patient<'_>, findings: &mut Vec<Finding>) -> Option<()> {
     findings.push(finding::dtr(is_pty));
     let timer = if is_pty { None } else { Some(LatencyTimer::shorten(terminal)) };
     findings.push(finding::latency_timer(timer.as_ref()));
+    let broken = |about, source| {
+        let device = terminal.display().to_string();
+        Finding::wrong(about, DeviceError::Session { device, source }.to_string())
+    };
+    findings.push(finding::drained());
     let mut session = match Session::open(link, device::session_number()) {
         Ok(session) => session,
         Err(source) => {
-            let device = terminal.display().to_string();
-            findings.push(Finding::wrong("greeting", DeviceError::Session { device, source }.to_string()));
+            findings.push(broken("greeting", source));
             return None;
         }
     };
@@ -87,8 +91,7 @@ fn look(patient: &Patient<'_>, findings: &mut Vec<Finding>) -> Option<()> {
     let timing = match round_trip::measure(&mut session, rounds) {
         Ok(timing) => timing,
         Err(source) => {
-            let device = terminal.display().to_string();
-            findings.push(Finding::wrong("round trip", DeviceError::Session { device, source }.to_string()));
+            findings.push(broken("round trip", source));
             return None;
         }
     };

@@ -18,7 +18,7 @@ fn a_capture_holds_the_whole_conversation_frame_by_frame() {
     let packets: Vec<_> = reader::packets(&bytes).map(Result::unwrap).collect();
     assert_eq!(packets[0].bytes, [0], "the line is cleared first");
     let mut next_sample = 0;
-    let mut torques_nm = Vec::new();
+    let mut torques_nm: Vec<f64> = Vec::new();
     let mut running = false;
     for packet in &packets[1..] {
         let mut rest = &packet.bytes[..];
