@@ -220,16 +220,13 @@ lashloop.experts = { experts.crc, experts.malformed, experts.unknown, experts.fa
 
 -- Wireshark 4.2 and older have Lua 5.2 with bit32, newer ones Lua 5.4 with operators that 5.2 can't parse.
 local bxor = bit32 and bit32.bxor or load("return function(a, b) return a ~ b end")()
-local shift_right = function(number, bits) return math.floor(number / 2 ^ bits) end
--- Floats with whole values have no bits in Lua 5.4.
-local whole = math.tointeger or function(number) return number end
 
 local CRC_TABLE = {}
 for byte = 0, 255 do
     local remainder = byte
     for _ = 1, 8 do
         local odd = remainder % 2 == 1
-        remainder = whole(shift_right(remainder, 1))
+        remainder = math.floor(remainder / 2)
         if odd then remainder = bxor(remainder, 0x82f63b78) end
     end
     CRC_TABLE[byte] = remainder
@@ -238,8 +235,8 @@ end
 local function crc32c(bytes)
     local crc = 0xffffffff
     for at = 1, #bytes do
-        local index = bxor(whole(crc % 256), bytes:byte(at))
-        crc = bxor(whole(shift_right(crc, 8)), CRC_TABLE[index])
+        local index = bxor(crc % 256, bytes:byte(at))
+        crc = bxor(math.floor(crc / 256), CRC_TABLE[index])
     end
     return bxor(crc, 0xffffffff)
 end

@@ -97,7 +97,7 @@ impl Device {
     ) -> Result<Self, DeviceError> {
         let without_process = |link| Started { link, process: None, folder: None };
         let Started { link, process, folder } = match choice {
-            DeviceChoice::InProcess => without_process(Box::new(InProcess::default())),
+            DeviceChoice::InProcess => without_process(Box::<InProcess>::default()),
             DeviceChoice::Native => start_twin(supervisor)?,
             DeviceChoice::Qemu(image) => qemu::start(image.as_deref(), supervisor)?,
             DeviceChoice::Terminal(path) => without_process(open_terminal(path, baud)?),

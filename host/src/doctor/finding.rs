@@ -122,7 +122,10 @@ pub(super) fn latency_timer(timer: Option<&LatencyTimer>) -> Finding {
 
 /// What the greeting begins with, whoever is at the far end.
 pub(super) fn drained() -> Finding {
-    Finding::fine("drain", "what is on the line is thrown away, and a delimiter ends a half frame at the drive")
+    Finding::fine(
+        "drain",
+        "what is on the line is thrown away, and a delimiter ends a half frame at the drive",
+    )
 }
 
 pub(super) fn greeted(identity: &Identity) -> Finding {

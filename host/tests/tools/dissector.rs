@@ -169,8 +169,7 @@ fn tshark_reads_the_torques_of_a_real_run_as_the_trace_has_them() {
     for (sequence, torque_nm) in run.torques_nm.iter().enumerate() {
         assert_eq!(f64::from(answers[&sequence]), *torque_nm, "sequence {sequence}");
     }
-    let bad =
-        tshark(&run.capture, &["-Y", "lashloop.crc.status == 0 || _ws.expert"]).unwrap();
+    let bad = tshark(&run.capture, &["-Y", "lashloop.crc.status == 0 || _ws.expert"]).unwrap();
     assert_eq!(bad, "");
     let inbound =
         tshark(&run.capture, &["-Y", "frame.packet_flags_direction == 1 && lashloop.kind < 0x80"]).unwrap();
