@@ -1,33 +1,40 @@
 //! The native twin: the drive as a process on a pseudo-terminal.
 //!
 //! It runs the same [`Drive`] as the image. Two threads share it: one waits for bytes, the other for the moment the
-//! watchdog would trip, so that nobody has to poll and an idle twin costs nothing.
+//! watchdog would trip, so that nobody has to poll and an idle twin costs nothing. As in the image, sending never holds
+//! the drive: a host that does not read can't keep the watchdog from tripping.
 
-use std::io;
-use std::os::fd::OwnedFd;
+use std::io::{self, Write};
+use std::os::fd::{AsFd, OwnedFd};
+use std::panic;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
-use std::{format, println, thread};
+use std::vec::Vec;
+use std::{boxed::Box, format, process, string::String, thread};
 
+use lashloop_protocol::vocabulary::FaultCode;
+use rustix::fs::{Mode, OFlags};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
-use crate::drive::{Clock, Drive};
+use crate::drive::{Clock, Drive, last_words};
 
 /// Name of the board in the twin's identity.
 pub const BOARD: &str = "native-twin";
 
-/// A pseudo-terminal with a drive at its far end.
-pub struct Twin {
-    line: OwnedFd,
-    path: PathBuf,
-    /// Held open so that the line stays up while no host is connected, as a real one does.
+/// A pseudo-terminal in raw mode that stays up while nobody is connected, as a real line does.
+pub struct Terminal {
+    /// The end that a drive reads and writes.
+    pub line: OwnedFd,
+    /// Where a host finds the other end.
+    pub path: PathBuf,
     _near_end: OwnedFd,
 }
 
-impl Twin {
-    /// Opens a pseudo-terminal in raw mode.
+impl Terminal {
+    /// Opens one.
     ///
     /// # Errors
     /// If the system has no pseudo-terminal left or none at all.
@@ -37,32 +44,58 @@ impl Twin {
         unlockpt(&line)?;
         let name = ptsname(&line, [])?;
         let path = PathBuf::from(name.to_string_lossy().into_owned());
-        let flags = rustix::fs::OFlags::RDWR | rustix::fs::OFlags::NOCTTY | rustix::fs::OFlags::CLOEXEC;
-        let near_end = rustix::fs::open(&path, flags, rustix::fs::Mode::empty())?;
+        let near_end =
+            rustix::fs::open(&path, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?;
         let mut settings = tcgetattr(&near_end)?;
         settings.make_raw();
         tcsetattr(&near_end, OptionalActions::Now, &settings)?;
         Ok(Self { line, path, _near_end: near_end })
     }
+}
+
+/// A pseudo-terminal with a drive at its far end.
+pub struct Twin {
+    terminal: Terminal,
+}
+
+impl Twin {
+    /// Opens the pseudo-terminal.
+    ///
+    /// # Errors
+    /// As [`Terminal::open`].
+    pub fn open() -> io::Result<Self> {
+        Ok(Self { terminal: Terminal::open()? })
+    }
 
     /// Where a host finds the drive.
     #[must_use]
     pub fn path(&self) -> &Path {
-        &self.path
+        &self.terminal.path
     }
 
-    /// Runs the drive until the line breaks.
+    /// Runs the drive until the line breaks. A panic ends the process, as it ends the image: torque is gone, and the last
+    /// frame on the line says why.
     ///
     /// # Errors
     /// What broke the line.
     pub fn serve(&self) -> io::Result<()> {
-        let shared =
-            Shared { drive: Mutex::new(Drive::new(BOARD)), changed: Condvar::new(), clock: BootClock::new() };
+        let line = &self.terminal.line;
+        die_loudly(line.try_clone()?);
+        let shared = Shared {
+            drive: Mutex::new(Drive::new(BOARD)),
+            changed: Condvar::new(),
+            ended: AtomicBool::new(false),
+            sending: Mutex::new(Vec::new()),
+            clock: BootClock(Instant::now()),
+        };
         thread::scope(|scope| {
-            scope.spawn(|| shared.watch(&self.line));
-            let ended = shared.answer(&self.line);
+            scope.spawn(|| shared.watch(line));
+            let error = shared.answer(line);
+            shared.ended.store(true, Ordering::Relaxed);
+            // Under the lock, or the other thread could look just before and wait just after.
+            let _drive = shared.drive();
             shared.changed.notify_all();
-            ended
+            Err(error)
         })
     }
 }
@@ -71,19 +104,24 @@ impl Twin {
 ///
 /// # Errors
 /// A sentence that says what the twin could not do.
-pub fn main() -> Result<(), std::string::String> {
+pub fn main() -> Result<(), String> {
     let twin = Twin::open().map_err(|error| format!("no pseudo-terminal for the drive: {error}"))?;
-    println!("{}", twin.path().display());
+    writeln!(io::stdout(), "{}", twin.path().display())
+        .map_err(|error| format!("can't print the path: {error}"))?;
     twin.serve().map_err(|error| format!("the line of the drive broke: {error}"))
 }
 
-struct BootClock(Instant);
-
-impl BootClock {
-    fn new() -> Self {
-        Self(Instant::now())
-    }
+fn die_loudly(line: OwnedFd) {
+    let report = panic::take_hook();
+    panic::set_hook(Box::new(move |info| {
+        let at = info.location().map_or(0, panic::Location::line);
+        let _ = rustix::io::write(&line, &last_words(FaultCode::Panic, at));
+        report(info);
+        process::exit(101);
+    }));
 }
+
+struct BootClock(Instant);
 
 impl Clock for BootClock {
     fn now(&self) -> Duration {
@@ -93,69 +131,85 @@ impl Clock for BootClock {
 
 struct Shared {
     drive: Mutex<Drive>,
-    /// Told when the drive starts to need ticks.
+    /// Told when the drive needs a tick earlier than it did before.
     changed: Condvar,
+    /// The line is gone.
+    ended: AtomicBool,
+    /// Held by whoever sends, so that frames stay in order; what is in it is on its way.
+    sending: Mutex<Vec<u8>>,
     clock: BootClock,
 }
 
 impl Shared {
-    /// A thread that panicked has left a drive without torque at worst; the other one goes on.
     fn drive(&self) -> MutexGuard<'_, Drive> {
         self.drive.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn answer(&self, line: &OwnedFd) -> io::Result<()> {
+    /// Reads and answers until the line breaks.
+    fn answer(&self, line: &OwnedFd) -> io::Error {
         let mut buffer = [0; 4096];
         loop {
-            let count = match rustix::io::read(line, &mut buffer) {
-                Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
-                Ok(count) => count,
+            let mut bytes = match rustix::io::read(line, &mut buffer) {
+                Ok(0) => return io::ErrorKind::UnexpectedEof.into(),
+                Ok(count) => &buffer[..count],
                 Err(rustix::io::Errno::INTR) => continue,
-                Err(error) => return Err(error.into()),
+                Err(error) => return error.into(),
             };
-            let mut bytes = &buffer[..count];
-            let mut drive = self.drive();
-            let needed_ticks = drive.next_tick().is_some();
             while !bytes.is_empty() {
+                let mut drive = self.drive();
+                let before = drive.next_tick();
                 let used = drive.receive(bytes, &self.clock);
                 bytes = &bytes[used..];
-                send(&mut drive, line)?;
-            }
-            if !needed_ticks && drive.next_tick().is_some() {
-                self.changed.notify_all();
+                if drive.next_tick().is_some_and(|due| before.is_none_or(|before| due < before)) {
+                    self.changed.notify_all();
+                }
+                drop(drive);
+                if let Err(error) = self.send(line) {
+                    return error;
+                }
             }
         }
     }
 
+    /// Ticks when it is time to.
     fn watch(&self, line: &OwnedFd) {
-        let mut drive = self.drive();
-        loop {
+        while !self.ended.load(Ordering::Relaxed) {
+            let mut drive = self.drive();
             drive.tick(self.clock.now());
-            // A line that breaks here breaks in the other thread too, which then reports it.
-            if send(&mut drive, line).is_err() {
-                return;
+            if !drive.output().is_empty() {
+                drop(drive);
+                // A line that breaks here breaks in the other thread too, which then reports it.
+                if self.send(line).is_err() {
+                    return;
+                }
+                continue;
             }
-            drive = match drive.next_tick() {
-                None => self.changed.wait(drive).unwrap_or_else(PoisonError::into_inner),
+            match drive.next_tick() {
+                None => drop(self.changed.wait(drive)),
                 Some(due) => {
                     // A moment past the deadline, because the watchdog lets the limit itself pass.
                     let wait = due.saturating_sub(self.clock.now()) + Duration::from_micros(100);
-                    self.changed.wait_timeout(drive, wait).unwrap_or_else(PoisonError::into_inner).0
+                    drop(self.changed.wait_timeout(drive, wait));
                 }
-            };
+            }
         }
     }
-}
 
-fn send(drive: &mut Drive, line: &OwnedFd) -> io::Result<()> {
-    let mut unsent = drive.output();
-    while !unsent.is_empty() {
-        match rustix::io::write(line, unsent) {
-            Ok(count) => unsent = &unsent[count..],
-            Err(rustix::io::Errno::INTR) => {}
-            Err(error) => return Err(error.into()),
+    fn send(&self, line: impl AsFd) -> io::Result<()> {
+        let mut sending = self.sending.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut drive = self.drive();
+        sending.extend_from_slice(drive.output());
+        drive.clear_output();
+        drop(drive);
+        let mut unsent = &sending[..];
+        while !unsent.is_empty() {
+            match rustix::io::write(&line, unsent) {
+                Ok(count) => unsent = &unsent[count..],
+                Err(rustix::io::Errno::INTR) => {}
+                Err(error) => return Err(error.into()),
+            }
         }
+        sending.clear();
+        Ok(())
     }
-    drive.clear_output();
-    Ok(())
 }

@@ -1,7 +1,6 @@
 //! Everything that happens beside the loop: child processes that are watched, read and ended, and the signals that ask
 //! the bench to stop. One thread with a tokio runtime does it, so the loop's thread never waits for any of it.
 
-use std::collections::VecDeque;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::{ExitStatus, Stdio};
@@ -15,8 +14,11 @@ use tokio::process::{Child, Command};
 use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::{mpsc as channel, oneshot};
 
-/// Lines of a child's standard error that are kept for an error message.
-const TAIL: usize = 8;
+/// Lines of a child's standard error that are kept for an error message. The first ones, because what follows the cause
+/// is a dump of registers or a stack.
+const KEPT_LINES: usize = 2;
+/// What a shell reports of a program that Ctrl-C ended.
+const KILLED: i32 = 130;
 /// A killed child is gone at once; this is for a machine that is busy.
 const KILL_LIMIT: Duration = Duration::from_secs(2);
 
@@ -37,7 +39,33 @@ pub struct Program {
 pub struct Supervisor {
     tie: PathBuf,
     orders: channel::UnboundedSender<Order>,
-    interrupted: Arc<AtomicBool>,
+    signals: Arc<Signals>,
+}
+
+/// What is done with SIGINT and SIGTERM.
+#[derive(Default)]
+struct Signals {
+    /// Whether somebody looks at `asked` and ends in good order.
+    heeded: AtomicBool,
+    asked: AtomicBool,
+}
+
+impl Signals {
+    /// Where nobody looks, or not soon enough for the user, the process ends at once; the kernel takes its children.
+    fn arrived(&self) {
+        if self.asked.swap(true, Ordering::Relaxed) || !self.heeded.load(Ordering::Relaxed) {
+            std::process::exit(KILLED);
+        }
+    }
+}
+
+/// As long as it lives, a signal is left to whoever asks [`Supervisor::interrupted`].
+pub struct Heed<'a>(&'a Supervisor);
+
+impl Drop for Heed<'_> {
+    fn drop(&mut self) {
+        self.0.signals.heeded.store(false, Ordering::Relaxed);
+    }
 }
 
 struct Order {
@@ -53,22 +81,29 @@ impl Supervisor {
     /// # Errors
     /// The system refused a thread, a runtime or the signal handlers.
     pub fn start(tie: PathBuf) -> io::Result<Self> {
-        let interrupted = Arc::new(AtomicBool::new(false));
+        let signals = Arc::new(Signals::default());
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let (orders, inbox) = channel::unbounded_channel();
         let (ready, started) = mpsc::channel();
-        let flag = Arc::clone(&interrupted);
+        let shared = Arc::clone(&signals);
         thread::Builder::new()
             .name("supervisor".to_owned())
-            .spawn(move || runtime.block_on(supervise(inbox, flag, ready)))?;
+            .spawn(move || runtime.block_on(supervise(inbox, shared, ready)))?;
         started.recv().map_err(io::Error::other)??;
-        Ok(Self { tie, orders, interrupted })
+        Ok(Self { tie, orders, signals })
+    }
+
+    /// Promises to ask [`Self::interrupted`] often. Without the promise, and at the second signal, a signal ends the process.
+    #[must_use]
+    pub fn heed_signals(&self) -> Heed<'_> {
+        self.signals.heeded.store(true, Ordering::Relaxed);
+        Heed(self)
     }
 
     /// Whether the user asked the bench to stop (SIGINT or SIGTERM).
     #[must_use]
     pub fn interrupted(&self) -> bool {
-        self.interrupted.load(Ordering::Relaxed)
+        self.signals.asked.load(Ordering::Relaxed)
     }
 
     /// The `lashloop` program itself.
@@ -103,7 +138,7 @@ pub struct Process {
     name: &'static str,
     id: u32,
     fate: Arc<(Mutex<Option<ExitStatus>>, Condvar)>,
-    errors: Arc<Mutex<VecDeque<String>>>,
+    errors: Arc<Mutex<Vec<String>>>,
     lines: mpsc::Receiver<String>,
     kill: Option<oneshot::Sender<()>>,
 }
@@ -138,11 +173,10 @@ impl Process {
         self.lines.recv_timeout(deadline.saturating_duration_since(Instant::now())).ok()
     }
 
-    /// The last lines it wrote to standard error, as one.
+    /// The first lines it wrote to standard error, as one.
     #[must_use]
-    pub fn last_words(&self) -> String {
-        let errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner);
-        errors.iter().map(String::as_str).collect::<Vec<_>>().join("; ")
+    pub fn said(&self) -> String {
+        self.errors.lock().unwrap_or_else(PoisonError::into_inner).join("; ")
     }
 }
 
@@ -155,7 +189,7 @@ impl Drop for Process {
 
 async fn supervise(
     mut orders: channel::UnboundedReceiver<Order>,
-    interrupted: Arc<AtomicBool>,
+    shared: Arc<Signals>,
     ready: mpsc::Sender<io::Result<()>>,
 ) {
     let signals = signal(SignalKind::interrupt()).and_then(|i| Ok((i, signal(SignalKind::terminate())?)));
@@ -171,8 +205,8 @@ async fn supervise(
     };
     loop {
         tokio::select! {
-            _ = interrupt.recv() => interrupted.store(true, Ordering::Relaxed),
-            _ = terminate.recv() => interrupted.store(true, Ordering::Relaxed),
+            _ = interrupt.recv() => shared.arrived(),
+            _ = terminate.recv() => shared.arrived(),
             order = orders.recv() => match order {
                 Some(order) => { let _ = order.reply.send(start(order.command, order.name)); }
                 None => return,
@@ -185,7 +219,7 @@ fn start(command: std::process::Command, name: &'static str) -> io::Result<Proce
     let mut child = Command::from(command).kill_on_drop(true).spawn()?;
     let id = child.id().unwrap_or_default();
     let fate = Arc::new((Mutex::new(None), Condvar::new()));
-    let errors = Arc::new(Mutex::new(VecDeque::new()));
+    let errors = Arc::new(Mutex::new(Vec::new()));
     let (line_to, lines) = mpsc::channel();
     let (kill, killed) = oneshot::channel();
     if let Some(stdout) = child.stdout.take() {
@@ -195,16 +229,15 @@ fn start(command: std::process::Command, name: &'static str) -> io::Result<Proce
     let stderr = child.stderr.take().map(|stderr| {
         tokio::spawn(each_line(stderr, move |line| {
             let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-            if kept.len() == TAIL {
-                kept.pop_front();
+            if kept.len() < KEPT_LINES && !line.is_empty() {
+                kept.push(line);
             }
-            kept.push_back(line);
         }))
     });
     let told = Arc::clone(&fate);
     tokio::spawn(async move {
         let status = watch(child, killed).await;
-        // Standard error ends with the process; what it said last belongs to how it ended.
+        // Standard error ends with the process; what it said belongs to how it ended.
         if let Some(reader) = stderr {
             let _ = tokio::time::timeout(Duration::from_millis(200), reader).await;
         }

@@ -1,10 +1,13 @@
 //! The check value of a frame: CRC-32/ISCSI, also called CRC-32C (Castagnoli).
 //!
-//! Chosen for the errors it is sure to see. A torque answer with its CRC is 17 bytes and an encoder sample 21; up to
-//! 209 bits this polynomial has Hamming distance 8, so any seven flipped bits are found. In the longest frame (62
-//! bytes) any five are found (distance 6 up to 5,275 bits; Koopman 2002, and a test here proves both for our lengths). The CRC-16
-//! polynomials reach only distance 4 to 6 at these lengths and let one random frame in 65,536 through; for two
+//! Chosen for the errors it is sure to see. Body and CRC of a torque answer are 17 bytes, of an encoder sample 21; up to
+//! 209 bits this polynomial has Hamming distance 8, so any seven flipped bits among them are found. In the longest
+//! frame (61 bytes) any five are (distance 6 up to 5,275 bits; Koopman 2002, and a test here proves both for our lengths).
+//! The CRC-16 polynomials reach only distance 4 to 6 at these lengths and let one random frame in 65,536 through; for two
 //! bytes more it is one in four thousand million, and no damaged byte is to move a motor.
+//!
+//! What is sure for the body is only likely for the line: a bit flipped in a stuffing byte moves zeros about and changes
+//! several bits of the body at once, and such a frame passes with the odds of a random one, 2^-32.
 //!
 //! | | |
 //! |---|---|
@@ -83,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn any_seven_flipped_bits_in_a_sample_or_a_torque_are_found() {
+    fn any_seven_flipped_bits_of_a_sample_s_or_a_torque_s_body_are_found() {
         for name in ["EncoderSample", "TorqueAnswer"] {
             let layout = HostMessage::LAYOUTS.iter().chain(DriveMessage::LAYOUTS).find(|l| l.name == name);
             let s = syndromes(layout.unwrap().body_len);
@@ -93,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn any_five_flipped_bits_in_the_longest_frame_are_found() {
+    fn any_five_flipped_bits_of_the_longest_body_are_found() {
         let s = syndromes(crate::MAX_BODY);
         assert!(all_differ(pairs(&s)) && odd_weights_are_seen(&s));
     }

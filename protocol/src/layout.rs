@@ -27,7 +27,8 @@ pub enum FieldType {
     F32,
     /// One byte out of a closed list of names; any other byte is refused.
     Enum(&'static [(u8, &'static str)]),
-    /// One bit each; a set bit without a name is refused. The list holds mask and name.
+    /// One bit each. The list holds mask and name; a set bit without a name is refused, except in `controllers`, where a
+    /// newer drive may offer more.
     Flags(&'static [(u16, &'static str)]),
     /// UTF-8, padded with zeros to the field's length.
     Text,

@@ -61,6 +61,6 @@ pub use message::{DriveMessage, HostMessage, Message};
 ///
 /// It is apart from the release version of the crates. It changes whenever the bytes or the meaning of an existing
 /// message change; a new kind of message that an old peer may ignore does not change it. `Hello`, `Identity` and
-/// `Reset` keep their layout in every version, so that two versions can always tell each other who they are and
-/// refuse each other by name.
+/// `Reset` keep their layout in every version, and [`vocabulary::State`] its five values, so that two versions can always
+/// tell each other who they are and refuse each other by name.
 pub const PROTOCOL_VERSION: u8 = 1;

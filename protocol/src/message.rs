@@ -5,10 +5,10 @@
 //! | `0x01` | [`Hello`] | host | 12 | first of all, repeated until answered; and as a sign of life |
 //! | `0x02` | [`DescribeParameter`] | host | 8 | to learn name, unit, type and range |
 //! | `0x03` | [`GetParameter`] | host | 8 | to learn the value in force |
-//! | `0x04` | [`SetParameter`] | host | 13 | in `Idle`; the answer reads the value back |
+//! | `0x04` | [`SetParameter`] | host | 13 | in `Idle`, live parameters also when armed or running; the answer reads the value back |
 //! | `0x05` | [`Arm`] | host | 11 | in `Idle` |
 //! | `0x06` | [`Start`] | host | 11 | in `Armed` |
-//! | `0x07` | [`Stop`] | host | 7 | any time |
+//! | `0x07` | [`Stop`] | host | 7 | in `Idle`, `Armed` and `Running` |
 //! | `0x08` | [`EmergencyStop`] | host | 7 | any time |
 //! | `0x09` | [`ClearFault`] | host | 7 | in `Faulted` |
 //! | `0x0a` | [`Reset`] | host | 7 | any time |
@@ -17,11 +17,12 @@
 //! | `0x82` | [`ParameterDescription`] | drive | 62 | answers `DescribeParameter` |
 //! | `0x83` | [`ParameterReport`] | drive | 15 | answers `GetParameter` and `SetParameter` |
 //! | `0x85` | [`CommandResult`] | drive | 10 | answers every other request |
-//! | `0x90` | [`TorqueAnswer`] | drive | 19 | answers `EncoderSample`, before anything else is sent |
+//! | `0x90` | [`TorqueAnswer`] | drive | 19 | answers `EncoderSample`; what else a sample causes comes after it |
+//! | | | | | (a sample before the greeting or out of sequence gets a `CommandResult` instead) |
 //! | `0x91` | [`Telemetry`] | drive | 35 | after every n-th torque while running |
 //! | `0x92` | [`FaultReport`] | drive | 24 | when a fault is latched |
 //! | `0x93` | [`Log`] | drive | 60 | when the drive has something to say |
-//! | `0x94` | [`LineReport`] | drive | 23 | answers `Stop`, before its result |
+//! | `0x94` | [`LineReport`] | drive | 23 | answers `Stop`, before its result, done or not |
 
 use crate::frame::Frame;
 use crate::layout::MessageLayout;

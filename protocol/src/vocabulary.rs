@@ -58,7 +58,8 @@ wire_enum! {
         LoadEncoderJump = 6,
         /// The firmware panicked. `detail` is the source line.
         Panic = 7,
-        /// The processor took a fault exception. `detail` is the program counter.
+        /// The processor took a fault exception, `detail` is the program counter; or an interrupt that nobody expects,
+        /// `detail` is its number.
         ProcessorFault = 8,
     }
 }

@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 
 use crate::arm_toolchain::ArmToolchain;
 use crate::test_counts::Counts;
-use crate::{command, image, setup, size};
+use crate::{command, fuzz, image, setup, size};
 
 /// Runs all checks. The last line printed is the sum, in which every test and every other step counts one.
 pub(crate) fn run_all() -> ExitCode {
@@ -31,10 +31,14 @@ pub(crate) fn run_all() -> ExitCode {
         Err(_) => {}
     }
     checks.tests();
+    checks.step("fuzz", || fuzz::run(FUZZ_SECONDS));
     let Counts { passed, failed } = checks.0;
     println!("{passed} passed, {failed} failed");
     if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
+
+/// For each fuzzer: enough to try the seeds and a few hundred thousand inputs more.
+const FUZZ_SECONDS: u32 = 20;
 
 const ALL_TARGETS: [&str; 2] = ["--workspace", "--all-targets"];
 

@@ -3,6 +3,8 @@
 mod arm_toolchain;
 mod checks;
 mod command;
+mod fuzz;
+mod header;
 mod image;
 mod setup;
 mod size;
@@ -26,8 +28,16 @@ enum Chore {
     Image,
     /// Print the size of the Arm image and fail if it is beyond its limits
     Size,
+    /// Write the C header of the wire contract, protocol/include/lashloop.h, from the layouts of the messages
+    Header,
     /// Install what the tests need and is missing here: QEMU, tshark and a core library for Arm
     Setup,
+    /// Give every fuzzer some time; installs cargo-fuzz into target/tools if there is none
+    Fuzz {
+        /// Time for each of them
+        #[arg(long, default_value_t = 20)]
+        seconds: u32,
+    },
     /// Run every check and every test; the last line is the sum
     Test,
 }
@@ -36,7 +46,9 @@ fn main() -> ExitCode {
     let outcome = match Arguments::parse().chore {
         Chore::Image => image::build().and_then(|()| size::print().map(drop)),
         Chore::Size => size::check(),
+        Chore::Header => header::write(),
         Chore::Setup => setup::install_missing(),
+        Chore::Fuzz { seconds } => fuzz::run(seconds),
         Chore::Test => return checks::run_all(),
     };
     match outcome {

@@ -168,6 +168,8 @@ impl<F: Real> Sensing<F> {
         let [motor_counts, load_counts] =
             [config.motor, config.load].map(|encoder| F::from_i64(encoder.counts_per_revolution.into()));
         let ratio_in_counts = config.ratio * motor_counts / load_counts;
+        // So that the twist of any two counters fits into 64 bits.
+        within("motor counts per load count", ratio_in_counts, 0.0, (1 << 24) as f32)?;
         let whole = ratio_in_counts.whole();
         Ok(Self {
             motor,

@@ -44,11 +44,13 @@ impl ControlLoop {
         })
     }
 
-    /// How fast motor and load must have turned since the last sample, in rad/s; zero for the first one.
+    /// How fast motor and load must have turned at least since the last sample, in rad/s, either way; zero for the first
+    /// one. A count is taken off: an encoder that shows one count more may have turned hardly at all.
     pub(super) fn speeds(&self, sample: &EncoderSample, periods: u32) -> (f32, f32) {
         let Some((motor, load)) = self.previous_counts else { return (0.0, 0.0) };
-        let moved =
-            |now: i32, before: i32, scale: f32| now.wrapping_sub(before) as f32 * scale / periods as f32;
+        let moved = |now: i32, before: i32, scale: f32| {
+            now.wrapping_sub(before).unsigned_abs().saturating_sub(1) as f32 * scale / periods as f32
+        };
         (
             moved(sample.motor_counts, motor, self.motor_rad_s_per_count),
             moved(sample.load_counts, load, self.load_rad_s_per_count),

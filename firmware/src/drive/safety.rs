@@ -31,6 +31,8 @@ pub(super) struct Safety {
 #[derive(Default)]
 struct Limits {
     torque_nm: f32,
+    motor_speed_rad_s: f32,
+    load_speed_rad_s: f32,
     watchdog: Duration,
 }
 
@@ -78,6 +80,8 @@ impl Safety {
         if outcome == Outcome::Accepted {
             self.limits = Limits {
                 torque_nm: parameters.torque_limit_nm,
+                motor_speed_rad_s: parameters.motor_speed_limit_rad_s,
+                load_speed_rad_s: parameters.load_speed_limit_rad_s,
                 watchdog: Duration::from_micros(parameters.watchdog_us.into()),
             };
             self.last_sample_at = now;
@@ -104,9 +108,10 @@ impl Safety {
         outcome
     }
 
+    /// The first fault is kept until it is cleared: what comes after it is usually its consequence.
     pub(super) fn latch(&mut self, fault: FaultReport) {
         self.rest(State::Faulted);
-        self.fault = Some(fault);
+        self.fault.get_or_insert(fault);
     }
 
     /// Running, but nobody to ask for a torque.
@@ -140,14 +145,13 @@ impl Safety {
     }
 
     /// An encoder that is faster than the mechanics can be is broken, unplugged or miscounted.
-    pub(super) fn check_speed(
-        &self,
-        code: FaultCode,
-        speed_rad_s: f32,
-        limit: f32,
-    ) -> Result<(), FaultReport> {
-        // Written so that NaN does not pass.
-        if speed_rad_s.abs() <= limit { Ok(()) } else { Err(self.report(code, speed_rad_s, limit)) }
+    pub(super) fn check_speeds(&self, motor_rad_s: f32, load_rad_s: f32) -> Result<(), FaultReport> {
+        let check = |code, speed_rad_s: f32, limit: f32| {
+            // Written so that NaN does not pass.
+            if speed_rad_s <= limit { Ok(()) } else { Err(self.report(code, speed_rad_s, limit)) }
+        };
+        check(FaultCode::MotorEncoderJump, motor_rad_s, self.limits.motor_speed_rad_s)?;
+        check(FaultCode::LoadEncoderJump, load_rad_s, self.limits.load_speed_rad_s)
     }
 
     pub(super) fn check_reference(&self, reference_rad: f32) -> Result<(), FaultReport> {

@@ -3,7 +3,7 @@
 use core::time::Duration;
 
 use lashloop_protocol::message::{EncoderSample, FaultReport, Telemetry, TorqueAnswer};
-use lashloop_protocol::vocabulary::{FaultCode, Outcome, State, TorqueFlags};
+use lashloop_protocol::vocabulary::{Outcome, State, TorqueFlags};
 
 use super::{Clock, Drive};
 use crate::control::ControlOutput;
@@ -25,7 +25,10 @@ impl Drive {
     pub(super) fn answer_sample(&mut self, sample: &EncoderSample, clock: &impl Clock) {
         let arrived = clock.now();
         // A sample that comes after the watchdog's time is too late, even if nobody called `tick` in between.
-        self.tick(arrived);
+        let tripped = self.safety.check_watchdog(arrived).err();
+        if let Some(fault) = tripped {
+            self.disarm_with(fault);
+        }
         match self.state() {
             State::Boot => self.conclude::<EncoderSample>(Outcome::WrongState),
             State::Idle | State::Armed | State::Faulted => {
@@ -38,6 +41,9 @@ impl Drive {
                 }
                 Place::Stray => self.conclude::<EncoderSample>(Outcome::OutOfSequence),
             },
+        }
+        if let Some(fault) = tripped {
+            self.output.send(fault);
         }
     }
 
@@ -80,10 +86,7 @@ impl Drive {
         // Running without a controller can't be; if it ever is, the torque it would give is not a number.
         let Some(control) = &mut self.control else { return Err(self.safety.no_controller()) };
         let (motor_rad_s, load_rad_s) = control.speeds(sample, periods);
-        let (motor_limit, load_limit) =
-            (self.parameters.motor_speed_limit_rad_s, self.parameters.load_speed_limit_rad_s);
-        self.safety.check_speed(FaultCode::MotorEncoderJump, motor_rad_s, motor_limit)?;
-        self.safety.check_speed(FaultCode::LoadEncoderJump, load_rad_s, load_limit)?;
+        self.safety.check_speeds(motor_rad_s, load_rad_s)?;
         let opinion = control.step(sample, periods, applied_nm);
         let (torque_nm, saturated) = self.safety.allow(opinion.torque_nm)?;
         Ok((torque_nm, saturated, opinion))

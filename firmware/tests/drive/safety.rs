@@ -3,11 +3,11 @@
 use std::time::Duration;
 
 use lashloop_firmware::drive::last_words;
-use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, Reset, Stop};
+use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, EncoderSample, Hello, Reset, Stop};
 use lashloop_protocol::vocabulary::{FaultCode, Outcome, ParameterValue, State};
-use lashloop_protocol::{Decoder, DriveMessage};
+use lashloop_protocol::{Decoder, DriveMessage, PROTOCOL_VERSION};
 
-use crate::host::{Host, fault, torque};
+use crate::host::{Host, SESSION, fault, torque};
 
 const MOTOR: i32 = 3 * 32_768;
 const LOAD: i32 = 32_768;
@@ -60,11 +60,50 @@ fn a_drive_that_is_not_running_needs_no_samples() {
 
 #[test]
 fn emergency_stop_latches_from_any_state() {
-    for mut host in [Host::new(), Host::idle(), pushing()] {
+    let mut armed = Host::idle();
+    armed.say(Arm { session: SESSION });
+    for mut host in [Host::new(), Host::idle(), armed, pushing()] {
         let answers = host.say(EmergencyStop {});
         assert_eq!(fault(&answers).code, FaultCode::EmergencyStop);
         assert_eq!((host.drive.torque_nm(), host.drive.state()), (0.0, State::Faulted));
     }
+}
+
+#[test]
+fn the_first_fault_is_the_one_that_is_told_again() {
+    let mut host = Host::running(&[]);
+    host.sample(0, 0, 0);
+    host.sample(1, i32::MAX, 0);
+    host.say(EmergencyStop {});
+    let answers = host.say(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION + 1 });
+    assert_eq!(fault(&answers).code, FaultCode::MotorEncoderJump);
+}
+
+#[test]
+fn a_late_sample_is_answered_before_its_fault_is_told() {
+    let mut host = pushing();
+    host.clock.0 += Duration::from_secs(1);
+    let answers = host.sample(1, MOTOR, LOAD);
+    assert_eq!((torque(&answers).torque_nm, torque(&answers).state), (0.0, State::Faulted));
+    assert!(matches!(answers[1], DriveMessage::FaultReport(_)), "{answers:?}");
+}
+
+#[test]
+fn one_count_is_never_a_jump_however_coarse_the_encoder() {
+    let coarse = [("load_counts_per_rev", ParameterValue::U32(60)), ("period_us", ParameterValue::U32(100))];
+    let mut host = Host::running(&coarse);
+    host.sample(0, 0, 0);
+    assert_eq!(torque(&host.sample(1, 0, 1)).state, State::Running);
+    assert_eq!(fault(&host.sample(2, 0, 3)).code, FaultCode::LoadEncoderJump);
+}
+
+#[test]
+fn a_twist_that_would_not_fit_is_refused_before_it_is_computed() {
+    let mut host = Host::idle();
+    host.set("reduction_ratio", ParameterValue::F32(1e4));
+    host.set("motor_counts_per_rev", ParameterValue::U32(1 << 24));
+    host.set("load_counts_per_rev", ParameterValue::U32(4));
+    assert_eq!(host.command(Arm { session: SESSION }), (Outcome::Inconsistent, State::Idle));
 }
 
 #[test]

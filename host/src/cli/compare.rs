@@ -45,7 +45,9 @@ impl Arguments {
         };
         let spawn_failed = |source| DeviceError::Spawn { name: far_end.name, source };
         let far_end = supervisor.spawn(&far_end).map_err(spawn_failed)?;
-        let path = far_end.next_line(Instant::now() + Duration::from_secs(5)).unwrap_or_default();
+        let path = far_end
+            .next_line(Instant::now() + Duration::from_secs(5))
+            .ok_or_else(|| DeviceError::NotUp { name: far_end.name(), said: far_end.said() })?;
 
         let (mut bare, mut loops) = (Vec::new(), Vec::new());
         for _ in 0..self.rounds {

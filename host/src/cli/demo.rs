@@ -65,6 +65,7 @@ impl Arguments {
                 None => device.insert(self.open(scenario.link.baud, &supervisor)?),
             };
             let mut history = History::new(&scenario, &supervisor);
+            let _heed = supervisor.heed_signals();
             let outcome = run::run(&scenario, device, &mut history)?;
             let here = here(outcome.metrics.get(metric), metric);
             let verdict = outcome.judgement.verdict;

@@ -24,7 +24,8 @@ impl Arguments {
         // Whoever started this waits for the line, so it must not stay in a buffer.
         writeln!(stdout, "{path}").and_then(|()| stdout.flush()).map_err(failed("print the path"))?;
         if io::stderr().is_terminal() {
-            eprintln!("A drive listens there. In another shell: lashloop run SCENARIO.toml --device {path}");
+            let hint = "A drive listens there. In another shell: lashloop run SCENARIO.toml --device";
+            super::output::error_line(format_args!("{hint} {path}"));
         }
         twin.serve().map_err(failed("serve the drive any longer"))?;
         Ok(Exit::Pass)

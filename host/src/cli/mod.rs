@@ -1,11 +1,10 @@
 //! The command line: one file per command.
 
-/// Prints a line. A reader that has gone away (`| head`) is no reason to fail a run, let alone to panic.
+/// Prints a line on standard output.
 macro_rules! say {
-    ($($text:tt)*) => {{
-        use std::io::Write;
-        let _ = writeln!(std::io::stdout(), $($text)*);
-    }};
+    ($($text:tt)*) => {
+        $crate::cli::output::line(format_args!($($text)*))
+    };
 }
 
 mod compare;
@@ -14,6 +13,7 @@ mod demo;
 mod device;
 mod doctor;
 mod error;
+mod output;
 mod ping_pong;
 mod ports;
 mod progress;
@@ -100,7 +100,7 @@ pub(crate) fn main() -> ExitCode {
     match result {
         Ok(exit) => exit.into(),
         Err(error) => {
-            eprintln!("lashloop: {error}");
+            output::error_line(format_args!("lashloop: {error}"));
             error.exit().into()
         }
     }

@@ -6,35 +6,30 @@ use std::os::fd::OwnedFd;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use lashloop::link::pty::set_raw;
 use lashloop::verdict::Exit;
+use lashloop_firmware::twin::Terminal;
 use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
 use lashloop_protocol::wire::Payload;
 use rustix::fs::{Mode, OFlags};
-use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 
 use super::error::CliError;
 
 const OUT: usize = EncoderSample::LAYOUT.frame_len();
 const BACK: usize = TorqueAnswer::LAYOUT.frame_len();
+/// Tenths of a second after which a far end that does not answer is given up.
+const PATIENCE_TENTHS: u8 = 20;
 
 /// The far end: opens the pseudo-terminal, prints its path, answers until the line closes.
 pub(super) fn answer() -> Result<Exit, CliError> {
     let failed = |source: io::Error| CliError::System { what: "answer the ping-pong", source };
     let serve = || -> io::Result<()> {
-        let line = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY)?;
-        grantpt(&line)?;
-        unlockpt(&line)?;
-        let path = ptsname(&line, [])?;
-        let near_end = open_raw(Path::new(&*path.to_string_lossy()))?;
-        say!("{}", path.to_string_lossy());
-        io::stdout().flush()?;
+        let terminal = Terminal::open()?;
+        writeln!(io::stdout(), "{}", terminal.path.display())?;
         let mut bytes = [0; OUT];
         loop {
-            read_exactly(&line, &mut bytes)?;
-            write_all(&line, &[1; BACK])?;
-            // Open until here, or the line would hang up before the other side has opened it.
-            let _ = &near_end;
+            read_exactly(&terminal.line, &mut bytes)?;
+            write_all(&terminal.line, &[1; BACK])?;
         }
     };
     serve().map_err(failed)?;
@@ -43,7 +38,8 @@ pub(super) fn answer() -> Result<Exit, CliError> {
 
 /// The near end: `rounds` round trips, and the time they took.
 pub(super) fn play(path: &Path, rounds: u32) -> io::Result<Duration> {
-    let line = open_raw(path)?;
+    let line = rustix::fs::open(path, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?;
+    set_raw(&line, 0, PATIENCE_TENTHS)?;
     let mut bytes = [0; BACK];
     let started = Instant::now();
     for _ in 0..rounds {
@@ -51,14 +47,6 @@ pub(super) fn play(path: &Path, rounds: u32) -> io::Result<Duration> {
         read_exactly(&line, &mut bytes)?;
     }
     Ok(started.elapsed())
-}
-
-fn open_raw(path: &Path) -> io::Result<OwnedFd> {
-    let end = rustix::fs::open(path, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?;
-    let mut settings = tcgetattr(&end)?;
-    settings.make_raw();
-    tcsetattr(&end, OptionalActions::Now, &settings)?;
-    Ok(end)
 }
 
 fn read_exactly(line: &OwnedFd, mut bytes: &mut [u8]) -> io::Result<()> {

@@ -13,7 +13,7 @@ pub(super) struct Progress {
 
 impl Progress {
     pub(super) fn of(scenario: &Scenario) -> Self {
-        let bar = ProgressBar::new(scenario.run.steps());
+        let bar = ProgressBar::new(scenario.run.steps().into());
         let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3}% {eta:>4}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.set_message(scenario.title.clone());
@@ -25,10 +25,6 @@ impl Progress {
         if self.steps.is_multiple_of(STRIDE) {
             self.bar.set_position(self.steps);
         }
-    }
-
-    pub(super) fn finish(self) {
-        self.bar.finish_and_clear();
     }
 }
 

@@ -28,13 +28,13 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
     for line in &outcome.logs {
         say!("drive says  {line}");
     }
-    say!();
+    say!("");
     for (metric, value) in summary.metrics.iter() {
         let unit = if value.value().is_some() { metric.unit() } else { "" };
         let value = value.value().map_or_else(|| value.to_string(), |number| format!("{number:.4}"));
         say!("{:<26} {value:>14} {unit}", metric.name());
     }
-    say!();
+    say!("");
     for finding in &summary.expectations {
         say!("{} {finding}", if finding.ok { "ok    " } else { "MISSED" });
     }

@@ -65,9 +65,11 @@ impl Arguments {
         let mut device = Device::open_through(&self.device, scenario.link.baud, &supervisor, listen)?;
         let progress = Progress::of(&scenario);
         let mut watcher = RunWatcher { trace, capture, supervisor: &supervisor, progress };
+        let heed = supervisor.heed_signals();
         let outcome = run::run(&scenario, &mut device, &mut watcher)?;
+        drop(heed);
         let RunWatcher { trace, capture, progress, .. } = watcher;
-        progress.finish();
+        drop(progress);
         if let Some(trace) = trace {
             trace.finish()?;
         }

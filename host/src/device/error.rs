@@ -4,6 +4,8 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitStatus;
 
+use lashloop_protocol::vocabulary::State;
+
 use crate::session::SessionError;
 use crate::supervisor::Process;
 
@@ -30,7 +32,7 @@ pub enum DeviceError {
     )]
     NoEmulator,
     /// A program can't be started.
-    #[error("the {name} can't be started: {source}")]
+    #[error("the {name} can't be started: {source}; is the machine out of processes, memory or terminals?")]
     Spawn {
         /// What it is.
         name: &'static str,
@@ -38,7 +40,10 @@ pub enum DeviceError {
         source: io::Error,
     },
     /// A program was started and did not come up.
-    #[error("the {name} did not come up{}", tail(said))]
+    #[error(
+        "the {name} did not come up{}; for the emulator `cargo xtask image` builds an image it can boot",
+        tail(said)
+    )]
     NotUp {
         /// What it is.
         name: &'static str,
@@ -47,7 +52,7 @@ pub enum DeviceError {
     },
     /// The process behind the drive ended.
     #[error(
-        "the drive side ended: the {name} (process {id}) {status} while the bench was talking to {device}{}: {source}",
+        "the drive side ended while the bench was talking to {device}: the {name} (process {id}), {status}{}: {source}",
         tail(said)
     )]
     Ended {
@@ -65,7 +70,7 @@ pub enum DeviceError {
         source: Box<SessionError>,
     },
     /// The drive keeps to the protocol but can't serve this bench.
-    #[error("drive on {device}: the drive gave {problem}")]
+    #[error("drive on {device}: {problem}; the firmware does not fit this bench")]
     Unfit {
         /// The device as it was chosen.
         device: String,
@@ -86,7 +91,7 @@ impl DeviceError {
     pub(super) fn not_up(process: &Process) -> Self {
         // Whatever it has to say, it has said when it has ended.
         let _ = process.ended_within(std::time::Duration::from_millis(200));
-        Self::NotUp { name: process.name(), said: process.last_words() }
+        Self::NotUp { name: process.name(), said: process.said() }
     }
 }
 
@@ -118,6 +123,9 @@ fn remedy(source: &SessionError) -> &'static str {
             "; is it a Lashloop drive, powered, at this baud rate?"
         }
         SessionError::Silent { .. } => "; the firmware hangs or the line is cut",
+        SessionError::Refused { state: State::Boot, .. } => {
+            "; it has restarted: look at its power and its reset line"
+        }
         SessionError::Version { .. } | SessionError::Refused { .. } => "",
     }
 }

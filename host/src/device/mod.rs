@@ -14,7 +14,7 @@ use crate::link::in_process::InProcess;
 use crate::link::pty::{self, Pty};
 use crate::link::serial::Serial;
 use crate::link::{Link, LinkError};
-use crate::session::{Session, SessionError};
+use crate::session::{Session, SessionError, printable};
 use crate::supervisor::{Process, Program, Supervisor};
 
 /// How long a program may take to come up.
@@ -72,8 +72,6 @@ pub struct Device {
     pub session: Session,
     choice: DeviceChoice,
     process: Option<Process>,
-    /// What has to stay as long as the process: the folder of the emulator's socket.
-    _folder: Option<tempfile::TempDir>,
 }
 
 impl Device {
@@ -95,8 +93,8 @@ impl Device {
         supervisor: &Supervisor,
         middleware: impl FnOnce(Box<dyn Link>) -> Box<dyn Link>,
     ) -> Result<Self, DeviceError> {
-        let without_process = |link| Started { link, process: None, folder: None };
-        let Started { link, process, folder } = match choice {
+        let without_process = |link| Started { link, process: None };
+        let Started { link, process } = match choice {
             DeviceChoice::InProcess => without_process(Box::<InProcess>::default()),
             DeviceChoice::Native => start_twin(supervisor)?,
             DeviceChoice::Qemu(image) => qemu::start(image.as_deref(), supervisor)?,
@@ -104,7 +102,7 @@ impl Device {
         };
         let session = Session::open(middleware(link), session_number())
             .map_err(|source| explain(choice, process.as_ref(), source))?;
-        Ok(Self { session, choice: choice.clone(), process, _folder: folder })
+        Ok(Self { session, choice: choice.clone(), process })
     }
 
     /// What the run was made with, in words.
@@ -113,7 +111,10 @@ impl Device {
         let identity = self.session.identity();
         format!(
             "{} ({}, firmware {}, build {:08x})",
-            self.choice, identity.board, identity.firmware, identity.build_id
+            self.choice,
+            printable(identity.board.as_str()),
+            identity.firmware,
+            identity.build_id
         )
     }
 
@@ -146,7 +147,6 @@ impl Device {
 struct Started {
     link: Box<dyn Link>,
     process: Option<Process>,
-    folder: Option<tempfile::TempDir>,
 }
 
 fn start_twin(supervisor: &Supervisor) -> Result<Started, DeviceError> {
@@ -161,7 +161,7 @@ fn start_twin(supervisor: &Supervisor) -> Result<Started, DeviceError> {
         return Err(DeviceError::not_up(&process));
     };
     let link = open_terminal(Path::new(&path), 0)?;
-    Ok(Started { link, process: Some(process), folder: None })
+    Ok(Started { link, process: Some(process) })
 }
 
 fn spawn(supervisor: &Supervisor, program: &Program) -> Result<Process, DeviceError> {
@@ -170,6 +170,8 @@ fn spawn(supervisor: &Supervisor, program: &Program) -> Result<Process, DeviceEr
 
 /// Opens whatever terminal this is, for nobody else. `baud` is for serial ports.
 pub(crate) fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, DeviceError> {
+    // A name under /dev/serial/by-id, or any other link, stands for what it points to.
+    let path = &path.canonicalize().map_err(|source| DeviceError::Open { path: path.to_owned(), source })?;
     let opened: io::Result<Box<dyn Link>> = if path.starts_with(pty::DIRECTORY) {
         Pty::open(path).map(|pty| Box::new(pty) as _)
     } else {
@@ -179,21 +181,23 @@ pub(crate) fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, Dev
 }
 
 fn explain(choice: &DeviceChoice, process: Option<&Process>, source: SessionError) -> DeviceError {
-    let lost = matches!(
-        source,
-        SessionError::Silent { .. } | SessionError::Broken { source: LinkError::Disconnected, .. }
-    );
-    // A line that closes is often the first sign of a process that ends; give its end a moment to be seen.
+    // A line that closes is often the first sign of a process that ends; give its end a moment to be seen. One that is
+    // merely silent has been waited for long enough.
+    let patience = match source {
+        SessionError::Broken { source: LinkError::Disconnected, .. } => Some(Duration::from_millis(500)),
+        SessionError::Silent { .. } => Some(Duration::ZERO),
+        _ => None,
+    };
     let ended = process
-        .filter(|_| lost)
-        .and_then(|process| process.ended_within(Duration::from_millis(500)).map(|status| (process, status)));
+        .zip(patience)
+        .and_then(|(process, patience)| process.ended_within(patience).map(|status| (process, status)));
     match ended {
         Some((process, status)) => DeviceError::Ended {
             device: choice.to_string(),
             name: process.name(),
             id: process.id(),
             status,
-            said: process.last_words(),
+            said: process.said(),
             source: Box::new(source),
         },
         None => DeviceError::Session { device: choice.to_string(), source },

@@ -1,7 +1,9 @@
 //! The Cortex-M image in QEMU's model of an STM32F405 board.
 
-use std::os::unix::net::UnixListener;
+use std::os::linux::net::SocketAddrExt;
+use std::os::unix::net::{SocketAddr, UnixListener};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 use std::{env, io, thread};
 
@@ -13,6 +15,9 @@ use crate::supervisor::{Process, Program, Supervisor};
 const PROGRAM: &str = "qemu-system-arm";
 /// Where `cargo xtask image` puts the image, below the target directory.
 const IMAGE: &str = "lashloop-firmware.elf";
+
+/// Tells the sockets of one bench apart.
+static SOCKETS: AtomicU32 = AtomicU32::new(0);
 
 /// Starts QEMU with `image`, its second UART on a socket of ours.
 ///
@@ -29,17 +34,18 @@ pub(super) fn start(image: Option<&Path>, supervisor: &Supervisor) -> Result<Sta
         return Err(DeviceError::NoEmulator);
     }
     let failed = |source| DeviceError::Spawn { name: "emulator", source };
-    let folder = tempfile::Builder::new().prefix("lashloop-").tempdir().map_err(failed)?;
-    let socket = folder.path().join("uart");
-    let listener = UnixListener::bind(&socket).map_err(failed)?;
+    // In the abstract namespace: no file that a killed bench would leave behind.
+    let socket = format!("lashloop-{}-{}", std::process::id(), SOCKETS.fetch_add(1, Ordering::Relaxed));
+    let address = SocketAddr::from_abstract_name(&socket).map_err(failed)?;
+    let listener = UnixListener::bind_addr(&address).map_err(failed)?;
     listener.set_nonblocking(true).map_err(failed)?;
     let process = spawn(supervisor, &program(&image, &socket))?;
     let link = accept(&listener, &process)?;
-    Ok(Started { link: Box::new(link), process: Some(process), folder: Some(folder) })
+    Ok(Started { link: Box::new(link), process: Some(process) })
 }
 
-fn program(image: &Path, socket: &Path) -> Program {
-    let uart = format!("socket,id=uart,path={}", socket.display());
+fn program(image: &Path, socket: &str) -> Program {
+    let uart = format!("socket,id=uart,path={socket},abstract=on");
     let words =
         ["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-serial", "null", "-chardev"];
     let mut arguments: Vec<_> = words.map(Into::into).to_vec();

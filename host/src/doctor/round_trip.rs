@@ -56,7 +56,8 @@ pub fn measure(session: &mut Session, rounds: u32) -> Result<Timing, SessionErro
         let sent = Instant::now();
         match session.exchange(&sample, ANSWER_LIMIT)? {
             Exchange::Answered(_) => times_ns.saturating_record(sent.elapsed().as_nanos() as u64),
-            Exchange::Unanswered => {
+            // A fault in place of an answer is not one; an unarmed drive has none to give.
+            Exchange::Unanswered | Exchange::Faulted(_) => {
                 lost += 1;
                 if lost > LARGEST_LOSS {
                     return Err(session.silent(ANSWER_LIMIT));

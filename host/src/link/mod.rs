@@ -26,9 +26,23 @@ pub enum LinkError {
     /// The far end is gone: unplugged, closed or killed.
     #[error("the far end closed the line")]
     Disconnected,
+    /// The line takes no more bytes.
+    #[error("the line took no bytes for {} s: the drive does not read", WRITE_LIMIT.as_secs())]
+    Stuck,
     /// The operating system refused.
     #[error("{0}")]
     Io(io::Error),
+}
+
+/// A write that takes longer than this is to a line that no longer takes anything.
+const WRITE_LIMIT: Duration = Duration::from_secs(1);
+
+/// The error of a write with a time limit.
+fn stuck(error: io::Error) -> LinkError {
+    match error.kind() {
+        io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock => LinkError::Stuck,
+        _ => error.into(),
+    }
 }
 
 impl From<io::Error> for LinkError {

@@ -6,10 +6,7 @@ use std::time::{Duration, Instant};
 
 use serialport::{ClearBuffer, SerialPort, TTYPort};
 
-use super::{Link, LinkError, remaining};
-
-/// A write that takes longer than this is a port that no longer takes anything.
-const WRITE_LIMIT: Duration = Duration::from_secs(1);
+use super::{Link, LinkError, WRITE_LIMIT, remaining, stuck};
 
 /// A serial port.
 pub struct Serial {
@@ -43,20 +40,25 @@ impl Serial {
 impl Link for Serial {
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         self.wait_at_most(WRITE_LIMIT)?;
-        Ok(self.port.write_all(bytes)?)
+        self.port.write_all(bytes).map_err(stuck)
     }
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
         loop {
-            let Some(left) = remaining(deadline) else { return Ok(0) };
-            self.wait_at_most(left.min(WRITE_LIMIT))?;
+            // What is there already is read even after the deadline.
+            let left = remaining(deadline);
+            self.wait_at_most(left.unwrap_or_default().min(WRITE_LIMIT))?;
             match self.port.read(buffer) {
                 // A terminal that is readable and has nothing to read is one whose device is gone.
                 Ok(0) => return Err(LinkError::Disconnected),
                 Ok(count) => return Ok(count),
                 Err(error)
-                    if matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::Interrupted) => {}
-                Err(error) => return Err(error.into()),
+                    if !matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::Interrupted) =>
+                {
+                    return Err(error.into());
+                }
+                Err(_) if left.is_none() => return Ok(0),
+                Err(_) => {}
             }
         }
     }

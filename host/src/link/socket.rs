@@ -4,7 +4,7 @@ use std::io::{self, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant};
 
-use super::{Link, LinkError, remaining};
+use super::{Link, LinkError, WRITE_LIMIT, remaining, stuck};
 
 /// The kernel does the waiting, in slices of this length, so that no call is needed to change a timeout.
 const SLICE: Duration = Duration::from_millis(50);
@@ -22,14 +22,14 @@ impl Socket {
     pub fn new(stream: UnixStream) -> io::Result<Self> {
         stream.set_nonblocking(false)?;
         stream.set_read_timeout(Some(SLICE))?;
-        stream.set_write_timeout(Some(Duration::from_secs(1)))?;
+        stream.set_write_timeout(Some(WRITE_LIMIT))?;
         Ok(Self { stream })
     }
 }
 
 impl Link for Socket {
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
-        Ok(self.stream.write_all(bytes)?)
+        self.stream.write_all(bytes).map_err(stuck)
     }
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
@@ -50,15 +50,13 @@ impl Link for Socket {
     }
 
     fn discard_input(&mut self) -> Result<(), LinkError> {
-        let mut rest = [0; 1024];
+        // As much as a socket holds at most: one that has more than that to say goes on saying it.
+        let mut rest = vec![0; 1 << 18];
         self.stream.set_nonblocking(true)?;
-        let drained = loop {
-            match self.stream.read(&mut rest) {
-                Ok(0) => break Err(LinkError::Disconnected),
-                Ok(_) => {}
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => break Ok(()),
-                Err(error) => break Err(error.into()),
-            }
+        let drained = match self.stream.read(&mut rest) {
+            Ok(0) => Err(LinkError::Disconnected),
+            Err(error) if error.kind() != io::ErrorKind::WouldBlock => Err(error.into()),
+            _ => Ok(()),
         };
         self.stream.set_nonblocking(false)?;
         drained

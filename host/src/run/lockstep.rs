@@ -44,7 +44,11 @@ pub fn run(scenario: &Scenario, device: &mut Device, watcher: &mut dyn Watcher) 
     let bench = Bench::new(scenario)?;
     setup::set_up(device, scenario)?;
     let before = device.session.traffic();
-    device.session.start().map_err(|source| device.explain(source))?;
+    if let Err(source) = device.session.start() {
+        // It may be armed, or even running if only its answer was lost.
+        device.session.abandon();
+        return Err(setup::refused_start(device, source));
+    }
     let mut run = Lockstep {
         scenario,
         bench,
@@ -53,6 +57,7 @@ pub fn run(scenario: &Scenario, device: &mut Device, watcher: &mut dyn Watcher) 
         digest: TorqueDigest::default(),
         torque_nm: 0.0,
         lost: 0,
+        unanswered_since: None,
         steps: 0,
         unfinished_row: None,
     };
@@ -61,8 +66,8 @@ pub fn run(scenario: &Scenario, device: &mut Device, watcher: &mut dyn Watcher) 
     let wall_s = started.elapsed().as_secs_f64();
     // The last telemetry comes before the answer to the stop, and the last row waits for it.
     let stopped = match &end {
-        Ok(_) => device.session.stop().map_err(|source| device.explain(source)),
-        Err(_) => {
+        Ok(end) if !end.is_death() => device.session.stop().map_err(|source| device.explain(source)),
+        _ => {
             device.session.abandon();
             Ok(())
         }
@@ -96,6 +101,8 @@ struct Lockstep<'a> {
     /// What the motor is given at present.
     torque_nm: f32,
     lost: u64,
+    /// When the first sample of those was sent that have no answer yet.
+    unanswered_since: Option<Instant>,
     steps: u64,
     /// The row of the last step: its telemetry follows its torque, so it is complete only with the next one.
     unfinished_row: Option<TraceRow>,
@@ -103,7 +110,7 @@ struct Lockstep<'a> {
 
 impl Lockstep<'_> {
     fn close_the_loop(&mut self, device: &mut Device) -> Result<End, RunError> {
-        for sequence in 0..self.scenario.run.steps() as u32 {
+        for sequence in 0..self.scenario.run.steps() {
             if self.watcher.stop_asked() {
                 return Ok(End::Interrupted);
             }
@@ -120,7 +127,9 @@ impl Lockstep<'_> {
     fn step(&mut self, sequence: u32, device: &mut Device) -> Result<Option<End>, StepError> {
         let (sample, row) = self.bench.observe(sequence)?;
         let link = &self.scenario.link;
-        let patience = link.silence_limit().saturating_sub(device.session.silence());
+        let asked = Instant::now();
+        let since = *self.unanswered_since.get_or_insert(asked);
+        let patience = link.silence_limit().saturating_sub(asked - since);
         let exchange = device.session.exchange(&sample, link.answer_timeout().min(patience));
         match exchange.map_err(|source| device.explain(source))? {
             Exchange::Answered(answer) => {
@@ -128,11 +137,13 @@ impl Lockstep<'_> {
                     return Ok(Some(drive_fault(device, &answer)?));
                 }
                 if !answer.torque_nm.is_finite() {
-                    return Err(device.unfit(format!("a torque of {} N m", answer.torque_nm)).into());
+                    return Err(device.unfit(format!("it gave a torque of {} N m", answer.torque_nm)).into());
                 }
                 self.torque_nm = answer.torque_nm;
+                self.unanswered_since = None;
             }
-            Exchange::Unanswered => self.lost_answer(device)?,
+            Exchange::Faulted(fault) => return Ok(Some(End::DriveFault(fault))),
+            Exchange::Unanswered => self.lost_answer(since, device)?,
         }
         self.finish_row(device)?;
         self.unfinished_row = Some(TraceRow { torque_nm: self.torque_nm.into(), ..row });
@@ -142,9 +153,9 @@ impl Lockstep<'_> {
         Ok(None)
     }
 
-    fn lost_answer(&mut self, device: &Device) -> Result<(), DeviceError> {
+    fn lost_answer(&mut self, since: Instant, device: &Device) -> Result<(), DeviceError> {
         let limit = self.scenario.link.silence_limit();
-        if device.session.silence() >= limit {
+        if since.elapsed() >= limit {
             return Err(device.explain(device.session.silent(limit)));
         }
         self.lost += 1;

@@ -26,6 +26,12 @@ pub enum RunError {
     /// The scenario asks the drive for something it does not take.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
+    /// The drive's parameters don't go together.
+    #[error("the drive says \"{said}\": change [controller.parameters], [encoders] or [run] in the scenario")]
+    Inconsistent {
+        /// What the drive said about it.
+        said: String,
+    },
     /// The scenario's plant can't be built.
     #[error(transparent)]
     Plant(#[from] ParameterError),

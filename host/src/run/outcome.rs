@@ -23,6 +23,12 @@ pub enum End {
 }
 
 impl End {
+    /// Whether the drive is beyond talking to.
+    #[must_use]
+    pub fn is_death(&self) -> bool {
+        matches!(self, Self::DriveFault(fault) if matches!(fault.code, FaultCode::Panic | FaultCode::ProcessorFault))
+    }
+
     /// The verdict a run can't rise above because of its end. A watchdog that trips tells of the host or of the line,
     /// not of the controller.
     #[must_use]
@@ -43,8 +49,20 @@ impl fmt::Display for End {
             Self::Interrupted => write!(out, "interrupted by the user"),
             Self::Diverged(error) => write!(out, "the plant can't be followed any further: {error}"),
             Self::DriveFault(fault) => {
-                let FaultReport { code, sequence, value, limit, .. } = fault;
-                write!(out, "the drive latched {code:?} at sample {sequence} (value {value}, limit {limit})")
+                let FaultReport { code, sequence, value, limit, detail } = fault;
+                match code {
+                    FaultCode::Panic => write!(out, "the firmware panicked, source line {detail}"),
+                    FaultCode::ProcessorFault => {
+                        write!(
+                            out,
+                            "the processor took a fault at {detail:#010x}, or an interrupt of that number"
+                        )
+                    }
+                    _ => write!(
+                        out,
+                        "the drive latched {code:?} at sample {sequence} (value {value}, limit {limit})"
+                    ),
+                }
             }
         }
     }

@@ -2,13 +2,13 @@
 //!
 //! A drive on a bench remembers what the last host set. It is reset first, so that a run depends on its scenario alone.
 
-use lashloop_protocol::vocabulary::{ControllerId, DisturbingTorqueSource};
+use lashloop_protocol::vocabulary::{ControllerId, DisturbingTorqueSource, Outcome};
 
 use super::RunError;
 use crate::device::Device;
 use crate::scenario::controller::{ControllerName, ParameterSetting, ParameterValue};
 use crate::scenario::{Scenario, ScenarioError};
-use crate::session::SetError;
+use crate::session::{SessionError, SetError};
 
 /// Parameters that other keys of a scenario set, with those keys.
 const SET_ELSEWHERE: [(&str, &str); 5] = [
@@ -28,8 +28,8 @@ pub fn set_up(device: &mut Device, scenario: &Scenario) -> Result<(), RunError> 
     device.session.reset().map_err(|source| device.explain(source))?;
     let controller = id_of(scenario.controller.name);
     // In lockstep the plant waits for the drive and the drive for the plant, so the watchdog has to bear a bench that
-    // is slow, though not one that is gone.
-    let watchdog_us = 2_000 * u64::from(scenario.link.answer_timeout_ms);
+    // is slow, though not one that is gone: it waits as long for the bench as the bench does for it.
+    let watchdog_us = 1_000 * u64::from(scenario.link.silence_limit_ms);
     let from_sections = [
         ("controller", f64::from(controller as u8)),
         ("period_us", scenario.run.control_period_us.into()),
@@ -45,6 +45,14 @@ pub fn set_up(device: &mut Device, scenario: &Scenario) -> Result<(), RunError> 
         apply(device, setting)?;
     }
     Ok(())
+}
+
+/// The error for a drive that does not start. Parameters that don't go together are the scenario's fault.
+pub(super) fn refused_start(device: &Device, source: SessionError) -> RunError {
+    match source {
+        SessionError::Refused { outcome: Outcome::Inconsistent, said, .. } => RunError::Inconsistent { said },
+        source => device.explain(source).into(),
+    }
 }
 
 /// The name of a controller on the wire.
@@ -87,6 +95,8 @@ fn number_of(setting: &ParameterSetting) -> Result<f64, ScenarioError> {
 fn required(device: &Device, name: &str, number: f64, error: SetError) -> RunError {
     match error {
         SetError::Session(source) => device.explain(source).into(),
-        refused => device.unfit(format!("{name} = {number}, which the scenario needs: {refused}")).into(),
+        refused => device
+            .unfit(format!("it does not take {name} = {number}, which the scenario needs: {refused}"))
+            .into(),
     }
 }

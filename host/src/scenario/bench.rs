@@ -32,15 +32,15 @@ impl RunSettings {
 
     /// Control steps of the run: the duration in whole periods, to the nearest. At least 1.
     #[must_use]
-    pub fn steps(&self) -> u64 {
-        // At most 1e6 s / 100 us = 1e10, so the conversion is exact.
-        (self.duration_s * 1e6 / f64::from(self.control_period_us)).round() as u64
+    pub fn steps(&self) -> u32 {
+        // At most 1e5 s / 100 us = 1e9, so the conversion is exact, and a sequence number holds it.
+        (self.duration_s * 1e6 / f64::from(self.control_period_us)).round() as u32
     }
 }
 
 pub(super) fn read_run(run: &mut Section<'_>) -> RunSettings {
     let settings = RunSettings {
-        duration_s: run.number("duration_s", unit::SECOND, None, positive(1e6)),
+        duration_s: run.number("duration_s", unit::SECOND, None, positive(1e5)),
         control_period_us: run.integer("control_period_us", unit::MICROSECOND, 1000, 100..=100_000),
         seed: run.integer("seed", unit::NONE, 1, 0..=LARGEST),
     };
@@ -103,8 +103,9 @@ impl LinkSettings {
 
 pub(super) fn read_link(link: &mut Section<'_>) -> LinkSettings {
     LinkSettings {
-        answer_timeout_ms: link.integer("answer_timeout_ms", unit::MILLISECOND, 1000, 1..=600_000),
-        silence_limit_ms: link.integer("silence_limit_ms", unit::MILLISECOND, 2500, 1..=600_000),
+        // A terminal waits in tenths of a second. The drive's watchdog gets the silence limit, and bears a minute.
+        answer_timeout_ms: link.integer("answer_timeout_ms", unit::MILLISECOND, 1000, 100..=30_000),
+        silence_limit_ms: link.integer("silence_limit_ms", unit::MILLISECOND, 2500, 100..=60_000),
         baud: link.integer("baud", unit::BAUD, 921_600, 1200..=12_000_000),
     }
 }

@@ -76,7 +76,7 @@ pub enum SessionError {
         drive: u8,
     },
     /// The drive refused a request.
-    #[error("the drive refused {request} in state {state:?}: {outcome:?}{}", in_words(said))]
+    #[error("the drive refused {request} in state {state:?}: {outcome:?}{} ({last_seen})", in_words(said))]
     Refused {
         /// The request.
         request: &'static str,
@@ -86,9 +86,11 @@ pub enum SessionError {
         state: State,
         /// What it said about it.
         said: String,
+        /// How far the conversation had got.
+        last_seen: LastSeen,
     },
 }
 
 fn in_words(said: &str) -> String {
-    if said.is_empty() { String::new() } else { format!(" ({said})") }
+    if said.is_empty() { String::new() } else { format!(", saying \"{said}\"") }
 }

@@ -20,16 +20,15 @@ pub(super) fn greet(line: &mut Line, session: u32) -> Result<Identity, SessionEr
     let give_up = Instant::now() + LIMIT;
     while Instant::now() < give_up {
         line.send(&hello.into())?;
-        let next = Instant::now() + INTERVAL;
-        while let Some(message) = line.next(next)? {
-            match message {
-                DriveMessage::Identity(identity) if identity.protocol_version != PROTOCOL_VERSION => {
-                    return Err(SessionError::Version { drive: identity.protocol_version });
-                }
-                DriveMessage::Identity(identity) if identity.session == session => return Ok(identity),
-                // Said to an earlier host and still on the line.
-                _ => {}
-            }
+        let identity = line.wait(Instant::now() + INTERVAL, |message| match message {
+            // Another session's was said to an earlier host and is still on the line.
+            DriveMessage::Identity(identity) if identity.session == session => Some(*identity),
+            _ => None,
+        })?;
+        match identity {
+            Some(identity) if identity.protocol_version == PROTOCOL_VERSION => return Ok(identity),
+            Some(identity) => return Err(SessionError::Version { drive: identity.protocol_version }),
+            None => {}
         }
     }
     Err(line.silent("Hello", LIMIT))

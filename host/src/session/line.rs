@@ -12,6 +12,9 @@ use crate::link::{Link, LinkError};
 /// How long a request may take. Requests are answered at once; this is for an emulator on a busy machine.
 const REQUEST_LIMIT: Duration = Duration::from_secs(2);
 
+/// Texts of the drive that are kept.
+const LOGS: usize = 100;
+
 /// A link with a decoder at its end.
 pub(super) struct Line {
     link: Box<dyn Link>,
@@ -21,7 +24,6 @@ pub(super) struct Line {
     unread: Range<usize>,
     pub(super) frames_sent: u64,
     pub(super) last_seen: LastSeen,
-    pub(super) last_heard: Instant,
     pub(super) telemetry: Option<Telemetry>,
     pub(super) fault: Option<FaultReport>,
     pub(super) report: Option<LineReport>,
@@ -37,7 +39,6 @@ impl Line {
             unread: 0..0,
             frames_sent: 0,
             last_seen: LastSeen::default(),
-            last_heard: Instant::now(),
             telemetry: None,
             fault: None,
             report: None,
@@ -60,21 +61,24 @@ impl Line {
         self.link.send(&message.frame()).map_err(|error| self.broken(error))
     }
 
-    /// The next good message, or `None` at the deadline. Telemetry, faults and logs are kept on the way.
-    pub(super) fn next(&mut self, deadline: Instant) -> Result<Option<DriveMessage>, SessionError> {
+    /// Waits for the message that `wanted` recognises; `None` at the deadline, even on a line that never stops talking.
+    /// What is on the line already is looked at in any case, so a bench that slept through its deadline blames nobody.
+    pub(super) fn wait<T>(
+        &mut self,
+        deadline: Instant,
+        mut wanted: impl FnMut(&DriveMessage) -> Option<T>,
+    ) -> Result<Option<T>, SessionError> {
+        let mut last_look = false;
         loop {
-            let mut bytes = &self.inbox[self.unread.clone()];
-            let decoded = self.decoder.next::<DriveMessage>(&mut bytes);
-            self.unread.start = self.unread.end - bytes.len();
-            match decoded {
-                Some(Ok(message)) => {
-                    self.note(&message);
-                    return Ok(Some(message));
+            while let Some(message) = self.decoded() {
+                if let Some(answer) = wanted(&message) {
+                    return Ok(Some(answer));
                 }
-                // A damaged frame is counted by the decoder; what it was can't be known.
-                Some(Err(_)) => continue,
-                None => {}
             }
+            if last_look {
+                return Ok(None);
+            }
+            last_look = Instant::now() >= deadline;
             match self.link.receive(&mut self.inbox[..], deadline) {
                 Ok(0) => return Ok(None),
                 Ok(count) => self.unread = 0..count,
@@ -87,20 +91,37 @@ impl Line {
     pub(super) fn request<T>(
         &mut self,
         request: &HostMessage,
-        wanted: impl Fn(&DriveMessage) -> Option<T>,
+        wanted: impl FnMut(&DriveMessage) -> Option<T>,
     ) -> Result<T, SessionError> {
         self.send(request)?;
-        let deadline = Instant::now() + REQUEST_LIMIT;
-        while let Some(message) = self.next(deadline)? {
-            if let Some(answer) = wanted(&message) {
-                return Ok(answer);
+        let answer = self.wait(Instant::now() + REQUEST_LIMIT, wanted)?;
+        answer.ok_or_else(|| self.silent(request.layout().name, REQUEST_LIMIT))
+    }
+
+    /// The next good message among the bytes received. Telemetry, faults and logs are kept on the way.
+    fn decoded(&mut self) -> Option<DriveMessage> {
+        loop {
+            let mut bytes = &self.inbox[self.unread.clone()];
+            let decoded = self.decoder.next::<DriveMessage>(&mut bytes);
+            self.unread.start = self.unread.end - bytes.len();
+            // A damaged frame is counted by the decoder; what it was can't be known.
+            if let Ok(message) = decoded? {
+                self.note(&message);
+                return Some(message);
             }
         }
-        Err(self.silent(request.layout().name, REQUEST_LIMIT))
     }
 
     pub(super) fn silent(&self, waiting_for: &'static str, limit: Duration) -> SessionError {
         SessionError::Silent { waiting_for, limit, last_seen: self.last_seen }
+    }
+
+    /// Keeps the latest texts: a drive that never stops talking must not fill the memory.
+    pub(super) fn keep(&mut self, text: String) {
+        if self.logs.len() == LOGS {
+            self.logs.remove(0);
+        }
+        self.logs.push(text);
     }
 
     fn broken(&self, source: LinkError) -> SessionError {
@@ -108,14 +129,18 @@ impl Line {
     }
 
     fn note(&mut self, message: &DriveMessage) {
-        self.last_heard = Instant::now();
         self.last_seen.note(message);
         match message {
             DriveMessage::Telemetry(telemetry) => self.telemetry = Some(*telemetry),
             DriveMessage::FaultReport(fault) => self.fault = Some(*fault),
             DriveMessage::LineReport(report) => self.report = Some(*report),
-            DriveMessage::Log(log) => self.logs.push(format!("{:?}: {}", log.level, log.text)),
+            DriveMessage::Log(log) => self.keep(format!("{:?}: {}", log.level, printable(log.text.as_str()))),
             _ => {}
         }
     }
+}
+
+/// What the drive says ends on somebody's terminal, so it gets no say in how that terminal behaves.
+pub(crate) fn printable(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }

@@ -14,7 +14,7 @@ use lashloop_protocol::message::{
     Arm, EmergencyStop, EncoderSample, FaultReport, Identity, LineReport, Reset, Start, Stop, Telemetry,
     TorqueAnswer,
 };
-use lashloop_protocol::vocabulary::{Outcome, State};
+use lashloop_protocol::vocabulary::{Outcome, State, TorqueFlags};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
@@ -23,12 +23,15 @@ pub use parameters::{Parameter, SetError};
 
 use crate::link::Link;
 use line::Line;
+pub(crate) use line::printable;
 
 /// What came of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Exchange {
     /// The drive's torque for it.
     Answered(TorqueAnswer),
+    /// The drive has latched a fault, or died, without answering it.
+    Faulted(FaultReport),
     /// No answer within the time given.
     Unanswered,
 }
@@ -110,29 +113,23 @@ impl Session {
         }
     }
 
-    /// Time since the last good frame.
-    #[must_use]
-    pub fn silence(&self) -> Duration {
-        self.line.last_heard.elapsed()
-    }
-
     /// The error for a drive that has not answered for `limit`.
     #[must_use]
     pub fn silent(&self, limit: Duration) -> SessionError {
         self.line.silent(EncoderSample::LAYOUT.name, limit)
     }
 
-    /// Puts the drive into the state it has after power-up, default parameters and no fault, and greets it again.
+    /// Puts the drive into the state it has after power-up, default parameters and no fault, and greets it again, as a new
+    /// session: what an earlier run has left on the line can neither arm nor start this one.
     ///
     /// # Errors
     /// The drive does not answer, or the line broke.
     pub fn reset(&mut self) -> Result<(), SessionError> {
-        if let Some(fault) = self.line.fault {
-            self.line
-                .logs
-                .push(format!("the drive came with a latched fault, now cleared: {:?}", fault.code));
+        if let Some(fault) = self.line.fault.take() {
+            self.line.keep(format!("it came with a latched fault, now cleared: {:?}", fault.code));
         }
         self.command(Reset {})?;
+        self.number = self.number.wrapping_add(1);
         self.identity = greeting::greet(&mut self.line, self.number)?;
         Ok(())
     }
@@ -146,7 +143,7 @@ impl Session {
         self.command(Arm { session })?;
         self.command(Start { session })?;
         (self.line.telemetry, self.line.fault, self.line.report) = (None, None, None);
-        self.line.last_seen = LastSeen::default();
+        (self.line.last_seen.sample_sent, self.line.last_seen.torque) = (None, None);
         Ok(())
     }
 
@@ -155,9 +152,10 @@ impl Session {
     /// # Errors
     /// The line broke, or the drive did not answer.
     pub fn stop(&mut self) -> Result<(), SessionError> {
-        match self.command(Stop {}) {
-            Err(SessionError::Refused { state: State::Faulted, .. }) => Ok(()),
-            done => done,
+        let said_before = self.line.logs.len();
+        match self.ask(Stop {})? {
+            (Outcome::Accepted, _) | (_, State::Faulted) => Ok(()),
+            (outcome, state) => Err(self.refused::<Stop>(outcome, state, said_before)),
         }
     }
 
@@ -174,35 +172,62 @@ impl Session {
     pub fn exchange(&mut self, sample: &EncoderSample, limit: Duration) -> Result<Exchange, SessionError> {
         self.line.send(&HostMessage::EncoderSample(*sample))?;
         self.line.last_seen.sample_sent = Some(sample.sequence);
-        let deadline = Instant::now() + limit;
-        while let Some(message) = self.line.next(deadline)? {
-            match message {
-                DriveMessage::TorqueAnswer(answer) if answer.sequence == sample.sequence => {
-                    return Ok(Exchange::Answered(answer));
-                }
-                DriveMessage::TorqueAnswer(_) => self.late += 1,
-                DriveMessage::CommandResult(result) if result.request == EncoderSample::LAYOUT.kind => {
-                    return Err(self.refused::<EncoderSample>(result.outcome, result.state));
-                }
-                _ => {}
+        let said_before = self.line.logs.len();
+        let sequence = sample.sequence;
+        let mut late = 0;
+        let answer = self.line.wait(Instant::now() + limit, |message| match message {
+            DriveMessage::TorqueAnswer(answer) if answer.sequence == sequence => {
+                Some(Ok(Exchange::Answered(*answer)))
             }
+            // The line doubled a sample; its answer came in time.
+            DriveMessage::TorqueAnswer(answer) if answer.flags.contains(TorqueFlags::REPEATED) => None,
+            DriveMessage::TorqueAnswer(_) => {
+                late += 1;
+                None
+            }
+            // It will not answer any more: its watchdog has tripped, or these are its last words.
+            DriveMessage::FaultReport(fault) => Some(Ok(Exchange::Faulted(*fault))),
+            DriveMessage::CommandResult(result) if result.request == EncoderSample::LAYOUT.kind => {
+                Some(Err((result.outcome, result.state)))
+            }
+            _ => None,
+        })?;
+        self.late += late;
+        match answer {
+            Some(Ok(exchange)) => Ok(exchange),
+            Some(Err((outcome, state))) => Err(self.refused::<EncoderSample>(outcome, state, said_before)),
+            None => Ok(Exchange::Unanswered),
         }
-        Ok(Exchange::Unanswered)
+    }
+
+    /// Sends a command that has to be accepted.
+    fn command<C: Payload + Into<HostMessage>>(&mut self, command: C) -> Result<(), SessionError> {
+        let said_before = self.line.logs.len();
+        match self.ask(command)? {
+            (Outcome::Accepted, _) => Ok(()),
+            (outcome, state) => Err(self.refused::<C>(outcome, state, said_before)),
+        }
     }
 
     /// Sends a command and waits until the drive has said what became of it.
-    fn command<C: Payload + Into<HostMessage>>(&mut self, command: C) -> Result<(), SessionError> {
-        let (outcome, state) = self.line.request(&command.into(), |answer| match answer {
+    fn ask<C: Payload + Into<HostMessage>>(&mut self, command: C) -> Result<(Outcome, State), SessionError> {
+        self.line.request(&command.into(), |answer| match answer {
             DriveMessage::CommandResult(result) if result.request == C::LAYOUT.kind => {
                 Some((result.outcome, result.state))
             }
             _ => None,
-        })?;
-        if outcome == Outcome::Accepted { Ok(()) } else { Err(self.refused::<C>(outcome, state)) }
+        })
     }
 
-    fn refused<Request: Payload>(&mut self, outcome: Outcome, state: State) -> SessionError {
-        let said = self.take_logs().join("; ");
-        SessionError::Refused { request: Request::LAYOUT.name, outcome, state, said }
+    /// The refusal of a request, with what the drive has said since it was made.
+    fn refused<Request: Payload>(&self, outcome: Outcome, state: State, said_before: usize) -> SessionError {
+        let said = self.line.logs.get(said_before..).unwrap_or_default().join("; ");
+        SessionError::Refused {
+            request: Request::LAYOUT.name,
+            outcome,
+            state,
+            said,
+            last_seen: self.line.last_seen,
+        }
     }
 }

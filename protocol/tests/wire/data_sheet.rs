@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use lashloop_protocol::layout::{Direction, FieldType, MessageLayout};
+use lashloop_protocol::layout::{Direction, FieldLayout, FieldType, MessageLayout};
 use lashloop_protocol::{Message, cobs};
 
 /// The data sheet of one message, from its layout and from the bytes of its frame.
@@ -18,11 +18,9 @@ pub fn data_sheet<M: Message>(message: &M) -> String {
     row(&mut sheet, 0, "kind", "u8", &format!("{:#04x}", body[0]), &body[..1]);
     for field in layout.fields {
         let bytes = &body[field.offset..field.offset + field.len];
-        let (ty, value) = render(&field.ty, bytes);
-        row(&mut sheet, field.offset, field.name, &ty, &value, bytes);
+        row(&mut sheet, field.offset, field.name, &type_name(field), &value(field.ty, bytes), bytes);
     }
-    let value = u32::from_le_bytes(crc.try_into().unwrap());
-    row(&mut sheet, body.len(), "crc", "crc32c", &format!("{value:#010x}"), crc);
+    row(&mut sheet, body.len(), "crc", "crc32c", &format!("{:#010x}", u32_of(crc)), crc);
     let _ = write!(sheet, "frame: {}", hex(&frame));
     sheet
 }
@@ -51,32 +49,45 @@ fn u32_of(bytes: &[u8]) -> u32 {
     u32::from_le_bytes(bytes.try_into().unwrap())
 }
 
-fn render(ty: &FieldType, bytes: &[u8]) -> (String, String) {
-    let (name, value) = match *ty {
-        FieldType::U8 => ("u8", bytes[0].to_string()),
-        FieldType::U16 => ("u16", u16::from_le_bytes([bytes[0], bytes[1]]).to_string()),
-        FieldType::U32 => ("u32", u32_of(bytes).to_string()),
-        FieldType::I32 => ("i32", u32_of(bytes).cast_signed().to_string()),
-        FieldType::F32 => ("f32", f32::from_bits(u32_of(bytes)).to_string()),
+/// What a data sheet calls the type of a field.
+pub fn type_name(field: &FieldLayout) -> String {
+    let bits = field.len * 8;
+    match field.ty {
+        FieldType::U8 | FieldType::U16 | FieldType::U32 => format!("u{bits}"),
+        FieldType::I32 => "i32".to_owned(),
+        FieldType::F32 => "f32".to_owned(),
+        FieldType::Enum(_) => "enum8".to_owned(),
+        FieldType::Flags(_) => format!("flags{bits}"),
+        FieldType::Text => format!("text[{}]", field.len),
+        FieldType::ParameterValue => "value".to_owned(),
+        FieldType::Version => "version".to_owned(),
+    }
+}
+
+fn value(ty: FieldType, bytes: &[u8]) -> String {
+    match ty {
+        FieldType::U8 => bytes[0].to_string(),
+        FieldType::U16 => u16::from_le_bytes([bytes[0], bytes[1]]).to_string(),
+        FieldType::U32 => u32_of(bytes).to_string(),
+        FieldType::I32 => u32_of(bytes).cast_signed().to_string(),
+        FieldType::F32 => f32::from_bits(u32_of(bytes)).to_string(),
         FieldType::Enum(names) => {
             let (_, name) = names.iter().find(|(byte, _)| *byte == bytes[0]).expect("a named byte");
-            ("enum8", (*name).to_owned())
+            (*name).to_owned()
         }
         FieldType::Flags(names) => {
             let bits = bytes.iter().rev().fold(0, |bits, &byte| bits << 8 | u16::from(byte));
             let set: Vec<_> =
                 names.iter().filter(|(mask, _)| bits & mask != 0).map(|(_, name)| *name).collect();
-            (if bytes.len() == 1 { "flags8" } else { "flags16" }, set.join("|"))
+            set.join("|")
         }
         FieldType::Text => {
-            let text = String::from_utf8(bytes.to_vec()).unwrap();
-            return (format!("text[{}]", bytes.len()), format!("{:?}", text.trim_end_matches('\0')));
+            format!("{:?}", String::from_utf8(bytes.to_vec()).unwrap().trim_end_matches('\0'))
         }
         FieldType::ParameterValue => match bytes[0] {
-            1 => ("value", format!("u32 {}", u32_of(&bytes[1..]))),
-            _ => ("value", format!("f32 {}", f32::from_bits(u32_of(&bytes[1..])))),
+            1 => format!("u32 {}", u32_of(&bytes[1..])),
+            _ => format!("f32 {}", f32::from_bits(u32_of(&bytes[1..]))),
         },
-        FieldType::Version => ("version", format!("{}.{}.{}", bytes[0], bytes[1], bytes[2])),
-    };
-    (name.to_owned(), value)
+        FieldType::Version => format!("{}.{}.{}", bytes[0], bytes[1], bytes[2]),
+    }
 }

@@ -1,0 +1,198 @@
+//! Arbitrary histories of a drive, begun in every state.
+
+use std::cell::RefCell;
+use std::time::Duration;
+
+use lashloop_firmware::drive::parameters::TABLE;
+use lashloop_firmware::drive::{Drive, Frozen};
+use lashloop_protocol::message::{Arm, EmergencyStop, Hello, SetParameter, Start};
+use lashloop_protocol::vocabulary::{FaultCode, Outcome, ParameterValue, State};
+use lashloop_protocol::wire::Payload;
+use lashloop_protocol::{HostMessage, Message, PROTOCOL_VERSION};
+use proptest::collection::vec;
+use proptest::num::f32::ANY;
+use proptest::prelude::*;
+use proptest::sample::select;
+use proptest::test_runner::{Config, RngSeed, TestError, TestRunner};
+
+use crate::action::Action;
+use crate::watched::{Seen, Watched, frame_around};
+
+const SESSION: u32 = 7;
+
+fn say<P: Payload>(message: P) -> Action {
+    let mut body = vec![0; P::LAYOUT.body_len];
+    message.put(&mut body);
+    Action::Body(body)
+}
+
+/// How a host brings a drive into a state.
+fn way_to(state: State, parameters: Vec<Action>) -> Vec<Action> {
+    let hello = say(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION });
+    let (arm, start) = (say(Arm { session: SESSION }), say(Start { session: SESSION }));
+    let to_running = || [vec![hello.clone()], parameters.clone(), vec![arm.clone(), start.clone()]].concat();
+    match state {
+        State::Boot => Vec::new(),
+        State::Idle => vec![hello],
+        State::Armed => [vec![hello], parameters, vec![arm]].concat(),
+        State::Running => to_running(),
+        State::Faulted => [to_running(), vec![say(EmergencyStop {})]].concat(),
+    }
+}
+
+/// A value the drive takes for this parameter, with the ends of the range more often than chance would have them.
+fn setting() -> impl Strategy<Value = Action> {
+    (0..TABLE.len(), 0.0..=1.0_f32, 0..8_u8).prop_map(|(index, part, end)| {
+        let part = match end {
+            0 => 0.0,
+            1 => 1.0,
+            _ => part,
+        };
+        let value = match (TABLE[index].min, TABLE[index].max, TABLE[index].default) {
+            (ParameterValue::U32(min), ParameterValue::U32(max), _) => {
+                ParameterValue::U32(min + (f64::from(max - min) * f64::from(part)) as u32)
+            }
+            // Near the default four times in eight, so that many controllers can be built.
+            (.., ParameterValue::F32(default)) if end >= 4 => ParameterValue::F32(default * (0.5 + part)),
+            (ParameterValue::F32(min), ParameterValue::F32(max), _) => {
+                ParameterValue::F32(min + (max - min) * part.powi(8))
+            }
+            (min, ..) => min,
+        };
+        say(SetParameter { index: index as u8, value })
+    })
+}
+
+/// Any index, type and value.
+fn wild_setting() -> impl Strategy<Value = Action> {
+    let value = prop_oneof![any::<u32>().prop_map(ParameterValue::U32), ANY.prop_map(ParameterValue::F32)];
+    (0..TABLE.len() as u8 + 2, value).prop_map(|(index, value)| say(SetParameter { index, value }))
+}
+
+fn host_body() -> impl Strategy<Value = Action> {
+    (select(HostMessage::LAYOUTS), vec(any::<u8>(), 64), any::<bool>()).prop_map(
+        |(layout, bytes, present)| {
+            let mut body = vec![layout.kind];
+            body.extend(&bytes[..layout.body_len - 1]);
+            if present && layout.fields.last().is_some_and(|field| field.name == "session") {
+                let at = body.len() - 4;
+                body[at..].copy_from_slice(&SESSION.to_le_bytes());
+            }
+            Action::Body(body)
+        },
+    )
+}
+
+fn sample() -> impl Strategy<Value = Action> {
+    let counts = || prop_oneof![6 => -300..300_i16, 1 => any::<i16>()];
+    let reference = prop_oneof![9 => -2.0..2.0_f32, 1 => ANY];
+    (counts(), counts(), reference).prop_map(|(motor, load, reference_rad)| Action::Sample {
+        motor,
+        load,
+        reference_rad,
+    })
+}
+
+fn action() -> impl Strategy<Value = Action> {
+    prop_oneof![
+        12 => sample(),
+        4 => host_body(),
+        2 => setting(),
+        1 => wild_setting(),
+        1 => vec(any::<u8>(), 0..9).prop_map(Action::Body),
+        1 => vec(any::<u8>(), 0..200).prop_map(Action::Line),
+        3 => (0..2_000_u64).prop_map(|us| Action::Pass(Duration::from_micros(us))),
+        1 => any::<u32>().prop_map(|us| Action::Pass(Duration::from_micros(us.into()))),
+        1 => any::<u8>().prop_map(Action::Overruns),
+        3 => Just(Action::Drain),
+    ]
+}
+
+fn history() -> impl Strategy<Value = Vec<Action>> {
+    (select(State::ALL), vec(setting(), 0..6), vec(action(), 0..80))
+        .prop_map(|(state, parameters, actions)| [way_to(state, parameters), actions].concat())
+}
+
+/// The same cases in every run; `cargo xtask fuzz` is the one that looks for new ones.
+fn config(cases: u32) -> Config {
+    Config { cases, rng_seed: RngSeed::Fixed(0x1a54_100b), failure_persistence: None, ..Config::default() }
+}
+
+fn live(history: &[Action]) -> Seen {
+    let mut watched = Watched::new();
+    history.iter().for_each(|action| watched.act(action));
+    watched.seen
+}
+
+#[test]
+fn no_history_makes_the_drive_break_a_promise() {
+    let met = RefCell::new(Seen::default());
+    let outcome = TestRunner::new(config(10_000)).run(&history(), |history| {
+        let seen = live(&history);
+        let mut met = met.borrow_mut();
+        met.states.extend(seen.states);
+        met.faults.extend(seen.faults);
+        met.outcomes.extend(seen.outcomes);
+        met.torques += seen.torques;
+        met.full += seen.full;
+        Ok(())
+    });
+    if let Err(TestError::Fail(reason, history)) = outcome {
+        panic!("{reason} after {history:#?}");
+    }
+
+    // The histories come everywhere: else nothing would have been shown.
+    let met = met.into_inner();
+    assert!(State::ALL.iter().all(|state| met.states.contains(state)));
+    let never = [FaultCode::Panic, FaultCode::ProcessorFault];
+    let missing: Vec<_> =
+        FaultCode::ALL.iter().filter(|code| !met.faults.contains(code) && !never.contains(code)).collect();
+    assert!(missing.is_empty(), "no history led to {missing:?}");
+    let missing: Vec<_> = Outcome::ALL.iter().filter(|outcome| !met.outcomes.contains(outcome)).collect();
+    assert!(missing.is_empty(), "no history led to {missing:?}");
+    assert!(met.torques > 10_000, "{} torques", met.torques);
+    assert!(met.full > 100, "the output was full {} times", met.full);
+}
+
+proptest! {
+    #![proptest_config(config(2000))]
+
+    /// What the fuzzer feeds.
+    #[test]
+    fn any_bytes_are_a_history_that_breaks_no_promise(bytes in vec(any::<u8>(), 0..3000)) {
+        let mut rest = &bytes[..];
+        live(&std::iter::from_fn(|| Action::read(&mut rest)).collect::<Vec<_>>());
+        prop_assert!(rest.is_empty());
+    }
+
+    /// The decoder keeps what is left of a frame, so a cut may fall anywhere.
+    #[test]
+    fn the_same_bytes_in_other_pieces_give_the_same_answers(history in history(), pieces in vec(1..70_usize, 1..9)) {
+        // Time and hardware stand still: only the line speaks.
+        let line: Vec<u8> = history.iter().flat_map(bytes_of).collect();
+        prop_assert_eq!(answers(&line, &[line.len().max(1)]), answers(&line, &pieces));
+    }
+}
+
+fn bytes_of(action: &Action) -> Vec<u8> {
+    match action {
+        Action::Line(bytes) => bytes.clone(),
+        Action::Body(body) => frame_around(body),
+        _ => Vec::new(),
+    }
+}
+
+fn answers(line: &[u8], piece_lens: &[usize]) -> Vec<u8> {
+    let mut drive = Drive::new("pieces");
+    let (mut said, mut rest) = (Vec::new(), line);
+    for &len in piece_lens.iter().cycle() {
+        if rest.is_empty() {
+            break;
+        }
+        let used = drive.receive(&rest[..len.min(rest.len())], &Frozen::default());
+        rest = &rest[used..];
+        said.extend_from_slice(drive.output());
+        drive.clear_output();
+    }
+    said
+}

@@ -1,0 +1,5 @@
+//! What the drive never does, whatever it is told in whatever state.
+
+mod action;
+mod histories;
+mod watched;

@@ -1,0 +1,73 @@
+//! Arbitrary bodies, from the layouts: a kind of message that is added is tried without being named here.
+
+use lashloop_protocol::layout::{FieldType, MessageLayout};
+use lashloop_protocol::{Message, cobs, crc};
+use proptest::collection::vec;
+use proptest::prelude::*;
+use proptest::sample::select;
+
+/// A body that holds any value of any message of one direction.
+pub fn body_of<M: Message>() -> impl Strategy<Value = Vec<u8>> {
+    select(M::LAYOUTS).prop_flat_map(|layout| of_layout(&layout))
+}
+
+/// A body of any message of one direction with any bytes in its fields.
+pub fn wild_body_of<M: Message>() -> impl Strategy<Value = Vec<u8>> {
+    select(M::LAYOUTS).prop_flat_map(|layout| {
+        vec(any::<u8>(), layout.body_len).prop_map(move |mut body| {
+            body[0] = layout.kind;
+            body
+        })
+    })
+}
+
+/// The frame around any body, with a right CRC.
+pub fn frame_around(body: &[u8]) -> Vec<u8> {
+    let mut frame = [&[0], body, &crc::checksum(body).to_le_bytes()].concat();
+    cobs::stuff(&mut frame);
+    frame.push(0);
+    frame
+}
+
+fn of_layout(layout: &MessageLayout) -> BoxedStrategy<Vec<u8>> {
+    layout.fields.iter().fold(Just(vec![layout.kind]).boxed(), |body, field| {
+        (body, value_of(&field.ty, field.len)).prop_map(|(body, field)| [body, field].concat()).boxed()
+    })
+}
+
+fn value_of(ty: &FieldType, len: usize) -> BoxedStrategy<Vec<u8>> {
+    match *ty {
+        FieldType::Enum(names) => select(names).prop_map(|(byte, _)| vec![byte]).boxed(),
+        FieldType::Flags(names) => {
+            let all = names.iter().fold(0, |all, (mask, _)| all | mask);
+            any::<u16>().prop_map(move |bits| (bits & all).to_le_bytes()[..len].to_vec()).boxed()
+        }
+        FieldType::Text => text(len).boxed(),
+        FieldType::ParameterValue => {
+            (1..=2_u8, edgy(4)).prop_map(|(ty, value)| [vec![ty], value].concat()).boxed()
+        }
+        _ => edgy(len).boxed(),
+    }
+}
+
+/// Any bytes, but more often the ones at which stuffing and numbers have their edges.
+fn edgy(len: usize) -> impl Strategy<Value = Vec<u8>> {
+    let byte = prop_oneof![3 => any::<u8>(), 2 => Just(0_u8), 1 => select(&[1_u8, 0x7f, 0x80, 0xff][..])];
+    vec(byte, len)
+}
+
+/// Any text that fits, padded.
+fn text(len: usize) -> impl Strategy<Value = Vec<u8>> {
+    let character = any::<char>().prop_filter("a zero is padding", |&character| character != '\0');
+    vec(character, 0..=len).prop_map(move |characters| {
+        let mut text = String::new();
+        for character in characters {
+            if text.len() + character.len_utf8() <= len {
+                text.push(character);
+            }
+        }
+        let mut bytes = text.into_bytes();
+        bytes.resize(len, 0);
+        bytes
+    })
+}

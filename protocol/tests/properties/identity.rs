@@ -1,0 +1,67 @@
+//! A message is its bytes: nothing is lost, nothing has two forms.
+
+use std::fmt::Debug;
+
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, MAX_FRAME, Message, cobs};
+use proptest::prelude::*;
+
+use crate::bodies::{body_of, frame_around, wild_body_of};
+use crate::cases;
+
+/// Body to message to frame to message to frame. Compared are bytes, so NaN counts with all its bits.
+fn passes_unchanged<M: Message + Debug>(body: &[u8]) -> Result<(), TestCaseError> {
+    let message = M::decode_body(body);
+    prop_assert!(message.is_ok(), "{message:?} of {body:02x?}");
+    let frame = message.unwrap().frame();
+    prop_assert_eq!(&frame[..], &frame_around(body)[..]);
+    prop_assert!(frame.len() <= MAX_FRAME);
+    prop_assert_eq!(
+        frame.iter().position(|&byte| byte == 0),
+        Some(frame.len() - 1),
+        "one delimiter, at the end"
+    );
+
+    let mut stuffed = frame[..frame.len() - 1].to_vec();
+    let unstuffed = cobs::unstuff(&mut stuffed).map(<[u8]>::to_vec);
+    prop_assert_eq!(unstuffed.as_deref().and_then(|bytes| bytes.strip_suffix(&crc_of(body))), Some(body));
+
+    let mut stream = &frame[..];
+    let again = Decoder::new().next::<M>(&mut stream);
+    prop_assert!(matches!(&again, Some(Ok(again)) if again.frame()[..] == frame[..]), "{again:?}");
+    Ok(())
+}
+
+fn crc_of(body: &[u8]) -> [u8; 4] {
+    lashloop_protocol::crc::checksum(body).to_le_bytes()
+}
+
+/// Bytes are refused or are the only form of their message.
+fn has_one_form<M: Message>(body: &[u8]) -> Result<(), TestCaseError> {
+    if let Ok(message) = M::decode_body(body) {
+        prop_assert_eq!(&message.frame()[..], &frame_around(body)[..]);
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(cases(4096))]
+
+    #[test]
+    fn every_message_of_the_host_passes_unchanged(body in body_of::<HostMessage>()) {
+        passes_unchanged::<HostMessage>(&body)?;
+    }
+
+    #[test]
+    fn every_message_of_the_drive_passes_unchanged(body in body_of::<DriveMessage>()) {
+        passes_unchanged::<DriveMessage>(&body)?;
+    }
+
+    #[test]
+    fn bytes_that_are_taken_are_the_only_form_of_their_message(
+        from_host in wild_body_of::<HostMessage>(),
+        from_drive in wild_body_of::<DriveMessage>(),
+    ) {
+        has_one_form::<HostMessage>(&from_host)?;
+        has_one_form::<DriveMessage>(&from_drive)?;
+    }
+}

@@ -1,0 +1,139 @@
+//! The decoder as its specification reads: the whole stream at once, one step after the other, no cleverness. The
+//! property tests and the fuzzer hold the real one against it.
+
+use std::fmt::Debug;
+
+use lashloop_protocol::frame::FrameError;
+use lashloop_protocol::{Counters, Decoder, MAX_FRAME, Message};
+
+/// What a stream holds.
+struct Contents<M> {
+    items: Vec<Result<M, FrameError>>,
+    /// Bytes in good frames.
+    good: usize,
+    /// Bytes in bad frames.
+    bad: usize,
+    /// Delimiters with nothing before them.
+    idle: usize,
+    /// Bytes after the last delimiter.
+    unfinished: usize,
+}
+
+/// Offers `stream` to a decoder in pieces of the given lengths, again and again, and compares all it says with the
+/// specification. Returns what the decoder found.
+///
+/// # Panics
+/// Where they differ.
+pub fn check<M: Message + Debug>(stream: &[u8], piece_lens: &[usize]) -> Vec<Result<M, FrameError>> {
+    let expected = contents::<M>(stream);
+    let mut decoder = Decoder::new();
+    let mut found = Vec::new();
+    let mut rest = stream;
+    for &len in piece_lens.iter().chain([&stream.len()]).cycle() {
+        if rest.is_empty() {
+            break;
+        }
+        let (mut piece, later) = rest.split_at(len.clamp(1, rest.len()));
+        while let Some(item) = decoder.next::<M>(&mut piece) {
+            found.push(item);
+        }
+        assert!(piece.is_empty(), "the decoder takes every byte it is offered");
+        rest = later;
+    }
+
+    assert_eq!(found.len(), expected.items.len(), "found {found:?}, expected {:?}", expected.items);
+    for (found, expected) in found.iter().zip(&expected.items) {
+        assert!(same(found, expected), "found {found:?}, expected {expected:?}");
+    }
+    assert_eq!(*decoder.counters(), count(&expected));
+    assert_eq!(expected.good + expected.bad + expected.idle + expected.unfinished, stream.len());
+    let end = match expected.unfinished {
+        0 => Ok(()),
+        bytes => Err(FrameError::Truncated { bytes }),
+    };
+    assert_eq!(decoder.finish(), end);
+    let discarded = decoder.counters().discarded_bytes as usize;
+    assert_eq!(
+        expected.good + discarded + expected.idle,
+        stream.len(),
+        "the counters add up to the bytes offered"
+    );
+    found
+}
+
+/// Equal in every bit: the messages' own `==` finds no number equal to NaN.
+fn same<M: Message>(found: &Result<M, FrameError>, expected: &Result<M, FrameError>) -> bool {
+    match (found, expected) {
+        (Ok(found), Ok(expected)) => found.frame()[..] == expected.frame()[..],
+        (Err(found), Err(expected)) => found == expected,
+        _ => false,
+    }
+}
+
+fn count<M>(contents: &Contents<M>) -> Counters {
+    let count = |wanted: fn(&FrameError) -> bool| {
+        contents.items.iter().filter(|item| matches!(item, Err(error) if wanted(error))).count() as u32
+    };
+    Counters {
+        messages: contents.items.iter().filter(|item| item.is_ok()).count() as u32,
+        discarded_bytes: contents.bad as u32,
+        oversized: count(|error| matches!(error, FrameError::Oversized { .. })),
+        malformed: count(|error| matches!(error, FrameError::Stuffing { .. } | FrameError::TooShort { .. })),
+        crc_errors: count(|error| matches!(error, FrameError::Crc { .. })),
+        refused: count(|error| matches!(error, FrameError::Body(_))),
+    }
+}
+
+fn contents<M: Message>(stream: &[u8]) -> Contents<M> {
+    let mut contents = Contents { items: Vec::new(), good: 0, bad: 0, idle: 0, unfinished: 0 };
+    for piece in stream.split_inclusive(|&byte| byte == 0) {
+        let Some(stuffed) = piece.strip_suffix(&[0]) else {
+            contents.unfinished = piece.len();
+            continue;
+        };
+        if stuffed.is_empty() {
+            contents.idle += 1;
+            continue;
+        }
+        let item = open(stuffed).and_then(|body| Ok(M::decode_body(&body)?));
+        *(if item.is_ok() { &mut contents.good } else { &mut contents.bad }) += piece.len();
+        contents.items.push(item);
+    }
+    contents
+}
+
+/// The body between two delimiters.
+fn open(stuffed: &[u8]) -> Result<Vec<u8>, FrameError> {
+    let bytes = stuffed.len();
+    if bytes + 1 > MAX_FRAME {
+        return Err(FrameError::Oversized { bytes: bytes + 1 });
+    }
+    let mut body = unstuff(stuffed).ok_or(FrameError::Stuffing { bytes })?;
+    if body.len() < 5 {
+        return Err(FrameError::TooShort { bytes });
+    }
+    let crc = body.split_off(body.len() - 4);
+    let (expected, found) = (crc_32c(&body), u32::from_le_bytes([crc[0], crc[1], crc[2], crc[3]]));
+    if expected == found { Ok(body) } else { Err(FrameError::Crc { expected, found }) }
+}
+
+/// COBS as its inventors describe it: a code byte `n` stands for the `n - 1` bytes after it and a zero, of which the
+/// last one is not part of the data.
+fn unstuff(mut stuffed: &[u8]) -> Option<Vec<u8>> {
+    let mut data = Vec::new();
+    while let Some((&code, rest)) = stuffed.split_first() {
+        let (block, after) = rest.split_at_checked(usize::from(code) - 1)?;
+        data.extend_from_slice(block);
+        data.extend((!after.is_empty()).then_some(0));
+        stuffed = after;
+    }
+    Some(data)
+}
+
+/// Bit by bit, from the polynomial.
+fn crc_32c(bytes: &[u8]) -> u32 {
+    let remainder = bytes.iter().fold(u32::MAX, |crc, &byte| {
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| crc >> 1 ^ if crc & 1 == 1 { 0x82f6_3b78 } else { 0 })
+    });
+    !remainder
+}

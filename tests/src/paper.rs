@@ -1,0 +1,84 @@
+//! The paper's four runs, and the torque streams they are pinned to.
+
+use serde_json::Value;
+
+use crate::bench;
+use crate::records::Records;
+
+/// One of the paper's runs.
+#[derive(Debug, Clone, Copy)]
+pub struct PaperRun {
+    /// Name of its scenario.
+    pub name: &'static str,
+    /// The metric that the paper gives.
+    pub metric: &'static str,
+    /// What it is to be.
+    pub want: f64,
+    /// By how much it may differ.
+    pub tolerance: f64,
+    /// SHA-256 of every torque of the run. Lockstep is repeatable bit for bit, so this is the same on every device. It
+    /// changes with the control law, the plant or their arithmetic, and then on purpose.
+    pub torque_sha256: &'static str,
+}
+
+/// Before and after compensation, on the smooth plant and on the one with friction.
+pub const RUNS: [PaperRun; 4] = [
+    PaperRun {
+        name: "smooth-before",
+        metric: "settle_time_s",
+        want: 12.9,
+        tolerance: 0.15,
+        torque_sha256: "7371a836110f239cec0dc5fd117586a6169c690b4c48de6fb77aa427e9086c86",
+    },
+    PaperRun {
+        name: "smooth-after",
+        metric: "settle_time_s",
+        want: 5.14,
+        tolerance: 0.1,
+        torque_sha256: "cf2cc37c6f429c01271328c5448cb2991944dcdf4ccfed17aefec878f094602d",
+    },
+    PaperRun {
+        name: "friction-before",
+        metric: "static_error_rad",
+        want: 0.320,
+        tolerance: 0.002,
+        torque_sha256: "3a59e64c762ffd19b3f8ec9254c83ff8f9042665d36727fea7255ed415187ec1",
+    },
+    PaperRun {
+        name: "friction-after",
+        metric: "static_error_rad",
+        want: 0.0,
+        tolerance: 0.015,
+        torque_sha256: "13a95cbf2f0219a969fb29cba3da21798f2efbb84c9b42b99922119d4bd1025a",
+    },
+];
+
+impl PaperRun {
+    /// The scenario's file.
+    #[must_use]
+    pub fn scenario(&self) -> String {
+        format!("scenarios/{}.toml", self.name)
+    }
+
+    /// Runs it on a device, checks that it passes and that its torques are the pinned ones, and returns the summary.
+    ///
+    /// # Panics
+    /// It does not pass, misses the paper's number, or its torques are others.
+    #[must_use]
+    pub fn pass_on(&self, device: &str) -> Value {
+        let Self { name, metric, want, tolerance, torque_sha256 } = *self;
+        let records = Records::new();
+        let _ =
+            bench::run(["run", &self.scenario(), "--device", device, "--out", &records.out()]).with_code(0);
+        let summary = records.summary();
+        assert_eq!(summary["verdict"], "PASS", "{name} on {device}");
+        let have = summary["metrics"][metric].as_f64().unwrap_or(f64::NAN);
+        assert!(
+            (have - want).abs() <= tolerance,
+            "{name} on {device}: {metric} {have}, want {want} +- {tolerance}"
+        );
+        assert_eq!(summary["torque_sha256"], torque_sha256, "{name} on {device}: other torques");
+        assert_eq!(records.trace().len(), 25_000, "{name} on {device}: rows of the trace");
+        summary
+    }
+}

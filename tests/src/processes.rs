@@ -1,0 +1,45 @@
+//! Other processes, as `/proc` shows them.
+
+use std::fs;
+
+use rustix::process::{Pid, Signal, kill_process};
+
+/// The state letter and the parent of a process; `None` if there is none of this number.
+fn status(id: u32) -> Option<(char, u32)> {
+    let line = fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
+    // The name in parentheses may hold anything, so we look behind its end.
+    let (_, rest) = line.rsplit_once(") ")?;
+    let mut fields = rest.split(' ');
+    Some((fields.next()?.chars().next()?, fields.next()?.parse().ok()?))
+}
+
+/// Whether a process runs; one that has ended and whose parent has not looked yet doesn't.
+#[must_use]
+pub fn runs(id: u32) -> bool {
+    status(id).is_some_and(|(state, _)| !matches!(state, 'Z' | 'X'))
+}
+
+/// The running processes that a process has started.
+#[must_use]
+pub fn children(parent: u32) -> Vec<u32> {
+    let processes = fs::read_dir("/proc").into_iter().flatten().flatten();
+    processes
+        .filter_map(|entry| entry.file_name().to_str()?.parse().ok())
+        .filter(|&id| runs(id) && status(id).is_some_and(|(_, its_parent)| its_parent == parent))
+        .collect()
+}
+
+/// Name of the program that a process runs, as far as the system keeps it: its first 15 bytes.
+#[must_use]
+pub fn name(id: u32) -> String {
+    fs::read_to_string(format!("/proc/{id}/comm")).unwrap_or_default().trim_end().to_owned()
+}
+
+/// Sends a signal.
+///
+/// # Panics
+/// There is no such process.
+pub fn signal(id: u32, signal: Signal) {
+    let pid = i32::try_from(id).ok().and_then(Pid::from_raw).expect("a process number");
+    kill_process(pid, signal).unwrap_or_else(|error| panic!("process {id} can't be signalled: {error}"));
+}

@@ -1,0 +1,40 @@
+//! The program under test.
+
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+
+use crate::workspace;
+
+/// The `lashloop` program, built with the profile of this test into its target directory.
+///
+/// Cargo gives the path of a program only to the tests of the package that has it, so we ask cargo to build it. It has
+/// the whole workspace in view, because then it is the very program that `cargo test --workspace` has built already.
+///
+/// # Panics
+/// It does not build; the panic shows what cargo said.
+pub fn lashloop() -> &'static Path {
+    static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+    PROGRAM.get_or_init(build)
+}
+
+fn build() -> PathBuf {
+    let test = env::current_exe().expect("the path of this test");
+    // <target>/<profile>/deps/<test>
+    let folder = test.ancestors().nth(2).expect("a test lies in the deps folder of its profile");
+    let target = folder.parent().expect("a profile's folder lies in the target folder");
+    let profile = match folder.file_name().and_then(|name| name.to_str()) {
+        Some("debug") => "dev",
+        Some(name) => name,
+        None => panic!("{} is not the folder of a profile", folder.display()),
+    };
+    let built = Command::new(env!("CARGO"))
+        .args(["build", "--quiet", "--workspace", "--bin", "lashloop", "--profile", profile, "--target-dir"])
+        .arg(target)
+        .current_dir(workspace())
+        .output()
+        .expect("cargo starts");
+    assert!(built.status.success(), "lashloop does not build: {}", String::from_utf8_lossy(&built.stderr));
+    folder.join("lashloop")
+}

@@ -1,0 +1,122 @@
+//! What a run leaves in its folder.
+
+use std::fs;
+use std::path::PathBuf;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::wait;
+
+/// A folder for `--out`, gone with the test.
+pub struct Records {
+    folder: TempDir,
+}
+
+/// A `trace.csv`, column by column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trace {
+    header: Vec<String>,
+    rows: Vec<Vec<f64>>,
+}
+
+impl Default for Records {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Records {
+    /// An empty folder.
+    ///
+    /// # Panics
+    /// The system refuses one.
+    #[must_use]
+    pub fn new() -> Self {
+        Self { folder: tempfile::tempdir().expect("a temporary folder") }
+    }
+
+    /// The folder as `--out` takes it.
+    #[must_use]
+    pub fn out(&self) -> String {
+        self.folder.path().display().to_string()
+    }
+
+    /// A file in it.
+    #[must_use]
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// The text of `summary.json`; `None` if there is none.
+    #[must_use]
+    pub fn summary_text(&self) -> Option<String> {
+        fs::read_to_string(self.path("summary.json")).ok()
+    }
+
+    /// `summary.json`.
+    ///
+    /// # Panics
+    /// There is none, or it isn't JSON.
+    #[must_use]
+    pub fn summary(&self) -> Value {
+        let text = self.summary_text().expect("a summary.json");
+        serde_json::from_str(&text).expect("summary.json is JSON")
+    }
+
+    /// `trace.csv`, every row of it whole.
+    ///
+    /// # Panics
+    /// It is not there or torn.
+    #[must_use]
+    pub fn trace(&self) -> Trace {
+        let text = fs::read_to_string(self.path("trace.csv")).expect("a trace.csv");
+        assert!(text.ends_with('\n'), "trace.csv ends within a row: {:?}", text.lines().last());
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let header = reader.headers().expect("trace.csv has a header").iter().map(str::to_owned).collect();
+        let number =
+            |field: &str| field.parse().unwrap_or_else(|_| panic!("trace.csv: {field} is no number"));
+        let rows = reader
+            .records()
+            .map(|row| row.expect("every row has as many columns as the header").iter().map(number).collect())
+            .collect();
+        Trace { header, rows }
+    }
+
+    /// Waits until a run has written rows: it is in its midst then.
+    pub fn wait_for_rows(&self) {
+        wait::until("rows in trace.csv", || {
+            fs::metadata(self.path("trace.csv")).is_ok_and(|file| file.len() > 4096).then_some(())
+        });
+    }
+}
+
+impl Trace {
+    /// Names of the columns.
+    #[must_use]
+    pub fn header(&self) -> &[String] {
+        &self.header
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether there is no row.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// A column by its name.
+    ///
+    /// # Panics
+    /// There is no such column.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Vec<f64> {
+        let at = self.header.iter().position(|column| column == name).expect("a column of this name");
+        self.rows.iter().map(|row| row[at]).collect()
+    }
+}

@@ -1,0 +1,123 @@
+//! The table of transitions, cell by cell.
+
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+use lashloop_protocol::DriveMessage;
+use lashloop_protocol::message::EncoderSample;
+use lashloop_protocol::vocabulary::{FaultCode, ParameterValue, State};
+
+use crate::markdown::{section, table};
+use crate::talk::{Talk, refusal, request, rest};
+
+const STATES: &str = "## 6. States";
+
+#[test]
+fn every_request_does_in_every_state_what_the_table_says() {
+    for row in table(section(STATES), "request") {
+        let (name, cells) = (&row[0], &row[1..]);
+        assert_eq!(cells.len(), State::ALL.len(), "{name}");
+        for (&state, cell) in State::ALL.iter().zip(cells) {
+            if cell == "no session yet" {
+                assert_eq!(state, State::Boot);
+                continue;
+            }
+            let mut talk = Talk::in_state(state);
+            if state == State::Running {
+                talk.say(EncoderSample { motor_counts: 3000, load_counts: 1000, ..rest(0) });
+                assert_ne!(talk.drive.torque_nm(), 0.0, "there is torque to take away");
+            }
+            let refused = refusal(&talk.say(request(name)));
+            let after = talk.drive.state();
+            let have = match refused {
+                None => format!("-> {after:?}"),
+                Some(outcome) => {
+                    assert_eq!(after, state, "{name} was refused in {state:?} and moved the drive");
+                    format!("{outcome:?}")
+                }
+            };
+            assert_eq!(have, *cell, "{name} in {state:?}");
+            assert!(after == State::Running || talk.drive.torque_nm() == 0.0, "{name} in {state:?}");
+        }
+    }
+}
+
+#[test]
+fn every_kind_of_request_is_in_the_table() {
+    use lashloop_protocol::{HostMessage, Message};
+    let rows = table(section(STATES), "request");
+    let have: BTreeSet<_> = rows.iter().filter_map(|row| row[0].split(',').next()).collect();
+    let want: BTreeSet<_> = HostMessage::LAYOUTS.iter().map(|layout| layout.name).collect();
+    assert_eq!(have, want);
+}
+
+#[test]
+fn a_fault_before_any_greeting_is_cleared_to_boot() {
+    let mut talk = Talk::in_state(State::Boot);
+    talk.say(request("EmergencyStop"));
+    talk.say(request("ClearFault"));
+    assert_eq!(talk.drive.state(), State::Boot);
+}
+
+/// Makes happen to a running drive what the document names, and returns what the drive says.
+fn happen(code: FaultCode) -> (Talk, Vec<DriveMessage>) {
+    let far = |motor_counts, load_counts| EncoderSample { motor_counts, load_counts, ..rest(1) };
+    let mut talk = Talk::running(&[("k_p1", ParameterValue::F32(1e6)), ("k_p2", ParameterValue::F32(1e6))]);
+    talk.sample(0);
+    let answers = match code {
+        FaultCode::Watchdog => {
+            talk.wait(Duration::from_micros(20_001));
+            talk.tick()
+        }
+        FaultCode::TorqueNotFinite => talk.say(EncoderSample { reference_rad: f32::MAX, ..rest(1) }),
+        FaultCode::ReferenceNotFinite => talk.say(EncoderSample { reference_rad: f32::NAN, ..rest(1) }),
+        FaultCode::MotorEncoderJump => talk.say(far(1 << 20, 0)),
+        FaultCode::LoadEncoderJump => talk.say(far(0, 1 << 20)),
+        other => panic!("{other:?} does not happen by itself"),
+    };
+    (talk, answers)
+}
+
+#[test]
+fn every_event_faults_as_the_table_says() {
+    let rows = table(section(STATES), "event in Running");
+    for row in &rows {
+        let code = FaultCode::ALL.iter().find(|code| format!("{code:?}") == row[2]);
+        let code = *code.unwrap_or_else(|| panic!("{} is no fault", row[2]));
+        let (talk, answers) = happen(code);
+        assert_eq!(format!("{:?}", talk.drive.state()), row[1], "{code:?}");
+        assert!(
+            matches!(answers.last(), Some(DriveMessage::FaultReport(report)) if report.code == code),
+            "{code:?}: {answers:?}"
+        );
+    }
+    let not_events = [FaultCode::EmergencyStop, FaultCode::Panic, FaultCode::ProcessorFault];
+    assert_eq!(
+        rows.len() + not_events.len(),
+        FaultCode::ALL.len(),
+        "every fault that happens by itself is there"
+    );
+}
+
+#[test]
+fn a_silence_of_exactly_the_watchdog_s_time_is_in_time() {
+    let mut talk = Talk::running(&[]);
+    talk.wait(Duration::from_micros(20_000));
+    assert_eq!(talk.tick(), []);
+    assert_eq!(talk.drive.state(), State::Running);
+}
+
+#[test]
+fn an_emergency_stop_is_reported_and_the_first_fault_kept() {
+    let (mut talk, _) = happen(FaultCode::Watchdog);
+    let answers = talk.say(request("EmergencyStop"));
+    assert!(
+        matches!(answers[0], DriveMessage::FaultReport(report) if report.code == FaultCode::EmergencyStop),
+        "{answers:?}"
+    );
+    let answers = talk.say(request("Hello, same session"));
+    assert!(
+        matches!(answers[1], DriveMessage::FaultReport(report) if report.code == FaultCode::Watchdog),
+        "{answers:?}"
+    );
+}

@@ -1,0 +1,56 @@
+//! The emulated board, or its bench, is lost in mid-run.
+
+use std::time::Instant;
+
+use rustix::process::Signal;
+use tests::bench::Bench;
+use tests::loss::{run_in_its_midst, told};
+use tests::records::Records;
+use tests::{processes, wait};
+
+/// A run in its midst and the emulator behind it.
+fn running() -> (Bench, Records, u32) {
+    let (bench, records) = run_in_its_midst("qemu");
+    let [emulator] = processes::children(bench.id())[..] else { panic!("the bench has one child") };
+    assert_eq!(processes::name(emulator), "qemu-system-arm");
+    (bench, records, emulator)
+}
+
+pub(crate) fn killed() {
+    let (bench, records, emulator) = running();
+    let lost_at = Instant::now();
+    processes::signal(emulator, Signal::KILL);
+    let sentence = told(bench, &records, lost_at);
+    let names = [
+        format!(
+            "the drive side ended while the bench was talking to qemu: the emulator (process {emulator})"
+        ),
+        "signal: 9".to_owned(),
+    ];
+    assert!(names.iter().all(|name| sentence.contains(name)), "{sentence}");
+}
+
+pub(crate) fn stopped() {
+    let (bench, records, emulator) = running();
+    let lost_at = Instant::now();
+    processes::signal(emulator, Signal::STOP);
+    let sentence = told(bench, &records, lost_at);
+    assert!(sentence.contains("the drive was silent for 2.5 s after EncoderSample"), "{sentence}");
+    assert!(!processes::runs(emulator), "the hanging emulator was left behind");
+}
+
+pub(crate) fn bench_killed() {
+    let (bench, records, emulator) = running();
+    bench.signal(Signal::KILL);
+    assert_eq!(bench.wait().code, None);
+    wait::until("the end of the emulator", || (!processes::runs(emulator)).then_some(()));
+    assert!(!records.trace().is_empty(), "rows of the trace");
+}
+
+pub(crate) fn bench_interrupted() {
+    let (bench, records, emulator) = running();
+    bench.signal(Signal::INT);
+    let _ = bench.wait().with_code(3);
+    assert!(!processes::runs(emulator), "the emulator was left behind");
+    assert_eq!(records.summary()["verdict"], "INVALID");
+}

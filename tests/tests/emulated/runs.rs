@@ -1,0 +1,53 @@
+//! Runs with the emulated board.
+
+use tests::bench;
+use tests::paper::PaperRun;
+use tests::records::Records;
+
+/// The emulated processor gives the paper's number, and the torques that are pinned for every device.
+pub(crate) fn same_as_in_process(run: PaperRun) {
+    let emulated = run.pass_on("qemu");
+    let in_process = run.pass_on("inproc");
+    for key in ["torque_sha256", "metrics", "steps", "expectations"] {
+        assert_eq!(emulated[key], in_process[key], "{}: {key}", run.name);
+    }
+    let link = &emulated["link"];
+    for key in ["crc_errors", "lost", "late", "damaged_at_drive", "overruns_at_drive"] {
+        assert_eq!(link[key], 0, "{}: {key}", run.name);
+    }
+}
+
+pub(crate) fn identity() {
+    let records = Records::new();
+    let arguments = ["run", "scenarios/smooth-after.toml", "--device", "qemu", "--out", &records.out()];
+    // Ten steps can't settle, so the verdict is FAIL.
+    let _ = bench::run(arguments.into_iter().chain(["--set", "run.duration_s=0.01"])).with_code(1);
+    let summary = records.summary();
+    let device = summary["device"].as_str().expect("the device");
+    assert!(device.starts_with("qemu (stm32f405-qemu, firmware "), "{device}");
+    assert_eq!(summary["versions"]["firmware"], summary["versions"]["lashloop"]);
+}
+
+pub(crate) fn no_image() {
+    let ended =
+        bench::run(["run", "scenarios/smooth-after.toml", "--device", "qemu:no/such.elf"]).with_code(4);
+    let want = "lashloop: no image of the firmware at no/such.elf: build it with `cargo xtask image`\n";
+    assert_eq!((ended.stderr.as_str(), ended.stdout.as_str()), (want, ""));
+}
+
+/// A file that QEMU takes for a program and that locks the processor up at once.
+pub(crate) fn stranger() {
+    let records = Records::new();
+    let image = records.path("zeros.bin");
+    std::fs::write(&image, [0; 1024]).expect("an image of the test");
+    let device = format!("qemu:{}", image.display());
+    let ended = bench::run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(4);
+    assert_eq!(ended.stderr.lines().count(), 1, "{}", ended.stderr);
+    let side = format!(
+        "lashloop: the drive side ended while the bench was talking to {device}: the emulator (process "
+    );
+    assert!(ended.stderr.starts_with(&side), "{}", ended.stderr);
+    // The cause that QEMU gives, and not the end of the register dump that follows it.
+    assert!(ended.stderr.contains("qemu: fatal: Lockup"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("no sample sent yet, no good frame received"), "{}", ended.stderr);
+}

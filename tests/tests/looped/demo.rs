@@ -1,0 +1,26 @@
+//! `lashloop demo`: what a newcomer runs first.
+
+use std::fs;
+
+use tests::bench;
+use tests::records::Records;
+
+#[test]
+fn the_demo_prints_a_table_and_draws_one_picture() {
+    for device in ["inproc", "native"] {
+        let records = Records::new();
+        let ended = bench::run(["demo", "--device", device, "--out", &records.out()]).with_code(0);
+        let (who, table) = ended.stdout.split_once('\n').expect("a line about the drive");
+        assert!(who.starts_with(device), "{who}");
+        // The same table for both devices, so one snapshot.
+        insta::assert_snapshot!("table", table.replace(&records.out(), "OUT"));
+        let picture = fs::read_to_string(records.path("demo.svg")).expect("a picture");
+        let document = roxmltree::Document::parse(&picture).expect("a well-formed picture");
+        assert_eq!(document.root_element().tag_name().name(), "svg");
+        let curves =
+            document.descendants().filter(|node| matches!(node.tag_name().name(), "path" | "polyline"));
+        assert!(curves.count() >= 4, "a curve for each run at least");
+        let files = fs::read_dir(records.out()).expect("the folder").count();
+        assert_eq!(files, 1, "one file");
+    }
+}

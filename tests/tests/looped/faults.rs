@@ -1,0 +1,165 @@
+//! A line with faults: frames that are lost, damaged, doubled, or have noise between them. Each run is a whole
+//! `friction-before`, so that what the faults leave of it can still be judged.
+
+use serde_json::Value;
+use tests::bench;
+use tests::paper::RUNS;
+use tests::records::{Records, Trace};
+use tests::relay::{Fate, Passing, Relay};
+use tests::twin::Twin;
+
+/// The frame that is hit.
+const HIT: u32 = 700;
+
+/// Long enough for a twin on a busy machine, so that no answer is late that isn't meant to be.
+const TIMEOUT: &str = "link.answer_timeout_ms=1000";
+
+/// Runs `friction-before` through a relay and expects an exit code.
+fn run_through(
+    tamper: impl FnMut(&Passing) -> Fate + Send + 'static,
+    settings: &[&str],
+    code: i32,
+) -> (Value, Trace, String) {
+    let twin = Twin::start();
+    let relay = Relay::start(twin.path(), tamper);
+    let records = Records::new();
+    let scenario = RUNS[2].scenario();
+    let mut arguments = vec!["run", &scenario, "--device", relay.device(), "--set", TIMEOUT];
+    let out = records.out();
+    arguments.extend(["--out", &out]);
+    arguments.extend(settings.iter().flat_map(|setting| ["--set", setting]));
+    let ended = bench::run(arguments).with_code(code);
+    (records.summary(), records.trace(), ended.stdout)
+}
+
+fn same_run(summary: &Value) -> bool {
+    summary["torque_sha256"] == RUNS[2].torque_sha256
+}
+
+fn lose_torque(frame: &Passing) -> Fate {
+    if frame.torque().is_some_and(|torque| torque.sequence == HIT) {
+        Fate::Become(Vec::new())
+    } else {
+        Fate::Pass
+    }
+}
+
+fn held_at_hit(trace: &Trace) -> bool {
+    let torque_nm = trace.column("torque_nm");
+    let at = HIT as usize;
+    // Neighbours that differ show that a held torque is more than a drive at rest.
+    torque_nm[at] == torque_nm[at - 1]
+        && torque_nm[at - 1] != torque_nm[at - 2]
+        && torque_nm[at + 1] != torque_nm[at]
+}
+
+#[test]
+fn a_lost_answer_holds_the_last_torque_and_makes_the_run_invalid() {
+    let (summary, trace, stdout) = run_through(lose_torque, &[], 3);
+    assert!(held_at_hit(&trace), "the row of the lost answer doesn't hold the torque before it");
+    assert_eq!((&summary["verdict"], &summary["link"]["lost"]), (&"INVALID".into(), &1.into()));
+    assert!(stdout.contains("BROKEN lost: 1 counted, allow.lost is 0"), "{stdout}");
+    assert!(!same_run(&summary), "a run with a held torque is another run");
+    assert_eq!(trace.len(), 25_000);
+}
+
+#[test]
+fn a_lost_answer_that_the_scenario_allows_can_pass() {
+    let (summary, trace, _) = run_through(lose_torque, &["allow.lost=1"], 0);
+    assert!(held_at_hit(&trace), "the row of the lost answer doesn't hold the torque before it");
+    assert_eq!(summary["link"]["lost"], 1);
+}
+
+#[test]
+fn a_lost_sample_holds_the_last_torque_as_well() {
+    let lose = |frame: &Passing| match frame.sample() {
+        Some(sample) if sample.sequence == HIT => Fate::Become(Vec::new()),
+        _ => Fate::Pass,
+    };
+    let (summary, trace, _) = run_through(lose, &[], 3);
+    assert!(held_at_hit(&trace), "the row of the lost sample doesn't hold the torque before it");
+    assert_eq!((&summary["link"]["lost"], &summary["link"]["damaged_at_drive"]), (&1.into(), &0.into()));
+}
+
+#[test]
+fn a_late_answer_is_counted_and_not_used() {
+    let mut kept = Vec::new();
+    let delay = move |frame: &Passing| match frame.torque() {
+        Some(torque) if torque.sequence == HIT => {
+            kept.clone_from(&frame.bytes);
+            Fate::Become(Vec::new())
+        }
+        // By now its sample has been given up.
+        Some(torque) if torque.sequence == HIT + 1 => Fate::Become([&kept[..], &frame.bytes].concat()),
+        _ => Fate::Pass,
+    };
+    let (summary, trace, _) = run_through(delay, &["allow.lost=1"], 3);
+    assert!(held_at_hit(&trace), "the late answer was used");
+    assert_eq!((&summary["link"]["lost"], &summary["link"]["late"]), (&1.into(), &1.into()));
+}
+
+#[test]
+fn a_torque_with_a_flipped_bit_is_counted_and_not_used() {
+    let flip = |frame: &Passing| match frame.torque() {
+        Some(torque) if torque.sequence == HIT => {
+            let mut bytes = frame.bytes.clone();
+            // Within the torque, and no byte that this makes zero: a frame of the right length with a wrong CRC.
+            bytes[8] ^= if bytes[8] == 0x10 { 0x20 } else { 0x10 };
+            Fate::Become(bytes)
+        }
+        _ => Fate::Pass,
+    };
+    let (summary, trace, stdout) = run_through(flip, &[], 3);
+    assert!(held_at_hit(&trace), "the damaged torque was used");
+    assert_eq!((&summary["link"]["crc_errors"], &summary["link"]["lost"]), (&1.into(), &1.into()));
+    assert!(stdout.contains("BROKEN crc_errors: 1 counted, allow.crc_errors is 0"), "{stdout}");
+}
+
+#[test]
+fn a_sample_with_a_flipped_bit_is_refused_by_the_drive_which_tells_of_it() {
+    let flip = |frame: &Passing| match frame.sample() {
+        Some(sample) if sample.sequence == HIT => {
+            let mut bytes = frame.bytes.clone();
+            bytes[7] ^= if bytes[7] == 0x10 { 0x20 } else { 0x10 };
+            Fate::Become(bytes)
+        }
+        _ => Fate::Pass,
+    };
+    let (summary, trace, _) = run_through(flip, &[], 3);
+    assert!(held_at_hit(&trace), "the damaged sample was answered");
+    let link = &summary["link"];
+    assert_eq!(
+        (&link["damaged_at_drive"], &link["lost"], &link["crc_errors"]),
+        (&1.into(), &1.into(), &0.into())
+    );
+}
+
+#[test]
+fn a_doubled_sample_changes_nothing() {
+    let double = |frame: &Passing| match frame.sample() {
+        Some(sample) if sample.sequence % 100 == 0 => Fate::Become(frame.bytes.repeat(2)),
+        _ => Fate::Pass,
+    };
+    let (summary, _, _) = run_through(double, &[], 0);
+    assert!(same_run(&summary), "other torques: {summary}");
+    // 25,000 samples and a stop; the drive's answers to 250 of them came twice.
+    let link = &summary["link"];
+    assert_eq!((&link["lost"], &link["late"], &link["crc_errors"]), (&0.into(), &0.into(), &0.into()));
+}
+
+#[test]
+fn noise_between_frames_is_counted_and_changes_no_torque() {
+    let noise = |frame: &Passing| {
+        let hit = frame.torque().is_some_and(|torque| torque.sequence == HIT)
+            || frame.sample().is_some_and(|sample| sample.sequence == HIT);
+        let garbage = [0xff, 0x07, 0x5a, 0xa5, 0x00];
+        if hit { Fate::Become([&garbage[..], &frame.bytes].concat()) } else { Fate::Pass }
+    };
+    let (summary, _, _) = run_through(noise, &["allow.crc_errors=1"], 0);
+    assert!(same_run(&summary), "other torques: {summary}");
+    let link = &summary["link"];
+    assert_eq!(
+        (&link["crc_errors"], &link["damaged_at_drive"], &link["lost"]),
+        (&1.into(), &1.into(), &0.into())
+    );
+}

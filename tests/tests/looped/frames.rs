@@ -1,0 +1,46 @@
+//! The first frames of a run as bytes, taken off the line.
+
+use std::sync::mpsc;
+
+use lashloop_protocol::vocabulary::{State, TorqueFlags};
+use tests::bench;
+use tests::paper::RUNS;
+use tests::relay::{Fate, Passing, Relay};
+use tests::twin::Twin;
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect::<Vec<_>>().join(" ")
+}
+
+/// The first frame of each kind asked for in a run of two steps.
+fn first(wanted: [fn(&Passing) -> bool; 2]) -> [Passing; 2] {
+    let twin = Twin::start();
+    let (tell, told) = mpsc::channel();
+    let relay = Relay::start(twin.path(), move |frame| {
+        let _ = tell.send(frame.clone());
+        Fate::Pass
+    });
+    // Two steps can't settle, so the verdict is FAIL.
+    let scenario = RUNS[1].scenario();
+    let _ = bench::run(["run", &scenario, "--device", relay.device(), "--set", "run.duration_s=0.002"])
+        .with_code(1);
+    drop(relay);
+    let frames: Vec<Passing> = told.into_iter().collect();
+    wanted.map(|wanted| frames.iter().find(|frame| wanted(frame)).expect("such a frame").clone())
+}
+
+#[test]
+fn the_first_sample_and_the_first_torque_have_these_bytes() {
+    let [sample, torque] = first([|frame| frame.sample().is_some(), |frame| frame.torque().is_some()]);
+
+    // code, kind, sequence 0, motor counts 98304, load counts 32768, reference 0.0, CRC, delimiter: the load at pi/2 and
+    // the motor at 3 pi/2 are a quarter and three quarters of 131,072 counts.
+    assert_eq!(hex(&sample.bytes), "02 10 01 01 01 01 03 80 01 01 02 80 01 01 01 01 01 05 d7 b8 98 ef 00");
+
+    // code, kind, sequence 0, torque, state Running. Flags, CRC and delimiter follow, and between them the time the
+    // drive took, which no test can know; with it the stuffing of the flags' zero.
+    assert_eq!(torque.bytes.len(), 19);
+    assert_eq!(hex(&torque.bytes[..11]), "02 90 01 01 01 06 85 5d a3 c1 04");
+    let answer = torque.torque().expect("a torque");
+    assert_eq!((answer.sequence, answer.state, answer.flags), (0, State::Running, TorqueFlags::empty()));
+}

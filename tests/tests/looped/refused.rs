@@ -1,0 +1,66 @@
+//! Drives that can't be talked to, each with exit code 4 and a sentence that says what to do.
+
+use std::time::{Duration, Instant};
+
+use lashloop_protocol::message::Identity;
+use lashloop_protocol::{DriveMessage, Message};
+use tests::bench::{self, Ended};
+use tests::loss::run_in_its_midst;
+use tests::paper::RUNS;
+use tests::relay::{Fate, Relay};
+use tests::terminal::Terminal;
+use tests::twin::Twin;
+
+fn run_on(device: &str) -> Ended {
+    bench::run(["run", &RUNS[1].scenario(), "--device", device]).with_code(4)
+}
+
+/// The sentence, with the number of the terminal taken out.
+fn sentence(ended: &Ended, device: &str) -> String {
+    ended.stderr.replace(device, "TERMINAL")
+}
+
+#[test]
+fn a_drive_of_another_protocol_version_is_refused_by_both_versions() {
+    let twin = Twin::start();
+    let relay = Relay::start(twin.path(), |frame| match frame.from_drive() {
+        Some(DriveMessage::Identity(identity)) => {
+            let stranger = DriveMessage::from(Identity { protocol_version: 9, ..identity });
+            Fate::Become(stranger.frame().to_vec())
+        }
+        _ => Fate::Pass,
+    });
+    let ended = run_on(relay.device());
+    insta::assert_snapshot!(sentence(&ended, relay.device()));
+}
+
+#[test]
+fn a_silent_terminal_is_given_up_in_time_with_advice() {
+    let terminal = Terminal::open();
+    let started = Instant::now();
+    let ended = run_on(&terminal.device());
+    let took = ended.at - started;
+    assert!(took <= Duration::from_secs(4), "took {took:?}");
+    insta::assert_snapshot!(sentence(&ended, &terminal.device()));
+}
+
+#[test]
+fn a_terminal_that_does_not_exist_is_named() {
+    let said = ["/dev/pts/999999", "/dev/ttyNONE0"].map(|device| run_on(device).stderr);
+    insta::assert_snapshot!(said.concat());
+}
+
+#[test]
+fn a_drive_that_another_bench_talks_to_is_refused_and_the_other_run_goes_on() {
+    let twin = Twin::start();
+    let (first, records) = run_in_its_midst(&twin.device());
+    let ended = run_on(&twin.device());
+    insta::assert_snapshot!(sentence(&ended, &twin.device()));
+    first.signal(rustix::process::Signal::INT);
+    let _ = first.wait().with_code(3);
+    let link = &records.summary()["link"];
+    assert_eq!(
+        (&link["lost"], &link["crc_errors"], &link["damaged_at_drive"]),
+        (&0.into(), &0.into(), &0.into())
+    );
+}

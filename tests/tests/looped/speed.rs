@@ -1,0 +1,25 @@
+//! Time, with bounds so far above what is usual that only a loop that has lost its speed exceeds them.
+
+use serde_json::Value;
+use tests::bench;
+use tests::paper::RUNS;
+use tests::records::Records;
+
+/// The best of three runs, because everything else a machine does only adds.
+fn best_wall_s(device: &str) -> f64 {
+    let wall_s = || {
+        let records = Records::new();
+        let arguments = ["run", &RUNS[1].scenario(), "--device", device, "--out", &records.out()];
+        let _ = bench::run(arguments).with_code(0);
+        records.summary().get("wall_s").and_then(Value::as_f64).expect("the time on the wall")
+    };
+    (0..3).map(|_| wall_s()).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn the_loop_is_far_faster_than_the_plant_s_own_time() {
+    for (device, goal_s) in [("inproc", 0.1), ("native", 2.5)] {
+        let (best_s, cap_s) = (best_wall_s(device), 10.0 * goal_s);
+        assert!(best_s <= cap_s, "{device}: 25 s of the plant took {best_s} s, at most {cap_s} s");
+    }
+}

@@ -1,0 +1,51 @@
+//! `summary.json` as a whole.
+
+use tests::bench;
+use tests::paper::RUNS;
+use tests::records::Records;
+
+/// The text with the values of these keys taken out: they change from run to run or from commit to commit.
+fn without(text: &str, keys: &[&str]) -> String {
+    let line = |line: &str| match line.split_once(": ") {
+        Some((key, value)) if keys.contains(&key.trim().trim_matches('"')) => {
+            format!("{key}: [changes]{}\n", if value.ends_with(',') { "," } else { "" })
+        }
+        _ => format!("{line}\n"),
+    };
+    text.lines().map(line).collect()
+}
+
+#[test]
+fn a_summary_has_everything_that_is_needed_to_trust_and_repeat_a_run() {
+    let records = Records::new();
+    let _ =
+        bench::run(["run", &RUNS[1].scenario(), "--device", "native", "--out", &records.out()]).with_code(0);
+    let text = records.summary_text().expect("a summary");
+    assert!(text.ends_with("}\n"), "whole, with an end of line");
+    let summary = records.summary();
+    let wall_s = summary["wall_s"].as_f64().expect("the time on the wall");
+    assert!(wall_s > 0.0, "have {wall_s} s");
+    let device = summary["device"].as_str().expect("the device");
+    assert!(device.starts_with("native (native-twin, firmware "), "{device}");
+    insta::assert_snapshot!(without(&text, &["device", "wall_s"]));
+}
+
+#[test]
+fn a_trace_has_the_truth_of_the_plant_for_every_step() {
+    let records = Records::new();
+    let _ =
+        bench::run(["run", &RUNS[1].scenario(), "--device", "native", "--out", &records.out()]).with_code(0);
+    let trace = records.trace();
+    insta::assert_snapshot!(trace.header().join("\n"));
+    let column = |name| trace.column(name);
+    let time_s = column("time_s");
+    assert!(time_s.iter().enumerate().all(|(step, time_s)| (time_s - step as f64 * 1e-3).abs() < 1e-9));
+    let start = |name| column(name)[0];
+    assert_eq!(start("load_position_rad"), std::f64::consts::FRAC_PI_2);
+    assert_eq!(start("motor_position_rad"), 3.0 * std::f64::consts::FRAC_PI_2);
+    // z = theta_e - N0 theta_s, with N0 = 3.
+    let (motor, load, twist) =
+        (column("motor_position_rad"), column("load_position_rad"), column("twist_rad"));
+    let worst = (0..trace.len()).map(|i| (motor[i] - 3.0 * load[i] - twist[i]).abs()).fold(0.0, f64::max);
+    assert!(worst < 1e-12, "twist differs from motor and load by {worst} rad");
+}
