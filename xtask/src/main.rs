@@ -30,7 +30,7 @@ enum Chore {
     Size,
     /// Write the C header of the wire contract, protocol/include/lashloop.h, from the layouts of the messages
     Header,
-    /// Install what the emulated board needs and is missing here: QEMU and a core library for Arm
+    /// Install what the tests need and is missing here: QEMU, tshark and a core library for Arm
     Setup,
     /// Give every fuzzer some time; installs cargo-fuzz into target/tools if there is none
     Fuzz {

@@ -8,27 +8,28 @@ use anyhow::{Context, Result};
 use crate::arm_toolchain::{ArmToolchain, TARGET};
 use crate::command;
 
-const QEMU: &str = "qemu-system-arm";
+/// Programs that the tests call; Debian's packages have the same names.
+const PROGRAMS: [&str; 2] = ["qemu-system-arm", "tshark"];
 
 /// rustup waits long for a server it can't reach.
 const RUSTUP_LIMIT: Duration = Duration::from_secs(60);
 
-/// Installs the emulator and a core library for Arm, unless they are there.
+/// Installs the emulator, a reader of captures and a core library for Arm, unless they are there.
 ///
 /// # Errors
 /// A sentence that says what could not be installed and what to do.
 pub(crate) fn install_missing() -> Result<()> {
-    let qemu = install_qemu();
+    let programs = PROGRAMS.map(install_program);
     install_core()?;
-    qemu
+    programs.into_iter().collect()
 }
 
-fn install_qemu() -> Result<()> {
-    if command::find_program(QEMU).is_some() {
+fn install_program(name: &str) -> Result<()> {
+    if command::find_program(name).is_some() {
         return Ok(());
     }
-    apt_install(&[QEMU]).with_context(|| {
-        format!("{QEMU} is missing and could not be installed: install it by hand and call again")
+    apt_install(&[name]).with_context(|| {
+        format!("{name} is missing and could not be installed: install it by hand and call again")
     })
 }
 

@@ -23,6 +23,8 @@ pub(crate) enum CliError {
     Report { path: PathBuf, source: io::Error },
     #[error(transparent)]
     Settings(SettingsError),
+    #[error("{}: can't be read: {source}", path.display())]
+    Input { path: PathBuf, source: io::Error },
     #[error("can't {what}: {source}")]
     System { what: &'static str, source: io::Error },
 }
@@ -37,7 +39,8 @@ impl CliError {
             | Self::Run(_)
             | Self::Settings(_)
             | Self::Output { .. }
-            | Self::Report { .. } => Exit::UsageOrScenario,
+            | Self::Report { .. }
+            | Self::Input { .. } => Exit::UsageOrScenario,
         }
     }
 }

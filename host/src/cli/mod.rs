@@ -9,12 +9,15 @@ macro_rules! say {
 
 mod compare;
 mod conformance;
+mod decode;
 mod demo;
 mod device;
+mod doctor;
 mod error;
 mod output;
 mod parameters;
 mod ping_pong;
+mod ports;
 mod progress;
 mod report;
 mod run;
@@ -46,6 +49,9 @@ enum Command {
     Demo(demo::Arguments),
     Device(device::Arguments),
     Show(show::Arguments),
+    Decode(decode::Arguments),
+    Ports(ports::Arguments),
+    Doctor(doctor::Arguments),
     Compare(compare::Arguments),
     Conformance(conformance::Arguments),
     Parameters(parameters::Arguments),
@@ -88,6 +94,9 @@ pub(crate) fn main() -> ExitCode {
         Command::Demo(arguments) => arguments.run(),
         Command::Device(arguments) => arguments.run(),
         Command::Show(arguments) => arguments.run(),
+        Command::Decode(arguments) => arguments.run(),
+        Command::Ports(arguments) => arguments.run(),
+        Command::Doctor(arguments) => arguments.run(),
         Command::Compare(arguments) => arguments.run(),
         Command::Conformance(arguments) => arguments.run(),
         Command::Parameters(arguments) => arguments.run(),

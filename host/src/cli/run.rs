@@ -4,7 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use lashloop::capture::Capture;
 use lashloop::device::{Device, DeviceChoice};
+use lashloop::link::Link;
+use lashloop::link::capture::Captured;
 use lashloop::record::RecordError;
 use lashloop::record::summary::{Summary, Versions};
 use lashloop::record::trace::{TraceRow, TraceWriter};
@@ -41,6 +44,10 @@ pub(crate) struct Arguments {
     /// Write summary.json and trace.csv into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+
+    /// Write every frame on the line into this file, for Wireshark or `lashloop decode`
+    #[arg(long, value_name = "FILE.pcapng")]
+    capture: Option<PathBuf>,
 }
 
 impl Arguments {
@@ -49,16 +56,25 @@ impl Arguments {
         let overrides: Vec<_> = self.set.into_iter().map(Override::Set).chain(controller).collect();
         let scenario = Scenario::from_file(&self.scenario, &overrides)?;
         let trace = self.out.as_deref().map(|folder| prepare(folder, &scenario)).transpose()?;
+        let capture = self.capture.as_deref().map(Capture::create).transpose()?;
         let supervisor = start_supervisor()?;
-        let mut device = Device::open(&self.device, scenario.link.baud, &supervisor)?;
-        let mut watcher = RunWatcher { trace, supervisor: &supervisor, progress: Progress::of(&scenario) };
+        let listen = |link| match &capture {
+            Some(capture) => Box::new(Captured::new(link, capture.clone())) as Box<dyn Link>,
+            None => link,
+        };
+        let mut device = Device::open_through(&self.device, scenario.link.baud, &supervisor, listen)?;
+        let progress = Progress::of(&scenario);
+        let mut watcher = RunWatcher { trace, capture, supervisor: &supervisor, progress };
         let heed = supervisor.heed_signals();
         let outcome = run::run(&scenario, &mut device, &mut watcher)?;
         drop(heed);
-        let RunWatcher { trace, progress, .. } = watcher;
+        let RunWatcher { trace, capture, progress, .. } = watcher;
         drop(progress);
         if let Some(trace) = trace {
             trace.finish()?;
+        }
+        if let Some(capture) = capture {
+            capture.finish()?;
         }
         let summary = summary(&scenario, &device, &outcome);
         if let Some(folder) = &self.out {
@@ -109,6 +125,7 @@ pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -
 
 struct RunWatcher<'a> {
     trace: Option<TraceWriter>,
+    capture: Option<Capture>,
     supervisor: &'a Supervisor,
     progress: Progress,
 }
@@ -116,6 +133,9 @@ struct RunWatcher<'a> {
 impl Watcher for RunWatcher<'_> {
     fn row(&mut self, row: &TraceRow) -> Result<(), RecordError> {
         self.progress.step();
+        if let Some(capture) = &self.capture {
+            capture.check()?;
+        }
         self.trace.as_mut().map_or(Ok(()), |trace| trace.push(row))
     }
 

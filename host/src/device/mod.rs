@@ -80,8 +80,22 @@ impl Device {
     /// # Errors
     /// A sentence that says what could not be reached, and what to do.
     pub fn open(choice: &DeviceChoice, baud: u32, supervisor: &Supervisor) -> Result<Self, DeviceError> {
+        Self::open_through(choice, baud, supervisor, |link| link)
+    }
+
+    /// The same, with a middleware around the link, from its first byte on.
+    ///
+    /// # Errors
+    /// A sentence that says what could not be reached, and what to do.
+    pub fn open_through(
+        choice: &DeviceChoice,
+        baud: u32,
+        supervisor: &Supervisor,
+        middleware: impl FnOnce(Box<dyn Link>) -> Box<dyn Link>,
+    ) -> Result<Self, DeviceError> {
         let (link, connection) = Connection::open(choice, baud, supervisor)?;
-        let session = Session::open(link, session_number()).map_err(|source| connection.explain(source))?;
+        let session =
+            Session::open(middleware(link), session_number()).map_err(|source| connection.explain(source))?;
         Ok(Self { session, connection })
     }
 
@@ -185,7 +199,8 @@ fn spawn(supervisor: &Supervisor, program: &Program) -> Result<Process, DeviceEr
     supervisor.spawn(program).map_err(|source| DeviceError::Spawn { name: program.name, source })
 }
 
-fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, DeviceError> {
+/// Opens whatever terminal this is, for nobody else. `baud` is for serial ports.
+pub(crate) fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, DeviceError> {
     // A name under /dev/serial/by-id, or any other link, stands for what it points to.
     let path = &path.canonicalize().map_err(|source| DeviceError::Open { path: path.to_owned(), source })?;
     let opened: io::Result<Box<dyn Link>> = if path.starts_with(pty::DIRECTORY) {

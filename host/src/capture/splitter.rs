@@ -1,0 +1,69 @@
+//! From a stream to pieces that end with a delimiter.
+
+use lashloop_protocol::frame::DELIMITER;
+
+/// A line that never shows a delimiter is cut here, so that no memory is asked for without end.
+const LONGEST: usize = 4096;
+
+/// Keeps the bytes since the last delimiter. It judges nothing: a damaged frame is a piece like any other.
+#[derive(Debug, Default)]
+pub struct Splitter {
+    pending: Vec<u8>,
+}
+
+impl Splitter {
+    /// Gives every piece that `bytes` completes to `take`, the delimiter included.
+    pub fn push(&mut self, bytes: &[u8], mut take: impl FnMut(&[u8])) {
+        for piece in bytes.split_inclusive(|&byte| byte == DELIMITER) {
+            let complete = piece.last() == Some(&DELIMITER);
+            if complete && self.pending.is_empty() {
+                take(piece);
+                continue;
+            }
+            self.pending.extend_from_slice(piece);
+            if complete || self.pending.len() >= LONGEST {
+                take(&self.pending);
+                self.pending.clear();
+            }
+        }
+    }
+
+    /// What came after the last delimiter; the splitter is empty afterwards.
+    pub fn finish(&mut self, take: impl FnOnce(&[u8])) {
+        if !self.pending.is_empty() {
+            take(&self.pending);
+            self.pending.clear();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pieces(chunks: &[&[u8]]) -> Vec<Vec<u8>> {
+        let (mut splitter, mut pieces) = (Splitter::default(), Vec::new());
+        for chunk in chunks {
+            splitter.push(chunk, |piece| pieces.push(piece.to_vec()));
+        }
+        splitter.finish(|piece| pieces.push(piece.to_vec()));
+        pieces
+    }
+
+    #[test]
+    fn pieces_do_not_depend_on_how_the_bytes_arrived() {
+        let whole: &[u8] = &[0, 3, 7, 9, 0, 0, 5, 5, 5];
+        let expected = [vec![0], vec![3, 7, 9, 0], vec![0], vec![5, 5, 5]];
+        assert_eq!(pieces(&[whole]), expected);
+        assert_eq!(pieces(&whole.chunks(1).collect::<Vec<_>>()), expected);
+        assert_eq!(pieces(&whole.chunks(4).collect::<Vec<_>>()), expected);
+    }
+
+    #[test]
+    fn a_line_without_a_delimiter_is_cut_and_loses_nothing() {
+        let noise = [7; 3 * LONGEST / 2];
+        let pieces = pieces(&noise.chunks(100).collect::<Vec<_>>());
+        assert!(pieces.len() > 1 && pieces.iter().all(|piece| piece.len() < LONGEST + 100));
+        assert_eq!(pieces.concat(), noise);
+    }
+}

@@ -1,0 +1,42 @@
+//! `lashloop doctor`: is a terminal fit for a bench?
+
+use std::path::PathBuf;
+
+use clap::Args;
+use lashloop::doctor::{self, Patient};
+use lashloop::verdict::Exit;
+
+use super::error::CliError;
+
+/// Examine a terminal with a drive: open, greet, measure the round trip, and say what to mend.
+///
+/// The drive is not armed and gives no torque. Exit code 1 says that there is something to mend, 4 that there is no
+/// conversation with a drive.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// The terminal, like /dev/ttyACM0 or /dev/pts/3
+    terminal: PathBuf,
+
+    /// Speed of a serial port, in bits a second, as link.baud in a scenario
+    #[arg(long, default_value_t = 921_600, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
+    baud: u32,
+
+    /// Samples to measure with
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    rounds: u32,
+}
+
+impl Arguments {
+    pub(crate) fn run(self) -> Result<Exit, CliError> {
+        let patient = Patient { terminal: &self.terminal, baud: self.baud, rounds: self.rounds };
+        let examination = doctor::examine(&patient);
+        for finding in &examination.findings {
+            say!("{finding}");
+        }
+        Ok(match (examination.reached, examination.is_healthy()) {
+            (false, _) => Exit::DeviceOrLink,
+            (true, false) => Exit::Fail,
+            (true, true) => Exit::Pass,
+        })
+    }
+}

@@ -1,0 +1,19 @@
+//! `lashloop ports`: where a board may be.
+
+use clap::Args;
+use lashloop::ports;
+use lashloop::verdict::Exit;
+
+use super::error::CliError;
+
+/// List the serial ports, with what USB says of them and names that stay.
+#[derive(Args)]
+pub(crate) struct Arguments {}
+
+impl Arguments {
+    pub(crate) fn run(self) -> Result<Exit, CliError> {
+        let ports = ports::list().map_err(|source| CliError::System { what: "list serial ports", source })?;
+        say!("{}", ports::describe(&ports));
+        Ok(Exit::Pass)
+    }
+}

@@ -1,0 +1,52 @@
+//! A message of either direction. The highest bit of its kind tells which.
+
+use lashloop_protocol::layout::MessageLayout;
+use lashloop_protocol::wire::BodyError;
+use lashloop_protocol::{DriveMessage, Frame, HostMessage, Message};
+
+/// A message whose sender is not known before it has been read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum AnyMessage {
+    /// Said by the host.
+    Host(HostMessage),
+    /// Said by the drive.
+    Drive(DriveMessage),
+}
+
+/// Set in the kind of what the drive says.
+const FROM_DRIVE: u8 = 0x80;
+
+impl Message for AnyMessage {
+    const LAYOUTS: &'static [MessageLayout] = &{
+        let (host, drive) = (HostMessage::LAYOUTS, DriveMessage::LAYOUTS);
+        let mut all = [host[0]; HostMessage::LAYOUTS.len() + DriveMessage::LAYOUTS.len()];
+        let mut at = 0;
+        while at < all.len() {
+            all[at] = if at < host.len() { host[at] } else { drive[at - host.len()] };
+            at += 1;
+        }
+        all
+    };
+
+    fn decode_body(body: &[u8]) -> Result<Self, BodyError> {
+        if body.first().is_some_and(|kind| kind & FROM_DRIVE != 0) {
+            DriveMessage::decode_body(body).map(Self::Drive)
+        } else {
+            HostMessage::decode_body(body).map(Self::Host)
+        }
+    }
+
+    fn layout(&self) -> &'static MessageLayout {
+        match self {
+            Self::Host(message) => message.layout(),
+            Self::Drive(message) => message.layout(),
+        }
+    }
+
+    fn frame(&self) -> Frame {
+        match self {
+            Self::Host(message) => message.frame(),
+            Self::Drive(message) => message.frame(),
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Is this terminal fit for a bench, and if not, what is to be mended?
+//!
+//! | module | looks at |
+//! |---|---|
+//! | [`holder`] | who has the terminal open |
+//! | [`latency_timer`] | how long a USB adapter keeps bytes to itself |
+//! | [`round_trip`] | how long a sample takes to its torque |
+//! | [`finding`] | what each of these means |
+//!
+//! The kernel's low-latency flag (`ASYNC_LOW_LATENCY`) needs an ioctl for which there is no safe wrapper. What the flag
+//! does for USB adapters is to shorten their latency timer, and that can be written in sysfs, so we do it there.
+
+pub mod finding;
+pub mod holder;
+pub mod latency_timer;
+pub mod round_trip;
+
+use std::path::Path;
+
+use crate::device::{self, DeviceError};
+use crate::link::pty;
+use crate::session::Session;
+use finding::Finding;
+use latency_timer::LatencyTimer;
+
+/// What to examine.
+#[derive(Debug, Clone, Copy)]
+pub struct Patient<'a> {
+    /// The terminal.
+    pub terminal: &'a Path,
+    /// Speed of a serial port, in bits a second.
+    pub baud: u32,
+    /// Samples to measure with.
+    pub rounds: u32,
+}
+
+/// What was found, in the order in which it was looked at.
+#[derive(Debug)]
+pub struct Examination {
+    /// One line each.
+    pub findings: Vec<Finding>,
+    /// Whether the conversation came about.
+    pub reached: bool,
+}
+
+impl Examination {
+    /// Whether there is something to be mended.
+    #[must_use]
+    pub fn is_healthy(&self) -> bool {
+        self.reached && !self.findings.iter().any(Finding::is_wrong)
+    }
+}
+
+/// Opens the terminal as a run does, greets the drive and measures. The drive is left in `Idle`, unarmed; a latency timer
+/// that could be shortened stays short until the adapter is unplugged.
+#[must_use]
+pub fn examine(patient: &Patient<'_>) -> Examination {
+    let mut findings = Vec::new();
+    let reached = look(patient, &mut findings).is_some();
+    Examination { findings, reached }
+}
+
+/// `None` as soon as there is nothing more to look at.
+fn look(patient: &Patient<'_>, findings: &mut Vec<Finding>) -> Option<()> {
+    let &Patient { terminal, baud, rounds } = patient;
+    let is_pty = terminal.starts_with(pty::DIRECTORY);
+    let link = match device::open_terminal(terminal, baud) {
+        Ok(link) => link,
+        Err(error) => {
+            findings.push(finding::not_opened(&error, &holder::of(terminal)));
+            return None;
+        }
+    };
+    findings.push(finding::opened((!is_pty).then_some(baud)));
+    findings.push(finding::dtr(is_pty));
+    let timer = if is_pty { None } else { Some(LatencyTimer::shorten(terminal)) };
+    findings.push(finding::latency_timer(timer.as_ref()));
+    let broken = |about, source| {
+        let device = terminal.display().to_string();
+        Finding::wrong(about, DeviceError::Session { device, source }.to_string())
+    };
+    findings.push(finding::drained());
+    let mut session = match Session::open(link, device::session_number()) {
+        Ok(session) => session,
+        Err(source) => {
+            findings.push(broken("greeting", source));
+            return None;
+        }
+    };
+    findings.push(finding::greeted(session.identity()));
+    let timing = match round_trip::measure(&mut session, rounds) {
+        Ok(timing) => timing,
+        Err(source) => {
+            findings.push(broken("round trip", source));
+            return None;
+        }
+    };
+    findings.push(finding::round_trip(&timing));
+    findings.extend(finding::losses(&timing, session.traffic().damaged));
+    let wire = (!is_pty).then(|| round_trip::wire_time(baud));
+    findings.push(finding::speed(&timing, wire, timer.as_ref()));
+    Some(())
+}

@@ -1,0 +1,88 @@
+//! How long a sample takes to its torque.
+
+use std::time::{Duration, Instant};
+
+use hdrhistogram::Histogram;
+use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
+use lashloop_protocol::wire::Payload;
+
+use crate::session::{Exchange, Session, SessionError};
+
+/// How long one answer is waited for: far longer than any line that is fit for a bench takes.
+const ANSWER_LIMIT: Duration = Duration::from_millis(500);
+/// Answers that may be missing before the drive counts as silent.
+const LARGEST_LOSS: u32 = 5;
+/// Start bit, 8 data bits, stop bit.
+const BITS_PER_BYTE: u32 = 10;
+/// Decimal digits that the histogram keeps.
+const DIGITS: u8 = 3;
+
+/// Bytes of a control cycle, to the drive and back.
+pub const BYTES: usize = EncoderSample::LAYOUT.frame_len() + TorqueAnswer::LAYOUT.frame_len();
+
+/// What was measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Timing {
+    /// Samples answered.
+    pub answered: u32,
+    /// Samples not answered.
+    pub lost: u32,
+    /// Half of the answers took no longer.
+    pub p50: Duration,
+    /// All but one in a hundred took no longer.
+    pub p99: Duration,
+    /// The slowest.
+    pub max: Duration,
+}
+
+/// Time that the bytes of a control cycle take on a line of this speed, if nothing ever waits.
+#[must_use]
+pub fn wire_time(baud: u32) -> Duration {
+    Duration::from_secs(1) * (BYTES as u32 * BITS_PER_BYTE) / baud.max(1)
+}
+
+/// Sends `rounds` samples, each after the answer to the one before. The drive is not armed, so it answers with zero
+/// torque and makes no control step.
+///
+/// # Errors
+/// The line broke, or the drive fell silent.
+pub fn measure(session: &mut Session, rounds: u32) -> Result<Timing, SessionError> {
+    let longest_ns = 2 * ANSWER_LIMIT.as_nanos() as u64;
+    let mut times_ns =
+        Histogram::<u64>::new_with_max(longest_ns, DIGITS).expect("the crate takes 0 to 5 digits");
+    let mut lost = 0;
+    for sequence in 0..rounds {
+        let sample = EncoderSample { sequence, motor_counts: 0, load_counts: 0, reference_rad: 0.0 };
+        let sent = Instant::now();
+        match session.exchange(&sample, ANSWER_LIMIT)? {
+            Exchange::Answered(_) => times_ns.saturating_record(sent.elapsed().as_nanos() as u64),
+            // A fault in place of an answer is not one; an unarmed drive has none to give.
+            Exchange::Unanswered | Exchange::Faulted(_) => {
+                lost += 1;
+                if lost > LARGEST_LOSS {
+                    return Err(session.silent(ANSWER_LIMIT));
+                }
+            }
+        }
+    }
+    let quantile = |share| Duration::from_nanos(times_ns.value_at_quantile(share));
+    Ok(Timing {
+        answered: times_ns.len() as u32,
+        lost,
+        p50: quantile(0.5),
+        p99: quantile(0.99),
+        max: Duration::from_nanos(times_ns.max()),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_control_cycle_is_42_bytes_of_ten_bits() {
+        assert_eq!(BYTES, 42);
+        assert_eq!(wire_time(921_600), Duration::from_nanos(455_729));
+        assert_eq!(wire_time(115_200), Duration::from_nanos(3_645_833));
+    }
+}

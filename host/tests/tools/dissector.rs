@@ -1,0 +1,177 @@
+//! The Wireshark dissector against the layouts, and against a real run.
+
+use std::collections::HashMap;
+use std::fs;
+use std::path::PathBuf;
+
+use lashloop::capture::pcapng;
+use lashloop::decode::message::AnyMessage;
+use lashloop::decode::value::Value;
+use lashloop::decode::{Found, StreamReader};
+use lashloop_protocol::Message;
+use lashloop_protocol::layout::{Direction, FieldType};
+use lashloop_protocol::vocabulary::ParameterValue;
+use tempfile::TempDir;
+
+use crate::support::{example_frames, root, short_run, tshark};
+
+const INFO_ALONE: [&str; 2] = ["-o", "gui.column.format:\"Info\",\"%i\""];
+
+fn script() -> String {
+    fs::read_to_string(root().join("tools/wireshark/lashloop.lua")).unwrap()
+}
+
+fn capture(frames: &[Vec<u8>]) -> (TempDir, PathBuf) {
+    let mut bytes = pcapng::file_header();
+    for (at, frame) in frames.iter().enumerate() {
+        pcapng::append_packet(&mut bytes, at as u64, Direction::HostToDrive, frame);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frames.pcapng");
+    fs::write(&path, bytes).unwrap();
+    (folder, path)
+}
+
+/// The dissector's layer of every packet.
+fn layers(capture: &std::path::Path) -> Option<Vec<serde_json::Value>> {
+    let packets: Vec<serde_json::Value> = serde_json::from_str(&tshark(capture, &["-T", "json"])?).unwrap();
+    Some(packets.into_iter().map(|mut packet| packet["_source"]["layers"]["lashloop"].take()).collect())
+}
+
+#[test]
+fn the_script_names_every_message_field_and_value_of_the_layouts() {
+    let script = script();
+    let after = |text: &str, from: usize, what: &str| {
+        from + script[from..].find(text).unwrap_or_else(|| panic!("{what}: no {text} where it should be"))
+    };
+    for layout in AnyMessage::LAYOUTS {
+        let mut at = after(&format!("[{:#04x}] = {{ \"{}\"", layout.kind, layout.name), 0, layout.name);
+        let end = script[at + 1..].find("[0x").map_or(script.len(), |next| at + 1 + next);
+        for field in layout.fields {
+            at = after(&format!("{{ \"{}\", ", field.name), at, layout.name);
+            assert!(at < end, "{}.{} is not among its fields", layout.name, field.name);
+            let names: Vec<_> = match field.ty {
+                FieldType::Enum(names) => {
+                    names.iter().map(|(byte, name)| format!("[{byte}] = \"{name}\"")).collect()
+                }
+                FieldType::Flags(names) => {
+                    names.iter().map(|(mask, name)| format!("[{mask}] = \"{name}\"")).collect()
+                }
+                _ => Vec::new(),
+            };
+            for name in names {
+                after(&name, 0, field.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_field_of_every_pinned_message_is_read_as_we_read_it() {
+    let frames = example_frames();
+    let (_folder, path) = capture(&frames);
+    let Some(layers) = layers(&path) else { return };
+    assert_eq!(layers.len(), AnyMessage::LAYOUTS.len(), "all kinds of messages");
+    for (frame, layer) in frames.iter().zip(layers) {
+        let found = found(frame);
+        let shown = |name: &str| {
+            let text = layer[format!("lashloop.{name}")].as_str();
+            text.unwrap_or_else(|| panic!("{} shows no {name}: {layer:#}", found.layout.name)).to_owned()
+        };
+        assert_eq!(shown("kind"), format!("{:#04x}", found.layout.kind));
+        assert_eq!(shown("crc.status"), "1");
+        for (field, layout) in found.fields.iter().zip(found.layout.fields) {
+            let name = field.name;
+            match &field.value {
+                Value::Unsigned(value) => assert_eq!(shown(name), value.to_string(), "{name}"),
+                Value::Signed(value) => assert_eq!(shown(name), value.to_string(), "{name}"),
+                Value::Real(value) => assert_eq!(shown(name).parse(), Ok(*value), "{name}"),
+                Value::Name(value) => {
+                    let FieldType::Enum(names) = layout.ty else { panic!("{name} is no list of names") };
+                    let byte = names.iter().find(|(_, name)| name == value).unwrap().0;
+                    assert_eq!(shown(name), byte.to_string(), "{name}");
+                }
+                Value::Flags(flags) => {
+                    let FieldType::Flags(names) = layout.ty else { panic!("{name} has no flags") };
+                    let bits: u16 = names
+                        .iter()
+                        .filter(|(_, name)| flags.iter().any(|f| f == name))
+                        .map(|(m, _)| m)
+                        .sum();
+                    let hex = shown(name);
+                    assert_eq!(u16::from_str_radix(hex.trim_start_matches("0x"), 16), Ok(bits), "{name}");
+                }
+                Value::Text(value) => assert_eq!(shown(name), *value, "{name}"),
+                Value::Parameter(ParameterValue::U32(value)) => {
+                    assert_eq!(
+                        (shown(&format!("{name}.type")), shown(&format!("{name}.u32"))),
+                        ("1".into(), value.to_string())
+                    );
+                }
+                Value::Parameter(ParameterValue::F32(value)) => {
+                    assert_eq!(shown(&format!("{name}.type")), "2");
+                    assert_eq!(shown(&format!("{name}.f32")).parse(), Ok(*value), "{name}");
+                }
+                Value::Version(value) => assert_eq!(shown(name), value.to_string(), "{name}"),
+            }
+        }
+    }
+}
+
+fn found(frame: &[u8]) -> Found {
+    let mut found = None;
+    StreamReader::default().push(frame, |entry| found = entry.outcome.ok());
+    found.expect("a whole frame")
+}
+
+#[test]
+fn the_info_column_says_what_one_wants_to_know() {
+    let (_folder, path) = capture(&example_frames());
+    let Some(info) = tshark(&path, &INFO_ALONE) else { return };
+    insta::assert_snapshot!(info);
+}
+
+#[test]
+fn bad_frames_are_marked_and_the_next_one_is_good() {
+    let torque = example_frames()[15].clone();
+    let mut flipped = torque.clone();
+    flipped[6] ^= 1;
+    let frames = [vec![0], flipped, vec![9, 9, 0], vec![2, 5, 0], vec![7; 80], torque];
+    let (_folder, path) = capture(&frames);
+    let Some(info) = tshark(&path, &INFO_ALONE) else { return };
+    insta::assert_snapshot!(info);
+    let bad_crc = tshark(
+        &path,
+        &["-Y", "lashloop.crc.bad", "-T", "fields", "-e", "frame.number", "-e", "lashloop.crc.status"],
+    );
+    assert_eq!(bad_crc.unwrap().trim(), "2\t0", "expert info and status of the flipped frame alone");
+    let malformed =
+        tshark(&path, &["-Y", "lashloop.malformed", "-T", "fields", "-e", "frame.number"]).unwrap();
+    assert_eq!(malformed.split_whitespace().collect::<Vec<_>>(), ["3", "4", "5"]);
+}
+
+#[test]
+fn tshark_reads_the_torques_of_a_real_run_as_the_trace_has_them() {
+    let run = short_run();
+    let fields = ["-T", "fields", "-e", "lashloop.sequence", "-e", "lashloop.torque_nm"];
+    let Some(answers) = tshark(&run.capture, &[&["-Y", "lashloop.kind == 0x90"][..], &fields].concat())
+    else {
+        return;
+    };
+    let answers: HashMap<usize, f32> = answers
+        .lines()
+        .map(|line| {
+            let (sequence, torque) = line.split_once('\t').unwrap();
+            (sequence.parse().unwrap(), torque.parse().unwrap())
+        })
+        .collect();
+    assert_eq!(answers.len(), run.torques_nm.len());
+    for (sequence, torque_nm) in run.torques_nm.iter().enumerate() {
+        assert_eq!(f64::from(answers[&sequence]), *torque_nm, "sequence {sequence}");
+    }
+    let bad = tshark(&run.capture, &["-Y", "lashloop.crc.status == 0 || _ws.expert"]).unwrap();
+    assert_eq!(bad, "");
+    let inbound =
+        tshark(&run.capture, &["-Y", "frame.packet_flags_direction == 1 && lashloop.kind < 0x80"]).unwrap();
+    assert_eq!(inbound, "", "what the host says is outbound");
+}

@@ -1,0 +1,82 @@
+//! What these tests share: the program, a short run, tshark.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::{env, fs};
+
+use lashloop_protocol::Message;
+use tempfile::TempDir;
+
+use crate::examples;
+
+pub const LASHLOOP: &str = env!("CARGO_BIN_EXE_lashloop");
+/// Control steps of [`short_run`].
+pub const STEPS: usize = 200;
+
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+}
+
+pub fn lashloop(arguments: &[&str], input: &[u8]) -> Output {
+    let mut command = Command::new(LASHLOOP);
+    command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    child.stdin.take().unwrap().write_all(input).unwrap();
+    child.wait_with_output().unwrap()
+}
+
+pub fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).unwrap()
+}
+
+/// The frames of every pinned message, the host's first.
+pub fn example_frames() -> Vec<Vec<u8>> {
+    let from_host = examples::from_host().into_iter().map(|message| message.frame().to_vec());
+    let from_drive = examples::from_drive().into_iter().map(|message| message.frame().to_vec());
+    from_host.chain(from_drive).collect()
+}
+
+pub struct Run {
+    _folder: TempDir,
+    pub capture: PathBuf,
+    /// Column `torque_nm` of the trace.
+    pub torques_nm: Vec<f64>,
+}
+
+/// A run with the native twin, a process of its own, over a pseudo-terminal.
+pub fn short_run() -> Run {
+    let folder = tempfile::tempdir().unwrap();
+    let capture = folder.path().join("line.pcapng");
+    let scenario = root().join("scenarios/smooth-after.toml");
+    let duration = format!("run.duration_s={}", STEPS as f64 * 1e-3);
+    let [scenario, out, file] = [&scenario, folder.path(), &capture].map(|path| path.to_str().unwrap());
+    let ended = lashloop(&["run", scenario, "--set", &duration, "--out", out, "--capture", file], &[]);
+    // So short a run misses its expectations; what counts here is that it was made.
+    assert_eq!(ended.status.code(), Some(1), "{}", text(&ended.stderr));
+    let trace = fs::read(folder.path().join("trace.csv")).unwrap();
+    let mut trace = csv::Reader::from_reader(&trace[..]);
+    let column = trace.headers().unwrap().iter().position(|name| name == "torque_nm").unwrap();
+    let torques_nm = trace.records().map(|row| row.unwrap()[column].parse().unwrap()).collect();
+    Run { _folder: folder, capture, torques_nm }
+}
+
+/// What tshark prints with the dissector; `None`, loudly, if there is no tshark.
+pub fn tshark(capture: &Path, arguments: &[&str]) -> Option<String> {
+    let path = env::var_os("PATH").unwrap_or_default();
+    if !env::split_paths(&path).any(|folder| folder.join("tshark").is_file()) {
+        let left_out = "LEFT OUT: the Wireshark dissector is not tested, because tshark is missing; \
+                        `cargo xtask setup` installs it, or on Debian `apt-get install tshark`";
+        assert!(env::var_os("LASHLOOP_LEAVE_NOTHING_OUT").is_none(), "{left_out}");
+        // Past the test runner, which keeps what a passing test prints.
+        let _ = writeln!(io::stderr(), "{left_out}");
+        return None;
+    }
+    let script = format!("lua_script:{}", root().join("tools/wireshark/lashloop.lua").display());
+    let mut command = Command::new("tshark");
+    command.args(["-X", &script, "-r"]).arg(capture).args(arguments);
+    let output = command.stdin(Stdio::null()).output().unwrap();
+    let errors = text(&output.stderr);
+    assert!(output.status.success() && !errors.to_lowercase().contains("lua"), "{errors}");
+    Some(text(&output.stdout).to_owned())
+}
