@@ -124,7 +124,7 @@ pub enum SettingsError {
         /// The number.
         number: f64,
         /// What is wrong with it.
-        source: SetError,
+        source: Box<SetError>,
     },
     /// The drive refused a value that is within the range it gave.
     #[error("{place}: {name} = {number}: {source}; {done} parameters before it have been set")]
@@ -138,7 +138,7 @@ pub enum SettingsError {
         /// Parameters set before it.
         done: usize,
         /// What it said.
-        source: SetError,
+        source: Box<SetError>,
     },
     /// The conversation broke.
     #[error(transparent)]
@@ -216,7 +216,7 @@ impl Settings {
                 place: place.clone(),
                 name: name.clone(),
                 number: *number,
-                source,
+                source: Box::new(source),
             })?;
         }
         for (done, Setting { place, name, number }) in self.0.iter().enumerate() {
@@ -227,7 +227,7 @@ impl Settings {
                     name: name.clone(),
                     number: *number,
                     done,
-                    source,
+                    source: Box::new(source),
                 },
             })?;
         }

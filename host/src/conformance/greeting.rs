@@ -10,7 +10,7 @@ use super::client::{Client, fault, identity, outcome};
 pub(super) fn checks() -> Vec<Check> {
     let check = |name, run: fn(&mut Client) -> Checked| Check::new("greeting", name, run);
     let mut checks = vec![
-        check("Hello ends Boot", |client| client.idle()),
+        check("Hello ends Boot", Client::idle),
         check("the identity has every field filled in", fields),
         check("the identity carries the session of its Hello", |client| {
             for session in [client.session(), 0, u32::MAX] {
