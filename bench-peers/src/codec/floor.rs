@@ -1,6 +1,8 @@
 //! What nobody gets below: the fields copied, and the CRC. No delimiter, no kinds, no resynchronisation.
 
-use super::{CRC_32, Codec};
+use lashloop_protocol::crc::checksum;
+
+use super::Codec;
 use crate::cycle::{Sample, Torque};
 
 #[derive(Default)]
@@ -12,12 +14,12 @@ const TORQUE: usize = 13;
 
 fn close(bytes: &mut [u8]) {
     let (body, crc) = bytes.split_last_chunk_mut().expect("there is a CRC");
-    *crc = CRC_32.checksum(body).to_le_bytes();
+    *crc = checksum(body).to_le_bytes();
 }
 
 fn open(frame: &[u8]) -> &[u8] {
     let (body, crc) = frame.split_last_chunk().expect("there is a CRC");
-    assert_eq!(CRC_32.checksum(body), u32::from_le_bytes(*crc));
+    assert_eq!(checksum(body), u32::from_le_bytes(*crc));
     body
 }
 
