@@ -11,12 +11,30 @@
 pub fn stuff(frame: &mut [u8]) {
     let mut code_at = 0;
     for at in 1..frame.len() {
-        if frame[at] == 0 {
-            frame[code_at] = (at - code_at) as u8;
-            code_at = at;
-        }
+        // No branch on the byte: where zeros lie is beyond any processor's guess.
+        frame[code_at] = (at - code_at) as u8;
+        code_at = if frame[at] == 0 { at } else { code_at };
     }
     frame[code_at] = (frame.len() - code_at) as u8;
+}
+
+/// Where the first zero of `bytes` is.
+///
+/// Eight bytes at a time: `(x - 1) & !x` has its highest bit set in a byte that is zero, and in none below it that isn't.
+#[inline]
+pub(crate) fn find_zero(bytes: &[u8]) -> Option<usize> {
+    const ONES: u64 = u64::from_ne_bytes([1; 8]);
+    const HIGHS: u64 = ONES << 7;
+    let mut at = 0;
+    while let Some(word) = bytes[at..].first_chunk() {
+        let word = u64::from_le_bytes(*word);
+        let zeros = word.wrapping_sub(ONES) & !word & HIGHS;
+        if zeros != 0 {
+            return Some(at + zeros.trailing_zeros() as usize / 8);
+        }
+        at += 8;
+    }
+    bytes[at..].iter().position(|&byte| byte == 0).map(|rest| at + rest)
 }
 
 /// Takes the stuffing out of `frame` in place and returns the body, or `None` if the chain of distances does not end

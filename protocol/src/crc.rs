@@ -20,7 +20,7 @@ use crc::{CRC_32_ISCSI, Crc, Table};
 /// Number of bytes.
 pub const LEN: usize = 4;
 
-/// A PC takes sixteen bytes at a time from 16 KiB of tables; a microcontroller keeps its flash.
+/// A PC takes up to sixteen bytes at a time from 16 KiB of tables; a microcontroller keeps its flash.
 #[cfg(feature = "wide-crc-tables")]
 type Tables = Table<16>;
 #[cfg(not(feature = "wide-crc-tables"))]
@@ -29,10 +29,34 @@ type Tables = Table<1>;
 static CRC: Crc<u32, Tables> = Crc::<u32, Tables>::new(&CRC_32_ISCSI);
 
 /// The check value of a body.
+#[cfg(not(feature = "wide-crc-tables"))]
 #[inline]
 #[must_use]
 pub fn checksum(body: &[u8]) -> u32 {
     CRC.checksum(body)
+}
+
+/// The check value of a body.
+///
+/// `Crc::checksum` takes sixteen bytes in one step but what is left of them one after the other, each waiting for the
+/// one before: most of a torque answer. Here each byte of the rest is looked up on its own as well. In table `n` stands
+/// what a byte has become `n` bytes later, and as the CRC is linear, these add up.
+#[cfg(feature = "wide-crc-tables")]
+#[inline]
+#[must_use]
+pub fn checksum(body: &[u8]) -> u32 {
+    let tables = CRC.table();
+    let mut crc = u32::MAX;
+    for block in body.chunks(tables.len()) {
+        // What of the old CRC is not covered by a block shorter than itself.
+        let mut sum = if block.len() < LEN { crc >> (8 * block.len()) } else { 0 };
+        for (at, &byte) in block.iter().enumerate() {
+            let carried = if at < LEN { crc.to_le_bytes()[at] } else { 0 };
+            sum ^= tables[block.len() - 1 - at][usize::from(byte ^ carried)];
+        }
+        crc = sum;
+    }
+    !crc
 }
 
 #[cfg(test)]
@@ -45,6 +69,14 @@ mod tests {
     #[test]
     fn the_check_value_is_the_catalogue_s() {
         assert_eq!(checksum(b"123456789"), 0xe306_9283);
+    }
+
+    #[test]
+    fn every_length_gives_the_check_value_of_the_crc_crate() {
+        let bytes: Vec<u8> = (0..100_u8).map(|i| i.wrapping_mul(167) ^ 0x5a).collect();
+        for len in 0..=bytes.len() {
+            assert_eq!(checksum(&bytes[..len]), CRC.checksum(&bytes[..len]), "{len} bytes");
+        }
     }
 
     /// What flipping one bit of a body followed by its CRC does to the remainder, for every bit.

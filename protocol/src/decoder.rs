@@ -3,7 +3,8 @@
 //! The decoder keeps at most one frame. Bytes that belong to no frame are counted and dropped; whatever they were,
 //! the frame after the next delimiter is read correctly again. There is one decoder for both ends of the line.
 
-use crate::frame::{self, DELIMITER, FrameError, MAX_FRAME};
+use crate::frame::{self, FrameError, MAX_FRAME};
+use crate::cobs;
 use crate::message::Message;
 
 /// What a decoder has seen. All counts stay at their largest value instead of wrapping.
@@ -84,7 +85,7 @@ impl Decoder {
     /// # Errors
     /// The inner result says what was wrong with a frame; the decoder has already gone past it.
     pub fn next<M: Message>(&mut self, input: &mut &[u8]) -> Option<Result<M, FrameError>> {
-        while let Some(end) = input.iter().position(|&byte| byte == DELIMITER) {
+        while let Some(end) = cobs::find_zero(input) {
             let (piece, rest) = (&input[..end], &input[end + 1..]);
             *input = rest;
             self.append(piece);

@@ -26,20 +26,20 @@ impl Frame {
     #[inline]
     #[must_use]
     pub fn of<P: Payload>(payload: &P) -> Self {
-        let mut bytes = [0; MAX_FRAME];
-        payload.put(&mut bytes[1..=P::LAYOUT.body_len]);
-        Self::close(bytes, P::LAYOUT.body_len)
+        let mut frame = Self { bytes: [0; MAX_FRAME], len: P::LAYOUT.frame_len() };
+        payload.put(&mut frame.bytes[1..=P::LAYOUT.body_len]);
+        frame.close(P::LAYOUT.body_len);
+        frame
     }
 
-    /// Adds all that is not the body: one piece of code for every kind of message.
-    fn close(mut bytes: [u8; MAX_FRAME], body_len: usize) -> Self {
+    /// Adds all that is not the body: one piece of code for every kind of message, but on a PC one for each.
+    #[cfg_attr(feature = "wide-crc-tables", inline(always))]
+    fn close(&mut self, body_len: usize) {
         let body_end = 1 + body_len;
         let crc_end = body_end + crc::LEN;
-        let checksum = crc::checksum(&bytes[1..body_end]);
-        bytes[body_end..crc_end].copy_from_slice(&checksum.to_le_bytes());
-        cobs::stuff(&mut bytes[..crc_end]);
-        bytes[crc_end] = DELIMITER;
-        Self { bytes, len: crc_end + 1 }
+        let checksum = crc::checksum(&self.bytes[1..body_end]);
+        self.bytes[body_end..crc_end].copy_from_slice(&checksum.to_le_bytes());
+        cobs::stuff(&mut self.bytes[..crc_end]);
     }
 }
 

@@ -20,6 +20,7 @@ pub struct Watched {
     /// Bytes of the output that have been looked at.
     heard: usize,
     torque_limit_nm: f32,
+    /// The one that is latched.
     fault: Option<FaultReport>,
     next_sample: EncoderSample,
     /// What was met on the way.
@@ -130,6 +131,9 @@ impl Watched {
     fn look(&mut self, before: State, cause: &Cause) {
         let after = self.drive.state();
         let said = self.listen();
+        if after != State::Faulted {
+            self.fault = None;
+        }
         assert!(may_change(before, after, cause), "{before:?} became {after:?}, having said {said:?}");
         if let Cause::Told(message) = cause {
             assert!(!said.is_empty(), "no answer to {message:?} in {before:?}");
@@ -174,12 +178,12 @@ impl Watched {
     fn check_told(&self, message: &HostMessage, before: State, after: State, said: &[DriveMessage]) {
         match message {
             HostMessage::EncoderSample(sample) => {
-                let answered = said.iter().any(|message| match message {
+                let answered = match said[0] {
                     DriveMessage::TorqueAnswer(answer) => answer.sequence == sample.sequence,
                     DriveMessage::CommandResult(_) => matches!(before, State::Boot | State::Running),
                     _ => false,
-                });
-                assert!(answered, "{sample:?} in {before:?}: {said:?}");
+                };
+                assert!(answered, "the answer comes first: {sample:?} in {before:?}: {said:?}");
             }
             HostMessage::Hello(hello)
                 if hello.protocol_version == PROTOCOL_VERSION && after == State::Faulted =>
@@ -207,7 +211,8 @@ impl Watched {
             }
             DriveMessage::FaultReport(report) => {
                 assert_eq!(state, State::Faulted);
-                self.fault = Some(*report);
+                // The first one is kept until it is cleared.
+                self.fault.get_or_insert(*report);
                 if !self.seen.faults.contains(&report.code) {
                     self.seen.faults.push(report.code);
                 }

@@ -1,0 +1,48 @@
+//! The protocol as the bench uses it.
+
+use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
+use lashloop_protocol::vocabulary::{State, TorqueFlags};
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
+
+use super::Codec;
+use crate::cycle::{Sample, Torque};
+
+#[derive(Default)]
+pub struct Ours(Decoder);
+
+impl Codec<Sample> for Ours {
+    fn encode(&mut self, value: &Sample, send: impl FnOnce(&[u8])) {
+        let Sample { sequence, motor_counts, load_counts, reference_rad } = *value;
+        send(
+            &HostMessage::from(EncoderSample { sequence, motor_counts, load_counts, reference_rad }).frame(),
+        );
+    }
+
+    fn decode(&mut self, mut frame: &[u8]) -> Sample {
+        let Some(Ok(HostMessage::EncoderSample(sample))) = self.0.next(&mut frame) else {
+            panic!("no sample")
+        };
+        let EncoderSample { sequence, motor_counts, load_counts, reference_rad } = sample;
+        Sample { sequence, motor_counts, load_counts, reference_rad }
+    }
+}
+
+impl Codec<Torque> for Ours {
+    fn encode(&mut self, value: &Torque, send: impl FnOnce(&[u8])) {
+        let Torque { sequence, torque_nm, state, flags, compute_tenths_us } = *value;
+        let state = State::from_byte(state).expect("a state");
+        let flags = TorqueFlags::from_bits_truncate(flags);
+        send(
+            &DriveMessage::from(TorqueAnswer { sequence, torque_nm, state, flags, compute_tenths_us })
+                .frame(),
+        );
+    }
+
+    fn decode(&mut self, mut frame: &[u8]) -> Torque {
+        let Some(Ok(DriveMessage::TorqueAnswer(answer))) = self.0.next(&mut frame) else {
+            panic!("no torque")
+        };
+        let TorqueAnswer { sequence, torque_nm, state, flags, compute_tenths_us } = answer;
+        Torque { sequence, torque_nm, state: state as u8, flags: flags.bits(), compute_tenths_us }
+    }
+}

@@ -1,0 +1,77 @@
+//! serde and variable-length integers, framed by hand: postcard's own CRC flavour takes one byte at a time, so we
+//! close the frame with the wide tables and the `cobs` crate, which is faster.
+
+use ::postcard::{from_bytes, to_slice};
+use serde::{Deserialize, Serialize};
+
+use super::{CRC_32, Codec};
+use crate::cycle::{Sample, Torque};
+
+#[derive(Serialize, Deserialize)]
+enum Host {
+    Sample { sequence: u32, motor_counts: i32, load_counts: i32, reference_rad: f32 },
+    Stop,
+}
+
+#[derive(Serialize, Deserialize)]
+enum Drive {
+    Torque { sequence: u32, torque_nm: f32, state: u8, flags: u8, compute_tenths_us: u16 },
+    Stopped,
+}
+
+pub struct Postcard {
+    plain: [u8; 64],
+    stuffed: [u8; 64],
+}
+
+impl Default for Postcard {
+    fn default() -> Self {
+        Self { plain: [0; 64], stuffed: [0; 64] }
+    }
+}
+
+impl Postcard {
+    fn send(&mut self, message: &impl Serialize, send: impl FnOnce(&[u8])) {
+        let body = to_slice(message, &mut self.plain).expect("room").len();
+        let crc = CRC_32.checksum(&self.plain[..body]);
+        self.plain[body..body + 4].copy_from_slice(&crc.to_le_bytes());
+        let end = cobs::encode(&self.plain[..body + 4], &mut self.stuffed);
+        self.stuffed[end] = 0;
+        send(&self.stuffed[..=end]);
+    }
+
+    fn open<'a, M: Deserialize<'a>>(&'a mut self, frame: &[u8]) -> M {
+        let end = cobs::decode(&frame[..frame.len() - 1], &mut self.plain).expect("stuffed").frame_size();
+        let (body, crc) = self.plain[..end].split_last_chunk().expect("there is a CRC");
+        assert_eq!(CRC_32.checksum(body), u32::from_le_bytes(*crc));
+        from_bytes(body).expect("a message")
+    }
+}
+
+impl Codec<Sample> for Postcard {
+    fn encode(&mut self, value: &Sample, send: impl FnOnce(&[u8])) {
+        let Sample { sequence, motor_counts, load_counts, reference_rad } = *value;
+        self.send(&Host::Sample { sequence, motor_counts, load_counts, reference_rad }, send);
+    }
+
+    fn decode(&mut self, frame: &[u8]) -> Sample {
+        let Host::Sample { sequence, motor_counts, load_counts, reference_rad } = self.open(frame) else {
+            panic!("no sample")
+        };
+        Sample { sequence, motor_counts, load_counts, reference_rad }
+    }
+}
+
+impl Codec<Torque> for Postcard {
+    fn encode(&mut self, value: &Torque, send: impl FnOnce(&[u8])) {
+        let Torque { sequence, torque_nm, state, flags, compute_tenths_us } = *value;
+        self.send(&Drive::Torque { sequence, torque_nm, state, flags, compute_tenths_us }, send);
+    }
+
+    fn decode(&mut self, frame: &[u8]) -> Torque {
+        let Drive::Torque { sequence, torque_nm, state, flags, compute_tenths_us } = self.open(frame) else {
+            panic!("no torque")
+        };
+        Torque { sequence, torque_nm, state, flags, compute_tenths_us }
+    }
+}

@@ -1,0 +1,53 @@
+//! What bench and drive tell each other in a control cycle, as plain values, and a run's worth of them.
+
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::{Rng, SeedableRng};
+
+/// Messages measured in one round.
+pub const COUNT: usize = 4096;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    pub sequence: u32,
+    pub motor_counts: i32,
+    pub load_counts: i32,
+    pub reference_rad: f32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Torque {
+    pub sequence: u32,
+    pub torque_nm: f32,
+    /// 1 to 5.
+    pub state: u8,
+    /// Three bits.
+    pub flags: u8,
+    pub compute_tenths_us: u16,
+}
+
+/// Four seconds of a run from its middle: sequences in order, counts and numbers as they come.
+pub fn samples() -> Vec<Sample> {
+    let mut random = Pcg64Mcg::seed_from_u64(1);
+    (0..COUNT as u32)
+        .map(|k| Sample {
+            sequence: 10_000 + k,
+            motor_counts: random.next_u32().cast_signed() >> 13,
+            load_counts: random.next_u32().cast_signed() >> 14,
+            reference_rad: random.next_u32() as f32 / 2_f32.powi(31),
+        })
+        .collect()
+}
+
+/// The answers.
+pub fn torques() -> Vec<Torque> {
+    let mut random = Pcg64Mcg::seed_from_u64(2);
+    (0..COUNT as u32)
+        .map(|k| Torque {
+            sequence: 10_000 + k,
+            torque_nm: random.next_u32().cast_signed() as f32 / 2_f32.powi(27),
+            state: 4,
+            flags: u8::from(random.next_u32().is_multiple_of(8)),
+            compute_tenths_us: (random.next_u32() % 400) as u16,
+        })
+        .collect()
+}

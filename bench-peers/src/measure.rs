@@ -1,0 +1,146 @@
+//! All sides in turn, round after round, and the medians.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use crate::codec::Codec;
+use crate::cycle::{COUNT, Sample, Torque};
+
+const ROUNDS: usize = 201;
+
+/// Of one kind of message.
+pub struct Cost {
+    pub encode_ns: f64,
+    pub decode_ns: f64,
+    /// Mean length of a frame.
+    pub bytes: f64,
+}
+
+pub struct Figures {
+    pub name: &'static str,
+    pub sample: Cost,
+    pub torque: Cost,
+}
+
+/// What is timed: sample and torque, encoding and decoding.
+const TASKS: usize = 4;
+
+/// A codec with values to encode and frames to decode.
+pub trait Side {
+    fn name(&self) -> &'static str;
+
+    /// Mean lengths of the frames of a sample and of a torque.
+    fn bytes(&self) -> [f64; 2];
+
+    /// Runs one task for all values and returns ns per message.
+    fn round(&mut self, task: usize) -> f64;
+}
+
+impl dyn Side {
+    pub fn of<C>(name: &'static str, samples: &[Sample], torques: &[Torque]) -> Box<dyn Side>
+    where
+        C: Codec<Sample> + Codec<Torque> + 'static,
+    {
+        let mut codec = C::default();
+        let (samples, torques) = (Work::new(&mut codec, samples), Work::new(&mut codec, torques));
+        Box::new(Bench { name, codec, samples, torques })
+    }
+}
+
+struct Bench<C> {
+    name: &'static str,
+    codec: C,
+    samples: Work<Sample>,
+    torques: Work<Torque>,
+}
+
+impl<C: Codec<Sample> + Codec<Torque>> Side for Bench<C> {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn bytes(&self) -> [f64; 2] {
+        [self.samples.bytes(), self.torques.bytes()]
+    }
+
+    fn round(&mut self, task: usize) -> f64 {
+        match task {
+            0 => self.samples.encode(&mut self.codec),
+            1 => self.samples.decode(&mut self.codec),
+            2 => self.torques.encode(&mut self.codec),
+            _ => self.torques.decode(&mut self.codec),
+        }
+    }
+}
+
+struct Work<V> {
+    values: Vec<V>,
+    frames: Vec<Vec<u8>>,
+}
+
+impl<V: Copy + PartialEq + std::fmt::Debug> Work<V> {
+    fn new(codec: &mut impl Codec<V>, values: &[V]) -> Self {
+        let mut frames = Vec::new();
+        for value in values {
+            codec.encode(value, |bytes| frames.push(bytes.to_vec()));
+        }
+        for (value, frame) in values.iter().zip(&frames) {
+            assert_eq!(codec.decode(frame), *value, "comes back as it went");
+        }
+        Self { values: values.to_vec(), frames }
+    }
+
+    fn bytes(&self) -> f64 {
+        self.frames.iter().map(Vec::len).sum::<usize>() as f64 / COUNT as f64
+    }
+
+    #[inline(never)]
+    fn encode(&self, codec: &mut impl Codec<V>) -> f64 {
+        let started = Instant::now();
+        for value in &self.values {
+            codec.encode(black_box(value), |bytes| {
+                black_box(bytes);
+            });
+        }
+        started.elapsed().as_nanos() as f64 / COUNT as f64
+    }
+
+    #[inline(never)]
+    fn decode(&self, codec: &mut impl Codec<V>) -> f64 {
+        let started = Instant::now();
+        for frame in &self.frames {
+            black_box(codec.decode(black_box(frame)));
+        }
+        started.elapsed().as_nanos() as f64 / COUNT as f64
+    }
+}
+
+/// Runs all sides and gives their medians, in their order.
+pub fn measure(sides: &mut [Box<dyn Side>]) -> Vec<Figures> {
+    let mut times = vec![[const { Vec::new() }; TASKS]; sides.len()];
+    for _ in 0..ROUNDS {
+        for task in 0..TASKS {
+            for (side, times) in sides.iter_mut().zip(&mut times) {
+                times[task].push(side.round(task));
+            }
+        }
+    }
+    sides
+        .iter()
+        .zip(times)
+        .map(|(side, times)| {
+            let [se, sd, te, td] = times.map(median);
+            let [sample, torque] = side.bytes();
+            Figures {
+                name: side.name(),
+                sample: Cost { encode_ns: se, decode_ns: sd, bytes: sample },
+                torque: Cost { encode_ns: te, decode_ns: td, bytes: torque },
+            }
+        })
+        .collect()
+}
+
+pub fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
