@@ -3,8 +3,8 @@
 //! The decoder keeps at most one frame. Bytes that belong to no frame are counted and dropped; whatever they were,
 //! the frame after the next delimiter is read correctly again. There is one decoder for both ends of the line.
 
-use crate::frame::{self, FrameError, MAX_FRAME};
 use crate::cobs;
+use crate::frame::{self, FrameError, MAX_FRAME};
 use crate::message::Message;
 
 /// What a decoder has seen. All counts stay at their largest value instead of wrapping.
