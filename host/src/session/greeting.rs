@@ -21,6 +21,9 @@ pub(crate) fn greet(line: &mut Line, session: u32) -> Result<Identity, SessionEr
     while Instant::now() < give_up {
         line.send(&hello.into())?;
         let identity = line.wait(Instant::now() + INTERVAL, |message| match message {
+            DriveMessage::Identity(identity) if identity.protocol_version != PROTOCOL_VERSION => {
+                Some(*identity)
+            }
             // Another session's was said to an earlier host and is still on the line.
             DriveMessage::Identity(identity) if identity.session == session => Some(*identity),
             _ => None,

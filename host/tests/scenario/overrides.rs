@@ -100,7 +100,7 @@ fn every_faulty_option_is_named_in_place_of_file_and_line() {
     --set plant.stifness_n_m_rad=2: plant.stifness_n_m_rad: unknown key; did you mean stiffness_nm_rad?
     --set plnt.model=smooth: plnt: unknown key; did you mean plant?
     --set run.duration_ms=5: run.duration_ms: 5 is in a wrong unit; write duration_s, in s
-    --set run.duration_s=fast: run.duration_s: "fast" is text; it must be a number > 0 and <= 1e6 s
+    --set run.duration_s=fast: run.duration_s: "fast" is text; it must be a number > 0 and <= 1e5 s
     --set run.seed=1.5: run.seed: 1.5 is a fractional number; it must be a whole number >= 0 and <= 9223372036854775807
     --set run.duration_s: it must be section.key=value
     --set run.duration_s=: there is no value after the =; an empty text is ""
