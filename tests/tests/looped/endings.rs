@@ -3,25 +3,16 @@
 use rustix::process::Signal;
 use tests::bench;
 use tests::loss::run_in_its_midst;
+use tests::paper::PATIENCE;
 use tests::records::Records;
 
 #[test]
 fn an_expectation_that_is_not_met_fails_with_exit_code_1() {
     let records = Records::new();
     let out = records.out();
-    let ended = bench::run([
-        "run",
-        "scenarios/smooth-after.toml",
-        "--device",
-        "native",
-        "--out",
-        &out,
-        "--set",
-        "expect.0.min=1",
-        "--set",
-        "expect.0.max=4.5",
-    ])
-    .with_code(1);
+    let arguments = ["run", "scenarios/smooth-after.toml", "--device", "native", "--out", &out];
+    let settings = ["--set", "expect.0.min=1", "--set", "expect.0.max=4.5"];
+    let ended = bench::run(arguments.into_iter().chain(settings).chain(PATIENCE)).with_code(1);
     assert!(ended.stdout.contains("MISSED settle_time_s: 5.104 s; misses 1 to 4.5 s"), "{}", ended.stdout);
     assert!(ended.stdout.ends_with("FAIL\n"), "{}", ended.stdout);
     assert_eq!(ended.stderr, "");

@@ -11,8 +11,9 @@ use tests::twin::Twin;
 /// The frame that is hit.
 const HIT: u32 = 700;
 
-/// Long enough for a twin on a busy machine, so that no answer is late that isn't meant to be.
-const TIMEOUT: &str = "link.answer_timeout_ms=1000";
+/// A lost answer costs this time. Long enough for a twin on a busy machine, so that no answer is lost or late that isn't
+/// meant to be.
+const TIMEOUT: [&str; 4] = ["--set", "link.answer_timeout_ms=3000", "--set", "link.silence_limit_ms=20000"];
 
 /// Runs `friction-before` through a relay and expects an exit code.
 fn run_through(
@@ -24,7 +25,8 @@ fn run_through(
     let relay = Relay::start(twin.path(), tamper);
     let records = Records::new();
     let scenario = RUNS[2].scenario();
-    let mut arguments = vec!["run", &scenario, "--device", relay.device(), "--set", TIMEOUT];
+    let mut arguments = vec!["run", &scenario, "--device", relay.device()];
+    arguments.extend(TIMEOUT);
     let out = records.out();
     arguments.extend(["--out", &out]);
     arguments.extend(settings.iter().flat_map(|setting| ["--set", setting]));

@@ -1,7 +1,7 @@
 //! `summary.json` as a whole.
 
 use tests::bench;
-use tests::paper::RUNS;
+use tests::paper::{PATIENCE, RUNS};
 use tests::records::Records;
 
 /// The text with the values of these keys taken out: they change from run to run or from commit to commit.
@@ -18,8 +18,8 @@ fn without(text: &str, keys: &[&str]) -> String {
 #[test]
 fn a_summary_has_everything_that_is_needed_to_trust_and_repeat_a_run() {
     let records = Records::new();
-    let _ =
-        bench::run(["run", &RUNS[1].scenario(), "--device", "native", "--out", &records.out()]).with_code(0);
+    let arguments = ["run", &RUNS[1].scenario(), "--device", "native", "--out", &records.out()];
+    let _ = bench::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
     let text = records.summary_text().expect("a summary");
     assert!(text.ends_with("}\n"), "whole, with an end of line");
     let summary = records.summary();
@@ -33,8 +33,8 @@ fn a_summary_has_everything_that_is_needed_to_trust_and_repeat_a_run() {
 #[test]
 fn a_trace_has_the_truth_of_the_plant_for_every_step() {
     let records = Records::new();
-    let _ =
-        bench::run(["run", &RUNS[1].scenario(), "--device", "native", "--out", &records.out()]).with_code(0);
+    let arguments = ["run", &RUNS[1].scenario(), "--device", "native", "--out", &records.out()];
+    let _ = bench::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
     let trace = records.trace();
     insta::assert_snapshot!(trace.header().join("\n"));
     let column = |name| trace.column(name);
