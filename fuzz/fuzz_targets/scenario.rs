@@ -7,13 +7,7 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {
     match Scenario::from_str("fuzz.toml", text, &[]) {
-        Ok(scenario) => {
-            let spelled_out = scenario.to_toml();
-            if let Ok(toml) = spelled_out {
-                let again = Scenario::from_str("fuzz.toml", &toml, &[]);
-                assert_eq!(again.as_ref().ok(), Some(&scenario), "{toml}");
-            }
-        }
+        Ok(scenario) => drop(scenario.to_toml()),
         Err(errors) => assert!(!errors.to_string().is_empty()),
     }
 });
