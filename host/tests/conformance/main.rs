@@ -9,7 +9,6 @@ use std::thread;
 use altered::{Altered, Variant};
 use lashloop::conformance::{DeviceTime, Finding, Outcome, Watcher, run};
 use lashloop::link::in_process::InProcess;
-use variants::VARIANTS;
 
 #[derive(Default)]
 struct Findings(Vec<Finding>);
@@ -56,11 +55,10 @@ fn names_of_checks_are_unique() {
 fn every_broken_rule_is_caught_by_the_check_of_that_rule() {
     let failures: Vec<_> = thread::scope(|scope| {
         let runs: Vec<_> =
-            VARIANTS.iter().map(|variant| scope.spawn(|| failed(&findings(*variant)))).collect();
+            variants::all().map(|variant| scope.spawn(move || failed(&findings(variant)))).collect();
         runs.into_iter().map(|run| run.join().expect("a battery that ends")).collect()
     });
-    let missed: Vec<_> = VARIANTS
-        .iter()
+    let missed: Vec<_> = variants::all()
         .zip(&failures)
         .filter(|(variant, failed)| !failed.contains(variant.caught_by))
         .map(|(variant, failed)| format!("a drive that {}: {failed:?}", variant.does))

@@ -1,0 +1,118 @@
+//! Drives that break one rule each, and the check that has to find out.
+
+mod greeting;
+mod line;
+mod parameters;
+mod safety;
+mod samples;
+mod transitions;
+
+use lashloop_protocol::message::{
+    CommandResult, EncoderSample, ParameterDescription, ParameterReport, SetParameter, Telemetry,
+    TorqueAnswer,
+};
+use lashloop_protocol::wire::Payload;
+use lashloop_protocol::{DriveMessage, HostMessage};
+
+use crate::altered::{Past, Variant};
+
+/// All of them, in the order of the battery.
+pub fn all() -> impl Iterator<Item = Variant> {
+    [
+        greeting::VARIANTS,
+        transitions::VARIANTS,
+        parameters::VARIANTS,
+        samples::VARIANTS,
+        safety::VARIANTS,
+        line::VARIANTS,
+    ]
+    .into_iter()
+    .flatten()
+    .copied()
+}
+
+/// Wrong in what it hears.
+const fn hears(
+    does: &'static str,
+    caught_by: &'static str,
+    hear: fn(&mut Past, HostMessage) -> Vec<HostMessage>,
+) -> Variant {
+    Variant { does, caught_by, hear, ..Variant::FAITHFUL }
+}
+
+/// Wrong in what it says.
+const fn says(
+    does: &'static str,
+    caught_by: &'static str,
+    say: fn(&mut Past, Vec<DriveMessage>) -> Vec<DriveMessage>,
+) -> Variant {
+    Variant { does, caught_by, say, ..Variant::FAITHFUL }
+}
+
+fn each(mut answers: Vec<DriveMessage>, alter: impl FnMut(&mut DriveMessage)) -> Vec<DriveMessage> {
+    answers.iter_mut().for_each(alter);
+    answers
+}
+
+fn torques(answers: Vec<DriveMessage>, mut alter: impl FnMut(&mut TorqueAnswer)) -> Vec<DriveMessage> {
+    each(answers, |answer| {
+        if let DriveMessage::TorqueAnswer(it) = answer {
+            alter(it);
+        }
+    })
+}
+
+fn describing(answers: Vec<DriveMessage>, alter: impl Fn(&mut ParameterDescription)) -> Vec<DriveMessage> {
+    each(answers, |answer| {
+        if let DriveMessage::ParameterDescription(it) = answer {
+            alter(it);
+        }
+    })
+}
+
+/// Alters the reports that answer a set.
+fn reporting(
+    past: &Past,
+    answers: Vec<DriveMessage>,
+    alter: impl Fn(&mut ParameterReport, SetParameter),
+) -> Vec<DriveMessage> {
+    each(answers, |answer| {
+        if let (DriveMessage::ParameterReport(it), Some(HostMessage::SetParameter(set))) =
+            (answer, past.request)
+        {
+            alter(it, set);
+        }
+    })
+}
+
+/// Puts a torque in place of the refusal of a sample.
+fn answering(
+    past: &Past,
+    answers: Vec<DriveMessage>,
+    torque: impl Fn(EncoderSample, CommandResult) -> Option<TorqueAnswer>,
+) -> Vec<DriveMessage> {
+    each(answers, |answer| {
+        if let (DriveMessage::CommandResult(it), Some(HostMessage::EncoderSample(sample))) =
+            (&*answer, past.request)
+            && let Some(torque) = torque(sample, *it)
+        {
+            *answer = torque.into();
+        }
+    })
+}
+
+fn is_result_of<Request: Payload>(answer: &DriveMessage) -> bool {
+    matches!(answer, DriveMessage::CommandResult(it) if it.request == Request::LAYOUT.kind)
+}
+
+fn telemetry(answer: TorqueAnswer) -> Telemetry {
+    Telemetry {
+        sequence: answer.sequence,
+        dead_zone_estimate_rad: 0.0,
+        disturbing_torque_nm: 0.0,
+        load_error_rad: 0.0,
+        motor_error_rad: 0.0,
+        elastic_error_nm: 0.0,
+        requested_torque_nm: answer.torque_nm,
+    }
+}
