@@ -1,22 +1,27 @@
-//! What a run is worth, in eight numbers.
+//! What a run is worth, in numbers.
 //!
 //! With the error e = load position - reference, sampled once per control period:
 //!
 //! | metric | unit | meaning |
 //! |---|---|---|
 //! | `settle_time_s` | s | first sample time after the last sample with abs(e) > 0.05 rad |
-//! | `settle_time_2pct_s` | s | the same with a band of 2 % of the initial abs(e) |
+//! | `settle_time_5pct_s` | s | the same with a band of 5 % of the initial abs(e) |
+//! | `settle_time_2pct_s` | s | the same with a band of 2 % |
+//! | `settle_time_1pct_s` | s | the same with a band of 1 % |
 //! | `static_error_rad` | rad | mean of e over the last second |
 //! | `hunting_rad` | rad | peak to peak of e over the last 10 s |
 //! | `overshoot_rad` | rad | largest abs(e) on the far side of the reference, seen from the initial error; 0 if none |
+//! | `lost_motion_rad` | rad | between the load's positions where the reference passes its middle, last time upwards and last time downwards |
 //! | `effort_nm2s` | N^2 m^2 s | integral of the torque squared, the torque being held over each period |
 //! | `torque_total_variation_nm` | N m | sum of abs(U_k - U_(k-1)) |
 //! | `dead_zone_estimate_rad` | rad | the drive's last estimate of j0 |
+//! | `dead_zone_error_rad` | rad | the drive's last estimate less the true j0 of that time |
 //!
 //! A metric that can't be had has no value but a reason ([`Measured`]): it never settled, the run is shorter
-//! than the window, there was no initial error to compare with, or something was not finite. One position,
-//! reference or torque that isn't finite takes the value from every metric of the run, so that a run that
-//! diverged can't score well by what happened before or by a comparison that drops NaN.
+//! than the window, there was no initial error to compare with, the reference never reversed, or something was
+//! not finite. One position, reference or torque that isn't finite takes the value from every metric of the run,
+//! and so does a plant that could not be followed to the end: a run that diverged can't score well by what
+//! happened before or by a comparison that drops NaN.
 
 mod measurement;
 
@@ -31,33 +36,45 @@ pub use self::measurement::{Measurement, Sample};
 pub enum Metric {
     /// Time into the band of 0.05 rad, for good.
     SettleTime,
+    /// Time into the band of 5 % of the initial error, for good.
+    SettleTime5Pct,
     /// Time into the band of 2 % of the initial error, for good.
     SettleTime2Pct,
+    /// Time into the band of 1 % of the initial error, for good.
+    SettleTime1Pct,
     /// Mean error of the last second.
     StaticError,
     /// Peak to peak of the error over the last 10 s.
     Hunting,
     /// Largest error beyond the reference.
     Overshoot,
+    /// Distance between the load's two ways through the middle of the reference.
+    LostMotion,
     /// Integral of the torque squared.
     Effort,
     /// Sum of the torque's changes.
     TorqueTotalVariation,
     /// The drive's last estimate of the half gap.
     DeadZoneEstimate,
+    /// That estimate less the true half gap.
+    DeadZoneError,
 }
 
 impl Metric {
     /// Every metric, in the order of reports.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 12] = [
         Self::SettleTime,
+        Self::SettleTime5Pct,
         Self::SettleTime2Pct,
+        Self::SettleTime1Pct,
         Self::StaticError,
         Self::Hunting,
         Self::Overshoot,
+        Self::LostMotion,
         Self::Effort,
         Self::TorqueTotalVariation,
         Self::DeadZoneEstimate,
+        Self::DeadZoneError,
     ];
 
     /// The name in scenarios and summaries.
@@ -65,13 +82,17 @@ impl Metric {
     pub const fn name(self) -> &'static str {
         match self {
             Self::SettleTime => "settle_time_s",
+            Self::SettleTime5Pct => "settle_time_5pct_s",
             Self::SettleTime2Pct => "settle_time_2pct_s",
+            Self::SettleTime1Pct => "settle_time_1pct_s",
             Self::StaticError => "static_error_rad",
             Self::Hunting => "hunting_rad",
             Self::Overshoot => "overshoot_rad",
+            Self::LostMotion => "lost_motion_rad",
             Self::Effort => "effort_nm2s",
             Self::TorqueTotalVariation => "torque_total_variation_nm",
             Self::DeadZoneEstimate => "dead_zone_estimate_rad",
+            Self::DeadZoneError => "dead_zone_error_rad",
         }
     }
 
@@ -79,8 +100,13 @@ impl Metric {
     #[must_use]
     pub const fn unit(self) -> &'static str {
         match self {
-            Self::SettleTime | Self::SettleTime2Pct => "s",
-            Self::StaticError | Self::Hunting | Self::Overshoot | Self::DeadZoneEstimate => "rad",
+            Self::SettleTime | Self::SettleTime5Pct | Self::SettleTime2Pct | Self::SettleTime1Pct => "s",
+            Self::StaticError
+            | Self::Hunting
+            | Self::Overshoot
+            | Self::LostMotion
+            | Self::DeadZoneEstimate
+            | Self::DeadZoneError => "rad",
             Self::Effort => "N^2 m^2 s",
             Self::TorqueTotalVariation => "N m",
         }
@@ -110,6 +136,8 @@ pub enum Measured {
     RunTooShort,
     /// The metric compares with the initial error, and that is zero.
     NoInitialError,
+    /// The reference did not pass its middle in both directions, or has none.
+    NoReversal,
     /// The run, or this metric's sum, left the finite numbers.
     NotFinite,
 }
@@ -120,7 +148,9 @@ impl Measured {
     pub const fn value(self) -> Option<f64> {
         match self {
             Self::Value(value) => Some(value),
-            Self::Never | Self::RunTooShort | Self::NoInitialError | Self::NotFinite => None,
+            Self::Never | Self::RunTooShort | Self::NoInitialError | Self::NoReversal | Self::NotFinite => {
+                None
+            }
         }
     }
 
@@ -137,6 +167,7 @@ impl fmt::Display for Measured {
             Self::Never => f.pad("never"),
             Self::RunTooShort => f.pad("run too short"),
             Self::NoInitialError => f.pad("no initial error"),
+            Self::NoReversal => f.pad("no reversal"),
             Self::NotFinite => f.pad("not finite"),
         }
     }

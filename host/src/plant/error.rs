@@ -1,5 +1,6 @@
 //! What a plant refuses.
 
+use crate::plant::bench::MAX_SUBSTEPS;
 use crate::plant::integrator::MAX_EVENTS;
 
 /// A parameter outside its allowed range.
@@ -46,6 +47,18 @@ pub enum PlantError {
         /// Length of the substep in which it happened.
         substep_s: f64,
     },
+    /// The plant is too fast for the step, whatever the allowed number of substeps.
+    #[error(
+        "plant is too stiff: a step of {dt_s} s would need {needed} substeps, at most {limit} are allowed; \
+         make the shaft or the bristles softer, the inertias larger or the control period shorter",
+        limit = MAX_SUBSTEPS
+    )]
+    TooStiff {
+        /// Substeps it would need.
+        needed: f64,
+        /// Length of the step.
+        dt_s: f64,
+    },
     /// A coordinate became NaN or infinite.
     #[error(
         "plant state is no longer finite after a torque of {torque_nm} N m; use more substeps or check the parameters"
@@ -53,6 +66,15 @@ pub enum PlantError {
     NotFinite {
         /// Torque of the step in which it happened.
         torque_nm: f64,
+    },
+    /// A value around the plant is outside its range.
+    #[error(transparent)]
+    Surroundings(#[from] ParameterError),
+    /// The profile takes no load torque and its gap does not wear.
+    #[error("a {plant} plant has no load torque and no wear; use the bench profile for them")]
+    FixedSurroundings {
+        /// Profile of the plant.
+        plant: &'static str,
     },
     /// The state belongs to another profile.
     #[error("state belongs to a {state} plant, this one is {plant}; start from its own initial state")]

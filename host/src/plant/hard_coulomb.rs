@@ -4,12 +4,12 @@
 //! The load carries Coulomb friction F_c besides its viscous one and sticks while |N0 C| <= F_c. With F_c = 3.84 N m the
 //! proportional-derivative cascade stops at (3 F_c / N0 + 2 j0) / 13 = 0.3200 rad, the paper's experiment.
 
-use nalgebra::Vector4;
+use nalgebra::Vector6;
 
 use crate::plant::error::within;
-use crate::plant::integrator::{self, HybridSystem};
+use crate::plant::integrator::{self, HybridSystem, runge_kutta};
 use crate::plant::mechanics::{LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION};
-use crate::plant::truth::{Contact, LoadFriction, Truth};
+use crate::plant::truth::{Contact, DryFriction, Truth};
 use crate::plant::{Mechanics, ParameterError, Plant, PlantError, Start};
 
 /// The plant with a hard gap and dry friction.
@@ -24,14 +24,15 @@ pub struct HardCoulomb {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HardCoulombMode {
     contact: Contact,
-    load_friction: LoadFriction,
+    load_friction: DryFriction,
 }
 
 /// Coordinates and mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HardCoulombState {
-    x: Vector4<f64>,
+    x: Vector6<f64>,
     mode: HardCoulombMode,
+    torque_nm: f64,
 }
 
 /// Mode function: the lower flank of the gap, or the one in contact.
@@ -53,7 +54,7 @@ impl HardCoulomb {
         Ok(Self { mechanics, load_coulomb_nm, substeps })
     }
 
-    fn transmitted_torque_nm(&self, x: &Vector4<f64>, contact: Contact) -> f64 {
+    fn transmitted_torque_nm(&self, x: &Vector6<f64>, contact: Contact) -> f64 {
         match contact {
             Contact::Gap => 0.0,
             side => {
@@ -63,7 +64,7 @@ impl HardCoulomb {
         }
     }
 
-    fn contact(&self, x: &Vector4<f64>) -> Contact {
+    fn contact(&self, x: &Vector6<f64>) -> Contact {
         let twist = self.mechanics.twist_rad(x);
         if twist > self.mechanics.dead_zone_rad {
             Contact::Positive
@@ -74,50 +75,45 @@ impl HardCoulomb {
         }
     }
 
-    /// Friction of a load of which nothing is known but where it is and how fast it moves.
-    fn friction_from(&self, x: &Vector4<f64>, contact: Contact) -> LoadFriction {
-        if x[LOAD_VELOCITY] > 0.0 {
-            LoadFriction::SlipPositive
-        } else if x[LOAD_VELOCITY] < 0.0 {
-            LoadFriction::SlipNegative
-        } else {
-            self.friction_at_rest(x, contact)
-        }
-    }
-
     /// Friction of a load at rest.
-    fn friction_at_rest(&self, x: &Vector4<f64>, contact: Contact) -> LoadFriction {
-        let drive = self.mechanics.ratio * self.transmitted_torque_nm(x, contact);
-        if drive > self.load_coulomb_nm {
-            LoadFriction::SlipPositive
-        } else if drive < -self.load_coulomb_nm {
-            LoadFriction::SlipNegative
-        } else {
-            LoadFriction::Stick
-        }
+    fn friction_at_rest(&self, x: &Vector6<f64>, contact: Contact) -> DryFriction {
+        DryFriction::at_rest(self.drive_nm(x, contact), [self.load_coulomb_nm; 2])
     }
-}
 
-impl HybridSystem<4> for HardCoulomb {
-    type Mode = HardCoulombMode;
-    const GUARDS: usize = 3;
+    /// What drives the load, N0 C in N m.
+    fn drive_nm(&self, x: &Vector6<f64>, contact: Contact) -> f64 {
+        self.mechanics.ratio * self.transmitted_torque_nm(x, contact)
+    }
 
-    fn rates(&self, x: &Vector4<f64>, mode: HardCoulombMode, torque_nm: f64) -> Vector4<f64> {
+    #[inline]
+    fn rates(&self, x: &Vector6<f64>, mode: HardCoulombMode, torque_nm: f64) -> Vector6<f64> {
         let transmitted = self.transmitted_torque_nm(x, mode.contact);
-        let dry = match mode.load_friction {
-            LoadFriction::SlipPositive => self.load_coulomb_nm,
-            LoadFriction::SlipNegative => -self.load_coulomb_nm,
-            LoadFriction::Stick => 0.0,
-        };
+        let dry = mode.load_friction.sign() * self.load_coulomb_nm;
         let mut rates = self.mechanics.rates(x, transmitted, torque_nm, dry);
-        if mode.load_friction == LoadFriction::Stick {
+        if mode.load_friction == DryFriction::Stick {
             rates[LOAD_POSITION] = 0.0;
             rates[LOAD_VELOCITY] = 0.0;
         }
         rates
     }
+}
 
-    fn guard(&self, guard: usize, x: &Vector4<f64>, mode: HardCoulombMode, _torque_nm: f64) -> f64 {
+impl HybridSystem for HardCoulomb {
+    type State = Vector6<f64>;
+    type Mode = HardCoulombMode;
+    type Stride = f64;
+    const GUARDS: usize = 3;
+
+    fn stride(&self, h_s: f64) -> f64 {
+        h_s
+    }
+
+    #[inline]
+    fn flow(&self, x: &Vector6<f64>, mode: HardCoulombMode, torque_nm: f64, h_s: f64) -> Vector6<f64> {
+        runge_kutta(x, h_s, |x, _| self.rates(x, mode, torque_nm))
+    }
+
+    fn guard(&self, guard: usize, x: &Vector6<f64>, mode: HardCoulombMode, _torque_nm: f64) -> f64 {
         let twist = self.mechanics.twist_rad(x);
         let half_gap = self.mechanics.dead_zone_rad;
         match (guard, mode.contact) {
@@ -128,12 +124,9 @@ impl HybridSystem<4> for HardCoulomb {
             // The flank on the far side of the gap is reached only by way of the gap.
             (LOWER_FLANK | UPPER_FLANK, _) => half_gap,
             _ => match mode.load_friction {
-                LoadFriction::SlipPositive => x[LOAD_VELOCITY],
-                LoadFriction::SlipNegative => -x[LOAD_VELOCITY],
-                LoadFriction::Stick => {
-                    let drive = self.mechanics.ratio * self.transmitted_torque_nm(x, mode.contact);
-                    self.load_coulomb_nm - libm::fabs(drive)
-                }
+                DryFriction::SlipPositive => x[LOAD_VELOCITY],
+                DryFriction::SlipNegative => -x[LOAD_VELOCITY],
+                DryFriction::Stick => self.load_coulomb_nm - libm::fabs(self.drive_nm(x, mode.contact)),
             },
         }
     }
@@ -141,14 +134,14 @@ impl HybridSystem<4> for HardCoulomb {
     fn switch(
         &self,
         guard: usize,
-        x: &mut Vector4<f64>,
+        x: &mut Vector6<f64>,
         mode: HardCoulombMode,
         _torque_nm: f64,
     ) -> HardCoulombMode {
         if guard == FRICTION {
             let load_friction = match (mode.load_friction, mode.contact) {
-                (LoadFriction::Stick, Contact::Negative) => LoadFriction::SlipNegative,
-                (LoadFriction::Stick, _) => LoadFriction::SlipPositive,
+                (DryFriction::Stick, Contact::Negative) => DryFriction::SlipNegative,
+                (DryFriction::Stick, _) => DryFriction::SlipPositive,
                 _ => self.friction_at_rest(x, mode.contact),
             };
             x[LOAD_VELOCITY] = 0.0;
@@ -161,12 +154,16 @@ impl HybridSystem<4> for HardCoulomb {
         HardCoulombMode { contact, ..mode }
     }
 
-    fn settle(&self, x: &Vector4<f64>, mode: HardCoulombMode, _torque_nm: f64) -> HardCoulombMode {
+    fn settle(&self, x: &mut Vector6<f64>, mode: HardCoulombMode, _torque_nm: f64) -> HardCoulombMode {
         if x[LOAD_VELOCITY] == 0.0 {
             HardCoulombMode { load_friction: self.friction_at_rest(x, mode.contact), ..mode }
         } else {
             mode
         }
+    }
+
+    fn is_finite(&self, x: &Vector6<f64>) -> bool {
+        x.iter().all(|coordinate| coordinate.is_finite())
     }
 }
 
@@ -176,14 +173,15 @@ impl Plant for HardCoulomb {
     fn initial_state(&self, start: Start) -> HardCoulombState {
         let x = start.coordinates();
         let contact = self.contact(&x);
-        HardCoulombState {
-            x,
-            mode: HardCoulombMode { contact, load_friction: self.friction_from(&x, contact) },
-        }
+        let load_friction =
+            DryFriction::of(x[LOAD_VELOCITY], self.drive_nm(&x, contact), [self.load_coulomb_nm; 2]);
+        HardCoulombState { x, mode: HardCoulombMode { contact, load_friction }, torque_nm: 0.0 }
     }
 
     fn step(&self, state: &mut HardCoulombState, torque_nm: f64, dt_s: f64) -> Result<(), PlantError> {
-        integrator::advance(self, &mut state.x, &mut state.mode, torque_nm, dt_s, self.substeps)
+        integrator::advance(self, &mut state.x, &mut state.mode, torque_nm, dt_s, self.substeps)?;
+        state.torque_nm = torque_nm;
+        Ok(())
     }
 
     fn truth(&self, state: &HardCoulombState) -> Truth {
@@ -192,6 +190,15 @@ impl Plant for HardCoulomb {
         let transmitted =
             side * libm::fmax(side * self.transmitted_torque_nm(&state.x, state.mode.contact), 0.0);
         let elastic = 0.5 * transmitted * transmitted / self.mechanics.stiffness_nm_rad;
-        self.mechanics.truth(&state.x, transmitted, elastic, state.mode.contact, state.mode.load_friction)
+        let load_friction = state.mode.load_friction;
+        let load_dry_friction_nm = match load_friction {
+            DryFriction::Stick => self.mechanics.ratio * transmitted,
+            slip => slip.sign() * self.load_coulomb_nm,
+        };
+        Truth {
+            load_friction,
+            load_dry_friction_nm,
+            ..self.mechanics.truth(&state.x, state.torque_nm, transmitted, elastic, state.mode.contact)
+        }
     }
 }

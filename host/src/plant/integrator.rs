@@ -8,6 +8,9 @@
 //!
 //! Two changes within one substep that cancel each other are not seen; the substep has to be short against the fastest
 //! motion of the plant.
+//!
+//! A system brings its own step, [`HybridSystem::flow`], so that what has a closed form (a lag, a spring that relaxes) is
+//! taken from it; [`runge_kutta`] is there for the rest.
 
 use nalgebra::SVector;
 
@@ -26,35 +29,72 @@ const BRACKET_SHARE: f64 = 1e-13;
 /// enough not to be seen.
 const FIRST_INSTANT_SHARE: f64 = 1e-9;
 
-/// A system of `N` coordinates that switches between smooth modes.
-pub trait HybridSystem<const N: usize> {
+/// A system that switches between smooth modes.
+pub trait HybridSystem {
+    /// Everything that moves.
+    type State: Copy;
+
     /// The mode: which right-hand side holds.
     type Mode: Copy;
+
+    /// A step length with everything that depends on it alone worked out.
+    type Stride: Copy;
 
     /// Number of mode functions.
     const GUARDS: usize;
 
-    /// Right-hand side in `mode`, also valid a little beyond the end of the mode.
-    fn rates(&self, x: &SVector<f64, N>, mode: Self::Mode, torque_nm: f64) -> SVector<f64, N>;
+    /// A stride of `h_s` seconds.
+    fn stride(&self, h_s: f64) -> Self::Stride;
+
+    /// The state one stride later if `mode` holds as long, also valid a little beyond the end of the mode.
+    fn flow(&self, x: &Self::State, mode: Self::Mode, torque_nm: f64, stride: Self::Stride) -> Self::State;
 
     /// Mode function number `guard`: not negative while `mode` holds, and smooth across its end.
-    fn guard(&self, guard: usize, x: &SVector<f64, N>, mode: Self::Mode, torque_nm: f64) -> f64;
+    fn guard(&self, guard: usize, x: &Self::State, mode: Self::Mode, torque_nm: f64) -> f64;
 
     /// The mode that follows where mode function `guard` has reached nought; sets the coordinates that are known
     /// exactly there.
-    fn switch(&self, guard: usize, x: &mut SVector<f64, N>, mode: Self::Mode, torque_nm: f64) -> Self::Mode;
+    fn switch(&self, guard: usize, x: &mut Self::State, mode: Self::Mode, torque_nm: f64) -> Self::Mode;
 
-    /// The mode under a torque that has just changed.
-    fn settle(&self, x: &SVector<f64, N>, mode: Self::Mode, torque_nm: f64) -> Self::Mode;
+    /// The mode under a torque that has just changed; sets the coordinates that follow the torque at once.
+    fn settle(&self, x: &mut Self::State, mode: Self::Mode, torque_nm: f64) -> Self::Mode;
+
+    /// Whether every coordinate is a finite number.
+    fn is_finite(&self, x: &Self::State) -> bool;
+}
+
+/// Where in a step of [`runge_kutta`] a right-hand side is evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// At its beginning.
+    Start,
+    /// Half way, twice.
+    Middle,
+    /// At its end.
+    End,
+}
+
+/// One step of the classical Runge-Kutta method.
+#[inline]
+pub fn runge_kutta<const N: usize>(
+    x: &SVector<f64, N>,
+    h_s: f64,
+    rates: impl Fn(&SVector<f64, N>, Stage) -> SVector<f64, N>,
+) -> SVector<f64, N> {
+    let k1 = rates(x, Stage::Start);
+    let k2 = rates(&(x + k1 * (0.5 * h_s)), Stage::Middle);
+    let k3 = rates(&(x + k2 * (0.5 * h_s)), Stage::Middle);
+    let k4 = rates(&(x + k3 * h_s), Stage::End);
+    x + (k1 + (k2 + k3) * 2.0 + k4) * (h_s / 6.0)
 }
 
 /// Holds the torque for `dt_s` seconds in `substeps` equal steps.
 ///
 /// # Errors
 /// See [`PlantError`].
-pub fn advance<const N: usize, S: HybridSystem<N>>(
+pub fn advance<S: HybridSystem>(
     system: &S,
-    x: &mut SVector<f64, N>,
+    x: &mut S::State,
     mode: &mut S::Mode,
     torque_nm: f64,
     dt_s: f64,
@@ -68,33 +108,38 @@ pub fn advance<const N: usize, S: HybridSystem<N>>(
     }
     let substep_s = dt_s / f64::from(substeps);
     *mode = system.settle(x, *mode, torque_nm);
+    let stride = system.stride(substep_s);
     for _ in 0..substeps {
-        substep(system, x, mode, torque_nm, substep_s)?;
+        let end = system.flow(x, *mode, torque_nm, stride);
+        if (0..S::GUARDS).all(|guard| system.guard(guard, &end, *mode, torque_nm) >= 0.0) {
+            *x = end;
+        } else {
+            substep_with_events(system, x, mode, torque_nm, substep_s)?;
+        }
     }
-    if x.iter().all(|coordinate| coordinate.is_finite()) {
-        Ok(())
-    } else {
-        Err(PlantError::NotFinite { torque_nm })
-    }
+    if system.is_finite(x) { Ok(()) } else { Err(PlantError::NotFinite { torque_nm }) }
 }
 
-fn substep<const N: usize, S: HybridSystem<N>>(
+/// A substep in which a mode ends. Kept apart, so that the common step stays short.
+#[cold]
+#[inline(never)]
+fn substep_with_events<S: HybridSystem>(
     system: &S,
-    x: &mut SVector<f64, N>,
+    x: &mut S::State,
     mode: &mut S::Mode,
     torque_nm: f64,
     substep_s: f64,
 ) -> Result<(), PlantError> {
     let mut rest_s = substep_s;
     for _ in 0..=MAX_EVENTS {
-        let end = runge_kutta(system, x, *mode, torque_nm, rest_s);
+        let end = system.flow(x, *mode, torque_nm, system.stride(rest_s));
         let violated = (0..S::GUARDS).filter(|&guard| system.guard(guard, &end, *mode, torque_nm) < 0.0);
         let located = violated.map(|guard| (locate(system, guard, x, *mode, torque_nm, rest_s), guard));
         let Some((event_s, guard)) = located.min_by(|a, b| a.0.total_cmp(&b.0)) else {
             *x = end;
             return Ok(());
         };
-        *x = runge_kutta(system, x, *mode, torque_nm, event_s);
+        *x = system.flow(x, *mode, torque_nm, system.stride(event_s));
         *mode = system.switch(guard, x, *mode, torque_nm);
         rest_s -= event_s;
         if rest_s <= 0.0 {
@@ -104,32 +149,20 @@ fn substep<const N: usize, S: HybridSystem<N>>(
     Err(PlantError::Chattering { substep_s })
 }
 
-/// One step of the classical Runge-Kutta method.
-fn runge_kutta<const N: usize, S: HybridSystem<N>>(
-    system: &S,
-    x: &SVector<f64, N>,
-    mode: S::Mode,
-    torque_nm: f64,
-    h: f64,
-) -> SVector<f64, N> {
-    let k1 = system.rates(x, mode, torque_nm);
-    let k2 = system.rates(&(x + k1 * (0.5 * h)), mode, torque_nm);
-    let k3 = system.rates(&(x + k2 * (0.5 * h)), mode, torque_nm);
-    let k4 = system.rates(&(x + k3 * h), mode, torque_nm);
-    x + (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0)
-}
-
 /// Step length, just past the zero of a mode function that is negative after `limit_s`. The far side is returned so
 /// that the mode that follows holds from its first instant.
-fn locate<const N: usize, S: HybridSystem<N>>(
+fn locate<S: HybridSystem>(
     system: &S,
     guard: usize,
-    x: &SVector<f64, N>,
+    x: &S::State,
     mode: S::Mode,
     torque_nm: f64,
     limit_s: f64,
 ) -> f64 {
-    let value = |h: f64| system.guard(guard, &runge_kutta(system, x, mode, torque_nm, h), mode, torque_nm);
+    let value = |h_s: f64| {
+        let end = system.flow(x, mode, torque_nm, system.stride(h_s));
+        system.guard(guard, &end, mode, torque_nm)
+    };
     let (mut near, mut far) = (0.0, limit_s);
     let (mut near_value, mut far_value) = (value(near), value(far));
     if near_value <= 0.0 {
@@ -187,12 +220,19 @@ mod tests {
     /// A ball under constant acceleration over a floor at nought, which it never leaves once it is there.
     struct Landing;
 
-    impl HybridSystem<2> for Landing {
+    impl HybridSystem for Landing {
+        type State = Vector2<f64>;
         type Mode = bool;
+        type Stride = f64;
         const GUARDS: usize = 1;
 
-        fn rates(&self, x: &Vector2<f64>, landed: bool, torque_nm: f64) -> Vector2<f64> {
-            if landed { Vector2::zeros() } else { Vector2::new(x[1], torque_nm) }
+        fn stride(&self, h_s: f64) -> f64 {
+            h_s
+        }
+
+        fn flow(&self, x: &Vector2<f64>, landed: bool, torque_nm: f64, h_s: f64) -> Vector2<f64> {
+            let falling = |x: &Vector2<f64>, _| Vector2::new(x[1], torque_nm);
+            if landed { *x } else { runge_kutta(x, h_s, falling) }
         }
 
         fn guard(&self, _guard: usize, x: &Vector2<f64>, landed: bool, _torque_nm: f64) -> f64 {
@@ -204,20 +244,30 @@ mod tests {
             true
         }
 
-        fn settle(&self, _x: &Vector2<f64>, landed: bool, _torque_nm: f64) -> bool {
+        fn settle(&self, _x: &mut Vector2<f64>, landed: bool, _torque_nm: f64) -> bool {
             landed
+        }
+
+        fn is_finite(&self, x: &Vector2<f64>) -> bool {
+            x.iter().all(|coordinate| coordinate.is_finite())
         }
     }
 
     /// A system whose mode function is violated in both of its modes.
     struct Chatterer;
 
-    impl HybridSystem<2> for Chatterer {
+    impl HybridSystem for Chatterer {
+        type State = Vector2<f64>;
         type Mode = bool;
+        type Stride = f64;
         const GUARDS: usize = 1;
 
-        fn rates(&self, _x: &Vector2<f64>, _mode: bool, _torque_nm: f64) -> Vector2<f64> {
-            Vector2::zeros()
+        fn stride(&self, h_s: f64) -> f64 {
+            h_s
+        }
+
+        fn flow(&self, x: &Vector2<f64>, _mode: bool, _torque_nm: f64, _h_s: f64) -> Vector2<f64> {
+            *x
         }
 
         fn guard(&self, _guard: usize, _x: &Vector2<f64>, _mode: bool, _torque_nm: f64) -> f64 {
@@ -228,8 +278,12 @@ mod tests {
             !mode
         }
 
-        fn settle(&self, _x: &Vector2<f64>, mode: bool, _torque_nm: f64) -> bool {
+        fn settle(&self, _x: &mut Vector2<f64>, mode: bool, _torque_nm: f64) -> bool {
             mode
+        }
+
+        fn is_finite(&self, _x: &Vector2<f64>) -> bool {
+            true
         }
     }
 

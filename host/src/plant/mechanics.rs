@@ -1,10 +1,10 @@
 //! What all profiles share: the two masses, and the order of their coordinates.
 
-use nalgebra::Vector4;
+use nalgebra::Vector6;
 
 use crate::plant::ParameterError;
 use crate::plant::error::within;
-use crate::plant::truth::{Contact, LoadFriction, Truth};
+use crate::plant::truth::{Contact, DryFriction, Truth};
 
 /// Index of the load position in a state vector.
 pub(crate) const LOAD_POSITION: usize = 0;
@@ -14,6 +14,11 @@ pub(crate) const LOAD_VELOCITY: usize = 1;
 pub(crate) const MOTOR_POSITION: usize = 2;
 /// Index of the motor velocity in a state vector.
 pub(crate) const MOTOR_VELOCITY: usize = 3;
+
+/// Index of the energy supplied so far in a state vector.
+pub(crate) const SUPPLIED: usize = 4;
+/// Index of the energy dissipated so far in a state vector.
+pub(crate) const DISSIPATED: usize = 5;
 
 /// True parameters of motor, reducer and load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,10 +58,17 @@ impl Start {
         Self { load_position_rad, load_velocity_rad_s: 0.0, motor_position_rad, motor_velocity_rad_s: 0.0 }
     }
 
-    /// The coordinates of it.
-    pub(crate) fn coordinates(&self) -> Vector4<f64> {
+    /// The coordinates of it, and no energy supplied or dissipated yet.
+    pub(crate) fn coordinates(&self) -> Vector6<f64> {
         let Self { load_position_rad, load_velocity_rad_s, motor_position_rad, motor_velocity_rad_s } = *self;
-        Vector4::new(load_position_rad, load_velocity_rad_s, motor_position_rad, motor_velocity_rad_s)
+        Vector6::new(
+            load_position_rad,
+            load_velocity_rad_s,
+            motor_position_rad,
+            motor_velocity_rad_s,
+            0.0,
+            0.0,
+        )
     }
 }
 
@@ -89,36 +101,55 @@ impl Mechanics {
     }
 
     /// Twist z in rad.
-    pub(crate) fn twist_rad(&self, x: &Vector4<f64>) -> f64 {
-        x[MOTOR_POSITION] - self.ratio * x[LOAD_POSITION]
+    pub(crate) fn twist_rad(&self, x: &Vector6<f64>) -> f64 {
+        self.twist_of(x[LOAD_POSITION], x[MOTOR_POSITION])
     }
 
-    /// Rates of change when the load moves freely, equation (6), with dry friction as a given torque on the load.
+    /// Twist z in rad of these positions.
+    #[inline]
+    pub(crate) fn twist_of(&self, load_position_rad: f64, motor_position_rad: f64) -> f64 {
+        motor_position_rad - self.ratio * load_position_rad
+    }
+
+    /// Rates of change when the load moves freely, equation (6), with dry friction as a given torque on the load; the
+    /// last two are the power supplied and the power dissipated.
+    #[inline]
     pub(crate) fn rates(
         &self,
-        x: &Vector4<f64>,
+        x: &Vector6<f64>,
         transmitted_nm: f64,
         torque_nm: f64,
         dry_nm: f64,
-    ) -> Vector4<f64> {
+    ) -> Vector6<f64> {
         let load = self.ratio * transmitted_nm - self.load_friction_nm_s_rad * x[LOAD_VELOCITY] - dry_nm;
         let motor = torque_nm - transmitted_nm - self.motor_friction_nm_s_rad * x[MOTOR_VELOCITY];
-        Vector4::new(
+        let dissipated_w = (self.load_friction_nm_s_rad * x[LOAD_VELOCITY] + dry_nm) * x[LOAD_VELOCITY]
+            + self.motor_friction_nm_s_rad * x[MOTOR_VELOCITY] * x[MOTOR_VELOCITY];
+        Vector6::new(
             x[LOAD_VELOCITY],
             load / self.load_inertia_kg_m2,
             x[MOTOR_VELOCITY],
             motor / self.motor_inertia_kg_m2,
+            torque_nm * x[MOTOR_VELOCITY],
+            dissipated_w,
         )
     }
 
-    /// Everything about a state, from what the profile knows of its dead zone and friction.
+    /// Kinetic energy of both masses in J.
+    pub(crate) fn kinetic_energy_j(&self, load_velocity_rad_s: f64, motor_velocity_rad_s: f64) -> f64 {
+        0.5 * (self.load_inertia_kg_m2 * load_velocity_rad_s * load_velocity_rad_s
+            + self.motor_inertia_kg_m2 * motor_velocity_rad_s * motor_velocity_rad_s)
+    }
+
+    /// Everything about a state that carries `transmitted_torque_nm` with `elastic_energy_j` in its spring and has no
+    /// dry friction.
     pub(crate) fn truth(
         &self,
-        x: &Vector4<f64>,
+        x: &Vector6<f64>,
+        motor_torque_nm: f64,
         transmitted_torque_nm: f64,
         elastic_energy_j: f64,
         contact: Contact,
-        load_friction: LoadFriction,
     ) -> Truth {
         let twist_rad = self.twist_rad(x);
         Truth {
@@ -126,15 +157,20 @@ impl Mechanics {
             load_velocity_rad_s: x[LOAD_VELOCITY],
             motor_position_rad: x[MOTOR_POSITION],
             motor_velocity_rad_s: x[MOTOR_VELOCITY],
+            motor_torque_nm,
+            load_torque_nm: 0.0,
             twist_rad,
             transmitted_torque_nm,
             gap_position_rad: twist_rad - transmitted_torque_nm / self.stiffness_nm_rad,
             contact,
-            load_friction,
-            kinetic_energy_j: 0.5
-                * (self.load_inertia_kg_m2 * x[LOAD_VELOCITY] * x[LOAD_VELOCITY]
-                    + self.motor_inertia_kg_m2 * x[MOTOR_VELOCITY] * x[MOTOR_VELOCITY]),
+            load_friction: DryFriction::SlipPositive,
+            motor_friction: DryFriction::SlipPositive,
+            load_dry_friction_nm: 0.0,
+            motor_dry_friction_nm: 0.0,
+            kinetic_energy_j: self.kinetic_energy_j(x[LOAD_VELOCITY], x[MOTOR_VELOCITY]),
             elastic_energy_j,
+            supplied_energy_j: x[SUPPLIED],
+            dissipated_energy_j: x[DISSIPATED],
             dead_zone_rad: self.dead_zone_rad,
         }
     }

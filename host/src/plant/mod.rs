@@ -13,23 +13,27 @@
 //! |---|---|---|
 //! | [`smooth`] | K (z - 4 j0 tanh(z / 4 j0)), the paper's equations (1) and (5) | none |
 //! | [`hard_coulomb`] | K (z -+ j0) in contact, nought in the gap | Coulomb, with sticking |
+//! | [`mod@bench`] | K (z - theta_b) + c dz/dt in contact, theta_b moving in the gap | Stribeck or LuGre; Stribeck on the motor |
 //!
 //! [`integrator`] moves any of them: Runge-Kutta of fourth order at a fixed substep, with the instants at which contact
 //! or sticking changes located on the substep. All functions come from the `libm` crate, so a trajectory has the same
 //! bits on every machine.
 
+pub mod bench;
 mod error;
 pub mod hard_coulomb;
 pub mod integrator;
 mod mechanics;
 mod profile;
 pub mod smooth;
+mod transport_delay;
 mod truth;
 
 pub use error::{ParameterError, PlantError};
 pub use mechanics::{Mechanics, Start};
 pub use profile::{Profile, ProfileState};
-pub use truth::{Contact, LoadFriction, Truth};
+pub use transport_delay::TransportDelay;
+pub use truth::{Contact, DryFriction, Truth};
 
 /// A plant: parameters in the implementor, everything that moves in the state.
 pub trait Plant {

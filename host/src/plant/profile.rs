@@ -3,6 +3,7 @@
 //! A scenario names its plant, so which one it is shows at run time only. A state that was begun with another profile is
 //! an error, never a guess.
 
+use crate::plant::bench::{BenchPlant, BenchState, Surroundings};
 use crate::plant::hard_coulomb::{HardCoulomb, HardCoulombState};
 use crate::plant::smooth::{Smooth, SmoothState};
 use crate::plant::{Plant, PlantError, Start, Truth};
@@ -14,6 +15,8 @@ pub enum Profile {
     Smooth(Smooth),
     /// Hard gap and dry friction.
     HardCoulomb(HardCoulomb),
+    /// The bench as it is built.
+    Bench(BenchPlant),
 }
 
 /// The state of any of the plants.
@@ -23,10 +26,13 @@ pub enum ProfileState {
     Smooth(SmoothState),
     /// State of [`HardCoulomb`].
     HardCoulomb(HardCoulombState),
+    /// State of [`BenchPlant`].
+    Bench(BenchState),
 }
 
 const SMOOTH: &str = "smooth";
 const HARD_COULOMB: &str = "hard-coulomb";
+const BENCH: &str = "bench";
 
 impl Profile {
     /// Name of the profile as scenarios write it.
@@ -34,6 +40,7 @@ impl Profile {
         match self {
             Self::Smooth(_) => SMOOTH,
             Self::HardCoulomb(_) => HARD_COULOMB,
+            Self::Bench(_) => BENCH,
         }
     }
 
@@ -42,6 +49,7 @@ impl Profile {
         match self {
             Self::Smooth(plant) => ProfileState::Smooth(plant.initial_state(start)),
             Self::HardCoulomb(plant) => ProfileState::HardCoulomb(plant.initial_state(start)),
+            Self::Bench(plant) => ProfileState::Bench(plant.initial_state(start)),
         }
     }
 
@@ -55,7 +63,20 @@ impl Profile {
             (Self::HardCoulomb(plant), ProfileState::HardCoulomb(state)) => {
                 plant.step(state, torque_nm, dt_s)
             }
+            (Self::Bench(plant), ProfileState::Bench(state)) => plant.step(state, torque_nm, dt_s),
             (plant, state) => Err(plant.foreign(state)),
+        }
+    }
+
+    /// Changes what is around the plant from here on.
+    ///
+    /// # Errors
+    /// The profile has fixed surroundings, the state belongs to another one, or a value is outside its range.
+    pub fn surround(&self, state: &mut ProfileState, surroundings: Surroundings) -> Result<(), PlantError> {
+        match (self, state) {
+            (Self::Bench(plant), ProfileState::Bench(state)) => Ok(plant.surround(state, surroundings)?),
+            (Self::Bench(_), state) => Err(self.foreign(state)),
+            (plant, _) => Err(PlantError::FixedSurroundings { plant: plant.name() }),
         }
     }
 
@@ -67,6 +88,7 @@ impl Profile {
         match (self, state) {
             (Self::Smooth(plant), ProfileState::Smooth(state)) => Ok(plant.truth(state)),
             (Self::HardCoulomb(plant), ProfileState::HardCoulomb(state)) => Ok(plant.truth(state)),
+            (Self::Bench(plant), ProfileState::Bench(state)) => Ok(plant.truth(state)),
             (plant, state) => Err(plant.foreign(state)),
         }
     }
@@ -82,6 +104,7 @@ impl ProfileState {
         match self {
             Self::Smooth(_) => SMOOTH,
             Self::HardCoulomb(_) => HARD_COULOMB,
+            Self::Bench(_) => BENCH,
         }
     }
 }

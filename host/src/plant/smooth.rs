@@ -3,11 +3,11 @@
 //! C = K (z - 4 j0 tanh(gamma z / 2)), equation (1), with gamma = 1 / (2 j0), equation (5), so that C has no slope at
 //! z = 0. Far outside, the line is offset by 4 j0 and not by j0: the gap is four times as wide as its parameter says.
 
-use nalgebra::Vector4;
+use nalgebra::Vector6;
 
 use crate::plant::error::within;
-use crate::plant::integrator::{self, HybridSystem};
-use crate::plant::truth::{Contact, LoadFriction, Truth};
+use crate::plant::integrator::{self, HybridSystem, runge_kutta};
+use crate::plant::truth::{Contact, Truth};
 use crate::plant::{Mechanics, ParameterError, Plant, PlantError, Start};
 
 /// The smooth plant.
@@ -20,7 +20,8 @@ pub struct Smooth {
 /// Coordinates of the smooth plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmoothState {
-    x: Vector4<f64>,
+    x: Vector6<f64>,
+    torque_nm: f64,
 }
 
 impl Smooth {
@@ -40,39 +41,52 @@ impl Smooth {
         (half_width_rad, libm::tanh(twist_rad / half_width_rad))
     }
 
-    fn transmitted_torque_nm(&self, x: &Vector4<f64>) -> f64 {
+    fn transmitted_torque_nm(&self, x: &Vector6<f64>) -> f64 {
         let twist_rad = self.mechanics.twist_rad(x);
         let (half_width_rad, shape) = self.shape(twist_rad);
         self.mechanics.stiffness_nm_rad * (twist_rad - half_width_rad * shape)
     }
 }
 
-impl HybridSystem<4> for Smooth {
+impl HybridSystem for Smooth {
+    type State = Vector6<f64>;
     type Mode = ();
+    type Stride = f64;
     const GUARDS: usize = 0;
 
-    fn rates(&self, x: &Vector4<f64>, (): (), torque_nm: f64) -> Vector4<f64> {
-        self.mechanics.rates(x, self.transmitted_torque_nm(x), torque_nm, 0.0)
+    fn stride(&self, h_s: f64) -> f64 {
+        h_s
     }
 
-    fn guard(&self, _guard: usize, _x: &Vector4<f64>, (): (), _torque_nm: f64) -> f64 {
+    #[inline]
+    fn flow(&self, x: &Vector6<f64>, (): (), torque_nm: f64, h_s: f64) -> Vector6<f64> {
+        runge_kutta(x, h_s, |x, _| self.mechanics.rates(x, self.transmitted_torque_nm(x), torque_nm, 0.0))
+    }
+
+    fn guard(&self, _guard: usize, _x: &Vector6<f64>, (): (), _torque_nm: f64) -> f64 {
         0.0
     }
 
-    fn switch(&self, _guard: usize, _x: &mut Vector4<f64>, (): (), _torque_nm: f64) {}
+    fn switch(&self, _guard: usize, _x: &mut Vector6<f64>, (): (), _torque_nm: f64) {}
 
-    fn settle(&self, _x: &Vector4<f64>, (): (), _torque_nm: f64) {}
+    fn settle(&self, _x: &mut Vector6<f64>, (): (), _torque_nm: f64) {}
+
+    fn is_finite(&self, x: &Vector6<f64>) -> bool {
+        x.iter().all(|coordinate| coordinate.is_finite())
+    }
 }
 
 impl Plant for Smooth {
     type State = SmoothState;
 
     fn initial_state(&self, start: Start) -> SmoothState {
-        SmoothState { x: start.coordinates() }
+        SmoothState { x: start.coordinates(), torque_nm: 0.0 }
     }
 
     fn step(&self, state: &mut SmoothState, torque_nm: f64, dt_s: f64) -> Result<(), PlantError> {
-        integrator::advance(self, &mut state.x, &mut (), torque_nm, dt_s, self.substeps)
+        integrator::advance(self, &mut state.x, &mut (), torque_nm, dt_s, self.substeps)?;
+        state.torque_nm = torque_nm;
+        Ok(())
     }
 
     fn truth(&self, state: &SmoothState) -> Truth {
@@ -91,6 +105,6 @@ impl Plant for Smooth {
         } else {
             Contact::Gap
         };
-        self.mechanics.truth(&state.x, transmitted, elastic, contact, LoadFriction::SlipPositive)
+        self.mechanics.truth(&state.x, state.torque_nm, transmitted, elastic, contact)
     }
 }

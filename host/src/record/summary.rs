@@ -32,7 +32,7 @@ pub struct Summary {
     pub simulated_s: f64,
     /// Time on the wall.
     pub wall_s: f64,
-    /// The eight metrics by name; null where there is no value.
+    /// The metrics by name; null where there is no value.
     pub metrics: Metrics,
     /// The expectations of the scenario and what became of them.
     pub expectations: Vec<Finding>,
@@ -99,6 +99,7 @@ mod tests {
                 load_position_rad: 1.0 - 0.25 * f64::from(step),
                 torque_nm: -1.5,
                 dead_zone_estimate_rad: 0.16,
+                dead_zone_rad: 0.125,
             });
         }
         let metrics = measurement.metrics();
@@ -146,13 +147,17 @@ mod tests {
           "wall_s": 0.25,
           "metrics": {
             "settle_time_s": null,
+            "settle_time_5pct_s": null,
             "settle_time_2pct_s": null,
+            "settle_time_1pct_s": null,
             "static_error_rad": 0.375,
             "hunting_rad": null,
             "overshoot_rad": 0.0,
+            "lost_motion_rad": null,
             "effort_nm2s": 4.5,
             "torque_total_variation_nm": 0.0,
-            "dead_zone_estimate_rad": 0.16
+            "dead_zone_estimate_rad": 0.16,
+            "dead_zone_error_rad": 0.035
           },
           "expectations": [
             {

@@ -32,11 +32,35 @@ pub struct TraceRow {
     pub twist_rad: f64,
     /// The drive's estimate of j0.
     pub dead_zone_estimate_rad: f64,
+    /// True j0.
+    pub dead_zone_rad: f64,
+    /// Position in the gap, theta_b.
+    pub gap_position_rad: f64,
+    /// Side in contact: -1, 0 or 1.
+    pub contact: f64,
+    /// Torque at the motor after delay, saturation and lag; where it jumps at `time_s`, the one before the jump.
+    pub motor_torque_nm: f64,
+    /// Torque on the load from outside.
+    pub load_torque_nm: f64,
+    /// Dry friction on the load, against positive motion.
+    pub load_dry_friction_nm: f64,
+    /// Dry friction on the motor, against positive motion.
+    pub motor_dry_friction_nm: f64,
+    /// 1 while the load sticks, else 0.
+    pub load_sticks: f64,
+    /// 1 while the motor sticks, else 0.
+    pub motor_sticks: f64,
+    /// Energy in masses, spring and bristles.
+    pub stored_energy_j: f64,
+    /// Energy put in by motor and load torque since the start. Stored energy changes by this less the next.
+    pub supplied_energy_j: f64,
+    /// Energy lost to friction and damping since the start.
+    pub dissipated_energy_j: f64,
 }
 
 impl TraceRow {
     /// The header of the file.
-    pub const COLUMNS: [&str; 10] = [
+    pub const COLUMNS: [&str; 22] = [
         "time_s",
         "reference_rad",
         "load_position_rad",
@@ -47,6 +71,18 @@ impl TraceRow {
         "transmitted_torque_nm",
         "twist_rad",
         "dead_zone_estimate_rad",
+        "dead_zone_rad",
+        "gap_position_rad",
+        "contact",
+        "motor_torque_nm",
+        "load_torque_nm",
+        "load_dry_friction_nm",
+        "motor_dry_friction_nm",
+        "load_sticks",
+        "motor_sticks",
+        "stored_energy_j",
+        "supplied_energy_j",
+        "dissipated_energy_j",
     ];
 
     /// The values in the order of [`COLUMNS`](Self::COLUMNS).
@@ -63,6 +99,18 @@ impl TraceRow {
             self.transmitted_torque_nm,
             self.twist_rad,
             self.dead_zone_estimate_rad,
+            self.dead_zone_rad,
+            self.gap_position_rad,
+            self.contact,
+            self.motor_torque_nm,
+            self.load_torque_nm,
+            self.load_dry_friction_nm,
+            self.motor_dry_friction_nm,
+            self.load_sticks,
+            self.motor_sticks,
+            self.stored_energy_j,
+            self.supplied_energy_j,
+            self.dissipated_energy_j,
         ]
     }
 }

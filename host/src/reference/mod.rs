@@ -74,6 +74,16 @@ impl Reference {
             Self::Table(table) => table.position_rad(t_s),
         }
     }
+
+    /// The middle of a reference that goes back and forth: that of a sine, or half way between the extremes of a table.
+    #[must_use]
+    pub fn middle_rad(&self) -> Option<f64> {
+        match self {
+            Self::Sine { offset_rad, .. } => Some(*offset_rad),
+            Self::Table(table) => Some(table.middle_rad()),
+            Self::Constant { .. } | Self::Step { .. } | Self::Trapezoid(_) => None,
+        }
+    }
 }
 
 #[cfg(test)]

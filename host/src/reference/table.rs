@@ -119,6 +119,15 @@ impl Table {
             }
         }
     }
+
+    /// Half way between the lowest and the highest point, in rad.
+    #[must_use]
+    pub fn middle_rad(&self) -> f64 {
+        let ends = self.points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], point| {
+            [low.min(point.position_rad), high.max(point.position_rad)]
+        });
+        0.5 * (ends[0] + ends[1])
+    }
 }
 
 /// Line by line rather than with a CSV reader: two columns of numbers need no quoting, and a reader that skips

@@ -2,15 +2,13 @@
 
 use lashloop_protocol::message::EncoderSample;
 
-use super::RunError;
+use super::{RunError, mechanics};
 use crate::encoder::{Encoder, EncoderState};
-use crate::plant::hard_coulomb::HardCoulomb;
-use crate::plant::smooth::Smooth;
-use crate::plant::{Mechanics, ParameterError, PlantError, Profile, ProfileState, Start, Truth};
+use crate::plant::{DryFriction, PlantError, Profile, ProfileState, Start, TransportDelay, Truth};
 use crate::record::trace::TraceRow;
 use crate::reference::Reference;
 use crate::scenario::Scenario;
-use crate::scenario::plant::{PlantModel, PlantSettings};
+use crate::scenario::plant::PlantSettings;
 
 /// Apart, so that the noise of one encoder is not that of the other.
 const LOAD_ENCODER_STREAM: u64 = 0x9e37_79b9_7f4a_7c15;
@@ -22,6 +20,8 @@ pub struct Bench {
     motor_encoder: (Encoder, EncoderState),
     load_encoder: (Encoder, EncoderState),
     reference: Reference,
+    settings: PlantSettings,
+    delay: TransportDelay,
     period_s: f64,
 }
 
@@ -31,7 +31,8 @@ impl Bench {
     /// # Errors
     /// A parameter of the plant or of an encoder is outside its range.
     pub fn new(scenario: &Scenario) -> Result<Self, RunError> {
-        let plant = profile(&scenario.plant)?;
+        let period_s = scenario.run.control_period_s();
+        let plant = mechanics::profile(&scenario.plant, period_s)?;
         let initial = &scenario.plant.initial;
         let encoders = &scenario.encoders;
         let encoder = |counts_per_rev, seed| -> Result<_, RunError> {
@@ -49,7 +50,12 @@ impl Bench {
             motor_encoder: encoder(encoders.motor_counts_per_rev, scenario.run.seed)?,
             load_encoder: encoder(encoders.load_counts_per_rev, scenario.run.seed ^ LOAD_ENCODER_STREAM)?,
             reference: scenario.reference.clone(),
-            period_s: scenario.run.control_period_s(),
+            settings: scenario.plant.clone(),
+            delay: TransportDelay::new(
+                scenario.plant.bench.as_ref().map_or(0, |bench| bench.torque_delay_us),
+                scenario.run.control_period_us,
+            ),
+            period_s,
         })
     }
 
@@ -57,10 +63,13 @@ impl Bench {
     /// still unknown: the drive has not been asked.
     ///
     /// # Errors
-    /// As [`Profile::truth`].
+    /// As [`Profile::truth`] and [`Profile::surround`].
     pub fn observe(&mut self, sequence: u32) -> Result<(EncoderSample, TraceRow), PlantError> {
-        let truth = self.plant.truth(&self.state)?;
         let time_s = f64::from(sequence) * self.period_s;
+        if let Some(surroundings) = mechanics::surroundings(&self.settings, time_s) {
+            self.plant.surround(&mut self.state, surroundings)?;
+        }
+        let truth = self.plant.truth(&self.state)?;
         let reference_rad = self.reference.position_rad(time_s);
         let sample = EncoderSample {
             sequence,
@@ -71,12 +80,15 @@ impl Bench {
         Ok((sample, row(&truth, time_s, reference_rad)))
     }
 
-    /// Holds a torque for one control period.
+    /// Lets a control period pass. The torque is held for one, beginning after its delay.
     ///
     /// # Errors
     /// As [`Profile::step`]: the state left the range of numbers, above all.
     pub fn step(&mut self, torque_nm: f32) -> Result<(), PlantError> {
-        self.plant.step(&mut self.state, torque_nm.into(), self.period_s)
+        for (held_nm, held_s) in self.delay.step(torque_nm.into()) {
+            self.plant.step(&mut self.state, held_nm, held_s)?;
+        }
+        Ok(())
     }
 }
 
@@ -92,24 +104,17 @@ fn row(truth: &Truth, time_s: f64, reference_rad: f64) -> TraceRow {
         transmitted_torque_nm: truth.transmitted_torque_nm,
         twist_rad: truth.twist_rad,
         dead_zone_estimate_rad: f64::NAN,
+        dead_zone_rad: truth.dead_zone_rad,
+        gap_position_rad: truth.gap_position_rad,
+        contact: truth.contact.sign(),
+        motor_torque_nm: truth.motor_torque_nm,
+        load_torque_nm: truth.load_torque_nm,
+        load_dry_friction_nm: truth.load_dry_friction_nm,
+        motor_dry_friction_nm: truth.motor_dry_friction_nm,
+        load_sticks: f64::from(truth.load_friction == DryFriction::Stick),
+        motor_sticks: f64::from(truth.motor_friction == DryFriction::Stick),
+        stored_energy_j: truth.energy_j(),
+        supplied_energy_j: truth.supplied_energy_j,
+        dissipated_energy_j: truth.dissipated_energy_j,
     }
-}
-
-fn profile(settings: &PlantSettings) -> Result<Profile, ParameterError> {
-    let mechanics = Mechanics {
-        motor_inertia_kg_m2: settings.motor_inertia_kg_m2,
-        motor_friction_nm_s_rad: settings.motor_friction_nm_s_rad,
-        load_inertia_kg_m2: settings.load_inertia_kg_m2,
-        load_friction_nm_s_rad: settings.load_friction_nm_s_rad,
-        ratio: settings.reduction_ratio,
-        stiffness_nm_rad: settings.stiffness_nm_rad,
-        dead_zone_rad: settings.dead_zone_rad,
-    };
-    Ok(match settings.model {
-        PlantModel::Smooth => Profile::Smooth(Smooth::new(mechanics, settings.substeps)?),
-        PlantModel::HardCoulomb => {
-            let coulomb_nm = settings.load_coulomb_nm.unwrap_or_default();
-            Profile::HardCoulomb(HardCoulomb::new(mechanics, coulomb_nm, settings.substeps)?)
-        }
-    })
 }

@@ -53,7 +53,8 @@ pub fn run(scenario: &Scenario, device: &mut Device, watcher: &mut dyn Watcher) 
         scenario,
         bench,
         watcher,
-        measurement: Measurement::new(scenario.run.control_period_s()),
+        measurement: Measurement::new(scenario.run.control_period_s())
+            .with_middle_of_reference(scenario.reference.middle_rad()),
         digest: TorqueDigest::default(),
         torque_nm: 0.0,
         lost: 0,
@@ -75,6 +76,9 @@ pub fn run(scenario: &Scenario, device: &mut Device, watcher: &mut dyn Watcher) 
     run.finish_row(device)?;
     let end = end?;
     stopped?;
+    if matches!(end, End::Diverged(_)) {
+        run.measurement.diverged();
+    }
     let link = link_counts(run.lost, before, &device.session);
     let metrics = run.measurement.metrics();
     let mut judgement = Judgement::new(&scenario.expectations, &metrics, &scenario.allow, &link);
@@ -173,6 +177,7 @@ impl Lockstep<'_> {
             load_position_rad: row.load_position_rad,
             torque_nm: row.torque_nm,
             dead_zone_estimate_rad: row.dead_zone_estimate_rad,
+            dead_zone_rad: row.dead_zone_rad,
         });
         self.watcher.row(&row)
     }

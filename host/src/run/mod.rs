@@ -3,17 +3,19 @@
 //! | module | does |
 //! |---|---|
 //! | [`mod@bench`] | the simulated side of the loop: plant, encoders, reference |
+//! | `mechanics` | the plant a scenario describes |
 //! | [`setup`] | tells the drive what the scenario says |
 //! | [`lockstep`] | closes the loop: the plant waits for the drive |
 //! | [`outcome`] | what came of it |
 
 pub mod bench;
 pub mod lockstep;
+mod mechanics;
 pub mod outcome;
 pub mod setup;
 
 use crate::device::DeviceError;
-use crate::plant::ParameterError;
+use crate::plant::{ParameterError, PlantError};
 use crate::record::RecordError;
 use crate::scenario::ScenarioError;
 
@@ -35,6 +37,9 @@ pub enum RunError {
     /// The scenario's plant can't be built.
     #[error(transparent)]
     Plant(#[from] ParameterError),
+    /// The scenario's plant can't be integrated.
+    #[error(transparent)]
+    Integration(#[from] PlantError),
     /// The scenario's encoders can't be built.
     #[error(transparent)]
     Encoder(#[from] crate::encoder::EncoderError),

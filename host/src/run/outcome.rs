@@ -30,12 +30,15 @@ impl End {
     }
 
     /// The verdict a run can't rise above because of its end. A watchdog that trips tells of the host or of the line,
-    /// not of the controller.
+    /// and an integration that can't go on of the plant, not of the controller.
     #[must_use]
     pub fn verdict(&self) -> Option<Verdict> {
         match self {
             Self::Complete => None,
             Self::DriveFault(fault) if fault.code == FaultCode::Watchdog => Some(Verdict::Invalid),
+            Self::Diverged(PlantError::Chattering { .. } | PlantError::TooStiff { .. }) => {
+                Some(Verdict::Invalid)
+            }
             Self::DriveFault(_) | Self::Diverged(_) => Some(Verdict::Fail),
             Self::Interrupted => Some(Verdict::Invalid),
         }

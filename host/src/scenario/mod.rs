@@ -12,12 +12,13 @@
 //! |---|---|---|
 //! | `title`, `description` | what the scenario shows | here |
 //! | `[run]` `[encoders]` `[link]` `[allow]` `[telemetry]` `[record]` | how the bench works | [`mod@bench`] |
-//! | `[plant]` | load, motor, gap and where they start | [`plant`] |
+//! | `[plant]` | load, motor, gap and where they start | [`plant`], [`bench_plant`] |
 //! | `[controller]` | the law and the drive's own parameters | [`controller`] |
 //! | `[reference]` | the position to follow | [`crate::reference`] |
 //! | `[[expect]]` | bounds on metrics | [`expectation`] |
 
 pub mod bench;
+pub mod bench_plant;
 pub mod controller;
 pub mod error;
 pub mod expectation;

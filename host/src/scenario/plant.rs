@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use serde::Serialize;
 
+use super::bench_plant::{self, BenchPlantSettings};
 use super::range::{positive, within};
 use super::reader::Section;
 use super::unit;
@@ -16,6 +17,8 @@ pub enum PlantModel {
     Smooth,
     /// A gap with hard edges, with viscous and Coulomb friction on the load.
     HardCoulomb,
+    /// Physical backlash with a damped shaft, Stribeck friction on both sides, and a drive that lags and saturates.
+    Bench,
 }
 
 /// The plant and how finely it is integrated.
@@ -42,6 +45,9 @@ pub struct PlantSettings {
     /// F_c on the load; `None` for a model without it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load_coulomb_nm: Option<f64>,
+    /// What only the bench has; `None` for another model.
+    #[serde(flatten)]
+    pub bench: Option<BenchPlantSettings>,
     /// Where the run starts.
     pub initial: InitialState,
 }
@@ -59,8 +65,8 @@ pub struct InitialState {
     pub motor_velocity_rad_s: f64,
 }
 
-const MODELS: [(&str, PlantModel); 2] =
-    [("smooth", PlantModel::Smooth), ("hard-coulomb", PlantModel::HardCoulomb)];
+const MODELS: [(&str, PlantModel); 3] =
+    [("smooth", PlantModel::Smooth), ("hard-coulomb", PlantModel::HardCoulomb), ("bench", PlantModel::Bench)];
 
 /// The paper's symbols, for a reader who has the paper at hand and this schema not.
 const SYMBOLS: &[(&str, &str)] = &[
@@ -76,9 +82,10 @@ const SYMBOLS: &[(&str, &str)] = &[
 pub(super) fn read(plant: &mut Section<'_>) -> PlantSettings {
     plant.symbols(SYMBOLS);
     let model = plant.choice("model", None, &MODELS);
+    let substeps = if model == Some(PlantModel::Bench) { 16 } else { 4 };
     PlantSettings {
         model: model.unwrap_or(PlantModel::Smooth),
-        substeps: plant.integer("substeps", unit::NONE, 4, 1..=4096),
+        substeps: plant.integer("substeps", unit::NONE, substeps, 1..=4096),
         load_inertia_kg_m2: plant.number(
             "load_inertia_kg_m2",
             unit::KILOGRAM_SQUARE_METRE,
@@ -107,6 +114,7 @@ pub(super) fn read(plant: &mut Section<'_>) -> PlantSettings {
         stiffness_nm_rad: plant.number("stiffness_nm_rad", unit::NEWTON_METRE_PER_RADIAN, 1.0, positive(1e6)),
         dead_zone_rad: plant.number("dead_zone_rad", unit::RADIAN, 0.16, positive(PI)),
         load_coulomb_nm: read_coulomb_friction(plant, model),
+        bench: read_bench(plant, model),
         initial: plant.section("initial", read_initial),
     }
 }
@@ -120,7 +128,26 @@ fn read_coulomb_friction(plant: &mut Section<'_>, model: Option<PlantModel>) -> 
         plant.belongs_to("model", "hard-coulomb", "smooth", read);
         return None;
     }
+    if model == Some(PlantModel::Bench) {
+        return None;
+    }
     Some(read(plant))
+}
+
+/// The keys of the bench exist in that model only.
+fn read_bench(plant: &mut Section<'_>, model: Option<PlantModel>) -> Option<BenchPlantSettings> {
+    let chosen = match model {
+        Some(PlantModel::Bench) => return Some(bench_plant::read(plant)),
+        Some(PlantModel::HardCoulomb) => "hard-coulomb",
+        Some(PlantModel::Smooth) => "smooth",
+        // Which keys there are depends on a choice that is faulty itself.
+        None => {
+            plant.accept_the_rest();
+            return None;
+        }
+    };
+    plant.belongs_to("model", "bench", chosen, bench_plant::read);
+    None
 }
 
 fn read_initial(initial: &mut Section<'_>) -> InitialState {

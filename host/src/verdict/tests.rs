@@ -14,6 +14,7 @@ fn metrics(load_position_rad: f64) -> Metrics {
             load_position_rad,
             torque_nm: 0.0,
             dead_zone_estimate_rad: 0.16,
+            dead_zone_rad: 0.16,
         });
     }
     measurement.metrics()

@@ -2,7 +2,7 @@
 
 use core::f64::consts::TAU;
 
-use lashloop::plant::{Contact, LoadFriction, Mechanics, Plant, Start, Truth};
+use lashloop::plant::{Contact, DryFriction, Mechanics, Plant, Start, Truth};
 
 use crate::closed_loop::{Ideal, Reference, Row, Timing, regulate_to_nought, run};
 use crate::open_loop::pushed;
@@ -99,7 +99,7 @@ fn pd_stops_at_the_static_error_of_the_closed_form() {
 fn sticking_load_has_no_velocity_at_all() {
     let rows = pushed(&paper::hard_coulomb(4), 1e-3, 8_000);
     let (stuck, moving): (Vec<_>, Vec<_>) =
-        rows.iter().partition(|(truth, _)| truth.load_friction == LoadFriction::Stick);
+        rows.iter().partition(|(truth, _)| truth.load_friction == DryFriction::Stick);
     assert!(stuck.len() > 100 && moving.len() > 100, "{} stuck, {} moving", stuck.len(), moving.len());
     assert!(stuck.iter().all(|(truth, _)| truth.load_velocity_rad_s == 0.0));
     // And it is held: friction carries what the spring asks, up to its limit.

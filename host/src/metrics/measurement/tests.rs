@@ -16,6 +16,7 @@ fn run(seconds: f64, error_rad: impl Fn(f64) -> f64, torque_nm: impl Fn(f64) -> 
             load_position_rad: 0.5 + error_rad(time_s),
             torque_nm: torque_nm(time_s),
             dead_zone_estimate_rad: 0.16,
+            dead_zone_rad: 0.1,
         });
     }
     measurement.metrics()
@@ -37,7 +38,10 @@ fn an_exponential_settles_when_it_enters_each_band() {
     // exp(-t) is 0.05 at 2.9957 s and 0.02 at 3.9120 s; the grid times after are 2.996 and 3.913.
     let metrics = error(10.0, |t_s| (-t_s).exp());
     assert_close(&metrics, Metric::SettleTime, 2.996);
+    assert_close(&metrics, Metric::SettleTime5Pct, 2.996);
     assert_close(&metrics, Metric::SettleTime2Pct, 3.913);
+    // And 0.01 at 4.6052 s.
+    assert_close(&metrics, Metric::SettleTime1Pct, 4.606);
 }
 
 #[test]
@@ -61,6 +65,7 @@ fn an_error_of_exactly_the_band_is_inside() {
         load_position_rad: -0.05,
         torque_nm: 0.0,
         dead_zone_estimate_rad: 0.0,
+        dead_zone_rad: 0.1,
     };
     measurement.push(&sample);
     assert_close(&measurement.metrics(), Metric::SettleTime, 0.0);
@@ -116,7 +121,9 @@ fn a_run_without_samples_has_no_figure_at_all() {
 #[test]
 fn without_an_initial_error_nothing_is_measured_against_it() {
     let metrics = error(10.0, |t_s| if t_s < 1.0 { 0.0 } else { 0.3 });
-    assert_eq!(metrics.get(Metric::SettleTime2Pct), Measured::NoInitialError);
+    for metric in [Metric::SettleTime5Pct, Metric::SettleTime2Pct, Metric::SettleTime1Pct] {
+        assert_eq!(metrics.get(metric), Measured::NoInitialError);
+    }
     assert_eq!(metrics.get(Metric::Overshoot), Measured::NoInitialError);
 }
 
@@ -147,6 +154,67 @@ fn a_run_that_diverges_within_the_finite_numbers_scores_by_its_size() {
 }
 
 #[test]
+fn a_plant_that_could_not_be_followed_takes_every_figure_of_the_run() {
+    let mut measurement = Measurement::new(PERIOD_S);
+    for step in 0..20_000 {
+        measurement.push(&Sample {
+            time_s: f64::from(step) * PERIOD_S,
+            reference_rad: 0.0,
+            load_position_rad: if step == 0 { 1.0 } else { 0.0 },
+            torque_nm: 0.0,
+            dead_zone_estimate_rad: 0.16,
+            dead_zone_rad: 0.16,
+        });
+    }
+    assert_close(&measurement.metrics(), Metric::SettleTime, 0.001);
+    measurement.diverged();
+    let metrics = measurement.metrics();
+    assert!(!metrics.run_was_finite());
+    assert!(metrics.iter().all(|(_, measured)| measured == Measured::NotFinite));
+}
+
+/// A load that lags behind a triangle of +-1 rad around 0.5 rad by `lag_rad`, 4 s to the period.
+fn behind_a_triangle(seconds: f64, lag_rad: f64, middle_rad: Option<f64>) -> Metrics {
+    let mut measurement = Measurement::new(PERIOD_S).with_middle_of_reference(middle_rad);
+    for step in 0..(seconds / PERIOD_S).round() as u32 {
+        // Half a period off the passages, so that they lie between samples.
+        let time_s = (f64::from(step) + 0.5) * PERIOD_S;
+        let phase = (time_s + 1.0).rem_euclid(4.0);
+        let upwards = phase < 2.0;
+        let reference_rad = 0.5 + if upwards { phase - 1.0 } else { 3.0 - phase };
+        measurement.push(&Sample {
+            time_s,
+            reference_rad,
+            load_position_rad: reference_rad - if upwards { lag_rad } else { -lag_rad },
+            torque_nm: 0.0,
+            dead_zone_estimate_rad: 0.16,
+            dead_zone_rad: 0.1,
+        });
+    }
+    measurement.metrics()
+}
+
+#[test]
+fn lost_motion_is_the_distance_between_the_two_ways_through_the_middle() {
+    // The reference passes 0.5 rad downwards at 2 s and upwards at 4 s.
+    assert_close(&behind_a_triangle(5.0, 0.07, Some(0.5)), Metric::LostMotion, 0.14);
+    assert_close(&behind_a_triangle(5.0, 0.0, Some(0.5)), Metric::LostMotion, 0.0);
+}
+
+#[test]
+fn a_reference_that_does_not_come_back_has_no_lost_motion() {
+    for (seconds, middle_rad) in [(3.0, Some(0.5)), (5.0, Some(9.0)), (5.0, None)] {
+        let metrics = behind_a_triangle(seconds, 0.07, middle_rad);
+        assert_eq!(metrics.get(Metric::LostMotion), Measured::NoReversal, "{seconds} s, {middle_rad:?}");
+    }
+}
+
+#[test]
+fn dead_zone_error_is_the_estimate_less_the_true_half_gap() {
+    assert_close(&error(1.0, |_| 0.0), Metric::DeadZoneError, 0.06);
+}
+
+#[test]
 fn a_drive_without_an_estimate_loses_that_figure_only() {
     let mut measurement = Measurement::new(PERIOD_S);
     measurement.push(&Sample {
@@ -155,9 +223,11 @@ fn a_drive_without_an_estimate_loses_that_figure_only() {
         load_position_rad: 1.0,
         torque_nm: 1.0,
         dead_zone_estimate_rad: f64::NAN,
+        dead_zone_rad: 0.1,
     });
     let metrics = measurement.metrics();
     assert_eq!(metrics.get(Metric::DeadZoneEstimate), Measured::NotFinite);
+    assert_eq!(metrics.get(Metric::DeadZoneError), Measured::NotFinite);
     assert_eq!(metrics.get(Metric::TorqueTotalVariation), Measured::Value(0.0));
     assert!(metrics.run_was_finite());
 }

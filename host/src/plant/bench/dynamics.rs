@@ -1,0 +1,218 @@
+//! The motion of the bench plant and the ends of its modes.
+
+use nalgebra::SVector;
+
+use super::{BRISTLE, BenchCoordinates, BenchMode, BenchPlant};
+use crate::plant::integrator::{HybridSystem, Stage, runge_kutta};
+use crate::plant::mechanics::{
+    DISSIPATED, LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION, MOTOR_VELOCITY, SUPPLIED,
+};
+use crate::plant::truth::{Contact, DryFriction};
+
+/// Mode function: the lower flank of the gap, or the contact there.
+const LOWER_FLANK: usize = 0;
+/// Mode function: the upper flank of the gap, or the contact there.
+const UPPER_FLANK: usize = 1;
+/// Mode function: dry friction on the load.
+const LOAD_FRICTION: usize = 2;
+/// Mode function: dry friction on the motor.
+const MOTOR_FRICTION: usize = 3;
+
+/// A step length and what decays within it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BenchStride {
+    h_s: f64,
+    /// Share of the distance between torque and command that is left after half a step, and after a whole one.
+    lag: [f64; 2],
+    /// Share of the shaft's twist that is left, off contact.
+    relaxation: f64,
+}
+
+/// What acts on the masses during one step from outside the coordinates that are integrated.
+#[derive(Clone, Copy)]
+struct Drive {
+    /// Motor torque at the three stages, in N m.
+    motor_torque_nm: [f64; 3],
+    load_torque_nm: f64,
+    gap_position_rad: f64,
+}
+
+/// exp(-rate t), also for a time constant of nought.
+fn decay(time_s: f64, time_constant_s: f64) -> f64 {
+    if time_constant_s > 0.0 { libm::exp(-time_s / time_constant_s) } else { 0.0 }
+}
+
+impl BenchPlant {
+    /// Right-hand side of the masses, the energies and, with `LUGRE`, the bristles.
+    #[inline]
+    fn rates<const LUGRE: bool>(
+        &self,
+        x: &SVector<f64, 7>,
+        mode: BenchMode,
+        drive: &Drive,
+        stage: Stage,
+    ) -> SVector<f64, 7> {
+        let m = &self.mechanics;
+        let [load_velocity, motor_velocity] = [x[LOAD_VELOCITY], x[MOTOR_VELOCITY]];
+        let motor_torque_nm = drive.motor_torque_nm[stage as usize];
+        let mut rates = SVector::<f64, 7>::zeros();
+        let (mut transmitted_nm, mut dissipated_w) = (0.0, 0.0);
+        if mode.contact != Contact::Gap {
+            let shaft_twist = m.twist_of(x[LOAD_POSITION], x[MOTOR_POSITION]) - drive.gap_position_rad;
+            let twist_rate = motor_velocity - m.ratio * load_velocity;
+            let damping_nm = self.parameters.shaft_damping_nm_s_rad * twist_rate;
+            transmitted_nm = m.stiffness_nm_rad * shaft_twist + damping_nm;
+            dissipated_w = damping_nm * twist_rate;
+        }
+        if LUGRE || mode.load != DryFriction::Stick {
+            let mut friction_nm = m.load_friction_nm_s_rad * load_velocity;
+            dissipated_w += friction_nm * load_velocity;
+            match self.load_friction.bristles {
+                Some(of) if LUGRE => {
+                    let bristles = self.load_friction.bristles(of, load_velocity, x[BRISTLE]);
+                    friction_nm += bristles.torque_nm;
+                    dissipated_w += bristles.dissipated_w;
+                    rates[BRISTLE] = bristles.bending_rad_s;
+                }
+                _ => {
+                    let sign = mode.load.sign();
+                    let dry_nm = sign * self.load_friction.curve.magnitude_nm(load_velocity, sign);
+                    friction_nm += dry_nm;
+                    dissipated_w += dry_nm * load_velocity;
+                }
+            }
+            let driven_nm = m.ratio * transmitted_nm + drive.load_torque_nm;
+            rates[LOAD_POSITION] = load_velocity;
+            rates[LOAD_VELOCITY] = (driven_nm - friction_nm) / m.load_inertia_kg_m2;
+        }
+        if mode.motor != DryFriction::Stick {
+            let sign = mode.motor.sign();
+            let friction_nm = m.motor_friction_nm_s_rad * motor_velocity
+                + sign * self.motor_friction.magnitude_nm(motor_velocity, sign);
+            dissipated_w += friction_nm * motor_velocity;
+            rates[MOTOR_POSITION] = motor_velocity;
+            rates[MOTOR_VELOCITY] = (motor_torque_nm - transmitted_nm - friction_nm) / m.motor_inertia_kg_m2;
+        }
+        rates[SUPPLIED] = motor_torque_nm * motor_velocity + drive.load_torque_nm * load_velocity;
+        rates[DISSIPATED] = dissipated_w;
+        rates
+    }
+
+    fn command_nm(&self, torque_nm: f64) -> f64 {
+        torque_nm.clamp(-self.parameters.torque_saturation_nm, self.parameters.torque_saturation_nm)
+    }
+
+    /// The mode of masses at rest under what drives them now.
+    fn at_rest(&self, at: &BenchCoordinates, mode: BenchMode) -> BenchMode {
+        let mut settled = mode;
+        if at.x[LOAD_VELOCITY] == 0.0 && self.load_friction.bristles.is_none() {
+            settled.load = self.load_friction.curve.at_rest(self.load_drive_nm(at, mode.contact));
+        }
+        if at.x[MOTOR_VELOCITY] == 0.0 {
+            settled.motor = self.motor_friction.at_rest(self.motor_drive_nm(at, mode.contact));
+        }
+        settled
+    }
+}
+
+impl HybridSystem for BenchPlant {
+    type State = BenchCoordinates;
+    type Mode = BenchMode;
+    type Stride = BenchStride;
+    const GUARDS: usize = 4;
+
+    fn stride(&self, h_s: f64) -> BenchStride {
+        let half_lag = decay(0.5 * h_s, self.parameters.current_lag_s);
+        let shaft_s = self.parameters.shaft_damping_nm_s_rad / self.mechanics.stiffness_nm_rad;
+        BenchStride { h_s, lag: [half_lag, half_lag * half_lag], relaxation: decay(h_s, shaft_s) }
+    }
+
+    #[inline]
+    fn flow(
+        &self,
+        at: &BenchCoordinates,
+        mode: BenchMode,
+        torque_nm: f64,
+        stride: BenchStride,
+    ) -> BenchCoordinates {
+        let command_nm = self.command_nm(torque_nm);
+        let behind_nm = at.motor_torque_nm - command_nm;
+        let [middle, end] = stride.lag.map(|left| command_nm + behind_nm * left);
+        let drive = Drive {
+            motor_torque_nm: [at.motor_torque_nm, middle, end],
+            load_torque_nm: at.surroundings.load_torque_nm,
+            gap_position_rad: at.gap_position_rad,
+        };
+        let x = if self.load_friction.bristles.is_some() {
+            runge_kutta(&at.x, stride.h_s, |x, stage| self.rates::<true>(x, mode, &drive, stage))
+        } else {
+            runge_kutta(&at.x, stride.h_s, |x, stage| self.rates::<false>(x, mode, &drive, stage))
+        };
+        let mut next = BenchCoordinates { x, motor_torque_nm: end, ..*at };
+        if mode.contact == Contact::Gap {
+            let before_rad = self.shaft_twist_rad(at);
+            let after_rad = before_rad * stride.relaxation;
+            next.gap_position_rad = self.mechanics.twist_of(x[LOAD_POSITION], x[MOTOR_POSITION]) - after_rad;
+            // What the spring loses off contact, the damping takes.
+            next.x[DISSIPATED] +=
+                0.5 * self.mechanics.stiffness_nm_rad * (before_rad - after_rad) * (before_rad + after_rad);
+        }
+        next
+    }
+
+    #[inline]
+    fn guard(&self, guard: usize, at: &BenchCoordinates, mode: BenchMode, _torque_nm: f64) -> f64 {
+        let half_gap = at.surroundings.dead_zone_rad;
+        match (guard, mode.contact) {
+            (LOWER_FLANK, Contact::Gap) => at.gap_position_rad + half_gap,
+            (UPPER_FLANK, Contact::Gap) => half_gap - at.gap_position_rad,
+            (LOWER_FLANK, Contact::Negative) => -self.shaft_torque_nm(at),
+            (UPPER_FLANK, Contact::Positive) => self.shaft_torque_nm(at),
+            // The flank on the far side of the gap is reached only by way of the gap.
+            (LOWER_FLANK | UPPER_FLANK, _) => half_gap,
+            (LOAD_FRICTION, _) if self.load_friction.bristles.is_some() => half_gap,
+            (LOAD_FRICTION, contact) => {
+                let drive_nm = self.load_drive_nm(at, contact);
+                self.load_friction.curve.guard(mode.load, at.x[LOAD_VELOCITY], drive_nm)
+            }
+            (_, contact) => {
+                let drive_nm = self.motor_drive_nm(at, contact);
+                self.motor_friction.guard(mode.motor, at.x[MOTOR_VELOCITY], drive_nm)
+            }
+        }
+    }
+
+    fn switch(&self, guard: usize, at: &mut BenchCoordinates, mode: BenchMode, _torque_nm: f64) -> BenchMode {
+        match guard {
+            LOAD_FRICTION => {
+                at.x[LOAD_VELOCITY] = 0.0;
+                let drive_nm = self.load_drive_nm(at, mode.contact);
+                BenchMode { load: self.load_friction.curve.after(mode.load, drive_nm), ..mode }
+            }
+            MOTOR_FRICTION => {
+                at.x[MOTOR_VELOCITY] = 0.0;
+                let drive_nm = self.motor_drive_nm(at, mode.contact);
+                BenchMode { motor: self.motor_friction.after(mode.motor, drive_nm), ..mode }
+            }
+            flank => {
+                let side = if flank == UPPER_FLANK { Contact::Positive } else { Contact::Negative };
+                at.gap_position_rad = side.sign() * at.surroundings.dead_zone_rad;
+                let contact = if mode.contact == Contact::Gap { side } else { Contact::Gap };
+                // With damping the torque of a contact jumps when it touches, so what stood may start to move.
+                self.at_rest(at, BenchMode { contact, ..mode })
+            }
+        }
+    }
+
+    fn settle(&self, at: &mut BenchCoordinates, mode: BenchMode, torque_nm: f64) -> BenchMode {
+        if self.parameters.current_lag_s == 0.0 {
+            at.motor_torque_nm = self.command_nm(torque_nm);
+        }
+        self.at_rest(at, mode)
+    }
+
+    fn is_finite(&self, at: &BenchCoordinates) -> bool {
+        let rest = [at.gap_position_rad, at.motor_torque_nm];
+        at.x.iter().chain(&rest).all(|coordinate| coordinate.is_finite())
+    }
+}
