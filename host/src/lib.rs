@@ -35,4 +35,5 @@ pub mod run;
 pub mod scenario;
 pub mod session;
 pub mod supervisor;
+pub mod timing;
 pub mod verdict;

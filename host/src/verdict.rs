@@ -12,6 +12,7 @@ use serde::Serialize;
 use crate::metrics::{Measured, Metric, Metrics};
 use crate::scenario::bench::Allowance;
 use crate::scenario::expectation::Expectation;
+use crate::timing::{ClockName, Quantiles, TimingReport};
 
 /// What a run says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -167,10 +168,11 @@ impl Judgement {
         metrics: &Metrics,
         allow: &Allowance,
         counts: &LinkCounts,
+        timing: &TimingReport,
     ) -> Self {
         let findings: Vec<_> =
             expectations.iter().map(|expectation| Finding::new(expectation, metrics)).collect();
-        let breaches = breaches(allow, counts);
+        let breaches = breaches(allow, counts, timing);
         let verdict = if !breaches.is_empty() {
             Verdict::Invalid
         } else if metrics.run_was_finite() && findings.iter().all(|finding| finding.ok) {
@@ -190,15 +192,23 @@ impl Judgement {
     }
 }
 
-fn breaches(allow: &Allowance, counts: &LinkCounts) -> Vec<Breach> {
+fn breaches(allow: &Allowance, counts: &LinkCounts, timing: &TimingReport) -> Vec<Breach> {
+    let p99_us = |quantiles: Option<Quantiles>| quantiles.map_or(0, |quantiles| quantiles.p99.ceil() as u64);
+    let real_time = timing.clock == ClockName::RealTime;
+    // An answer that is not there in time is late in real time, whether it comes or not.
+    let (lost, late) = if real_time { (0, timing.late()) } else { (counts.lost, counts.late) };
+    let late_in_a_row = if real_time { timing.longest_run_of_late } else { 0 };
     [
-        ("lost", counts.lost, allow.lost),
-        ("late", counts.late, allow.late),
-        ("crc_errors", counts.crc_errors, allow.crc_errors),
+        ("lost", lost, Some(allow.lost)),
+        ("late", late, Some(allow.late)),
+        ("late_in_a_row", late_in_a_row, allow.late_in_a_row),
+        ("crc_errors", counts.crc_errors, Some(allow.crc_errors)),
+        ("lateness_p99_us", p99_us(timing.lateness_us), allow.lateness_p99_us),
+        ("round_trip_p99_us", p99_us(timing.round_trip_us), allow.round_trip_p99_us),
     ]
     .into_iter()
-    .filter(|(_, counted, allowed)| counted > allowed)
-    .map(|(what, counted, allowed)| Breach { what, counted, allowed })
+    .filter_map(|(what, counted, allowed)| allowed.map(|allowed| Breach { what, counted, allowed }))
+    .filter(|breach| breach.counted > breach.allowed)
     .collect()
 }
 

@@ -13,7 +13,7 @@ pub struct Records {
     folder: TempDir,
 }
 
-/// A `trace.csv`, column by column.
+/// A table of numbers, column by column.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace {
     header: Vec<String>,
@@ -70,12 +70,24 @@ impl Records {
     /// It is not there or torn.
     #[must_use]
     pub fn trace(&self) -> Trace {
-        let text = fs::read_to_string(self.path("trace.csv")).expect("a trace.csv");
-        assert!(text.ends_with('\n'), "trace.csv ends within a row: {:?}", text.lines().last());
+        self.table("trace.csv")
+    }
+
+    /// `timing.csv`, every row of it whole.
+    ///
+    /// # Panics
+    /// It is not there or torn.
+    #[must_use]
+    pub fn timing(&self) -> Trace {
+        self.table("timing.csv")
+    }
+
+    fn table(&self, name: &str) -> Trace {
+        let text = fs::read_to_string(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert!(text.ends_with('\n'), "{name} ends within a row: {:?}", text.lines().last());
         let mut reader = csv::Reader::from_reader(text.as_bytes());
-        let header = reader.headers().expect("trace.csv has a header").iter().map(str::to_owned).collect();
-        let number =
-            |field: &str| field.parse().unwrap_or_else(|_| panic!("trace.csv: {field} is no number"));
+        let header = reader.headers().expect("a table has a header").iter().map(str::to_owned).collect();
+        let number = |field: &str| field.parse().unwrap_or_else(|_| panic!("{name}: {field} is no number"));
         let rows = reader
             .records()
             .map(|row| row.expect("every row has as many columns as the header").iter().map(number).collect())

@@ -6,8 +6,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use lashloop::device::{Device, DeviceChoice, DeviceError};
 use lashloop::record::RecordError;
-use lashloop::record::trace::TraceRow;
-use lashloop::run::{self, Watcher};
+use lashloop::run::{self, Clock, Step, Watcher};
 use lashloop::scenario::{Override, Scenario};
 use lashloop::supervisor::Program;
 use lashloop::verdict::Exit;
@@ -54,7 +53,7 @@ impl Arguments {
             let time = super::ping_pong::play(Path::new(&path), self.steps)
                 .map_err(|source| CliError::System { what: "play ping-pong", source })?;
             bare.push(f64::from(self.steps) / time.as_secs_f64());
-            let outcome = run::run(&scenario, &mut device, &mut Nobody)?;
+            let outcome = run::run(&scenario, &mut device, Clock::Lockstep, &mut Nobody)?;
             loops.push(outcome.steps as f64 / outcome.wall_s);
         }
         let (bare, looped) = (median(&mut bare), median(&mut loops));
@@ -69,7 +68,7 @@ impl Arguments {
 struct Nobody;
 
 impl Watcher for Nobody {
-    fn row(&mut self, _row: &TraceRow) -> Result<(), RecordError> {
+    fn step(&mut self, _step: &Step) -> Result<(), RecordError> {
         Ok(())
     }
 }

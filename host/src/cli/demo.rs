@@ -9,7 +9,7 @@ use lashloop::metrics::{Measured, Metric};
 use lashloop::picture::demo::{DemoRun, DemoRuns, PlantRuns, before_after};
 use lashloop::record::RecordError;
 use lashloop::record::trace::TraceRow;
-use lashloop::run::{self, Outcome, Watcher};
+use lashloop::run::{self, Clock, Outcome, Step, Watcher};
 use lashloop::scenario::Scenario;
 use lashloop::supervisor::Supervisor;
 use lashloop::verdict::{Exit, Verdict};
@@ -66,7 +66,7 @@ impl Arguments {
             };
             let mut history = History::new(&scenario, &supervisor);
             let _heed = supervisor.heed_signals();
-            let outcome = run::run(&scenario, device, &mut history)?;
+            let outcome = run::run(&scenario, device, Clock::Lockstep, &mut history)?;
             let here = here(outcome.metrics.get(metric), metric);
             let verdict = outcome.judgement.verdict;
             dead_zone_rad = scenario.plant.dead_zone_rad;
@@ -133,9 +133,9 @@ impl<'a> History<'a> {
 }
 
 impl Watcher for History<'_> {
-    fn row(&mut self, row: &TraceRow) -> Result<(), RecordError> {
+    fn step(&mut self, step: &Step) -> Result<(), RecordError> {
         self.progress.step();
-        self.rows.push(*row);
+        self.rows.push(step.row);
         Ok(())
     }
 

@@ -13,6 +13,8 @@ use lashloop::verdict::Exit;
 /// An error of a command: one sentence for the user.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CliError {
+    #[error("{option} is for --clock real-time; in lockstep nothing is due at any time")]
+    RealTimeAlone { option: &'static str },
     #[error(transparent)]
     Scenario(#[from] ScenarioErrors),
     #[error(transparent)]
@@ -35,7 +37,8 @@ impl CliError {
             Self::Run(RunError::Device(_))
             | Self::Settings(SettingsError::Refused { .. } | SettingsError::Session(_))
             | Self::System { .. } => Exit::DeviceOrLink,
-            Self::Scenario(_)
+            Self::RealTimeAlone { .. }
+            | Self::Scenario(_)
             | Self::Run(_)
             | Self::Settings(_)
             | Self::Output { .. }

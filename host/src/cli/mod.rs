@@ -15,6 +15,7 @@ mod device;
 mod doctor;
 mod error;
 mod output;
+mod pace;
 mod parameters;
 mod ping_pong;
 mod ports;

@@ -24,6 +24,9 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
     say!(
         "damage      {crc_errors} frames here; {damaged_at_drive} frames, {overruns_at_drive} bytes at the drive"
     );
+    for (row, line) in summary.timing.to_string().lines().enumerate() {
+        say!("{:<12}{line}", if row == 0 { "timing" } else { "" });
+    }
     say!("torque      sha256 {}", summary.torque_sha256);
     for line in &outcome.logs {
         say!("drive says  {line}");

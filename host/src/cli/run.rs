@@ -10,14 +10,16 @@ use lashloop::link::Link;
 use lashloop::link::capture::Captured;
 use lashloop::record::RecordError;
 use lashloop::record::summary::{Summary, Versions};
-use lashloop::record::trace::{TraceRow, TraceWriter};
-use lashloop::run::{self, Outcome, Watcher};
+use lashloop::record::timing::TimingWriter;
+use lashloop::record::trace::TraceWriter;
+use lashloop::run::{self, Outcome, Step, Watcher};
 use lashloop::scenario::{Override, Scenario};
 use lashloop::supervisor::Supervisor;
 use lashloop::verdict::Exit;
 use lashloop_protocol::PROTOCOL_VERSION;
 
 use super::error::CliError;
+use super::pace::Pace;
 use super::progress::Progress;
 use super::{report, start_supervisor};
 
@@ -41,7 +43,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     set: Vec<String>,
 
-    /// Write summary.json and trace.csv into this folder
+    #[command(flatten)]
+    pace: Pace,
+
+    /// Write summary.json, trace.csv and timing.csv into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
@@ -55,7 +60,8 @@ impl Arguments {
         let controller = self.controller.map(Override::Controller);
         let overrides: Vec<_> = self.set.into_iter().map(Override::Set).chain(controller).collect();
         let scenario = Scenario::from_file(&self.scenario, &overrides)?;
-        let trace = self.out.as_deref().map(|folder| prepare(folder, &scenario)).transpose()?;
+        let clock = self.pace.clock()?;
+        let tables = self.out.as_deref().map(|folder| prepare(folder, &scenario)).transpose()?;
         let capture = self.capture.as_deref().map(Capture::create).transpose()?;
         let supervisor = start_supervisor()?;
         let listen = |link| match &capture {
@@ -64,14 +70,15 @@ impl Arguments {
         };
         let mut device = Device::open_through(&self.device, scenario.link.baud, &supervisor, listen)?;
         let progress = Progress::of(&scenario);
-        let mut watcher = RunWatcher { trace, capture, supervisor: &supervisor, progress };
+        let mut watcher = RunWatcher { tables, capture, supervisor: &supervisor, progress };
         let heed = supervisor.heed_signals();
-        let outcome = run::run(&scenario, &mut device, &mut watcher)?;
+        let outcome = run::run(&scenario, &mut device, clock, &mut watcher)?;
         drop(heed);
-        let RunWatcher { trace, capture, progress, .. } = watcher;
+        let RunWatcher { tables, capture, progress, .. } = watcher;
         drop(progress);
-        if let Some(trace) = trace {
+        if let Some(Tables { trace, timing }) = tables {
             trace.finish()?;
+            timing.finish()?;
         }
         if let Some(capture) = capture {
             capture.finish()?;
@@ -87,17 +94,27 @@ impl Arguments {
 
 const SUMMARY: &str = "summary.json";
 const TRACE: &str = "trace.csv";
+const TIMING: &str = "timing.csv";
 
-/// Makes the folder and begins the trace. An old summary goes first: if this run is cut short, it must not stand beside
+struct Tables {
+    trace: TraceWriter,
+    timing: TimingWriter,
+}
+
+/// Makes the folder and begins the tables. An old summary goes first: if this run is cut short, it must not stand beside
 /// the new trace.
-fn prepare(folder: &Path, scenario: &Scenario) -> Result<TraceWriter, CliError> {
+fn prepare(folder: &Path, scenario: &Scenario) -> Result<Tables, CliError> {
     let failed = |source| CliError::Output { path: folder.to_owned(), source };
     fs::create_dir_all(folder).map_err(failed)?;
     match fs::remove_file(folder.join(SUMMARY)) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(failed(error)),
         _ => {}
     }
-    Ok(TraceWriter::create(&folder.join(TRACE), scenario.record.flush_rows)?)
+    let flush_rows = scenario.record.flush_rows;
+    Ok(Tables {
+        trace: TraceWriter::create(&folder.join(TRACE), flush_rows)?,
+        timing: TimingWriter::create(&folder.join(TIMING), flush_rows)?,
+    })
 }
 
 pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -> Summary {
@@ -114,6 +131,7 @@ pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -
         metrics: outcome.metrics.clone(),
         expectations: outcome.judgement.findings.clone(),
         link: outcome.link,
+        timing: outcome.timing.clone(),
         torque_sha256: outcome.torque_sha256.clone(),
         versions: Versions {
             lashloop: env!("CARGO_PKG_VERSION").to_owned(),
@@ -124,19 +142,21 @@ pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -
 }
 
 struct RunWatcher<'a> {
-    trace: Option<TraceWriter>,
+    tables: Option<Tables>,
     capture: Option<Capture>,
     supervisor: &'a Supervisor,
     progress: Progress,
 }
 
 impl Watcher for RunWatcher<'_> {
-    fn row(&mut self, row: &TraceRow) -> Result<(), RecordError> {
+    fn step(&mut self, step: &Step) -> Result<(), RecordError> {
         self.progress.step();
         if let Some(capture) = &self.capture {
             capture.check()?;
         }
-        self.trace.as_mut().map_or(Ok(()), |trace| trace.push(row))
+        let Some(Tables { trace, timing }) = &mut self.tables else { return Ok(()) };
+        trace.push(&step.row)?;
+        timing.push(&step.timing)
     }
 
     fn stop_asked(&self) -> bool {

@@ -54,7 +54,7 @@ pub fn measure(session: &mut Session, rounds: u32) -> Result<Timing, SessionErro
     for sequence in 0..rounds {
         let sample = EncoderSample { sequence, motor_counts: 0, load_counts: 0, reference_rad: 0.0 };
         let sent = Instant::now();
-        match session.exchange(&sample, ANSWER_LIMIT)? {
+        match session.exchange(&sample, Instant::now() + ANSWER_LIMIT)? {
             Exchange::Answered(_) => times_ns.saturating_record(sent.elapsed().as_nanos() as u64),
             // A fault in place of an answer is not one; an unarmed drive has none to give.
             Exchange::Unanswered | Exchange::Faulted(_) => {

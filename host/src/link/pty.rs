@@ -1,13 +1,14 @@
 //! A pseudo-terminal, opened by the path of its near end.
 //!
 //! The terminal driver does the waiting: with `VMIN` 0 and `VTIME` 1 a read returns with the first byte or after a
-//! tenth of a second, so a round trip costs one write and one read and no poll. Writes go through a second description of
+//! tenth of a second, so a round trip costs one write and one read and no poll. A deadline that is nearer than that is
+//! waited for by poll, which knows nanoseconds. Writes go through a second description of
 //! the same terminal, one that never waits, because a drive that does not read would hold the bench for ever.
 
 use std::io;
 use std::os::fd::{AsFd, OwnedFd};
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{FlockOperation, Mode, OFlags, flock};
@@ -20,6 +21,9 @@ use super::{Link, LinkError, WRITE_LIMIT, remaining};
 
 /// Where the system keeps pseudo-terminals. They have no speed, no modem lines and no latency timer.
 pub const DIRECTORY: &str = "/dev/pts";
+
+/// How long a read waits for its first byte: `VTIME` counts in tenths of a second.
+const READ_LIMIT: Duration = Duration::from_millis(100);
 
 /// The near end of a pseudo-terminal. Dropping it gives the terminal its settings back.
 pub struct Pty {
@@ -53,6 +57,20 @@ impl Pty {
         let mut fds = [PollFd::new(&self.reader, PollFlags::IN)];
         poll(&mut fds, Some(&Timespec { tv_sec: 0, tv_nsec: 0 }))?;
         Ok(fds[0].revents().intersects(PollFlags::HUP | PollFlags::ERR))
+    }
+
+    /// Whether there is something to read by the deadline; the end of the line is something.
+    fn readable_by(&self, deadline: Instant) -> Result<bool, LinkError> {
+        loop {
+            let mut fds = [PollFd::new(&self.reader, PollFlags::IN)];
+            let left = remaining(deadline).unwrap_or_default();
+            let left = Timespec { tv_sec: left.as_secs() as i64, tv_nsec: left.subsec_nanos().into() };
+            match poll(&mut fds, Some(&left)) {
+                Ok(count) => return Ok(count > 0),
+                Err(Errno::INTR) => {}
+                Err(error) => return Err(error.into()),
+            }
+        }
     }
 
     /// Waits until the terminal takes bytes again.
@@ -106,6 +124,10 @@ impl Link for Pty {
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
         loop {
+            let is_near = remaining(deadline).is_none_or(|left| left < READ_LIMIT);
+            if is_near && !self.readable_by(deadline)? {
+                return Ok(0);
+            }
             match rustix::io::read(&self.reader, &mut *buffer) {
                 Ok(0) if self.hung_up()? => return Err(LinkError::Disconnected),
                 Ok(0) | Err(Errno::INTR) => {

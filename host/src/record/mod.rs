@@ -3,6 +3,7 @@
 //! | file | holds | in |
 //! |---|---|---|
 //! | `trace.csv` | one row per control step | [`trace`] |
+//! | `timing.csv` | how each control step went in time | [`timing`] |
 //! | `summary.json` | the verdict and everything needed to trust and repeat it | [`summary`] |
 //!
 //! A reader never meets half a row or half a summary: rows reach the file whole, and a summary takes its name
@@ -10,6 +11,8 @@
 
 pub mod digest;
 pub mod summary;
+pub mod table;
+pub mod timing;
 pub mod trace;
 
 use std::io;

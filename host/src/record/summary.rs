@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::RecordError;
 use crate::metrics::Metrics;
+use crate::timing::TimingReport;
 use crate::verdict::{Finding, LinkCounts, Verdict};
 
 /// One run in one JSON object, its keys in this order.
@@ -38,6 +39,8 @@ pub struct Summary {
     pub expectations: Vec<Finding>,
     /// What the link counted.
     pub link: LinkCounts,
+    /// How the steps went in time.
+    pub timing: TimingReport,
     /// The digest of everything the drive commanded, see [`TorqueDigest`](super::digest::TorqueDigest).
     pub torque_sha256: String,
     /// Who took part.
@@ -88,6 +91,7 @@ mod tests {
     use crate::metrics::{Measurement, Metric, Sample};
     use crate::scenario::bench::Allowance;
     use crate::scenario::expectation::Expectation;
+    use crate::timing::{ClockName, Timings};
     use crate::verdict::{Judgement, LinkCounts};
 
     fn summary() -> Summary {
@@ -106,7 +110,8 @@ mod tests {
         let settle =
             Expectation { metric: Metric::SettleTime, unit: "s", min: None, max: Some(2.0), note: None };
         let link = LinkCounts { frames_sent: 4, frames_received: 4, ..LinkCounts::default() };
-        let judgement = Judgement::new(&[settle], &metrics, &Allowance::default(), &link);
+        let timing = Timings::new(ClockName::Lockstep, 1_000, 0).report(Vec::new());
+        let judgement = Judgement::new(&[settle], &metrics, &Allowance::default(), &link, &timing);
         Summary {
             verdict: judgement.verdict,
             scenario: "scenarios/smooth-before.toml".to_owned(),
@@ -120,6 +125,7 @@ mod tests {
             metrics,
             expectations: judgement.findings,
             link,
+            timing,
             torque_sha256: "00".repeat(32),
             versions: Versions {
                 lashloop: "0.1.0".to_owned(),
@@ -177,6 +183,24 @@ mod tests {
             "late": 0,
             "damaged_at_drive": 0,
             "overruns_at_drive": 0
+          },
+          "timing": {
+            "clock": "lockstep",
+            "period_us": 1000,
+            "warm_up_steps": 0,
+            "steps": 0,
+            "unanswered": 0,
+            "missed": 0,
+            "longest_run_of_late": 0,
+            "lateness_us": null,
+            "round_trip_us": null,
+            "send_us": null,
+            "line_and_device_us": null,
+            "compute_us": null,
+            "receive_us": null,
+            "lateness_histogram": [],
+            "round_trip_histogram": [],
+            "refused": []
           },
           "torque_sha256": "0000000000000000000000000000000000000000000000000000000000000000",
           "versions": {

@@ -1,13 +1,11 @@
 //! `trace.csv`: the truth of the plant and the torque, one row per control step.
 //!
-//! Numbers are the shortest that read back to the same bits. Rows are collected and handed to the file
-//! `flush_rows` at a time, each time whole, so that a run that is cut off leaves a table and not a torn line.
+//! What it tells does not depend on what carried the bytes or on how long that took: see [`timing`](super::timing) for that.
 
-use std::fs::File;
-use std::io::{Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::RecordError;
+use super::table::TableWriter;
 
 /// Everything a trace tells about one control step; positions and velocities are those at `time_s`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,84 +113,33 @@ impl TraceRow {
     }
 }
 
-/// Writes a trace. [`finish`](Self::finish) reports whether the last rows arrived; a writer that is merely
-/// dropped writes them too, but has nobody to tell.
+/// Writes a trace.
 #[derive(Debug)]
-pub struct TraceWriter {
-    path: PathBuf,
-    file: File,
-    flush_rows: u32,
-    pending: Vec<u8>,
-    pending_rows: u32,
-    /// Bytes of whole rows in the file.
-    written: u64,
-}
+pub struct TraceWriter(TableWriter);
 
 impl TraceWriter {
-    /// Creates the file, or empties it, and writes the header. `flush_rows` is the number of rows that reach
-    /// the file together; 0 counts as 1.
+    /// As [`TableWriter::create`].
     ///
     /// # Errors
-    /// The file can't be created or the header can't be written.
+    /// As there.
     pub fn create(path: &Path, flush_rows: u32) -> Result<Self, RecordError> {
-        let file = File::create(path).map_err(|source| RecordError {
-            path: path.to_owned(),
-            action: "created",
-            source,
-        })?;
-        let mut pending = TraceRow::COLUMNS.join(",").into_bytes();
-        pending.push(b'\n');
-        let path = path.to_owned();
-        let mut writer = Self { path, file, flush_rows, pending, pending_rows: 0, written: 0 };
-        writer.flush()?;
-        Ok(writer)
+        Ok(Self(TableWriter::create(path, &TraceRow::COLUMNS, flush_rows)?))
     }
 
-    /// Takes the next row.
+    /// As [`TableWriter::push`].
     ///
     /// # Errors
-    /// It was time to write and the file can't take the rows; they are lost, those before are kept.
+    /// As there.
     pub fn push(&mut self, row: &TraceRow) -> Result<(), RecordError> {
-        let mut number = zmij::Buffer::new();
-        for value in row.values() {
-            self.pending.extend_from_slice(number.format(value).as_bytes());
-            self.pending.push(b',');
-        }
-        // The last column ends the line.
-        if let Some(last) = self.pending.last_mut() {
-            *last = b'\n';
-        }
-        self.pending_rows += 1;
-        if self.pending_rows < self.flush_rows { Ok(()) } else { self.flush() }
+        self.0.push(&row.values())
     }
 
-    /// Writes the rows that are still pending.
+    /// As [`TableWriter::finish`].
     ///
     /// # Errors
-    /// The file can't take them.
-    pub fn finish(mut self) -> Result<(), RecordError> {
-        self.flush()
-    }
-
-    fn flush(&mut self) -> Result<(), RecordError> {
-        let result = self.file.write_all(&self.pending);
-        if result.is_ok() {
-            self.written += self.pending.len() as u64;
-        } else {
-            // A full disk may have taken part of a row. If this fails as well, the first error says enough.
-            let _ = self.file.set_len(self.written);
-            let _ = self.file.seek(SeekFrom::Start(self.written));
-        }
-        self.pending.clear();
-        self.pending_rows = 0;
-        result.map_err(|source| RecordError { path: self.path.clone(), action: "written", source })
-    }
-}
-
-impl Drop for TraceWriter {
-    fn drop(&mut self) {
-        // Nobody is left to tell; `finish` is there for whoever wants to know.
-        let _ = self.flush();
+    /// As there.
+    pub fn finish(self) -> Result<(), RecordError> {
+        self.0.finish()
     }
 }
 

@@ -5,13 +5,21 @@
 //! | [`mod@bench`] | the simulated side of the loop: plant, encoders, reference |
 //! | `mechanics` | the plant a scenario describes |
 //! | [`setup`] | tells the drive what the scenario says |
-//! | [`lockstep`] | closes the loop: the plant waits for the drive |
+//! | `judged` | from a scenario and a device to a verdict: [`run`] |
+//! | `control_loop` | one step, whatever paces it |
+//! | `lockstep` | paces by the drive: the plant waits for it |
+//! | [`real_time`] | paces by the clock on the wall |
+//! | `keeper` | what is kept of every step |
 //! | [`outcome`] | what came of it |
 
 pub mod bench;
-pub mod lockstep;
+mod control_loop;
+mod judged;
+mod keeper;
+mod lockstep;
 mod mechanics;
 pub mod outcome;
+pub mod real_time;
 pub mod setup;
 
 use crate::device::DeviceError;
@@ -19,7 +27,8 @@ use crate::plant::{ParameterError, PlantError};
 use crate::record::RecordError;
 use crate::scenario::ScenarioError;
 
-pub use lockstep::{Watcher, run};
+pub use judged::{Clock, run};
+pub use keeper::{Step, Watcher};
 pub use outcome::{End, Outcome};
 
 /// Why a run could not be made or not be finished.
@@ -49,4 +58,13 @@ pub enum RunError {
     /// The record.
     #[error(transparent)]
     Record(#[from] RecordError),
+    /// The record is slower than the run.
+    #[error("{steps} steps wait to be recorded: write to a faster disk, or leave --out and --capture away")]
+    RecordBehind {
+        /// Steps waiting.
+        steps: usize,
+    },
+    /// The system can't pace the run.
+    #[error("the system can't keep time: {0}")]
+    Pace(#[from] std::io::Error),
 }

@@ -7,6 +7,7 @@ use lashloop_protocol::vocabulary::FaultCode;
 
 use crate::metrics::Metrics;
 use crate::plant::PlantError;
+use crate::timing::TimingReport;
 use crate::verdict::{Judgement, LinkCounts, Verdict};
 
 /// How a run ended.
@@ -82,6 +83,8 @@ pub struct Outcome {
     pub metrics: Metrics,
     /// What the link counted.
     pub link: LinkCounts,
+    /// How the steps went in time.
+    pub timing: TimingReport,
     /// Control steps made.
     pub steps: u64,
     /// Time of the plant.

@@ -9,6 +9,7 @@ use crate::device::Device;
 use crate::scenario::controller::{ControllerName, ParameterSetting, ParameterValue};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::session::{SessionError, SetError};
+use crate::timing::ClockName;
 
 /// Parameters that other keys of a scenario set, with those keys.
 const SET_ELSEWHERE: [(&str, &str); 5] = [
@@ -24,22 +25,25 @@ const SET_ELSEWHERE: [(&str, &str); 5] = [
 /// # Errors
 /// The drive does not offer the controller or does not take a parameter, with the place in the scenario; or the
 /// conversation broke.
-pub fn set_up(device: &mut Device, scenario: &Scenario) -> Result<(), RunError> {
+pub fn set_up(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
     device.session.reset().map_err(|source| device.explain(source))?;
     let controller = id_of(scenario.controller.name);
-    // In lockstep the plant waits for the drive and the drive for the plant, so the watchdog has to bear a bench that
-    // is slow, though not one that is gone: it waits as long for the bench as the bench does for it.
-    let watchdog_us = 1_000 * u64::from(scenario.link.silence_limit_ms);
     let from_sections = [
         ("controller", f64::from(controller as u8)),
         ("period_us", scenario.run.control_period_us.into()),
         ("motor_counts_per_rev", scenario.encoders.motor_counts_per_rev.into()),
         ("load_counts_per_rev", scenario.encoders.load_counts_per_rev.into()),
         ("telemetry_every", scenario.telemetry.every_steps.into()),
-        ("watchdog_us", watchdog_us as f64),
     ];
     for (name, number) in from_sections {
         device.session.set(name, number).map_err(|error| required(device, name, number, error))?;
+    }
+    if clock == ClockName::Lockstep {
+        // The plant waits for the drive and the drive for the plant, so the watchdog has to bear a bench that is slow,
+        // though not one that is gone: it waits as long for the bench as the bench does for it. In real time it stays
+        // what it is on a real bench.
+        let (name, watchdog_us) = ("watchdog_us", 1e3 * f64::from(scenario.link.silence_limit_ms));
+        device.session.set(name, watchdog_us).map_err(|error| required(device, name, watchdog_us, error))?;
     }
     for setting in &scenario.controller.parameters {
         apply(device, setting)?;

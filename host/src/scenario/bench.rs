@@ -21,6 +21,8 @@ pub struct RunSettings {
     pub control_period_us: u32,
     /// Starts every random stream of the run.
     pub seed: u64,
+    /// Steps at the start whose timing is not looked at.
+    pub warm_up_steps: u32,
 }
 
 impl RunSettings {
@@ -43,6 +45,7 @@ pub(super) fn read_run(run: &mut Section<'_>) -> RunSettings {
         duration_s: run.number("duration_s", unit::SECOND, None, positive(1e5)),
         control_period_us: run.integer("control_period_us", unit::MICROSECOND, 1000, 100..=100_000),
         seed: run.integer("seed", unit::NONE, 1, 0..=LARGEST),
+        warm_up_steps: run.integer("warm_up_steps", unit::STEP, 0, 0..=u32::MAX),
     };
     let (duration_s, period_s) = (settings.duration_s, settings.control_period_s());
     if duration_s < period_s && run.is_option("control_period_us") {
@@ -111,14 +114,23 @@ pub(super) fn read_link(link: &mut Section<'_>) -> LinkSettings {
 }
 
 /// `[allow]`: what the link may lose before the run says nothing any more and its verdict is INVALID.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Allowance {
     /// Steps without an answer.
     pub lost: u64,
-    /// Steps whose answer came too late.
+    /// Steps whose answer came too late; in real time every step without an answer by its end.
     pub late: u64,
     /// Frames refused for their checksum.
     pub crc_errors: u64,
+    /// Late steps in a row, in real time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub late_in_a_row: Option<u64>,
+    /// Lateness of the bench's wake-ups in real time, 99th percentile.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lateness_p99_us: Option<u64>,
+    /// Round trips, 99th percentile.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub round_trip_p99_us: Option<u64>,
 }
 
 pub(super) fn read_allow(allow: &mut Section<'_>) -> Allowance {
@@ -126,6 +138,9 @@ pub(super) fn read_allow(allow: &mut Section<'_>) -> Allowance {
         lost: allow.integer("lost", unit::STEP, 0, 0..=LARGEST),
         late: allow.integer("late", unit::STEP, 0, 0..=LARGEST),
         crc_errors: allow.integer("crc_errors", unit::NONE, 0, 0..=LARGEST),
+        late_in_a_row: allow.optional_integer("late_in_a_row", unit::STEP, 0..=LARGEST),
+        lateness_p99_us: allow.optional_integer("lateness_p99_us", unit::MICROSECOND, 1..=LARGEST),
+        round_trip_p99_us: allow.optional_integer("round_trip_p99_us", unit::MICROSECOND, 1..=LARGEST),
     }
 }
 

@@ -121,17 +121,43 @@ impl<'a> Section<'a> {
         let Some(node) = self.look_up(key, unit, required) else {
             return stand_in;
         };
+        self.check_integer(key, node, &range, allowed).unwrap_or(stand_in)
+    }
+
+    /// A whole number that may be left out and has no default.
+    pub(super) fn optional_integer<T>(
+        &mut self,
+        key: &'static str,
+        unit: &'static str,
+        range: RangeInclusive<T>,
+    ) -> Option<T>
+    where
+        T: Copy + Display + PartialOrd + TryFrom<i64>,
+    {
+        let node = self.look_up(key, unit, None)?;
+        let allowed = with_unit(format!(">= {} and <= {}", range.start(), range.end()), unit);
+        self.check_integer(key, node, &range, allowed)
+    }
+
+    fn check_integer<T>(
+        &self,
+        key: &str,
+        node: &Node,
+        range: &RangeInclusive<T>,
+        allowed: String,
+    ) -> Option<T>
+    where
+        T: PartialOrd + TryFrom<i64>,
+    {
         let Value::Integer(found) = node.value else {
             self.wrong_type(key, node, format!("a whole number {allowed}"));
-            return stand_in;
+            return None;
         };
-        match T::try_from(found).ok().filter(|number| range.contains(number)) {
-            Some(number) => number,
-            None => {
-                self.fault(key, node, Fault::OutOfRange { found: found.to_string(), allowed });
-                stand_in
-            }
+        let number = T::try_from(found).ok().filter(|number| range.contains(number));
+        if number.is_none() {
+            self.fault(key, node, Fault::OutOfRange { found: found.to_string(), allowed });
         }
+        number
     }
 
     /// A text; `None` if absent or faulty. `purpose` says what it is if it is required.

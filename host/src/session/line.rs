@@ -6,14 +6,12 @@ use std::time::{Duration, Instant};
 use lashloop_protocol::message::{FaultReport, LineReport, Telemetry};
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 
+use super::logs::Logs;
 use super::{LastSeen, SessionError};
 use crate::link::{Link, LinkError};
 
 /// How long a request may take. Requests are answered at once; this is for an emulator on a busy machine.
 pub(crate) const REQUEST_LIMIT: Duration = Duration::from_secs(2);
-
-/// Texts of the drive that are kept.
-const LOGS: usize = 100;
 
 /// A link with a decoder at its end.
 pub(crate) struct Line {
@@ -27,7 +25,9 @@ pub(crate) struct Line {
     pub(crate) telemetry: Option<Telemetry>,
     pub(crate) fault: Option<FaultReport>,
     pub(crate) report: Option<LineReport>,
-    pub(crate) logs: Vec<String>,
+    pub(crate) logs: Logs,
+    /// When the bytes were read that were decoded last.
+    pub(crate) arrived: Instant,
 }
 
 impl Line {
@@ -42,7 +42,8 @@ impl Line {
             telemetry: None,
             fault: None,
             report: None,
-            logs: Vec::new(),
+            logs: Logs::default(),
+            arrived: Instant::now(),
         }
     }
 
@@ -86,7 +87,10 @@ impl Line {
             last_look = Instant::now() >= deadline;
             match self.link.receive(&mut self.inbox[..], deadline) {
                 Ok(0) => return Ok(None),
-                Ok(count) => self.unread = 0..count,
+                Ok(count) => {
+                    self.arrived = Instant::now();
+                    self.unread = 0..count;
+                }
                 Err(error) => return Err(self.broken(error)),
             }
         }
@@ -121,14 +125,6 @@ impl Line {
         SessionError::Silent { waiting_for, limit, last_seen: self.last_seen }
     }
 
-    /// Keeps the latest texts: a drive that never stops talking must not fill the memory.
-    pub(crate) fn keep(&mut self, text: String) {
-        if self.logs.len() == LOGS {
-            self.logs.remove(0);
-        }
-        self.logs.push(text);
-    }
-
     fn broken(&self, source: LinkError) -> SessionError {
         SessionError::Broken { source, last_seen: self.last_seen }
     }
@@ -139,7 +135,7 @@ impl Line {
             DriveMessage::Telemetry(telemetry) => self.telemetry = Some(*telemetry),
             DriveMessage::FaultReport(fault) => self.fault = Some(*fault),
             DriveMessage::LineReport(report) => self.report = Some(*report),
-            DriveMessage::Log(log) => self.keep(format!("{:?}: {}", log.level, printable(log.text.as_str()))),
+            DriveMessage::Log(log) => self.logs.say(*log),
             _ => {}
         }
     }

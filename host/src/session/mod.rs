@@ -6,6 +6,7 @@
 mod error;
 pub(crate) mod greeting;
 pub(crate) mod line;
+mod logs;
 pub(crate) mod parameters;
 
 use std::time::{Duration, Instant};
@@ -22,6 +23,7 @@ pub use error::{LastSeen, SessionError};
 pub use parameters::{Parameter, SetError};
 
 use crate::link::Link;
+use crate::timing::Moments;
 use line::Line;
 pub(crate) use line::printable;
 
@@ -56,6 +58,7 @@ pub struct Session {
     identity: Identity,
     parameters: Vec<Parameter>,
     late: u64,
+    moments: Moments,
 }
 
 impl Session {
@@ -69,7 +72,9 @@ impl Session {
         line.clear()?;
         let identity = greeting::greet(&mut line, number)?;
         let parameters = parameters::learn(&mut line, identity.parameter_count)?;
-        Ok(Self { line, number, identity, parameters, late: 0 })
+        let now = Instant::now();
+        let moments = Moments { asked: now, sent: now, arrived: now, decoded: now };
+        Ok(Self { line, number, identity, parameters, late: 0, moments })
     }
 
     /// Who the drive said it is, at the greeting.
@@ -98,7 +103,7 @@ impl Session {
 
     /// What the drive had to say in words, since it was last asked for.
     pub fn take_logs(&mut self) -> Vec<String> {
-        std::mem::take(&mut self.line.logs)
+        self.line.logs.take()
     }
 
     /// Frames and what became of them.
@@ -126,7 +131,7 @@ impl Session {
     /// The drive does not answer, or the line broke.
     pub fn reset(&mut self) -> Result<(), SessionError> {
         if let Some(fault) = self.line.fault.take() {
-            self.line.keep(format!("it came with a latched fault, now cleared: {:?}", fault.code));
+            self.line.logs.note(format!("it came with a latched fault, now cleared: {:?}", fault.code));
         }
         self.command(Reset {})?;
         self.number = self.number.wrapping_add(1);
@@ -152,7 +157,7 @@ impl Session {
     /// # Errors
     /// The line broke, or the drive did not answer.
     pub fn stop(&mut self) -> Result<(), SessionError> {
-        let said_before = self.line.logs.len();
+        let said_before = self.line.logs.mark();
         match self.ask(Stop {})? {
             (Outcome::Accepted, _) | (_, State::Faulted) => Ok(()),
             (outcome, state) => Err(self.refused::<Stop>(outcome, state, said_before)),
@@ -165,17 +170,25 @@ impl Session {
         let _ = self.line.send(&EmergencyStop {}.into());
     }
 
-    /// Sends a sample and waits for its torque until `limit` has passed.
+    /// The moments of the last exchange.
+    #[must_use]
+    pub fn moments(&self) -> Moments {
+        self.moments
+    }
+
+    /// Sends a sample and waits for its torque until the deadline.
     ///
     /// # Errors
     /// The line broke, or the drive refused the sample.
-    pub fn exchange(&mut self, sample: &EncoderSample, limit: Duration) -> Result<Exchange, SessionError> {
+    pub fn exchange(&mut self, sample: &EncoderSample, deadline: Instant) -> Result<Exchange, SessionError> {
+        self.moments.asked = Instant::now();
         self.line.send(&HostMessage::EncoderSample(*sample))?;
+        self.moments.sent = Instant::now();
         self.line.last_seen.sample_sent = Some(sample.sequence);
-        let said_before = self.line.logs.len();
+        let said_before = self.line.logs.mark();
         let sequence = sample.sequence;
         let mut late = 0;
-        let answer = self.line.wait(Instant::now() + limit, |message| match message {
+        let answer = self.line.wait(deadline, |message| match message {
             DriveMessage::TorqueAnswer(answer) if answer.sequence == sequence => {
                 Some(Ok(Exchange::Answered(*answer)))
             }
@@ -192,6 +205,8 @@ impl Session {
             }
             _ => None,
         })?;
+        self.moments.arrived = self.line.arrived;
+        self.moments.decoded = Instant::now();
         self.late += late;
         match answer {
             Some(Ok(exchange)) => Ok(exchange),
@@ -202,7 +217,7 @@ impl Session {
 
     /// Sends a command that has to be accepted.
     fn command<C: Payload + Into<HostMessage>>(&mut self, command: C) -> Result<(), SessionError> {
-        let said_before = self.line.logs.len();
+        let said_before = self.line.logs.mark();
         match self.ask(command)? {
             (Outcome::Accepted, _) => Ok(()),
             (outcome, state) => Err(self.refused::<C>(outcome, state, said_before)),
@@ -220,8 +235,8 @@ impl Session {
     }
 
     /// The refusal of a request, with what the drive has said since it was made.
-    fn refused<Request: Payload>(&self, outcome: Outcome, state: State, said_before: usize) -> SessionError {
-        let said = self.line.logs.get(said_before..).unwrap_or_default().join("; ");
+    fn refused<Request: Payload>(&self, outcome: Outcome, state: State, said_before: u64) -> SessionError {
+        let said = self.line.logs.since(said_before).join("; ");
         SessionError::Refused {
             request: Request::LAYOUT.name,
             outcome,

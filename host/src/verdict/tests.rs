@@ -1,9 +1,12 @@
 //! Runs of one second with a constant error, judged.
 
+use std::time::Duration;
+
 use super::{Exit, Judgement, LinkCounts, Verdict};
 use crate::metrics::{Measurement, Metric, Metrics, Sample};
 use crate::scenario::bench::Allowance;
 use crate::scenario::expectation::Expectation;
+use crate::timing::{ClockName, Fate, RoundTrip, StepTiming, TimingReport, Timings};
 
 fn metrics(load_position_rad: f64) -> Metrics {
     let mut measurement = Measurement::new(0.001);
@@ -25,7 +28,7 @@ fn expect(metric: Metric, min: Option<f64>, max: Option<f64>) -> Expectation {
 }
 
 fn judge(expectations: &[Expectation], metrics: &Metrics) -> Judgement {
-    Judgement::new(expectations, metrics, &Allowance::default(), &LinkCounts::default())
+    Judgement::new(expectations, metrics, &Allowance::default(), &LinkCounts::default(), &timing(&[]))
 }
 
 #[test]
@@ -73,9 +76,10 @@ fn a_run_that_is_not_finite_fails_every_expectation_and_also_none() {
 
 #[test]
 fn a_link_beyond_its_allowance_makes_even_a_failed_run_invalid() {
-    let allow = Allowance { lost: 2, late: 5, crc_errors: 0 };
+    let allow = Allowance { lost: 2, late: 5, ..Allowance::default() };
     let missed = [expect(Metric::StaticError, None, Some(0.0))];
-    let judge = |counts| Judgement::new(&missed, &metrics(0.25), &allow, &counts);
+    let lockstep = Timings::new(ClockName::Lockstep, 1_000, 0).report(Vec::new());
+    let judge = |counts| Judgement::new(&missed, &metrics(0.25), &allow, &counts, &lockstep);
     let counts =
         LinkCounts { frames_sent: 1000, frames_received: 998, lost: 2, late: 5, ..LinkCounts::default() };
     assert_eq!(judge(counts).verdict, Verdict::Fail);
@@ -88,6 +92,54 @@ fn a_link_beyond_its_allowance_makes_even_a_failed_run_invalid() {
         assert_eq!(judgement.verdict, Verdict::Invalid);
         assert_eq!(judgement.breaches.iter().map(ToString::to_string).collect::<Vec<_>>(), [reason]);
     }
+}
+
+#[test]
+fn timing_beyond_its_allowance_makes_even_a_failed_run_invalid() {
+    use Fate::{Answered, Missed, Unanswered};
+    let timing = timing(&[Answered, Unanswered, Missed, Answered, Unanswered]);
+    let missed = [expect(Metric::StaticError, None, Some(0.0))];
+    let counts = LinkCounts { lost: 1, late: 1, ..LinkCounts::default() };
+    let judge = |allow: &Allowance| Judgement::new(&missed, &metrics(0.25), allow, &counts, &timing);
+    let enough = Allowance {
+        late: 3,
+        late_in_a_row: Some(2),
+        lateness_p99_us: Some(11),
+        round_trip_p99_us: Some(31),
+        ..Allowance::default()
+    };
+    assert_eq!(judge(&enough).verdict, Verdict::Fail);
+    for (allow, reason) in [
+        (Allowance { late: 2, ..enough }, "late: 3 counted, allow.late is 2"),
+        (
+            Allowance { late_in_a_row: Some(1), ..enough },
+            "late_in_a_row: 2 counted, allow.late_in_a_row is 1",
+        ),
+        (
+            Allowance { lateness_p99_us: Some(9), ..enough },
+            "lateness_p99_us: 11 counted, allow.lateness_p99_us is 9",
+        ),
+        (
+            Allowance { round_trip_p99_us: Some(20), ..enough },
+            "round_trip_p99_us: 31 counted, allow.round_trip_p99_us is 20",
+        ),
+    ] {
+        let judgement = judge(&allow);
+        assert_eq!(judgement.verdict, Verdict::Invalid);
+        assert_eq!(judgement.breaches.iter().map(ToString::to_string).collect::<Vec<_>>(), [reason]);
+    }
+}
+
+/// Steps of a run in real time, each 10 us late and 30 us away.
+fn timing(fates: &[Fate]) -> TimingReport {
+    const US: Duration = Duration::from_micros(1);
+    let parts = RoundTrip { send: 2 * US, line_and_device: 20 * US, compute: 5 * US, receive: 3 * US };
+    let mut timings = Timings::new(ClockName::RealTime, 1_000, 0);
+    for fate in fates {
+        let round_trip = (*fate == Fate::Answered).then_some(parts);
+        timings.push(&StepTiming { lateness: 10 * US, fate: *fate, round_trip });
+    }
+    timings.report(Vec::new())
 }
 
 #[test]

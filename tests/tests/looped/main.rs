@@ -9,6 +9,7 @@ mod framed;
 mod frames;
 mod lost;
 mod paper;
+mod real_time;
 mod refused;
 mod speed;
 mod summary;

@@ -15,6 +15,13 @@ fn without(text: &str, keys: &[&str]) -> String {
     text.lines().map(line).collect()
 }
 
+/// The text without the object that tells how long everything took.
+fn without_timing(text: &str) -> String {
+    let (before, rest) = text.split_once("  \"timing\": {").expect("timing");
+    let (_, after) = rest.split_once("\n  },\n").expect("the end of timing");
+    format!("{before}{after}")
+}
+
 #[test]
 fn a_summary_has_everything_that_is_needed_to_trust_and_repeat_a_run() {
     let records = Records::new();
@@ -27,7 +34,18 @@ fn a_summary_has_everything_that_is_needed_to_trust_and_repeat_a_run() {
     assert!(wall_s > 0.0, "have {wall_s} s");
     let device = summary["device"].as_str().expect("the device");
     assert!(device.starts_with("native (native-twin, firmware "), "{device}");
-    insta::assert_snapshot!(without(&text, &["device", "wall_s"]));
+    insta::assert_snapshot!(without(&without_timing(&text), &["device", "wall_s"]));
+    let timing = &summary["timing"];
+    assert_eq!((&timing["clock"], &timing["steps"]), (&"lockstep".into(), &25_000.into()));
+    let quantiles = |name: &str| {
+        ["p50", "p99", "p99_9", "max"].map(|quantile| timing[name][quantile].as_f64().expect("a time"))
+    };
+    for part in ["round_trip_us", "send_us", "line_and_device_us", "compute_us", "receive_us"] {
+        let quantiles = quantiles(part);
+        assert!(quantiles.is_sorted() && quantiles[3] > 0.0, "{part}: {quantiles:?}");
+    }
+    let bins = timing["round_trip_histogram"].as_array().expect("bins");
+    assert_eq!(bins.iter().map(|bin| bin[1].as_u64().expect("a count")).sum::<u64>(), 25_000);
 }
 
 #[test]

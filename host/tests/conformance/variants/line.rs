@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use lashloop_protocol::message::{CommandResult, DescribeParameter, Stop};
+use lashloop_protocol::message::{CommandResult, Stop};
 use lashloop_protocol::vocabulary::{Outcome, State};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};

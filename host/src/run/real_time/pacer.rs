@@ -1,0 +1,102 @@
+//! Waking at absolute times.
+
+use std::hint;
+use std::io;
+use std::time::{Duration, Instant};
+
+use rustix::io::Errno;
+use rustix::thread::{ClockId, clock_nanosleep_absolute};
+use rustix::time::{Timespec, clock_gettime};
+
+/// A clock that ticks once in a period, from its start on.
+pub(super) struct Pacer {
+    epoch: Instant,
+    /// The same moment as the system tells it: [`Instant`] is the monotonic clock, but keeps its number to itself.
+    epoch_on_clock: Duration,
+    period: Duration,
+    spin: Duration,
+}
+
+impl Pacer {
+    /// Starts now: step 0 is due.
+    pub(super) fn start(period: Duration, spin: Duration) -> Self {
+        let now = clock_gettime(ClockId::Monotonic);
+        let epoch_on_clock = Duration::new(now.tv_sec as u64, now.tv_nsec as u32);
+        Self { epoch: Instant::now(), epoch_on_clock, period, spin }
+    }
+
+    /// When a step is due.
+    pub(super) fn due(&self, step: u32) -> Instant {
+        self.epoch + self.period * step
+    }
+
+    /// The step whose period a moment is in.
+    pub(super) fn step_at(&self, moment: Instant) -> u32 {
+        let periods = moment.saturating_duration_since(self.epoch).as_nanos() / self.period.as_nanos();
+        u32::try_from(periods).unwrap_or(u32::MAX)
+    }
+
+    /// Waits until a moment and returns the time then. Returns at once if it has passed.
+    ///
+    /// # Errors
+    /// The system can't sleep.
+    pub(super) fn wait_for(&self, due: Instant) -> io::Result<Instant> {
+        let wake = (due - self.epoch).saturating_sub(self.spin) + self.epoch_on_clock;
+        let wake = Timespec { tv_sec: wake.as_secs() as i64, tv_nsec: wake.subsec_nanos().into() };
+        if Instant::now() + self.spin < due {
+            loop {
+                match clock_nanosleep_absolute(ClockId::Monotonic, &wake) {
+                    Ok(()) => break,
+                    Err(Errno::INTR) => {}
+                    Err(error) => return Err(error.into()),
+                }
+            }
+        }
+        loop {
+            let now = Instant::now();
+            if now >= due {
+                return Ok(now);
+            }
+            hint::spin_loop();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PERIOD: Duration = Duration::from_millis(1);
+
+    #[test]
+    fn steps_are_due_on_a_grid_that_lateness_does_not_move() {
+        let pacer = Pacer::start(PERIOD, Duration::ZERO);
+        std::thread::sleep(3 * PERIOD);
+        assert_eq!(pacer.due(1_000_000) - pacer.due(0), 1_000_000 * PERIOD);
+    }
+
+    #[test]
+    fn nobody_wakes_early() {
+        for spin in [Duration::ZERO, PERIOD / 4, 10 * PERIOD] {
+            let pacer = Pacer::start(PERIOD, spin);
+            for step in 1..20 {
+                assert!(pacer.wait_for(pacer.due(step)).expect("a clock") >= pacer.due(step));
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_past_is_not_waited_for() {
+        let pacer = Pacer::start(PERIOD, Duration::ZERO);
+        std::thread::sleep(5 * PERIOD);
+        let woke = pacer.wait_for(pacer.due(1)).expect("a clock");
+        assert!(pacer.step_at(woke) >= 5);
+    }
+
+    #[test]
+    fn a_moment_belongs_to_the_step_that_is_due_last() {
+        let pacer = Pacer::start(PERIOD, Duration::ZERO);
+        assert_eq!(pacer.step_at(pacer.due(7)), 7);
+        assert_eq!(pacer.step_at(pacer.due(8) - Duration::from_nanos(1)), 7);
+    }
+}

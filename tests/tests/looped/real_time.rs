@@ -1,0 +1,171 @@
+//! The loop paced by the clock on the wall. No test here asks how late anything is: a machine may be busy. They ask
+//! what becomes of a step that is late.
+
+use std::thread;
+use std::time::Duration;
+
+use rustix::process::Signal;
+use serde_json::Value;
+use tests::bench::{self, Bench};
+use tests::paper::RUNS;
+use tests::records::Records;
+use tests::relay::{Fate, Relay};
+use tests::twin::Twin;
+
+/// Late steps are what a busy machine makes; here they are looked at and not judged.
+const BEAR: [&str; 6] = [
+    "--set",
+    "allow.late=1000000",
+    "--set",
+    "controller.parameters.watchdog_us=5000000",
+    "--set",
+    "record.flush_rows=10",
+];
+
+fn arguments<'a>(scenario: &'a str, device: &'a str, out: &'a str, duration: &'a str) -> Vec<&'a str> {
+    let mut arguments = vec!["run", scenario, "--device", device, "--out", out, "--set", duration];
+    arguments.extend(["--clock", "real-time"]);
+    arguments.extend(BEAR);
+    // Too short for what the scenario expects.
+    arguments.extend(["--set", "expect.0.max=1000", "--set", "expect.0.min=0"]);
+    arguments
+}
+
+fn count(summary: &Value, section: &str, name: &str) -> u64 {
+    summary[section][name].as_u64().unwrap_or_else(|| panic!("{section}.{name} in {summary}"))
+}
+
+/// Ones in a column of flags.
+fn ones(records: &Records, column: &str) -> u64 {
+    records.timing().column(column).iter().filter(|flag| **flag == 1.0).count() as u64
+}
+
+#[test]
+fn a_run_in_real_time_takes_the_time_it_simulates() {
+    let records = Records::new();
+    let _ = bench::run(arguments(&RUNS[1].scenario(), "native", &records.out(), "run.duration_s=2"));
+    let summary = records.summary();
+    assert_eq!((&summary["timing"]["clock"], &summary["end"]), (&"real-time".into(), &"complete".into()));
+    let wall_s = summary["wall_s"].as_f64().expect("a time");
+    // The last step is over when its torque has come, up to a period before the end of the run.
+    assert!(wall_s > 1.998, "2 s of the plant in {wall_s} s");
+    assert_eq!((records.trace().len(), records.timing().len()), (2_000, 2_000));
+    assert_eq!(ones(&records, "missed"), count(&summary, "timing", "missed"));
+    let answered = 2_000 - count(&summary, "timing", "missed") - count(&summary, "timing", "unanswered");
+    assert_eq!(ones(&records, "answered"), answered);
+}
+
+#[test]
+fn without_late_steps_a_run_in_real_time_is_the_run_in_lockstep() {
+    let duration = "run.duration_s=0.3";
+    let digest = |real_time: bool| {
+        let records = Records::new();
+        let (scenario, out) = (RUNS[1].scenario(), records.out());
+        let mut arguments = arguments(&scenario, "native", &out, duration);
+        if !real_time {
+            arguments.retain(|argument| !["--clock", "real-time"].contains(argument));
+        }
+        let _ = bench::run(arguments);
+        let summary = records.summary();
+        let late = count(&summary, "timing", "missed") + count(&summary, "timing", "unanswered");
+        (late == 0).then(|| summary["torque_sha256"].clone())
+    };
+    let in_real_time = (0..50).find_map(|_| digest(true));
+    assert!(in_real_time.is_some(), "no run of 300 steps without a late one among 50");
+    assert_eq!(in_real_time, digest(false));
+}
+
+#[test]
+fn a_late_answer_holds_the_last_torque_and_the_next_steps_are_on_their_grid() {
+    const HIT: u32 = 700;
+    let twin = Twin::start();
+    let relay = Relay::start(twin.path(), |frame| {
+        if frame.torque().is_some_and(|torque| torque.sequence == HIT) {
+            thread::sleep(Duration::from_millis(20));
+        }
+        Fate::Pass
+    });
+    let records = Records::new();
+    let ended =
+        bench::run(arguments(&RUNS[2].scenario(), relay.device(), &records.out(), "run.duration_s=2"));
+    let (summary, trace, timing) = (records.summary(), records.trace(), records.timing());
+    let (torque_nm, answered) = (trace.column("torque_nm"), timing.column("answered"));
+    let at = HIT as usize;
+    assert_eq!(answered[at], 0.0, "{}", ended.stdout);
+    assert_eq!(torque_nm[at], torque_nm[at - 1], "the torque of a late step is the one before");
+    assert!(torque_nm[at - 1] != torque_nm[at - 2], "neighbours that differ show that it is held");
+    // Twenty periods late, so about as many steps have no answer in time, and the answers to them come late.
+    assert!(count(&summary, "timing", "longest_run_of_late") >= 15, "{}", ended.stdout);
+    assert!(count(&summary, "link", "late") >= 15, "{}", ended.stdout);
+    let after = answered[at + 100..].iter().sum::<f64>() / (answered.len() - at - 100) as f64;
+    assert!(after > 0.5, "{after} of the steps after it are answered");
+    let wall_s = summary["wall_s"].as_f64().expect("a time");
+    assert!(
+        wall_s < 2.5,
+        "the time that was lost must not be added to the run of 2 s, which took {wall_s} s"
+    );
+}
+
+#[test]
+fn a_bench_that_slept_through_steps_goes_on_where_the_clock_is() {
+    let records = Records::new();
+    let bench = Bench::start(arguments(&RUNS[1].scenario(), "native", &records.out(), "run.duration_s=4"));
+    records.wait_for_rows();
+    bench.signal(Signal::STOP);
+    thread::sleep(Duration::from_millis(300));
+    bench.signal(Signal::CONT);
+    let ended = bench.wait();
+    let (summary, timing) = (records.summary(), records.timing());
+    let missed = count(&summary, "timing", "missed");
+    assert!(missed >= 250, "{}", ended.stdout);
+    assert_eq!(records.trace().len(), 4_000, "every step has its row, missed ones as well");
+    // No burst: what was missed is never sent. Arm, Start and Stop are the frames beside the samples.
+    let sent = count(&summary, "link", "frames_sent");
+    assert!(sent <= 4_000 - missed + 3, "{sent} frames");
+    assert!(timing.column("missed").iter().sum::<f64>() >= 250.0);
+    let wall_s = summary["wall_s"].as_f64().expect("a time");
+    assert!(wall_s < 4.5, "4 s of the plant in {wall_s} s");
+}
+
+#[test]
+fn the_watchdog_of_the_drive_trips_while_the_bench_sleeps() {
+    let records = Records::new();
+    let (scenario, out) = (RUNS[1].scenario(), records.out());
+    let mut arguments = arguments(&scenario, "native", &out, "run.duration_s=10");
+    for argument in &mut arguments {
+        if argument.ends_with("watchdog_us=5000000") {
+            *argument = "controller.parameters.watchdog_us=200000";
+        }
+    }
+    let bench = Bench::start(arguments);
+    records.wait_for_rows();
+    bench.signal(Signal::STOP);
+    thread::sleep(Duration::from_millis(600));
+    bench.signal(Signal::CONT);
+    let ended = bench.wait().with_code(3);
+    assert!(ended.stdout.contains("ENDED  the drive latched Watchdog at sample "), "{}", ended.stdout);
+}
+
+#[test]
+fn what_the_system_does_not_grant_is_said_and_does_not_end_the_run() {
+    let records = Records::new();
+    let (scenario, out) = (RUNS[1].scenario(), records.out());
+    let mut arguments = arguments(&scenario, "native", &out, "run.duration_s=0.2");
+    arguments.extend(["--core", "999999"]);
+    let ended = bench::run(arguments);
+    assert!(ended.stdout.contains("not granted: core 999999: "), "{}", ended.stdout);
+    assert_eq!(records.summary()["end"], "complete");
+}
+
+#[test]
+fn options_of_real_time_are_refused_in_lockstep() {
+    for option in [&["--spin-us", "10"][..], &["--fifo", "5"], &["--lock-memory"], &["--core", "0"]] {
+        let arguments = ["run", "scenarios/smooth-after.toml", "--device", "inproc"];
+        let ended = bench::run(arguments.iter().chain(option)).with_code(2);
+        assert!(
+            ended.stderr.contains(&format!("{} is for --clock real-time", option[0])),
+            "{}",
+            ended.stderr
+        );
+    }
+}
