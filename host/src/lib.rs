@@ -23,6 +23,7 @@ pub mod decode;
 pub mod device;
 pub mod doctor;
 pub mod encoder;
+pub mod fault;
 pub mod link;
 pub mod metrics;
 pub mod parameter_set;

@@ -81,6 +81,8 @@ pub struct LinkCounts {
     pub lost: u64,
     /// Steps whose answer came too late.
     pub late: u64,
+    /// Times that the drive was lost and came back.
+    pub resumes: u64,
     /// Frames that reached the drive damaged, as the drive counted them.
     pub damaged_at_drive: u64,
     /// Bytes the drive's receiver lost, as the drive counted them.
@@ -203,6 +205,7 @@ fn breaches(allow: &Allowance, counts: &LinkCounts, timing: &TimingReport) -> Ve
         ("late", late, Some(allow.late)),
         ("late_in_a_row", late_in_a_row, allow.late_in_a_row),
         ("crc_errors", counts.crc_errors, Some(allow.crc_errors)),
+        ("resumes", counts.resumes, Some(allow.resumes)),
         ("lateness_p99_us", p99_us(timing.lateness_us), allow.lateness_p99_us),
         ("round_trip_p99_us", p99_us(timing.round_trip_us), allow.round_trip_p99_us),
     ]

@@ -17,15 +17,23 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
         crc_errors,
         lost,
         late,
+        resumes,
         damaged_at_drive,
         overruns_at_drive,
     } = summary.link;
-    say!("link        {frames_sent} frames out, {frames_received} in; {lost} answers lost, {late} late");
+    say!(
+        "link        {frames_sent} frames out, {frames_received} in; {lost} answers lost, {late} late; {resumes} times resumed"
+    );
     say!(
         "damage      {crc_errors} frames here; {damaged_at_drive} frames, {overruns_at_drive} bytes at the drive"
     );
     for (row, line) in summary.timing.to_string().lines().enumerate() {
         say!("{:<12}{line}", if row == 0 { "timing" } else { "" });
+    }
+    for fault in &summary.faults {
+        let until = fault.until_step.map_or_else(|| "the end".to_owned(), |step| format!("step {step}"));
+        let frames = fault.frames.map_or_else(String::new, |frames| format!(", {frames} frames hit"));
+        say!("fault       {} from step {} to {until}{frames}", fault.kind, fault.step);
     }
     say!("torque      sha256 {}", summary.torque_sha256);
     for line in &outcome.logs {

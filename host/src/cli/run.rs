@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use lashloop::capture::Capture;
 use lashloop::device::{Device, DeviceChoice};
+use lashloop::fault::link::LinkFaults;
 use lashloop::link::Link;
 use lashloop::link::capture::Captured;
 use lashloop::record::RecordError;
@@ -64,11 +65,18 @@ impl Arguments {
         let tables = self.out.as_deref().map(|folder| prepare(folder, &scenario)).transpose()?;
         let capture = self.capture.as_deref().map(Capture::create).transpose()?;
         let supervisor = start_supervisor()?;
+        let faults = LinkFaults::new(&scenario);
+        let tamper = |link| match &faults {
+            Some(faults) => faults.wrap(link, &scenario),
+            None => link,
+        };
         let listen = |link| match &capture {
             Some(capture) => Box::new(Captured::new(link, capture.clone())) as Box<dyn Link>,
             None => link,
         };
-        let mut device = Device::open_through(&self.device, scenario.link.baud, &supervisor, listen)?;
+        let mut device =
+            Device::open_through(&self.device, scenario.link.baud, &supervisor, |link| listen(tamper(link)))?
+                .with_link_faults(faults.clone());
         let progress = Progress::of(&scenario);
         let mut watcher = RunWatcher { tables, capture, supervisor: &supervisor, progress };
         let heed = supervisor.heed_signals();
@@ -132,6 +140,7 @@ pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -
         expectations: outcome.judgement.findings.clone(),
         link: outcome.link,
         timing: outcome.timing.clone(),
+        faults: outcome.faults.clone(),
         torque_sha256: outcome.torque_sha256.clone(),
         versions: Versions {
             lashloop: env!("CARGO_PKG_VERSION").to_owned(),

@@ -11,8 +11,10 @@ use std::{fmt, io};
 pub use error::DeviceError;
 use lashloop_protocol::message::Identity;
 
+use crate::fault::link::LinkFaults;
 use crate::link::in_process::InProcess;
 use crate::link::pty::{self, Pty};
+use crate::link::reopening::Reopening;
 use crate::link::serial::Serial;
 use crate::link::{Link, LinkError};
 use crate::session::{Session, SessionError, printable};
@@ -72,6 +74,7 @@ pub struct Device {
     /// The conversation.
     pub session: Session,
     connection: Connection,
+    link_faults: Option<LinkFaults>,
 }
 
 impl Device {
@@ -96,7 +99,20 @@ impl Device {
         let (link, connection) = Connection::open(choice, baud, supervisor)?;
         let session =
             Session::open(middleware(link), session_number()).map_err(|source| connection.explain(source))?;
-        Ok(Self { session, connection })
+        Ok(Self { session, connection, link_faults: None })
+    }
+
+    /// Tells of the faults that its link was wrapped in, so that a run can steer them.
+    #[must_use]
+    pub fn with_link_faults(mut self, faults: Option<LinkFaults>) -> Self {
+        self.link_faults = faults;
+        self
+    }
+
+    /// The faults on its line.
+    #[must_use]
+    pub fn link_faults(&self) -> Option<&LinkFaults> {
+        self.link_faults.as_ref()
     }
 
     /// What the run was made with, in words.
@@ -201,14 +217,19 @@ fn spawn(supervisor: &Supervisor, program: &Program) -> Result<Process, DeviceEr
 
 /// Opens whatever terminal this is, for nobody else. `baud` is for serial ports.
 pub(crate) fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, DeviceError> {
-    // A name under /dev/serial/by-id, or any other link, stands for what it points to.
-    let path = &path.canonicalize().map_err(|source| DeviceError::Open { path: path.to_owned(), source })?;
-    let opened: io::Result<Box<dyn Link>> = if path.starts_with(pty::DIRECTORY) {
-        Pty::open(path).map(|pty| Box::new(pty) as _)
-    } else {
-        Serial::open(path, baud).map(|serial| Box::new(serial) as _)
+    let open = move |path: &PathBuf| -> io::Result<Box<dyn Link>> {
+        // A name under /dev/serial/by-id, or any other link, stands for what it points to at that time.
+        let path = path.canonicalize()?;
+        if path.starts_with(pty::DIRECTORY) {
+            Ok(Box::new(Pty::open(&path)?))
+        } else {
+            Ok(Box::new(Serial::open(&path, baud)?))
+        }
     };
-    opened.map_err(|source| DeviceError::Open { path: path.to_owned(), source })
+    match Reopening::new(path.to_owned(), Box::new(open)) {
+        Ok(link) => Ok(Box::new(link)),
+        Err(source) => Err(DeviceError::Open { path: path.to_owned(), source }),
+    }
 }
 
 fn explain(choice: &DeviceChoice, process: Option<&Process>, source: SessionError) -> DeviceError {

@@ -6,6 +6,7 @@
 //! | [`pty`] | a drive on a pseudo-terminal: the native twin, or a foreign one |
 //! | [`serial`] | a drive on a serial port, by the `serialport` crate |
 //! | [`socket`] | the emulator's UART |
+//! | [`reopening`] | a terminal, again after it was gone |
 //! | [`capture`] | any of these, with a record of every frame |
 //!
 //! Every wait has a deadline, and the end of a line is an error on its own: a terminal whose far end is gone reads as
@@ -14,6 +15,7 @@
 pub mod capture;
 pub mod in_process;
 pub mod pty;
+pub mod reopening;
 pub mod serial;
 pub mod socket;
 

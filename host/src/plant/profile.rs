@@ -80,6 +80,22 @@ impl Profile {
         }
     }
 
+    /// Takes a state over from a plant of the same profile that has just changed into this one. The energy that the change
+    /// sets free or binds counts as dissipated, or as the reverse of it.
+    ///
+    /// # Errors
+    /// The state belongs to another profile.
+    pub fn take_over(&self, before: &Self, state: &mut ProfileState) -> Result<(), PlantError> {
+        match (self, before, state) {
+            (Self::Bench(plant), Self::Bench(before), ProfileState::Bench(state)) => {
+                plant.take_over(before, state);
+                Ok(())
+            }
+            (plant, Self::Bench(_), state) => Err(plant.foreign(state)),
+            (plant, ..) => Err(PlantError::FixedSurroundings { plant: plant.name() }),
+        }
+    }
+
     /// Everything there is to know about a state.
     ///
     /// # Errors

@@ -8,6 +8,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::RecordError;
+use crate::fault::timeline::Fired;
 use crate::metrics::Metrics;
 use crate::timing::TimingReport;
 use crate::verdict::{Finding, LinkCounts, Verdict};
@@ -41,6 +42,8 @@ pub struct Summary {
     pub link: LinkCounts,
     /// How the steps went in time.
     pub timing: TimingReport,
+    /// The faults of the scenario that have been there.
+    pub faults: Vec<Fired>,
     /// The digest of everything the drive commanded, see [`TorqueDigest`](super::digest::TorqueDigest).
     pub torque_sha256: String,
     /// Who took part.
@@ -126,6 +129,7 @@ mod tests {
             expectations: judgement.findings,
             link,
             timing,
+            faults: Vec::new(),
             torque_sha256: "00".repeat(32),
             versions: Versions {
                 lashloop: "0.1.0".to_owned(),
@@ -181,6 +185,7 @@ mod tests {
             "crc_errors": 0,
             "lost": 0,
             "late": 0,
+            "resumes": 0,
             "damaged_at_drive": 0,
             "overruns_at_drive": 0
           },
@@ -202,6 +207,7 @@ mod tests {
             "round_trip_histogram": [],
             "refused": []
           },
+          "faults": [],
           "torque_sha256": "0000000000000000000000000000000000000000000000000000000000000000",
           "versions": {
             "lashloop": "0.1.0",

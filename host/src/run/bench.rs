@@ -1,9 +1,14 @@
 //! The simulated side of the loop: what the scenario says of plant, encoders and reference, ready to be stepped.
 
+use std::collections::VecDeque;
+
 use lashloop_protocol::message::EncoderSample;
 
 use super::{RunError, mechanics};
 use crate::encoder::{Encoder, EncoderState};
+use crate::fault::actuator::ActuatorFaults;
+use crate::fault::gears::GearFaults;
+use crate::fault::sensor::SensorFaults;
 use crate::plant::{DryFriction, PlantError, Profile, ProfileState, Start, TransportDelay, Truth};
 use crate::record::trace::TraceRow;
 use crate::reference::Reference;
@@ -23,6 +28,11 @@ pub struct Bench {
     settings: PlantSettings,
     delay: TransportDelay,
     period_s: f64,
+    sensors: SensorFaults,
+    actuator: ActuatorFaults,
+    gears: GearFaults,
+    /// The plants that faults make of this one, and from which step on.
+    next_plants: VecDeque<(u32, Profile)>,
 }
 
 impl Bench {
@@ -33,6 +43,11 @@ impl Bench {
     pub fn new(scenario: &Scenario) -> Result<Self, RunError> {
         let period_s = scenario.run.control_period_s();
         let plant = mechanics::profile(&scenario.plant, period_s)?;
+        let gears = GearFaults::new(scenario);
+        let next_plants = gears.changes().into_iter().map(|step| {
+            let settings = gears.settings(step, &scenario.plant);
+            mechanics::profile(&settings, period_s).map(|plant| (step, plant))
+        });
         let initial = &scenario.plant.initial;
         let encoders = &scenario.encoders;
         let encoder = |counts_per_rev, seed| -> Result<_, RunError> {
@@ -51,6 +66,10 @@ impl Bench {
             load_encoder: encoder(encoders.load_counts_per_rev, scenario.run.seed ^ LOAD_ENCODER_STREAM)?,
             reference: scenario.reference.clone(),
             settings: scenario.plant.clone(),
+            sensors: SensorFaults::new(scenario),
+            actuator: ActuatorFaults::new(scenario),
+            next_plants: next_plants.collect::<Result<_, _>>()?,
+            gears,
             delay: TransportDelay::new(
                 scenario.plant.bench.as_ref().map_or(0, |bench| bench.torque_delay_us),
                 scenario.run.control_period_us,
@@ -64,19 +83,26 @@ impl Bench {
     ///
     /// # Errors
     /// As [`Profile::truth`] and [`Profile::surround`].
-    pub fn observe(&mut self, sequence: u32) -> Result<(EncoderSample, TraceRow), PlantError> {
-        let time_s = f64::from(sequence) * self.period_s;
-        if let Some(surroundings) = mechanics::surroundings(&self.settings, time_s) {
+    pub fn observe(&mut self, step: u32) -> Result<(EncoderSample, TraceRow), PlantError> {
+        let time_s = f64::from(step) * self.period_s;
+        while let Some((_, plant)) = self.next_plants.pop_front_if(|(from, _)| *from <= step) {
+            plant.take_over(&self.plant, &mut self.state)?;
+            self.plant = plant;
+        }
+        if let Some(mut surroundings) = mechanics::surroundings(&self.settings, time_s) {
+            surroundings.dead_zone_rad += self.gears.growth_rad(step);
+            surroundings.load_torque_nm += self.gears.load_torque_nm(step);
             self.plant.surround(&mut self.state, surroundings)?;
         }
         let truth = self.plant.truth(&self.state)?;
         let reference_rad = self.reference.position_rad(time_s);
-        let sample = EncoderSample {
-            sequence,
+        let mut sample = EncoderSample {
+            sequence: step,
             motor_counts: self.motor_encoder.0.step(&mut self.motor_encoder.1, truth.motor_position_rad),
             load_counts: self.load_encoder.0.step(&mut self.load_encoder.1, truth.load_position_rad),
             reference_rad: reference_rad as f32,
         };
+        self.sensors.apply(step, &mut sample);
         Ok((sample, row(&truth, time_s, reference_rad)))
     }
 
@@ -84,7 +110,8 @@ impl Bench {
     ///
     /// # Errors
     /// As [`Profile::step`]: the state left the range of numbers, above all.
-    pub fn step(&mut self, torque_nm: f32) -> Result<(), PlantError> {
+    pub fn step(&mut self, step: u32, torque_nm: f32) -> Result<(), PlantError> {
+        let torque_nm = self.actuator.apply(step, torque_nm);
         for (held_nm, held_s) in self.delay.step(torque_nm.into()) {
             self.plant.step(&mut self.state, held_nm, held_s)?;
         }

@@ -3,6 +3,7 @@
 //! A sample that is not answered by its deadline is given up: the last torque is held for that period, as it is on a real
 //! bench, and the step is counted. Nothing here allocates, locks or logs.
 
+use std::thread;
 use std::time::{Duration, Instant};
 
 use lashloop_protocol::message::TorqueAnswer;
@@ -10,13 +11,18 @@ use lashloop_protocol::vocabulary::State;
 
 use super::bench::Bench;
 use super::keeper::Step;
-use super::{End, RunError};
+use super::{End, RunError, setup};
 use crate::device::{Device, DeviceError};
+use crate::fault::timeline::{Fired, Timeline};
 use crate::plant::PlantError;
 use crate::record::trace::TraceRow;
 use crate::scenario::Scenario;
-use crate::session::Exchange;
-use crate::timing::{Fate, RoundTrip, StepTiming};
+use crate::scenario::bench::OnLoss;
+use crate::session::{Exchange, SessionError};
+use crate::timing::{ClockName, Fate, RoundTrip, StepTiming};
+
+/// Time between two attempts to get a lost drive back.
+const RESUME_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Where finished steps go.
 pub(super) trait Sink {
@@ -35,6 +41,13 @@ pub(super) struct ControlLoop<'a, S> {
     scenario: &'a Scenario,
     bench: Bench,
     sink: S,
+    timeline: Timeline,
+    clock: ClockName,
+    resumes: u64,
+    /// The step whose sample had sequence 0. A drive takes no other sample first, so until one has been answered every
+    /// sample is the first.
+    origin: u32,
+    is_answered: bool,
     /// What the motor is given at present.
     torque_nm: f32,
     unanswered: u64,
@@ -46,11 +59,22 @@ pub(super) struct ControlLoop<'a, S> {
 }
 
 impl<'a, S: Sink> ControlLoop<'a, S> {
-    pub(super) fn new(scenario: &'a Scenario, bench: Bench, sink: S) -> Self {
+    pub(super) fn new(
+        scenario: &'a Scenario,
+        bench: Bench,
+        timeline: Timeline,
+        clock: ClockName,
+        sink: S,
+    ) -> Self {
         Self {
             scenario,
             bench,
             sink,
+            timeline,
+            clock,
+            resumes: 0,
+            origin: 0,
+            is_answered: false,
             torque_nm: 0.0,
             unanswered: 0,
             unanswered_since: None,
@@ -73,6 +97,11 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
         self.unanswered
     }
 
+    /// Times that the drive was lost and came back.
+    pub(super) fn resumes(&self) -> u64 {
+        self.resumes
+    }
+
     /// When the drive will have been silent for longer than the scenario bears.
     fn silent_at(&self, now: Instant) -> Instant {
         self.unanswered_since.unwrap_or(now) + self.scenario.link.silence_limit()
@@ -82,16 +111,30 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
     /// its due time the step begins.
     pub(super) fn step(
         &mut self,
-        sequence: u32,
+        step: u32,
         deadline: Instant,
         lateness: Duration,
         device: &mut Device,
     ) -> Result<Option<End>, StepError> {
-        let (sample, row) = self.bench.observe(sequence)?;
+        self.begin(step, device)?;
+        let (mut sample, row) = self.bench.observe(step)?;
+        if !self.is_answered {
+            self.origin = step;
+        }
+        sample.sequence = step - self.origin;
         let asked = Instant::now();
         let exchange = device.session.exchange(&sample, deadline.min(self.silent_at(asked)));
-        let (fate, round_trip) = match exchange.map_err(|source| device.explain(source))? {
-            Exchange::Answered(answer) => {
+        let exchange = match exchange {
+            Err(source) if source.is_loss() => {
+                if let Some(end) = self.lose(source, device)? {
+                    return Ok(Some(end));
+                }
+                None
+            }
+            exchange => Some(exchange.map_err(|source| device.explain(source))?),
+        };
+        let (fate, round_trip) = match exchange {
+            Some(Exchange::Answered(answer)) => {
                 if answer.state != State::Running {
                     return Ok(Some(drive_fault(device, &answer)?));
                 }
@@ -100,36 +143,86 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
                 }
                 self.torque_nm = answer.torque_nm;
                 self.unanswered_since = None;
+                self.is_answered = true;
                 (Fate::Answered, Some(RoundTrip::new(&device.session.moments(), &answer)))
             }
-            Exchange::Faulted(fault) => return Ok(Some(End::DriveFault(fault))),
-            Exchange::Unanswered => {
+            Some(Exchange::Faulted(fault)) => return Ok(Some(End::DriveFault(fault))),
+            Some(Exchange::Unanswered) => {
                 if Instant::now() >= self.silent_at(asked) {
-                    let limit = self.scenario.link.silence_limit();
-                    return Err(device.explain(device.session.silent(limit)).into());
+                    let silent = device.session.silent(self.scenario.link.silence_limit());
+                    if let Some(end) = self.lose(silent, device)? {
+                        return Ok(Some(end));
+                    }
+                } else {
+                    self.unanswered_since.get_or_insert(asked);
                 }
-                self.unanswered_since.get_or_insert(asked);
+                self.unanswered += 1;
+                (Fate::Unanswered, None)
+            }
+            None => {
                 self.unanswered += 1;
                 (Fate::Unanswered, None)
             }
         };
         self.finish(device)?;
-        self.hold(row, StepTiming { lateness, fate, round_trip })?;
+        self.hold(step, row, StepTiming { lateness, fate, round_trip })?;
+        Ok(None)
+    }
+
+    fn begin(&mut self, step: u32, device: &mut Device) -> Result<(), StepError> {
+        match self.timeline.begin(step, device) {
+            // The step is about to find out.
+            Err(source) if source.is_loss() => Ok(()),
+            result => Ok(result.map_err(|source| device.explain(source))?),
+        }
+    }
+
+    /// The drive is gone, or was started anew. Gets it back if the scenario asks for that, or else returns how the run
+    /// ends.
+    fn lose(&mut self, source: SessionError, device: &mut Device) -> Result<Option<End>, StepError> {
+        let link = &self.scenario.link;
+        if link.on_loss == OnLoss::End {
+            return match source {
+                SessionError::Refused { state: State::Boot, .. } => Ok(Some(End::DriveRestarted)),
+                source => Err(device.explain(source).into()),
+            };
+        }
+        // A drive without a host gives no torque, and it is set up, armed and started from there.
+        self.torque_nm = 0.0;
+        self.timeline.pause();
+        let deadline = Instant::now() + link.resume_limit();
+        while let Err(error) = setup::resume(device, self.scenario, self.clock) {
+            if self.sink.stop_asked() {
+                return Ok(Some(End::Interrupted));
+            }
+            if !matches!(error, RunError::Device(_)) || Instant::now() >= deadline {
+                return Err(error.into());
+            }
+            thread::sleep(RESUME_INTERVAL);
+        }
+        (self.is_answered, self.unanswered_since) = (false, None);
+        self.resumes += 1;
         Ok(None)
     }
 
     /// Holds the last torque for a step in which the drive was not asked.
-    pub(super) fn miss(&mut self, sequence: u32, device: &Device) -> Result<(), StepError> {
-        let (_, row) = self.bench.observe(sequence)?;
+    pub(super) fn miss(&mut self, step: u32, device: &mut Device) -> Result<(), StepError> {
+        self.begin(step, device)?;
+        let (_, row) = self.bench.observe(step)?;
         self.finish(device)?;
-        self.hold(row, StepTiming { lateness: Duration::ZERO, fate: Fate::Missed, round_trip: None })
+        self.hold(step, row, StepTiming { lateness: Duration::ZERO, fate: Fate::Missed, round_trip: None })
     }
 
-    fn hold(&mut self, mut row: TraceRow, timing: StepTiming) -> Result<(), StepError> {
+    fn hold(&mut self, step: u32, mut row: TraceRow, timing: StepTiming) -> Result<(), StepError> {
         row.torque_nm = self.torque_nm.into();
         self.unfinished = Some(Step { row, timing });
         self.steps += 1;
-        Ok(self.bench.step(self.torque_nm)?)
+        Ok(self.bench.step(step, self.torque_nm)?)
+    }
+
+    /// The line is healed and the drive goes on, whatever was wrong with them. Returns what was.
+    pub(super) fn end_faults(&mut self, device: &Device) -> Vec<Fired> {
+        self.timeline.end(device)
     }
 
     /// Hands over the last step, with the estimate the drive has told of by now.

@@ -9,6 +9,7 @@ use super::keeper::{Keeper, Watcher};
 use super::real_time::{self, RealTime, Ring};
 use super::{End, Outcome, RunError, lockstep, setup};
 use crate::device::Device;
+use crate::fault::timeline::{Fired, Timeline};
 use crate::scenario::Scenario;
 use crate::session::{Session, Traffic};
 use crate::timing::ClockName;
@@ -47,6 +48,7 @@ pub fn run(
     watcher: &mut dyn Watcher,
 ) -> Result<Outcome, RunError> {
     let bench = Bench::new(scenario)?;
+    let timeline = Timeline::new(scenario, device)?;
     setup::set_up(device, scenario, clock.name())?;
     let before = device.session.traffic();
     if let Err(source) = device.session.start() {
@@ -57,19 +59,19 @@ pub fn run(
     let mut keeper = Keeper::new(scenario, clock.name(), watcher);
     let (closed, refused) = match clock {
         Clock::Lockstep => {
-            let control = ControlLoop::new(scenario, bench, &mut keeper);
+            let control = ControlLoop::new(scenario, bench, timeline, clock.name(), &mut keeper);
             (
                 to_the_end(control, device, |control, device| lockstep::close(control, scenario, device))?,
                 Vec::new(),
             )
         }
-        Clock::RealTime(options) => in_real_time(scenario, bench, device, &options, &mut keeper)?,
+        Clock::RealTime(options) => in_real_time(scenario, bench, timeline, device, &options, &mut keeper)?,
     };
-    let Closed { end, steps, unanswered, wall_s } = closed;
+    let Closed { end, steps, unanswered, resumes, wall_s, faults } = closed;
     if matches!(end, End::Diverged(_)) {
         keeper.measurement.diverged();
     }
-    let link = link_counts(unanswered, before, &device.session, clock.name());
+    let link = LinkCounts { resumes, ..link_counts(unanswered, before, &device.session, clock.name()) };
     let timing = keeper.timings.report(refused);
     let metrics = keeper.measurement.metrics();
     let mut judgement = Judgement::new(&scenario.expectations, &metrics, &scenario.allow, &link, &timing);
@@ -80,6 +82,7 @@ pub fn run(
         metrics,
         link,
         timing,
+        faults,
         steps,
         simulated_s: steps as f64 * scenario.run.control_period_s(),
         wall_s,
@@ -93,13 +96,16 @@ struct Closed {
     end: End,
     steps: u64,
     unanswered: u64,
+    resumes: u64,
     wall_s: f64,
+    faults: Vec<Fired>,
 }
 
 /// The loop on its own thread, the keeper on this one.
 fn in_real_time(
     scenario: &Scenario,
     bench: Bench,
+    timeline: Timeline,
     device: &mut Device,
     options: &RealTime,
     keeper: &mut Keeper<'_>,
@@ -110,7 +116,7 @@ fn in_real_time(
     let mut keeper = keeper;
     let work = || {
         let refused = real_time::obtain(options);
-        let control = ControlLoop::new(scenario, bench, ring);
+        let control = ControlLoop::new(scenario, bench, timeline, ClockName::RealTime, ring);
         let closed = to_the_end(control, device, |control, device| {
             real_time::close(control, scenario, device, options.spin)
         });
@@ -135,9 +141,10 @@ fn to_the_end<'a, S: Sink>(
     let started = Instant::now();
     let end = close(&mut control, device);
     let wall_s = started.elapsed().as_secs_f64();
+    let faults = control.end_faults(device);
     // The last telemetry comes before the answer to the stop, and the last row waits for it.
     let stopped = match &end {
-        Ok(end) if !end.is_death() => device.session.stop().map_err(|source| device.explain(source)),
+        Ok(end) if end.leaves_a_session() => device.session.stop().map_err(|source| device.explain(source)),
         _ => {
             device.session.abandon();
             Ok(())
@@ -146,7 +153,8 @@ fn to_the_end<'a, S: Sink>(
     control.finish(device)?;
     let end = end?;
     stopped?;
-    Ok(Closed { end, steps: control.steps(), unanswered: control.unanswered(), wall_s })
+    let (steps, unanswered, resumes) = (control.steps(), control.unanswered(), control.resumes());
+    Ok(Closed { end, steps, unanswered, resumes, wall_s, faults })
 }
 
 fn link_counts(unanswered: u64, before: Traffic, session: &Session, clock: ClockName) -> LinkCounts {
@@ -163,6 +171,7 @@ fn link_counts(unanswered: u64, before: Traffic, session: &Session, clock: Clock
             ClockName::RealTime => unanswered.saturating_sub(late),
         },
         late,
+        resumes: 0,
         damaged_at_drive: at_drive.map_or(0, |report| report.damaged.into()),
         overruns_at_drive: at_drive.map_or(0, |report| report.overruns.into()),
     }

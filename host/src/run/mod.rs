@@ -58,6 +58,16 @@ pub enum RunError {
     /// The record.
     #[error(transparent)]
     Record(#[from] RecordError),
+    /// A fault of the scenario can't be applied.
+    #[error("fault {kind} at {at_s} s can't be applied here: {reason}")]
+    Fault {
+        /// What it is.
+        kind: &'static str,
+        /// When it should have been.
+        at_s: f64,
+        /// Why, and what to do.
+        reason: &'static str,
+    },
     /// The record is slower than the run.
     #[error("{steps} steps wait to be recorded: write to a faster disk, or leave --out and --capture away")]
     RecordBehind {

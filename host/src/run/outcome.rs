@@ -5,6 +5,7 @@ use std::fmt;
 use lashloop_protocol::message::FaultReport;
 use lashloop_protocol::vocabulary::FaultCode;
 
+use crate::fault::timeline::Fired;
 use crate::metrics::Metrics;
 use crate::plant::PlantError;
 use crate::timing::TimingReport;
@@ -17,6 +18,8 @@ pub enum End {
     Complete,
     /// The drive latched a fault.
     DriveFault(FaultReport),
+    /// The drive started anew in the middle of the run.
+    DriveRestarted,
     /// The plant could not be followed any further: its state left the range of numbers, above all.
     Diverged(PlantError),
     /// The user asked the bench to stop.
@@ -24,10 +27,14 @@ pub enum End {
 }
 
 impl End {
-    /// Whether the drive is beyond talking to.
+    /// Whether the drive is still there, in the session that the run was made in.
     #[must_use]
-    pub fn is_death(&self) -> bool {
-        matches!(self, Self::DriveFault(fault) if matches!(fault.code, FaultCode::Panic | FaultCode::ProcessorFault))
+    pub fn leaves_a_session(&self) -> bool {
+        match self {
+            Self::DriveFault(fault) => !matches!(fault.code, FaultCode::Panic | FaultCode::ProcessorFault),
+            Self::DriveRestarted => false,
+            Self::Complete | Self::Diverged(_) | Self::Interrupted => true,
+        }
     }
 
     /// The verdict a run can't rise above because of its end. A watchdog that trips tells of the host or of the line,
@@ -41,7 +48,7 @@ impl End {
                 Some(Verdict::Invalid)
             }
             Self::DriveFault(_) | Self::Diverged(_) => Some(Verdict::Fail),
-            Self::Interrupted => Some(Verdict::Invalid),
+            Self::DriveRestarted | Self::Interrupted => Some(Verdict::Invalid),
         }
     }
 }
@@ -50,6 +57,10 @@ impl fmt::Display for End {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Complete => write!(out, "complete"),
+            Self::DriveRestarted => write!(
+                out,
+                "the drive started anew in the middle of the run; with link.on_loss = \"resume\" the bench would go on"
+            ),
             Self::Interrupted => write!(out, "interrupted by the user"),
             Self::Diverged(error) => write!(out, "the plant can't be followed any further: {error}"),
             Self::DriveFault(fault) => {
@@ -85,6 +96,8 @@ pub struct Outcome {
     pub link: LinkCounts,
     /// How the steps went in time.
     pub timing: TimingReport,
+    /// The faults of the scenario that have been there, in its order.
+    pub faults: Vec<Fired>,
     /// Control steps made.
     pub steps: u64,
     /// Time of the plant.

@@ -51,6 +51,13 @@ pub fn set_up(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Res
     Ok(())
 }
 
+/// Sets up and starts a drive that was lost.
+pub(super) fn resume(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
+    device.session.clear_line().map_err(|source| device.explain(source))?;
+    set_up(device, scenario, clock)?;
+    device.session.start().map_err(|source| refused_start(device, source))
+}
+
 /// The error for a drive that does not start. Parameters that don't go together are the scenario's fault.
 pub(super) fn refused_start(device: &Device, source: SessionError) -> RunError {
     match source {

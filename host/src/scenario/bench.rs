@@ -88,6 +88,20 @@ pub struct LinkSettings {
     pub silence_limit_ms: u32,
     /// Speed of a tty; other links have none.
     pub baud: u32,
+    /// What becomes of the run when the drive is lost: gone, or started anew.
+    pub on_loss: OnLoss,
+    /// How long the bench tries to get it back.
+    pub resume_limit_ms: u32,
+}
+
+/// What becomes of a run when the drive is lost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum OnLoss {
+    /// It ends.
+    End,
+    /// The drive is greeted, set up, armed and started again, and the run goes on. Until then there is no torque.
+    Resume,
 }
 
 impl LinkSettings {
@@ -95,6 +109,12 @@ impl LinkSettings {
     #[must_use]
     pub fn answer_timeout(&self) -> Duration {
         Duration::from_millis(self.answer_timeout_ms.into())
+    }
+
+    /// How long the bench tries to get a lost drive back.
+    #[must_use]
+    pub fn resume_limit(&self) -> Duration {
+        Duration::from_millis(self.resume_limit_ms.into())
     }
 
     /// How long the drive may be silent.
@@ -110,6 +130,10 @@ pub(super) fn read_link(link: &mut Section<'_>) -> LinkSettings {
         answer_timeout_ms: link.integer("answer_timeout_ms", unit::MILLISECOND, 1000, 100..=30_000),
         silence_limit_ms: link.integer("silence_limit_ms", unit::MILLISECOND, 2500, 100..=60_000),
         baud: link.integer("baud", unit::BAUD, 921_600, 1200..=12_000_000),
+        on_loss: link
+            .choice("on_loss", OnLoss::End, &[("end", OnLoss::End), ("resume", OnLoss::Resume)])
+            .unwrap_or(OnLoss::End),
+        resume_limit_ms: link.integer("resume_limit_ms", unit::MILLISECOND, 5000, 100..=600_000),
     }
 }
 
@@ -122,6 +146,8 @@ pub struct Allowance {
     pub late: u64,
     /// Frames refused for their checksum.
     pub crc_errors: u64,
+    /// Times that a lost drive came back and the run went on.
+    pub resumes: u64,
     /// Late steps in a row, in real time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub late_in_a_row: Option<u64>,
@@ -138,6 +164,7 @@ pub(super) fn read_allow(allow: &mut Section<'_>) -> Allowance {
         lost: allow.integer("lost", unit::STEP, 0, 0..=LARGEST),
         late: allow.integer("late", unit::STEP, 0, 0..=LARGEST),
         crc_errors: allow.integer("crc_errors", unit::NONE, 0, 0..=LARGEST),
+        resumes: allow.integer("resumes", unit::NONE, 0, 0..=LARGEST),
         late_in_a_row: allow.optional_integer("late_in_a_row", unit::STEP, 0..=LARGEST),
         lateness_p99_us: allow.optional_integer("lateness_p99_us", unit::MICROSECOND, 1..=LARGEST),
         round_trip_p99_us: allow.optional_integer("round_trip_p99_us", unit::MICROSECOND, 1..=LARGEST),

@@ -15,6 +15,7 @@
 //! | `[plant]` | load, motor, gap and where they start | [`plant`], [`bench_plant`] |
 //! | `[controller]` | the law and the drive's own parameters | [`controller`] |
 //! | `[reference]` | the position to follow | [`crate::reference`] |
+//! | `[[fault]]` | what goes wrong, and when | [`fault`] |
 //! | `[[expect]]` | bounds on metrics | [`expectation`] |
 
 pub mod bench;
@@ -22,6 +23,7 @@ pub mod bench_plant;
 pub mod controller;
 pub mod error;
 pub mod expectation;
+pub mod fault;
 mod overrides;
 pub mod plant;
 mod range;
@@ -43,6 +45,7 @@ use self::bench::{Allowance, EncoderSettings, LinkSettings, RecordSettings, RunS
 use self::controller::ControllerSettings;
 use self::error::Origin;
 use self::expectation::Expectation;
+use self::fault::Fault;
 use self::plant::PlantSettings;
 use self::reader::Section;
 use crate::reference::Reference;
@@ -76,6 +79,9 @@ pub struct Scenario {
     pub telemetry: TelemetrySettings,
     /// How the trace is written.
     pub record: RecordSettings,
+    /// What goes wrong, and when.
+    #[serde(rename = "fault", skip_serializing_if = "Vec::is_empty")]
+    pub faults: Vec<Fault>,
     /// What has to come out.
     #[serde(rename = "expect")]
     pub expectations: Vec<Expectation>,
@@ -125,12 +131,14 @@ impl Scenario {
 }
 
 fn read(root: &mut Section<'_>, name: &str, directory: &Path) -> Scenario {
+    let plant = root.section("plant", plant::read);
+    let model = plant.model;
     Scenario {
         name: name.to_owned(),
         title: root.text("title", Some("a text in quotes")).unwrap_or_default().to_owned(),
         description: root.text("description", None).map(str::to_owned),
         run: root.section("run", bench::read_run),
-        plant: root.section("plant", plant::read),
+        plant,
         encoders: root.section("encoders", bench::read_encoders),
         controller: root.section("controller", controller::read),
         reference: root.section("reference", |section| reference::read(section, directory)),
@@ -138,6 +146,7 @@ fn read(root: &mut Section<'_>, name: &str, directory: &Path) -> Scenario {
         allow: root.section("allow", bench::read_allow),
         telemetry: root.section("telemetry", bench::read_telemetry),
         record: root.section("record", bench::read_record),
+        faults: root.sections("fault", |section| fault::read(section, model)),
         expectations: root.sections("expect", expectation::read),
     }
 }

@@ -3,7 +3,9 @@
 use std::fmt;
 use std::time::Duration;
 
+use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::vocabulary::{Outcome, State};
+use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, Message, PROTOCOL_VERSION};
 
 use crate::link::LinkError;
@@ -93,4 +95,19 @@ pub enum SessionError {
 
 fn in_words(said: &str) -> String {
     if said.is_empty() { String::new() } else { format!(", saying \"{said}\"") }
+}
+
+impl SessionError {
+    /// Whether the drive is not there any more as it was: gone, silent, or started anew.
+    #[must_use]
+    pub fn is_loss(&self) -> bool {
+        match self {
+            Self::Broken { source, .. } => matches!(source, LinkError::Disconnected),
+            Self::Silent { .. } => true,
+            Self::Refused { request, state, .. } => {
+                *request == EncoderSample::LAYOUT.name && *state == State::Boot
+            }
+            _ => false,
+        }
+    }
 }

@@ -139,6 +139,22 @@ impl Session {
         Ok(())
     }
 
+    /// Makes the drive start anew as a moment without power would: it is told, and nobody waits for what it says.
+    ///
+    /// # Errors
+    /// The line broke.
+    pub fn reset_by_surprise(&mut self) -> Result<(), SessionError> {
+        self.line.send(&Reset {}.into())
+    }
+
+    /// Opens the line again if it is gone, and clears it.
+    ///
+    /// # Errors
+    /// It is still gone.
+    pub fn clear_line(&mut self) -> Result<(), SessionError> {
+        self.line.clear()
+    }
+
     /// Arms and starts.
     ///
     /// # Errors
@@ -200,6 +216,13 @@ impl Session {
             }
             // It will not answer any more: its watchdog has tripped, or these are its last words.
             DriveMessage::FaultReport(fault) => Some(Ok(Exchange::Faulted(*fault))),
+            // The line brought samples in another order, and this is about an older one: the drive runs on.
+            DriveMessage::CommandResult(result)
+                if result.request == EncoderSample::LAYOUT.kind
+                    && (result.outcome, result.state) == (Outcome::OutOfSequence, State::Running) =>
+            {
+                None
+            }
             DriveMessage::CommandResult(result) if result.request == EncoderSample::LAYOUT.kind => {
                 Some(Err((result.outcome, result.state)))
             }

@@ -117,6 +117,12 @@ impl BenchPlant {
         Ok(())
     }
 
+    /// Takes a state over from the plant that has just changed into this one.
+    pub fn take_over(&self, before: &Self, state: &mut BenchState) {
+        let coordinates = &mut state.coordinates;
+        coordinates.x[DISSIPATED] += before.shaft_energy_j(coordinates) - self.shaft_energy_j(coordinates);
+    }
+
     /// Twist of the shaft itself, z - theta_b, in rad.
     fn shaft_twist_rad(&self, at: &BenchCoordinates) -> f64 {
         self.mechanics.twist_of(at.x[LOAD_POSITION], at.x[MOTOR_POSITION]) - at.gap_position_rad
