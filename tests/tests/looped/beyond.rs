@@ -80,11 +80,30 @@ fn load_and_wear_set_in_when_the_scenario_says() {
     }
 }
 
+fn with_bristles_of(stiffness_nm_rad: &str, code: i32) -> bench::Ended {
+    let stiffness = format!("plant.bristle_stiffness_nm_rad={stiffness_nm_rad}");
+    let bristles = ["--set", "plant.load_friction=\"lugre\"", "--set", &stiffness];
+    let arguments = ["run", "scenarios/bench-pd.toml", "--device", "inproc"];
+    bench::run(arguments.into_iter().chain(bristles)).with_code(code)
+}
+
 #[test]
 fn plant_that_cannot_be_integrated_is_refused_before_the_run() {
-    let too_stiff =
-        ["--set", "plant.load_friction=\"lugre\"", "--set", "plant.bristle_stiffness_nm_rad=1e12"];
-    let arguments = ["run", "scenarios/bench-pd.toml", "--device", "inproc"];
-    let ended = bench::run(arguments.into_iter().chain(too_stiff)).with_code(2);
+    let ended = with_bristles_of("1e12", 2);
     assert!(ended.stderr.contains("plant is too stiff"), "{}", ended.stderr);
+}
+
+#[test]
+fn plant_that_gets_too_fast_to_be_integrated_says_nothing_of_the_drive() {
+    let ended = with_bristles_of("1e8", 3);
+    assert!(ended.stdout.contains("plant is too stiff"), "{}", ended.stdout);
+    assert!(ended.stdout.ends_with("INVALID\n"), "{}", ended.stdout);
+    // What was measured up to then is no figure of the whole run.
+    assert!(ended.stdout.contains("settle_time_s                  not finite"), "{}", ended.stdout);
+}
+
+#[test]
+fn bristles_in_place_of_stick_and_slip_leave_the_static_error() {
+    let ended = with_bristles_of("3.4e4", 0);
+    assert!(ended.stdout.ends_with("PASS\n"), "{}", ended.stdout);
 }
