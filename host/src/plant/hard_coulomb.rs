@@ -110,7 +110,7 @@ impl HybridSystem for HardCoulomb {
 
     #[inline]
     fn flow(&self, x: &Vector6<f64>, mode: HardCoulombMode, torque_nm: f64, h_s: f64) -> Vector6<f64> {
-        runge_kutta(x, h_s, |x, _| self.rates(x, mode, torque_nm))
+        runge_kutta(x, h_s, &|x: &Vector6<f64>, _| self.rates(x, mode, torque_nm))
     }
 
     fn guard(&self, guard: usize, x: &Vector6<f64>, mode: HardCoulombMode, _torque_nm: f64) -> f64 {

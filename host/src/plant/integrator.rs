@@ -74,17 +74,27 @@ pub enum Stage {
     End,
 }
 
-/// One step of the classical Runge-Kutta method.
-#[inline]
-pub fn runge_kutta<const N: usize>(
-    x: &SVector<f64, N>,
-    h_s: f64,
-    rates: impl Fn(&SVector<f64, N>, Stage) -> SVector<f64, N>,
-) -> SVector<f64, N> {
-    let k1 = rates(x, Stage::Start);
-    let k2 = rates(&(x + k1 * (0.5 * h_s)), Stage::Middle);
-    let k3 = rates(&(x + k2 * (0.5 * h_s)), Stage::Middle);
-    let k4 = rates(&(x + k3 * h_s), Stage::End);
+/// A right-hand side.
+pub trait Rates<const N: usize> {
+    /// Rates of change at `x`.
+    fn at(&self, x: &SVector<f64, N>, stage: Stage) -> SVector<f64, N>;
+}
+
+impl<const N: usize, F: Fn(&SVector<f64, N>, Stage) -> SVector<f64, N>> Rates<N> for F {
+    #[inline(always)]
+    fn at(&self, x: &SVector<f64, N>, stage: Stage) -> SVector<f64, N> {
+        self(x, stage)
+    }
+}
+
+/// One step of the classical Runge-Kutta method. Inlined, so that rates no other rate depends on cost nothing between the
+/// stages.
+#[inline(always)]
+pub fn runge_kutta<const N: usize>(x: &SVector<f64, N>, h_s: f64, rates: &impl Rates<N>) -> SVector<f64, N> {
+    let k1 = rates.at(x, Stage::Start);
+    let k2 = rates.at(&(x + k1 * (0.5 * h_s)), Stage::Middle);
+    let k3 = rates.at(&(x + k2 * (0.5 * h_s)), Stage::Middle);
+    let k4 = rates.at(&(x + k3 * h_s), Stage::End);
     x + (k1 + (k2 + k3) * 2.0 + k4) * (h_s / 6.0)
 }
 
@@ -232,7 +242,7 @@ mod tests {
 
         fn flow(&self, x: &Vector2<f64>, landed: bool, torque_nm: f64, h_s: f64) -> Vector2<f64> {
             let falling = |x: &Vector2<f64>, _| Vector2::new(x[1], torque_nm);
-            if landed { *x } else { runge_kutta(x, h_s, falling) }
+            if landed { *x } else { runge_kutta(x, h_s, &falling) }
         }
 
         fn guard(&self, _guard: usize, x: &Vector2<f64>, landed: bool, _torque_nm: f64) -> f64 {

@@ -16,11 +16,12 @@
 //! | [`mod@bench`] | K (z - theta_b) + c dz/dt in contact, theta_b moving in the gap | Stribeck or LuGre; Stribeck on the motor |
 //!
 //! [`integrator`] moves any of them: Runge-Kutta of fourth order at a fixed substep, with the instants at which contact
-//! or sticking changes located on the substep. All functions come from the `libm` crate, so a trajectory has the same
-//! bits on every machine.
+//! or sticking changes located on the substep. All functions are the `libm` crate's or our own, so a trajectory has the
+//! same bits on every machine.
 
 pub mod bench;
 mod error;
+mod exponential;
 pub mod hard_coulomb;
 pub mod integrator;
 mod mechanics;

@@ -10,6 +10,10 @@ use crate::plant::{Plant, PlantError, Start, Truth};
 
 /// Any of the plants.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a run has one plant, and a box would be in the way of every step"
+)]
 pub enum Profile {
     /// The paper's plant.
     Smooth(Smooth),

@@ -6,6 +6,7 @@
 use nalgebra::Vector6;
 
 use crate::plant::error::within;
+use crate::plant::exponential::decay;
 use crate::plant::integrator::{self, HybridSystem, runge_kutta};
 use crate::plant::truth::{Contact, Truth};
 use crate::plant::{Mechanics, ParameterError, Plant, PlantError, Start};
@@ -38,7 +39,10 @@ impl Smooth {
     /// Half width of the smoothed gap 4 j0 in rad, and the shape tanh(gamma z / 2) = tanh(z / (4 j0)).
     fn shape(&self, twist_rad: f64) -> (f64, f64) {
         let half_width_rad = 4.0 * self.mechanics.dead_zone_rad;
-        (half_width_rad, libm::tanh(twist_rad / half_width_rad))
+        // tanh u = (1 - e^(-2 |u|)) / (1 + e^(-2 |u|)), twice as fast as a tanh that is exact to the last bit near nought,
+        // where C is nought anyhow.
+        let decayed = decay(2.0 * libm::fabs(twist_rad) / half_width_rad);
+        (half_width_rad, libm::copysign((1.0 - decayed) / (1.0 + decayed), twist_rad))
     }
 
     fn transmitted_torque_nm(&self, x: &Vector6<f64>) -> f64 {
@@ -60,7 +64,9 @@ impl HybridSystem for Smooth {
 
     #[inline]
     fn flow(&self, x: &Vector6<f64>, (): (), torque_nm: f64, h_s: f64) -> Vector6<f64> {
-        runge_kutta(x, h_s, |x, _| self.mechanics.rates(x, self.transmitted_torque_nm(x), torque_nm, 0.0))
+        runge_kutta(x, h_s, &|x: &Vector6<f64>, _| {
+            self.mechanics.rates(x, self.transmitted_torque_nm(x), torque_nm, 0.0)
+        })
     }
 
     fn guard(&self, _guard: usize, _x: &Vector6<f64>, (): (), _torque_nm: f64) -> f64 {

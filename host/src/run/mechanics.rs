@@ -26,7 +26,10 @@ pub(super) fn profile(settings: &PlantSettings, period_s: f64) -> Result<Profile
     Ok(match (settings.model, &settings.bench) {
         (PlantModel::Bench, Some(bench)) => {
             let plant = BenchPlant::new(mechanics, parameters(bench), settings.substeps)?;
-            plant.substeps(period_s, settings.initial.load_velocity_rad_s)?;
+            // Bristles that can't be followed at the Stribeck velocity can't be followed anywhere. Others may turn out too
+            // stiff when the load gets faster; the run ends there.
+            let velocity_rad_s = settings.initial.load_velocity_rad_s.abs().max(bench.load_stribeck_rad_s);
+            plant.substeps(period_s, velocity_rad_s)?;
             Profile::Bench(plant)
         }
         (PlantModel::HardCoulomb | PlantModel::Bench, _) => {

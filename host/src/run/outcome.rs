@@ -109,3 +109,18 @@ pub struct Outcome {
     /// What the drive said in words.
     pub logs: Vec<String>,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plant_that_cannot_be_followed_says_nothing_of_the_drive_unless_the_drive_drove_it_away() {
+        let chattering = PlantError::Chattering { substep_s: 1e-3 };
+        let too_stiff = PlantError::TooStiff { needed: 1e6, dt_s: 1e-3 };
+        let away = PlantError::NotFinite { torque_nm: 1e300 };
+        assert_eq!(End::Diverged(chattering).verdict(), Some(Verdict::Invalid));
+        assert_eq!(End::Diverged(too_stiff).verdict(), Some(Verdict::Invalid));
+        assert_eq!(End::Diverged(away).verdict(), Some(Verdict::Fail));
+    }
+}

@@ -65,6 +65,28 @@ fn held_faithful_on_the_hard_gap_with_friction_agrees() {
     assert_within(difference(&rows, &read("zoh_hardcoul_faithful"), 10), STATED);
 }
 
+#[test]
+fn held_pd_on_the_bench_agrees() {
+    let law = paper::pd::<f64>();
+    let recorded = read("zoh_bench_pd");
+    let with = |substeps| {
+        let plant = paper::bench(substeps);
+        let rows = run(&plant, paper::START, &law, Ideal, regulate_to_nought, Timing::RECORDED);
+        difference(&rows, &recorded, 10)
+    };
+    assert_within(with(64), STATED);
+    // The substeps of the scenarios leave an error of their own: the motor crosses its Stribeck velocity in 10 us.
+    let default = Difference {
+        load_position_rad: 1e-9,
+        load_velocity_rad_s: 1e-8,
+        motor_position_rad: 1e-6,
+        motor_velocity_rad_s: 6e-5,
+        torque_nm: 2e-6,
+        ..STATED
+    };
+    assert_within(with(16), default);
+}
+
 /// A loop at `rate` times 1 kHz, one Runge-Kutta step per period, as rows every 10 ms.
 fn smooth_at_rate(rate: usize, faithful: bool) -> Vec<Row> {
     let period_s = 1e-3 / rate as f64;

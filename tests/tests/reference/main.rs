@@ -9,7 +9,9 @@ mod paper;
 mod recorded;
 
 mod agreement;
+mod backlash;
 mod figures;
+mod lugre;
 mod order;
 mod physics;
 mod precision;

@@ -86,6 +86,46 @@ fn located_events_keep_the_order_across_contact_and_friction() {
     assert!(order > 3.5, "order {order} from errors {errors:?} rad");
 }
 
+/// Largest errors at load and motor over 25 s, with 1, 4 and 16 substeps, are below these in rad and not far below.
+fn assert_errors<P: Plant>(plant: impl Fn(u32) -> P, bounds_rad: [[f64; 2]; 3]) {
+    let rows = |substeps| {
+        let law = paper::pd::<f64>();
+        run(&plant(substeps), paper::START, &law, Ideal, regulate_to_nought, Timing::RECORDED)
+    };
+    let best = rows(256);
+    for (substeps, bounds_rad) in [1, 4, 16].into_iter().zip(bounds_rad) {
+        let rows = rows(substeps);
+        let worst = |of: fn(&Truth) -> f64| {
+            let pairs = rows.iter().zip(&best).map(|(a, b)| (of(&a.truth) - of(&b.truth)).abs());
+            pairs.fold(0.0, f64::max)
+        };
+        let have_rad = [worst(|truth| truth.load_position_rad), worst(|truth| truth.motor_position_rad)];
+        for (have, bound) in have_rad.into_iter().zip(bounds_rad) {
+            assert!(
+                have < bound && have > bound / 30.0,
+                "{substeps} substeps: {have_rad:?}, bounds {bounds_rad:?}"
+            );
+        }
+    }
+}
+
+// Bounds are three times what an independent program of the same kind leaves.
+
+#[test]
+fn substeps_of_the_smooth_plant_buy_what_they_are_said_to() {
+    assert_errors(paper::smooth, [[2.4e-9, 1.2e-6], [9e-12, 6e-9], [1.2e-13, 1.8e-11]]);
+}
+
+#[test]
+fn substeps_of_the_hard_gap_buy_what_they_are_said_to() {
+    assert_errors(paper::hard_coulomb, [[6e-10, 9e-7], [2.1e-12, 3e-9], [1.2e-13, 1.2e-11]]);
+}
+
+#[test]
+fn substeps_of_the_bench_buy_what_they_are_said_to() {
+    assert_errors(paper::bench, [[2.1e-6, 2.4e-3], [2.7e-8, 9e-6], [1.5e-9, 9e-7]]);
+}
+
 #[test]
 fn without_events_the_order_is_one_and_the_error_a_million_times_larger() {
     let located = errors(paper::hard_coulomb, &paper::hard_coulomb(64), [4]);

@@ -2,6 +2,7 @@
 
 use core::f64::consts::FRAC_PI_2;
 
+use lashloop::plant::bench::{BenchParameters, BenchPlant};
 use lashloop::plant::hard_coulomb::HardCoulomb;
 use lashloop::plant::smooth::Smooth;
 use lashloop::plant::{Mechanics, Start};
@@ -25,6 +26,19 @@ pub(crate) fn smooth(substeps: u32) -> Smooth {
 
 pub(crate) fn hard_coulomb(substeps: u32) -> HardCoulomb {
     HardCoulomb::new(Mechanics::paper(), LOAD_COULOMB_NM, substeps).expect("valid plant")
+}
+
+/// The bench of the recorded trajectory: its motor knows no limit.
+pub(crate) fn bench(substeps: u32) -> BenchPlant {
+    bench_with(unlimited(), substeps)
+}
+
+pub(crate) fn bench_with(parameters: BenchParameters, substeps: u32) -> BenchPlant {
+    BenchPlant::new(Mechanics::paper(), parameters, substeps).expect("valid plant")
+}
+
+pub(crate) fn unlimited() -> BenchParameters {
+    BenchParameters { torque_saturation_nm: 1e6, ..BenchParameters::paper() }
 }
 
 pub(crate) fn pd<F: Real>() -> Law<F> {

@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 use super::{BRISTLE, BenchCoordinates, BenchMode, BenchPlant};
-use crate::plant::integrator::{HybridSystem, Stage, runge_kutta};
+use crate::plant::integrator::{HybridSystem, Rates, Stage, runge_kutta};
 use crate::plant::mechanics::{
     DISSIPATED, LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION, MOTOR_VELOCITY, SUPPLIED,
 };
@@ -28,76 +28,83 @@ pub struct BenchStride {
     relaxation: f64,
 }
 
-/// What acts on the masses during one step from outside the coordinates that are integrated.
-#[derive(Clone, Copy)]
-struct Drive {
+/// The masses, the energies and, with `LUGRE`, the bristles within one mode, and what acts on them during one step from
+/// outside the coordinates that are integrated.
+struct Masses<'a, const LUGRE: bool> {
+    plant: &'a BenchPlant,
+    mode: BenchMode,
     /// Motor torque at the three stages, in N m.
     motor_torque_nm: [f64; 3],
     load_torque_nm: f64,
     gap_position_rad: f64,
 }
 
-/// exp(-rate t), also for a time constant of nought.
-fn decay(time_s: f64, time_constant_s: f64) -> f64 {
+/// Share left of what decays with this time constant, which may be nought.
+fn left_after(time_s: f64, time_constant_s: f64) -> f64 {
     if time_constant_s > 0.0 { libm::exp(-time_s / time_constant_s) } else { 0.0 }
 }
 
-impl BenchPlant {
-    /// Right-hand side of the masses, the energies and, with `LUGRE`, the bristles.
-    #[inline]
-    fn rates<const LUGRE: bool>(
-        &self,
-        x: &SVector<f64, 7>,
-        mode: BenchMode,
-        drive: &Drive,
-        stage: Stage,
-    ) -> SVector<f64, 7> {
-        let m = &self.mechanics;
+impl<'a, const LUGRE: bool> Masses<'a, LUGRE> {
+    #[inline(always)]
+    fn new(plant: &'a BenchPlant, at: &BenchCoordinates, mode: BenchMode, motor_torque_nm: [f64; 3]) -> Self {
+        let load_torque_nm = at.surroundings.load_torque_nm;
+        Self { plant, mode, motor_torque_nm, load_torque_nm, gap_position_rad: at.gap_position_rad }
+    }
+}
+
+impl<const LUGRE: bool> Rates<7> for Masses<'_, LUGRE> {
+    #[inline(always)]
+    fn at(&self, x: &SVector<f64, 7>, stage: Stage) -> SVector<f64, 7> {
+        let Self { plant, mode, .. } = self;
+        let m = &plant.mechanics;
         let [load_velocity, motor_velocity] = [x[LOAD_VELOCITY], x[MOTOR_VELOCITY]];
-        let motor_torque_nm = drive.motor_torque_nm[stage as usize];
+        let motor_torque_nm = self.motor_torque_nm[stage as usize];
         let mut rates = SVector::<f64, 7>::zeros();
         let (mut transmitted_nm, mut dissipated_w) = (0.0, 0.0);
         if mode.contact != Contact::Gap {
-            let shaft_twist = m.twist_of(x[LOAD_POSITION], x[MOTOR_POSITION]) - drive.gap_position_rad;
+            let shaft_twist = m.twist_of(x[LOAD_POSITION], x[MOTOR_POSITION]) - self.gap_position_rad;
             let twist_rate = motor_velocity - m.ratio * load_velocity;
-            let damping_nm = self.parameters.shaft_damping_nm_s_rad * twist_rate;
+            let damping_nm = plant.parameters.shaft_damping_nm_s_rad * twist_rate;
             transmitted_nm = m.stiffness_nm_rad * shaft_twist + damping_nm;
             dissipated_w = damping_nm * twist_rate;
         }
         if LUGRE || mode.load != DryFriction::Stick {
             let mut friction_nm = m.load_friction_nm_s_rad * load_velocity;
             dissipated_w += friction_nm * load_velocity;
-            match self.load_friction.bristles {
+            match plant.load_friction.bristles {
                 Some(of) if LUGRE => {
-                    let bristles = self.load_friction.bristles(of, load_velocity, x[BRISTLE]);
+                    let bristles = plant.load_friction.bristles(of, load_velocity, x[BRISTLE]);
                     friction_nm += bristles.torque_nm;
                     dissipated_w += bristles.dissipated_w;
                     rates[BRISTLE] = bristles.bending_rad_s;
                 }
                 _ => {
                     let sign = mode.load.sign();
-                    let dry_nm = sign * self.load_friction.curve.magnitude_nm(load_velocity, sign);
+                    let dry_nm = sign * plant.load_friction.curve.magnitude_nm(load_velocity, sign);
                     friction_nm += dry_nm;
                     dissipated_w += dry_nm * load_velocity;
                 }
             }
-            let driven_nm = m.ratio * transmitted_nm + drive.load_torque_nm;
+            let driven_nm = m.ratio * transmitted_nm + self.load_torque_nm;
             rates[LOAD_POSITION] = load_velocity;
-            rates[LOAD_VELOCITY] = (driven_nm - friction_nm) / m.load_inertia_kg_m2;
+            rates[LOAD_VELOCITY] = (driven_nm - friction_nm) * plant.per_load_inertia;
         }
         if mode.motor != DryFriction::Stick {
             let sign = mode.motor.sign();
             let friction_nm = m.motor_friction_nm_s_rad * motor_velocity
-                + sign * self.motor_friction.magnitude_nm(motor_velocity, sign);
+                + sign * plant.motor_friction.magnitude_nm(motor_velocity, sign);
             dissipated_w += friction_nm * motor_velocity;
             rates[MOTOR_POSITION] = motor_velocity;
-            rates[MOTOR_VELOCITY] = (motor_torque_nm - transmitted_nm - friction_nm) / m.motor_inertia_kg_m2;
+            rates[MOTOR_VELOCITY] =
+                (motor_torque_nm - transmitted_nm - friction_nm) * plant.per_motor_inertia;
         }
-        rates[SUPPLIED] = motor_torque_nm * motor_velocity + drive.load_torque_nm * load_velocity;
+        rates[SUPPLIED] = motor_torque_nm * motor_velocity + self.load_torque_nm * load_velocity;
         rates[DISSIPATED] = dissipated_w;
         rates
     }
+}
 
+impl BenchPlant {
     fn command_nm(&self, torque_nm: f64) -> f64 {
         torque_nm.clamp(-self.parameters.torque_saturation_nm, self.parameters.torque_saturation_nm)
     }
@@ -122,9 +129,9 @@ impl HybridSystem for BenchPlant {
     const GUARDS: usize = 4;
 
     fn stride(&self, h_s: f64) -> BenchStride {
-        let half_lag = decay(0.5 * h_s, self.parameters.current_lag_s);
+        let half_lag = left_after(0.5 * h_s, self.parameters.current_lag_s);
         let shaft_s = self.parameters.shaft_damping_nm_s_rad / self.mechanics.stiffness_nm_rad;
-        BenchStride { h_s, lag: [half_lag, half_lag * half_lag], relaxation: decay(h_s, shaft_s) }
+        BenchStride { h_s, lag: [half_lag, half_lag * half_lag], relaxation: left_after(h_s, shaft_s) }
     }
 
     #[inline]
@@ -138,15 +145,11 @@ impl HybridSystem for BenchPlant {
         let command_nm = self.command_nm(torque_nm);
         let behind_nm = at.motor_torque_nm - command_nm;
         let [middle, end] = stride.lag.map(|left| command_nm + behind_nm * left);
-        let drive = Drive {
-            motor_torque_nm: [at.motor_torque_nm, middle, end],
-            load_torque_nm: at.surroundings.load_torque_nm,
-            gap_position_rad: at.gap_position_rad,
-        };
+        let motor_torque_nm = [at.motor_torque_nm, middle, end];
         let x = if self.load_friction.bristles.is_some() {
-            runge_kutta(&at.x, stride.h_s, |x, stage| self.rates::<true>(x, mode, &drive, stage))
+            runge_kutta(&at.x, stride.h_s, &Masses::<true>::new(self, at, mode, motor_torque_nm))
         } else {
-            runge_kutta(&at.x, stride.h_s, |x, stage| self.rates::<false>(x, mode, &drive, stage))
+            runge_kutta(&at.x, stride.h_s, &Masses::<false>::new(self, at, mode, motor_torque_nm))
         };
         let mut next = BenchCoordinates { x, motor_torque_nm: end, ..*at };
         if mode.contact == Contact::Gap {

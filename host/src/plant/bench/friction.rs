@@ -1,6 +1,7 @@
 //! Dry friction: Stribeck's curve, and LuGre's bristles.
 
 use crate::plant::bench::parameters::{BristleParameters, StribeckParameters};
+use crate::plant::exponential::decay;
 use crate::plant::truth::DryFriction;
 
 /// F_c + (F_s - F_c) exp(-(v / v_s)^2), worked out as far as it goes. It is larger forwards and smaller backwards by its
@@ -13,35 +14,38 @@ pub(super) struct Stribeck {
     /// (v / v_s)^2 from which on the exponential is lost in the rounding of F_c.
     vanishes_at: f64,
     asymmetry: f64,
+    /// Stiction against a drive backwards, and against one forwards.
+    limits_nm: [f64; 2],
 }
 
 impl Stribeck {
     pub(super) fn new(parameters: StribeckParameters, asymmetry: f64) -> Self {
         let StribeckParameters { coulomb_nm, stiction_nm, velocity_rad_s } = parameters;
         let excess_nm = stiction_nm - coulomb_nm;
-        // Half an ulp of F_c is at least 2^-54 F_c; and exp(-746) is nought.
+        // Half an ulp of F_c is at least 2^-54 F_c.
         let half_ulps = libm::log(excess_nm / coulomb_nm) + 54.0 * core::f64::consts::LN_2;
         let vanishes_at = if half_ulps.is_nan() { 0.0 } else { half_ulps.clamp(0.0, 746.0) };
-        Self { coulomb_nm, excess_nm, per_velocity_s_rad: 1.0 / velocity_rad_s, vanishes_at, asymmetry }
+        Self {
+            coulomb_nm,
+            excess_nm,
+            per_velocity_s_rad: 1.0 / velocity_rad_s,
+            vanishes_at,
+            asymmetry,
+            limits_nm: [stiction_nm * (1.0 - asymmetry), stiction_nm * (1.0 + asymmetry)],
+        }
     }
 
     /// Friction of a mass that slips in the direction `sign`, before its sign, in N m.
-    #[inline]
+    #[inline(always)]
     pub(super) fn magnitude_nm(&self, velocity_rad_s: f64, sign: f64) -> f64 {
         let ratio = velocity_rad_s * self.per_velocity_s_rad;
         let squared = ratio * ratio;
         let symmetric = if squared >= self.vanishes_at {
             self.coulomb_nm
         } else {
-            self.coulomb_nm + self.excess_nm * libm::exp(-squared)
+            self.coulomb_nm + self.excess_nm * decay(squared)
         };
         symmetric * (1.0 + sign * self.asymmetry)
-    }
-
-    /// Largest friction at rest, against a drive backwards and against one forwards, in N m.
-    pub(super) fn limits_nm(&self) -> [f64; 2] {
-        let stiction = self.coulomb_nm + self.excess_nm;
-        [stiction * (1.0 - self.asymmetry), stiction * (1.0 + self.asymmetry)]
     }
 
     /// Smallest friction in motion in N m.
@@ -51,12 +55,12 @@ impl Stribeck {
 
     /// State of a mass at rest.
     pub(super) fn at_rest(&self, drive_nm: f64) -> DryFriction {
-        DryFriction::at_rest(drive_nm, self.limits_nm())
+        DryFriction::at_rest(drive_nm, self.limits_nm)
     }
 
     /// State of a mass released with this velocity.
     pub(super) fn released(&self, velocity_rad_s: f64, drive_nm: f64) -> DryFriction {
-        DryFriction::of(velocity_rad_s, drive_nm, self.limits_nm())
+        DryFriction::of(velocity_rad_s, drive_nm, self.limits_nm)
     }
 
     /// Not negative while `state` holds.
@@ -66,7 +70,7 @@ impl Stribeck {
             DryFriction::SlipPositive => velocity_rad_s,
             DryFriction::SlipNegative => -velocity_rad_s,
             DryFriction::Stick => {
-                let [backwards, forwards] = self.limits_nm();
+                let [backwards, forwards] = self.limits_nm;
                 if drive_nm < 0.0 { backwards + drive_nm } else { forwards - drive_nm }
             }
         }

@@ -37,6 +37,9 @@ pub struct BenchPlant {
     parameters: BenchParameters,
     load_friction: LoadFriction,
     motor_friction: Stribeck,
+    /// 1 / J_s and 1 / J_m: a division takes longer than all the rest of a right-hand side.
+    per_load_inertia: f64,
+    per_motor_inertia: f64,
     substeps: u32,
 }
 
@@ -94,7 +97,15 @@ impl BenchPlant {
             bristles: parameters.load_bristles,
         };
         let motor_friction = Stribeck::new(parameters.motor, 0.0);
-        Ok(Self { mechanics, parameters, load_friction, motor_friction, substeps })
+        Ok(Self {
+            mechanics,
+            parameters,
+            load_friction,
+            motor_friction,
+            per_load_inertia: 1.0 / mechanics.load_inertia_kg_m2,
+            per_motor_inertia: 1.0 / mechanics.motor_inertia_kg_m2,
+            substeps,
+        })
     }
 
     /// Changes what is around the plant from here on. A gap that widens under a twisted shaft lets it unwind; the energy

@@ -1,0 +1,66 @@
+//! The C program: compiled once, then asked round by round.
+
+use std::error::Error;
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+
+use tempfile::TempDir;
+
+use crate::Round;
+
+const SOURCE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/c/plants.c");
+const FLAGS: [&str; 4] = ["-std=c11", "-O3", "-march=native", "-fno-tree-vectorize"];
+
+/// The C program, waiting for a question.
+pub struct CSide {
+    child: Child,
+    questions: ChildStdin,
+    answers: BufReader<ChildStdout>,
+    compiler: String,
+    _directory: TempDir,
+}
+
+impl CSide {
+    /// Compiles and starts it.
+    pub fn build() -> Result<Self, Box<dyn Error>> {
+        let directory = tempfile::tempdir()?;
+        let program = directory.path().join("plants");
+        let status =
+            Command::new("cc").args(FLAGS).arg(SOURCE).arg("-o").arg(&program).arg("-lm").status()?;
+        if !status.success() {
+            return Err(format!("cc does not compile {SOURCE}: {status}").into());
+        }
+        let version = Command::new("cc").arg("--version").output()?.stdout;
+        let version = String::from_utf8_lossy(&version).lines().next().unwrap_or("cc").to_owned();
+        let mut child = Command::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
+        let questions = child.stdin.take().ok_or("the C program has no input")?;
+        let answers = BufReader::new(child.stdout.take().ok_or("the C program has no output")?);
+        let compiler = format!("{version}, {}", FLAGS.join(" "));
+        Ok(Self { child, questions, answers, compiler, _directory: directory })
+    }
+
+    /// Compiler and flags.
+    pub fn description(&self) -> &str {
+        &self.compiler
+    }
+
+    /// One round.
+    pub fn round(&mut self, plant: &str, periods: u32) -> Result<Round, Box<dyn Error>> {
+        writeln!(self.questions, "{plant} {periods}")?;
+        let mut line = String::new();
+        self.answers.read_line(&mut line)?;
+        let numbers = line.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>()?;
+        let [ns, load_rad, motor_rad] = numbers[..] else {
+            return Err(format!("the C program says {line:?}").into());
+        };
+        Ok(Round { ns, ends_rad: [load_rad, motor_rad] })
+    }
+}
+
+impl Drop for CSide {
+    fn drop(&mut self) {
+        // It ends by itself at the end of its input; this is for one that doesn't.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}

@@ -1,0 +1,189 @@
+//! What physical backlash with friction and a real drive has to obey.
+
+use core::f64::consts::TAU;
+
+use lashloop::plant::bench::{BenchParameters, BenchPlant, StribeckParameters};
+use lashloop::plant::hard_coulomb::HardCoulomb;
+use lashloop::plant::{Contact, DryFriction, Mechanics, Plant, Start, Truth};
+
+use crate::closed_loop::{Ideal, Row, Timing, regulate_to_nought, run};
+use crate::open_loop::{push_nm, pushed};
+use crate::paper;
+
+/// Largest imbalance of the energies that the record has, as a share of the energy supplied and taken back.
+pub(crate) fn recorded_imbalance(truths: &[Truth]) -> f64 {
+    let first = truths[0];
+    let turned_over_j: f64 =
+        truths.windows(2).map(|pair| (pair[1].supplied_energy_j - pair[0].supplied_energy_j).abs()).sum();
+    let imbalance_j = |truth: &Truth| {
+        let supplied_j = truth.supplied_energy_j - first.supplied_energy_j;
+        let dissipated_j = truth.dissipated_energy_j - first.dissipated_energy_j;
+        (truth.energy_j() - first.energy_j() - supplied_j + dissipated_j).abs()
+    };
+    truths.iter().map(imbalance_j).fold(0.0, f64::max) / turned_over_j
+}
+
+pub(crate) fn truths<P: Plant>(plant: &P, dt_s: f64, steps: usize) -> Vec<Truth> {
+    pushed(plant, dt_s, steps).into_iter().map(|(truth, _)| truth).collect()
+}
+
+fn pd_rows(plant: &BenchPlant, start: Start) -> Vec<Row> {
+    run(plant, start, &paper::pd::<f64>(), Ideal, regulate_to_nought, Timing::RECORDED)
+}
+
+fn pd_truths() -> Vec<Truth> {
+    pd_rows(&paper::bench(16), paper::START).iter().map(|row| row.truth).collect()
+}
+
+/// No lag, no friction on the motor, stiction as large as Coulomb friction.
+fn plain() -> BenchParameters {
+    let coulomb =
+        |coulomb_nm| StribeckParameters { coulomb_nm, stiction_nm: coulomb_nm, velocity_rad_s: 1.0 };
+    BenchParameters {
+        load: coulomb(paper::LOAD_COULOMB_NM),
+        motor: coulomb(0.0),
+        current_lag_s: 0.0,
+        ..paper::unlimited()
+    }
+}
+
+#[test]
+fn energy_that_the_record_has_balances() {
+    for (name, truths, bound) in [
+        ("smooth", truths(&paper::smooth(4), 1e-3, 8_000), 1e-11),
+        ("hard-coulomb", truths(&paper::hard_coulomb(4), 1e-3, 8_000), 1e-11),
+        ("bench", truths(&paper::bench(16), 1e-3, 8_000), 3e-11),
+        ("bench under a law", pd_truths(), 1e-8),
+        ("bench, finely", truths(&paper::bench(64), 1e-3, 8_000), 1e-13),
+    ] {
+        let imbalance = recorded_imbalance(&truths);
+        assert!(imbalance < bound, "{name}: have {imbalance:e} of the work, want below {bound:e}");
+        let last = truths.last().expect("truths");
+        assert!(last.dissipated_energy_j > 1.0, "{name}: something was dissipated: {last:?}");
+    }
+}
+
+#[test]
+fn energy_supplied_is_the_work_of_the_held_torque() {
+    // Without lag the torque at the motor is the one that was asked for, and its work is exact from positions.
+    for truths in
+        [truths(&paper::bench_with(plain(), 16), 1e-3, 8_000), truths(&paper::hard_coulomb(4), 1e-3, 8_000)]
+    {
+        let work = |(k, pair): (usize, &[Truth])| {
+            push_nm((k as f64 + 0.5) * 1e-3) * (pair[1].motor_position_rad - pair[0].motor_position_rad)
+        };
+        let want: f64 = truths.windows(2).enumerate().map(work).sum();
+        let have = truths.last().expect("truths").supplied_energy_j;
+        assert!((have / want - 1.0).abs() < 1e-7, "have {have} J, want {want} J");
+    }
+}
+
+#[test]
+fn energy_is_never_given_by_friction_or_damping() {
+    for truths in [truths(&paper::bench(16), 1e-3, 8_000), truths(&paper::hard_coulomb(4), 1e-3, 8_000)] {
+        for pair in truths.windows(2) {
+            assert!(pair[1].dissipated_energy_j >= pair[0].dissipated_energy_j, "{pair:?}");
+        }
+    }
+}
+
+#[test]
+fn bench_contact_never_pulls_and_its_gap_carries_nothing() {
+    let mut seen = [0_u32; 3];
+    for truth in truths(&paper::bench(16), 1e-3, 8_000) {
+        let side = truth.contact.sign();
+        seen[(side + 1.0) as usize] += 1;
+        assert!(truth.gap_position_rad.abs() <= truth.dead_zone_rad + 1e-12, "{truth:?}");
+        match truth.contact {
+            Contact::Gap => assert_eq!(truth.transmitted_torque_nm, 0.0),
+            _ => {
+                assert!(side * truth.transmitted_torque_nm >= -1e-12, "{truth:?}");
+                assert_eq!(truth.gap_position_rad, side * truth.dead_zone_rad);
+            }
+        }
+    }
+    assert!(seen.iter().all(|&rows| rows > 100), "both sides and the gap are visited: {seen:?}");
+}
+
+/// Largest distance between motor positions in rad.
+fn motor_distance_rad(one: &[Truth], other: &[Truth]) -> f64 {
+    let pairs = one.iter().zip(other);
+    pairs.map(|(a, b)| (a.motor_position_rad - b.motor_position_rad).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn without_damping_the_bench_is_the_hard_gap() {
+    let undamped = BenchParameters { shaft_damping_nm_s_rad: 0.0, ..plain() };
+    let bench = truths(&paper::bench_with(undamped, 16), 1e-3, 8_000);
+    let hard = HardCoulomb::new(Mechanics::paper(), paper::LOAD_COULOMB_NM, 16).expect("valid plant");
+    let distance_rad = motor_distance_rad(&bench, &truths(&hard, 1e-3, 8_000));
+    assert!(distance_rad < 1e-9, "have {distance_rad:e} rad");
+}
+
+#[test]
+fn vanishing_damping_leads_to_the_hard_gap_in_proportion() {
+    let with = |shaft_damping_nm_s_rad| {
+        let parameters = BenchParameters { shaft_damping_nm_s_rad, ..plain() };
+        // Before the first stick: which instant of the push finds the load at rest is not continuous in the damping.
+        truths(&paper::bench_with(parameters, 16), 1e-3, 700)
+    };
+    let hard = with(0.0);
+    let distances = [3.1e-5, 3.1e-6, 3.1e-7, 3.1e-8].map(|damping| motor_distance_rad(&with(damping), &hard));
+    for pair in distances.windows(2) {
+        let ratio = pair[0] / pair[1];
+        assert!((9.0..11.0).contains(&ratio), "a tenth of the damping leaves 1/{ratio}: {distances:?} rad");
+    }
+}
+
+#[test]
+fn pd_stops_the_bench_at_the_static_error_of_the_closed_form() {
+    // Creeping on, load and motor carry their stiction: 3 C = -F_s, U = C - F_sM, z = C / K - j0; the cascade has
+    // U = -2 K z - 13 K theta_s.
+    let last = *pd_truths().last().expect("truths");
+    let parameters = BenchParameters::paper();
+    let want = (3.0 * parameters.load.stiction_nm / 3.0 + 2.0 * 0.16 + parameters.motor.stiction_nm) / 13.0;
+    let have = last.load_position_rad;
+    assert!((have - want).abs() < 1e-6, "have {have}, want {want} rad");
+    assert!((want - 0.3204).abs() < 5e-5);
+}
+
+#[test]
+fn mirrored_start_gives_the_mirrored_bench() {
+    let mirror = Start::at_rest(-paper::START.load_position_rad, -paper::START.motor_position_rad);
+    let plant = paper::bench(16);
+    for (row, mirrored) in pd_rows(&plant, paper::START).iter().zip(pd_rows(&plant, mirror)) {
+        assert_eq!(row.truth.load_position_rad, -mirrored.truth.load_position_rad, "at {} s", row.time_s);
+        assert_eq!(row.truth.motor_position_rad, -mirrored.truth.motor_position_rad, "at {} s", row.time_s);
+        assert_eq!(row.truth.gap_position_rad, -mirrored.truth.gap_position_rad, "at {} s", row.time_s);
+    }
+}
+
+#[test]
+fn mass_that_sticks_has_no_velocity_and_its_friction_holds_what_drives_it() {
+    let limits = BenchParameters::paper();
+    let plant = paper::bench(16);
+    let mut state = plant.initial_state(Start::at_rest(0.0, 0.0));
+    let (mut stuck, mut released) = ([0_u32; 2], [0_u32; 2]);
+    for k in 0..20_000 {
+        // Slowly enough to stop at either end.
+        plant.step(&mut state, 2.0 * (0.1 * TAU * f64::from(k) * 1e-3).sin(), 1e-3).expect("the plant steps");
+        let truth = plant.truth(&state);
+        released[0] += u32::from(truth.load_velocity_rad_s != 0.0);
+        released[1] += u32::from(truth.motor_velocity_rad_s != 0.0);
+        if truth.load_friction == DryFriction::Stick {
+            stuck[0] += 1;
+            assert_eq!(truth.load_velocity_rad_s, 0.0);
+            assert_eq!(truth.load_dry_friction_nm, 3.0 * truth.transmitted_torque_nm);
+            assert!(truth.load_dry_friction_nm.abs() <= limits.load.stiction_nm, "{truth:?}");
+        }
+        if truth.motor_friction == DryFriction::Stick {
+            stuck[1] += 1;
+            assert_eq!(truth.motor_velocity_rad_s, 0.0);
+            assert!(truth.motor_dry_friction_nm.abs() <= limits.motor.stiction_nm, "{truth:?}");
+        }
+    }
+    assert!(
+        stuck.iter().chain(&released).all(|&rows| rows > 10),
+        "both stick and slip: {stuck:?} {released:?}"
+    );
+}
