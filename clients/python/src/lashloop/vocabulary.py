@@ -22,6 +22,12 @@ def single(number: float) -> float:
     return rounded
 
 
+def spell(number: float) -> str:
+    """Spell a number in single precision with the fewest digits that give it again."""
+    digits = (f"{number:.{count}g}" for count in range(1, 10))
+    return next((text for text in digits if single(float(text)) == number), str(number))
+
+
 class WireEnum(IntEnum):
     """A list of values, a byte each."""
 
@@ -155,4 +161,4 @@ class ParameterValue:
 
     def __str__(self) -> str:
         """Give the number with the digits that its type holds."""
-        return str(self.value) if self.type is ParameterType.U32 else f"{self.value:.9g}"
+        return str(self.value) if self.type is ParameterType.U32 else spell(self.value)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lashloop.control import ControlInput, InconsistentError
+from lashloop.counts import wrapping_difference
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -131,11 +132,6 @@ class Sensing:
             reference_velocity_rad_s=velocity_rad_s,
             reference_acceleration_rad_s2=acceleration_rad_s2,
         )
-
-
-def wrapping_difference(now: int, before: int) -> int:
-    """Difference of two counters that wrap at 32 bits, from -2^31 to 2^31 - 1."""
-    return (now - before + 2**31) % 2**32 - 2**31
 
 
 def _lag_share(rate: f32, time: f32) -> f32:

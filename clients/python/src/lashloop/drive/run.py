@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from lashloop.control import ControlInput, Controller, ControlOutput
-from lashloop.control.sensing import wrapping_difference
+from lashloop.counts import wrapping_difference
 from lashloop.vocabulary import TorqueFlags
 
 if TYPE_CHECKING:
