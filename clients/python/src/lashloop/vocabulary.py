@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 
 _SINGLE = struct.Struct("<f")
+_SPELT_OUT = 1e9
 
 
 def single(number: float) -> float:
@@ -24,6 +25,8 @@ def single(number: float) -> float:
 
 def spell(number: float) -> str:
     """Spell a number in single precision with the fewest digits that give it again."""
+    if number.is_integer() and abs(number) < _SPELT_OUT:
+        return str(int(number))
     digits = (f"{number:.{count}g}" for count in range(1, 10))
     return next((text for text in digits if single(float(text)) == number), str(number))
 
@@ -161,4 +164,4 @@ class ParameterValue:
 
     def __str__(self) -> str:
         """Give the number with the digits that its type holds."""
-        return str(self.value) if self.type is ParameterType.U32 else spell(self.value)
+        return str(self.value) if self.type is ParameterType.U32 else spell(float(self.value))

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING
 
 from lashloop.control import ControlLaw, InconsistentError
 from lashloop.decoder import Counters, Decoder
+from lashloop.drive.answers import Nameplate, description, line_report, log, telemetry
 from lashloop.drive.parameters import COMMON_PARAMETERS, Parameters, ParameterSpec, u32
 from lashloop.drive.run import Next, Repeated, Run
 from lashloop.drive.safety import FaultError, Safety
-from lashloop.frames import DELIMITER, FROM_HOST, FrameError, encode
+from lashloop.frames import FROM_HOST, FrameError, encode
 from lashloop.messages import (
     PROTOCOL_VERSION,
     Arm,
@@ -29,21 +30,14 @@ from lashloop.messages import (
     GetParameter,
     Hello,
     HostMessage,
-    Identity,
-    LineReport,
-    Log,
-    ParameterDescription,
     ParameterReport,
     Reset,
     SetParameter,
     Start,
     Stop,
-    Telemetry,
     TorqueAnswer,
 )
 from lashloop.vocabulary import (
-    Controllers,
-    FaultCode,
     LogLevel,
     Outcome,
     ParameterValue,
@@ -58,11 +52,8 @@ if TYPE_CHECKING:
 
 FIRMWARE_VERSION = Version(0, 1, 0)
 """Version of this drive, that of the package."""
-_LOG_BYTES = 52
-_BOARD_BYTES = 16
 _LARGEST_LAW = 15
 _U16_MAX = 2**16 - 1
-_U32_MAX = 2**32 - 1
 
 
 class Drive:
@@ -81,9 +72,10 @@ class Drive:
         self._laws = {law.number: law for law in laws}
         if not self._laws or not all(1 <= number <= _LARGEST_LAW for number in self._laws):
             raise ValueError(f"a drive needs at least one control law, of a number from 1 to {_LARGEST_LAW}")
-        self._board = fitted(board, _BOARD_BYTES)
-        self._firmware, self._build_id, self._clock_ns = firmware, build_id, clock_ns
-        self._parameters = Parameters(_table(self._laws))
+        self._nameplate = Nameplate(board, firmware, build_id, tuple(self._laws))
+        self._clock_ns = clock_ns
+        self.parameters = Parameters(_table(self._laws))
+        """The values in force."""
         self._safety = Safety()
         self._session: int | None = None
         self._run: Run | None = None
@@ -166,7 +158,7 @@ class Drive:
                 self._conclude(message, self._safety.clear_fault(greeted=greeted))
             case Reset():
                 self._safety = Safety()
-                self._parameters.restore_defaults()
+                self.parameters.restore_defaults()
                 self._session = self._run = None
                 self._conclude(message, Outcome.ACCEPTED)
 
@@ -189,28 +181,14 @@ class Drive:
             self._run = None
             self._safety.greet()
         # An identity goes out in any case: a host of another version has to learn whom it met.
-        self._send(
-            Identity(
-                protocol_version=PROTOCOL_VERSION,
-                session=hello.session,
-                firmware=self._firmware,
-                build_id=self._build_id,
-                state=self.state,
-                board=self._board,
-                period_us=int(self._parameters["period_us"]),
-                motor_counts_per_rev=int(self._parameters["motor_counts_per_rev"]),
-                load_counts_per_rev=int(self._parameters["load_counts_per_rev"]),
-                controllers=Controllers(sum(1 << number for number in self._laws)),
-                parameter_count=len(self._parameters),
-            )
-        )
+        self._send(self._nameplate.identity(hello.session, self.state, self.parameters))
         if self._safety.fault is not None:
             self._send(self._safety.fault)
         if not understood:
             self._conclude(hello, Outcome.VERSION_MISMATCH)
 
     def _spec(self, index: int) -> ParameterSpec | None:
-        specs = self._parameters.specs
+        specs = self.parameters.specs
         return specs[index] if index < len(specs) else None
 
     def _describe(self, index: int) -> None:
@@ -218,7 +196,7 @@ class Drive:
         if spec is None:
             self._report(index, Outcome.UNKNOWN_PARAMETER)
             return
-        self._send(ParameterDescription(index, int(spec.live), spec.default, spec.min, spec.max, spec.name, spec.unit))
+        self._send(description(index, spec))
 
     def _set(self, index: int, value: ParameterValue) -> Outcome:
         spec = self._spec(index)
@@ -226,12 +204,12 @@ class Drive:
             return Outcome.UNKNOWN_PARAMETER
         live = spec.live and self.state in (State.ARMED, State.RUNNING)
         if self.state is State.IDLE or live:
-            return self._parameters.set(spec, value)
+            return self.parameters.set(spec, value)
         return Outcome.WRONG_STATE
 
     def _report(self, index: int, outcome: Outcome) -> None:
         spec = self._spec(index)
-        value = self._parameters.value(spec) if spec else ParameterValue.u32(0)
+        value = self.parameters.value(spec) if spec else ParameterValue.u32(0)
         self._send(ParameterReport(index, outcome, value, self.state))
 
     def _in_session(self, session: int, request: Callable[[], Outcome]) -> Outcome:
@@ -242,33 +220,26 @@ class Drive:
         if self.state is not State.IDLE:
             return Outcome.WRONG_STATE
         try:
-            law = self._laws.get(int(self._parameters["controller"]))
+            law = self._laws.get(int(self.parameters["controller"]))
             if law is None:
                 raise InconsistentError("controller")
             # A copy: what is live is asked for at each sample, all else holds for the run.
-            parameters = dict(self._parameters)
+            parameters = dict(self.parameters)
             self._run = Run(law.build(parameters), parameters)
         except InconsistentError as error:
-            self._send(Log(LogLevel.ERROR, fitted(str(error), _LOG_BYTES)))
+            self._send(log(LogLevel.ERROR, str(error)))
             return Outcome.INCONSISTENT
         return self._safety.arm()
 
     def _start(self) -> Outcome:
-        outcome = self._safety.start(self._parameters, self._clock_ns())
+        outcome = self._safety.start(self.parameters, self._clock_ns())
         if outcome is Outcome.ACCEPTED:
             self._counters_at_start = self._decoder.counters
             self._overruns = 0
         return outcome
 
     def _report_line(self) -> None:
-        now, then = self._decoder.counters, self._counters_at_start
-        counts = (
-            now.messages - then.messages,
-            now.damaged - then.damaged,
-            now.refused - then.refused,
-            self._overruns,
-        )
-        self._send(LineReport(*(min(count, _U32_MAX) for count in counts)))
+        self._send(line_report(self._decoder.counters, self._counters_at_start, self._overruns))
 
     def _answer_sample(self, sample: EncoderSample) -> None:
         arrived_ns = self._clock_ns()
@@ -304,8 +275,7 @@ class Drive:
             safety.check_reference(sample.reference_rad)
             safety.check_speeds(*run.speeds(sample, periods))
             opinion = run.step(sample, periods, safety.torque_nm)
-            requested_nm = single(opinion.torque_nm)
-            if safety.allow(requested_nm):
+            if safety.allow(single(opinion.torque_nm)):
                 flags |= TorqueFlags.SATURATED
         except FaultError as fault:
             self._disarm_with(fault.report)
@@ -313,35 +283,15 @@ class Drive:
             self._send(fault.report)
             return
         run.last_answer = self._answer(sample, flags, arrived_ns)
-        every = int(self._parameters["telemetry_every"])
+        every = int(self.parameters["telemetry_every"])
         if every > 0 and sample.sequence % every == 0:
-            self._send(
-                Telemetry(
-                    sample.sequence,
-                    single(opinion.dead_zone_estimate_rad),
-                    single(opinion.disturbing_torque_nm),
-                    single(opinion.load_error_rad),
-                    single(opinion.motor_error_rad),
-                    single(opinion.elastic_error_nm),
-                    requested_nm,
-                )
-            )
+            self._send(telemetry(sample.sequence, opinion))
 
     def _answer(self, sample: EncoderSample, flags: TorqueFlags, arrived_ns: int) -> TorqueAnswer:
         compute_tenths_us = min(max(self._clock_ns() - arrived_ns, 0) // 100, _U16_MAX)
         answer = TorqueAnswer(sample.sequence, self.torque_nm, self.state, flags, compute_tenths_us)
         self._send(answer)
         return answer
-
-
-def last_words(line_number: int) -> bytes:
-    """What a drive says when its program can't go on: a delimiter and a fault that names the source line."""
-    return DELIMITER + encode(FaultReport(FaultCode.PANIC, 0, 0.0, 0.0, line_number))
-
-
-def fitted(text: str, size: int) -> str:
-    """Cut a text at the last whole character that fits into `size` bytes; zeros, which are padding, are dropped."""
-    return text.replace("\0", "").encode()[:size].decode(errors="ignore")
 
 
 def _table(laws: dict[int, ControlLaw]) -> list[ParameterSpec]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from typing import TYPE_CHECKING
 
-from lashloop.drive.machine import last_words
+from lashloop.drive.answers import last_words
 from lashloop.lines import LineError
 
 if TYPE_CHECKING:

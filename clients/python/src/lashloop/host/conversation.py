@@ -66,11 +66,11 @@ class Conversation:
         self._line.discard_input()
         self._decoder = Decoder(FROM_DRIVE)
         self._inbox.clear()
-        send_all(self._line, DELIMITER, self.limits.request_s)
+        send_all(self._line, DELIMITER, self.limits.request_s, self.clock)
 
     def send(self, message: HostMessage) -> None:
         """Send a message and wait for nothing."""
-        send_all(self._line, encode(message), self.limits.request_s)
+        send_all(self._line, encode(message), self.limits.request_s, self.clock)
         if isinstance(message, EncoderSample):
             self._last_sent = message.sequence
 

@@ -18,22 +18,18 @@ def exchange(talk: Conversation, sample: EncoderSample, limit_s: float) -> Torqu
     `DriveFaultError` if the run has ended by a fault, `RefusedError` if the drive refused the sample or is not running.
     """
 
-    def wanted(message: DriveMessage) -> TorqueAnswer | FaultReport | CommandResult | None:
-        if isinstance(message, TorqueAnswer) and message.sequence == sample.sequence:
-            return message
+    def wanted(message: DriveMessage) -> TorqueAnswer | None:
         # It will not answer any more: its watchdog has tripped, or these are its last words.
         if isinstance(message, FaultReport):
-            return message
+            raise DriveFaultError(message)
         if isinstance(message, CommandResult) and message.request == EncoderSample.KIND:
+            raise RefusedError("EncoderSample", message.outcome, message.state, [])
+        if isinstance(message, TorqueAnswer) and message.sequence == sample.sequence:
             return message
         return None
 
     talk.send(sample)
     answer = talk.wait(wanted, limit_s)
-    if isinstance(answer, FaultReport):
-        raise DriveFaultError(answer)
-    if isinstance(answer, CommandResult):
-        raise RefusedError("EncoderSample", answer.outcome, answer.state, [])
     if answer is not None and answer.state is State.FAULTED:
         raise DriveFaultError(reported_fault(talk))
     if answer is not None and answer.state is not State.RUNNING:
