@@ -37,10 +37,10 @@ def document() -> str:
     return (WORKSPACE / "docs/protocol.md").read_text()
 
 
-def table(heading: str) -> list[list[str]]:
-    """The rows of the first table below a heading of the specification, without markup."""
-    _, _, below = document().partition(f"\n{heading}\n")
-    assert below, f"there is no heading {heading}"
+def table(above: str) -> list[list[str]]:
+    """The rows of the first table below a line of the specification, without markup."""
+    _, _, below = document().partition(f"\n{above}\n")
+    assert below, f"there is no line {above}"
     rows: list[list[str]] = []
     for line in below.splitlines():
         if line.startswith("#"):
@@ -153,10 +153,9 @@ class Program:
             self.end()
             raise AssertionError(f"{words} said {self.path!r} in place of the path of a terminal")
 
-    @property
-    def id(self) -> int:
-        """Its process number."""
-        return self._process.pid
+    def signal(self, number: int) -> None:
+        """Send it a signal."""
+        self._process.send_signal(number)
 
     def __enter__(self) -> Program:
         """Give the program itself."""

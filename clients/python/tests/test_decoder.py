@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
+from cobs import cobs
 from hypothesis import given
 from hypothesis import strategies as st
 
 from lashloop.decoder import Counters, Decoder
-from lashloop.frames import FROM_HOST, FrameError, encode
+from lashloop.frames import FROM_HOST, FrameError, crc32c, encode
 from lashloop.messages import Arm, EncoderSample, GetParameter, HostMessage, LineReport, SetParameter, Stop
 from lashloop.vocabulary import ParameterValue
 
@@ -32,7 +35,7 @@ def decoded(pieces: list[bytes]) -> tuple[list[HostMessage], Counters]:
 def split(data: bytes, places: list[int]) -> list[bytes]:
     """A stream cut at these places."""
     cuts = [0, *sorted(place % (len(data) + 1) for place in places), len(data)]
-    return [data[start:end] for start, end in zip(cuts, cuts[1:], strict=False)]
+    return [data[start:end] for start, end in pairwise(cuts)]
 
 
 @given(st.lists(MESSAGES), st.lists(st.integers(0, 10**6)))
@@ -89,11 +92,10 @@ def test_each_sort_of_damage_has_its_counter() -> None:
 
 def test_the_longest_frame_is_taken_and_one_byte_more_is_not() -> None:
     # 63 bytes before the delimiter are whole, and refused for what they hold; 64 can't be a frame.
-    from cobs import cobs
-
-    from lashloop.frames import crc32c
-
-    for length, wanted in ((58, Counters(refused=1, discarded_bytes=64)), (59, Counters(oversized=1, discarded_bytes=65))):
+    for length, wanted in (
+        (58, Counters(refused=1, discarded_bytes=64)),
+        (59, Counters(oversized=1, discarded_bytes=65)),
+    ):
         body = b"\x7f" * length
         stuffed: bytes = cobs.encode(body + crc32c(body).to_bytes(4, "little"))
         assert decoded([stuffed + b"\0"]) == ([], wanted)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
@@ -41,6 +42,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 OTHER = SESSION ^ 1
+ORDER_OF_ANSWERS = (
+    "A drive answers every whole request at once, in the order of arrival, "
+    "with the messages of this table in this order:"
+)
 HELLO = Hello(PROTOCOL_VERSION, SESSION)
 ENTER: dict[str, Callable[[], Bench]] = {
     "Boot": Bench,
@@ -180,22 +185,17 @@ def test_every_request_has_its_rows_in_the_table_of_answers(row: list[str]) -> N
         assert any(request == row[1] for request, _ in ANSWERS)
 
 
-def answer_rows() -> list[list[str]]:
-    """The second table of section 4."""
-    from support import document
-
-    _, _, below = document().partition("with the messages of this table in this order:\n")
-    lines = [line for line in below.split("\n\n")[1].splitlines() if line.startswith("|")]
-    return [[cell.replace("`", "").strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
-
-
-@pytest.mark.parametrize(("request_name", "case", "wanted"), answer_rows())
+@pytest.mark.parametrize(("request_name", "case", "wanted"), table(ORDER_OF_ANSWERS))
 def test_every_answer_comes_in_the_order_of_the_specification(request_name: str, case: str, wanted: str) -> None:
     for enter, request in ANSWERS[request_name, case]:
         bench = enter()
         assert type(request).__name__ == request_name
         answers = bench.say(request)
         assert [type(it).__name__ for it in answers] == wanted.split(", "), (bench.drive.state, request)
+
+
+def test_every_row_of_the_table_of_answers_is_tried() -> None:
+    assert [tuple(row[:2]) for row in table(ORDER_OF_ANSWERS)] == list(ANSWERS)
 
 
 def test_requests_in_one_piece_are_answered_in_their_order() -> None:
@@ -324,10 +324,8 @@ def test_a_drive_tells_which_laws_it_offers_and_arms_no_other() -> None:
 def test_a_drive_without_a_law_or_with_a_name_twice_is_refused() -> None:
     with pytest.raises(ValueError, match="at least one control law"):
         Drive([])
+    other = replace(PD.parameters[2], unit="V")
     with pytest.raises(ValueError, match="two declarations of the parameter k_p1"):
-        import dataclasses
-
-        other = dataclasses.replace(PD.parameters[2], unit="V")
         Drive([PD, ControlLaw(2, (other,), PD.build)])
 
 

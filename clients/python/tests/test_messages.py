@@ -6,6 +6,7 @@ import json
 from typing import Any
 
 import pytest
+from cobs import cobs
 
 from lashloop import frames, messages
 from lashloop.errors import FieldError
@@ -149,8 +150,6 @@ def test_a_value_that_a_field_can_t_hold_is_named_with_its_limits(message: Messa
 
 def sealed(body: bytes) -> bytes:
     """A body as a whole frame, whatever it is."""
-    from cobs import cobs
-
     stuffed: bytes = cobs.encode(body + frames.crc32c(body).to_bytes(4, "little"))
     return stuffed + b"\0"
 

@@ -127,10 +127,10 @@ def send_all(line: Line, data: bytes, limit_s: float, clock: Callable[[], float]
     deadline = clock() + limit_s
     rest = data
     while rest:
-        left = deadline - clock()
-        if left < 0:
-            raise LineError(f"the far end took {len(data) - len(rest)} of {len(data)} bytes in {limit_s} s")
-        rest = rest[line.write(rest, left) :]
+        left_s = max(deadline - clock(), 0.0)
+        rest = rest[line.write(rest, left_s) :]
+        if rest and left_s == 0.0:
+            raise LineError(f"the far end took {len(data) - len(rest)} of {len(data)} bytes in {limit_s:g} s")
 
 
 def _poll(descriptor: int, event: int) -> select.poll:

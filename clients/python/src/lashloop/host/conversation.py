@@ -77,6 +77,7 @@ class Conversation:
     def wait(self, wanted: Callable[[DriveMessage], T | None], limit_s: float) -> T | None:
         """Give what `wanted` recognises, or None once the time is over. Everything else is kept or passed over."""
         deadline = self.clock() + limit_s
+        over = False
         while True:
             while self._inbox:
                 message = self._inbox.popleft()
@@ -84,10 +85,12 @@ class Conversation:
                 answer = wanted(message)
                 if answer is not None:
                     return answer
-            left_s = deadline - self.clock()
-            if left_s <= 0:
+            if over:
                 return None
-            data = self._line.read(left_s)
+            left_s = deadline - self.clock()
+            # What is there already is still read after the deadline, once.
+            over = left_s <= 0
+            data = self._line.read(max(left_s, 0.0))
             self._inbox.extend(it for it in self._decoder.feed(data) if not isinstance(it, FrameError))
 
     def ask(self, request: HostMessage, wanted: Callable[[DriveMessage], T | None]) -> T:
