@@ -76,8 +76,12 @@ class DescriptorLine:
             try:
                 return os.write(self._descriptor, data)
             except BlockingIOError:
-                if not self._writable.poll(_milliseconds(timeout_s)):
+                events = self._writable.poll(_milliseconds(timeout_s))
+                if not events:
                     return 0
+                if events[0][1] & (select.POLLHUP | select.POLLERR):
+                    # It would be told so again and again, with never any room.
+                    raise LineError(f"the line {self.name} is gone: its far end has closed") from None
                 return os.write(self._descriptor, data)
         except BlockingIOError:
             return 0
