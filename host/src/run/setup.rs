@@ -5,7 +5,7 @@
 use lashloop_protocol::vocabulary::{ControllerId, DisturbingTorqueSource, Outcome};
 
 use super::RunError;
-use crate::device::Device;
+use crate::device::{Device, DeviceError};
 use crate::scenario::controller::{ControllerName, ParameterSetting, ParameterValue};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::session::{SessionError, SetError};
@@ -27,6 +27,10 @@ const SET_ELSEWHERE: [(&str, &str); 5] = [
 pub fn set_up(device: &mut Device, scenario: &Scenario) -> Result<(), RunError> {
     device.session.reset().map_err(|source| device.explain(source))?;
     let controller = id_of(scenario.controller.name);
+    // Its parameter would refuse it too, but by a number.
+    if !device.session.identity().controllers.offers(controller) {
+        return Err(not_offered(device, scenario.controller.name).into());
+    }
     // In lockstep the plant waits for the drive and the drive for the plant, so the watchdog has to bear a bench that
     // is slow, though not one that is gone: it waits as long for the bench as the bench does for it.
     let watchdog_us = 1_000 * u64::from(scenario.link.silence_limit_ms);
@@ -63,6 +67,20 @@ pub fn id_of(name: ControllerName) -> ControllerId {
         ControllerName::Faithful => ControllerId::Faithful,
         ControllerName::Literal => ControllerId::Literal,
     }
+}
+
+fn not_offered(device: &Device, wanted: ControllerName) -> DeviceError {
+    let offered = device.session.identity().controllers;
+    let laws = [ControllerName::Pd, ControllerName::Faithful, ControllerName::Literal];
+    let mut laws: Vec<_> =
+        laws.into_iter().filter(|law| offered.offers(id_of(*law))).map(ControllerName::as_str).collect();
+    if laws.is_empty() {
+        laws.push("none that a scenario can name");
+    }
+    let laws = laws.join(", ");
+    device.unfit(format!(
+        "it does not offer the control law {wanted}, which the scenario needs; it offers {laws}"
+    ))
 }
 
 fn apply(device: &mut Device, setting: &ParameterSetting) -> Result<(), RunError> {
