@@ -6,6 +6,7 @@
 //! | [`program`] | the program under test, built once |
 //! | [`bench`](mod@bench) | one running `lashloop`, with a deadline |
 //! | [`twin`] | `lashloop device`: a drive on a pseudo-terminal |
+//! | [`python`] | the drive of the Python package |
 //! | [`terminal`] | pseudo-terminals |
 //! | [`relay`] | a line that can drop, damage, double and cut |
 //! | [`records`] | `summary.json` and `trace.csv` |
@@ -13,16 +14,19 @@
 //! | [`loss`] | what has to be true when a drive is lost in mid-run |
 //! | [`paper`] | the paper's four runs and the torque streams they are pinned to |
 //! | [`wait`] | conditions with deadlines |
+//! | [`left_out`] | tests that need what a checkout does not have |
 //!
 //! Nothing here waits for a fixed time, and everything that is started ends with the test that started it.
 
 #![forbid(unsafe_code)]
 
 pub mod bench;
+pub mod left_out;
 pub mod loss;
 pub mod paper;
 pub mod processes;
 pub mod program;
+pub mod python;
 pub mod records;
 pub mod relay;
 pub mod terminal;

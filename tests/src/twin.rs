@@ -1,4 +1,4 @@
-//! `lashloop device`: a drive on a pseudo-terminal, as another shell would run it.
+//! `lashloop device`: a drive on a pseudo-terminal, as another shell would run it. And whatever else is run that way.
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -24,12 +24,22 @@ impl Twin {
     /// It does not come up.
     #[must_use]
     pub fn start() -> Self {
-        let mut child = Command::new(program::lashloop())
-            .arg("device")
+        let mut command = Command::new(program::lashloop());
+        command.arg("device");
+        Self::serving(command)
+    }
+
+    /// Starts a drive that prints the path of its terminal, as `lashloop device` does.
+    ///
+    /// # Panics
+    /// It does not come up.
+    #[must_use]
+    pub fn serving(mut command: Command) -> Self {
+        let mut child = command
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .spawn()
-            .expect("lashloop starts");
+            .unwrap_or_else(|error| panic!("{command:?} does not start: {error}"));
         let mut stdout = BufReader::new(child.stdout.take().expect("a pipe for standard output"));
         let (tell, told) = mpsc::channel();
         thread::spawn(move || {
@@ -41,7 +51,7 @@ impl Twin {
         let path = PathBuf::from(line.trim_end());
         if !path.exists() {
             let _ = child.kill();
-            panic!("lashloop device said {line:?} in place of the path of a terminal");
+            panic!("{command:?} said {line:?} in place of the path of a terminal");
         }
         Self { child, path }
     }

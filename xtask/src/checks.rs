@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 
 use crate::arm_toolchain::ArmToolchain;
 use crate::test_counts::Counts;
-use crate::{command, fuzz, image, setup, size};
+use crate::{command, fuzz, image, python, setup, size};
 
 /// Runs all checks. The last line printed is the sum, in which every test and every other step counts one.
 pub(crate) fn run_all() -> ExitCode {
@@ -30,7 +30,9 @@ pub(crate) fn run_all() -> ExitCode {
         // The step that builds the image has said why.
         Err(_) => {}
     }
-    checks.tests();
+    checks.step("python", python::lint);
+    checks.counted("tests", run_tests);
+    checks.counted("python tests", python::test);
     checks.step("fuzz", || fuzz::run(FUZZ_SECONDS));
     let Counts { passed, failed } = checks.0;
     println!("{passed} passed, {failed} failed");
@@ -54,11 +56,11 @@ impl Checks {
         }
     }
 
-    fn tests(&mut self) {
-        println!("== tests");
-        match run_tests() {
+    fn counted(&mut self, name: &str, run: impl FnOnce() -> Result<Counts>) {
+        println!("== {name}");
+        match run() {
             Ok(counts) => self.0 += counts,
-            Err(error) => self.fail("tests", &error),
+            Err(error) => self.fail(name, &error),
         }
     }
 

@@ -6,6 +6,7 @@ mod command;
 mod fuzz;
 mod header;
 mod image;
+mod python;
 mod setup;
 mod size;
 mod test_counts;
@@ -30,7 +31,8 @@ enum Chore {
     Size,
     /// Write the C header of the wire contract, protocol/include/lashloop.h, from the layouts of the messages
     Header,
-    /// Install what the tests need and is missing here: QEMU, tshark and a core library for Arm
+    /// Install what the tests need and is missing here: QEMU, tshark, a core library for Arm, and the Python package into
+    /// target/python
     Setup,
     /// Give every fuzzer some time; installs cargo-fuzz into target/tools if there is none
     Fuzz {

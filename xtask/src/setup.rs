@@ -6,7 +6,7 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 
 use crate::arm_toolchain::{ArmToolchain, TARGET};
-use crate::command;
+use crate::{command, python};
 
 /// Programs that the tests call; Debian's packages have the same names.
 const PROGRAMS: [&str; 2] = ["qemu-system-arm", "tshark"];
@@ -14,13 +14,15 @@ const PROGRAMS: [&str; 2] = ["qemu-system-arm", "tshark"];
 /// rustup waits long for a server it can't reach.
 const RUSTUP_LIMIT: Duration = Duration::from_secs(60);
 
-/// Installs the emulator, a reader of captures and a core library for Arm, unless they are there.
+/// Installs the emulator, a reader of captures, a core library for Arm and the Python package, unless they are there.
 ///
 /// # Errors
 /// A sentence that says what could not be installed and what to do.
 pub(crate) fn install_missing() -> Result<()> {
     let programs = PROGRAMS.map(install_program);
+    let python = python::set_up(apt_install);
     install_core()?;
+    python?;
     programs.into_iter().collect()
 }
 

@@ -1,4 +1,4 @@
-//! Counting tests by what libtest prints.
+//! Counting tests by what libtest and pytest print.
 
 use std::io::{self, BufRead, Write};
 use std::ops::AddAssign;
@@ -18,20 +18,18 @@ impl AddAssign for Counts {
 }
 
 impl Counts {
-    /// Copies `from` to `to` line by line and adds up the results in it.
-    pub(crate) fn of_stream(mut from: impl BufRead, mut to: impl Write) -> io::Result<Self> {
+    /// Copies `from` to `to` line by line and adds up the results of libtest in it.
+    pub(crate) fn of_stream(from: impl BufRead, to: impl Write) -> io::Result<Self> {
         let mut sum = Self::default();
-        let mut line = Vec::new();
-        while from.read_until(b'\n', &mut line)? > 0 {
-            to.write_all(&line)?;
-            to.flush()?;
-            // What a test prints need not be text.
-            if let Some(counts) = Self::of_line(&String::from_utf8_lossy(&line)) {
-                sum += counts;
-            }
-            line.clear();
-        }
+        copy_lines(from, to, |line| sum += Self::of_line(line).unwrap_or_default())?;
         Ok(sum)
+    }
+
+    /// Copies `from` to `to` line by line and gives the result that pytest ends with.
+    pub(crate) fn of_pytest(from: impl BufRead, to: impl Write) -> io::Result<Self> {
+        let mut last = Self::default();
+        copy_lines(from, to, |line| last = Self::of_pytest_line(line).unwrap_or(last))?;
+        Ok(last)
     }
 
     /// `test result: ok. 3 passed; 0 failed; ...`
@@ -41,10 +39,44 @@ impl Counts {
         let mut next = |what: &str| parts.next()?.strip_suffix(what)?.trim().parse().ok();
         Some(Self { passed: next("passed")?, failed: next("failed")? })
     }
+
+    /// `===== 2 failed, 40 passed, 1 error in 1.35s =====`
+    fn of_pytest_line(line: &str) -> Option<Self> {
+        let (results, time) = line.trim_matches(['=', ' ', '\n']).rsplit_once(" in ")?;
+        time.split(' ').next()?.strip_suffix('s')?.parse::<f64>().ok()?;
+        let mut sum = Self::default();
+        for result in results.split(", ") {
+            let (count, what) = result.split_once(' ')?;
+            let count: u64 = count.parse().ok()?;
+            match what {
+                "passed" => sum.passed += count,
+                // What is left out has not passed.
+                "failed" | "error" | "errors" | "skipped" | "xfailed" | "xpassed" => sum.failed += count,
+                "warning" | "warnings" | "deselected" => {}
+                _ => return None,
+            }
+        }
+        Some(sum)
+    }
+}
+
+/// Shows each line to `look` on its way.
+fn copy_lines(mut from: impl BufRead, mut to: impl Write, mut look: impl FnMut(&str)) -> io::Result<()> {
+    let mut line = Vec::new();
+    while from.read_until(b'\n', &mut line)? > 0 {
+        to.write_all(&line)?;
+        to.flush()?;
+        // What a test prints need not be text.
+        look(&String::from_utf8_lossy(&line));
+        line.clear();
+    }
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
+    use std::io;
+
     use super::Counts;
 
     #[test]
@@ -55,6 +87,21 @@ mod tests {
         let counts = Counts::of_stream(&stream[..], &mut copy).expect("memory can be read and written");
         assert_eq!(counts, Counts { passed: 42, failed: 3 });
         assert_eq!(copy, stream);
+    }
+
+    #[test]
+    fn the_last_line_of_pytest_counts_and_what_is_left_out_has_not_passed() {
+        let stream = b"12 passed in 3.4s, says a test\n\
+            = 2 failed, 40 passed, 1 skipped, 3 warnings, 2 errors in 71.35s (0:01:11) =\n";
+        let mut copy = Vec::new();
+        let counts = Counts::of_pytest(&stream[..], &mut copy).expect("memory can be read and written");
+        assert_eq!(counts, Counts { passed: 40, failed: 5 });
+        assert_eq!(copy, stream);
+        let quiet = Counts::of_pytest(&b"1 passed in 0.01s\n"[..], io::sink()).expect("memory can be read");
+        assert_eq!(quiet, Counts { passed: 1, failed: 0 });
+        for line in ["collected 7 items in 1s", "no tests ran in 0.01s", "3 passed in hope"] {
+            assert_eq!(Counts::of_pytest_line(line), None, "{line}");
+        }
     }
 
     #[test]

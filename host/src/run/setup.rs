@@ -5,7 +5,7 @@
 use lashloop_protocol::vocabulary::{ControllerId, DisturbingTorqueSource, Outcome};
 
 use super::RunError;
-use crate::device::Device;
+use crate::device::{Device, DeviceError};
 use crate::scenario::controller::{ControllerName, ParameterSetting, ParameterValue};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::session::{SessionError, SetError};
@@ -28,6 +28,10 @@ const SET_ELSEWHERE: [(&str, &str); 5] = [
 pub fn set_up(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
     device.session.reset().map_err(|source| device.explain(source))?;
     let controller = id_of(scenario.controller.name);
+    // Its parameter would refuse it too, but by a number.
+    if !device.session.identity().controllers.offers(controller) {
+        return Err(not_offered(device, scenario.controller.name).into());
+    }
     let from_sections = [
         ("controller", f64::from(controller as u8)),
         ("period_us", scenario.run.control_period_us.into()),
@@ -74,6 +78,20 @@ pub fn id_of(name: ControllerName) -> ControllerId {
         ControllerName::Faithful => ControllerId::Faithful,
         ControllerName::Literal => ControllerId::Literal,
     }
+}
+
+fn not_offered(device: &Device, wanted: ControllerName) -> DeviceError {
+    let offered = device.session.identity().controllers;
+    let laws = [ControllerName::Pd, ControllerName::Faithful, ControllerName::Literal];
+    let mut laws: Vec<_> =
+        laws.into_iter().filter(|law| offered.offers(id_of(*law))).map(ControllerName::as_str).collect();
+    if laws.is_empty() {
+        laws.push("none that a scenario can name");
+    }
+    let laws = laws.join(", ");
+    device.unfit(format!(
+        "it does not offer the control law {wanted}, which the scenario needs; it offers {laws}"
+    ))
 }
 
 fn apply(device: &mut Device, setting: &ParameterSetting) -> Result<(), RunError> {

@@ -2,8 +2,6 @@
 
 use std::env;
 
-use libtest_mimic::Trial;
-
 const EMULATOR: &str = "qemu-system-arm";
 
 /// What is missing here, each with the command that provides it.
@@ -21,19 +19,4 @@ pub(crate) fn missing() -> Option<String> {
         missing.push(format!("{EMULATOR} is not installed: run `cargo xtask setup`"));
     }
     (!missing.is_empty()).then(|| missing.join("\n"))
-}
-
-/// Whether something missing is a failure.
-pub(crate) fn nothing_may_be_left_out() -> bool {
-    env::var_os("LASHLOOP_LEAVE_NOTHING_OUT").is_some()
-}
-
-/// A block that is hard to overlook.
-pub(crate) fn say_what_is_left_out(missing: &str, trials: &[Trial]) {
-    let rule = "!".repeat(100);
-    eprintln!("\n{rule}\nLEFT OUT: the emulated board is not tested, because\n{missing}\n\nNot run:");
-    for trial in trials.iter().filter(|trial| trial.has_ignored_flag()) {
-        eprintln!("  {}", trial.name());
-    }
-    eprintln!("`cargo xtask test` provides all of it and leaves nothing out.\n{rule}\n");
 }

@@ -1,8 +1,6 @@
 //! The whole loop with the Cortex-M image in QEMU: the same torques, bit for bit, and the same ways to fail.
 //!
-//! Image and emulator don't come with a checkout. Where one is missing the trials are ignored, loudly; with
-//! `LASHLOOP_LEAVE_NOTHING_OUT` set, as `cargo xtask test` sets it, they fail instead. That choice is made when the
-//! tests run, which is why this binary has a harness of its own.
+//! Image and emulator don't come with a checkout, see [`left_out`].
 
 mod conforming;
 mod equipment;
@@ -11,7 +9,8 @@ mod runs;
 
 use std::process::ExitCode;
 
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::Arguments;
+use tests::left_out::{self, trial};
 use tests::paper::RUNS;
 
 type Check = fn();
@@ -43,21 +42,5 @@ fn main() -> ExitCode {
         None,
         runs::no_image,
     ));
-    if let Some(missing) = missing.filter(|_| !equipment::nothing_may_be_left_out() && !arguments.list) {
-        equipment::say_what_is_left_out(&missing, &trials);
-    }
-    libtest_mimic::run(&arguments, trials).exit_code()
-}
-
-/// A trial that is ignored, or fails, if something is missing.
-fn trial(name: &str, missing: Option<String>, check: impl FnOnce() + Send + 'static) -> Trial {
-    let ignored = missing.is_some() && !equipment::nothing_may_be_left_out();
-    let run = move || match missing {
-        Some(missing) => Err(Failed::from(missing)),
-        None => {
-            check();
-            Ok(())
-        }
-    };
-    Trial::test(name, run).with_ignored_flag(ignored)
+    left_out::run(&arguments, "the emulated board", missing.as_deref(), trials)
 }

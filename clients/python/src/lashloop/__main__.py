@@ -1,0 +1,7 @@
+"""`python -m lashloop`."""
+
+import sys
+
+from lashloop.cli import main
+
+sys.exit(main())

@@ -1,0 +1,167 @@
+"""`python -m lashloop`: be a drive, or ask one.
+
+Exit codes as those of the bench: 0 for done, 2 for bad usage, 4 when device or link failed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from typing import TYPE_CHECKING
+
+from serial.tools import list_ports
+
+from lashloop.errors import LashloopError
+from lashloop.host import Host, ParameterRangeError, UnknownParameterError
+from lashloop.lines import DEFAULT_BAUD, PseudoTerminal, open_port
+from lashloop.vocabulary import ControllerId
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+_USAGE = 2
+_DEVICE = 4
+_INTERRUPTED = 130
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run the command line and give its exit code."""
+    arguments = _parser().parse_args(words)
+    try:
+        arguments.run(arguments)
+    except (UnknownParameterError, ParameterRangeError) as error:
+        return _complain(error, _USAGE)
+    except LashloopError as error:
+        return _complain(error, _DEVICE)
+    except KeyboardInterrupt:
+        return _INTERRUPTED
+    except BrokenPipeError:
+        # Whoever read has read enough; and nothing more may be written when Python closes its output.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return 0
+
+
+def _complain(error: Exception, code: int) -> int:
+    print(f"lashloop: {error}", file=sys.stderr)
+    return code
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m lashloop",
+        description="Host and drive of the Lashloop bench, over serial ports and pseudo-terminals.",
+        epilog="Exit codes: 0 done, 2 bad usage, 4 device or link failed.",
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    drive = commands.add_parser(
+        "drive",
+        help="be a drive until killed",
+        description="Be a drive until killed, with the cascaded PD law. Without --port it opens a pseudo-terminal and "
+        "prints its path on standard output; reach it with `lashloop run SCENARIO --device PATH`.",
+    )
+    _add_port(drive, required=False, meaning="serial port on which a host asks; default: a new pseudo-terminal")
+    drive.set_defaults(run=_drive)
+
+    ports = commands.add_parser("ports", help="list the serial ports", description="List the serial ports.")
+    ports.set_defaults(run=_ports)
+
+    identify = commands.add_parser(
+        "identify", help="ask a drive who it is", description="Greet a drive and print who it says it is."
+    )
+    _add_port(identify)
+    identify.set_defaults(run=_identify)
+
+    parameters = commands.add_parser(
+        "parameters",
+        help="list or set the parameters of a drive",
+        description="Print every parameter with value, default, range and unit; with NAME=VALUE set these first. "
+        "What is set stays until the drive is reset, as `lashloop run` does before it begins.",
+    )
+    _add_port(parameters)
+    parameters.add_argument("settings", nargs="*", type=_setting, metavar="NAME=VALUE", help="torque_limit_nm=5")
+    parameters.set_defaults(run=_parameters)
+    return parser
+
+
+def _add_port(parser: argparse.ArgumentParser, *, required: bool = True, meaning: str = "where the drive is") -> None:
+    parser.add_argument("--port", required=required, metavar="TTY", help=meaning)
+    parser.add_argument(
+        "--baud", type=_baud, default=DEFAULT_BAUD, metavar="N", help="bits a second, for a serial port (%(default)s)"
+    )
+
+
+def _baud(text: str) -> int:
+    if not text.isdecimal() or not 1200 <= int(text) <= 12_000_000:
+        raise argparse.ArgumentTypeError(f"{text} is not a number from 1200 to 12000000")
+    return int(text)
+
+
+def _setting(text: str) -> tuple[str, float]:
+    name, equals, number = text.partition("=")
+    try:
+        if not (name and equals):
+            raise ValueError(text)
+        return name, float(number)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text} is no setting; it must be NAME=NUMBER") from None
+
+
+def _drive(arguments: argparse.Namespace) -> None:
+    # Only here, because the control law takes numpy with it, for which a host need not wait.
+    from lashloop.control.cascade import PD
+    from lashloop.drive import Drive, serve
+
+    line = open_port(arguments.port, arguments.baud) if arguments.port else PseudoTerminal()
+    if isinstance(line, PseudoTerminal):
+        # Whoever started this waits for the line, so it must not stay in a buffer.
+        print(line.path, flush=True)
+        if sys.stderr.isatty():
+            hint = "A drive listens there. In another shell: lashloop run SCENARIO.toml --device"
+            print(f"{hint} {line.path}", file=sys.stderr)
+    serve(line, Drive([PD]))
+
+
+def _ports(_: argparse.Namespace) -> None:
+    ports = sorted(list_ports.comports())
+    for port in ports:
+        usb = "not on USB" if port.vid is None else f"USB {port.vid:04x}:{port.pid:04x}  {port.description}"
+        print(f"{port.device:<16} {usb}")
+    if not ports:
+        print("No serial port here. Without a board: `python -m lashloop drive` is a drive on a pseudo-terminal.")
+
+
+def _identify(arguments: argparse.Namespace) -> None:
+    with Host.open(arguments.port, arguments.baud) as host:
+        it = host.identity
+        print(f"board                 {it.board}")
+        print(f"firmware              {it.firmware}, build {it.build_id:08x}")
+        print(f"protocol version      {it.protocol_version}")
+        print(f"state                 {it.state}")
+        if host.fault is not None:
+            print(f"fault                 {host.fault.code} at sample {host.fault.sequence}")
+        print(f"control period        {it.period_us} us")
+        print(f"motor encoder         {it.motor_counts_per_rev} counts/rev")
+        print(f"load encoder          {it.load_counts_per_rev} counts/rev")
+        print(f"control laws          {', '.join(_laws(it.controllers.value))}")
+        print(f"parameters            {it.parameter_count}")
+
+
+def _laws(bits: int) -> list[str]:
+    names = {int(it): it.label for it in ControllerId}
+    return [names.get(number, str(number)) for number in range(16) if bits >> number & 1]
+
+
+def _parameters(arguments: argparse.Namespace) -> None:
+    with Host.open(arguments.port, arguments.baud) as host:
+        # All of them are looked at before the first is set, so that a slip of the pen changes nothing.
+        for name, number in arguments.settings:
+            host.parameter(name).value(number)
+        for name, number in arguments.settings:
+            host.set(name, number)
+        print(f"{'name':<28} {'value':>12} {'default':>12}  {'live':<4} allowed")
+        for it in host.parameters.values():
+            live = "yes" if it.live else "no"
+            value = it.value(host.get(it.name))
+            print(f"{it.name:<28} {value!s:>12} {it.default!s:>12}  {live:<4} {it.allowed}")

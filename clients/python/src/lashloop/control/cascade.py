@@ -1,0 +1,112 @@
+"""The cascaded PD law, "before compensation", of R. Merzouki and J. C. Cadiou.
+
+"Estimation of backlash phenomenon in the electromechanical actuator", Control Engineering Practice 13 (2005) 973-983,
+doi:10.1016/j.conengprac.2004.10.016. The outer loop, equation (17), turns the load error into a wanted motor position;
+the inner one, (16), turns the motor error and the error of the elastic torque into a torque. A moving reference adds
+the torques that move motor and load, (11) and (15).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lashloop.control import ControlInput, ControlLaw, ControlOutput
+from lashloop.control.sensing import Measurement, Sensing, f32
+from lashloop.drive.parameters import f32 as real
+from lashloop.drive.parameters import u32 as whole
+from lashloop.vocabulary import ControllerId
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from lashloop.drive.parameters import ParameterSpec
+
+
+PARAMETERS: tuple[ParameterSpec, ...] = (
+    real("motor_filter_rad_s", "rad/s", 400.0, 0.01, 1e6),
+    real("load_filter_rad_s", "rad/s", 200.0, 0.01, 1e6),
+    real("k_p1", "N m/rad", 1.0, 0.0, 1e6),
+    real("k_d1", "N m s/rad", 0.01, 0.0, 1e6),
+    real("k_p2", "", 10.0, 0.0, 1e6),
+    real("k_d2", "s", 10.0, 0.0, 1e6),
+    real("k_1", "", 1.0, 0.0, 1e6),
+    real("k_21", "1/s", 0.01, 0.0, 1e6),
+    real("k_22", "1/(N m s)", 0.5, 0.0, 1e6),
+    real("dead_zone_initial_rad", "rad", 0.16, 0.0, 3.0),
+    real("dead_zone_max_rad", "rad", 3.0, 0.0, 100.0),
+    whole("disturbing_torque_source", "", 2, 1, 2),
+    real("momentum_observer_rad_s", "rad/s", 60.0, 0.1, 1e4),
+    real("motor_inertia_kg_m2", "kg m^2", 9.72e-4, 1e-9, 1e3),
+    real("motor_friction_nm_s_rad", "N m s/rad", 4.3e-4, 0.0, 1e4),
+    real("motor_coulomb_nm", "N m", 0.0, 0.0, 1e3),
+    real("load_inertia_kg_m2", "kg m^2", 7.5, 1e-9, 1e6),
+    real("load_friction_nm_s_rad", "N m s/rad", 16.0, 0.0, 1e6),
+    real("reduction_ratio", "", 3.0, 1e-3, 1e4),
+    real("stiffness_nm_rad", "N m/rad", 1.0, 1e-6, 1e9),
+    real("dead_zone_rad", "rad", 0.16, 1e-6, 10.0),
+)
+"""Gains and nominal mechanics of the paper's laws, with the paper's tables 1 and 2 as defaults.
+
+Those of the compensating laws, which this drive does not offer, are kept and have no effect, as in the firmware while
+it runs the plain cascade: so a scenario that sets them fits both.
+"""
+
+
+class CascadedPd:
+    """The two loops alone, in single precision and in the firmware's order of operations."""
+
+    def __init__(self, parameters: Mapping[str, float]) -> None:
+        """Take gains and nominal mechanics from the parameters of section 14 of `docs/protocol.md`."""
+        self._sensing = Sensing(parameters)
+        value = {name: f32(number) for name, number in parameters.items()}
+        self._k_p1, self._k_d1 = value["k_p1"], value["k_d1"]
+        self._k_p2, self._k_d2 = value["k_p2"], value["k_d2"]
+        self._k_1 = value["k_1"]
+        self._stiffness_nm_rad = value["stiffness_nm_rad"]
+        self._dead_zone_rad = float(value["dead_zone_rad"])
+        self._ratio = value["reduction_ratio"]
+        self._load_inertia = value["load_inertia_kg_m2"] / self._ratio
+        self._load_friction = value["load_friction_nm_s_rad"] / self._ratio
+        self._whole_inertia = value["motor_inertia_kg_m2"] * self._ratio + self._load_inertia
+        self._whole_friction = value["motor_friction_nm_s_rad"] * self._ratio + self._load_friction
+
+    def step(self, sample: ControlInput) -> ControlOutput:
+        """Take one sample and give the torque wanted now."""
+        # What overflows becomes infinite or NaN, and the drive's own check of the torque meets it.
+        with np.errstate(all="ignore"):
+            return self._law(self._sensing.step(sample))
+
+    def _law(self, m: Measurement) -> ControlOutput:
+        velocity, acceleration = m.reference_velocity_rad_s, m.reference_acceleration_rad_s2
+        load_error = m.load_position_rad - m.reference_position_rad
+        load_error_rate = m.load_velocity_rad_s - velocity
+        # (11): the elastic torque less the one that moves the load.
+        wanted_elastic = self._load_inertia * acceleration + self._load_friction * velocity
+        elastic_error = self._stiffness_nm_rad * m.twist_rad - wanted_elastic
+        # (17) around the motor position that belongs to the reference.
+        motor_reference = (
+            self._ratio * m.reference_position_rad - self._k_d2 * load_error_rate - self._k_p2 * load_error
+        )
+        motor_error = m.motor_position_rad - motor_reference
+        # Of the rate of the wanted motor position only the reference's part is known without another derivative.
+        motor_error_rate = m.motor_velocity_rad_s - self._ratio * velocity
+        # (15), (16)
+        torque = (
+            (self._whole_inertia * acceleration + self._whole_friction * velocity)
+            - self._k_1 * elastic_error
+            - self._k_d1 * motor_error_rate
+            - self._k_p1 * motor_error
+        )
+        return ControlOutput(
+            torque_nm=float(torque),
+            dead_zone_estimate_rad=self._dead_zone_rad,
+            load_error_rad=float(load_error),
+            motor_error_rad=float(motor_error),
+            elastic_error_nm=float(elastic_error),
+        )
+
+
+PD = ControlLaw(number=ControllerId.PD, parameters=PARAMETERS, build=CascadedPd)
+"""The law as a drive offers it."""

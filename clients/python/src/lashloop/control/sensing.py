@@ -1,0 +1,140 @@
+"""Encoder counts to positions and velocities, in single precision.
+
+Counts are handled as integers for as long as possible: single precision holds 24 bits, so a difference of two
+converted positions would have lost the velocity, and that of motor and load the twist. A position is decoded at the
+middle of its count. A velocity is the difference over the elapsed time behind a first-order lag, advanced exactly for
+a held input. Every operation rounds once to binary32, in the order in which the firmware does it, so that the torque
+is the same to the bit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lashloop.control import ControlInput, InconsistentError
+from lashloop.counts import wrapping_difference
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+f32 = np.float32
+
+REFERENCE_JUMP_RAD = 0.02
+"""Largest difference of the reference between two periods that is taken for motion."""
+_LARGEST_RATIO_IN_COUNTS = 2**24
+
+
+@dataclass(slots=True)
+class Measurement:
+    """One sample in physical units."""
+
+    motor_position_rad: f32
+    motor_velocity_rad_s: f32
+    load_position_rad: f32
+    load_velocity_rad_s: f32
+    twist_rad: f32
+    """Motor position less ratio times load position, formed from counts."""
+    reference_position_rad: f32
+    reference_velocity_rad_s: f32
+    reference_acceleration_rad_s2: f32
+
+
+class _Channel:
+    """One encoder, with what is remembered of it."""
+
+    def __init__(self, counts_per_rev: float, bandwidth_rad_s: float, period_s: f32) -> None:
+        self.half_count_rad = f32(np.pi) / f32(counts_per_rev)
+        self._bandwidth_rad_s = f32(bandwidth_rad_s)
+        self._share_per_period = _lag_share(self._bandwidth_rad_s, period_s)
+        self._counter: int | None = None
+        self._counts = 0
+        self.velocity_rad_s = f32(0.0)
+
+    def advance(self, counter: int, periods: int, elapsed_s: f32) -> None:
+        if self._counter is None:
+            self._counts = counter
+        else:
+            moved = wrapping_difference(counter, self._counter)
+            self._counts += moved
+            velocity = f32(2 * moved) * self.half_count_rad / elapsed_s
+            share = self._share_per_period if periods == 1 else _lag_share(self._bandwidth_rad_s, elapsed_s)
+            self.velocity_rad_s += share * (velocity - self.velocity_rad_s)
+        self._counter = counter
+
+    @property
+    def half_counts(self) -> int:
+        """Middle of the count in half counts."""
+        return 2 * self._counts + 1
+
+
+class _Reference:
+    """Rates of the reference. A jump is no velocity, and the first velocity after one has no acceleration."""
+
+    def __init__(self) -> None:
+        self._position_rad: f32 | None = None
+        self._velocity_rad_s: f32 | None = None
+
+    def advance(self, position_rad: f32, period_s: f32, periods: int) -> tuple[f32, f32]:
+        before, self._position_rad = self._position_rad, position_rad
+        velocity_before, self._velocity_rad_s = self._velocity_rad_s, None
+        if before is None:
+            return f32(0.0), f32(0.0)
+        count = f32(periods)
+        elapsed_s = period_s * count
+        moved = position_rad - before
+        if not abs(moved) <= f32(REFERENCE_JUMP_RAD) * count:
+            return f32(0.0), f32(0.0)
+        velocity = moved / elapsed_s
+        self._velocity_rad_s = velocity
+        if velocity_before is None:
+            return velocity, f32(0.0)
+        return velocity, (velocity - velocity_before) / elapsed_s
+
+
+class Sensing:
+    """The way from counts to measurements, from the first sample of a run on."""
+
+    def __init__(self, parameters: Mapping[str, float]) -> None:
+        """Work out what the parameters fix; `InconsistentError` if the resolutions are too far apart."""
+        self._period_s = f32(parameters["period_us"]) * f32(1e-6)
+        motor_counts, load_counts = (parameters[f"{side}_counts_per_rev"] for side in ("motor", "load"))
+        self._motor = _Channel(motor_counts, parameters["motor_filter_rad_s"], self._period_s)
+        self._load = _Channel(load_counts, parameters["load_filter_rad_s"], self._period_s)
+        self._reference = _Reference()
+        ratio = f32(parameters["reduction_ratio"]) * f32(motor_counts) / f32(load_counts)
+        if not ratio <= _LARGEST_RATIO_IN_COUNTS:
+            raise InconsistentError("motor counts per load count")
+        self._whole_ratio = int(ratio)
+        self._rest_of_ratio = ratio - f32(self._whole_ratio)
+
+    def step(self, sample: ControlInput) -> Measurement:
+        """Take one sample. The first one has no velocities."""
+        periods = sample.elapsed_periods
+        elapsed_s = self._period_s * f32(periods)
+        motor, load = self._motor, self._load
+        motor.advance(sample.motor_counts, periods, elapsed_s)
+        load.advance(sample.load_counts, periods, elapsed_s)
+        reference_rad = f32(sample.reference_rad)
+        velocity_rad_s, acceleration_rad_s2 = self._reference.advance(reference_rad, self._period_s, periods)
+        motor_half_counts, load_half_counts = motor.half_counts, load.half_counts
+        whole = motor_half_counts - self._whole_ratio * load_half_counts
+        rest = self._rest_of_ratio * f32(load_half_counts)
+        return Measurement(
+            motor_position_rad=f32(motor_half_counts) * motor.half_count_rad,
+            motor_velocity_rad_s=motor.velocity_rad_s,
+            load_position_rad=f32(load_half_counts) * load.half_count_rad,
+            load_velocity_rad_s=load.velocity_rad_s,
+            twist_rad=(f32(whole) - rest) * motor.half_count_rad,
+            reference_position_rad=reference_rad,
+            reference_velocity_rad_s=velocity_rad_s,
+            reference_acceleration_rad_s2=acceleration_rad_s2,
+        )
+
+
+def _lag_share(rate: f32, time: f32) -> f32:
+    """Share of the way a first-order lag of `rate` (1/s) goes towards a held input in `time` (s)."""
+    # Rounded once from double precision, in which expm1 is good to far more digits than single has.
+    return f32(-np.expm1(np.float64(-(rate * time))))

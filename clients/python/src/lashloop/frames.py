@@ -1,0 +1,111 @@
+"""A message as the bytes of one frame, and back, section 2 of `docs/protocol.md`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+import google_crc32c
+from cobs import cobs
+
+from lashloop.errors import LashloopError
+from lashloop.messages import DRIVE_MESSAGES, HOST_MESSAGES, LAYOUTS, DriveMessage, HostMessage, Message
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+MAX_FRAME = 64
+"""Longest frame in bytes, everything included."""
+OVERHEAD = 6
+"""Bytes of a frame beyond its body."""
+MAX_BODY = MAX_FRAME - OVERHEAD
+"""Longest body in bytes."""
+DELIMITER = b"\0"
+"""Ends every frame and occurs nowhere else."""
+_CRC_LEN = 4
+
+M = TypeVar("M", bound=Message)
+
+
+class FrameError(LashloopError):
+    """The bytes between two delimiters are no message. Nothing of them has been used."""
+
+
+class OversizedError(FrameError):
+    """There was no delimiter within the longest frame."""
+
+    def __init__(self, length: int) -> None:
+        """Say how many bytes there were, the delimiter not counted."""
+        super().__init__(f"{length} bytes without a delimiter, a frame has at most {MAX_FRAME} with it")
+
+
+class MalformedError(FrameError):
+    """The stuffing is broken, or the frame is too short for a kind and a CRC."""
+
+
+class CrcError(FrameError):
+    """The CRC over the body is not the one in the frame."""
+
+
+class RefusedError(FrameError):
+    """The frame is whole, but no message of this version and direction."""
+
+
+class Direction(Generic[M]):
+    """One of the two sides that send: which messages may come from it."""
+
+    def __init__(self, sender: str, messages: Iterable[type[M]]) -> None:
+        """Gather the messages by their kind."""
+        self.sender = sender
+        self._layouts = {LAYOUTS[it].kind: LAYOUTS[it] for it in messages}
+
+    def read_body(self, body: bytes) -> M:
+        """Read a message from a whole body; `RefusedError` says what keeps it from being one."""
+        layout = self._layouts.get(body[0])
+        if layout is None:
+            raise RefusedError(f"kind {body[0]:#04x} is none of a {self.sender}'s")
+        if len(body) != layout.body_len:
+            raise RefusedError(f"a body of {len(body)} bytes, {layout.name} has {layout.body_len}")
+        try:
+            message: M = layout.decode(body)
+        except ValueError as error:
+            raise RefusedError(f"a field of {layout.name} holds no value of its type: {error}") from error
+        return message
+
+
+FROM_HOST: Direction[HostMessage] = Direction("host", HOST_MESSAGES)
+FROM_DRIVE: Direction[DriveMessage] = Direction("drive", DRIVE_MESSAGES)
+
+
+def crc32c(data: bytes) -> int:
+    """CRC-32/ISCSI of some bytes."""
+    checksum: int = google_crc32c.value(data)
+    return checksum
+
+
+def encode(message: Message) -> bytes:
+    """Give the frame of a message, delimiter included; `FieldError` names what a field can't hold."""
+    body = LAYOUTS[type(message)].encode(message)
+    stuffed: bytes = cobs.encode(body + crc32c(body).to_bytes(_CRC_LEN, "little"))
+    return stuffed + DELIMITER
+
+
+def open_frame(stuffed: bytes) -> bytes:
+    """Give the body of the bytes between two delimiters; a `FrameError` says what is wrong with them."""
+    if len(stuffed) >= MAX_FRAME:
+        raise OversizedError(len(stuffed))
+    try:
+        unstuffed: bytes = cobs.decode(stuffed)
+    except cobs.DecodeError:
+        raise MalformedError(f"a frame of {len(stuffed)} bytes is not stuffed as COBS asks") from None
+    body, found = unstuffed[:-_CRC_LEN], int.from_bytes(unstuffed[-_CRC_LEN:], "little")
+    if not body:
+        raise MalformedError(f"a frame of {len(stuffed)} bytes is too short for a kind and a CRC")
+    expected = crc32c(body)
+    if found != expected:
+        raise CrcError(f"CRC {found:#010x} in the frame, {expected:#010x} over its body")
+    return body
+
+
+def decode(frame: bytes, direction: Direction[M]) -> M:
+    """Read the message of one whole frame, with or without its delimiter; a `FrameError` says why it is none."""
+    return direction.read_body(open_frame(frame.removesuffix(DELIMITER)))

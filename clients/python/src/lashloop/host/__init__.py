@@ -1,0 +1,29 @@
+"""The host's side of a conversation with a drive."""
+
+from lashloop.host.client import Host
+from lashloop.host.conversation import TimeLimits
+from lashloop.host.errors import (
+    DriveFaultError,
+    HostError,
+    ParameterRangeError,
+    ParameterRefusedError,
+    RefusedError,
+    SilenceError,
+    UnknownParameterError,
+    VersionError,
+)
+from lashloop.host.parameters import Parameter
+
+__all__ = [
+    "DriveFaultError",
+    "Host",
+    "HostError",
+    "Parameter",
+    "ParameterRangeError",
+    "ParameterRefusedError",
+    "RefusedError",
+    "SilenceError",
+    "TimeLimits",
+    "UnknownParameterError",
+    "VersionError",
+]

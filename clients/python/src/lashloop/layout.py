@@ -1,0 +1,184 @@
+"""How the fields of a message lie in its body, section 3 of `docs/protocol.md`.
+
+A message class declares each field once, with its wire type as annotation; the layout is worked out from that.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass, fields
+from operator import attrgetter
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, get_type_hints
+
+from lashloop.errors import FieldError
+from lashloop.vocabulary import (
+    Controllers,
+    FaultCode,
+    LogLevel,
+    Outcome,
+    ParameterType,
+    ParameterValue,
+    State,
+    TorqueFlags,
+    Version,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+@dataclass(frozen=True, slots=True)
+class Wire:
+    """A wire type: its name in the specification, and how its values become bytes.
+
+    `pack` and `unpack` lie between the value and what `struct` takes for `code`; they raise `ValueError` for what the
+    type does not hold. None stands for nothing to do.
+    """
+
+    name: str
+    code: str
+    allowed: str
+    pack: Callable[[Any], Any] | None = None
+    unpack: Callable[[Any], Any] | None = None
+
+
+def _text(size: int) -> Wire:
+    def pack(text: str) -> bytes:
+        data = text.encode()
+        if len(data) > size or 0 in data:
+            raise ValueError(text)
+        return data
+
+    def unpack(data: bytes) -> str:
+        text, _, padding = data.partition(b"\0")
+        if padding.strip(b"\0"):
+            raise ValueError(data)
+        return text.decode()
+
+    return Wire(f"text[{size}]", f"{size}s", f"at most {size} bytes of UTF-8 without zeros", pack, unpack)
+
+
+def _pack_value(value: ParameterValue) -> bytes:
+    return struct.pack("<BI" if value.type is ParameterType.U32 else "<Bf", value.type, value.value)
+
+
+def _unpack_value(data: bytes) -> ParameterValue:
+    kind = ParameterType(data[0])
+    (number,) = struct.unpack("<I" if kind is ParameterType.U32 else "<f", data[1:])
+    return ParameterValue(kind, number)
+
+
+def _enum(values: type[State | FaultCode | Outcome | LogLevel]) -> Wire:
+    return Wire("enum8", "B", f"a {values.__name__}", values, values)
+
+
+def _named_flags(bits: int) -> TorqueFlags:
+    if bits & ~_ALL_TORQUE_FLAGS:
+        raise ValueError(bits)
+    return TorqueFlags(bits)
+
+
+_ALL_TORQUE_FLAGS = sum(TorqueFlags)
+
+U8 = Annotated[int, Wire("u8", "B", "0 to 255")]
+U16 = Annotated[int, Wire("u16", "H", "0 to 65535")]
+U32 = Annotated[int, Wire("u32", "I", "0 to 4294967295")]
+I32 = Annotated[int, Wire("i32", "i", "-2147483648 to 2147483647")]
+F32 = Annotated[float, Wire("f32", "f", "-3.4028235e38 to 3.4028235e38, infinite or NaN")]
+Text10 = Annotated[str, _text(10)]
+Text16 = Annotated[str, _text(16)]
+Text28 = Annotated[str, _text(28)]
+Text52 = Annotated[str, _text(52)]
+Value = Annotated[ParameterValue, Wire("value", "5s", "a U32 or an F32 within its type", _pack_value, _unpack_value)]
+VersionField = Annotated[
+    Version,
+    Wire(
+        "version",
+        "3s",
+        "three numbers from 0 to 255",
+        lambda it: bytes((it.major, it.minor, it.patch)),
+        lambda data: Version(*data),
+    ),
+]
+StateField = Annotated[State, _enum(State)]
+FaultCodeField = Annotated[FaultCode, _enum(FaultCode)]
+OutcomeField = Annotated[Outcome, _enum(Outcome)]
+LogLevelField = Annotated[LogLevel, _enum(LogLevel)]
+TorqueFlagsField = Annotated[TorqueFlags, Wire("flags8", "B", "TorqueFlags", _named_flags, _named_flags)]
+# Unlike those, a set bit without a name is a law that has none, and no reason to refuse an identity.
+ControllersField = Annotated[Controllers, Wire("flags16", "H", "16 bits", None, Controllers)]
+
+
+class Declared(Protocol):
+    """A class of messages, as far as a layout needs it."""
+
+    KIND: int
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A field in the body."""
+
+    name: str
+    wire: Wire
+    offset: int
+
+
+class Layout:
+    """The body of one kind of message: the kind byte, then the fields."""
+
+    def __init__(self, message: type[Any]) -> None:
+        """Work out the layout of a message class from its annotations."""
+        hints = get_type_hints(message, include_extras=True)
+        wires = [(field.name, _wire_of(hints[field.name])) for field in fields(message)]
+        self.name = message.__name__
+        self.kind: int = message.KIND
+        self.message = message
+        self._struct = struct.Struct("<B" + "".join(wire.code for _, wire in wires))
+        self.body_len = self._struct.size
+        self.fields = tuple(
+            Field(name, wire, struct.calcsize("<B" + "".join(it.code for _, it in wires[:place])))
+            for place, (name, wire) in enumerate(wires)
+        )
+        self._values = _getter([name for name, _ in wires])
+        self._packs = [(place, wire.pack) for place, (_, wire) in enumerate(wires) if wire.pack]
+        self._unpacks = [(place, wire.unpack) for place, (_, wire) in enumerate(wires) if wire.unpack]
+
+    def encode(self, message: object) -> bytes:
+        """Give the body of a message; `FieldError` names what a field can't hold."""
+        values = list(self._values(message))
+        try:
+            for place, pack in self._packs:
+                values[place] = pack(values[place])
+            return self._struct.pack(self.kind, *values)
+        except (struct.error, ValueError, OverflowError, TypeError, AttributeError):
+            self._blame(message)
+            raise
+
+    def decode(self, body: bytes) -> Any:
+        """Read a body of this kind and length; `ValueError` if a field holds no value of its type."""
+        values = list(self._struct.unpack(body)[1:])
+        for place, unpack in self._unpacks:
+            values[place] = unpack(values[place])
+        return self.message(*values)
+
+    def _blame(self, message: object) -> None:
+        for field in self.fields:
+            value = getattr(message, field.name)
+            try:
+                struct.pack("<" + field.wire.code, field.wire.pack(value) if field.wire.pack else value)
+            except (struct.error, ValueError, OverflowError, TypeError, AttributeError):
+                raise FieldError(self.name, field.name, value, field.wire.allowed) from None
+
+
+def _wire_of(annotation: Any) -> Wire:
+    (wire,) = annotation.__metadata__
+    if not isinstance(wire, Wire):
+        raise TypeError(f"{annotation} is no wire type")
+    return wire
+
+
+def _getter(names: list[str]) -> Callable[[object], tuple[Any, ...]]:
+    if len(names) > 1:
+        return attrgetter(*names)
+    return lambda message: tuple(getattr(message, name) for name in names)

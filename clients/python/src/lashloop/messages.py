@@ -1,0 +1,275 @@
+"""The messages of protocol version 1, section 4 of `docs/protocol.md`. Units stand in the names of the fields."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from lashloop.layout import (
+    F32,
+    I32,
+    U8,
+    U16,
+    U32,
+    ControllersField,
+    FaultCodeField,
+    Layout,
+    LogLevelField,
+    OutcomeField,
+    StateField,
+    Text10,
+    Text16,
+    Text28,
+    Text52,
+    TorqueFlagsField,
+    Value,
+    VersionField,
+)
+
+PROTOCOL_VERSION = 1
+
+
+class Message:
+    """Anything that is sent."""
+
+    __slots__ = ()
+    KIND: ClassVar[int]
+
+
+class HostMessage(Message):
+    """What a host sends."""
+
+    __slots__ = ()
+
+
+class DriveMessage(Message):
+    """What a drive sends."""
+
+    __slots__ = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Hello(HostMessage):
+    """Opens a session, and asks who is there."""
+
+    KIND: ClassVar[int] = 0x01
+    protocol_version: U8
+    session: U32
+
+
+@dataclass(frozen=True, slots=True)
+class DescribeParameter(HostMessage):
+    """Asks what a parameter is."""
+
+    KIND: ClassVar[int] = 0x02
+    index: U8
+
+
+@dataclass(frozen=True, slots=True)
+class GetParameter(HostMessage):
+    """Asks for the value in force."""
+
+    KIND: ClassVar[int] = 0x03
+    index: U8
+
+
+@dataclass(frozen=True, slots=True)
+class SetParameter(HostMessage):
+    """Sets a parameter."""
+
+    KIND: ClassVar[int] = 0x04
+    index: U8
+    value: Value
+
+
+@dataclass(frozen=True, slots=True)
+class Arm(HostMessage):
+    """Builds the controller from the parameters; torque stays zero."""
+
+    KIND: ClassVar[int] = 0x05
+    session: U32
+
+
+@dataclass(frozen=True, slots=True)
+class Start(HostMessage):
+    """Starts the controller; the next sample carries sequence 0."""
+
+    KIND: ClassVar[int] = 0x06
+    session: U32
+
+
+@dataclass(frozen=True, slots=True)
+class Stop(HostMessage):
+    """Ends a run in good order."""
+
+    KIND: ClassVar[int] = 0x07
+
+
+@dataclass(frozen=True, slots=True)
+class EmergencyStop(HostMessage):
+    """Torque zero and a latched fault."""
+
+    KIND: ClassVar[int] = 0x08
+
+
+@dataclass(frozen=True, slots=True)
+class ClearFault(HostMessage):
+    """Acknowledges the latched fault."""
+
+    KIND: ClassVar[int] = 0x09
+
+
+@dataclass(frozen=True, slots=True)
+class Reset(HostMessage):
+    """Puts the drive where it is after power-up."""
+
+    KIND: ClassVar[int] = 0x0A
+
+
+@dataclass(frozen=True, slots=True)
+class EncoderSample(HostMessage):
+    """What the two encoders read at the start of a control period."""
+
+    KIND: ClassVar[int] = 0x10
+    sequence: U32
+    motor_counts: I32
+    load_counts: I32
+    reference_rad: F32
+
+
+@dataclass(frozen=True, slots=True)
+class Identity(DriveMessage):
+    """Who the drive is."""
+
+    KIND: ClassVar[int] = 0x81
+    protocol_version: U8
+    session: U32
+    firmware: VersionField
+    build_id: U32
+    state: StateField
+    board: Text16
+    period_us: U32
+    motor_counts_per_rev: U32
+    load_counts_per_rev: U32
+    controllers: ControllersField
+    parameter_count: U8
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterDescription(DriveMessage):
+    """What a parameter is."""
+
+    KIND: ClassVar[int] = 0x82
+    index: U8
+    live: U8
+    default: Value
+    min: Value
+    max: Value
+    name: Text28
+    unit: Text10
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterReport(DriveMessage):
+    """The value in force of a parameter after a get or a set."""
+
+    KIND: ClassVar[int] = 0x83
+    index: U8
+    outcome: OutcomeField
+    value: Value
+    state: StateField
+
+
+@dataclass(frozen=True, slots=True)
+class CommandResult(DriveMessage):
+    """What became of a request that has no answer of its own."""
+
+    KIND: ClassVar[int] = 0x85
+    request: U8
+    outcome: OutcomeField
+    state: StateField
+
+
+@dataclass(frozen=True, slots=True)
+class TorqueAnswer(DriveMessage):
+    """The torque for one sample."""
+
+    KIND: ClassVar[int] = 0x90
+    sequence: U32
+    torque_nm: F32
+    state: StateField
+    flags: TorqueFlagsField
+    compute_tenths_us: U16
+
+
+@dataclass(frozen=True, slots=True)
+class Telemetry(DriveMessage):
+    """What the controller thinks."""
+
+    KIND: ClassVar[int] = 0x91
+    sequence: U32
+    dead_zone_estimate_rad: F32
+    disturbing_torque_nm: F32
+    load_error_rad: F32
+    motor_error_rad: F32
+    elastic_error_nm: F32
+    requested_torque_nm: F32
+
+
+@dataclass(frozen=True, slots=True)
+class FaultReport(DriveMessage):
+    """A fault that has been latched."""
+
+    KIND: ClassVar[int] = 0x92
+    code: FaultCodeField
+    sequence: U32
+    value: F32
+    limit: F32
+    detail: U32
+
+
+@dataclass(frozen=True, slots=True)
+class Log(DriveMessage):
+    """A line for people."""
+
+    KIND: ClassVar[int] = 0x93
+    level: LogLevelField
+    text: Text52
+
+
+@dataclass(frozen=True, slots=True)
+class LineReport(DriveMessage):
+    """What the drive's receiver has seen since the last start."""
+
+    KIND: ClassVar[int] = 0x94
+    messages: U32
+    damaged: U32
+    refused: U32
+    overruns: U32
+
+
+HOST_MESSAGES: tuple[type[HostMessage], ...] = (
+    Hello,
+    DescribeParameter,
+    GetParameter,
+    SetParameter,
+    Arm,
+    Start,
+    Stop,
+    EmergencyStop,
+    ClearFault,
+    Reset,
+    EncoderSample,
+)
+DRIVE_MESSAGES: tuple[type[DriveMessage], ...] = (
+    Identity,
+    ParameterDescription,
+    ParameterReport,
+    CommandResult,
+    TorqueAnswer,
+    Telemetry,
+    FaultReport,
+    Log,
+    LineReport,
+)
+LAYOUTS: dict[type[Message], Layout] = {it: Layout(it) for it in (*HOST_MESSAGES, *DRIVE_MESSAGES)}

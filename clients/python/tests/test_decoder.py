@@ -1,0 +1,117 @@
+"""The decoder finds its way through splits, noise and damage, and counts what it met."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from cobs import cobs
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lashloop.decoder import Counters, Decoder
+from lashloop.frames import FROM_HOST, FrameError, crc32c, encode
+from lashloop.messages import Arm, EncoderSample, GetParameter, HostMessage, LineReport, SetParameter, Stop
+from lashloop.vocabulary import ParameterValue
+
+SESSIONS = st.integers(0, 2**32 - 1)
+COUNTS = st.integers(-(2**31), 2**31 - 1)
+REALS = st.floats(width=32, allow_nan=False)
+MESSAGES: st.SearchStrategy[HostMessage] = st.one_of(
+    st.builds(Arm, SESSIONS),
+    st.builds(GetParameter, st.integers(0, 255)),
+    st.builds(EncoderSample, SESSIONS, COUNTS, COUNTS, REALS),
+    st.builds(SetParameter, st.integers(0, 255), st.builds(ParameterValue.f32, REALS)),
+    st.just(Stop()),
+)
+
+
+def decoded(pieces: list[bytes]) -> tuple[list[HostMessage], Counters]:
+    """The good messages of a stream in pieces, and what was counted."""
+    decoder = Decoder(FROM_HOST)
+    items = [item for piece in pieces for item in decoder.feed(piece)]
+    return [item for item in items if not isinstance(item, FrameError)], decoder.counters
+
+
+def split(data: bytes, places: list[int]) -> list[bytes]:
+    """A stream cut at these places."""
+    cuts = [0, *sorted(place % (len(data) + 1) for place in places), len(data)]
+    return [data[start:end] for start, end in pairwise(cuts)]
+
+
+@given(st.lists(MESSAGES), st.lists(st.integers(0, 10**6)))
+def test_messages_come_whole_however_the_stream_is_cut(messages: list[HostMessage], places: list[int]) -> None:
+    stream = b"".join(map(encode, messages))
+    assert decoded(split(stream, places)) == (messages, Counters(messages=len(messages)))
+
+
+@given(st.binary(), MESSAGES, st.lists(st.integers(0, 10**6)))
+def test_after_a_delimiter_any_noise_is_forgotten(noise: bytes, message: HostMessage, places: list[int]) -> None:
+    messages, counters = decoded(split(noise + b"\0" + encode(message), places))
+    assert messages[-1] == message
+    # Every byte belongs to a good frame, a bad one, or is a delimiter alone.
+    alone = sum(not piece for piece in (noise + b"\0").split(b"\0")[:-1])
+    good = sum(len(encode(it)) for it in messages[:-1])
+    assert counters.discarded_bytes + alone + good == len(noise) + 1
+
+
+@given(MESSAGES, st.integers(0, 10**6))
+def test_a_frame_with_a_flipped_bit_is_no_message(message: HostMessage, place: int) -> None:
+    frame = bytearray(encode(message))
+    bit = place % (8 * (len(frame) - 1))
+    frame[bit // 8] ^= 1 << bit % 8
+    messages, counters = decoded([bytes(frame), encode(Stop())])
+    assert messages == [Stop()]
+    assert counters.refused == 0
+    assert counters.damaged + frame[:-1].count(0) >= 1
+
+
+def test_each_sort_of_damage_has_its_counter() -> None:
+    whole = encode(GetParameter(3))
+    bad_crc = whole[:-2] + bytes([whole[-2] ^ 2]) + b"\0"
+    stream = [
+        bad_crc,
+        whole[:4] + b"\0",
+        b"\x01\0",
+        b"\x55" * 64 + b"\0",
+        b"\x55" * 1000 + b"\0",
+        encode(LineReport(0, 0, 0, 0)),
+        b"\0\0\0",
+        whole,
+    ]
+    messages, counters = decoded(stream)
+    assert messages == [GetParameter(3)]
+    assert counters == Counters(
+        messages=1,
+        discarded_bytes=sum(map(len, stream[:6])),
+        oversized=2,
+        malformed=2,
+        crc_errors=1,
+        refused=1,
+    )
+
+
+def test_the_longest_frame_is_taken_and_one_byte_more_is_not() -> None:
+    # 63 bytes before the delimiter are whole, and refused for what they hold; 64 can't be a frame.
+    for length, wanted in (
+        (58, Counters(refused=1, discarded_bytes=64)),
+        (59, Counters(oversized=1, discarded_bytes=65)),
+    ):
+        body = b"\x7f" * length
+        stuffed: bytes = cobs.encode(body + crc32c(body).to_bytes(4, "little"))
+        assert decoded([stuffed + b"\0"]) == ([], wanted)
+
+
+def test_counters_are_those_at_the_message_given_last() -> None:
+    decoder = Decoder(FROM_HOST)
+    seen = [decoder.counters.messages for _ in decoder.feed(encode(Stop()) * 3)]
+    assert seen == [1, 2, 3]
+
+
+def test_noise_without_end_takes_no_room() -> None:
+    decoder = Decoder(FROM_HOST)
+    for _ in range(1000):
+        assert list(decoder.feed(b"\x55" * 1000)) == []
+    (error,) = decoder.feed(b"\0")
+    assert isinstance(error, FrameError)
+    assert "1000000 bytes without a delimiter" in str(error)
+    assert decoder.counters == Counters(oversized=1, discarded_bytes=1_000_001)

@@ -1,0 +1,225 @@
+"""Messages and frames against the frames that all languages share, and against the specification."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from cobs import cobs
+
+from lashloop import frames, messages
+from lashloop.errors import FieldError
+from lashloop.frames import FROM_DRIVE, FROM_HOST, CrcError, MalformedError, OversizedError, RefusedError
+from lashloop.messages import DRIVE_MESSAGES, HOST_MESSAGES, LAYOUTS, Log, Message
+from lashloop.vocabulary import (
+    ControllerId,
+    Controllers,
+    DisturbingTorqueSource,
+    FaultCode,
+    LogLevel,
+    Outcome,
+    ParameterType,
+    ParameterValue,
+    State,
+    TorqueFlags,
+    Version,
+    WireEnum,
+    single,
+    spell,
+)
+from support import WORKSPACE, document, table
+
+GOLDEN = json.loads((WORKSPACE / "protocol/golden/v1.json").read_text())
+ALL: tuple[type[Message], ...] = (*HOST_MESSAGES, *DRIVE_MESSAGES)
+FLAGS = {"flags": TorqueFlags, "controllers": Controllers}
+
+
+def direction(kind: int) -> Any:
+    return FROM_HOST if kind < 0x80 else FROM_DRIVE
+
+
+def from_json(name: str, value: Any) -> Any:
+    """A field as the shared file has it, as the message has it."""
+    if isinstance(value, dict):
+        make = ParameterValue.f32 if value["type"] == "F32" else ParameterValue.u32
+        return make(value["value"])
+    if name in FLAGS:
+        bits: Any = FLAGS[name](0)
+        for flag in value:
+            bits |= FLAGS[name][flag]
+        return bits
+    if name == "firmware":
+        return Version(*map(int, value.split(".")))
+    lists: dict[str, type[WireEnum]] = {"state": State, "outcome": Outcome, "code": FaultCode, "level": LogLevel}
+    if name in lists:
+        return next(it for it in lists[name] if it.label == value)
+    return single(value) if isinstance(value, float) else value
+
+
+@pytest.mark.parametrize("golden", GOLDEN["frames"], ids=lambda it: str(it["name"]))
+def test_shared_frames_are_read_field_by_field_and_written_again_byte_by_byte(golden: dict[str, Any]) -> None:
+    frame = bytes.fromhex(golden["frame"])
+    message_type = getattr(messages, golden["name"])
+    fields = {name: from_json(name, value) for name, value in golden["fields"].items()}
+    assert frames.decode(frame, direction(golden["kind"])) == message_type(**fields)
+    assert frames.encode(message_type(**fields)) == frame
+
+
+def test_the_shared_file_has_every_message_of_this_version() -> None:
+    assert GOLDEN["protocol_version"] == messages.PROTOCOL_VERSION
+    assert [it["name"] for it in GOLDEN["frames"]] == [it.__name__ for it in ALL]
+
+
+def test_kinds_senders_and_lengths_are_those_of_the_specification() -> None:
+    rows = {row[1]: (row[0], row[2], int(row[3])) for row in table("## 4. Messages")}
+    ours = {
+        it.__name__: (
+            f"{it.KIND:#04x}",
+            "host" if it in HOST_MESSAGES else "drive",
+            LAYOUTS[it].body_len + frames.OVERHEAD,
+        )
+        for it in ALL
+    }
+    assert ours == rows
+
+
+@pytest.mark.parametrize("message", ALL, ids=lambda it: str(it.__name__))
+def test_layouts_are_those_of_the_specification(message: type[Message]) -> None:
+    layout = LAYOUTS[message]
+    rows = table(f"### {layout.name} ({layout.kind:#04x})")
+    ours = [(str(field.offset), field.name, field.wire.name) for field in layout.fields]
+    assert ours == [(row[0], row[2], row[3]) for row in rows]
+
+
+@pytest.mark.parametrize(
+    "values",
+    [State, FaultCode, Outcome, LogLevel, ParameterType, ControllerId, DisturbingTorqueSource],
+)
+def test_lists_are_those_of_the_specification(values: type[WireEnum]) -> None:
+    rows = [(int(row[0]), row[1]) for row in table(f"### {values.__name__}")]
+    assert [(int(it), it.label) for it in values] == rows
+
+
+@pytest.mark.parametrize("flags", [TorqueFlags, Controllers])
+def test_flags_are_those_of_the_specification(flags: type[TorqueFlags | Controllers]) -> None:
+    rows = [(int(row[0], 16), row[1]) for row in table(f"### {flags.__name__}")]
+    assert [(it.value, it.name) for it in flags] == rows
+
+
+def test_the_crc_has_the_check_value_and_residue_of_the_specification() -> None:
+    rows = dict(row[:2] for row in table("### CRC"))
+    checksum = frames.crc32c(b"123456789")
+    assert checksum == int(rows["check value"], 16)
+    # The residue is what stays in the register after a body and its own CRC, before the final xor.
+    with_crc = frames.crc32c(b"123456789" + checksum.to_bytes(4, "little"))
+    assert with_crc ^ 0xFFFFFFFF == int(rows["residue"], 16)
+
+
+def test_limits_are_those_of_the_specification() -> None:
+    rows = {row[0]: int(row[1]) for row in table("## 2. Frames")}
+    ours = {
+        "PROTOCOL_VERSION": messages.PROTOCOL_VERSION,
+        "MAX_FRAME": frames.MAX_FRAME,
+        "MAX_BODY": frames.MAX_BODY,
+        "OVERHEAD": frames.OVERHEAD,
+        "DELIMITER": frames.DELIMITER[0],
+    }
+    assert ours == rows
+    assert max(LAYOUTS[it].body_len for it in ALL) <= frames.MAX_BODY
+
+
+@pytest.mark.parametrize(
+    ("message", "said"),
+    [
+        (messages.Arm(2**32), "Arm.session is 4294967296, allowed is 0 to 4294967295"),
+        (messages.Arm(-1), "Arm.session is -1, allowed is 0 to 4294967295"),
+        (messages.EncoderSample(0, 2**31, 0, 0.0), "EncoderSample.motor_counts is 2147483648, allowed is"),
+        (messages.EncoderSample(0, 0, 0, 1e39), "EncoderSample.reference_rad is 1e+39, allowed is"),
+        (messages.SetParameter(256, ParameterValue.u32(0)), "SetParameter.index is 256, allowed is 0 to 255"),
+        (messages.SetParameter(0, ParameterValue.u32(-1)), "SetParameter.value is"),
+        (Log(LogLevel.INFO, "x" * 53), "Log.text is"),
+        (Log(LogLevel.INFO, "a\0b"), "Log.text is"),
+    ],
+)
+def test_a_value_that_a_field_can_t_hold_is_named_with_its_limits(message: Message, said: str) -> None:
+    with pytest.raises(FieldError) as raised:
+        frames.encode(message)
+    assert str(raised.value).startswith(said)
+
+
+def sealed(body: bytes) -> bytes:
+    """A body as a whole frame, whatever it is."""
+    stuffed: bytes = cobs.encode(body + frames.crc32c(body).to_bytes(4, "little"))
+    return stuffed + b"\0"
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        b"\x00",
+        b"\x7f",
+        b"\x81",
+        b"\x05\0\0\0",
+        b"\x05\0\0\0\0\0",
+        b"\x04\0\x03\0\0\0\0",
+        b"\x04\0\x00\0\0\0\0",
+    ],
+    ids=["kind 0", "unknown kind", "other direction", "too short", "too long", "value of type 3", "value of type 0"],
+)
+def test_a_whole_frame_that_is_no_message_is_refused(body: bytes) -> None:
+    with pytest.raises(RefusedError):
+        frames.decode(sealed(body), FROM_HOST)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        b"\x85\x06\x0a\x01",
+        b"\x85\x06\x00\x01",
+        b"\x85\x06\x01\x06",
+        b"\x90" + bytes(8) + b"\x04\x08\0\0",
+        b"\x93\x05" + bytes(52),
+        b"\x93\x01a\0b" + bytes(49),
+        b"\x93\x01\xff" + bytes(51),
+    ],
+    ids=["outcome", "outcome 0", "state", "torque flag", "level", "text after its end", "not UTF-8"],
+)
+def test_a_field_that_holds_no_value_of_its_type_is_refused(body: bytes) -> None:
+    with pytest.raises(RefusedError):
+        frames.decode(sealed(body), FROM_DRIVE)
+
+
+def test_a_control_law_without_a_name_is_no_reason_to_refuse_an_identity() -> None:
+    golden = next(it for it in GOLDEN["frames"] if it["name"] == "Identity")
+    body = bytearray(frames.open_frame(bytes.fromhex(golden["frame"])[:-1]))
+    body[42:44] = b"\x02\x80"
+    identity = frames.decode(sealed(bytes(body)), FROM_DRIVE)
+    assert isinstance(identity, messages.Identity)
+    assert (identity.controllers.offers(1), identity.controllers.offers(2)) == (True, False)
+    assert identity.controllers.offers(15)
+
+
+def test_damage_is_told_apart() -> None:
+    whole = frames.encode(messages.Stop())
+    with pytest.raises(CrcError):
+        frames.decode(whole[:2] + bytes([whole[2] ^ 1]) + whole[3:], FROM_HOST)
+    with pytest.raises(MalformedError):
+        frames.decode(whole[:3], FROM_HOST)
+    with pytest.raises(MalformedError):
+        frames.decode(b"\x01\0", FROM_HOST)
+    with pytest.raises(OversizedError):
+        frames.decode(b"\x01" * 64 + b"\0", FROM_HOST)
+
+
+def test_the_frames_of_the_specification_s_conversation_are_read_and_written_again() -> None:
+    shown = [bytes.fromhex(line[7:]) for line in document().splitlines() if line.startswith("frame: ")]
+    assert len(shown) == 16
+    for frame in shown:
+        kind = frames.open_frame(frame[:-1])[0]
+        assert frames.encode(frames.decode(frame, direction(kind))) == frame
+
+
+def test_numbers_are_spelt_with_the_fewest_digits_that_give_them_again() -> None:
+    for text in ["0.1", "0.333333", "0.3333333", "1000000", "-20.5", "0.000972", "1e-09", "nan", "inf", "0"]:
+        assert spell(single(float(text))) == text

@@ -1,0 +1,132 @@
+"""The host drives the Rust drive: the native twin as a process on a pseudo-terminal."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from lashloop.control import ControlInput
+from lashloop.control.cascade import PD
+from lashloop.drive import Drive
+from lashloop.host import DriveFaultError, Host
+from lashloop.vocabulary import FaultCode, State
+from support import rust_twin
+
+PERIOD_S = 1e-3
+COUNTS_PER_REV = 131_072
+
+
+class Plant:
+    """Motor and load with a spring and a gap between them, integrated in small steps: enough to close a loop."""
+
+    def __init__(self) -> None:
+        """The load a quarter of a turn from zero, the motor in line, both at rest. Table 1 of the paper."""
+        self.motor_rad, self.motor_rad_s = 1.5 * math.pi, 0.0
+        self.load_rad, self.load_rad_s = 0.5 * math.pi, 0.0
+
+    def counts(self) -> dict[str, int]:
+        """What the encoders read."""
+        per_rad = COUNTS_PER_REV / math.tau
+        return {
+            "motor_counts": math.floor(self.motor_rad * per_rad),
+            "load_counts": math.floor(self.load_rad * per_rad),
+        }
+
+    def step(self, torque_nm: float) -> None:
+        """Let a control period pass."""
+        steps = 50
+        for _ in range(steps):
+            twist = self.motor_rad - 3.0 * self.load_rad
+            spring_nm = math.copysign(max(abs(twist) - 0.16, 0.0), twist)
+            motor = (torque_nm - spring_nm - 4.3e-4 * self.motor_rad_s) / 9.72e-4
+            load = (3.0 * spring_nm - 16.0 * self.load_rad_s) / 7.5
+            self.motor_rad_s += motor * PERIOD_S / steps
+            self.load_rad_s += load * PERIOD_S / steps
+            self.motor_rad += self.motor_rad_s * PERIOD_S / steps
+            self.load_rad += self.load_rad_s * PERIOD_S / steps
+
+
+def prepared(host: Host) -> Host:
+    """A host that has set up the plain cascade."""
+    host.reset()
+    host.set("controller", 1)
+    host.set("torque_limit_nm", 25.0)
+    host.set("watchdog_us", 20_000_000)
+    host.arm()
+    host.start()
+    return host
+
+
+def test_a_closed_loop_with_the_twin_has_the_torque_of_the_law_and_brings_the_load_home() -> None:
+    plant = Plant()
+    law = PD.build(dict(Drive([PD]).parameters))
+    with rust_twin() as twin, Host.open(twin.path) as host:
+        assert host.identity.board == "native-twin"
+        prepared(host)
+        applied_nm = 0.0
+        for step in range(3000):
+            counts = plant.counts()
+            torque_nm = host.torque(**counts, reference_rad=0.0)
+            if step == 0:
+                # At rest and without twist, encoders read at the middle of their counts: -(K_P2 + N0) K_P1 theta_s,
+                # but for the count by which the motor's middle is off three times the load's.
+                theta_e, theta_s = ((it + 0.5) * math.tau / COUNTS_PER_REV for it in counts.values())
+                wanted_nm = -(theta_e - 3 * theta_s) - (theta_e + 10 * theta_s)
+                assert torque_nm == pytest.approx(wanted_nm, abs=1e-5)
+                assert torque_nm == pytest.approx(-13 * math.pi / 2, abs=1e-3)
+            # The law of this package gives the same number, to the last bit.
+            ours = law.step(ControlInput(**counts, reference_rad=0.0, applied_torque_nm=applied_nm, elapsed_periods=1))
+            assert torque_nm == ours.torque_nm, f"sample {step}"
+            applied_nm = torque_nm
+            plant.step(torque_nm)
+        report = host.stop()
+        assert (report.messages, report.damaged, report.refused, report.overruns) == (3001, 0, 0, 0)
+        assert host.lost == 0
+        assert host.telemetry is not None
+        assert host.telemetry.sequence == 2990
+    # The load creeps home: less than half of its way is left after 3 s, and it has not run past.
+    assert 0.0 < plant.load_rad < 0.25 * math.pi
+
+
+def test_the_twin_s_parameters_are_learnt_set_and_read_back() -> None:
+    with rust_twin() as twin, Host.open(twin.path) as host:
+        ours = {spec.name: spec for spec in Drive([PD]).parameters.specs}
+        assert list(host.parameters) == list(ours)
+        for name, it in host.parameters.items():
+            if name != "controller":
+                assert (it.unit, it.default, it.min, it.max, it.live) == (
+                    ours[name].unit,
+                    ours[name].default,
+                    ours[name].min,
+                    ours[name].max,
+                    ours[name].live,
+                )
+        assert host.set("k_p1", 2.5) == host.get("k_p1") == 2.5
+        assert [host.identity.controllers.offers(number) for number in range(5)] == [False, True, True, True, False]
+
+
+def test_a_jump_of_an_encoder_is_a_fault_of_the_twin_with_value_and_limit() -> None:
+    with rust_twin() as twin, Host.open(twin.path) as host:
+        prepared(host)
+        host.torque(motor_counts=0, load_counts=0, reference_rad=0.0)
+        with pytest.raises(DriveFaultError) as it:
+            host.torque(motor_counts=0, load_counts=50_000, reference_rad=0.0)
+        fault = it.value.fault
+        assert (fault.code, fault.sequence, fault.limit) == (FaultCode.LOAD_ENCODER_JUMP, 1, 100.0)
+        # A count is taken off: an encoder that shows one count more may have turned hardly at all.
+        assert fault.value == pytest.approx(49_999 * math.tau / COUNTS_PER_REV / PERIOD_S, rel=1e-6)
+        host.clear_fault()
+        assert host.emergency_stop().code is FaultCode.EMERGENCY_STOP
+        host.clear_fault()
+        host.arm()
+
+
+def test_a_twin_with_a_fault_tells_the_next_host() -> None:
+    with rust_twin() as twin:
+        with Host.open(twin.path) as host:
+            host.emergency_stop()
+        with Host.open(twin.path) as host:
+            assert host.identity.state is State.FAULTED
+            assert host.fault is not None
+            assert host.fault.code is FaultCode.EMERGENCY_STOP

@@ -1,0 +1,30 @@
+//! The Python package's interpreter, and its drive on a pseudo-terminal.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::twin::Twin;
+use crate::workspace;
+
+/// Where `cargo xtask setup` installs the package.
+#[must_use]
+pub fn interpreter() -> PathBuf {
+    workspace().join("target/python/bin/python")
+}
+
+/// What is missing here, with the command that provides it.
+#[must_use]
+pub fn missing() -> Option<String> {
+    let python = interpreter();
+    (!python.is_file()).then(|| {
+        format!("there is no Python with the package at {}: run `cargo xtask setup`", python.display())
+    })
+}
+
+/// `python -m lashloop drive`.
+#[must_use]
+pub fn drive() -> Twin {
+    let mut command = Command::new(interpreter());
+    command.args(["-m", "lashloop", "drive"]);
+    Twin::serving(command)
+}
