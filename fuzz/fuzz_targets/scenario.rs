@@ -1,4 +1,4 @@
-//! Any text is a scenario or is refused with messages.
+//! Any text is a scenario or is refused with messages, and a scenario that is printed reads back as itself.
 
 #![no_main]
 
@@ -7,7 +7,12 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {
     match Scenario::from_str("fuzz.toml", text, &[]) {
-        Ok(scenario) => drop(scenario.to_toml()),
+        Ok(scenario) => {
+            let printed = scenario.to_toml().expect("what was read can be printed");
+            let again = Scenario::from_str("fuzz.toml", &printed, &[]).expect("what was printed can be read");
+            // Compared as printed: the scenarios themselves also know the lines their parameters stood on.
+            assert_eq!(again.to_toml().expect("as before"), printed);
+        }
         Err(errors) => assert!(!errors.to_string().is_empty()),
     }
 });
