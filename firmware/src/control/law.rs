@@ -1,5 +1,6 @@
 //! The choice of a control law at run time.
 
+use crate::control::compensating::{Compensating, CompensatingState};
 use crate::control::faithful::{Faithful, FaithfulState};
 use crate::control::literal::{Literal, LiteralState};
 use crate::control::pd::Pd;
@@ -14,17 +15,21 @@ pub enum Law<F> {
     Faithful(Faithful<F>),
     /// The cascade after compensation, as printed.
     Literal(Literal<F>),
+    /// The gap inverted in the torque domain.
+    Compensating(Compensating<F>),
 }
 
 /// The state of any of the control laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LawState<F> {
+pub enum LawState<F: Real> {
     /// [`Pd`] remembers nothing.
     Pd,
     /// State of [`Faithful`].
     Faithful(FaithfulState<F>),
     /// State of [`Literal`].
     Literal(LiteralState<F>),
+    /// State of [`Compensating`].
+    Compensating(CompensatingState<F>),
 }
 
 impl<F: Real> Controller<F> for Law<F> {
@@ -35,6 +40,7 @@ impl<F: Real> Controller<F> for Law<F> {
             Self::Pd(_) => LawState::Pd,
             Self::Faithful(law) => LawState::Faithful(law.initial_state()),
             Self::Literal(law) => LawState::Literal(law.initial_state()),
+            Self::Compensating(law) => LawState::Compensating(law.initial_state()),
         }
     }
 
@@ -45,6 +51,7 @@ impl<F: Real> Controller<F> for Law<F> {
             (Self::Pd(law), LawState::Pd) => law.step(&mut (), measurement),
             (Self::Faithful(law), LawState::Faithful(state)) => law.step(state, measurement),
             (Self::Literal(law), LawState::Literal(state)) => law.step(state, measurement),
+            (Self::Compensating(law), LawState::Compensating(state)) => law.step(state, measurement),
             (_, foreign) => {
                 *foreign = self.initial_state();
                 self.step(foreign, measurement)
