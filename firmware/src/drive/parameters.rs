@@ -19,7 +19,13 @@ pub struct Entry {
     /// Whether it may be set while running.
     pub live: bool,
     get: fn(&Parameters) -> ParameterValue,
-    put: fn(&mut Parameters, ParameterValue) -> Outcome,
+    place: fn(&mut Parameters) -> Place<'_>,
+}
+
+/// Where a value is kept.
+enum Place<'a> {
+    U32(&'a mut u32),
+    F32(&'a mut f32),
 }
 
 impl Entry {
@@ -31,8 +37,23 @@ impl Entry {
 
     /// Sets the value if it is of the right type and in range; otherwise nothing changes.
     pub fn set(&self, parameters: &mut Parameters, value: ParameterValue) -> Outcome {
-        (self.put)(parameters, value)
+        use ParameterValue::{F32, U32};
+        // Once for all of them: a check per parameter would cost the image two kilobytes.
+        match ((self.place)(parameters), value, self.min, self.max) {
+            (Place::U32(place), U32(value), U32(min), U32(max)) => put(place, value, min, max),
+            (Place::F32(place), F32(value), F32(min), F32(max)) => put(place, value, min, max),
+            _ => Outcome::WrongType,
+        }
     }
+}
+
+fn put<T: PartialOrd>(place: &mut T, value: T, min: T, max: T) -> Outcome {
+    // NaN is in no range.
+    if !(min..=max).contains(&value) {
+        return Outcome::OutOfRange;
+    }
+    *place = value;
+    Outcome::Accepted
 }
 
 macro_rules! parameters {
@@ -56,15 +77,7 @@ macro_rules! parameters {
             max: ParameterValue::$ty($max),
             live: is_live!($($live)?),
             get: |parameters| ParameterValue::$ty(parameters.$name),
-            put: |parameters, value| match value {
-                // NaN is in no range.
-                ParameterValue::$ty(value) if ($min..=$max).contains(&value) => {
-                    parameters.$name = value;
-                    Outcome::Accepted
-                }
-                ParameterValue::$ty(_) => Outcome::OutOfRange,
-                _ => Outcome::WrongType,
-            },
+            place: |parameters| Place::$ty(&mut parameters.$name),
         }),+];
     };
 }

@@ -1,7 +1,22 @@
 //! What may be tuned in the compensating law.
 
-use crate::control::parameter::{GAIN_MAX, within};
+use crate::control::parameter::{GAIN_MAX, Limits, all_within, within};
 use crate::control::{ParameterError, Real};
+
+/// What each of them may be, but for the two that depend on the period.
+const LIMITS: [Limits; 11] = [
+    ("approach_rate_1_s", 0.0, GAIN_MAX),
+    ("approach_speed_rad_s", 0.0, GAIN_MAX),
+    ("load_velocity_gain_nm_s_rad", 0.0, GAIN_MAX),
+    ("load_integral_gain_nm_rad", 0.0, GAIN_MAX),
+    ("load_integral_limit_nm", 0.0, GAIN_MAX),
+    ("transmitted_limit_nm", 0.0, GAIN_MAX),
+    ("gap_crossing_nm", 1e-6, GAIN_MAX),
+    ("twist_gain_nm_rad", 0.0, GAIN_MAX),
+    ("identification_min_nm", 0.0, GAIN_MAX),
+    ("arrival_band_rad", 0.0, 1.0),
+    ("hold_share", 0.0, 1.0),
+];
 
 /// Gains and limits of the compensating law.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,17 +74,22 @@ impl<F: Real> CompensatingGains<F> {
     /// # Errors
     /// Names the first gain outside its range.
     pub fn validate(&self, motor_inertia_kg_m2: F, period_s: F) -> Result<(), ParameterError> {
-        within("approach_rate_1_s", self.approach_rate_1_s, 0.0, GAIN_MAX)?;
-        within("approach_speed_rad_s", self.approach_speed_rad_s, 0.0, GAIN_MAX)?;
-        within("load_velocity_gain_nm_s_rad", self.load_velocity_gain_nm_s_rad, 0.0, GAIN_MAX)?;
-        within("load_integral_gain_nm_rad", self.load_integral_gain_nm_rad, 0.0, GAIN_MAX)?;
-        within("load_integral_limit_nm", self.load_integral_limit_nm, 0.0, GAIN_MAX)?;
-        within("transmitted_limit_nm", self.transmitted_limit_nm, 0.0, GAIN_MAX)?;
-        within("gap_crossing_nm", self.gap_crossing_nm, 1e-6, GAIN_MAX)?;
-        within("twist_gain_nm_rad", self.twist_gain_nm_rad, 0.0, GAIN_MAX)?;
-        within("identification_min_nm", self.identification_min_nm, 0.0, GAIN_MAX)?;
-        within("arrival_band_rad", self.arrival_band_rad, 0.0, 1.0)?;
-        within("hold_share", self.hold_share, 0.0, 1.0)?;
+        all_within(
+            &LIMITS,
+            [
+                self.approach_rate_1_s,
+                self.approach_speed_rad_s,
+                self.load_velocity_gain_nm_s_rad,
+                self.load_integral_gain_nm_rad,
+                self.load_integral_limit_nm,
+                self.transmitted_limit_nm,
+                self.gap_crossing_nm,
+                self.twist_gain_nm_rad,
+                self.identification_min_nm,
+                self.arrival_band_rad,
+                self.hold_share,
+            ],
+        )?;
         // A held torque damps the motor within one period at most; beyond that it drives it to and fro.
         let damping_max = (motor_inertia_kg_m2 / period_s).to_f64() as f32;
         within("twist_damping_nm_s_rad", self.twist_damping_nm_s_rad, 0.0, damping_max)?;
