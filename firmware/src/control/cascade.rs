@@ -50,13 +50,7 @@ impl<F: Real> CascadeGains<F> {
     pub fn validate(&self) -> Result<(), ParameterError> {
         all_within(
             &LIMITS,
-            [
-                self.motor_position,
-                self.motor_velocity,
-                self.load_position,
-                self.load_velocity,
-                self.elastic,
-            ],
+            [self.motor_position, self.motor_velocity, self.load_position, self.load_velocity, self.elastic],
         )
     }
 }

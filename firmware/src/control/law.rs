@@ -66,6 +66,7 @@ mod tests {
 
     use super::*;
     use crate::control::cascade::CascadeGains;
+    use crate::control::compensating::{CompensatingGains, CompensatingSetting};
     use crate::control::dead_zone_observer::DeadZoneObserver;
     use crate::control::faithful::DisturbingTorqueSource;
     use crate::control::nominal::NominalModel;
@@ -85,6 +86,20 @@ mod tests {
         }
     }
 
+    fn compensating() -> Law<f64> {
+        let setting = CompensatingSetting {
+            momentum_observer_rad_s: 60.0,
+            dead_zone_initial_rad: 0.16,
+            dead_zone_max_rad: 3.0,
+            load_resolution_rad: 1e-4,
+            torque_limit_nm: 20.0,
+            period_s: 1e-3,
+        };
+        let law = Compensating::new(&NominalModel::paper(), CompensatingGains::paper(), setting);
+        Law::Compensating(law.expect("valid"))
+    }
+
+    /// The paper's.
     fn laws() -> [Law<f64>; 3] {
         let (model, gains, observer) =
             (NominalModel::paper(), CascadeGains::paper(), DeadZoneObserver::paper());
@@ -97,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn first_torque_of_the_paper_is_the_same_in_every_law() {
+    fn first_torque_is_the_same_in_every_law_of_the_paper() {
         for law in laws() {
             let output = law.step(&mut law.initial_state(), &start());
             // Without twist there is nothing to compensate: -(theta_e + 10 theta_s).
@@ -135,10 +150,12 @@ mod tests {
     #[test]
     fn state_of_another_law_is_begun_anew() {
         let [pd, faithful, _] = laws();
-        let mut state = pd.initial_state();
-        let mut own = faithful.initial_state();
-        assert_eq!(faithful.step(&mut state, &start()), faithful.step(&mut own, &start()));
-        assert_eq!(state, own);
+        for (before, law) in [(pd, faithful), (faithful, compensating()), (compensating(), pd)] {
+            let mut state = before.initial_state();
+            let mut own = law.initial_state();
+            assert_eq!(law.step(&mut state, &start()), law.step(&mut own, &start()));
+            assert_eq!(state, own);
+        }
     }
 
     #[test]
@@ -164,7 +181,7 @@ mod tests {
 
     #[test]
     fn a_number_that_is_none_shows_in_the_output() {
-        for law in laws() {
+        for law in laws().into_iter().chain([compensating()]) {
             let blind = Measurement { load_position_rad: f64::NAN, ..start() };
             assert!(!law.step(&mut law.initial_state(), &blind).is_finite());
         }

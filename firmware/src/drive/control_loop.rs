@@ -7,8 +7,8 @@ use lashloop_protocol::vocabulary::{ControllerId, DisturbingTorqueSource};
 
 use super::parameters::Parameters;
 use crate::control::cascade::CascadeGains;
-use crate::control::dead_zone_observer::DeadZoneObserver;
 use crate::control::compensating::{Compensating, CompensatingGains, CompensatingSetting};
+use crate::control::dead_zone_observer::DeadZoneObserver;
 use crate::control::faithful::{self, Faithful};
 use crate::control::law::{Law, LawState};
 use crate::control::literal::Literal;

@@ -86,12 +86,8 @@ impl fmt::Display for ParameterValue {
     }
 }
 
-const CONTROLLERS: [ControllerName; 4] = [
-    ControllerName::Pd,
-    ControllerName::Faithful,
-    ControllerName::Literal,
-    ControllerName::Compensating,
-];
+const CONTROLLERS: [ControllerName; 4] =
+    [ControllerName::Pd, ControllerName::Faithful, ControllerName::Literal, ControllerName::Compensating];
 
 pub(super) fn read(controller: &mut Section<'_>) -> ControllerSettings {
     let choices = CONTROLLERS.map(|name| (name.as_str(), name));

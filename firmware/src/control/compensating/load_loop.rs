@@ -45,8 +45,7 @@ impl<F: Real> LoadLoop<F> {
         period_s: F,
     ) -> Self {
         let counts_rad = F::from_f64(BAND_COUNTS) * load_resolution_rad;
-        let band_rad =
-            if gains.arrival_band_rad > counts_rad { gains.arrival_band_rad } else { counts_rad };
+        let band_rad = if gains.arrival_band_rad > counts_rad { gains.arrival_band_rad } else { counts_rad };
         Self {
             gains,
             friction_nm_s_rad: model.load_friction_nm_s_rad,
@@ -79,8 +78,7 @@ impl<F: Real> LoadLoop<F> {
         } else if arrived {
             reference_velocity
         } else {
-            reference_velocity
-                - (self.gains.approach_rate_1_s * error).clamp(-approach_speed, approach_speed)
+            reference_velocity - (self.gains.approach_rate_1_s * error).clamp(-approach_speed, approach_speed)
         };
         let velocity_error = wanted_velocity - load_velocity_rad_s;
         let wanted_nm = self.per_ratio

@@ -30,7 +30,7 @@ mod motor_friction;
 mod tests;
 
 pub use gains::CompensatingGains;
-use identification::{Estimate, Identification};
+use identification::{Estimate, GAP_WANDER_RAD2, Identification};
 use load_loop::{LoadLoop, LoadLoopState};
 use load_observer::{LoadObserver, LoadObserverState};
 use motor_friction::MotorFriction;
@@ -134,6 +134,7 @@ impl<F: Real> Compensating<F> {
                 initial_rad: setting.dead_zone_initial_rad,
                 max_rad: setting.dead_zone_max_rad,
                 min_torque_nm: gains.identification_min_nm,
+                wander_rad2: F::from_f64(GAP_WANDER_RAD2),
             },
             ratio: model.ratio,
             motor_friction_nm_s_rad: model.motor_friction_nm_s_rad,
