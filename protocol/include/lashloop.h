@@ -34,7 +34,8 @@ enum lashloop_state {
 enum lashloop_controller {
     LASHLOOP_CONTROLLER_PD = 1,
     LASHLOOP_CONTROLLER_FAITHFUL = 2,
-    LASHLOOP_CONTROLLER_LITERAL = 3
+    LASHLOOP_CONTROLLER_LITERAL = 3,
+    LASHLOOP_CONTROLLER_COMPENSATING = 4
 };
 
 enum lashloop_disturbing_torque_source {
@@ -84,6 +85,7 @@ enum lashloop_parameter_type {
 #define LASHLOOP_CONTROLLER_BIT_PD 0x2
 #define LASHLOOP_CONTROLLER_BIT_FAITHFUL 0x4
 #define LASHLOOP_CONTROLLER_BIT_LITERAL 0x8
+#define LASHLOOP_CONTROLLER_BIT_COMPENSATING 0x10
 
 /* Hello: Opens a session. A number other than the last one makes the drive disarm and go to Idle; the same number again only shows that the host is alive. */
 #define LASHLOOP_HELLO_KIND 0x01

@@ -28,6 +28,8 @@ wire_enum! {
         Faithful = 2,
         /// The same as printed: without lead and without the free control. An ablation.
         Literal = 3,
+        /// Not the paper's: the gap inverted in the torque domain and identified by least squares.
+        Compensating = 4,
     }
 }
 
@@ -150,6 +152,8 @@ bitflags::bitflags! {
         const FAITHFUL = 1 << ControllerId::Faithful as u16;
         /// [`ControllerId::Literal`].
         const LITERAL = 1 << ControllerId::Literal as u16;
+        /// [`ControllerId::Compensating`].
+        const COMPENSATING = 1 << ControllerId::Compensating as u16;
     }
 }
 
@@ -163,7 +167,12 @@ impl Controllers {
 
 impl Wire for Controllers {
     const LEN: usize = 2;
-    const TYPE: FieldType = FieldType::Flags(&[(1 << 1, "PD"), (1 << 2, "FAITHFUL"), (1 << 3, "LITERAL")]);
+    const TYPE: FieldType = FieldType::Flags(&[
+        (1 << 1, "PD"),
+        (1 << 2, "FAITHFUL"),
+        (1 << 3, "LITERAL"),
+        (1 << 4, "COMPENSATING"),
+    ]);
 
     #[inline]
     fn put(self, out: &mut [u8]) {

@@ -29,7 +29,7 @@ local OUTCOME = {
 local LOG_LEVEL = { [1] = "Debug", [2] = "Info", [3] = "Warning", [4] = "Error" }
 local PARAMETER_TYPE = { [1] = "U32", [2] = "F32" }
 local TORQUE_FLAGS = { [1] = "SATURATED", [2] = "REPEATED", [4] = "GAP" }
-local CONTROLLERS = { [2] = "PD", [4] = "FAITHFUL", [8] = "LITERAL" }
+local CONTROLLERS = { [2] = "PD", [4] = "FAITHFUL", [8] = "LITERAL", [16] = "COMPENSATING" }
 
 -- Types of fields: how many bytes, and how to read and show them ---------------------------------------------------
 

@@ -5,8 +5,16 @@
 
 use crate::control::feed_forward::FeedForward;
 use crate::control::nominal::NominalModel;
-use crate::control::parameter::{GAIN_MAX, within};
+use crate::control::parameter::{GAIN_MAX, Limits, all_within};
 use crate::control::{ControlOutput, Measurement, ParameterError, Real};
+
+const LIMITS: [Limits; 5] = [
+    ("motor_position", 0.0, GAIN_MAX),
+    ("motor_velocity", 0.0, GAIN_MAX),
+    ("load_position", 0.0, GAIN_MAX),
+    ("load_velocity", 0.0, GAIN_MAX),
+    ("elastic", 0.0, GAIN_MAX),
+];
 
 /// Gains of the cascade.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,11 +48,10 @@ impl<F: Real> CascadeGains<F> {
     /// # Errors
     /// Names the first gain outside its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        within("motor_position", self.motor_position, 0.0, GAIN_MAX)?;
-        within("motor_velocity", self.motor_velocity, 0.0, GAIN_MAX)?;
-        within("load_position", self.load_position, 0.0, GAIN_MAX)?;
-        within("load_velocity", self.load_velocity, 0.0, GAIN_MAX)?;
-        within("elastic", self.elastic, 0.0, GAIN_MAX)
+        all_within(
+            &LIMITS,
+            [self.motor_position, self.motor_velocity, self.load_position, self.load_velocity, self.elastic],
+        )
     }
 }
 

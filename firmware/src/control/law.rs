@@ -1,5 +1,6 @@
 //! The choice of a control law at run time.
 
+use crate::control::compensating::{Compensating, CompensatingState};
 use crate::control::faithful::{Faithful, FaithfulState};
 use crate::control::literal::{Literal, LiteralState};
 use crate::control::pd::Pd;
@@ -14,17 +15,21 @@ pub enum Law<F> {
     Faithful(Faithful<F>),
     /// The cascade after compensation, as printed.
     Literal(Literal<F>),
+    /// The gap inverted in the torque domain.
+    Compensating(Compensating<F>),
 }
 
 /// The state of any of the control laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LawState<F> {
+pub enum LawState<F: Real> {
     /// [`Pd`] remembers nothing.
     Pd,
     /// State of [`Faithful`].
     Faithful(FaithfulState<F>),
     /// State of [`Literal`].
     Literal(LiteralState<F>),
+    /// State of [`Compensating`].
+    Compensating(CompensatingState<F>),
 }
 
 impl<F: Real> Controller<F> for Law<F> {
@@ -35,6 +40,7 @@ impl<F: Real> Controller<F> for Law<F> {
             Self::Pd(_) => LawState::Pd,
             Self::Faithful(law) => LawState::Faithful(law.initial_state()),
             Self::Literal(law) => LawState::Literal(law.initial_state()),
+            Self::Compensating(law) => LawState::Compensating(law.initial_state()),
         }
     }
 
@@ -45,6 +51,7 @@ impl<F: Real> Controller<F> for Law<F> {
             (Self::Pd(law), LawState::Pd) => law.step(&mut (), measurement),
             (Self::Faithful(law), LawState::Faithful(state)) => law.step(state, measurement),
             (Self::Literal(law), LawState::Literal(state)) => law.step(state, measurement),
+            (Self::Compensating(law), LawState::Compensating(state)) => law.step(state, measurement),
             (_, foreign) => {
                 *foreign = self.initial_state();
                 self.step(foreign, measurement)
@@ -59,6 +66,7 @@ mod tests {
 
     use super::*;
     use crate::control::cascade::CascadeGains;
+    use crate::control::compensating::{CompensatingGains, CompensatingSetting};
     use crate::control::dead_zone_observer::DeadZoneObserver;
     use crate::control::faithful::DisturbingTorqueSource;
     use crate::control::nominal::NominalModel;
@@ -78,6 +86,20 @@ mod tests {
         }
     }
 
+    fn compensating() -> Law<f64> {
+        let setting = CompensatingSetting {
+            momentum_observer_rad_s: 60.0,
+            dead_zone_initial_rad: 0.16,
+            dead_zone_max_rad: 3.0,
+            load_resolution_rad: 1e-4,
+            torque_limit_nm: 20.0,
+            period_s: 1e-3,
+        };
+        let law = Compensating::new(&NominalModel::paper(), CompensatingGains::paper(), setting);
+        Law::Compensating(law.expect("valid"))
+    }
+
+    /// The paper's.
     fn laws() -> [Law<f64>; 3] {
         let (model, gains, observer) =
             (NominalModel::paper(), CascadeGains::paper(), DeadZoneObserver::paper());
@@ -90,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn first_torque_of_the_paper_is_the_same_in_every_law() {
+    fn first_torque_is_the_same_in_every_law_of_the_paper() {
         for law in laws() {
             let output = law.step(&mut law.initial_state(), &start());
             // Without twist there is nothing to compensate: -(theta_e + 10 theta_s).
@@ -128,10 +150,12 @@ mod tests {
     #[test]
     fn state_of_another_law_is_begun_anew() {
         let [pd, faithful, _] = laws();
-        let mut state = pd.initial_state();
-        let mut own = faithful.initial_state();
-        assert_eq!(faithful.step(&mut state, &start()), faithful.step(&mut own, &start()));
-        assert_eq!(state, own);
+        for (before, law) in [(pd, faithful), (faithful, compensating()), (compensating(), pd)] {
+            let mut state = before.initial_state();
+            let mut own = law.initial_state();
+            assert_eq!(law.step(&mut state, &start()), law.step(&mut own, &start()));
+            assert_eq!(state, own);
+        }
     }
 
     #[test]
@@ -157,7 +181,7 @@ mod tests {
 
     #[test]
     fn a_number_that_is_none_shows_in_the_output() {
-        for law in laws() {
+        for law in laws().into_iter().chain([compensating()]) {
             let blind = Measurement { load_position_rad: f64::NAN, ..start() };
             assert!(!law.step(&mut law.initial_state(), &blind).is_finite());
         }

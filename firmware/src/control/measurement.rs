@@ -26,6 +26,24 @@ pub struct Measurement<F> {
     pub applied_torque_nm: F,
 }
 
+#[cfg(test)]
+impl<F: Real> Measurement<F> {
+    /// Everything at nought.
+    pub(crate) fn at_rest() -> Self {
+        Self {
+            motor_position_rad: F::ZERO,
+            motor_velocity_rad_s: F::ZERO,
+            load_position_rad: F::ZERO,
+            load_velocity_rad_s: F::ZERO,
+            twist_rad: F::ZERO,
+            reference_position_rad: F::ZERO,
+            reference_velocity_rad_s: F::ZERO,
+            reference_acceleration_rad_s2: F::ZERO,
+            applied_torque_nm: F::ZERO,
+        }
+    }
+}
+
 /// What a control law answers to one [`Measurement`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControlOutput<F> {

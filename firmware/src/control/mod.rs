@@ -1,6 +1,6 @@
 //! The control laws: numbers in, a torque out.
 //!
-//! Everything here follows R. Merzouki, J.C. Cadiou, "Estimation of backlash phenomenon in the electromechanical
+//! Everything here but [`compensating`] follows R. Merzouki, J.C. Cadiou, "Estimation of backlash phenomenon in the electromechanical
 //! actuator", Control Engineering Practice 13 (2005) 973-983, doi:10.1016/j.conengprac.2004.10.016. Equation
 //! numbers are that paper's. `theta_e` is the motor position, `theta_s` the load position, both in radians at their
 //! own shafts; `z = theta_e - N0 theta_s` is the twist.
@@ -14,6 +14,7 @@
 //! | [`feed_forward`] | what a moving reference asks for, equations (11) and (15) |
 //! | [`cascade`] | the two proportional-derivative loops C1 and C2, equations (16) and (17) |
 //! | [`pd`], [`faithful`], [`literal`] | the cascade before compensation, after it, and as printed |
+//! | [`compensating`] | the gap inverted in the torque domain, identified by least squares; not of the paper |
 //! | [`law`] | the choice between them at run time |
 //! | [`sensing`] | encoder counts to [`Measurement`] |
 //!
@@ -21,6 +22,7 @@
 //! with independent solvers in `f64`. Parameters are separate from state: `step(&self, &mut State, ..)`.
 
 pub mod cascade;
+pub mod compensating;
 mod controller;
 pub mod dead_zone;
 pub mod dead_zone_observer;

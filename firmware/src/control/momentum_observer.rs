@@ -53,9 +53,19 @@ impl<F: Real> MomentumObserver<F> {
 
     /// The observed transmitted torque C_obs in N m, from the torque applied since the last sample.
     pub fn step(&self, state: &mut MomentumObserverState<F>, measurement: &Measurement<F>) -> F {
+        let turnover = measurement.motor_velocity_rad_s / F::from_f64(COULOMB_WIDTH_RAD_S);
+        self.step_against(state, measurement, self.coulomb_nm * turnover.tanh())
+    }
+
+    /// The same against a dry friction in N m that the caller knows better than from the velocity.
+    pub fn step_against(
+        &self,
+        state: &mut MomentumObserverState<F>,
+        measurement: &Measurement<F>,
+        coulomb_nm: F,
+    ) -> F {
         let velocity = measurement.motor_velocity_rad_s;
-        let turnover = velocity / F::from_f64(COULOMB_WIDTH_RAD_S);
-        let friction = self.friction_nm_s_rad * velocity + self.coulomb_nm * turnover.tanh();
+        let friction = self.friction_nm_s_rad * velocity + coulomb_nm;
         let momentum = self.pole_times_inertia * velocity;
         let before = state.balance_nm - momentum;
         state.balance_nm += self.share_per_period * (measurement.applied_torque_nm - friction - before);

@@ -1,7 +1,18 @@
 //! The mechanics the laws believe in.
 
-use crate::control::parameter::within;
+use crate::control::parameter::{Limits, all_within};
 use crate::control::{ParameterError, Real};
+
+const LIMITS: [Limits; 8] = [
+    ("motor_inertia_kg_m2", 1e-9, 1e3),
+    ("motor_friction_nm_s_rad", 0.0, 1e4),
+    ("load_inertia_kg_m2", 1e-9, 1e6),
+    ("load_friction_nm_s_rad", 0.0, 1e6),
+    ("ratio", 1e-3, 1e4),
+    ("stiffness_nm_rad", 1e-6, 1e9),
+    ("dead_zone_rad", 1e-6, 10.0),
+    ("motor_coulomb_nm", 0.0, 1e3),
+];
 
 /// Nominal parameters of motor, reducer and load; the true plant may differ.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,14 +55,19 @@ impl<F: Real> NominalModel<F> {
     /// # Errors
     /// Names the first parameter outside its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        within("motor_inertia_kg_m2", self.motor_inertia_kg_m2, 1e-9, 1e3)?;
-        within("motor_friction_nm_s_rad", self.motor_friction_nm_s_rad, 0.0, 1e4)?;
-        within("load_inertia_kg_m2", self.load_inertia_kg_m2, 1e-9, 1e6)?;
-        within("load_friction_nm_s_rad", self.load_friction_nm_s_rad, 0.0, 1e6)?;
-        within("ratio", self.ratio, 1e-3, 1e4)?;
-        within("stiffness_nm_rad", self.stiffness_nm_rad, 1e-6, 1e9)?;
-        within("dead_zone_rad", self.dead_zone_rad, 1e-6, 10.0)?;
-        within("motor_coulomb_nm", self.motor_coulomb_nm, 0.0, 1e3)
+        all_within(
+            &LIMITS,
+            [
+                self.motor_inertia_kg_m2,
+                self.motor_friction_nm_s_rad,
+                self.load_inertia_kg_m2,
+                self.load_friction_nm_s_rad,
+                self.ratio,
+                self.stiffness_nm_rad,
+                self.dead_zone_rad,
+                self.motor_coulomb_nm,
+            ],
+        )
     }
 }
 

@@ -32,6 +32,18 @@ pub(crate) fn within<F: Real>(
     }
 }
 
+/// Name, smallest and largest value of one of several parameters.
+pub(crate) type Limits = (&'static str, f32, f32);
+
+/// Checks as many values as there are limits, in their order. A loop, because the same written out costs the image
+/// three times its size.
+pub(crate) fn all_within<F: Real, const N: usize>(
+    limits: &[Limits; N],
+    values: [F; N],
+) -> Result<(), ParameterError> {
+    limits.iter().zip(values).try_for_each(|(&(name, low, high), value)| within(name, value, low, high))
+}
+
 /// Largest feedback gain of any loop, in its own unit: far above what a 1 kHz loop can carry, so only a slip of the
 /// pen gets there.
 pub(crate) const GAIN_MAX: f32 = 1e6;

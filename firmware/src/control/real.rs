@@ -4,20 +4,12 @@
 //! by IEEE 754 on both; the transcendental functions are not, so they are taken from the `libm` crate on every
 //! machine and never from a platform's own library. Products and sums are never fused.
 
-use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+use nalgebra::{Field, Scalar};
 
 /// A float type the control laws can run in: `f32` in the drive, `f64` for comparison.
-pub trait Real:
-    Copy
-    + PartialOrd
-    + core::fmt::Debug
-    + Add<Output = Self>
-    + AddAssign
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-{
+///
+/// A field is the four operations and nothing else, so matrices of it take no function from anywhere but here.
+pub trait Real: Copy + PartialOrd + Field + Scalar {
     /// Nought.
     const ZERO: Self;
     /// One.

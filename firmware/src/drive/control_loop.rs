@@ -7,6 +7,7 @@ use lashloop_protocol::vocabulary::{ControllerId, DisturbingTorqueSource};
 
 use super::parameters::Parameters;
 use crate::control::cascade::CascadeGains;
+use crate::control::compensating::{Compensating, CompensatingGains, CompensatingSetting};
 use crate::control::dead_zone_observer::DeadZoneObserver;
 use crate::control::faithful::{self, Faithful};
 use crate::control::law::{Law, LawState};
@@ -127,7 +128,39 @@ fn law(parameters: &Parameters, period_s: f32) -> Result<Law<f32>, ParameterErro
         ControllerId::Faithful => {
             Law::Faithful(Faithful::new(&model, gains, observer, source(parameters), period_s)?)
         }
+        ControllerId::Compensating => Law::Compensating(compensating(parameters, &model, period_s)?),
     })
+}
+
+fn compensating(
+    parameters: &Parameters,
+    model: &NominalModel<f32>,
+    period_s: f32,
+) -> Result<Compensating<f32>, ParameterError> {
+    let gains = CompensatingGains {
+        approach_rate_1_s: parameters.approach_rate_1_s,
+        approach_speed_rad_s: parameters.approach_speed_rad_s,
+        load_velocity_gain_nm_s_rad: parameters.load_velocity_gain_nm_s_rad,
+        load_integral_gain_nm_rad: parameters.load_integral_gain_nm_rad,
+        load_integral_limit_nm: parameters.load_integral_limit_nm,
+        transmitted_limit_nm: parameters.transmitted_limit_nm,
+        gap_crossing_nm: parameters.gap_crossing_nm,
+        twist_gain_nm_rad: parameters.twist_gain_nm_rad,
+        twist_damping_nm_s_rad: parameters.twist_damping_nm_s_rad,
+        load_observer_rad_s: parameters.load_observer_rad_s,
+        identification_min_nm: parameters.identification_min_nm,
+        arrival_band_rad: parameters.arrival_band_rad,
+        hold_share: parameters.hold_share,
+    };
+    let setting = CompensatingSetting {
+        momentum_observer_rad_s: parameters.momentum_observer_rad_s,
+        dead_zone_initial_rad: parameters.dead_zone_initial_rad,
+        dead_zone_max_rad: parameters.dead_zone_max_rad,
+        load_resolution_rad: TAU / parameters.load_counts_per_rev as f32,
+        torque_limit_nm: parameters.torque_limit_nm,
+        period_s,
+    };
+    Compensating::new(model, gains, setting)
 }
 
 fn source(parameters: &Parameters) -> faithful::DisturbingTorqueSource<f32> {

@@ -19,7 +19,13 @@ pub struct Entry {
     /// Whether it may be set while running.
     pub live: bool,
     get: fn(&Parameters) -> ParameterValue,
-    put: fn(&mut Parameters, ParameterValue) -> Outcome,
+    place: fn(&mut Parameters) -> Place<'_>,
+}
+
+/// Where a value is kept.
+enum Place<'a> {
+    U32(&'a mut u32),
+    F32(&'a mut f32),
 }
 
 impl Entry {
@@ -31,8 +37,23 @@ impl Entry {
 
     /// Sets the value if it is of the right type and in range; otherwise nothing changes.
     pub fn set(&self, parameters: &mut Parameters, value: ParameterValue) -> Outcome {
-        (self.put)(parameters, value)
+        use ParameterValue::{F32, U32};
+        // Once for all of them: a check per parameter would cost the image two kilobytes.
+        match ((self.place)(parameters), value, self.min, self.max) {
+            (Place::U32(place), U32(value), U32(min), U32(max)) => put(place, value, min, max),
+            (Place::F32(place), F32(value), F32(min), F32(max)) => put(place, value, min, max),
+            _ => Outcome::WrongType,
+        }
     }
+}
+
+fn put<T: PartialOrd>(place: &mut T, value: T, min: T, max: T) -> Outcome {
+    // NaN is in no range.
+    if !(min..=max).contains(&value) {
+        return Outcome::OutOfRange;
+    }
+    *place = value;
+    Outcome::Accepted
 }
 
 macro_rules! parameters {
@@ -56,15 +77,7 @@ macro_rules! parameters {
             max: ParameterValue::$ty($max),
             live: is_live!($($live)?),
             get: |parameters| ParameterValue::$ty(parameters.$name),
-            put: |parameters, value| match value {
-                // NaN is in no range.
-                ParameterValue::$ty(value) if ($min..=$max).contains(&value) => {
-                    parameters.$name = value;
-                    Outcome::Accepted
-                }
-                ParameterValue::$ty(_) => Outcome::OutOfRange,
-                _ => Outcome::WrongType,
-            },
+            place: |parameters| Place::$ty(&mut parameters.$name),
         }),+];
     };
 }
@@ -89,7 +102,7 @@ macro_rules! is_live {
 
 parameters! {
     /// Control law: a [`ControllerId`](lashloop_protocol::vocabulary::ControllerId).
-    controller: U32 = 1 in 1..=3 "";
+    controller: U32 = 1 in 1..=4 "";
     /// Control period.
     period_us: U32 = 1000 in 100..=100_000 "us";
     /// Resolution of the motor encoder, after quadrature.
@@ -153,4 +166,31 @@ parameters! {
     stiffness_nm_rad: F32 = 1.0 in 1e-6..=1e9 "N m/rad";
     /// Nominal dead-zone amplitude j0, half the gap.
     dead_zone_rad: F32 = 0.16 in 1e-6..=10.0 "rad";
+
+    /// Load error to wanted load velocity; this and what follows is of the law `Compensating`.
+    approach_rate_1_s: F32 = 2.5 in 0.0..=1e6 "1/s";
+    /// Fastest wanted load velocity beyond the reference's own.
+    approach_speed_rad_s: F32 = 1.5 in 0.0..=1e6 "rad/s";
+    /// Load velocity error to torque at the load.
+    load_velocity_gain_nm_s_rad: F32 = 30.0 in 0.0..=1e6 "N m s/rad";
+    /// Integral of the load velocity error to torque at the load.
+    load_integral_gain_nm_rad: F32 = 150.0 in 0.0..=1e6 "N m/rad";
+    /// Largest torque of that integral, at the load.
+    load_integral_limit_nm: F32 = 8.0 in 0.0..=1e6 "N m";
+    /// Largest torque asked of the transmission, at the motor's side; never more than `torque_limit_nm`.
+    transmitted_limit_nm: F32 = 8.0 in 0.0..=1e6 "N m";
+    /// Transmitted torque within which the motor is sent from one side of the gap to the other.
+    gap_crossing_nm: F32 = 0.05 in 1e-6..=1e6 "N m";
+    /// Twist error to torque.
+    twist_gain_nm_rad: F32 = 1.0 in 0.0..=1e6 "N m/rad";
+    /// Velocity of the twist to torque; at most the motor's inertia over the control period.
+    twist_damping_nm_s_rad: F32 = 0.04 in 0.0..=1e6 "N m s/rad";
+    /// Poles of the observer of the load's velocity; at most half of 1 over the control period.
+    load_observer_rad_s: F32 = 12.0 in 0.1..=1e4 "rad/s";
+    /// Smallest transmitted torque at which the gap is identified.
+    identification_min_nm: F32 = 0.4 in 0.0..=1e6 "N m";
+    /// Load error that counts as arrived; at least 1.05 counts of the load encoder are taken.
+    arrival_band_rad: F32 = 0.002 in 0.0..=1.0 "rad";
+    /// Share of the integral that is kept on arrival.
+    hold_share: F32 = 0.3 in 0.0..=1.0 "";
 }

@@ -4,10 +4,10 @@ use std::fmt::Write;
 
 use lashloop_firmware::drive::parameters::TABLE;
 use lashloop_protocol::DriveMessage;
-use lashloop_protocol::message::{DescribeParameter, GetParameter, SetParameter};
+use lashloop_protocol::message::{Arm, DescribeParameter, GetParameter, SetParameter};
 use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State};
 
-use crate::host::Host;
+use crate::host::{Host, SESSION};
 
 #[test]
 fn the_drive_describes_its_parameters() {
@@ -99,4 +99,25 @@ fn while_running_only_live_parameters_can_be_set() {
 fn before_the_greeting_nothing_can_be_set() {
     let mut host = Host::new();
     assert_eq!(host.set("k_p1", ParameterValue::F32(2.0)).outcome, Outcome::WrongState);
+}
+
+#[test]
+fn parameters_of_the_compensating_law_that_do_not_go_together_are_named_when_arming() {
+    let mut host = Host::idle();
+    host.set("controller", ParameterValue::U32(4));
+    // Each in its range; but what a held torque damps in 20 ms is more than this motor's momentum.
+    host.set("period_us", ParameterValue::U32(20_000));
+    host.set("twist_damping_nm_s_rad", ParameterValue::F32(0.06));
+    let answers = host.say(Arm { session: SESSION });
+    let texts: Vec<_> = answers
+        .iter()
+        .filter_map(|answer| match answer {
+            DriveMessage::Log(log) => Some(log.text.as_str()),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(texts, ["twist_damping_nm_s_rad does not go with the others"]);
+    assert_eq!(host.command(Arm { session: SESSION }), (Outcome::Inconsistent, State::Idle));
+    host.set("twist_damping_nm_s_rad", ParameterValue::F32(0.04));
+    assert_eq!(host.command(Arm { session: SESSION }), (Outcome::Accepted, State::Armed));
 }

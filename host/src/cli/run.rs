@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value = "native", value_name = "DEVICE")]
     device: DeviceChoice,
 
-    /// Another controller than the scenario's: pd, faithful or literal
+    /// Another controller than the scenario's: pd, faithful, literal or compensating
     #[arg(long, value_name = "NAME")]
     controller: Option<String>,
 

@@ -77,6 +77,7 @@ pub fn id_of(name: ControllerName) -> ControllerId {
         ControllerName::Pd => ControllerId::Pd,
         ControllerName::Faithful => ControllerId::Faithful,
         ControllerName::Literal => ControllerId::Literal,
+        ControllerName::Compensating => ControllerId::Compensating,
     }
 }
 

@@ -19,6 +19,8 @@ pub enum ControllerName {
     Faithful,
     /// The paper's equations (16) to (19) to the letter, kept as an ablation.
     Literal,
+    /// The gap inverted in the torque domain and identified by least squares; not the paper's.
+    Compensating,
 }
 
 impl ControllerName {
@@ -29,6 +31,7 @@ impl ControllerName {
             Self::Pd => "pd",
             Self::Faithful => "faithful",
             Self::Literal => "literal",
+            Self::Compensating => "compensating",
         }
     }
 }
@@ -83,8 +86,8 @@ impl fmt::Display for ParameterValue {
     }
 }
 
-const CONTROLLERS: [ControllerName; 3] =
-    [ControllerName::Pd, ControllerName::Faithful, ControllerName::Literal];
+const CONTROLLERS: [ControllerName; 4] =
+    [ControllerName::Pd, ControllerName::Faithful, ControllerName::Literal, ControllerName::Compensating];
 
 pub(super) fn read(controller: &mut Section<'_>) -> ControllerSettings {
     let choices = CONTROLLERS.map(|name| (name.as_str(), name));

@@ -4,6 +4,7 @@
 
 mod conforming;
 mod equipment;
+mod instructions;
 mod lost;
 mod runs;
 
@@ -11,13 +12,14 @@ use std::process::ExitCode;
 
 use libtest_mimic::Arguments;
 use tests::left_out::{self, trial};
-use tests::paper::RUNS;
+use tests::paper::{COMPENSATING, RUNS};
 
 type Check = fn();
 
 /// Trials that need image and emulator, by their names.
-const TRIALS: [(&str, Check); 7] = [
+const TRIALS: [(&str, Check); 8] = [
     ("conforming::the_image_passes_every_check_and_none_is_left_out", conforming::every_check),
+    ("instructions::a_control_step_of_every_law_keeps_its_budget", instructions::of_every_law),
     ("lost::a_killed_emulator_is_reported_with_its_process_and_signal", lost::killed),
     ("lost::an_emulator_that_hangs_is_reported_as_silent_and_not_left_behind", lost::stopped),
     ("lost::a_killed_bench_leaves_no_emulator_behind", lost::bench_killed),
@@ -33,7 +35,7 @@ fn main() -> ExitCode {
     let missing = equipment::missing();
     let mut trials: Vec<_> =
         TRIALS.into_iter().map(|(name, check)| trial(name, missing.clone(), check)).collect();
-    for run in RUNS {
+    for run in RUNS.into_iter().chain([COMPENSATING]) {
         let name = format!("runs::{}_is_the_same_run_as_in_process", run.name.replace('-', "_"));
         trials.push(trial(&name, missing.clone(), move || runs::same_as_in_process(run)));
     }

@@ -4,12 +4,14 @@
 
 mod bench;
 mod closed_loop;
+mod machine;
 mod open_loop;
 mod paper;
 mod recorded;
 
 mod agreement;
 mod backlash;
+mod compensating;
 mod figures;
 mod lugre;
 mod order;

@@ -1,0 +1,238 @@
+//! Compliance and half gap of the transmission, by recursive least squares.
+//!
+//! In contact |z| = kappa |C| + j, with kappa = 1 / K. Twist and transmitted torque are both known at the motor's side,
+//! so friction on the load, which spoils the paper's estimate, is in neither. Both estimates are held within bounds.
+//! The half gap is let wander a little, so that one that wears is followed; the compliance of a shaft doesn't change.
+//!
+//! A sample counts if torque and twist are of one sign and the torque is large enough for contact to be certain. It also
+//! has to be a slow one: while the twist moves, every delay between torque and position looks like a piece of gap.
+
+use nalgebra::{Matrix2, Vector2};
+
+use crate::control::Real;
+
+/// Weight of one sample, as the variance of its twist in rad^2. Samples are a period apart and their errors are anything
+/// but independent, hence so much.
+const SAMPLE_VARIANCE_RAD2: f64 = 2.0;
+/// Variance of the initial half gap in rad^2, and of the compliance in units of the nominal one.
+const INITIAL_VARIANCE: f64 = 0.09;
+/// What the half gap's variance grows by with each sample, in rad^2, up to the initial one: a gap that wears is followed
+/// within some ten seconds of contact.
+pub(super) const GAP_WANDER_RAD2: f64 = 1e-7;
+/// Range of the compliance in units of the nominal one.
+const COMPLIANCE_RANGE: (f64, f64) = (0.5, 2.0);
+/// Fastest twist in rad/s at which a sample counts.
+const FASTEST_TWIST_RAD_S: f64 = 3.0;
+
+/// What the identification is to know beforehand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Identification<F> {
+    /// Nominal compliance 1 / K in rad/(N m).
+    pub(super) nominal_rad_nm: F,
+    /// Half gap at the start in rad.
+    pub(super) initial_rad: F,
+    /// Largest half gap in rad.
+    pub(super) max_rad: F,
+    /// Smallest transmitted torque in N m at which a sample counts.
+    pub(super) min_torque_nm: F,
+    /// Growth of the half gap's variance per sample in rad^2; nought gives plain least squares.
+    pub(super) wander_rad2: F,
+}
+
+/// The estimates and how uncertain they are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Estimate<F: Real> {
+    /// Compliance in rad/(N m), half gap in rad.
+    parameters: Vector2<F>,
+    covariance: Matrix2<F>,
+}
+
+impl<F: Real> Estimate<F> {
+    /// Compliance kappa in rad/(N m).
+    pub(super) fn compliance_rad_nm(&self) -> F {
+        self.parameters.x
+    }
+
+    /// Half gap j_hat in rad.
+    pub(super) fn dead_zone_rad(&self) -> F {
+        self.parameters.y
+    }
+}
+
+impl<F: Real> Identification<F> {
+    /// Nothing but what is known beforehand.
+    pub(super) fn initial_estimate(&self) -> Estimate<F> {
+        let variance = F::from_f64(INITIAL_VARIANCE);
+        let nominal = self.nominal_rad_nm;
+        Estimate {
+            parameters: Vector2::new(nominal, self.initial_rad),
+            covariance: Matrix2::new(variance * nominal * nominal, F::ZERO, F::ZERO, variance),
+        }
+    }
+
+    /// Learns from one sample, if it is one to learn from.
+    pub(super) fn step(
+        &self,
+        estimate: &mut Estimate<F>,
+        transmitted_nm: F,
+        twist_rad: F,
+        twist_rate_rad_s: F,
+    ) {
+        let torque = transmitted_nm.abs();
+        if torque > self.min_torque_nm
+            && transmitted_nm * twist_rad > F::ZERO
+            && twist_rate_rad_s.abs() < F::from_f64(FASTEST_TWIST_RAD_S)
+        {
+            self.learn(estimate, torque, twist_rad.abs());
+        }
+    }
+
+    fn learn(&self, estimate: &mut Estimate<F>, torque_nm: F, twist_rad: F) {
+        let regressor = Vector2::new(torque_nm, F::ONE);
+        let spread = estimate.covariance * regressor;
+        let gain = spread / (F::from_f64(SAMPLE_VARIANCE_RAD2) + regressor.dot(&spread));
+        let error = twist_rad - estimate.parameters.dot(&regressor);
+        estimate.covariance -= gain * spread.transpose();
+        estimate.parameters += gain * error;
+        if estimate.covariance.m22 < F::from_f64(INITIAL_VARIANCE) {
+            estimate.covariance.m22 += self.wander_rad2;
+        }
+        let (low, high) = COMPLIANCE_RANGE;
+        let nominal = self.nominal_rad_nm;
+        estimate.parameters.x =
+            estimate.parameters.x.clamp(F::from_f64(low) * nominal, F::from_f64(high) * nominal);
+        estimate.parameters.y = estimate.parameters.y.clamp(F::ZERO, self.max_rad);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn identification() -> Identification<f64> {
+        Identification {
+            nominal_rad_nm: 1.0,
+            initial_rad: 0.3,
+            max_rad: 0.8,
+            min_torque_nm: 0.4,
+            wander_rad2: 0.0,
+        }
+    }
+
+    /// Torques that wind the spring up and down on both sides.
+    fn torque_nm(k: i32) -> f64 {
+        3.0 * (f64::from(k) * 1e-3).sin()
+    }
+
+    fn taught(samples: i32, twist_rad: impl Fn(f64) -> f64) -> Estimate<f64> {
+        let identification = identification();
+        let mut estimate = identification.initial_estimate();
+        for torque in (0..samples).map(torque_nm) {
+            identification.step(&mut estimate, torque, twist_rad(torque), 0.0);
+        }
+        estimate
+    }
+
+    #[test]
+    fn gap_and_compliance_are_found_from_contact_on_both_sides() {
+        let estimate = taught(20_000, |torque| 1.3 * torque + 0.1 * torque.signum());
+        let (compliance, gap) = (estimate.compliance_rad_nm(), estimate.dead_zone_rad());
+        assert!((compliance - 1.3).abs() < 2e-3, "have {compliance} rad/(N m), want 1.3");
+        assert!((gap - 0.1).abs() < 4e-3, "have {gap} rad, want 0.1");
+    }
+
+    #[test]
+    fn least_squares_is_that_of_all_samples_at_once() {
+        // The recursion without bounds is the solution of (P0^-1 + sum phi phi' / R) x = P0^-1 x0 + sum phi y / R.
+        let twist = |torque: f64| 1.2 * torque.abs() + 0.1 + 0.02 * (17.0 * torque).sin();
+        let prior = identification().initial_estimate();
+        let mut information = prior.covariance.map_diagonal(|variance| 1.0 / variance);
+        let mut normal = Matrix2::from_diagonal(&information);
+        information.component_mul_assign(&prior.parameters);
+        let mut estimate = prior;
+        for torque in (0..5000).map(torque_nm).filter(|torque| torque.abs() > 0.4) {
+            let regressor = Vector2::new(torque.abs(), 1.0);
+            normal += regressor * regressor.transpose() / SAMPLE_VARIANCE_RAD2;
+            information += regressor * twist(torque) / SAMPLE_VARIANCE_RAD2;
+            identification().step(&mut estimate, torque, twist(torque) * torque.signum(), 0.0);
+        }
+        // Cramer's rule: the inverse of nalgebra is for its own kind of reals.
+        let determinant = normal.m11 * normal.m22 - normal.m12 * normal.m21;
+        let compliance = (normal.m22 * information.x - normal.m12 * information.y) / determinant;
+        let gap = (normal.m11 * information.y - normal.m21 * information.x) / determinant;
+        assert!((estimate.compliance_rad_nm() - compliance).abs() < 1e-9, "{estimate:?}, want {compliance}");
+        assert!((estimate.dead_zone_rad() - gap).abs() < 1e-9, "{estimate:?}, want {gap}");
+    }
+
+    #[test]
+    fn estimates_stay_in_their_bounds_whatever_is_measured() {
+        let identification = identification();
+        // Far too compliant, far too stiff, and noise that no transmission makes.
+        let twists: [fn(f64) -> f64; 3] = [
+            |torque| 9.0 * torque,
+            |torque| 0.01 * torque,
+            |torque| torque * (1e4 * torque).sin().abs() * 50.0,
+        ];
+        let (mut lowest, mut highest) = ([f64::MAX; 2], [f64::MIN; 2]);
+        for twist in twists {
+            let mut estimate = identification.initial_estimate();
+            for torque in (0..20_000).map(torque_nm) {
+                identification.step(&mut estimate, torque, twist(torque), 0.0);
+                for (of, have) in
+                    [estimate.compliance_rad_nm(), estimate.dead_zone_rad()].into_iter().enumerate()
+                {
+                    lowest[of] = lowest[of].min(have);
+                    highest[of] = highest[of].max(have);
+                }
+            }
+        }
+        assert_eq!((lowest, highest), ([0.5, 0.0], [2.0, 0.8]), "as far as they may go, and no farther");
+    }
+
+    #[test]
+    fn nothing_is_learnt_off_contact_at_little_torque_or_in_fast_motion() {
+        let identification = identification();
+        let mut estimate = identification.initial_estimate();
+        identification.step(&mut estimate, 2.0, -1.0, 0.0);
+        identification.step(&mut estimate, 0.3, 1.0, 0.0);
+        identification.step(&mut estimate, 2.0, 1.0, -3.5);
+        assert_eq!(estimate, identification.initial_estimate());
+        identification.step(&mut estimate, 2.0, 1.0, -2.5);
+        assert_ne!(estimate, identification.initial_estimate());
+    }
+
+    #[test]
+    fn a_gap_that_wears_is_followed() {
+        let identification = Identification { wander_rad2: GAP_WANDER_RAD2, ..identification() };
+        let mut estimate = identification.initial_estimate();
+        let mut teach = |samples: core::ops::Range<i32>, gap_rad: f64| {
+            for torque in samples.map(torque_nm) {
+                identification.step(&mut estimate, torque, torque + gap_rad * torque.signum(), 0.0);
+            }
+            estimate.dead_zone_rad() - gap_rad
+        };
+        assert!(teach(0..60_000, 0.1).abs() < 2e-3);
+        let (at_once, later) = (teach(60_000..60_010, 0.3), teach(60_010..90_000, 0.3));
+        assert!(at_once < -0.19 && later.abs() < 0.02, "{at_once} rad, half a minute later {later} rad");
+    }
+
+    #[test]
+    fn a_million_samples_at_one_torque_leave_single_precision_in_order() {
+        let identification = Identification {
+            nominal_rad_nm: 1.0_f32,
+            initial_rad: 0.3,
+            max_rad: 0.8,
+            min_torque_nm: 0.4,
+            wander_rad2: GAP_WANDER_RAD2 as f32,
+        };
+        let mut estimate = identification.initial_estimate();
+        for _ in 0..1_000_000 {
+            identification.step(&mut estimate, 1.5, 1.75, 0.0);
+        }
+        // One torque gives one equation: the two share the error in the ratio of their variances, and stay there.
+        let told = estimate.compliance_rad_nm() * 1.5 + estimate.dead_zone_rad();
+        assert!((told - 1.75).abs() < 5e-4, "{estimate:?} tells {told} rad");
+        assert!(estimate.covariance.m11 > 0.0 && estimate.covariance.m22 > 0.0, "{estimate:?}");
+        assert!((estimate.dead_zone_rad() - (0.3 - 0.05 / 3.25)).abs() < 1e-3, "{estimate:?}");
+    }
+}

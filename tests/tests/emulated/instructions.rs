@@ -1,0 +1,116 @@
+//! How many instructions a control step takes on the Cortex-M4F.
+//!
+//! QEMU is told that an instruction takes 64 ns, so the device clock counts instructions, and the compute time of an
+//! answer, in tenths of a microsecond, tells them to within two. That is everything from the decoded sample to the torque:
+//! watchdog, plausibility, sensing, law, limits. No interrupt gets in between, for the drive is locked and the line is
+//! silent until the answer. What an instruction costs on silicon, a division 14 cycles for one, is not in it.
+
+use std::os::linux::net::SocketAddrExt;
+use std::os::unix::net::{SocketAddr, UnixListener};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use lashloop::encoder::Encoder;
+use lashloop::link::socket::Socket;
+use lashloop::plant::bench::{BenchParameters, BenchPlant};
+use lashloop::plant::{Mechanics, Plant, Start};
+use lashloop::session::{Exchange, Session};
+use lashloop_protocol::message::EncoderSample;
+use lashloop_protocol::vocabulary::ControllerId;
+use tests::wait;
+
+/// Most instructions from sample to torque: at 168 MHz, a hundredth of a period of 1 ms.
+const MOST: u32 = 1_500;
+/// QEMU's shift: 2^6 ns for an instruction.
+const NANOSECONDS: u32 = 64;
+
+/// An emulator whose clock counts instructions. Dropping it kills it.
+struct Emulator(Child);
+
+impl Emulator {
+    fn start() -> (Self, Socket) {
+        let name = format!("lashloop-instructions-{}", std::process::id());
+        let address = SocketAddr::from_abstract_name(&name).expect("a name for a socket");
+        let listener = UnixListener::bind_addr(&address).expect("a socket");
+        listener.set_nonblocking(true).expect("a socket that can be looked at");
+        let uart = format!("socket,id=uart,path={name},abstract=on");
+        let child = Command::new("qemu-system-arm")
+            .args(["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-icount", "shift=6"])
+            .args(["-serial", "null", "-chardev", &uart, "-serial", "chardev:uart", "-kernel"])
+            .arg(tests::workspace().join("target/lashloop-firmware.elf"))
+            .stdin(Stdio::null())
+            .spawn()
+            .expect("the emulator starts");
+        let emulator = Self(child);
+        let (stream, _) = wait::until("the emulator's UART", || listener.accept().ok());
+        (emulator, Socket::new(stream).expect("a link"))
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// The bench from its start: instructions of every step.
+fn of_a_run(session: &mut Session, controller: ControllerId, samples: u32) -> Vec<u32> {
+    session.reset().expect("a drive after power-up");
+    let settings = [
+        ("controller", f64::from(controller as u8)),
+        ("motor_counts_per_rev", 4000.0),
+        ("load_counts_per_rev", 4000.0),
+        ("motor_coulomb_nm", 0.02),
+        ("telemetry_every", 0.0),
+        ("watchdog_us", 60e6),
+    ];
+    for (name, value) in settings {
+        session.set(name, value).expect("a parameter of the drive");
+    }
+    session.start().expect("a start");
+    let plant = BenchPlant::new(Mechanics::paper(), BenchParameters::paper(), 16).expect("valid plant");
+    let mut state = plant.initial_state(Start::at_rest(1.57, 4.71));
+    let encoder = Encoder::new(4000, 0.0).expect("valid encoder");
+    let mut readings = [encoder.initial_state(1), encoder.initial_state(2)];
+    let mut steps = Vec::new();
+    for sequence in 0..samples {
+        let truth = plant.truth(&state);
+        let sample = EncoderSample {
+            sequence,
+            motor_counts: encoder.step(&mut readings[0], truth.motor_position_rad),
+            load_counts: encoder.step(&mut readings[1], truth.load_position_rad),
+            reference_rad: 0.0,
+        };
+        let answer = match session.exchange(&sample, Duration::from_secs(20)).expect("a line") {
+            Exchange::Answered(answer) => answer,
+            other => panic!("sample {sequence}: {other:?}"),
+        };
+        plant.step(&mut state, answer.torque_nm.into(), 1e-3).expect("the plant steps");
+        steps.push(u32::from(answer.compute_tenths_us) * 100 / NANOSECONDS);
+    }
+    session.stop().expect("a stop");
+    let last = plant.truth(&state).load_position_rad.abs();
+    assert!(controller != ControllerId::Compensating || last < 2e-3, "it has arrived: {last} rad");
+    steps
+}
+
+pub(crate) fn of_every_law() {
+    let (_emulator, link) = Emulator::start();
+    let mut session = Session::open(Box::new(link), 1).expect("a drive");
+    // The compensating law until it has arrived and holds, so that every branch of it has been taken.
+    for (controller, samples) in [
+        (ControllerId::Pd, 1000),
+        (ControllerId::Faithful, 1000),
+        (ControllerId::Literal, 1000),
+        (ControllerId::Compensating, 5000),
+    ] {
+        let steps = of_a_run(&mut session, controller, samples);
+        let (least, most) = (steps.iter().min().copied(), steps.iter().max().copied());
+        let (least, most) = (least.unwrap_or_default(), most.unwrap_or(u32::MAX));
+        println!("{controller:?}: {least} to {most} instructions from sample to torque");
+        // Less than a sensing alone would mean that the clock counts something else.
+        assert!(least > 200, "{controller:?}: {least} instructions are too few to be true");
+        assert!(most <= MOST, "{controller:?}: {most} instructions, at most {MOST} are allowed");
+    }
+}
