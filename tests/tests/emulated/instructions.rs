@@ -8,7 +8,7 @@
 use std::os::linux::net::SocketAddrExt;
 use std::os::unix::net::{SocketAddr, UnixListener};
 use std::process::{Child, Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use lashloop::encoder::Encoder;
 use lashloop::link::socket::Socket;
@@ -82,7 +82,7 @@ fn of_a_run(session: &mut Session, controller: ControllerId, samples: u32) -> Ve
             load_counts: encoder.step(&mut readings[1], truth.load_position_rad),
             reference_rad: 0.0,
         };
-        let answer = match session.exchange(&sample, Duration::from_secs(20)).expect("a line") {
+        let answer = match session.exchange(&sample, Instant::now() + Duration::from_secs(20)).expect("a line") {
             Exchange::Answered(answer) => answer,
             other => panic!("sample {sequence}: {other:?}"),
         };
