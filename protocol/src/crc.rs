@@ -42,21 +42,32 @@ pub fn checksum(body: &[u8]) -> u32 {
 /// one before: most of a torque answer. Here each byte of the rest is looked up on its own as well. In table `n` stands
 /// what a byte has become `n` bytes later, and as the CRC is linear, these add up.
 #[cfg(feature = "wide-crc-tables")]
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn checksum(body: &[u8]) -> u32 {
-    let tables = CRC.table();
-    let mut crc = u32::MAX;
-    for block in body.chunks(tables.len()) {
-        // What of the old CRC is not covered by a block shorter than itself.
-        let mut sum = if block.len() < LEN { crc >> (8 * block.len()) } else { 0 };
-        for (at, &byte) in block.iter().enumerate() {
-            let carried = if at < LEN { crc.to_le_bytes()[at] } else { 0 };
-            sum ^= tables[block.len() - 1 - at][usize::from(byte ^ carried)];
-        }
-        crc = sum;
+    let (rest, blocks) = body.split_at(body.len() % BLOCK);
+    let mut crc = step(u32::MAX, rest);
+    for block in blocks.chunks_exact(BLOCK) {
+        crc = step(crc, block);
     }
     !crc
+}
+
+/// Bytes in one step.
+#[cfg(feature = "wide-crc-tables")]
+const BLOCK: usize = 16;
+
+#[cfg(feature = "wide-crc-tables")]
+#[inline(always)]
+fn step(crc: u32, block: &[u8]) -> u32 {
+    let tables = CRC.table();
+    // What of the old CRC is not covered by a block shorter than itself.
+    let mut sum = if block.len() < LEN { crc.checked_shr(8 * block.len() as u32).unwrap_or(0) } else { 0 };
+    for (at, &byte) in block.iter().enumerate() {
+        let carried = if at < LEN { crc.to_le_bytes()[at] } else { 0 };
+        sum ^= tables[block.len() - 1 - at][usize::from(byte ^ carried)];
+    }
+    sum
 }
 
 #[cfg(test)]

@@ -106,3 +106,35 @@ pub fn open(stuffed: &mut [u8]) -> Result<&[u8], FrameError> {
     let expected = crc::checksum(body);
     if expected == found { Ok(body) } else { Err(FrameError::Crc { expected, found }) }
 }
+
+#[cfg(feature = "wide-crc-tables")]
+#[inline(always)]
+pub(crate) fn split_off<P: Payload>(input: &[u8]) -> Option<(P, &[u8])> {
+    let (body_len, end) = (P::LAYOUT.body_len, P::LAYOUT.frame_len() - 1);
+    let (frame, rest) = input.split_at_checked(end + 1)?;
+    if frame[1] != P::LAYOUT.kind || cobs::find_zero(frame) != Some(end) {
+        return None;
+    }
+    let links = cobs::links(frame)?;
+    if links & 0b10 != 0 {
+        return None;
+    }
+    // Body and CRC as they were, from the code byte on.
+    let mut plain = [0; 2 + 64];
+    plain[1] = P::LAYOUT.kind;
+    let mut at = 2;
+    while at < end {
+        let to = if at + 8 <= end + 1 { at + 8 } else { end + 1 };
+        let mut word = [0; 8];
+        word[..to - at].copy_from_slice(&frame[at..to]);
+        let word = u64::from_le_bytes(word) & cobs::KEPT[usize::from((links >> at) as u8)];
+        plain[at..at + 8].copy_from_slice(&word.to_le_bytes());
+        at += 8;
+    }
+    let body = &plain[1..=body_len];
+    let found = plain[1 + body_len..].first_chunk()?;
+    if crc::checksum(body) != u32::from_le_bytes(*found) {
+        return None;
+    }
+    Some((P::get(body).ok()?, rest))
+}

@@ -126,7 +126,7 @@ macro_rules! payload {
 
 /// All messages of one direction as one type.
 macro_rules! direction {
-    ($(#[$meta:meta])* pub enum $name:ident { $($variant:ident,)+ }) => {
+    ($(#[$meta:meta])* pub enum $name:ident { $($variant:ident,)+ } cyclic $cyclic:ident) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum $name { $(
@@ -152,6 +152,13 @@ macro_rules! direction {
                     return $variant::get(body).map(Self::$variant);
                 })+
                 Err($crate::wire::BodyError::UnknownKind { kind })
+            }
+
+            #[cfg(feature = "wide-crc-tables")]
+            #[inline(always)]
+            fn decode_cyclic(input: &[u8]) -> Option<(Self, &[u8])> {
+                let (payload, rest) = $crate::frame::split_off::<$cyclic>(input)?;
+                Some((Self::$cyclic(payload), rest))
             }
 
             fn layout(&self) -> &'static $crate::layout::MessageLayout {

@@ -43,6 +43,11 @@ pub trait Message: Sized {
     /// What is wrong with it as a message of this direction.
     fn decode_body(body: &[u8]) -> Result<Self, BodyError>;
 
+    /// The message and the rest of `input`, if that begins with a good frame of the kind that is sent in every control
+    /// period. With anything else the caller takes the long way.
+    #[cfg(feature = "wide-crc-tables")]
+    fn decode_cyclic(input: &[u8]) -> Option<(Self, &[u8])>;
+
     /// The layout of this message.
     fn layout(&self) -> &'static MessageLayout;
 
@@ -302,6 +307,7 @@ direction! {
         Reset,
         EncoderSample,
     }
+    cyclic EncoderSample
 }
 
 direction! {
@@ -317,4 +323,5 @@ direction! {
         Log,
         LineReport,
     }
+    cyclic TorqueAnswer
 }

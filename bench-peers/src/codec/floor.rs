@@ -17,9 +17,9 @@ fn close(bytes: &mut [u8]) {
     *crc = checksum(body).to_le_bytes();
 }
 
-fn open(frame: &[u8]) -> &[u8] {
-    let (body, crc) = frame.split_last_chunk().expect("there is a CRC");
-    assert_eq!(checksum(body), u32::from_le_bytes(*crc));
+fn open<const BODY: usize>(frame: &[u8]) -> &[u8; BODY] {
+    let (body, crc) = frame.split_first_chunk().expect("there is a body");
+    assert_eq!(checksum(body).to_le_bytes(), crc);
     body
 }
 
@@ -39,7 +39,7 @@ impl Codec<Sample> for Floor {
     }
 
     fn decode(&mut self, frame: &[u8]) -> Sample {
-        let body: &[u8; SAMPLE] = open(frame).try_into().expect("a sample");
+        let body: &[u8; SAMPLE] = open(frame);
         Sample {
             sequence: u32::from_le_bytes(word(body, 1)),
             motor_counts: i32::from_le_bytes(word(body, 5)),
@@ -61,7 +61,7 @@ impl Codec<Torque> for Floor {
     }
 
     fn decode(&mut self, frame: &[u8]) -> Torque {
-        let b: &[u8; TORQUE] = open(frame).try_into().expect("a torque");
+        let b: &[u8; TORQUE] = open(frame);
         Torque {
             sequence: u32::from_le_bytes([b[1], b[2], b[3], b[4]]),
             torque_nm: f32::from_le_bytes([b[5], b[6], b[7], b[8]]),
