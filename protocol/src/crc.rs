@@ -45,27 +45,38 @@ pub fn checksum(body: &[u8]) -> u32 {
 #[inline(always)]
 #[must_use]
 pub fn checksum(body: &[u8]) -> u32 {
-    let (rest, blocks) = body.split_at(body.len() % BLOCK);
-    let mut crc = step(u32::MAX, rest);
+    let (first, words) = body.as_rchunks();
+    let mut crc = u32::MAX;
+    for byte in first {
+        crc = CRC.table()[0][usize::from(crc as u8 ^ byte)] ^ crc >> 8;
+    }
+    let (few, blocks) = words.split_at(words.len() % BLOCK);
+    crc = step(crc, few);
     for block in blocks.chunks_exact(BLOCK) {
         crc = step(crc, block);
     }
     !crc
 }
 
-/// Bytes in one step.
+/// Words in one step, at most.
 #[cfg(feature = "wide-crc-tables")]
-const BLOCK: usize = 16;
+const BLOCK: usize = 4;
 
+/// In table `n` stands what a byte has become `n` bytes later, and as the CRC is linear, these add up.
 #[cfg(feature = "wide-crc-tables")]
 #[inline(always)]
-fn step(crc: u32, block: &[u8]) -> u32 {
-    let tables = CRC.table();
-    // What of the old CRC is not covered by a block shorter than itself.
-    let mut sum = if block.len() < LEN { crc.checked_shr(8 * block.len() as u32).unwrap_or(0) } else { 0 };
-    for (at, &byte) in block.iter().enumerate() {
-        let carried = if at < LEN { crc.to_le_bytes()[at] } else { 0 };
-        sum ^= tables[block.len() - 1 - at][usize::from(byte ^ carried)];
+fn step(mut crc: u32, words: &[[u8; LEN]]) -> u32 {
+    let mut sum = 0;
+    let mut later = words.len() * LEN;
+    if later == 0 {
+        return crc;
+    }
+    for word in words {
+        for byte in (u32::from_le_bytes(*word) ^ crc).to_le_bytes() {
+            later -= 1;
+            sum ^= CRC.table()[later][usize::from(byte)];
+        }
+        crc = 0;
     }
     sum
 }

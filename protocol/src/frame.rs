@@ -27,7 +27,7 @@ impl Frame {
     #[must_use]
     pub fn of<P: Payload>(payload: &P) -> Self {
         let mut frame = Self { bytes: [0; MAX_FRAME], len: P::LAYOUT.frame_len() };
-        payload.put(&mut frame.bytes[1..=P::LAYOUT.body_len]);
+        payload.put(&mut frame.bytes[1..1 + P::LAYOUT.body_len]);
         frame.close(P::LAYOUT.body_len);
         frame
     }
@@ -131,7 +131,7 @@ pub(crate) fn split_off<P: Payload>(input: &[u8]) -> Option<(P, &[u8])> {
         plain[at..at + 8].copy_from_slice(&word.to_le_bytes());
         at += 8;
     }
-    let body = &plain[1..=body_len];
+    let body = &plain[1..1 + body_len];
     let found = plain[1 + body_len..].first_chunk()?;
     if crc::checksum(body) != u32::from_le_bytes(*found) {
         return None;
