@@ -22,6 +22,27 @@ pub fn stuff(frame: &mut [u8]) {
     frame[code_at] = (frame.len() - code_at) as u8;
 }
 
+#[inline(always)]
+pub fn zeros_of(word: u64) -> u8 {
+    let zeros = !(((word & !HIGHS) + !HIGHS) | word) & HIGHS;
+    ((zeros >> 7).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u8
+}
+
+#[inline(always)]
+pub fn link(frame: &mut [u8; 64], zeros: u64, len: usize) {
+    let mut at = 0;
+    let end = 1 << len;
+    let mut zeros = zeros & (end - 1) | end;
+    while at < len {
+        for _ in 0..6 {
+            let next = zeros.trailing_zeros() as usize;
+            frame[at] = (next - at) as u8;
+            at = next;
+            zeros = zeros & (zeros - 1) | end;
+        }
+    }
+}
+
 /// Where the first zero of `bytes` is.
 ///
 /// Eight bytes at a time: `(x - 1) & !x` has its highest bit set in a byte that is zero, and in none below it that isn't.

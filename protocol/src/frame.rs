@@ -26,9 +26,27 @@ impl Frame {
     #[inline]
     #[must_use]
     pub fn of<P: Payload>(payload: &P) -> Self {
-        let mut frame = Self { bytes: [0; MAX_FRAME], len: P::LAYOUT.frame_len() };
-        payload.put(&mut frame.bytes[1..1 + P::LAYOUT.body_len]);
-        frame.close(P::LAYOUT.body_len);
+        let mut plain = [0; 2 + 64];
+        let body_end = 1 + P::LAYOUT.body_len;
+        payload.put(&mut plain[1..body_end]);
+        let checksum = crc::checksum(&plain[1..body_end]);
+        let crc_end = body_end + crc::LEN;
+        plain[body_end..crc_end].copy_from_slice(&checksum.to_le_bytes());
+        let mut zeros = 0;
+        let (words, _) = plain[2..].as_chunks();
+        for (at, word) in words.iter().enumerate() {
+            if 2 + 8 * at < crc_end {
+                zeros |= u64::from(cobs::zeros_of(u64::from_le_bytes(*word))) << (2 + 8 * at);
+            }
+        }
+        let mut frame = Self { bytes: [0; MAX_FRAME], len: crc_end + 1 };
+        frame.bytes[1] = plain[1];
+        let (to, rest) = frame.bytes[2..].as_chunks_mut();
+        for (to, word) in to.iter_mut().zip(words) {
+            *to = *word;
+        }
+        rest.copy_from_slice(&plain[58..64]);
+        cobs::link(&mut frame.bytes, zeros, crc_end);
         frame
     }
 
