@@ -4,10 +4,6 @@
 //! front is all it costs, and both ways work in place in a single pass: the zeros of the body become a chain of
 //! distances. The tests hold it against the `cobs` crate.
 
-/// The lowest and the highest bit of every byte.
-const ONES: u64 = u64::from_ne_bytes([1; 8]);
-const HIGHS: u64 = ONES << 7;
-
 /// Stuffs `frame[1..]` in place: `frame[0]` and every zero become the distance to the next zero or to the end.
 ///
 /// `frame` is at most 254 bytes long; [`crate::MAX_FRAME`] sees to that.
@@ -22,83 +18,27 @@ pub fn stuff(frame: &mut [u8]) {
     frame[code_at] = (frame.len() - code_at) as u8;
 }
 
-#[inline(always)]
-pub fn zeros_of(word: u64) -> u8 {
-    let zeros = !(((word & !HIGHS) + !HIGHS) | word) & HIGHS;
-    ((zeros >> 7).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u8
-}
-
-#[inline(always)]
-pub fn link(frame: &mut [u8; 64], zeros: u64, len: usize) {
-    let mut at = 0;
-    let end = 1 << len;
-    let mut zeros = zeros & (end - 1) | end;
-    while at < len {
-        for _ in 0..6 {
-            let next = zeros.trailing_zeros() as usize;
-            frame[at] = (next - at) as u8;
-            at = next;
-            zeros = zeros & (zeros - 1) | end;
-        }
-    }
-}
-
 /// Where the first zero of `bytes` is.
 ///
 /// Eight bytes at a time: `(x - 1) & !x` has its highest bit set in a byte that is zero, and in none below it that isn't.
 #[inline]
 pub(crate) fn find_zero(bytes: &[u8]) -> Option<usize> {
-    let zero_in = |word: u64| {
+    const ONES: u64 = u64::from_ne_bytes([1; 8]);
+    const HIGHS: u64 = ONES << 7;
+    let zero_in = |word: &[u8; 8]| {
+        let word = u64::from_le_bytes(*word);
         let zeros = word.wrapping_sub(ONES) & !word & HIGHS;
         (zeros != 0).then_some(zeros.trailing_zeros() as usize / 8)
     };
     let Some(last) = bytes.last_chunk() else { return bytes.iter().position(|&byte| byte == 0) };
-    let (words, _) = bytes.as_chunks();
-    for (at, word) in words.iter().enumerate() {
-        if let Some(zero) = zero_in(u64::from_le_bytes(*word)) {
+    for (at, word) in bytes.as_chunks().0.iter().enumerate() {
+        if let Some(zero) = zero_in(word) {
             return Some(8 * at + zero);
         }
     }
-    // Overlaps the word before it, in which there is none.
-    zero_in(u64::from_le_bytes(*last)).map(|zero| bytes.len() - 8 + zero)
+    // It overlaps the word before, in which there is no zero.
+    zero_in(last).map(|zero| bytes.len() - 8 + zero)
 }
-
-/// The links of the chain in `frame`, which ends with its delimiter: bit `n` is set if byte `n` is one of them. `None` if
-/// the chain does not end at the delimiter.
-///
-/// Where the chain arrives at the delimiter it stays, at a distance of zero. So it is followed several links at a time
-/// without a question after each whether it was the last, which is beyond any processor's guess.
-#[cfg(feature = "wide-crc-tables")]
-#[inline(always)]
-pub(crate) fn links(frame: &[u8]) -> Option<u64> {
-    const AT_A_TIME: usize = 6;
-    let (mut at, mut links) = (0, 0);
-    while at + 1 < frame.len() {
-        for _ in 0..AT_A_TIME {
-            links |= 1_u64 << (at % 64);
-            at += usize::from(*frame.get(at)?);
-        }
-    }
-    (at + 1 == frame.len()).then_some(links)
-}
-
-/// For each set of eight bytes a word with zeros in these and ones in the others.
-#[cfg(feature = "wide-crc-tables")]
-pub(crate) static KEPT: [u64; 256] = {
-    let mut words = [u64::MAX; 256];
-    let mut set = 0;
-    while set < words.len() {
-        let mut byte = 0;
-        while byte < 8 {
-            if set >> byte & 1 == 1 {
-                words[set] &= !(0xff << (8 * byte));
-            }
-            byte += 1;
-        }
-        set += 1;
-    }
-    words
-};
 
 /// Takes the stuffing out of `frame` in place and returns the body, or `None` if the chain of distances does not end
 /// at the end of the frame.

@@ -84,11 +84,11 @@ impl Decoder {
     ///
     /// # Errors
     /// The inner result says what was wrong with a frame; the decoder has already gone past it.
-    #[inline(always)]
+    #[cfg_attr(feature = "wide-crc-tables", inline(always))]
     pub fn next<M: Message>(&mut self, input: &mut &[u8]) -> Option<Result<M, FrameError>> {
         #[cfg(feature = "wide-crc-tables")]
         if self.pending == 0
-            && let Some((message, rest)) = M::decode_cyclic(input)
+            && let Some((message, rest)) = M::split_off_periodic(input)
         {
             *input = rest;
             self.counters.messages = self.counters.messages.saturating_add(1);
@@ -97,7 +97,6 @@ impl Decoder {
         self.next_of_any_kind(input)
     }
 
-    #[inline(never)]
     fn next_of_any_kind<M: Message>(&mut self, input: &mut &[u8]) -> Option<Result<M, FrameError>> {
         while let Some(end) = cobs::find_zero(input) {
             let (piece, rest) = (&input[..end], &input[end + 1..]);

@@ -26,32 +26,20 @@ impl Frame {
     #[inline]
     #[must_use]
     pub fn of<P: Payload>(payload: &P) -> Self {
-        let mut plain = [0; 2 + 64];
-        let body_end = 1 + P::LAYOUT.body_len;
-        payload.put(&mut plain[1..body_end]);
-        let checksum = crc::checksum(&plain[1..body_end]);
-        let crc_end = body_end + crc::LEN;
-        plain[body_end..crc_end].copy_from_slice(&checksum.to_le_bytes());
-        let mut zeros = 0;
-        let (words, _) = plain[2..].as_chunks();
-        for (at, word) in words.iter().enumerate() {
-            if 2 + 8 * at < crc_end {
-                zeros |= u64::from(cobs::zeros_of(u64::from_le_bytes(*word))) << (2 + 8 * at);
-            }
-        }
-        let mut frame = Self { bytes: [0; MAX_FRAME], len: crc_end + 1 };
-        frame.bytes[1] = plain[1];
-        let (to, rest) = frame.bytes[2..].as_chunks_mut();
-        for (to, word) in to.iter_mut().zip(words) {
-            *to = *word;
-        }
-        rest.copy_from_slice(&plain[58..64]);
-        cobs::link(&mut frame.bytes, zeros, crc_end);
+        let mut frame = Self { bytes: [0; MAX_FRAME], len: P::LAYOUT.frame_len() };
+        payload.put(&mut frame.bytes[1..=P::LAYOUT.body_len]);
+        frame.close(P::LAYOUT.body_len);
         frame
     }
 
-    /// Adds all that is not the body: one piece of code for every kind of message, but on a PC one for each.
-    #[cfg_attr(feature = "wide-crc-tables", inline(always))]
+    /// Bytes that are a frame up to `len`.
+    #[cfg(feature = "wide-crc-tables")]
+    #[inline(always)]
+    pub(crate) const fn from_parts(bytes: [u8; MAX_FRAME], len: usize) -> Self {
+        Self { bytes, len }
+    }
+
+    /// Adds all that is not the body: one piece of code for every kind of message.
     fn close(&mut self, body_len: usize) {
         let body_end = 1 + body_len;
         let crc_end = body_end + crc::LEN;
@@ -123,36 +111,4 @@ pub fn open(stuffed: &mut [u8]) -> Result<&[u8], FrameError> {
     };
     let expected = crc::checksum(body);
     if expected == found { Ok(body) } else { Err(FrameError::Crc { expected, found }) }
-}
-
-#[cfg(feature = "wide-crc-tables")]
-#[inline(always)]
-pub(crate) fn split_off<P: Payload>(input: &[u8]) -> Option<(P, &[u8])> {
-    let (body_len, end) = (P::LAYOUT.body_len, P::LAYOUT.frame_len() - 1);
-    let (frame, rest) = input.split_at_checked(end + 1)?;
-    if frame[1] != P::LAYOUT.kind || cobs::find_zero(frame) != Some(end) {
-        return None;
-    }
-    let links = cobs::links(frame)?;
-    if links & 0b10 != 0 {
-        return None;
-    }
-    // Body and CRC as they were, from the code byte on.
-    let mut plain = [0; 2 + 64];
-    plain[1] = P::LAYOUT.kind;
-    let mut at = 2;
-    while at < end {
-        let to = if at + 8 <= end + 1 { at + 8 } else { end + 1 };
-        let mut word = [0; 8];
-        word[..to - at].copy_from_slice(&frame[at..to]);
-        let word = u64::from_le_bytes(word) & cobs::KEPT[usize::from((links >> at) as u8)];
-        plain[at..at + 8].copy_from_slice(&word.to_le_bytes());
-        at += 8;
-    }
-    let body = &plain[1..1 + body_len];
-    let found = plain[1 + body_len..].first_chunk()?;
-    if crc::checksum(body) != u32::from_le_bytes(*found) {
-        return None;
-    }
-    Some((P::get(body).ok()?, rest))
 }

@@ -49,6 +49,8 @@ pub mod decoder;
 pub mod frame;
 pub mod layout;
 pub mod message;
+#[cfg(feature = "wide-crc-tables")]
+mod quick;
 pub mod text;
 pub mod vocabulary;
 pub mod wire;

@@ -43,10 +43,10 @@ pub trait Message: Sized {
     /// What is wrong with it as a message of this direction.
     fn decode_body(body: &[u8]) -> Result<Self, BodyError>;
 
-    /// The message and the rest of `input`, if that begins with a good frame of the kind that is sent in every control
-    /// period. With anything else the caller takes the long way.
+    /// The message and the rest of `input`, if that begins with a whole and good frame of the kind that is sent in every
+    /// control period; `None` for anything else, for which the caller takes the long way.
     #[cfg(feature = "wide-crc-tables")]
-    fn decode_cyclic(input: &[u8]) -> Option<(Self, &[u8])>;
+    fn split_off_periodic(input: &[u8]) -> Option<(Self, &[u8])>;
 
     /// The layout of this message.
     fn layout(&self) -> &'static MessageLayout;
@@ -307,7 +307,7 @@ direction! {
         Reset,
         EncoderSample,
     }
-    cyclic EncoderSample
+    in every period EncoderSample
 }
 
 direction! {
@@ -323,5 +323,5 @@ direction! {
         Log,
         LineReport,
     }
-    cyclic TorqueAnswer
+    in every period TorqueAnswer
 }
