@@ -97,6 +97,7 @@ impl Decoder {
         self.next_of_any_kind(input)
     }
 
+    #[cfg_attr(feature = "wide-crc-tables", inline(never))]
     fn next_of_any_kind<M: Message>(&mut self, input: &mut &[u8]) -> Option<Result<M, FrameError>> {
         while let Some(end) = cobs::find_zero(input) {
             let (piece, rest) = (&input[..end], &input[end + 1..]);

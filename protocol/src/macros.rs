@@ -182,6 +182,7 @@ macro_rules! direction {
         }
 
         impl $name {
+            #[cfg_attr(feature = "wide-crc-tables", inline(never))]
             #[cfg_attr(not(feature = "wide-crc-tables"), inline)]
             pub(crate) fn frame_of_any_kind(&self) -> $crate::frame::Frame {
                 match self { $(Self::$variant(payload) => $crate::frame::Frame::of(payload),)+ }

@@ -14,7 +14,7 @@ use crate::wire::Payload;
 use crate::{cobs, crc};
 
 /// Links of the chain that are taken without asking whether there are more: as many zeros and one.
-const LINKS_AT_ONCE: usize = 6;
+const LINKS_AT_ONCE: usize = 5;
 
 /// Where the fields begin.
 const FIELDS: usize = 2;
@@ -97,8 +97,9 @@ fn chain(frame: &[u8]) -> Option<u64> {
     let (mut at, mut links) = (0, 0);
     while at < end {
         for _ in 0..LINKS_AT_ONCE {
+            let distance = *frame.get(at)?;
             links |= 1_u64 << at;
-            at += usize::from(*frame.get(at)?);
+            at += usize::from(distance);
         }
     }
     (at == end).then_some(links)
@@ -147,3 +148,119 @@ static KEPT: [u64; 256] = {
     }
     masks
 };
+
+#[cfg(test)]
+mod tests {
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::message::{DriveMessage, EncoderSample, HostMessage, Message, TorqueAnswer};
+    use crate::vocabulary::{State, TorqueFlags};
+
+    /// Samples with zeros at every choice of their 16 bytes.
+    fn samples() -> impl Iterator<Item = HostMessage> {
+        (0..=u16::MAX).map(|zeros| {
+            let byte = |at: usize| if zeros >> at & 1 == 1 { 0 } else { 0x9e ^ at as u8 };
+            let word = |at: usize| u32::from_le_bytes([0, 1, 2, 3].map(|i| byte(at + i)));
+            HostMessage::from(EncoderSample {
+                sequence: word(0),
+                motor_counts: word(4).cast_signed(),
+                load_counts: word(8).cast_signed(),
+                reference_rad: f32::from_bits(word(12)),
+            })
+        })
+    }
+
+    /// Torques with zeros at every choice of their bytes, but for the state, which is never zero.
+    fn torques() -> impl Iterator<Item = DriveMessage> {
+        (0..1_u16 << 11).map(|zeros| {
+            let byte = |at: usize| if zeros >> at & 1 == 1 { 0 } else { 0x55 ^ at as u8 };
+            let word = |at: usize| u32::from_le_bytes([0, 1, 2, 3].map(|i| byte(at + i)));
+            DriveMessage::from(TorqueAnswer {
+                sequence: word(0),
+                torque_nm: f32::from_bits(word(4)),
+                state: State::Running,
+                flags: TorqueFlags::from_bits_truncate(byte(8)),
+                compute_tenths_us: u16::from_le_bytes([byte(9), byte(10)]),
+            })
+        })
+    }
+
+    /// What the rest of the crate makes of the bytes up to the first delimiter.
+    fn read_the_long_way<M: Message>(line: &[u8]) -> Option<(Vec<u8>, usize)> {
+        let end = cobs::find_zero(line)?;
+        let mut stuffed = line[..end].to_vec();
+        let message = M::decode_body(crate::frame::open(&mut stuffed).ok()?).ok()?;
+        Some((message.frame().to_vec(), line.len() - end - 1))
+    }
+
+    /// As bytes: a reference may be no number, and that is not equal to itself.
+    fn read_quickly<M: Message>(line: &[u8]) -> Option<(Vec<u8>, usize)> {
+        M::split_off_periodic(line).map(|(message, rest)| (message.frame().to_vec(), rest.len()))
+    }
+
+    fn comes_back<M: Message>(message: &M) {
+        let line = [&message.frame()[..], &[7, 0]].concat();
+        let want = Some((message.frame().to_vec(), 2));
+        assert_eq!(read_quickly::<M>(&line), want);
+        assert_eq!(read_the_long_way::<M>(&line), want);
+    }
+
+    #[test]
+    fn wherever_zeros_are_the_frame_is_that_of_the_long_way() {
+        for sample in samples() {
+            assert_eq!(sample.frame()[..], sample.frame_of_any_kind()[..], "{sample:?}");
+            comes_back(&sample);
+        }
+        for torque in torques() {
+            assert_eq!(torque.frame()[..], torque.frame_of_any_kind()[..], "{torque:?}");
+            comes_back(&torque);
+        }
+    }
+
+    /// Every byte of the frame replaced by every other, and by what makes the frame shorter.
+    fn with_a_wrong_byte<M: Message>(message: &M) {
+        let frame = message.frame();
+        for at in 0..frame.len() {
+            for byte in 0..=u8::MAX {
+                let mut line = [&frame[..], &[7, 0]].concat();
+                line[at] = byte;
+                assert_eq!(read_quickly::<M>(&line), read_the_long_way::<M>(&line), "{line:02x?}");
+            }
+            assert_eq!(read_quickly::<M>(&frame[..at]), None, "{at} bytes of it");
+        }
+    }
+
+    #[test]
+    fn a_frame_with_a_wrong_byte_is_read_as_the_long_way_reads_it() {
+        samples().step_by(2729).for_each(|sample| with_a_wrong_byte(&sample));
+        torques().step_by(257).for_each(|torque| with_a_wrong_byte(&torque));
+    }
+
+    #[test]
+    fn a_zero_that_no_link_leads_to_ends_the_frame() {
+        for message in samples().step_by(251) {
+            let good = message.frame();
+            let end = good.len() - 1;
+            let links = chain(&good).expect("a chain");
+            for at in (FIELDS..end).filter(|at| links >> at & 1 == 1) {
+                // The link before jumps over this one. The body would be the same, and the CRC right.
+                let before = (0..at).rfind(|before| links >> before & 1 == 1).expect("the code byte");
+                let mut frame = good.to_vec();
+                frame[before] += frame[at];
+                frame[at] = 0;
+                assert_eq!(read_quickly::<HostMessage>(&frame), None, "{frame:02x?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_right_crc_does_not_make_a_message() {
+        let body = [0x90, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 0, 0];
+        let mut frame = [&[0], &body[..], &crc::checksum(&body).to_le_bytes(), &[0]].concat();
+        let end = frame.len() - 1;
+        cobs::stuff(&mut frame[..end]);
+        assert_eq!(read_quickly::<DriveMessage>(&frame), None, "state 9");
+        assert_eq!(read_quickly::<HostMessage>(&frame), None, "the other direction");
+    }
+}
