@@ -36,7 +36,11 @@ fn goals(figures: &[Figures], streams: &[stream::Figures]) -> Vec<Goal> {
         ("torque, decode", |side| side.torque.decode_ns, 3.0),
     ];
     for (task, time, faster) in tasks {
-        goals.push(Goal::at_least(format!("{task}: postcard over ours"), faster, time(postcard) / time(ours)));
+        goals.push(Goal::at_least(
+            format!("{task}: postcard over ours"),
+            faster,
+            time(postcard) / time(ours),
+        ));
         let fastest = others.iter().map(time).fold(time(postcard), f64::min);
         goals.push(Goal::at_least(format!("{task}: fastest other over ours"), 1.0, fastest / time(ours)));
         goals.push(Goal::at_most(format!("{task}: ours over the floor"), 2.2, time(ours) / time(floor)));
@@ -56,7 +60,11 @@ fn goals(figures: &[Figures], streams: &[stream::Figures]) -> Vec<Goal> {
     let [ours, cobs, tokio, tokio_wide] = streams else { panic!("four streams") };
     goals.push(Goal::at_least("stream, MB/s: ours over cobs".into(), 1.0, ours.mb_s() / cobs.mb_s()));
     for (name, tokio) in [("tokio", tokio), ("tokio with 16 tables", tokio_wide)] {
-        goals.push(Goal::at_least(format!("stream, MB/s: ours over {name}"), 2.0, ours.mb_s() / tokio.mb_s()));
+        goals.push(Goal::at_least(
+            format!("stream, MB/s: ours over {name}"),
+            2.0,
+            ours.mb_s() / tokio.mb_s(),
+        ));
         let times = tokio.ns_per_message / ours.ns_per_message;
         goals.push(Goal::at_least(format!("stream, messages/s: ours over {name}"), 2.0, times));
     }

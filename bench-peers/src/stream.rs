@@ -51,9 +51,11 @@ pub fn measure(samples: &[Sample]) -> Vec<Figures> {
     let sides: [(&'static str, &[u8], Reader); 4] = [
         ("lashloop", &ours, read_ours),
         ("cobs push decoder, CRC-32C, fields", &ours, read_cobs),
-        ("tokio Decoder, MAVLink-like frames, CRC-16 with the crc crate's default table", &mavlink_like, |stream| {
-            read_mavlink_like(stream, |bytes| CRC_16.checksum(bytes))
-        }),
+        (
+            "tokio Decoder, MAVLink-like frames, CRC-16 with the crc crate's default table",
+            &mavlink_like,
+            |stream| read_mavlink_like(stream, |bytes| CRC_16.checksum(bytes)),
+        ),
         ("the same with 16 tables", &mavlink_like, |stream| {
             read_mavlink_like(stream, |bytes| CRC_16_WIDE.checksum(bytes))
         }),

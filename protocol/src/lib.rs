@@ -28,6 +28,7 @@
 //! | [`wire`], [`layout`] | bytes: where each field lies and how it is checked |
 //! | [`crc`], [`cobs`], [`frame`] | a body becomes a frame |
 //! | [`decoder`] | a stream becomes messages again, whatever lies between them |
+//! | `quick` (feature `wide-crc-tables`) | the same bytes for samples and torques, faster on a PC |
 //! | `codec` (feature `tokio-codec`) | the same decoder as a tokio-util codec |
 //!
 //! `no_std`, no allocation, no unsafe code.

@@ -33,7 +33,8 @@ impl CodecSize {
         }
         let is_table = |name: &str| name.contains("lashloop_protocol") && name.contains("3CRC");
         let tables = file.symbols().filter(|symbol| symbol.kind() == SymbolKind::Data);
-        let crc_table = tables.filter(|symbol| symbol.name().is_ok_and(is_table)).map(|symbol| symbol.size()).sum();
+        let crc_table =
+            tables.filter(|symbol| symbol.name().is_ok_and(is_table)).map(|symbol| symbol.size()).sum();
         Ok(Self { code, crc_table })
     }
 }

@@ -4,6 +4,8 @@
 //! `LASHLOOP_LEAVE_NOTHING_OUT` set, as `cargo xtask test` sets it, they fail instead. That choice is made when the
 //! tests run, which is why this binary has a harness of its own.
 
+mod codec;
+mod codec_cost;
 mod conforming;
 mod equipment;
 mod lost;
@@ -17,7 +19,8 @@ use tests::paper::RUNS;
 type Check = fn();
 
 /// Trials that need image and emulator, by their names.
-const TRIALS: [(&str, Check); 7] = [
+const TRIALS: [(&str, Check); 8] = [
+    ("codec::reading_and_writing_a_message_takes_few_instructions", codec::every_message),
     ("conforming::the_image_passes_every_check_and_none_is_left_out", conforming::every_check),
     ("lost::a_killed_emulator_is_reported_with_its_process_and_signal", lost::killed),
     ("lost::an_emulator_that_hangs_is_reported_as_silent_and_not_left_behind", lost::stopped),
