@@ -51,3 +51,33 @@ pub fn torques() -> Vec<Torque> {
         })
         .collect()
 }
+
+/// Every sample of the values at which encodings are longest or shortest.
+pub fn extreme_samples() -> Vec<Sample> {
+    let mut samples = Vec::new();
+    for sequence in [0, u32::MAX] {
+        for motor_counts in [0, -1, i32::MIN, i32::MAX] {
+            for load_counts in [0, -1, i32::MIN, i32::MAX] {
+                for reference_rad in [0.0, f32::MIN, f32::MIN_POSITIVE, std::f32::consts::PI] {
+                    samples.push(Sample { sequence, motor_counts, load_counts, reference_rad });
+                }
+            }
+        }
+    }
+    samples
+}
+
+/// The same for torques.
+pub fn extreme_torques() -> Vec<Torque> {
+    let mut torques = Vec::new();
+    for sequence in [0, u32::MAX] {
+        for torque_nm in [0.0, f32::MIN, f32::MIN_POSITIVE, std::f32::consts::PI] {
+            for flags in [0, 7] {
+                for compute_tenths_us in [0, u16::MAX] {
+                    torques.push(Torque { sequence, torque_nm, state: 5, flags, compute_tenths_us });
+                }
+            }
+        }
+    }
+    torques
+}

@@ -5,6 +5,7 @@
 
 mod codec;
 mod cycle;
+mod goals;
 mod load;
 mod measure;
 mod stream;
@@ -17,8 +18,9 @@ fn main() {
     let mut sides: Vec<Box<dyn Side>> = vec![
         <dyn Side>::of::<codec::ours::Ours>("lashloop", &samples, &torques),
         <dyn Side>::of::<codec::floor::Floor>("floor: copy and CRC-32C", &samples, &torques),
-        <dyn Side>::of::<codec::postcard::Postcard>("postcard, CRC-32, cobs", &samples, &torques),
-        <dyn Side>::of::<codec::protobuf::Protobuf>("prost, cobs (no CRC)", &samples, &torques),
+        <dyn Side>::of::<codec::postcard::Postcard>("postcard, CRC-32C, cobs", &samples, &torques),
+        <dyn Side>::of::<codec::protobuf::Protobuf<true>>("prost, CRC-32C, cobs", &samples, &torques),
+        <dyn Side>::of::<codec::protobuf::Protobuf<false>>("prost, cobs, no check", &samples, &torques),
         <dyn Side>::of::<codec::mavlink::Mavlink>(
             "mavlink HIL_SENSOR, HIL_ACTUATOR_CONTROLS",
             &samples,
@@ -27,33 +29,28 @@ fn main() {
     ];
     let figures = measure(&mut sides);
     table(&figures);
-    stream::table(&stream::measure(&samples));
+    let streams = stream::measure(&samples);
+    stream::table(&streams);
+    goals::table(&figures, &streams);
     println!("load after: {}", load::word());
 }
 
 fn table(figures: &[Figures]) {
     println!(
-        "| codec | sample: encode ns | decode ns | bytes | torque: encode ns | decode ns | bytes | bytes per cycle |"
+        "| codec | sample: encode ns | decode ns | bytes | torque: encode ns | decode ns | bytes | bytes per cycle | at most |"
     );
-    println!("|---|---|---|---|---|---|---|---|");
-    for side in figures {
-        let [(se, sd, sb), (te, td, tb)] =
-            [&side.sample, &side.torque].map(|m| (m.encode_ns, m.decode_ns, m.bytes));
+    println!("|---|---|---|---|---|---|---|---|---|");
+    for Figures { name, sample, torque } in figures {
         println!(
-            "| {} | {se:.1} | {sd:.1} | {sb:.1} | {te:.1} | {td:.1} | {tb:.1} | {:.1} |",
-            side.name,
-            sb + tb
-        );
-    }
-    let ours = &figures[0];
-    for side in &figures[1..] {
-        println!(
-            "{} over lashloop: sample encode {:.2}, decode {:.2}; torque encode {:.2}, decode {:.2}",
-            side.name,
-            side.sample.encode_ns / ours.sample.encode_ns,
-            side.sample.decode_ns / ours.sample.decode_ns,
-            side.torque.encode_ns / ours.torque.encode_ns,
-            side.torque.decode_ns / ours.torque.decode_ns,
+            "| {name} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {} |",
+            sample.encode_ns,
+            sample.decode_ns,
+            sample.bytes.mean,
+            torque.encode_ns,
+            torque.decode_ns,
+            torque.bytes.mean,
+            sample.bytes.mean + torque.bytes.mean,
+            sample.bytes.longest + torque.bytes.longest
         );
     }
 }

@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use crate::codec::Codec;
-use crate::cycle::{COUNT, Sample, Torque};
+use crate::cycle::{COUNT, Sample, Torque, extreme_samples, extreme_torques};
 
 const ROUNDS: usize = 201;
 
@@ -12,8 +12,16 @@ const ROUNDS: usize = 201;
 pub struct Cost {
     pub encode_ns: f64,
     pub decode_ns: f64,
-    /// Mean length of a frame.
-    pub bytes: f64,
+    pub bytes: Length,
+}
+
+/// Of frames, in bytes.
+#[derive(Clone, Copy)]
+pub struct Length {
+    /// Over the values of the run.
+    pub mean: f64,
+    /// Over those and the extreme values: what a link has to have room for.
+    pub longest: usize,
 }
 
 pub struct Figures {
@@ -29,8 +37,8 @@ const TASKS: usize = 4;
 pub trait Side {
     fn name(&self) -> &'static str;
 
-    /// Mean lengths of the frames of a sample and of a torque.
-    fn bytes(&self) -> [f64; 2];
+    /// Lengths of the frames of a sample and of a torque.
+    fn bytes(&self) -> [Length; 2];
 
     /// Runs one task for all values and returns ns per message.
     fn round(&mut self, task: usize) -> f64;
@@ -42,7 +50,8 @@ impl dyn Side {
         C: Codec<Sample> + Codec<Torque> + 'static,
     {
         let mut codec = C::default();
-        let (samples, torques) = (Work::new(&mut codec, samples), Work::new(&mut codec, torques));
+        let samples = Work::new(&mut codec, samples, &extreme_samples());
+        let torques = Work::new(&mut codec, torques, &extreme_torques());
         Box::new(Bench { name, codec, samples, torques })
     }
 }
@@ -59,7 +68,7 @@ impl<C: Codec<Sample> + Codec<Torque>> Side for Bench<C> {
         self.name
     }
 
-    fn bytes(&self) -> [f64; 2] {
+    fn bytes(&self) -> [Length; 2] {
         [self.samples.bytes(), self.torques.bytes()]
     }
 
@@ -75,23 +84,39 @@ impl<C: Codec<Sample> + Codec<Torque>> Side for Bench<C> {
 
 struct Work<V> {
     values: Vec<V>,
-    frames: Vec<Vec<u8>>,
+    /// Frame after frame, as they come in from a line.
+    line: Vec<u8>,
+    lengths: Vec<usize>,
+    longest: usize,
 }
 
 impl<V: Copy + PartialEq + std::fmt::Debug> Work<V> {
-    fn new(codec: &mut impl Codec<V>, values: &[V]) -> Self {
-        let mut frames = Vec::new();
+    fn new(codec: &mut impl Codec<V>, values: &[V], extremes: &[V]) -> Self {
+        let (mut line, mut lengths) = (Vec::new(), Vec::new());
         for value in values {
-            codec.encode(value, |bytes| frames.push(bytes.to_vec()));
+            codec.encode(value, |bytes| {
+                line.extend_from_slice(bytes);
+                lengths.push(bytes.len());
+            });
         }
-        for (value, frame) in values.iter().zip(&frames) {
+        let mut longest = 0;
+        for value in values.iter().chain(extremes) {
+            codec.encode(value, |bytes| longest = longest.max(bytes.len()));
+        }
+        let this = Self { values: values.to_vec(), line, lengths, longest };
+        for (value, frame) in values.iter().zip(this.frames()) {
             assert_eq!(codec.decode(frame), *value, "comes back as it went");
         }
-        Self { values: values.to_vec(), frames }
+        this
     }
 
-    fn bytes(&self) -> f64 {
-        self.frames.iter().map(Vec::len).sum::<usize>() as f64 / COUNT as f64
+    fn frames(&self) -> impl Iterator<Item = &[u8]> {
+        let mut line = &self.line[..];
+        self.lengths.iter().map(move |&len| line.split_off(..len).expect("all of them are there"))
+    }
+
+    fn bytes(&self) -> Length {
+        Length { mean: self.line.len() as f64 / COUNT as f64, longest: self.longest }
     }
 
     #[inline(never)]
@@ -108,7 +133,7 @@ impl<V: Copy + PartialEq + std::fmt::Debug> Work<V> {
     #[inline(never)]
     fn decode(&self, codec: &mut impl Codec<V>) -> f64 {
         let started = Instant::now();
-        for frame in &self.frames {
+        for frame in self.frames() {
             black_box(codec.decode(black_box(frame)));
         }
         started.elapsed().as_nanos() as f64 / COUNT as f64

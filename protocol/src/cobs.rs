@@ -20,21 +20,25 @@ pub fn stuff(frame: &mut [u8]) {
 
 /// Where the first zero of `bytes` is.
 ///
-/// Eight bytes at a time: `(x - 1) & !x` has its highest bit set in a byte that is zero, and in none below it that isn't.
+/// A word at a time: `(x - 1) & !x` has its highest bit set in a byte that is zero, and in none below it that isn't.
 #[inline]
 pub(crate) fn find_zero(bytes: &[u8]) -> Option<usize> {
-    const ONES: u64 = u64::from_ne_bytes([1; 8]);
-    const HIGHS: u64 = ONES << 7;
-    let mut at = 0;
-    while let Some(word) = bytes[at..].first_chunk() {
-        let word = u64::from_le_bytes(*word);
+    const WORD: usize = size_of::<usize>();
+    const ONES: usize = usize::from_ne_bytes([1; WORD]);
+    const HIGHS: usize = ONES << 7;
+    let zero_in = |word: &[u8; WORD]| {
+        let word = usize::from_le_bytes(*word);
         let zeros = word.wrapping_sub(ONES) & !word & HIGHS;
-        if zeros != 0 {
-            return Some(at + zeros.trailing_zeros() as usize / 8);
+        (zeros != 0).then_some(zeros.trailing_zeros() as usize / 8)
+    };
+    let Some(last) = bytes.last_chunk() else { return bytes.iter().position(|&byte| byte == 0) };
+    for (at, word) in bytes.as_chunks().0.iter().enumerate() {
+        if let Some(zero) = zero_in(word) {
+            return Some(WORD * at + zero);
         }
-        at += 8;
     }
-    bytes[at..].iter().position(|&byte| byte == 0).map(|rest| at + rest)
+    // It overlaps the word before, in which there is no zero.
+    zero_in(last).map(|zero| bytes.len() - WORD + zero)
 }
 
 /// Takes the stuffing out of `frame` in place and returns the body, or `None` if the chain of distances does not end
@@ -88,6 +92,18 @@ mod tests {
     fn unstuffing_gives_the_body_back() {
         for body in bodies() {
             assert_eq!(unstuff(&mut stuffed(&body)), Some(&body[..]));
+        }
+    }
+
+    #[test]
+    fn the_first_zero_is_found_wherever_it_is() {
+        for len in 0..20 {
+            let mut bytes = vec![1; len];
+            assert_eq!(find_zero(&bytes), None);
+            for first in (0..len).rev() {
+                bytes[first] = 0;
+                assert_eq!(find_zero(&bytes), Some(first), "{bytes:?}");
+            }
         }
     }
 

@@ -39,24 +39,44 @@ pub fn checksum(body: &[u8]) -> u32 {
 /// The check value of a body.
 ///
 /// `Crc::checksum` takes sixteen bytes in one step but what is left of them one after the other, each waiting for the
-/// one before: most of a torque answer. Here each byte of the rest is looked up on its own as well. In table `n` stands
-/// what a byte has become `n` bytes later, and as the CRC is linear, these add up.
+/// one before: most of a torque answer. Here only the bytes before the first whole word are taken one by one.
 #[cfg(feature = "wide-crc-tables")]
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn checksum(body: &[u8]) -> u32 {
-    let tables = CRC.table();
+    /// Words in a step.
+    const BLOCK: usize = 4;
+    let (first, words) = body.as_rchunks();
     let mut crc = u32::MAX;
-    for block in body.chunks(tables.len()) {
-        // What of the old CRC is not covered by a block shorter than itself.
-        let mut sum = if block.len() < LEN { crc >> (8 * block.len()) } else { 0 };
-        for (at, &byte) in block.iter().enumerate() {
-            let carried = if at < LEN { crc.to_le_bytes()[at] } else { 0 };
-            sum ^= tables[block.len() - 1 - at][usize::from(byte ^ carried)];
-        }
-        crc = sum;
+    for byte in first {
+        crc = CRC.table()[0][usize::from(crc as u8 ^ byte)] ^ crc >> 8;
+    }
+    let (few, blocks) = words.split_at(words.len() % BLOCK);
+    if !few.is_empty() {
+        crc = step(crc, few);
+    }
+    for block in blocks.chunks_exact(BLOCK) {
+        crc = step(crc, block);
     }
     !crc
+}
+
+/// The CRC after up to four more words.
+///
+/// In table `n` stands what a byte has become `n` bytes later, and as the CRC is linear, these add up.
+#[cfg(feature = "wide-crc-tables")]
+#[inline(always)]
+fn step(before: u32, words: &[[u8; LEN]]) -> u32 {
+    let mut crc = 0;
+    let mut later = words.len() * LEN;
+    for (at, word) in words.iter().enumerate() {
+        let carried = if at == 0 { before } else { 0 };
+        for byte in (u32::from_le_bytes(*word) ^ carried).to_le_bytes() {
+            later -= 1;
+            crc ^= CRC.table()[later][usize::from(byte)];
+        }
+    }
+    crc
 }
 
 #[cfg(test)]

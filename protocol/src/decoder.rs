@@ -84,7 +84,21 @@ impl Decoder {
     ///
     /// # Errors
     /// The inner result says what was wrong with a frame; the decoder has already gone past it.
+    #[cfg_attr(feature = "wide-crc-tables", inline(always))]
     pub fn next<M: Message>(&mut self, input: &mut &[u8]) -> Option<Result<M, FrameError>> {
+        #[cfg(feature = "wide-crc-tables")]
+        if self.pending == 0
+            && let Some((message, rest)) = M::split_off_periodic(input)
+        {
+            *input = rest;
+            self.counters.messages = self.counters.messages.saturating_add(1);
+            return Some(Ok(message));
+        }
+        self.next_of_any_kind(input)
+    }
+
+    #[cfg_attr(feature = "wide-crc-tables", inline(never))]
+    fn next_of_any_kind<M: Message>(&mut self, input: &mut &[u8]) -> Option<Result<M, FrameError>> {
         while let Some(end) = cobs::find_zero(input) {
             let (piece, rest) = (&input[..end], &input[end + 1..]);
             *input = rest;

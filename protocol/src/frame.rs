@@ -32,8 +32,14 @@ impl Frame {
         frame
     }
 
-    /// Adds all that is not the body: one piece of code for every kind of message, but on a PC one for each.
-    #[cfg_attr(feature = "wide-crc-tables", inline(always))]
+    /// Bytes that are a frame up to `len`.
+    #[cfg(feature = "wide-crc-tables")]
+    #[inline(always)]
+    pub(crate) const fn from_parts(bytes: [u8; MAX_FRAME], len: usize) -> Self {
+        Self { bytes, len }
+    }
+
+    /// Adds all that is not the body: one piece of code for every kind of message.
     fn close(&mut self, body_len: usize) {
         let body_end = 1 + body_len;
         let crc_end = body_end + crc::LEN;

@@ -28,6 +28,7 @@
 //! | [`wire`], [`layout`] | bytes: where each field lies and how it is checked |
 //! | [`crc`], [`cobs`], [`frame`] | a body becomes a frame |
 //! | [`decoder`] | a stream becomes messages again, whatever lies between them |
+//! | `quick` (feature `wide-crc-tables`) | the same bytes for samples and torques, faster on a PC |
 //! | `codec` (feature `tokio-codec`) | the same decoder as a tokio-util codec |
 //!
 //! `no_std`, no allocation, no unsafe code.
@@ -49,6 +50,8 @@ pub mod decoder;
 pub mod frame;
 pub mod layout;
 pub mod message;
+#[cfg(feature = "wide-crc-tables")]
+mod quick;
 pub mod text;
 pub mod vocabulary;
 pub mod wire;

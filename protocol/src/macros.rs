@@ -124,9 +124,9 @@ macro_rules! payload {
     };
 }
 
-/// All messages of one direction as one type.
+/// All messages of one direction as one type, and which of them is sent in every control period.
 macro_rules! direction {
-    ($(#[$meta:meta])* pub enum $name:ident { $($variant:ident,)+ }) => {
+    ($(#[$meta:meta])* pub enum $name:ident { $($variant:ident,)+ } in every period $periodic:ident) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum $name { $(
@@ -154,12 +154,37 @@ macro_rules! direction {
                 Err($crate::wire::BodyError::UnknownKind { kind })
             }
 
+            #[cfg(feature = "wide-crc-tables")]
+            #[inline(always)]
+            fn split_off_periodic(input: &[u8]) -> Option<(Self, &[u8])> {
+                let (payload, rest) = $crate::quick::split_off::<$periodic>(input)?;
+                Some((Self::$periodic(payload), rest))
+            }
+
             fn layout(&self) -> &'static $crate::layout::MessageLayout {
                 match self { $(Self::$variant(_) => const { &<$variant as $crate::wire::Payload>::LAYOUT },)+ }
             }
 
+            #[cfg(feature = "wide-crc-tables")]
+            #[inline(always)]
+            fn frame(&self) -> $crate::frame::Frame {
+                match self {
+                    Self::$periodic(payload) => $crate::quick::frame(payload),
+                    _ => self.frame_of_any_kind(),
+                }
+            }
+
+            #[cfg(not(feature = "wide-crc-tables"))]
             #[inline]
             fn frame(&self) -> $crate::frame::Frame {
+                self.frame_of_any_kind()
+            }
+        }
+
+        impl $name {
+            #[cfg_attr(feature = "wide-crc-tables", inline(never))]
+            #[cfg_attr(not(feature = "wide-crc-tables"), inline)]
+            pub(crate) fn frame_of_any_kind(&self) -> $crate::frame::Frame {
                 match self { $(Self::$variant(payload) => $crate::frame::Frame::of(payload),)+ }
             }
         }

@@ -43,6 +43,14 @@ pub trait Message: Sized {
     /// What is wrong with it as a message of this direction.
     fn decode_body(body: &[u8]) -> Result<Self, BodyError>;
 
+    /// The message and the rest of `input`, if that begins with a whole and good frame of the kind that is sent in every
+    /// control period; `None` for anything else, for which the caller takes the long way, as it always may.
+    #[cfg(feature = "wide-crc-tables")]
+    #[inline(always)]
+    fn split_off_periodic(_input: &[u8]) -> Option<(Self, &[u8])> {
+        None
+    }
+
     /// The layout of this message.
     fn layout(&self) -> &'static MessageLayout;
 
@@ -302,6 +310,7 @@ direction! {
         Reset,
         EncoderSample,
     }
+    in every period EncoderSample
 }
 
 direction! {
@@ -317,4 +326,5 @@ direction! {
         Log,
         LineReport,
     }
+    in every period TorqueAnswer
 }

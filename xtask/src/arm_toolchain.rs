@@ -15,6 +15,11 @@ use crate::command;
 
 pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 
+/// The drive.
+pub(crate) const DRIVE: &str = "lashloop-firmware";
+/// What counts the codec's instructions; behind a feature of the same name, because it is for Arm alone.
+pub(crate) const CODEC_COST: &str = "codec-cost";
+
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 const DEBIAN_CARGO_CLIPPY: &str = "/usr/bin/cargo-clippy";
 
@@ -43,11 +48,11 @@ impl ArmToolchain {
         )
     }
 
-    /// `cargo build` of the firmware's program for the board.
-    pub(crate) fn build(&self) -> Command {
+    /// `cargo build` of a program of the firmware for the board.
+    pub(crate) fn build(&self, program: &str) -> Command {
         let mut command = command::cargo();
         command.arg("build");
-        self.describe(&mut command);
+        self.describe(program, &mut command);
         command
     }
 
@@ -64,13 +69,16 @@ impl ArmToolchain {
             }
         };
         command.arg("clippy");
-        self.describe(&mut command);
+        self.describe(DRIVE, &mut command);
         command.args(["--", "-D", "warnings"]);
         Some(command)
     }
 
-    fn describe(&self, command: &mut Command) {
-        command.args(["--package", "lashloop-firmware", "--bin", "lashloop-firmware"]);
+    fn describe(&self, program: &str, command: &mut Command) {
+        command.args(["--package", "lashloop-firmware", "--bin", program]);
+        if program == CODEC_COST {
+            command.args(["--features", CODEC_COST]);
+        }
         // The folder is ours to name: the image has one well-known place, whatever CARGO_TARGET_DIR says.
         command.args(["--target", TARGET, "--profile", "image", "--target-dir"]);
         command.arg(crate::root().join("target"));

@@ -2,6 +2,7 @@
 
 mod arm_toolchain;
 mod checks;
+mod codec_size;
 mod command;
 mod fuzz;
 mod header;
@@ -25,7 +26,7 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Chore {
-    /// Build the Arm image, copy it to target/lashloop-firmware.elf and print its size
+    /// Build the Arm images, copy them to target/lashloop-firmware.elf and codec-cost.elf and print the first one's size
     Image,
     /// Print the size of the Arm image and fail if it is beyond its limits
     Size,
@@ -67,7 +68,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the package is a folder of the workspace")
 }
 
-/// Where everybody finds the Arm image.
-fn image_path() -> PathBuf {
-    root().join("target/lashloop-firmware.elf")
+/// Where everybody finds the Arm image of a program.
+fn image_path(program: &str) -> PathBuf {
+    root().join("target").join(program).with_extension("elf")
 }

@@ -6,6 +6,9 @@ use anyhow::{Context, Result, ensure};
 use object::elf::{self, SHF_ALLOC, SHF_WRITE};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags};
 
+use crate::arm_toolchain::DRIVE;
+use crate::codec_size::CodecSize;
+
 /// Most flash for vectors, code and constants (bytes). The chip has 1 MiB: the limit is an alarm, not a shortage.
 const TEXT_LIMIT: u64 = 32 * 1024;
 /// Most RAM for what has a fixed address (bytes). The chip has 128 KiB; the stack takes what is left.
@@ -21,7 +24,7 @@ pub(crate) struct Size {
 
 /// Prints the sizes.
 pub(crate) fn print() -> Result<Size> {
-    let path = crate::image_path();
+    let path = crate::image_path(DRIVE);
     let elf =
         fs::read(&path).with_context(|| format!("{}: run `cargo xtask image` first", path.display()))?;
     let size = Size::of(&elf).with_context(|| path.display().to_string())?;
@@ -29,6 +32,7 @@ pub(crate) fn print() -> Result<Size> {
         "image: text {} B of {TEXT_LIMIT} B; static RAM {} B of {STATIC_RAM_LIMIT} B, beside {} B for the stack",
         size.text, size.static_ram, size.stack_room
     );
+    println!("{}", CodecSize::of(&path, &elf).with_context(|| path.display().to_string())?);
     Ok(size)
 }
 

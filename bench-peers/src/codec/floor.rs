@@ -12,14 +12,17 @@ pub struct Floor;
 const SAMPLE: usize = 17;
 const TORQUE: usize = 13;
 
-fn close(bytes: &mut [u8]) {
-    let (body, crc) = bytes.split_last_chunk_mut().expect("there is a CRC");
-    *crc = checksum(body).to_le_bytes();
+/// By value: the fields are still in registers when the CRC reads them.
+fn close<const BODY: usize, const ALL: usize>(body: [u8; BODY]) -> [u8; ALL] {
+    let mut bytes = [0; ALL];
+    bytes[..BODY].copy_from_slice(&body);
+    bytes[BODY..].copy_from_slice(&checksum(&body).to_le_bytes());
+    bytes
 }
 
-fn open(frame: &[u8]) -> &[u8] {
-    let (body, crc) = frame.split_last_chunk().expect("there is a CRC");
-    assert_eq!(checksum(body), u32::from_le_bytes(*crc));
+fn open<const BODY: usize>(frame: &[u8]) -> &[u8; BODY] {
+    let (body, crc) = frame.split_first_chunk().expect("there is a body");
+    assert_eq!(checksum(body).to_le_bytes(), crc);
     body
 }
 
@@ -29,17 +32,16 @@ fn word(body: &[u8; SAMPLE], at: usize) -> [u8; 4] {
 
 impl Codec<Sample> for Floor {
     fn encode(&mut self, value: &Sample, send: impl FnOnce(&[u8])) {
-        let mut bytes = [0x10; SAMPLE + 4];
+        let mut bytes = [0x10; SAMPLE];
         bytes[1..5].copy_from_slice(&value.sequence.to_le_bytes());
         bytes[5..9].copy_from_slice(&value.motor_counts.to_le_bytes());
         bytes[9..13].copy_from_slice(&value.load_counts.to_le_bytes());
         bytes[13..17].copy_from_slice(&value.reference_rad.to_le_bytes());
-        close(&mut bytes);
-        send(&bytes);
+        send(&close::<SAMPLE, { SAMPLE + 4 }>(bytes));
     }
 
     fn decode(&mut self, frame: &[u8]) -> Sample {
-        let body: &[u8; SAMPLE] = open(frame).try_into().expect("a sample");
+        let body: &[u8; SAMPLE] = open(frame);
         Sample {
             sequence: u32::from_le_bytes(word(body, 1)),
             motor_counts: i32::from_le_bytes(word(body, 5)),
@@ -51,17 +53,16 @@ impl Codec<Sample> for Floor {
 
 impl Codec<Torque> for Floor {
     fn encode(&mut self, value: &Torque, send: impl FnOnce(&[u8])) {
-        let mut bytes = [0x90; TORQUE + 4];
+        let mut bytes = [0x90; TORQUE];
         bytes[1..5].copy_from_slice(&value.sequence.to_le_bytes());
         bytes[5..9].copy_from_slice(&value.torque_nm.to_le_bytes());
         bytes[9..11].copy_from_slice(&[value.state, value.flags]);
         bytes[11..13].copy_from_slice(&value.compute_tenths_us.to_le_bytes());
-        close(&mut bytes);
-        send(&bytes);
+        send(&close::<TORQUE, { TORQUE + 4 }>(bytes));
     }
 
     fn decode(&mut self, frame: &[u8]) -> Torque {
-        let b: &[u8; TORQUE] = open(frame).try_into().expect("a torque");
+        let b: &[u8; TORQUE] = open(frame);
         Torque {
             sequence: u32::from_le_bytes([b[1], b[2], b[3], b[4]]),
             torque_nm: f32::from_le_bytes([b[5], b[6], b[7], b[8]]),

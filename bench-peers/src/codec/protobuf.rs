@@ -1,8 +1,8 @@
-//! Protocol buffers, delimited by the `cobs` crate; without a CRC, as users of both leave it.
+//! Protocol buffers, delimited by the `cobs` crate: without a CRC, as users of both leave it, and with ours.
 
 use prost::Message;
 
-use super::Codec;
+use super::{CRC_32, Codec};
 use crate::cycle::{Sample, Torque};
 
 #[derive(Clone, PartialEq, Message)]
@@ -31,34 +31,47 @@ struct TorqueMessage {
     compute_tenths_us: u32,
 }
 
-pub struct Protobuf {
+/// With the CRC-32C of all others, or without any.
+pub struct Protobuf<const CRC: bool> {
     plain: [u8; 64],
     stuffed: [u8; 64],
 }
 
-impl Default for Protobuf {
+impl<const CRC: bool> Default for Protobuf<CRC> {
     fn default() -> Self {
         Self { plain: [0; 64], stuffed: [0; 64] }
     }
 }
 
-impl Protobuf {
+impl<const CRC: bool> Protobuf<CRC> {
     fn send(&mut self, message: &impl Message, send: impl FnOnce(&[u8])) {
         let mut room = &mut self.plain[..];
         message.encode(&mut room).expect("room");
         let left = room.len();
-        let end = cobs::encode(&self.plain[..self.plain.len() - left], &mut self.stuffed);
+        let mut len = self.plain.len() - left;
+        if CRC {
+            let crc = CRC_32.checksum(&self.plain[..len]);
+            self.plain[len..len + 4].copy_from_slice(&crc.to_le_bytes());
+            len += 4;
+        }
+        let end = cobs::encode(&self.plain[..len], &mut self.stuffed);
         self.stuffed[end] = 0;
         send(&self.stuffed[..=end]);
     }
 
     fn open<M: Message + Default>(&mut self, frame: &[u8]) -> M {
         let end = cobs::decode(&frame[..frame.len() - 1], &mut self.plain).expect("stuffed").frame_size();
-        M::decode(&self.plain[..end]).expect("a message")
+        let mut body = &self.plain[..end];
+        if CRC {
+            let (checked, crc) = body.split_last_chunk().expect("there is a CRC");
+            assert_eq!(CRC_32.checksum(checked), u32::from_le_bytes(*crc));
+            body = checked;
+        }
+        M::decode(body).expect("a message")
     }
 }
 
-impl Codec<Sample> for Protobuf {
+impl<const CRC: bool> Codec<Sample> for Protobuf<CRC> {
     fn encode(&mut self, value: &Sample, send: impl FnOnce(&[u8])) {
         let Sample { sequence, motor_counts, load_counts, reference_rad } = *value;
         self.send(&SampleMessage { sequence, motor_counts, load_counts, reference_rad }, send);
@@ -70,7 +83,7 @@ impl Codec<Sample> for Protobuf {
     }
 }
 
-impl Codec<Torque> for Protobuf {
+impl<const CRC: bool> Codec<Torque> for Protobuf<CRC> {
     fn encode(&mut self, value: &Torque, send: impl FnOnce(&[u8])) {
         let message = TorqueMessage {
             sequence: value.sequence,

@@ -7,12 +7,14 @@ const EMULATOR: &str = "qemu-system-arm";
 /// What is missing here, each with the command that provides it.
 pub(crate) fn missing() -> Option<String> {
     let mut missing = Vec::new();
-    let image = tests::workspace().join("target/lashloop-firmware.elf");
-    if !image.is_file() {
-        missing.push(format!(
-            "there is no image of the firmware at {}: run `cargo xtask image`",
-            image.display()
-        ));
+    for image in ["target/lashloop-firmware.elf", "target/codec-cost.elf"] {
+        let image = tests::workspace().join(image);
+        if !image.is_file() {
+            missing.push(format!(
+                "there is no image of the firmware at {}: run `cargo xtask image`",
+                image.display()
+            ));
+        }
     }
     let path = env::var_os("PATH").unwrap_or_default();
     if !env::split_paths(&path).any(|folder| folder.join(EMULATOR).is_file()) {

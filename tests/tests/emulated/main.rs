@@ -2,6 +2,8 @@
 //!
 //! Image and emulator don't come with a checkout, see [`left_out`].
 
+mod codec;
+mod codec_cost;
 mod conforming;
 mod equipment;
 mod instructions;
@@ -17,7 +19,8 @@ use tests::paper::{COMPENSATING, RUNS};
 type Check = fn();
 
 /// Trials that need image and emulator, by their names.
-const TRIALS: [(&str, Check); 8] = [
+const TRIALS: [(&str, Check); 9] = [
+    ("codec::reading_and_writing_a_message_takes_few_instructions", codec::every_message),
     ("conforming::the_image_passes_every_check_and_none_is_left_out", conforming::every_check),
     ("instructions::a_control_step_of_every_law_keeps_its_budget", instructions::of_every_law),
     ("lost::a_killed_emulator_is_reported_with_its_process_and_signal", lost::killed),

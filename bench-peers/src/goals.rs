@@ -1,0 +1,72 @@
+//! What was asked of the codec, and whether this run shows it.
+
+use crate::measure::{Cost, Figures};
+use crate::stream;
+
+struct Goal {
+    what: String,
+    found: f64,
+    holds: bool,
+}
+
+impl Goal {
+    fn at_least(what: String, limit: f64, found: f64) -> Self {
+        Self { what: format!("{what}: at least {limit}"), found, holds: found >= limit }
+    }
+
+    fn at_most(what: String, limit: f64, found: f64) -> Self {
+        Self { what: format!("{what}: at most {limit}"), found, holds: found <= limit }
+    }
+}
+
+pub fn table(figures: &[Figures], streams: &[stream::Figures]) {
+    println!("| goal | found | |\n|---|---|---|");
+    for Goal { what, found, holds } in goals(figures, streams) {
+        println!("| {what} | {found:.2} | {} |", if holds { "holds" } else { "does not hold" });
+    }
+}
+
+fn goals(figures: &[Figures], streams: &[stream::Figures]) -> Vec<Goal> {
+    let [ours, floor, postcard, others @ ..] = figures else { panic!("three sides at least") };
+    let mut goals = Vec::new();
+    let tasks: [(&str, fn(&Figures) -> f64, f64); 4] = [
+        ("sample, encode", |side| side.sample.encode_ns, 2.5),
+        ("sample, decode", |side| side.sample.decode_ns, 3.0),
+        ("torque, encode", |side| side.torque.encode_ns, 2.5),
+        ("torque, decode", |side| side.torque.decode_ns, 3.0),
+    ];
+    for (task, time, faster) in tasks {
+        goals.push(Goal::at_least(
+            format!("{task}: postcard over ours"),
+            faster,
+            time(postcard) / time(ours),
+        ));
+        let fastest = others.iter().map(time).fold(time(postcard), f64::min);
+        goals.push(Goal::at_least(format!("{task}: fastest other over ours"), 1.0, fastest / time(ours)));
+        goals.push(Goal::at_most(format!("{task}: ours over the floor"), 2.2, time(ours) / time(floor)));
+    }
+    let peers = || others.iter().chain([postcard]);
+    let bytes: [(&str, fn(&Cost) -> f64); 2] =
+        [("on average", |cost| cost.bytes.mean), ("at most", |cost| cost.bytes.longest as f64)];
+    for (which, len) in bytes {
+        let cycle = |side: &Figures| len(&side.sample) + len(&side.torque);
+        let shortest = peers().map(cycle).fold(f64::INFINITY, f64::min);
+        goals.push(Goal::at_least(
+            format!("bytes per cycle {which}: shortest other over ours"),
+            1.0,
+            shortest / cycle(ours),
+        ));
+    }
+    let [ours, cobs, tokio, tokio_wide] = streams else { panic!("four streams") };
+    goals.push(Goal::at_least("stream, MB/s: ours over cobs".into(), 1.0, ours.mb_s() / cobs.mb_s()));
+    for (name, tokio) in [("tokio", tokio), ("tokio with 16 tables", tokio_wide)] {
+        goals.push(Goal::at_least(
+            format!("stream, MB/s: ours over {name}"),
+            2.0,
+            ours.mb_s() / tokio.mb_s(),
+        ));
+        let times = tokio.ns_per_message / ours.ns_per_message;
+        goals.push(Goal::at_least(format!("stream, messages/s: ours over {name}"), 2.0, times));
+    }
+    goals
+}
