@@ -201,8 +201,7 @@ impl HybridSystem for BenchPlant {
                 let side = if flank == UPPER_FLANK { Contact::Positive } else { Contact::Negative };
                 at.gap_position_rad = side.sign() * at.surroundings.dead_zone_rad;
                 let contact = if mode.contact == Contact::Gap { side } else { Contact::Gap };
-                // With damping the torque of a contact jumps when it touches, so what stood may start to move.
-                self.at_rest(at, BenchMode { contact, ..mode })
+                BenchMode { contact, ..mode }
             }
         }
     }
