@@ -30,7 +30,9 @@ fn main() {
     let figures = measure(&mut sides);
     table(&figures);
     let streams = stream::measure(&samples);
+    println!();
     stream::table(&streams);
+    println!();
     goals::table(&figures, &streams);
     println!("load after: {}", load::word());
 }

@@ -89,8 +89,8 @@ fn put_word(bytes: &mut [u8], at: usize, word: u64) {
     bytes[at..at + len].copy_from_slice(&word.to_le_bytes()[..len]);
 }
 
-/// The chain of distances in `frame`, which ends with its delimiter: bit `n` is set if byte `n` is a link. `None` if it
-/// doesn't end at the delimiter.
+/// The chain of distances in `frame`, whose last byte is the delimiter and the only zero: bit `n` is set if byte `n` is a
+/// link. `None` if the chain doesn't end at the delimiter.
 ///
 /// There it stays, at a distance of zero, which is why it may be followed too far.
 #[inline(always)]
