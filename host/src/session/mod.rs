@@ -58,6 +58,8 @@ pub struct Session {
     identity: Identity,
     parameters: Vec<Parameter>,
     late: u64,
+    /// The sample that was answered last.
+    answered: Option<u32>,
     moments: Moments,
 }
 
@@ -74,7 +76,7 @@ impl Session {
         let parameters = parameters::learn(&mut line, identity.parameter_count)?;
         let now = Instant::now();
         let moments = Moments { asked: now, sent: now, arrived: now, decoded: now };
-        Ok(Self { line, number, identity, parameters, late: 0, moments })
+        Ok(Self { line, number, identity, parameters, late: 0, answered: None, moments })
     }
 
     /// Who the drive said it is, at the greeting.
@@ -164,6 +166,7 @@ impl Session {
         self.command(Arm { session })?;
         self.command(Start { session })?;
         (self.line.telemetry, self.line.fault, self.line.report) = (None, None, None);
+        self.answered = None;
         (self.line.last_seen.sample_sent, self.line.last_seen.torque) = (None, None);
         Ok(())
     }
@@ -202,7 +205,7 @@ impl Session {
         self.moments.sent = Instant::now();
         self.line.last_seen.sample_sent = Some(sample.sequence);
         let said_before = self.line.logs.mark();
-        let sequence = sample.sequence;
+        let (sequence, answered) = (sample.sequence, self.answered);
         let mut late = 0;
         let answer = self.line.wait(deadline, |message| match message {
             DriveMessage::TorqueAnswer(answer) if answer.sequence == sequence => {
@@ -210,6 +213,8 @@ impl Session {
             }
             // The line doubled a sample; its answer came in time.
             DriveMessage::TorqueAnswer(answer) if answer.flags.contains(TorqueFlags::REPEATED) => None,
+            // The line doubled an answer that has been used.
+            DriveMessage::TorqueAnswer(answer) if Some(answer.sequence) == answered => None,
             DriveMessage::TorqueAnswer(_) => {
                 late += 1;
                 None
@@ -232,7 +237,12 @@ impl Session {
         self.moments.decoded = Instant::now();
         self.late += late;
         match answer {
-            Some(Ok(exchange)) => Ok(exchange),
+            Some(Ok(exchange)) => {
+                if matches!(exchange, Exchange::Answered(_)) {
+                    self.answered = Some(sequence);
+                }
+                Ok(exchange)
+            }
             Some(Err((outcome, state))) => Err(self.refused::<EncoderSample>(outcome, state, said_before)),
             None => Ok(Exchange::Unanswered),
         }
