@@ -171,13 +171,26 @@ impl Session {
         Ok(())
     }
 
+    /// Ends whatever the line has left of a frame in the drive's decoder, so that the next request is read.
+    ///
+    /// # Errors
+    /// The line broke.
+    pub fn end_frame(&mut self) -> Result<(), SessionError> {
+        self.line.end_frame()
+    }
+
     /// Ends the run in good order. A drive that has latched a fault needs no stop.
     ///
     /// # Errors
     /// The line broke, or the drive did not answer.
     pub fn stop(&mut self) -> Result<(), SessionError> {
         let said_before = self.line.logs.mark();
-        match self.ask(Stop {})? {
+        let mut answer = self.ask(Stop {})?;
+        if self.line.report.is_none() && answer.0 == Outcome::Accepted {
+            // The report comes before the answer. What the line had left of a frame has swallowed it; it is said again.
+            answer = self.ask(Stop {})?;
+        }
+        match answer {
             (Outcome::Accepted, _) | (_, State::Faulted) => Ok(()),
             (outcome, state) => Err(self.refused::<Stop>(outcome, state, said_before)),
         }
