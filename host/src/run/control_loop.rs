@@ -191,7 +191,7 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
         self.torque_nm = 0.0;
         self.timeline.pause();
         let deadline = Instant::now() + link.resume_limit();
-        let lost = device.session.identity().clone();
+        let lost = *device.session.identity();
         loop {
             self.timeline.revive(device);
             let Err(error) = setup::resume(device, self.scenario, self.clock, &lost) else { break };

@@ -21,7 +21,7 @@ const TRIALS: [(&str, Check); 10] = [
     ("conforming::the_image_passes_every_check_and_none_is_left_out", conforming::every_check),
     ("faults::the_run_without_faults_passes", || fault_table::check_healthy_on("qemu")),
     ("faults::the_watchdog_takes_the_torque_away_within_its_own_time", || {
-        fault_table::check_watchdog_on("qemu")
+        fault_table::check_watchdog_on("qemu");
     }),
     ("faults::a_bench_that_pauses_in_lockstep_trips_no_watchdog", || fault_table::check_pause_on("qemu")),
     ("lost::a_killed_emulator_is_reported_with_its_process_and_signal", lost::killed),

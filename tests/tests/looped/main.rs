@@ -14,6 +14,8 @@ mod paper;
 mod real_time;
 mod refused;
 mod resumed;
+mod soak;
 mod speed;
 mod summary;
+mod surviving;
 mod usage;

@@ -8,12 +8,12 @@ mod sensor;
 use crate::scenario::Scenario;
 
 /// A scenario of a second on the bench plant, with these faults.
-pub(super) fn scenario(faults: &[&str]) -> Scenario {
+pub(crate) fn scenario(faults: &[&str]) -> Scenario {
     seeded(1, faults)
 }
 
 /// The same with another seed.
-pub(super) fn seeded(seed: u64, faults: &[&str]) -> Scenario {
+pub(crate) fn seeded(seed: u64, faults: &[&str]) -> Scenario {
     let mut text = format!(
         "title = \"faults\"\n[run]\nduration_s = 1.0\nseed = {seed}\n[plant]\nmodel = \"bench\"\n\
          [controller]\nname = \"pd\"\n[reference]\nprofile = \"constant\"\nposition_rad = 0.0\n"
