@@ -67,10 +67,10 @@ struct PassageFault {
 pub(super) struct Passage {
     faults: Vec<PassageFault>,
     partial: Piece,
+    /// Whatever the delay, frames of one line keep their order: only the first is looked at.
     held: VecDeque<Held>,
     /// A frame that waits to be overtaken.
     overtaken: Option<Held>,
-    last_release: Option<Instant>,
 }
 
 impl Passage {
@@ -89,14 +89,13 @@ impl Passage {
             partial: Piece::EMPTY,
             held: VecDeque::with_capacity(ROOM),
             overtaken: None,
-            last_release: None,
         }
     }
 
     pub(super) fn clear(&mut self) {
         self.partial = Piece::EMPTY;
         self.held.clear();
-        (self.overtaken, self.last_release) = (None, None);
+        self.overtaken = None;
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -164,9 +163,6 @@ impl Passage {
         if piece.is_empty() {
             return;
         }
-        // Whatever the delay, frames of one line keep their order.
-        release = self.last_release.map_or(release, |last| last.max(release));
-        self.last_release = Some(release);
         let held = || Held { piece, release: (!stalls).then_some(release) };
         let waiting = self.overtaken.take();
         if overtaken {
