@@ -12,6 +12,7 @@
 //! | [`parameter_set`] | the parameters of a drive as a file and as a fingerprint |
 //! | [`ports`], [`doctor`] | which serial ports there are, and whether one is fit for a bench |
 //! | [`run`] | the loop, and what came of it |
+//! | [`fault`], [`soak`] | what goes wrong on purpose, once or over and over |
 //! | [`metrics`], [`verdict`], [`record`] | figures, judgement, evidence |
 //! | [`picture`] | plots |
 
@@ -35,6 +36,7 @@ pub mod reference;
 pub mod run;
 pub mod scenario;
 pub mod session;
+pub mod soak;
 pub mod supervisor;
 pub mod timing;
 pub mod verdict;

@@ -23,6 +23,7 @@ mod progress;
 mod report;
 mod run;
 mod show;
+mod soak;
 mod tied;
 
 use std::process::ExitCode;
@@ -54,6 +55,7 @@ enum Command {
     Ports(ports::Arguments),
     Doctor(doctor::Arguments),
     Compare(compare::Arguments),
+    Soak(soak::Arguments),
     Conformance(conformance::Arguments),
     Parameters(parameters::Arguments),
     #[command(hide = true)]
@@ -99,6 +101,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Ports(arguments) => arguments.run(),
         Command::Doctor(arguments) => arguments.run(),
         Command::Compare(arguments) => arguments.run(),
+        Command::Soak(arguments) => arguments.run(),
         Command::Conformance(arguments) => arguments.run(),
         Command::Parameters(arguments) => arguments.run(),
         Command::Tied(arguments) => arguments.run(),

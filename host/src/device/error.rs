@@ -88,6 +88,15 @@ pub enum DeviceError {
 }
 
 impl DeviceError {
+    /// Whether a drive that is gone may still come back: what has ended does not, and another firmware stays another.
+    #[must_use]
+    pub fn may_pass(&self) -> bool {
+        match self {
+            Self::Session { source, .. } => !matches!(source, SessionError::Version { .. }),
+            _ => false,
+        }
+    }
+
     pub(super) fn not_up(process: &Process) -> Self {
         // Whatever it has to say, it has said when it has ended.
         let _ = process.ended_within(std::time::Duration::from_millis(200));

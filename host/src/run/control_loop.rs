@@ -191,11 +191,15 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
         self.torque_nm = 0.0;
         self.timeline.pause();
         let deadline = Instant::now() + link.resume_limit();
-        while let Err(error) = setup::resume(device, self.scenario, self.clock) {
+        let lost = *device.session.identity();
+        loop {
+            self.timeline.revive(device);
+            let Err(error) = setup::resume(device, self.scenario, self.clock, &lost) else { break };
             if self.sink.stop_asked() {
                 return Ok(Some(End::Interrupted));
             }
-            if !matches!(error, RunError::Device(_)) || Instant::now() >= deadline {
+            let may_pass = matches!(&error, RunError::Device(error) if error.may_pass());
+            if !may_pass || Instant::now() >= deadline {
                 return Err(error.into());
             }
             thread::sleep(RESUME_INTERVAL);

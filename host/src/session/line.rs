@@ -54,6 +54,11 @@ impl Line {
     /// Throws away what is on the line and ends whatever half frame an earlier host left in the drive's decoder.
     pub(crate) fn clear(&mut self) -> Result<(), SessionError> {
         self.link.discard_input().map_err(|error| self.broken(error))?;
+        self.end_frame()
+    }
+
+    /// Ends whatever half frame is in the drive's decoder.
+    pub(crate) fn end_frame(&mut self) -> Result<(), SessionError> {
         self.send_bytes(&[lashloop_protocol::frame::DELIMITER])
     }
 
