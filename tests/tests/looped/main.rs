@@ -5,6 +5,7 @@ mod beyond;
 mod bits;
 mod demo;
 mod endings;
+mod estimates;
 mod faults;
 mod framed;
 mod frames;
