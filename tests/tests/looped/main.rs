@@ -11,6 +11,7 @@ mod framed;
 mod frames;
 mod lost;
 mod paper;
+mod paper_figures;
 mod real_time;
 mod refused;
 mod speed;
