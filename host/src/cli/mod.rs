@@ -16,6 +16,7 @@ mod doctor;
 mod error;
 mod output;
 mod pace;
+mod paper;
 mod parameters;
 mod ping_pong;
 mod ports;
@@ -49,6 +50,7 @@ struct Arguments {
 enum Command {
     Run(run::Arguments),
     Demo(demo::Arguments),
+    Paper(paper::Arguments),
     Device(device::Arguments),
     Show(show::Arguments),
     Decode(decode::Arguments),
@@ -77,6 +79,7 @@ Exit codes:
 
 First steps:
   lashloop demo                                        the paper's four runs and a picture
+  lashloop paper                                       the paper's figures and numbers, paper and here
   lashloop run scenarios/smooth-after.toml             one run, with the native twin
   lashloop show scenarios/smooth-after.toml            every key a scenario can have
   lashloop run scenarios/smooth-after.toml --device qemu --out out/qemu
@@ -95,6 +98,7 @@ pub(crate) fn main() -> ExitCode {
     let result = match arguments.command {
         Command::Run(arguments) => arguments.run(),
         Command::Demo(arguments) => arguments.run(),
+        Command::Paper(arguments) => arguments.run(),
         Command::Device(arguments) => arguments.run(),
         Command::Show(arguments) => arguments.run(),
         Command::Decode(arguments) => arguments.run(),
