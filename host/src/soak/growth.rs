@@ -104,13 +104,13 @@ mod tests {
     #[test]
     fn memory_and_descriptors_of_this_process_are_seen_to_grow() {
         let before = look(None).expect("this process");
-        let files: Vec<_> = (0..50).map(|_| fs::File::open("/proc/self/status").expect("a file")).collect();
-        let block = vec![1_u8; 64 << 20];
+        let files: Vec<_> = (0..400).map(|_| fs::File::open("/proc/self/status").expect("a file")).collect();
+        let block = vec![1_u8; 512 << 20];
         let after = look(None).expect("this process");
-        // Other tests of this program run beside this one.
-        assert!(after.descriptors >= before.descriptors + 25, "{before:?}, {after:?}");
-        assert!(after.rss_kib > before.rss_kib + 32 * 1024, "{before:?}, {after:?}");
-        assert_eq!((files.len(), block[7]), (50, 1));
+        // Half of it, because other tests of this program run beside this one and give back what they had.
+        assert!(after.descriptors >= before.descriptors + 200, "{before:?}, {after:?}");
+        assert!(after.rss_kib > before.rss_kib + 256 * 1024, "{before:?}, {after:?}");
+        assert_eq!((files.len(), block[7]), (400, 1));
     }
 
     #[test]
