@@ -110,6 +110,7 @@ fn a_scenario_that_was_read_can_be_printed_and_read_again() {
     duration_s = 2.0
     control_period_us = 1000
     seed = 1
+    warm_up_steps = 0
 
     [plant]
     model = "hard-coulomb"
@@ -149,11 +150,14 @@ fn a_scenario_that_was_read_can_be_printed_and_read_again() {
     answer_timeout_ms = 1000
     silence_limit_ms = 2500
     baud = 921600
+    on_loss = "end"
+    resume_limit_ms = 5000
 
     [allow]
     lost = 0
     late = 0
     crc_errors = 0
+    resumes = 0
 
     [telemetry]
     every_steps = 10
