@@ -75,7 +75,7 @@ impl Arguments {
             None => link,
         };
         let mut device =
-            Device::open_through(&self.device, scenario.link.baud, &supervisor, |link| listen(tamper(link)))?
+            Device::open_through(&self.device, &scenario.link, &supervisor, |link| listen(tamper(link)))?
                 .with_link_faults(faults.clone());
         let progress = Progress::of(&scenario);
         let mut watcher = RunWatcher { tables, capture, supervisor: &supervisor, progress };

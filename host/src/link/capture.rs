@@ -47,6 +47,10 @@ impl Link for Captured {
         Ok(count)
     }
 
+    fn idle(&mut self, until: Instant) -> Result<(), LinkError> {
+        self.link.idle(until)
+    }
+
     /// What is thrown away here has never been read, so it is not in the capture.
     fn discard_input(&mut self) -> Result<(), LinkError> {
         self.end_pieces();

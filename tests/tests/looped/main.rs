@@ -15,3 +15,4 @@ mod refused;
 mod speed;
 mod summary;
 mod usage;
+mod wire;
