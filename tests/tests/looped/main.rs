@@ -3,6 +3,7 @@
 
 mod beyond;
 mod bits;
+mod budget;
 mod demo;
 mod endings;
 mod faults;
