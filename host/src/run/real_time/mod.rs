@@ -20,7 +20,7 @@ use super::{End, RunError};
 use crate::device::Device;
 use crate::scenario::Scenario;
 
-pub(super) use grants::obtain;
+pub use grants::obtain;
 use pacer::Pacer;
 pub(super) use ring::{Ring, drain};
 
