@@ -4,6 +4,7 @@
 mod beyond;
 mod bits;
 mod budget;
+mod captured;
 mod demo;
 mod endings;
 mod faults;
