@@ -8,6 +8,8 @@
 //! The thread neither allocates nor locks nor writes: finished steps go through a ring to the caller's thread, which
 //! measures and records them.
 
+#[cfg(test)]
+mod allocations;
 mod grants;
 mod pacer;
 mod ring;
