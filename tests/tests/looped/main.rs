@@ -10,6 +10,7 @@ mod endings;
 mod faults;
 mod framed;
 mod frames;
+mod idle;
 mod lost;
 mod paper;
 mod real_time;

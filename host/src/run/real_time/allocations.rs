@@ -136,8 +136,9 @@ fn the_loop_takes_no_memory() {
 fn the_loop_takes_no_memory_for_a_capture_or_a_modelled_wire() {
     let folder = tempfile::tempdir().expect("a folder");
     let (recorder, capture) = create(&folder.path().join("line.pcapng"), WhenFull::Fail).expect("a capture");
-    let (info, answered) =
-        counted(SMOOTH, &["link.modelled_baud=4000000"], false, |link| Box::new(Captured::new(link, recorder)));
+    let (info, answered) = counted(SMOOTH, &["link.modelled_baud=4000000"], false, |link| {
+        Box::new(Captured::new(link, recorder))
+    });
     assert_eq!((info.count_total, info.bytes_total), (0, 0), "{info:?}");
     assert!(answered > STEPS / 10, "{answered} of {STEPS} steps answered");
     assert!(capture.finish().expect("a capture") > answered);
