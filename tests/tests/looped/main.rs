@@ -5,6 +5,7 @@ mod beyond;
 mod bits;
 mod budget;
 mod captured;
+mod compared;
 mod demo;
 mod endings;
 mod faults;

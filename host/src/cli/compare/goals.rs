@@ -35,9 +35,9 @@ impl Goals {
         self.0.push(Goal { what, bare, ours, wanted: Some(Wanted::Below(limit)) });
     }
 
-    /// A count without a goal.
-    pub(super) fn note(&mut self, what: &'static str, bare: u64, ours: u64) {
-        self.0.push(Goal { what, bare: bare as f64, ours: ours as f64, wanted: None });
+    /// A figure without a goal.
+    pub(super) fn note(&mut self, what: &'static str, bare: f64, ours: f64) {
+        self.0.push(Goal { what, bare, ours, wanted: None });
     }
 
     pub(super) fn all_met(&self) -> bool {
@@ -64,10 +64,10 @@ impl fmt::Display for Goals {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let heading = ["bare", "the loop", "ratio", "goal"];
         let [bare, ours, ratio, wanted] = heading;
-        write!(out, "{:<36}{bare:>10}{ours:>10}{ratio:>8}  {wanted}", "medians")?;
+        write!(out, "{:<42}{bare:>10}{ours:>10}{ratio:>8}  {wanted}", "medians")?;
         for goal in &self.0 {
             let Goal { what, bare, ours, wanted } = goal;
-            write!(out, "\n{what:<36}{bare:>10.1}{ours:>10.1}")?;
+            write!(out, "\n{what:<42}{bare:>10.1}{ours:>10.1}")?;
             let Some(wanted) = wanted else { continue };
             let met = if goal.is_met() == Some(true) { "met" } else { "MISSED" };
             write!(out, "{:>8.2}  {wanted}: {met}", goal.ratio())?;
@@ -109,7 +109,7 @@ mod tests {
         assert!(!met(|goals| goals.at_most("time", 1.2, 100.0, 121.0)));
         assert!(!met(|goals| goals.below("time", 10.0, 100.0, 10.0)));
         assert!(!met(|goals| goals.at_most("time", 1.2, 100.0, f64::NAN)), "not measured");
-        assert!(met(|goals| goals.note("late", 0, 100)));
+        assert!(met(|goals| goals.note("late", 0.0, 100.0)));
     }
 
     #[test]
