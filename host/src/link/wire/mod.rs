@@ -71,14 +71,12 @@ impl Wire {
             let now = Instant::now();
             self.deliver(now)?;
             let readable = self.from_drive.worth_reading_at().filter(|_| reads);
-            if now >= until || readable.is_some_and(|at| at <= now) {
+            let over = reads && self.broken.is_some() && self.from_drive.is_empty();
+            if over || now >= until || readable.is_some_and(|at| at <= now) {
                 return Ok(());
             }
             let next = [self.to_drive.first_whole_at(), readable].into_iter().flatten().min();
             self.listen(next.map_or(until, |next| next.min(until)));
-            if reads && self.broken.is_some() && self.from_drive.is_empty() {
-                return Ok(());
-            }
         }
     }
 }

@@ -12,6 +12,7 @@ use lashloop_firmware::twin::Terminal;
 use super::*;
 use crate::capture::{WhenFull, create};
 use crate::device::DeviceChoice;
+use crate::fault::timeline::Timeline;
 use crate::link::Link;
 use crate::link::capture::Captured;
 use crate::run::bench::Bench;
@@ -96,6 +97,7 @@ fn counted(
     let twin = thread::spawn(move || drive(&line));
     let supervisor = Supervisor::start(std::env::current_exe().expect("a path")).expect("a supervisor");
     let mut device = Device::open_through(&choice, &scenario.link, &supervisor, middleware).expect("a drive");
+    let timeline = Timeline::new(&scenario, &device).expect("no faults");
     setup::set_up(&mut device, &scenario, ClockName::RealTime).expect("a drive that takes the scenario");
     device.session.start().expect("a drive that starts");
 
@@ -105,7 +107,8 @@ fn counted(
     let (mut answered, mut info, mut end) = (0, AllocationInfo::default(), None);
     let work = || {
         let _ = obtain(&RealTime::default());
-        let mut control = ControlLoop::new(&scenario, bench, Counting { ring, wastes });
+        let sink = Counting { ring, wastes };
+        let mut control = ControlLoop::new(&scenario, bench, timeline, ClockName::RealTime, sink);
         let closing = || end = Some(close(&mut control, &scenario, &mut device, Duration::ZERO));
         info = allocation_counter::measure(closing);
     };
