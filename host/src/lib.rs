@@ -6,6 +6,7 @@
 //! | [`plant`], [`encoder`], [`reference`](mod@reference) | the mechanics, what the drive gets to see of them, and where the load is wanted |
 //! | [`link`] | anything that carries bytes |
 //! | [`capture`], [`decode`] | what passed on the line, kept and read again |
+//! | [`budget`] | what a line of a given speed leaves of a control period |
 //! | [`session`] | the conversation with a drive |
 //! | [`device`], [`supervisor`] | which drive, and the processes behind it |
 //! | [`conformance`] | whether a drive keeps to the protocol, rule by rule |
@@ -18,6 +19,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod budget;
 pub mod capture;
 pub mod conformance;
 pub mod decode;

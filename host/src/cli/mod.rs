@@ -7,6 +7,7 @@ macro_rules! say {
     };
 }
 
+mod budget;
 mod compare;
 mod conformance;
 mod decode;
@@ -56,6 +57,7 @@ enum Command {
     Decode(decode::Arguments),
     Ports(ports::Arguments),
     Doctor(doctor::Arguments),
+    Budget(budget::Arguments),
     Compare(compare::Arguments),
     Soak(soak::Arguments),
     Conformance(conformance::Arguments),
@@ -72,7 +74,8 @@ Exit codes: 0 PASS, 1 FAIL, 2 bad usage, scenario or output folder, 3 INVALID, 4
 const LONG_HELP: &str = "\
 Exit codes:
   0  PASS     every expectation of the scenario is met
-  1  FAIL     an expectation is not met, the drive latched a fault, or it breaks a rule of the protocol
+  1  FAIL     an expectation is not met, the drive latched a fault, it breaks a rule of the protocol, or a line is
+              too slow
   2           bad usage, a bad scenario, or an output folder that can't be written
   3  INVALID  link or timing broke what the scenario allows, or the run was interrupted
   4           the device or the link failed; there is no verdict
@@ -104,6 +107,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Decode(arguments) => arguments.run(),
         Command::Ports(arguments) => arguments.run(),
         Command::Doctor(arguments) => arguments.run(),
+        Command::Budget(arguments) => arguments.run(),
         Command::Compare(arguments) => arguments.run(),
         Command::Soak(arguments) => arguments.run(),
         Command::Conformance(arguments) => arguments.run(),

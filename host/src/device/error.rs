@@ -20,6 +20,17 @@ pub enum DeviceError {
         /// What the system said.
         source: io::Error,
     },
+    /// A wire is to be modelled on a line that has a real one.
+    #[error(
+        "{}: a serial port has a wire of its own, at link.baud = {baud}; link.modelled_baud is for drives without one, so leave it 0 here",
+        path.display()
+    )]
+    HasWire {
+        /// Its path.
+        path: PathBuf,
+        /// Its speed.
+        baud: u32,
+    },
     /// There is no image to run.
     #[error("no image of the firmware at {}: build it with `cargo xtask image`", path.display())]
     NoImage {

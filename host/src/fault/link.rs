@@ -154,6 +154,12 @@ impl Link for Faulty {
         }
     }
 
+    fn idle(&mut self, until: Instant) -> Result<(), LinkError> {
+        self.check_cuts()?;
+        self.pass_on()?;
+        self.link.idle(until)
+    }
+
     fn discard_input(&mut self) -> Result<(), LinkError> {
         self.check_cuts()?;
         self.to_drive.clear();

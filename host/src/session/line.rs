@@ -101,6 +101,11 @@ impl Line {
         }
     }
 
+    /// Says that nothing is going to be sent or waited for until a moment.
+    pub(crate) fn idle(&mut self, until: Instant) -> Result<(), SessionError> {
+        self.link.idle(until).map_err(|error| self.broken(error))
+    }
+
     /// Sends a request and waits for the answer that `wanted` recognises.
     pub(crate) fn request<T>(
         &mut self,

@@ -261,6 +261,14 @@ impl Session {
         }
     }
 
+    /// Leaves the line to itself until a moment; a line that needs no care for that returns at once.
+    ///
+    /// # Errors
+    /// The line broke.
+    pub fn idle(&mut self, until: Instant) -> Result<(), SessionError> {
+        self.line.idle(until)
+    }
+
     /// Sends a command that has to be accepted.
     fn command<C: Payload + Into<HostMessage>>(&mut self, command: C) -> Result<(), SessionError> {
         let said_before = self.line.logs.mark();

@@ -3,6 +3,9 @@
 
 mod beyond;
 mod bits;
+mod budget;
+mod captured;
+mod compared;
 mod demo;
 mod endings;
 mod estimates;
@@ -10,6 +13,7 @@ mod fault_table;
 mod faults;
 mod framed;
 mod frames;
+mod idle;
 mod lost;
 mod paper;
 mod paper_figures;
@@ -21,3 +25,4 @@ mod speed;
 mod summary;
 mod surviving;
 mod usage;
+mod wire;
