@@ -18,7 +18,7 @@ const DOCUMENT: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../doc
 const COUNTS: [&str; 6] = ["crc_errors", "lost", "late", "resumes", "damaged_at_drive", "overruns_at_drive"];
 
 /// A row of the table.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Row {
     /// The keys of the fault, apart by semicolons.
     pub fault: String,
@@ -74,21 +74,26 @@ impl Row {
         path
     }
 
-    /// Runs the row on a device and holds it against what came of it.
-    ///
-    /// # Panics
-    /// It is not so; the panic shows the row and what the bench said.
-    pub fn check_on(&self, device: &str) {
+    /// Runs the row on a device.
+    #[must_use]
+    pub fn run_on(&self, device: &str) -> (Ended, Records) {
         let (folder, records) = (tempfile::tempdir().expect("a temporary folder"), Records::new());
-        let scenario = self.scenario(&folder).display().to_string();
-        let out = records.out();
+        let (scenario, out) = (self.scenario(&folder).display().to_string(), records.out());
         let mut arguments = vec!["run", &scenario, "--device", device, "--out", &out];
         arguments.extend(self.with.iter().flat_map(|setting| ["--set", setting]));
         if !self.detected_by.iter().any(|by| by.starts_with("bench")) {
             // Nothing is lost in this row, and a machine that is busy must not add what is.
             arguments.extend(PATIENCE);
         }
-        let ended = bench::run(arguments);
+        (bench::run(arguments), records)
+    }
+
+    /// Runs the row on a device and holds it against what came of it.
+    ///
+    /// # Panics
+    /// It is not so; the panic shows the row and what the bench said.
+    pub fn check_on(&self, device: &str) {
+        let (ended, records) = self.run_on(device);
         let context = format!("{self:?} on {device}\n{}{}", ended.stdout, ended.stderr);
         let code = match self.ends.as_str() {
             "PASS" => 0,
@@ -180,6 +185,13 @@ pub fn rows() -> Vec<Row> {
     rows
 }
 
+/// Whether the list of kinds has this one, with what it is.
+#[must_use]
+pub fn explains(kind: &str) -> bool {
+    let row = DOCUMENT.lines().find(|line| line.starts_with(&format!("| `{kind}` |")));
+    row.is_some_and(|row| row.split('|').nth(3).is_some_and(|what| what.trim().len() > 10))
+}
+
 /// The scenario without a fault passes.
 ///
 /// # Panics
@@ -201,19 +213,13 @@ pub fn check_healthy_on(device: &str) {
 /// # Panics
 /// It doesn't.
 pub fn check_watchdog_on(device: &str) {
-    let (folder, records) = (tempfile::tempdir().expect("a temporary folder"), Records::new());
-    let stall = "kind = \"link-stall\"; at_s = 2.0; for_s = 0.001; way = \"to-drive\"";
     let row = Row {
-        fault: stall.to_owned(),
-        with: Vec::new(),
-        detected_by: Vec::new(),
-        ends: String::new(),
-        within: String::new(),
+        fault: "kind = \"link-stall\"; at_s = 2.0; for_s = 0.001; way = \"to-drive\"".to_owned(),
+        with: vec!["controller.parameters.watchdog_us=200000".to_owned()],
+        ..Row::default()
     };
-    let scenario = row.scenario(&folder).display().to_string();
-    let limit = "controller.parameters.watchdog_us=200000";
-    let ended = bench::run(["run", &scenario, "--device", device, "--out", &records.out(), "--set", limit])
-        .with_code(3);
+    let (ended, records) = row.run_on(device);
+    let ended = ended.with_code(3);
     let summary = records.summary();
     let end = summary["end"].as_str().expect("an end");
     let figures = end

@@ -91,6 +91,38 @@ fn a_line_that_is_cut_and_comes_back_is_resumed_without_torque() {
 }
 
 #[test]
+fn in_real_time_the_plant_goes_on_without_torque_while_the_drive_is_away() {
+    let records = Records::new();
+    let scenario = faulty(&records, "kind = \"link-cut\"\nat_s = 1.5\nfor_s = 0.4");
+    let out = records.out();
+    let arguments = ["run", &scenario, "--device", "native", "--clock", "real-time", "--out", &out];
+    let settings = [
+        "run.duration_s=4",
+        "controller.parameters.watchdog_us=5000000",
+        "allow.resumes=1",
+        "allow.late=1000000",
+        "allow.lost=1000000",
+    ];
+    let settings = settings.iter().flat_map(|setting| ["--set", setting]);
+    // Too short for what the scenario expects.
+    let ended = bench::run(arguments.into_iter().chain(RESUME).chain(settings)).with_code(1);
+    let (summary, torque_nm) = (records.summary(), records.trace().column("torque_nm"));
+    assert_eq!(
+        (&summary["link"]["resumes"], &summary["end"]),
+        (&1.into(), &"complete".into()),
+        "{}",
+        ended.stdout
+    );
+    assert_eq!(torque_nm.len(), 4_000, "every step of the time has its row");
+    // At 1.5 s the load is on its way, so a drive that is there gives torque.
+    assert!(torque_nm[1400..1500].iter().any(|torque_nm| *torque_nm != 0.0), "{}", ended.stdout);
+    let away = torque_nm[1500..].iter().take_while(|torque_nm| **torque_nm == 0.0).count();
+    assert!(away >= 390, "{away} steps without torque\n{}", ended.stdout);
+    let after = &torque_nm[1500 + away..];
+    assert!(after.iter().any(|torque_nm| *torque_nm != 0.0), "no torque after the drive came back");
+}
+
+#[test]
 fn a_drive_that_hangs_for_longer_than_it_may_is_resumed_when_it_goes_on() {
     let hang = "kind = \"device-hang\"\nat_s = 2.0\nfor_s = 1.0";
     let limits = ["link.answer_timeout_ms=300", "link.silence_limit_ms=600"];
