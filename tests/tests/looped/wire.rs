@@ -48,9 +48,10 @@ fn in_lockstep_a_wire_costs_time_and_changes_no_torque() {
 
 #[test]
 fn telemetry_delays_the_torque_behind_it() {
-    let baud = 230_400;
+    // So slow that what a busy machine adds is little beside it.
+    let baud = 38_400;
     let round_trips_us = |every: &str| {
-        let records = run("native", baud, &["--set", "run.duration_s=0.6", "--set", every]);
+        let records = run("native", baud, &["--set", "run.duration_s=0.3", "--set", every]);
         let all = records.timing().column("line_and_device_us");
         // Telemetry follows the torque of steps 0, 10, 20 and so on.
         let of = |phase: usize| median(all.iter().skip(phase).step_by(10).copied().collect());
@@ -83,7 +84,7 @@ fn in_real_time_a_wire_that_is_too_slow_makes_the_run_invalid() {
     assert!(slow > 0.9 && verdict == "INVALID", "{slow} of the steps late, {verdict}");
     // Out and back take 0.46 ms, which leaves as much for a busy machine.
     let (fast, _) = late_share(921_600);
-    assert!(fast < 0.5, "{fast} of the steps late");
+    assert!(fast < 0.75 * slow, "{fast} of the steps late, {slow} at the slow rate");
 }
 
 #[test]
