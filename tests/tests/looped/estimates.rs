@@ -35,6 +35,8 @@ fn estimates_are_scored_at_the_samples_they_are_of() {
             let have = summary["metrics"][metric].as_f64().expect("a number");
             assert!((have - want).abs() < 1e-9, "{metric} on {device}: have {have}, want {want}");
         }
-        assert!(rms_nm < 0.1, "the drive estimates: {rms_nm} N m off");
+        // At rest the observer has caught up.
+        let late_nm = &errors_nm[errors_nm.len() * 3 / 4..];
+        assert!(late_nm.iter().all(|error| error.abs() < 0.02), "the drive estimates: {late_nm:?} N m off");
     }
 }

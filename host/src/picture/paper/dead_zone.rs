@@ -43,8 +43,9 @@ pub(super) fn made_linear(runs: &Runs) -> Figure {
          C0 = K z.\n\
          Here: it does not come out. Root mean square of what the estimate leaves of w, before (w_hat = 0), after and beyond: \
          {}\u{a0}N\u{a0}m on the smooth plant, {}\u{a0}N\u{a0}m on the bench. The paper's observer drives the load's error to zero by \
-         way of an estimate that is far from w on the way, further than none. Beyond, the estimate is wrong while the motor jumps, \
-         faster than an observer of 60 rad/s follows, and right from then on.",
+         way of an estimate that is far from w on the way, further than none. Beyond, the estimate is wrong at \
+         the start, while the motor jumps faster than an observer of 60 rad/s follows and the gap is not known yet, and on the line \
+         from 2 s on.",
         rms(&runs.smooth),
         rms(&runs.bench),
     );

@@ -39,7 +39,7 @@ fn paper(runs: &Runs) -> Table {
     const SILENT: &str = "-";
     let Runs { smooth, friction, bench, sine, ratio, .. } = runs;
     let thickness = |run: &Run| written(thickness(run, *ratio), 3);
-    let lines: [(&str, &str, &str, &Laws, Value); 11] = [
+    let lines: [(&str, &str, &str, &Laws, Value); 12] = [
         (
             "smooth: time into 0.05 rad (s), figure 7",
             "about 13",
@@ -47,6 +47,7 @@ fn paper(runs: &Runs) -> Table {
             smooth,
             &metric(Metric::SettleTime, 2),
         ),
+        ("smooth: static error (rad), figure 8", SILENT, SILENT, smooth, &metric(Metric::StaticError, 4)),
         ("smooth: overshoot (rad)", SILENT, SILENT, smooth, &metric(Metric::Overshoot, 3)),
         ("smooth: hysteresis of the step (rad), figure 13", "thick", "thinner", smooth, &thickness),
         ("sine, bench: lost motion (rad), figure 13", SILENT, SILENT, sine, &metric(Metric::LostMotion, 4)),
