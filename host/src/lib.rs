@@ -13,10 +13,12 @@
 //! | [`ports`], [`doctor`] | which serial ports there are, and whether one is fit for a bench |
 //! | [`run`] | the loop, and what came of it |
 //! | [`metrics`], [`verdict`], [`record`] | figures, judgement, evidence |
+//! | [`battery`] | how a controller fares on plants it was not tuned for |
 //! | [`picture`] | plots |
 
 #![forbid(unsafe_code)]
 
+pub mod battery;
 pub mod capture;
 pub mod conformance;
 pub mod decode;

@@ -82,10 +82,11 @@ fn of_a_run(session: &mut Session, controller: ControllerId, samples: u32) -> Ve
             load_counts: encoder.step(&mut readings[1], truth.load_position_rad),
             reference_rad: 0.0,
         };
-        let answer = match session.exchange(&sample, Instant::now() + Duration::from_secs(20)).expect("a line") {
-            Exchange::Answered(answer) => answer,
-            other => panic!("sample {sequence}: {other:?}"),
-        };
+        let answer =
+            match session.exchange(&sample, Instant::now() + Duration::from_secs(20)).expect("a line") {
+                Exchange::Answered(answer) => answer,
+                other => panic!("sample {sequence}: {other:?}"),
+            };
         plant.step(&mut state, answer.torque_nm.into(), 1e-3).expect("the plant steps");
         steps.push(u32::from(answer.compute_tenths_us) * 100 / NANOSECONDS);
     }
