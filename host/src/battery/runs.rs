@@ -120,3 +120,78 @@ impl Watcher for &Stop<'_> {
         self.asked()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::battery::plan::{self, Law, Part, Settings};
+    use crate::battery::score::{Figure, Lack, Score};
+    use crate::scenario::{Override, Scenario};
+
+    fn case(settings: &[&str]) -> Case {
+        let text = include_str!("../../../scenarios/bench-pd.toml");
+        let overrides: Vec<_> = settings.iter().map(|it| Override::Set((*it).to_owned())).collect();
+        let id = CaseId { part: Part::DeadZone, row: settings.len() as u32, law: Law::Pd };
+        let scenario = Scenario::from_str("bench-pd.toml", text, &overrides).expect("a scenario");
+        Case { id, settings: Vec::new(), scenario }
+    }
+
+    fn results_of(cases: &[Case], jobs: usize) -> Vec<CaseResult> {
+        let supervisor = Supervisor::start(std::path::PathBuf::new()).expect("a supervisor");
+        let cases: Vec<_> = cases.iter().collect();
+        let jobs = NonZeroUsize::new(jobs).expect("a job");
+        let mut results = Vec::new();
+        let ended = run_all(&cases, jobs, &supervisor, |result| {
+            results.push(result);
+            Ok(())
+        });
+        assert_eq!(ended.expect("runs"), Ended::Complete);
+        results.sort_by_key(|result| result.case);
+        results
+    }
+
+    #[test]
+    fn a_run_that_diverges_or_latches_a_fault_scores_nothing() {
+        let stiff = ["plant.load_friction=lugre", "plant.bristle_stiffness_nm_rad=1e8"];
+        let jump = ["controller.parameters.motor_speed_limit_rad_s=2"];
+        let results = results_of(&[case(&jump), case(&stiff)], 1);
+        let lacks = [
+            (Lack::CutShort, "the drive latched MotorEncoderJump"),
+            (Lack::NotFinite, "the plant can't be followed any further"),
+        ];
+        for (result, (lack, end)) in results.iter().zip(lacks) {
+            assert!(result.end.starts_with(end), "{result:?}");
+            assert_eq!(Figure::ALL.map(|it| result.scores.get(it)), [Score::Without(lack); 6], "{result:?}");
+        }
+    }
+
+    #[test]
+    fn results_are_the_same_bits_whatever_the_number_of_jobs() {
+        let settings = Settings { seed: 5, plants: 2, laws: Law::ALL.to_vec(), sweeps: false };
+        let mut cases = plan::cases(&settings).expect("cases");
+        for case in &mut cases {
+            case.scenario.run.duration_s = 12.0;
+        }
+        let one = results_of(&cases, 1);
+        assert_eq!(one.len(), 6);
+        assert_eq!(one, results_of(&cases, 4));
+    }
+
+    #[test]
+    fn the_first_result_that_cannot_be_kept_ends_the_battery() {
+        let supervisor = Supervisor::start(std::path::PathBuf::new()).expect("a supervisor");
+        let mut case = case(&[]);
+        // Longer than any test: only a stop ends the others.
+        let short = case.clone();
+        case.scenario.run.duration_s = 1e5;
+        let mut count = 0;
+        let jobs = NonZeroUsize::new(2).expect("a job");
+        let ended = run_all(&[&case, &short, &case, &case], jobs, &supervisor, |_| {
+            count += 1;
+            let path = "runs.jsonl".into();
+            Err(crate::battery::journal::JournalError::InUse { path }.into())
+        });
+        assert!(matches!(ended, Err(BatteryError::Journal(_))), "{ended:?}");
+        assert_eq!(count, 1);
+    }
+}
