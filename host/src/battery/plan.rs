@@ -96,6 +96,20 @@ pub enum Part {
     TorqueDelay,
 }
 
+impl Part {
+    /// The name in records.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::RandomPlants => "random-plants",
+            Self::DeadZone => "dead-zone",
+            Self::EncoderCounts => "encoder-counts",
+            Self::TorqueLimit => "torque-limit",
+            Self::TorqueDelay => "torque-delay",
+        }
+    }
+}
+
 /// Where a run belongs: the table, its row from 0, and the law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -122,7 +136,7 @@ pub struct Case {
 impl fmt::Display for CaseId {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { part, row, law } = self;
-        write!(out, "{law} in row {row} of {part:?}")
+        write!(out, "{law} in row {row} of {}", part.name())
     }
 }
 
@@ -176,6 +190,16 @@ mod tests {
             let bench = have.bench.as_ref().expect("the bench plant");
             assert_eq!(bench.load_stiction_nm, plant.parameters.load.stiction_nm);
             assert!((bench.current_lag_ms - 1e3 * plant.parameters.current_lag_s).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn names_are_those_in_json() {
+        for part in SWEEPS.iter().map(|sweep| sweep.part).chain([Part::RandomPlants]) {
+            assert_eq!(serde_json::to_value(part).expect("a word"), part.name());
+        }
+        for law in Law::ALL {
+            assert_eq!(serde_json::to_value(law).expect("a word"), law.name());
         }
     }
 

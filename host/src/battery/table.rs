@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::plan::Case;
+use super::plan::{Case, CaseId};
 use super::runs::CaseResult;
 use super::score::{Figure, Score};
 
@@ -19,16 +19,14 @@ pub fn write<'a>(
     let columns = ["part", "row", "controller"].into_iter().chain(figures);
     table.write_record(columns.chain(["end", "torque_sha256", "set"]))?;
     for (case, result) in results {
-        // As serde has it: in kebab case.
-        let part = serde_json::to_value(case.id.part)?;
-        let place = [part.as_str().unwrap_or_default().to_owned(), case.id.row.to_string()];
+        let CaseId { part, row, law } = case.id;
+        let place = [part.name().to_owned(), row.to_string(), law.name().to_owned()];
         let figures = Figure::ALL.map(|figure| match result.scores.get(figure) {
             Score::Value(value) => zmij::Buffer::new().format(value).to_owned(),
             Score::Without(lack) => lack.to_string(),
         });
-        let controller = case.id.law.name().to_owned();
         let rest = [result.end.clone(), result.torque_sha256.clone(), case.settings.join(" ")];
-        table.write_record(place.into_iter().chain([controller]).chain(figures).chain(rest))?;
+        table.write_record(place.into_iter().chain(figures).chain(rest))?;
     }
     table.flush()
 }
