@@ -15,10 +15,12 @@
 //! | [`run`] | the loop, and what came of it |
 //! | [`fault`], [`soak`] | what goes wrong on purpose, once or over and over |
 //! | [`metrics`], [`verdict`], [`record`] | figures, judgement, evidence |
+//! | [`battery`] | how a controller fares on plants it was not tuned for |
 //! | [`picture`] | plots |
 
 #![forbid(unsafe_code)]
 
+pub mod battery;
 pub mod budget;
 pub mod capture;
 pub mod conformance;

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
+use lashloop::battery::BatteryError;
 use lashloop::device::DeviceError;
 use lashloop::parameter_set::SettingsError;
 use lashloop::record::RecordError;
@@ -27,6 +28,8 @@ pub(crate) enum CliError {
     Settings(SettingsError),
     #[error("{}: can't be read: {source}", path.display())]
     Input { path: PathBuf, source: io::Error },
+    #[error(transparent)]
+    Battery(#[from] BatteryError),
     #[error("can't {what}: {source}")]
     System { what: &'static str, source: io::Error },
 }
@@ -34,12 +37,16 @@ pub(crate) enum CliError {
 impl CliError {
     pub(crate) fn exit(&self) -> Exit {
         match self {
+            Self::Battery(BatteryError::Run { source, .. }) if matches!(**source, RunError::Device(_)) => {
+                Exit::DeviceOrLink
+            }
             Self::Run(RunError::Device(_))
             | Self::Settings(SettingsError::Refused { .. } | SettingsError::Session(_))
             | Self::System { .. } => Exit::DeviceOrLink,
             Self::RealTimeAlone { .. }
             | Self::Scenario(_)
             | Self::Run(_)
+            | Self::Battery(_)
             | Self::Settings(_)
             | Self::Output { .. }
             | Self::Report { .. }

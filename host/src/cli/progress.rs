@@ -13,11 +13,21 @@ pub(super) struct Progress {
 
 impl Progress {
     pub(super) fn of(scenario: &Scenario) -> Self {
-        let bar = ProgressBar::new(scenario.run.steps().into());
+        Self::over(scenario.title.clone(), scenario.run.steps().into())
+    }
+
+    /// A bar over so many of anything.
+    pub(super) fn over(message: String, steps: u64) -> Self {
+        let bar = ProgressBar::new(steps);
         let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3}% {eta:>4}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        bar.set_message(scenario.title.clone());
+        bar.set_message(message);
         Self { bar, steps: 0 }
+    }
+
+    /// So many of them are done.
+    pub(super) fn show(&self, done: u64) {
+        self.bar.set_position(done);
     }
 
     pub(super) fn step(&mut self) {

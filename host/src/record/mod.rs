@@ -14,6 +14,7 @@ pub mod summary;
 pub mod table;
 pub mod timing;
 pub mod trace;
+pub mod whole;
 
 use std::io;
 use std::path::PathBuf;

@@ -1,13 +1,12 @@
 //! `summary.json`: the verdict and what is needed to trust it, compare it and repeat it.
 
-use std::fs::Permissions;
 use std::io::Write;
-use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
 use serde::Serialize;
 
 use super::RecordError;
+use super::whole::write_whole;
 use crate::fault::timeline::Fired;
 use crate::metrics::Metrics;
 use crate::timing::TimingReport;
@@ -68,19 +67,10 @@ impl Summary {
     /// # Errors
     /// The directory isn't there or can't be written to.
     pub fn write(&self, path: &Path) -> Result<(), RecordError> {
-        let error = |action| move |source| RecordError { path: path.to_owned(), action, source };
-        let directory =
-            path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        // Temporary files are private by default; a summary is for others as well, as far as the umask lets.
-        let mut file = tempfile::Builder::new()
-            .prefix(".summary-")
-            .permissions(Permissions::from_mode(0o666))
-            .tempfile_in(directory)
-            .map_err(error("created"))?;
-        serde_json::to_writer_pretty(&mut file, self).map_err(|source| error("written")(source.into()))?;
-        file.write_all(b"\n").and_then(|()| file.as_file().sync_all()).map_err(error("written"))?;
-        file.persist(path).map_err(|failure| error("written")(failure.error))?;
-        Ok(())
+        write_whole(path, ".summary-", |file| {
+            serde_json::to_writer_pretty(&mut *file, self)?;
+            file.write_all(b"\n")
+        })
     }
 }
 

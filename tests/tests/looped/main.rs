@@ -1,6 +1,7 @@
 //! The whole loop as a user meets it: the `lashloop` program, drives on real pseudo-terminals, and lines with faults.
 //! No emulator; see `emulated` for that.
 
+mod battery;
 mod beyond;
 mod bits;
 mod budget;

@@ -3,11 +3,10 @@
 use core::fmt::Write;
 use std::thread;
 
+use lashloop::battery::plants::RandomPlant;
 use lashloop::plant::{Start, Truth};
 use lashloop_firmware::control::law::{Law, LawState};
 use lashloop_firmware::control::{Controller, Measurement, Real};
-use rand_pcg::Pcg64Mcg;
-use rand_pcg::rand_core::{Rng, SeedableRng};
 
 use crate::bench::load_distance_rad;
 use crate::closed_loop::{Quantised, Reference, Sensors, Timing, regulate_to_nought, run};
@@ -105,38 +104,15 @@ fn smooth_gap_needs_no_switch() {
     assert!((0.45..0.64).contains(&estimate), "have {estimate} rad");
 }
 
-/// Every parameter of the plant within 30 %, the gap, stiction and encoders wherever they like.
-fn some_machine(random: &mut Pcg64Mcg) -> Machine {
-    let mut between =
-        |low: f64, high: f64| low + (high - low) * f64::from(random.next_u32()) / f64::from(u32::MAX);
-    let mut machine = Machine::paper();
-    let Machine { mechanics: m, parameters: p, counts, .. } = &mut machine;
-    for nominal in [
-        &mut m.motor_inertia_kg_m2,
-        &mut m.motor_friction_nm_s_rad,
-        &mut m.load_inertia_kg_m2,
-        &mut m.load_friction_nm_s_rad,
-        &mut m.stiffness_nm_rad,
-        &mut p.shaft_damping_nm_s_rad,
-        &mut p.load.coulomb_nm,
-        &mut p.load.velocity_rad_s,
-        &mut p.motor.coulomb_nm,
-        &mut p.motor.velocity_rad_s,
-        &mut p.current_lag_s,
-    ] {
-        *nominal *= between(0.7, 1.3);
-    }
-    m.dead_zone_rad = between(0.02, 0.4);
-    p.load.stiction_nm = p.load.coulomb_nm * between(1.0, 1.5);
-    p.motor.stiction_nm = p.motor.coulomb_nm * between(1.0, 1.5);
-    *counts = between(2000.0, 10_000.0) as u32;
-    machine
+/// A plant of the battery.
+fn some_machine(index: u32) -> Machine {
+    let RandomPlant { mechanics, parameters, counts_per_rev: counts } = RandomPlant::draw(1, index);
+    Machine { mechanics, parameters, counts, ..Machine::paper() }
 }
 
 /// Figures of the compensating law on machines nobody tuned it for.
 fn on_random_machines<F: Real>(delay_us: u32) -> Vec<Figures> {
-    let mut random = Pcg64Mcg::seed_from_u64(2005);
-    let machines: Vec<_> = (0..200).map(|_| Machine { delay_us, ..some_machine(&mut random) }).collect();
+    let machines: Vec<_> = (0..200).map(|index| Machine { delay_us, ..some_machine(index) }).collect();
     let run = |machine: &Machine| Figures::of(&machine.regulate(&machine.compensating::<F>()));
     thread::scope(|scope| {
         let halves: Vec<_> = machines

@@ -1,0 +1,181 @@
+//! `lashloop battery`: many runs, their tables, and what is left when it is cut off.
+
+use std::collections::BTreeMap;
+use std::fs;
+
+use rustix::process::Signal;
+use tests::bench::{self, Bench, Ended};
+use tests::records::Records;
+use tests::wait;
+
+/// Arguments of a battery that keeps its results.
+fn arguments(records: &Records, rest: &str) -> Vec<String> {
+    let words = format!("battery {rest} --out {}", records.out());
+    words.split_whitespace().map(str::to_owned).collect()
+}
+
+fn run(records: &Records, rest: &str) -> Ended {
+    bench::run(arguments(records, rest))
+}
+
+fn text(records: &Records, name: &str) -> String {
+    fs::read_to_string(records.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// What a battery has left, but for the order in which runs ended.
+fn left(records: &Records) -> [String; 3] {
+    let mut journal: Vec<_> = text(records, "runs.jsonl").lines().map(str::to_owned).collect();
+    journal[1..].sort_unstable();
+    [journal.join("\n"), text(records, "runs.csv"), text(records, "battery.json")]
+}
+
+/// The rows of `runs.csv`, each by its columns.
+fn rows(records: &Records) -> Vec<BTreeMap<String, String>> {
+    let text = text(records, "runs.csv");
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    reader.deserialize().map(|row| row.expect("a row")).collect()
+}
+
+#[test]
+fn short_battery_meets_its_limits_and_every_row_is_a_run_of_its_own() {
+    let records = Records::new();
+    let ended = run(&records, "--plants 20").with_code(0);
+    assert!(ended.stdout.ends_with("PASS\n"), "{}", ended.stdout);
+    assert_eq!(ended.stdout.lines().filter(|line| line.starts_with("met ")).count(), 4, "{}", ended.stdout);
+    let report: serde_json::Value =
+        serde_json::from_str(&text(&records, "battery.json")).expect("battery.json is JSON");
+    assert_eq!(report["verdict"], "PASS");
+    let rows = rows(&records);
+    // 20 plants, and 22 values of four sweeps.
+    assert_eq!(rows.len(), 3 * (20 + 22));
+    for law in ["pd", "faithful", "compensating"] {
+        let random = |row: &&BTreeMap<_, _>| row["part"] == "random-plants" && row["controller"] == law;
+        let row = rows.iter().filter(random).nth(13).expect("a row");
+        let alone = Records::new();
+        let scenario = format!("scenarios/bench-{law}.toml");
+        let settings = row["set"].split(' ').flat_map(|set| ["--set".to_owned(), set.to_owned()]);
+        let words = ["run", &scenario, "--device", "inproc", "--out", &alone.out()].map(str::to_owned);
+        // Its verdict is that of a scenario for another plant.
+        let _ = bench::run(words.into_iter().chain(settings));
+        let summary = alone.summary();
+        assert_eq!(summary["torque_sha256"], row["torque_sha256"].as_str(), "{law}");
+        let settle_time = summary["metrics"]["settle_time_s"].as_f64();
+        assert_eq!(settle_time, row["settle_time_s"].parse().ok(), "{law}");
+    }
+}
+
+#[test]
+fn same_seed_gives_the_same_table_whatever_the_number_of_jobs() {
+    let battery = |rest: &str| {
+        let records = Records::new();
+        let ended = run(&records, &format!("--plants 4 --no-sweeps {rest}"));
+        (ended.stdout, left(&records))
+    };
+    let alone = battery("--jobs 1");
+    assert_eq!(alone, battery("--jobs 3"));
+    assert_ne!(alone.0, battery("--jobs 3 --seed 2").0);
+}
+
+const SMALL: &str = "--plants 25 --controller faithful,compensating --no-sweeps --jobs 1";
+
+/// A battery with some results and more to come.
+fn in_its_midst(records: &Records) -> Bench {
+    let bench = Bench::start(arguments(records, SMALL));
+    wait::until("results in runs.jsonl", || {
+        let lines = fs::read_to_string(records.path("runs.jsonl")).ok()?.lines().count();
+        (lines > 3).then_some(())
+    });
+    bench
+}
+
+/// Goes on with a battery that was cut off, and checks that nothing can tell.
+fn goes_on_as_if_nothing_had_been(records: &Records) {
+    let made = text(records, "runs.jsonl").matches("\"end\"").count();
+    assert!((3..50).contains(&made), "{made} runs had been made");
+    let resumed = run(records, &format!("{SMALL} --resume")).with_code(0);
+    assert_eq!(resumed.stderr, format!("{made} of 50 runs have been made before\n"));
+    let whole = Records::new();
+    assert_eq!(resumed.stdout, run(&whole, SMALL).with_code(0).stdout);
+    assert_eq!(left(records), left(&whole));
+}
+
+#[test]
+fn killed_battery_goes_on_and_ends_as_if_it_had_not_been() {
+    let records = Records::new();
+    let bench = in_its_midst(&records);
+    bench.signal(Signal::KILL);
+    assert_eq!(bench.wait().code, None);
+    goes_on_as_if_nothing_had_been(&records);
+}
+
+#[test]
+fn interrupted_battery_ends_in_good_order_and_keeps_what_it_has() {
+    let records = Records::new();
+    let bench = in_its_midst(&records);
+    bench.signal(Signal::INT);
+    let ended = bench.wait().with_code(3);
+    assert!(ended.stdout.starts_with("interrupted: "), "{}", ended.stdout);
+    assert!(ended.stdout.ends_with("--resume goes on with them\n"), "{}", ended.stdout);
+    assert_eq!(ended.stderr, "");
+    assert!(text(&records, "runs.jsonl").ends_with('\n'));
+    assert!(!records.path("battery.json").exists(), "no report on half a battery");
+    goes_on_as_if_nothing_had_been(&records);
+}
+
+const ONE: &str = "--plants 1 --controller compensating --no-sweeps";
+
+#[test]
+fn results_of_another_battery_are_neither_mixed_nor_overwritten() {
+    let records = Records::new();
+    let _ = run(&records, ONE).with_code(0);
+    let before = left(&records);
+    for (rest, says) in [
+        (format!("{ONE} --resume --seed 2"), "its seed is 1, here it is 2"),
+        ("--plants 1 --controller pd --no-sweeps --resume".to_owned(), "its list of controllers is"),
+        (ONE.replace("--plants 1", "--plants 2 --resume"), "its number of plants is 1, here it is 2"),
+        ("--plants 1 --controller compensating --resume".to_owned(), "its choice of sweeps is without"),
+        (ONE.to_owned(), "holds results already: go on with --resume"),
+    ] {
+        let ended = run(&records, &rest).with_code(2);
+        assert!(ended.stderr.contains(says), "{says}: {}", ended.stderr);
+        assert_eq!(ended.stdout, "");
+        assert_eq!(left(&records), before, "a refusal changes nothing");
+    }
+}
+
+#[test]
+fn run_that_diverged_is_never_left_out_and_fails_the_battery() {
+    let records = Records::new();
+    let _ = run(&records, ONE).with_code(0);
+    let journal = text(&records, "runs.jsonl");
+    let (before, scores) = journal.split_once("\"scores\":{").expect("scores");
+    let (scores, after) = scores.split_once('}').expect("their end");
+    let names = scores.split(',').map(|score| score.split_once(':').expect("a name").0);
+    let diverged: Vec<_> = names.map(|name| format!("{name}:\"not finite\"")).collect();
+    let journal = format!("{before}\"scores\":{{{}}}{after}", diverged.join(","));
+    fs::write(records.path("runs.jsonl"), journal).expect("a journal");
+    let ended = run(&records, &format!("{ONE} --resume")).with_code(1);
+    assert!(ended.stdout.ends_with("FAIL\n"), "{}", ended.stdout);
+    assert_eq!(
+        ended.stdout.lines().filter(|line| line.starts_with("MISSED ")).count(),
+        4,
+        "{}",
+        ended.stdout
+    );
+    assert_eq!(ended.stdout.matches("not finite").count(), 6 * 3 + 4 + 1, "{}", ended.stdout);
+}
+
+#[test]
+fn wrong_battery_says_what_instead() {
+    for (arguments, says) in [
+        ("battery --controller lqr", "expected pd, faithful or compensating"),
+        ("battery --plants 0", "0 is not in 1..=100000"),
+        ("battery --jobs 0", "number would be zero"),
+        ("battery --resume", "--out <DIR>"),
+        ("battery --out Cargo.toml/out", "choose another folder with --out"),
+    ] {
+        let ended = bench::run(arguments.split(' ')).with_code(2);
+        assert!(ended.stderr.contains(says), "{arguments}: {}", ended.stderr);
+        assert_eq!(ended.stdout, "", "{arguments}");
+    }
+}
