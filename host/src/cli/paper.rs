@@ -56,7 +56,7 @@ const TWISTS: i32 = 400;
 
 const INDEX: &str = "index.html";
 
-/// Draw the paper's figures 5 and 7 to 17 from runs made for them, and print its numbers beside ours.
+/// Draw the paper's figures and print its numbers, beside ours.
 ///
 /// Runs three plants and a slow sine under three laws: the cascaded PD law (before), the paper's compensation (after) and
 /// the law that inverts the gap in the torque domain (beyond). Writes figure-05.svg, figure-07.svg to figure-17.svg and an
