@@ -8,6 +8,7 @@
 //! | [`twin`] | `lashloop device`: a drive on a pseudo-terminal |
 //! | [`python`] | the drive of the Python package |
 //! | [`terminal`] | pseudo-terminals |
+//! | [`fault_table`] | the table of `docs/faults.md` and its runs |
 //! | [`relay`] | a line that can drop, damage, double and cut |
 //! | [`records`] | `summary.json` and `trace.csv` |
 //! | [`processes`] | other processes: who started whom, signals |
@@ -21,6 +22,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bench;
+pub mod fault_table;
 pub mod left_out;
 pub mod loss;
 pub mod paper;

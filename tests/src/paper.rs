@@ -83,8 +83,8 @@ impl PaperRun {
     pub fn pass_on(&self, device: &str) -> Value {
         let Self { name, metric, want, tolerance, torque_sha256 } = *self;
         let records = Records::new();
-        let _ =
-            bench::run(["run", &self.scenario(), "--device", device, "--out", &records.out()]).with_code(0);
+        let arguments = ["run", &self.scenario(), "--device", device, "--out", &records.out()];
+        let _ = bench::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
         let summary = records.summary();
         assert_eq!(summary["verdict"], "PASS", "{name} on {device}");
         let have = summary["metrics"][metric].as_f64().unwrap_or(f64::NAN);

@@ -35,6 +35,15 @@ pub fn name(id: u32) -> String {
     fs::read_to_string(format!("/proc/{id}/comm")).unwrap_or_default().trim_end().to_owned()
 }
 
+/// Time that a process has had on a processor, in ticks of the system.
+#[must_use]
+pub fn cpu_ticks(id: u32) -> u64 {
+    let line = fs::read_to_string(format!("/proc/{id}/stat")).unwrap_or_default();
+    // `utime` and `stime`, the 14th and 15th field; two stand before the end of the name.
+    let fields = line.rsplit_once(") ").map(|(_, rest)| rest.split(' ').skip(11).take(2));
+    fields.into_iter().flatten().filter_map(|field| field.parse::<u64>().ok()).sum()
+}
+
 /// Sends a signal.
 ///
 /// # Panics

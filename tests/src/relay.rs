@@ -39,8 +39,8 @@ impl Passing {
     /// The sample in it, if it is one.
     #[must_use]
     pub fn sample(&self) -> Option<EncoderSample> {
-        match self.read()? {
-            HostMessage::EncoderSample(sample) if self.sender == Sender::Bench => Some(sample),
+        match self.from_bench()? {
+            HostMessage::EncoderSample(sample) => Some(sample),
             _ => None,
         }
     }
@@ -49,6 +49,12 @@ impl Passing {
     #[must_use]
     pub fn from_drive(&self) -> Option<DriveMessage> {
         if self.sender == Sender::Drive { self.read() } else { None }
+    }
+
+    /// The message of the bench in it, if it is one.
+    #[must_use]
+    pub fn from_bench(&self) -> Option<HostMessage> {
+        if self.sender == Sender::Bench { self.read() } else { None }
     }
 
     /// The torque in it, if it is one.

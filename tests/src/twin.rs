@@ -68,6 +68,12 @@ impl Twin {
         self.path.display().to_string()
     }
 
+    /// Its process number.
+    #[must_use]
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Sends the twin a signal.
     pub fn signal(&self, signal: Signal) {
         processes::signal(self.child.id(), signal);

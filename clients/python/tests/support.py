@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 WORKSPACE = Path(__file__).parents[3]
 SESSION = 0x4C41_5348
 M = TypeVar("M", bound=DriveMessage)
+PARAMETER_COUNT = len(Drive([PD]).parameters)
 
 SOON_S = 30.0
 """For what happens soon on a machine that isn't busy, and still does on one that is."""

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from support import SOON_S, Program, python_drive
+from support import PARAMETER_COUNT, SOON_S, Program, python_drive
 
 
 def run(*words: str) -> tuple[int, str, str]:
@@ -24,7 +24,11 @@ def test_a_drive_prints_its_path_and_says_who_it_is() -> None:
         code, said, _ = run("identify", "--port", program.path)
         assert code == 0
         lines = dict(line.split(maxsplit=1) for line in said.splitlines() if not line.startswith(("control", "pro")))
-        assert (lines["board"], lines["state"], lines["parameters"]) == ("python", "Idle", "30")
+        assert (lines["board"], lines["state"], lines["parameters"]) == (
+            "python",
+            "Idle",
+            str(PARAMETER_COUNT),
+        )
         assert "control laws          Pd\n" in said
         assert "protocol version      1\n" in said
 
@@ -35,7 +39,7 @@ def test_parameters_are_listed_and_set_and_stay() -> None:
         assert code == 0
         for text in (said, run("parameters", "--port", program.path)[1]):
             rows = {line.split()[0]: line.split()[1:] for line in text.splitlines()}
-            assert len(rows) == 31
+            assert len(rows) == 1 + PARAMETER_COUNT
             assert rows["torque_limit_nm"] == ["2.5", "20", "no", "0", "to", "1000", "N", "m"]
             assert rows["telemetry_every"][:3] == ["7", "10", "yes"]
             assert rows["k_d1"][0] == "0.01"

@@ -122,7 +122,7 @@ def test_the_conversation_of_the_specification_comes_to_the_byte() -> None:
     # A drive with the name plate of the example. Its other laws are never asked.
     shown = [bytes.fromhex(line[7:]) for line in document().splitlines() if line.startswith("frame: ")]
     clock = Clock(step_ns=5_700)
-    laws = [PD, *(ControlLaw(number, (), PD.build) for number in (2, 3))]
+    laws = [PD, *(ControlLaw(number, (), PD.build) for number in (2, 3, 4))]
     drive = Drive(laws, board="stm32f405", build_id=12_648_430, clock_ns=clock)
     asked = 0
     answers = bytearray(drive.receive(b"\0"))

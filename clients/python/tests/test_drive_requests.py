@@ -36,7 +36,7 @@ from lashloop.messages import (
     TorqueAnswer,
 )
 from lashloop.vocabulary import FaultCode, Outcome, ParameterType, ParameterValue, State, spell
-from support import SESSION, Bench, sample, table
+from support import PARAMETER_COUNT, SESSION, Bench, sample, table
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -149,7 +149,7 @@ ANSWERS: dict[tuple[str, str], list[tuple[Callable[[], Bench], HostMessage]]] = 
     ("Hello", "another version"): [(Bench, Hello(2, SESSION))],
     ("Hello", "another version, fault latched"): [(faulted, Hello(2, SESSION))],
     ("DescribeParameter", "known index"): [(Bench, DescribeParameter(29))],
-    ("DescribeParameter", "unknown index"): [(Bench, DescribeParameter(30))],
+    ("DescribeParameter", "unknown index"): [(Bench, DescribeParameter(PARAMETER_COUNT))],
     ("GetParameter", "any index"): [(Bench, GetParameter(0)), (Bench, GetParameter(255))],
     ("SetParameter", "any index"): [
         (Bench().idle, SetParameter(0, ParameterValue.u32(1))),
@@ -258,12 +258,12 @@ def test_parameters_are_those_of_the_specification_but_for_the_laws_offered() ->
         if row[3] == "F32":
             row[4:7] = [spell(ParameterValue.f32(float(number)).value) for number in row[4:7]]
     # This drive offers one law, so its `controller` has one value.
-    assert rows[0][6] == "3"
+    assert rows[0][6] == "4"
     rows[0][6] = "1"
     assert described == rows
 
 
-@pytest.mark.parametrize("index", range(30))
+@pytest.mark.parametrize("index", range(PARAMETER_COUNT))
 def test_every_parameter_takes_its_range_and_nothing_beside_it(index: int) -> None:
     bench = Bench().idle()
     spec = bench.drive.parameters.specs[index]
@@ -287,7 +287,7 @@ def test_every_parameter_takes_its_range_and_nothing_beside_it(index: int) -> No
 
 def test_an_index_that_no_parameter_has_is_refused_before_anything_else() -> None:
     bench = Bench()
-    report = bench.only(ParameterReport, SetParameter(30, ParameterValue.u32(1)))
+    report = bench.only(ParameterReport, SetParameter(PARAMETER_COUNT, ParameterValue.u32(1)))
     assert (report.outcome, report.value) == (Outcome.UNKNOWN_PARAMETER, ParameterValue.u32(0))
 
 

@@ -36,7 +36,7 @@ from lashloop.messages import (
     TorqueAnswer,
 )
 from lashloop.vocabulary import FaultCode, LogLevel, Outcome, ParameterValue, State, TorqueFlags, Version, single
-from support import Bench
+from support import PARAMETER_COUNT, Bench
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -339,7 +339,7 @@ def test_inconsistent_parameters_come_with_what_the_drive_says() -> None:
 def test_parameters_are_checked_before_anything_is_sent() -> None:
     wire = Wire()
     host = greeted(wire)
-    assert len(host.parameters) == 30
+    assert len(host.parameters) == PARAMETER_COUNT
     before = len(wire.sent)
     with pytest.raises(UnknownParameterError, match="no parameter torque_limit; did you mean torque_limit_nm"):
         host.set("torque_limit", 5)

@@ -219,7 +219,7 @@ mod tests {
     use rand_pcg::rand_core::{Rng, SeedableRng};
 
     use super::*;
-    use crate::metrics::{Measurement, Sample};
+    use crate::metrics::{Estimates, Measurement, Sample};
     use crate::plant::PlantError;
 
     /// Metrics of a run that lies on its reference from beginning to end.
@@ -231,8 +231,9 @@ mod tests {
                 reference_rad: 0.0,
                 load_position_rad: 0.0,
                 torque_nm: 0.0,
-                dead_zone_estimate_rad: 0.16,
+                estimates: Some(Estimates { dead_zone_rad: 0.16, disturbing_torque_nm: 0.0 }),
                 dead_zone_rad: 0.16,
+                disturbing_torque_nm: 0.0,
             });
         }
         measurement.metrics()

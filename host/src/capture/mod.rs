@@ -7,16 +7,18 @@
 //! | module | does |
 //! |---|---|
 //! | [`pcapng`] | packets become blocks |
-//! | [`file`](mod@file) | blocks reach the file, never half of one |
+//! | `file` | blocks reach the file, never half of one |
+//! | [`recorder`] | packets go from the loop to the thread that writes |
 //! | [`splitter`] | a stream becomes pieces that end with a delimiter |
 //! | [`reader`] | a file becomes packets again, whoever wrote it |
 //!
 //! The middleware that captures a link is [`crate::link::capture`].
 
-pub mod file;
+mod file;
 pub mod pcapng;
 pub mod reader;
+pub mod recorder;
 pub mod splitter;
 
-pub use file::Capture;
+pub use recorder::{Capture, Recorder, WhenFull, create};
 pub use splitter::Splitter;

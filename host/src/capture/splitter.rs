@@ -6,9 +6,16 @@ use lashloop_protocol::frame::DELIMITER;
 const LONGEST: usize = 4096;
 
 /// Keeps the bytes since the last delimiter. It judges nothing: a damaged frame is a piece like any other.
-#[derive(Debug, Default)]
+/// Takes no memory after its creation.
+#[derive(Debug)]
 pub struct Splitter {
     pending: Vec<u8>,
+}
+
+impl Default for Splitter {
+    fn default() -> Self {
+        Self { pending: Vec::with_capacity(LONGEST) }
+    }
 }
 
 impl Splitter {
@@ -20,8 +27,14 @@ impl Splitter {
                 take(piece);
                 continue;
             }
-            self.pending.extend_from_slice(piece);
-            if complete || self.pending.len() >= LONGEST {
+            for part in piece.chunks(LONGEST) {
+                if self.pending.len() + part.len() > LONGEST {
+                    take(&self.pending);
+                    self.pending.clear();
+                }
+                self.pending.extend_from_slice(part);
+            }
+            if complete {
                 take(&self.pending);
                 self.pending.clear();
             }
@@ -63,7 +76,7 @@ mod tests {
     fn a_line_without_a_delimiter_is_cut_and_loses_nothing() {
         let noise = [7; 3 * LONGEST / 2];
         let pieces = pieces(&noise.chunks(100).collect::<Vec<_>>());
-        assert!(pieces.len() > 1 && pieces.iter().all(|piece| piece.len() < LONGEST + 100));
+        assert!(pieces.len() > 1 && pieces.iter().all(|piece| piece.len() <= LONGEST));
         assert_eq!(pieces.concat(), noise);
     }
 }

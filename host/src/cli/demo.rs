@@ -11,6 +11,7 @@ use lashloop::record::RecordError;
 use lashloop::record::trace::TraceRow;
 use lashloop::run::{self, Clock, Outcome, Step, Watcher};
 use lashloop::scenario::Scenario;
+use lashloop::scenario::bench::LinkSettings;
 use lashloop::supervisor::Supervisor;
 use lashloop::verdict::{Exit, Verdict};
 
@@ -62,7 +63,7 @@ impl Arguments {
             let scenario = scenario?;
             let device = match &mut device {
                 Some(device) => device,
-                None => device.insert(self.open(scenario.link.baud, &supervisor)?),
+                None => device.insert(self.open(&scenario.link, &supervisor)?),
             };
             let mut history = History::new(&scenario, &supervisor);
             let _heed = supervisor.heed_signals();
@@ -91,8 +92,8 @@ impl Arguments {
         Ok(worst.into())
     }
 
-    fn open(&self, baud: u32, supervisor: &Supervisor) -> Result<Device, CliError> {
-        let device = Device::open(&self.device, baud, supervisor)?;
+    fn open(&self, link: &LinkSettings, supervisor: &Supervisor) -> Result<Device, CliError> {
+        let device = Device::open(&self.device, link, supervisor)?;
         say!("{}", device.description());
         say!("{:<38} {:>12} {:>12}  verdict", "", "paper", "here");
         Ok(device)

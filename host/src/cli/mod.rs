@@ -8,6 +8,7 @@ macro_rules! say {
 }
 
 mod battery;
+mod budget;
 mod compare;
 mod conformance;
 mod decode;
@@ -17,6 +18,7 @@ mod doctor;
 mod error;
 mod output;
 mod pace;
+mod paper;
 mod parameters;
 mod ping_pong;
 mod ports;
@@ -24,6 +26,7 @@ mod progress;
 mod report;
 mod run;
 mod show;
+mod soak;
 mod tied;
 
 use std::process::ExitCode;
@@ -49,13 +52,16 @@ struct Arguments {
 enum Command {
     Run(run::Arguments),
     Demo(demo::Arguments),
+    Paper(paper::Arguments),
     Device(device::Arguments),
     Show(show::Arguments),
     Decode(decode::Arguments),
     Ports(ports::Arguments),
     Doctor(doctor::Arguments),
     Battery(battery::Arguments),
+    Budget(budget::Arguments),
     Compare(compare::Arguments),
+    Soak(soak::Arguments),
     Conformance(conformance::Arguments),
     Parameters(parameters::Arguments),
     #[command(hide = true)]
@@ -70,13 +76,15 @@ Exit codes: 0 PASS, 1 FAIL, 2 bad usage, scenario or output folder, 3 INVALID, 4
 const LONG_HELP: &str = "\
 Exit codes:
   0  PASS     every expectation of the scenario is met
-  1  FAIL     an expectation or a limit is not met, the drive latched a fault, or it breaks a rule of the protocol
+  1  FAIL     an expectation or a limit is not met, the drive latched a fault, it breaks a rule of the protocol,
+               or a line is too slow
   2           bad usage, a bad scenario, or an output folder that can't be written
   3  INVALID  link or timing broke what the scenario allows, or the run was interrupted
   4           the device or the link failed; there is no verdict
 
 First steps:
   lashloop demo                                        the paper's four runs and a picture
+  lashloop paper                                       the paper's figures and numbers, paper and here
   lashloop run scenarios/smooth-after.toml             one run, with the native twin
   lashloop show scenarios/smooth-after.toml            every key a scenario can have
   lashloop run scenarios/smooth-after.toml --device qemu --out out/qemu
@@ -95,13 +103,16 @@ pub(crate) fn main() -> ExitCode {
     let result = match arguments.command {
         Command::Run(arguments) => arguments.run(),
         Command::Demo(arguments) => arguments.run(),
+        Command::Paper(arguments) => arguments.run(),
         Command::Device(arguments) => arguments.run(),
         Command::Show(arguments) => arguments.run(),
         Command::Decode(arguments) => arguments.run(),
         Command::Ports(arguments) => arguments.run(),
         Command::Doctor(arguments) => arguments.run(),
         Command::Battery(arguments) => arguments.run(),
+        Command::Budget(arguments) => arguments.run(),
         Command::Compare(arguments) => arguments.run(),
+        Command::Soak(arguments) => arguments.run(),
         Command::Conformance(arguments) => arguments.run(),
         Command::Parameters(arguments) => arguments.run(),
         Command::Tied(arguments) => arguments.run(),

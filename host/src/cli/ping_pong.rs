@@ -36,17 +36,24 @@ pub(super) fn answer() -> Result<Exit, CliError> {
     Ok(Exit::Pass)
 }
 
-/// The near end: `rounds` round trips, and the time they took.
-pub(super) fn play(path: &Path, rounds: u32) -> io::Result<Duration> {
-    let line = rustix::fs::open(path, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?;
-    set_raw(&line, 0, PATIENCE_TENTHS)?;
-    let mut bytes = [0; BACK];
-    let started = Instant::now();
-    for _ in 0..rounds {
-        write_all(&line, &[1; OUT])?;
-        read_exactly(&line, &mut bytes)?;
+/// The near end.
+pub(super) struct NearEnd(OwnedFd);
+
+impl NearEnd {
+    /// Opens the pseudo-terminal of the far end.
+    pub(super) fn open(path: &Path) -> io::Result<Self> {
+        let line = rustix::fs::open(path, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?;
+        set_raw(&line, 0, PATIENCE_TENTHS)?;
+        Ok(Self(line))
     }
-    Ok(started.elapsed())
+
+    /// The bytes of a control cycle there and back, and the time they took.
+    pub(super) fn round_trip(&mut self) -> io::Result<Duration> {
+        let started = Instant::now();
+        write_all(&self.0, &[1; OUT])?;
+        read_exactly(&self.0, &mut [0; BACK])?;
+        Ok(started.elapsed())
+    }
 }
 
 fn read_exactly(line: &OwnedFd, mut bytes: &mut [u8]) -> io::Result<()> {

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use lashloop::capture::Capture;
+use lashloop::capture::{self, Capture, WhenFull};
 use lashloop::device::{Device, DeviceChoice};
 use lashloop::fault::link::LinkFaults;
 use lashloop::link::Link;
@@ -16,6 +16,7 @@ use lashloop::record::trace::TraceWriter;
 use lashloop::run::{self, Outcome, Step, Watcher};
 use lashloop::scenario::{Override, Scenario};
 use lashloop::supervisor::Supervisor;
+use lashloop::timing::ClockName;
 use lashloop::verdict::Exit;
 use lashloop_protocol::PROTOCOL_VERSION;
 
@@ -63,19 +64,24 @@ impl Arguments {
         let scenario = Scenario::from_file(&self.scenario, &overrides)?;
         let clock = self.pace.clock()?;
         let tables = self.out.as_deref().map(|folder| prepare(folder, &scenario)).transpose()?;
-        let capture = self.capture.as_deref().map(Capture::create).transpose()?;
+        let when_full = match clock.name() {
+            ClockName::Lockstep => WhenFull::Wait,
+            ClockName::RealTime => WhenFull::Fail,
+        };
+        let capture = self.capture.as_deref().map(|path| capture::create(path, when_full)).transpose()?;
+        let (recorder, capture) = capture.unzip();
         let supervisor = start_supervisor()?;
         let faults = LinkFaults::new(&scenario);
         let tamper = |link| match &faults {
             Some(faults) => faults.wrap(link, &scenario),
             None => link,
         };
-        let listen = |link| match &capture {
-            Some(capture) => Box::new(Captured::new(link, capture.clone())) as Box<dyn Link>,
+        let listen = |link| match recorder {
+            Some(recorder) => Box::new(Captured::new(link, recorder)) as Box<dyn Link>,
             None => link,
         };
         let mut device =
-            Device::open_through(&self.device, scenario.link.baud, &supervisor, |link| listen(tamper(link)))?
+            Device::open_through(&self.device, &scenario.link, &supervisor, |link| listen(tamper(link)))?
                 .with_link_faults(faults.clone());
         let progress = Progress::of(&scenario);
         let mut watcher = RunWatcher { tables, capture, supervisor: &supervisor, progress };
@@ -88,10 +94,12 @@ impl Arguments {
             trace.finish()?;
             timing.finish()?;
         }
+        let summary = summary(&scenario, &device, &outcome);
+        // With the link goes its end of the capture.
+        drop(device);
         if let Some(capture) = capture {
             capture.finish()?;
         }
-        let summary = summary(&scenario, &device, &outcome);
         if let Some(folder) = &self.out {
             summary.write(&folder.join(SUMMARY))?;
         }

@@ -20,6 +20,17 @@ pub enum DeviceError {
         /// What the system said.
         source: io::Error,
     },
+    /// A wire is to be modelled on a line that has a real one.
+    #[error(
+        "{}: a serial port has a wire of its own, at link.baud = {baud}; link.modelled_baud is for drives without one, so leave it 0 here",
+        path.display()
+    )]
+    HasWire {
+        /// Its path.
+        path: PathBuf,
+        /// Its speed.
+        baud: u32,
+    },
     /// There is no image to run.
     #[error("no image of the firmware at {}: build it with `cargo xtask image`", path.display())]
     NoImage {
@@ -88,6 +99,15 @@ pub enum DeviceError {
 }
 
 impl DeviceError {
+    /// Whether a drive that is gone may still come back: what has ended does not, and another firmware stays another.
+    #[must_use]
+    pub fn may_pass(&self) -> bool {
+        match self {
+            Self::Session { source, .. } => !matches!(source, SessionError::Version { .. }),
+            _ => false,
+        }
+    }
+
     pub(super) fn not_up(process: &Process) -> Self {
         // Whatever it has to say, it has said when it has ended.
         let _ = process.ended_within(std::time::Duration::from_millis(200));

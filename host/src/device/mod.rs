@@ -16,7 +16,9 @@ use crate::link::in_process::InProcess;
 use crate::link::pty::{self, Pty};
 use crate::link::reopening::Reopening;
 use crate::link::serial::Serial;
+use crate::link::wire::Wire;
 use crate::link::{Link, LinkError};
+use crate::scenario::bench::LinkSettings;
 use crate::session::{Session, SessionError, printable};
 use crate::supervisor::{Process, Program, Supervisor};
 
@@ -69,6 +71,28 @@ impl fmt::Display for DeviceChoice {
     }
 }
 
+/// How fast the bits of a line are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LineSpeed {
+    /// Bits a second of a serial port; no other line has a speed.
+    pub baud: u32,
+    /// The wire that is modelled on a line without one.
+    pub modelled_baud: Option<u32>,
+}
+
+impl From<u32> for LineSpeed {
+    /// Without a modelled wire.
+    fn from(baud: u32) -> Self {
+        Self { baud, modelled_baud: None }
+    }
+}
+
+impl From<&LinkSettings> for LineSpeed {
+    fn from(link: &LinkSettings) -> Self {
+        Self { baud: link.baud, modelled_baud: link.modelled_baud() }
+    }
+}
+
 /// A drive that has been greeted, with the process behind it if the bench started one.
 pub struct Device {
     /// The conversation.
@@ -78,12 +102,16 @@ pub struct Device {
 }
 
 impl Device {
-    /// Starts what has to be started, opens the link and greets the drive. `baud` is for serial ports.
+    /// Starts what has to be started, opens the link and greets the drive.
     ///
     /// # Errors
     /// A sentence that says what could not be reached, and what to do.
-    pub fn open(choice: &DeviceChoice, baud: u32, supervisor: &Supervisor) -> Result<Self, DeviceError> {
-        Self::open_through(choice, baud, supervisor, |link| link)
+    pub fn open(
+        choice: &DeviceChoice,
+        speed: impl Into<LineSpeed>,
+        supervisor: &Supervisor,
+    ) -> Result<Self, DeviceError> {
+        Self::open_through(choice, speed, supervisor, |link| link)
     }
 
     /// The same, with a middleware around the link, from its first byte on.
@@ -92,11 +120,11 @@ impl Device {
     /// A sentence that says what could not be reached, and what to do.
     pub fn open_through(
         choice: &DeviceChoice,
-        baud: u32,
+        speed: impl Into<LineSpeed>,
         supervisor: &Supervisor,
         middleware: impl FnOnce(Box<dyn Link>) -> Box<dyn Link>,
     ) -> Result<Self, DeviceError> {
-        let (link, connection) = Connection::open(choice, baud, supervisor)?;
+        let (link, connection) = Connection::open(choice, speed, supervisor)?;
         let session =
             Session::open(middleware(link), session_number()).map_err(|source| connection.explain(source))?;
         Ok(Self { session, connection, link_faults: None })
@@ -150,32 +178,45 @@ impl Device {
 pub struct Connection {
     choice: DeviceChoice,
     process: Option<Process>,
+    modelled_baud: Option<u32>,
 }
 
 impl Connection {
-    /// Starts what has to be started and opens the link, without a word to the drive. `baud` is for serial ports.
+    /// Starts what has to be started and opens the link, without a word to the drive.
     ///
     /// # Errors
-    /// A sentence that says what could not be reached, and what to do.
+    /// A sentence that says what could not be reached, and what to do; a wire is to be modelled on a line that has one.
     pub fn open(
         choice: &DeviceChoice,
-        baud: u32,
+        speed: impl Into<LineSpeed>,
         supervisor: &Supervisor,
     ) -> Result<(Box<dyn Link>, Self), DeviceError> {
+        let LineSpeed { baud, modelled_baud } = speed.into();
+        if let (Some(_), DeviceChoice::Terminal(path)) = (modelled_baud, choice)
+            && !is_pseudo_terminal(&resolved(path)?)
+        {
+            return Err(DeviceError::HasWire { path: path.clone(), baud });
+        }
         let Started { link, process } = match choice {
             DeviceChoice::InProcess => Started { link: Box::new(InProcess::default()), process: None },
             DeviceChoice::Native => start_twin(supervisor)?,
             DeviceChoice::Qemu(image) => qemu::start(image.as_deref(), supervisor)?,
             DeviceChoice::Terminal(path) => Started { link: open_terminal(path, baud)?, process: None },
         };
-        Ok((link, Self { choice: choice.clone(), process }))
+        let link = match modelled_baud {
+            Some(baud) => Box::new(Wire::new(link, baud)),
+            None => link,
+        };
+        Ok((link, Self { choice: choice.clone(), process, modelled_baud }))
     }
 
     /// What was chosen and who answered, in words.
     #[must_use]
     pub fn description(&self, identity: &Identity) -> String {
+        let wire =
+            self.modelled_baud.map_or_else(String::new, |baud| format!(", wire modelled at {baud} Bd"));
         format!(
-            "{} ({}, firmware {}, build {:08x})",
+            "{} ({}, firmware {}, build {:08x}){wire}",
             self.choice,
             printable(identity.board.as_str()),
             identity.firmware,
@@ -220,7 +261,7 @@ pub(crate) fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, Dev
     let open = move |path: &PathBuf| -> io::Result<Box<dyn Link>> {
         // A name under /dev/serial/by-id, or any other link, stands for what it points to at that time.
         let path = path.canonicalize()?;
-        if path.starts_with(pty::DIRECTORY) {
+        if is_pseudo_terminal(&path) {
             Ok(Box::new(Pty::open(&path)?))
         } else {
             Ok(Box::new(Serial::open(&path, baud)?))
@@ -230,6 +271,15 @@ pub(crate) fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, Dev
         Ok(link) => Ok(Box::new(link)),
         Err(source) => Err(DeviceError::Open { path: path.to_owned(), source }),
     }
+}
+
+/// A name under /dev/serial/by-id, or any other link, stands for what it points to.
+fn resolved(path: &Path) -> Result<PathBuf, DeviceError> {
+    path.canonicalize().map_err(|source| DeviceError::Open { path: path.to_owned(), source })
+}
+
+fn is_pseudo_terminal(resolved: &Path) -> bool {
+    resolved.starts_with(pty::DIRECTORY)
 }
 
 fn explain(choice: &DeviceChoice, process: Option<&Process>, source: SessionError) -> DeviceError {

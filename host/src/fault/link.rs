@@ -56,7 +56,7 @@ impl LinkFaults {
         })
     }
 
-    pub(super) fn set_step(&self, step: Option<u32>) {
+    pub(in crate::fault) fn set_step(&self, step: Option<u32>) {
         self.0.step.store(step.unwrap_or(NONE), Ordering::Relaxed);
     }
 
@@ -122,7 +122,7 @@ impl Faulty {
 impl Link for Faulty {
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         self.check_cuts()?;
-        self.to_drive.admit(bytes, &self.shared);
+        self.to_drive.admit(bytes, &self.shared, Instant::now());
         self.pass_on()
     }
 
@@ -138,7 +138,7 @@ impl Link for Faulty {
             let releases = [self.to_drive.next_release(step, now), self.to_bench.next_release(step, now)];
             let until = releases.into_iter().flatten().fold(deadline, Instant::min);
             let count = self.link.receive(&mut self.inbox[..], until)?;
-            self.to_bench.admit(&self.inbox[..count], &self.shared);
+            self.to_bench.admit(&self.inbox[..count], &self.shared, Instant::now());
             if count == 0 {
                 if self.to_drive.is_empty() && self.to_bench.is_empty() {
                     // The link has waited as long as it is going to.
@@ -152,6 +152,12 @@ impl Link for Faulty {
                 thread::sleep(until.saturating_duration_since(now));
             }
         }
+    }
+
+    fn idle(&mut self, until: Instant) -> Result<(), LinkError> {
+        self.check_cuts()?;
+        self.pass_on()?;
+        self.link.idle(until)
     }
 
     fn discard_input(&mut self) -> Result<(), LinkError> {

@@ -18,6 +18,9 @@ pub mod link;
 pub mod sensor;
 pub mod timeline;
 
+#[cfg(test)]
+pub(crate) mod tests;
+
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 

@@ -1,5 +1,7 @@
 //! When each fault begins and ends: the log of it, and faults of the drive itself.
 
+use std::time::{Duration, Instant};
+
 use rustix::process::{Pid, Signal, kill_process};
 use serde::Serialize;
 
@@ -8,7 +10,7 @@ use super::link::LinkFaults;
 use crate::device::{Device, DeviceChoice};
 use crate::run::RunError;
 use crate::scenario::Scenario;
-use crate::scenario::fault::{FaultKind, Place};
+use crate::scenario::fault::{Fault, FaultKind, Place};
 use crate::session::SessionError;
 
 /// A fault that has been there.
@@ -18,7 +20,7 @@ pub struct Fired {
     pub kind: &'static str,
     /// The step in which it began.
     pub step: u32,
-    /// The first step without it; `None` if it was there to the end.
+    /// The first step without it; `None` if it was there to the end. A cut and a hang last by the clock on the wall.
     pub until_step: Option<u32>,
     /// Frames it hit, of a fault of the link.
     pub frames: Option<u64>,
@@ -31,6 +33,11 @@ pub struct Timeline {
     names: Vec<&'static str>,
     /// The first step in which something begins or ends again.
     next: u32,
+    /// When each fault that is there now will be over, if that goes by the clock on the wall: while a drive hangs or is cut
+    /// off there may be no steps.
+    over_at: Vec<Option<Instant>>,
+    /// How long each of those lasts.
+    lasts: Vec<Option<Duration>>,
     link: Option<LinkFaults>,
 }
 
@@ -51,6 +58,8 @@ impl Timeline {
             fired: vec![None; scenario.faults.len()],
             names: scenario.faults.iter().map(|fault| fault.name).collect(),
             next: if scenario.faults.is_empty() { u32::MAX } else { 0 },
+            over_at: vec![None; scenario.faults.len()],
+            lasts: scenario.faults.iter().map(wall_time).collect(),
             link: device.link_faults().cloned(),
         })
     }
@@ -63,6 +72,7 @@ impl Timeline {
         if let Some(link) = &self.link {
             link.set_step(Some(step));
         }
+        self.revive(device);
         if step < self.next {
             return Ok(());
         }
@@ -75,20 +85,35 @@ impl Timeline {
                     FaultKind::DeviceHang {} => signal(device, Signal::STOP),
                     _ => {}
                 }
+                self.over_at[number] = self.lasts[number].map(|lasts| Instant::now() + lasts);
             }
+            let is_over = match self.lasts[number] {
+                Some(_) => self.over_at[number].is_none(),
+                None => step >= schedule.until,
+            };
             if let Some(fired) = fired
-                && fired.until_step.is_none()
-                && step >= schedule.until
+                && is_over
             {
-                fired.until_step = Some(step);
-                if *kind == (FaultKind::DeviceHang {}) {
-                    signal(device, Signal::CONT);
-                }
+                fired.until_step.get_or_insert(step);
             }
         }
         let edges = self.faults.iter().flat_map(|(schedule, _)| [schedule.from, schedule.until]);
-        self.next = edges.filter(|edge| *edge > step).min().unwrap_or(u32::MAX);
+        let edge = edges.filter(|edge| *edge > step).min().unwrap_or(u32::MAX);
+        self.next = if self.over_at.iter().any(Option::is_some) { step + 1 } else { edge };
         Ok(())
+    }
+
+    /// Lets a drive go on that has hung for its time. Asked in every step, and while a lost drive is waited for.
+    pub fn revive(&mut self, device: &Device) {
+        if self.over_at.iter().all(Option::is_none) {
+            return;
+        }
+        let now = Instant::now();
+        for (over_at, (_, kind)) in self.over_at.iter_mut().zip(&self.faults) {
+            if over_at.take_if(|over_at| *over_at <= now).is_some() && *kind == (FaultKind::DeviceHang {}) {
+                signal(device, Signal::CONT);
+            }
+        }
     }
 
     /// The line is as it should be while the bench talks to the drive outside the loop.
@@ -101,9 +126,8 @@ impl Timeline {
     /// The run is over: nothing is wrong any more. Returns what was.
     pub fn end(&mut self, device: &Device) -> Vec<Fired> {
         self.pause();
-        for ((_, kind), fired) in self.faults.iter().zip(&self.fired) {
-            let is_open = fired.as_ref().is_some_and(|fired| fired.until_step.is_none());
-            if is_open && *kind == (FaultKind::DeviceHang {}) {
+        for (over_at, (_, kind)) in self.over_at.iter().zip(&self.faults) {
+            if over_at.is_some() && *kind == (FaultKind::DeviceHang {}) {
                 signal(device, Signal::CONT);
             }
         }
@@ -115,6 +139,12 @@ impl Timeline {
         });
         fired.collect()
     }
+}
+
+/// How long a fault lasts that goes by the clock on the wall.
+fn wall_time(fault: &Fault) -> Option<Duration> {
+    let by_the_wall = matches!(fault.kind, FaultKind::LinkCut {} | FaultKind::DeviceHang {});
+    fault.for_s.filter(|_| by_the_wall).map(Duration::from_secs_f64)
 }
 
 fn impossible(kind: &FaultKind, device: &Device) -> Option<&'static str> {

@@ -5,12 +5,12 @@ use std::time::Instant;
 use lashloop_protocol::layout::Direction;
 
 use super::{Link, LinkError};
-use crate::capture::{Capture, Splitter};
+use crate::capture::{Recorder, Splitter};
 
 /// A link with an ear on it.
 pub struct Captured {
     link: Box<dyn Link>,
-    capture: Capture,
+    capture: Recorder,
     sent: Splitter,
     received: Splitter,
 }
@@ -18,7 +18,7 @@ pub struct Captured {
 impl Captured {
     /// Listens on `link`.
     #[must_use]
-    pub fn new(link: Box<dyn Link>, capture: Capture) -> Self {
+    pub fn new(link: Box<dyn Link>, capture: Recorder) -> Self {
         Self { link, capture, sent: Splitter::default(), received: Splitter::default() }
     }
 
@@ -40,11 +40,13 @@ impl Link for Captured {
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
         let Self { link, capture, received, .. } = self;
-        // The drive is at work and we would only wait.
-        capture.flush();
         let count = link.receive(buffer, deadline)?;
         received.push(&buffer[..count], |piece| capture.push(Direction::DriveToHost, piece));
         Ok(count)
+    }
+
+    fn idle(&mut self, until: Instant) -> Result<(), LinkError> {
+        self.link.idle(until)
     }
 
     /// What is thrown away here has never been read, so it is not in the capture.
@@ -57,7 +59,6 @@ impl Link for Captured {
 impl Drop for Captured {
     fn drop(&mut self) {
         self.end_pieces();
-        self.capture.flush();
     }
 }
 
@@ -67,7 +68,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::capture::reader;
+    use crate::capture::{WhenFull, create, reader};
 
     /// Gives its pieces one by one, then is gone; takes nothing.
     struct Torn(Vec<&'static [u8]>);
@@ -92,9 +93,9 @@ mod tests {
     fn damaged_bytes_and_what_came_before_a_failure_are_kept_as_they_were() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("line.pcapng");
-        let capture = Capture::create(&path).unwrap();
+        let (recorder, capture) = create(&path, WhenFull::Fail).unwrap();
         let pieces: Vec<&[u8]> = vec![&[8, 8], &[9, 0, 0xff], &[3, 7]];
-        let mut link = Captured::new(Box::new(Torn(pieces)), capture.clone());
+        let mut link = Captured::new(Box::new(Torn(pieces)), recorder);
         assert!(link.send(&[2, 5, 0]).is_err());
         let mut buffer = [0; 64];
         while link.receive(&mut buffer, Instant::now() + Duration::from_secs(1)).is_ok() {}
@@ -119,11 +120,16 @@ mod tests {
             }
 
             fn receive(&mut self, _buffer: &mut [u8], _deadline: Instant) -> Result<usize, LinkError> {
-                let bytes = fs::read(&self.0)?;
-                let packets: Vec<_> = reader::packets(&bytes).map(Result::unwrap).collect();
-                assert_eq!(packets.len(), 1);
-                assert_eq!(packets[0].bytes, [2, 5, 0]);
-                Ok(0)
+                let deadline = Instant::now() + Duration::from_secs(10);
+                loop {
+                    let bytes = fs::read(&self.0)?;
+                    let packets: Vec<_> = reader::packets(&bytes).map(Result::unwrap).collect();
+                    if let [packet] = &packets[..] {
+                        assert_eq!(packet.bytes, [2, 5, 0]);
+                        return Ok(0);
+                    }
+                    assert!(packets.is_empty() && Instant::now() < deadline, "{} packets", packets.len());
+                }
             }
 
             fn discard_input(&mut self) -> Result<(), LinkError> {
@@ -132,7 +138,8 @@ mod tests {
         }
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("line.pcapng");
-        let mut link = Captured::new(Box::new(Looking(path.clone())), Capture::create(&path).unwrap());
+        let (recorder, _capture) = create(&path, WhenFull::Fail).unwrap();
+        let mut link = Captured::new(Box::new(Looking(path)), recorder);
         link.send(&[2, 5, 0]).unwrap();
         assert_eq!(link.receive(&mut [0; 8], Instant::now()).unwrap(), 0);
     }

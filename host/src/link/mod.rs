@@ -7,6 +7,7 @@
 //! | [`serial`] | a drive on a serial port, by the `serialport` crate |
 //! | [`socket`] | the emulator's UART |
 //! | [`reopening`] | a terminal, again after it was gone |
+//! | [`wire`] | any of these but a serial port, as slow as one |
 //! | [`capture`] | any of these, with a record of every frame |
 //!
 //! Every wait has a deadline, and the end of a line is an error on its own: a terminal whose far end is gone reads as
@@ -18,9 +19,14 @@ pub mod pty;
 pub mod reopening;
 pub mod serial;
 pub mod socket;
+pub mod wire;
 
 use std::io;
+use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
 
 /// What can go wrong with a line.
 #[derive(Debug, thiserror::Error)]
@@ -81,6 +87,16 @@ pub trait Link: Send {
     /// The line is gone or the system refused.
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError>;
 
+    /// Says that nobody is going to ask for anything until a moment. A line that lives by being called, as a modelled wire
+    /// does, passes on what is on its way until then; any other returns at once.
+    ///
+    /// # Errors
+    /// The line is gone or the system refused.
+    fn idle(&mut self, until: Instant) -> Result<(), LinkError> {
+        let _ = until;
+        Ok(())
+    }
+
     /// Throws away what has arrived and not been read: the rest of somebody else's conversation.
     ///
     /// # Errors
@@ -91,4 +107,18 @@ pub trait Link: Send {
 /// Time until the deadline; `None` once it has passed.
 fn remaining(deadline: Instant) -> Option<Duration> {
     deadline.checked_duration_since(Instant::now()).filter(|left| !left.is_zero())
+}
+
+/// Whether there is something to read by the deadline; the end of the line is something.
+fn readable_by(line: impl AsFd, deadline: Instant) -> Result<bool, LinkError> {
+    loop {
+        let mut fds = [PollFd::new(&line, PollFlags::IN)];
+        let left = remaining(deadline).unwrap_or_default();
+        let left = Timespec { tv_sec: left.as_secs() as i64, tv_nsec: left.subsec_nanos().into() };
+        match poll(&mut fds, Some(&left)) {
+            Ok(count) => return Ok(count > 0),
+            Err(Errno::INTR) => {}
+            Err(error) => return Err(error.into()),
+        }
+    }
 }

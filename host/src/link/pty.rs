@@ -17,7 +17,7 @@ use rustix::termios::{
     OptionalActions, QueueSelector, SpecialCodeIndex, Termios, tcflush, tcgetattr, tcsetattr, ttyname,
 };
 
-use super::{Link, LinkError, WRITE_LIMIT, remaining};
+use super::{Link, LinkError, WRITE_LIMIT, readable_by, remaining};
 
 /// Where the system keeps pseudo-terminals. They have no speed, no modem lines and no latency timer.
 pub const DIRECTORY: &str = "/dev/pts";
@@ -57,20 +57,6 @@ impl Pty {
         let mut fds = [PollFd::new(&self.reader, PollFlags::IN)];
         poll(&mut fds, Some(&Timespec { tv_sec: 0, tv_nsec: 0 }))?;
         Ok(fds[0].revents().intersects(PollFlags::HUP | PollFlags::ERR))
-    }
-
-    /// Whether there is something to read by the deadline; the end of the line is something.
-    fn readable_by(&self, deadline: Instant) -> Result<bool, LinkError> {
-        loop {
-            let mut fds = [PollFd::new(&self.reader, PollFlags::IN)];
-            let left = remaining(deadline).unwrap_or_default();
-            let left = Timespec { tv_sec: left.as_secs() as i64, tv_nsec: left.subsec_nanos().into() };
-            match poll(&mut fds, Some(&left)) {
-                Ok(count) => return Ok(count > 0),
-                Err(Errno::INTR) => {}
-                Err(error) => return Err(error.into()),
-            }
-        }
     }
 
     /// Waits until the terminal takes bytes again.
@@ -125,7 +111,7 @@ impl Link for Pty {
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
         loop {
             let is_near = remaining(deadline).is_none_or(|left| left < READ_LIMIT);
-            if is_near && !self.readable_by(deadline)? {
+            if is_near && !readable_by(&self.reader, deadline)? {
                 return Ok(0);
             }
             match rustix::io::read(&self.reader, &mut *buffer) {

@@ -4,9 +4,10 @@ use std::io::{self, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant};
 
-use super::{Link, LinkError, WRITE_LIMIT, remaining, stuck};
+use super::{Link, LinkError, WRITE_LIMIT, readable_by, remaining, stuck};
 
-/// The kernel does the waiting, in slices of this length, so that no call is needed to change a timeout.
+/// The kernel does the waiting, in slices of this length, so that no call is needed to change a timeout. A deadline that is
+/// nearer is waited for by poll.
 const SLICE: Duration = Duration::from_millis(50);
 
 /// A connected socket.
@@ -34,6 +35,10 @@ impl Link for Socket {
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
         loop {
+            let is_near = remaining(deadline).is_none_or(|left| left < SLICE);
+            if is_near && !readable_by(&self.stream, deadline)? {
+                return Ok(0);
+            }
             match self.stream.read(buffer) {
                 Ok(0) => return Err(LinkError::Disconnected),
                 Ok(count) => return Ok(count),

@@ -1,7 +1,9 @@
-//! Metrics computed sample by sample; memory is one window of errors, whatever the length of the run.
+//! Metrics computed sample by sample; memory is one window of errors and one of estimates, whatever the length of the run.
 
 use std::collections::VecDeque;
 
+use super::estimates::{BIAS_WINDOW_S, Estimates, EstimatorScore};
+use super::settling::Settling;
 use super::{Measured, Metric, Metrics};
 
 /// The band of `settle_time_s`. The paper doesn't say what it calls the end of the transient; with this band
@@ -23,10 +25,12 @@ pub struct Sample {
     pub load_position_rad: f64,
     /// Torque held from that time on for one period.
     pub torque_nm: f64,
-    /// The drive's estimate of j0; NaN if it has none.
-    pub dead_zone_estimate_rad: f64,
+    /// What the drive estimated at that time, if it told.
+    pub estimates: Option<Estimates>,
     /// True j0 at that time.
     pub dead_zone_rad: f64,
+    /// True disturbing torque at that time.
+    pub disturbing_torque_nm: f64,
 }
 
 /// Takes the samples of one run and gives its metrics.
@@ -44,34 +48,7 @@ pub struct Measurement {
     effort_nm2s: f64,
     variation_nm: f64,
     last_torque_nm: Option<f64>,
-    estimate_rad: f64,
-    dead_zone_rad: f64,
-}
-
-/// Since when the error has stayed inside a band.
-#[derive(Debug, Clone)]
-struct Settling {
-    band_rad: f64,
-    inside_since_s: Option<f64>,
-}
-
-impl Settling {
-    const fn new(band_rad: f64) -> Self {
-        Self { band_rad, inside_since_s: None }
-    }
-
-    fn push(&mut self, time_s: f64, error_rad: f64) {
-        // An error that is NaN is inside nothing.
-        if error_rad.abs() <= self.band_rad {
-            self.inside_since_s.get_or_insert(time_s);
-        } else {
-            self.inside_since_s = None;
-        }
-    }
-
-    fn measured(&self) -> Measured {
-        self.inside_since_s.map_or(Measured::Never, Measured::finite)
-    }
+    estimators: EstimatorScore,
 }
 
 /// Where the load was when the reference last passed its middle in either direction.
@@ -128,8 +105,7 @@ impl Measurement {
             effort_nm2s: 0.0,
             variation_nm: 0.0,
             last_torque_nm: None,
-            estimate_rad: f64::NAN,
-            dead_zone_rad: f64::NAN,
+            estimators: EstimatorScore::new(window(BIAS_WINDOW_S, period_s)),
         }
     }
 
@@ -149,8 +125,6 @@ impl Measurement {
         let &Sample { time_s, reference_rad, load_position_rad, torque_nm, .. } = sample;
         let error_rad = load_position_rad - reference_rad;
         self.finite &= error_rad.is_finite() && torque_nm.is_finite() && time_s.is_finite();
-        self.estimate_rad = sample.dead_zone_estimate_rad;
-        self.dead_zone_rad = sample.dead_zone_rad;
         if !self.finite {
             return;
         }
@@ -165,7 +139,8 @@ impl Measurement {
         self.effort_nm2s += torque_nm * torque_nm * self.period_s;
         self.variation_nm += self.last_torque_nm.map_or(0.0, |last_nm| (torque_nm - last_nm).abs());
         self.last_torque_nm = Some(torque_nm);
-        if self.recent_rad.len() == self.window(HUNTING_WINDOW_S) {
+        self.estimators.push(sample);
+        if self.recent_rad.len() == window(HUNTING_WINDOW_S, self.period_s) {
             self.recent_rad.pop_front();
         }
         self.recent_rad.push_back(error_rad);
@@ -201,24 +176,29 @@ impl Measurement {
             Metric::LostMotion => self.reversal.measured(),
             Metric::Effort => Measured::finite(self.effort_nm2s),
             Metric::TorqueTotalVariation => Measured::finite(self.variation_nm),
-            Metric::DeadZoneEstimate => Measured::finite(self.estimate_rad),
-            Metric::DeadZoneError => Measured::finite(self.estimate_rad - self.dead_zone_rad),
+            Metric::DeadZoneEstimate => self.estimators.dead_zone(),
+            Metric::DeadZoneError => self.estimators.dead_zone_error(),
+            Metric::DeadZoneSettleTime => self.estimators.dead_zone_settle_time(),
+            Metric::DeadZoneBias => self.estimators.dead_zone_bias(),
+            Metric::DeadZoneLargestError => self.estimators.dead_zone_largest_error(),
+            Metric::DisturbingTorqueRmsError => self.estimators.disturbing_torque_rms_error(),
+            Metric::DisturbingTorqueBias => self.estimators.disturbing_torque_bias(),
         }
     }
 
     /// A figure of the errors of the last `window_s`. A run shorter than that has none: a mean over what there
     /// is would call a transient a static error.
     fn over_last(&self, window_s: f64, figure: fn(&mut dyn Iterator<Item = f64>) -> f64) -> Measured {
-        match self.recent_rad.len().checked_sub(self.window(window_s)) {
+        match self.recent_rad.len().checked_sub(window(window_s, self.period_s)) {
             Some(earlier) => Measured::finite(figure(&mut self.recent_rad.range(earlier..).copied())),
             None => Measured::RunTooShort,
         }
     }
+}
 
-    /// Samples in a window, counted rather than compared by time, which is inexact; at least 1.
-    fn window(&self, window_s: f64) -> usize {
-        ((window_s / self.period_s).round() as usize).max(1)
-    }
+/// Samples in a window, counted rather than compared by time, which is inexact; at least 1.
+fn window(window_s: f64, period_s: f64) -> usize {
+    ((window_s / period_s).round() as usize).max(1)
 }
 
 fn mean(errors_rad: &mut dyn Iterator<Item = f64>) -> f64 {

@@ -17,18 +17,36 @@
 //! | `dead_zone_estimate_rad` | rad | the drive's last estimate of j0 |
 //! | `dead_zone_error_rad` | rad | the drive's last estimate less the true j0 of that time |
 //!
+//! The drive's estimates are scored while they are made. Telemetry comes every n-th step; each is compared with the truth of
+//! the sample it is of, and steps without one have no part in a score:
+//!
+//! | metric | unit | meaning |
+//! |---|---|---|
+//! | `dead_zone_settle_time_s` | s | time of the first estimate after the last one more than 0.02 rad from the true j0 |
+//! | `dead_zone_bias_rad` | rad | mean of estimate less true j0 over the last 5 s |
+//! | `dead_zone_largest_error_rad` | rad | largest abs(estimate - j0) since an estimate first was within 0.02 rad, settled or not: how far it strays once it has been right |
+//! | `disturbing_torque_rms_error_nm` | N m | root of the mean square of w_hat - w over the run, with the plant's own w = C - K z |
+//! | `disturbing_torque_bias_nm` | N m | mean of w_hat - w over the run |
+//!
+//! A law that estimates nothing is scored like any other: it tells the amplitude it was given and w_hat = 0, so its root mean
+//! square is that of w itself, which is what an estimator has to beat. On the paper's smooth plant the gap is four times as
+//! wide as j0, and a law that identifies the gap it finds is far from j0 there.
+//!
 //! A metric that can't be had has no value but a reason ([`Measured`]): it never settled, the run is shorter
-//! than the window, there was no initial error to compare with, the reference never reversed, or something was
-//! not finite. One position, reference or torque that isn't finite takes the value from every metric of the run,
+//! than the window, there was no initial error to compare with, the reference never reversed, the drive told no estimate,
+//! or something was not finite. One position, reference or torque that isn't finite takes the value from every metric of the run,
 //! and so does a plant that could not be followed to the end: a run that diverged can't score well by what
-//! happened before or by a comparison that drops NaN.
+//! happened before or by a comparison that drops NaN. An estimate that isn't finite takes the scores of that estimate only.
 
+mod estimates;
 mod measurement;
+mod settling;
 
 use std::fmt;
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
+pub use self::estimates::Estimates;
 pub use self::measurement::{Measurement, Sample};
 
 /// A quantity by which a run is judged.
@@ -58,11 +76,21 @@ pub enum Metric {
     DeadZoneEstimate,
     /// That estimate less the true half gap.
     DeadZoneError,
+    /// Time of the estimate of the half gap into the band of 0.02 rad, for good.
+    DeadZoneSettleTime,
+    /// Mean error of the estimate of the half gap over the last 5 s.
+    DeadZoneBias,
+    /// Largest error of the estimate of the half gap since it first was within the band.
+    DeadZoneLargestError,
+    /// Root mean square of the error of the disturbing torque.
+    DisturbingTorqueRmsError,
+    /// Mean error of the disturbing torque.
+    DisturbingTorqueBias,
 }
 
 impl Metric {
     /// Every metric, in the order of reports.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 17] = [
         Self::SettleTime,
         Self::SettleTime5Pct,
         Self::SettleTime2Pct,
@@ -75,6 +103,11 @@ impl Metric {
         Self::TorqueTotalVariation,
         Self::DeadZoneEstimate,
         Self::DeadZoneError,
+        Self::DeadZoneSettleTime,
+        Self::DeadZoneBias,
+        Self::DeadZoneLargestError,
+        Self::DisturbingTorqueRmsError,
+        Self::DisturbingTorqueBias,
     ];
 
     /// The name in scenarios and summaries.
@@ -93,6 +126,11 @@ impl Metric {
             Self::TorqueTotalVariation => "torque_total_variation_nm",
             Self::DeadZoneEstimate => "dead_zone_estimate_rad",
             Self::DeadZoneError => "dead_zone_error_rad",
+            Self::DeadZoneSettleTime => "dead_zone_settle_time_s",
+            Self::DeadZoneBias => "dead_zone_bias_rad",
+            Self::DeadZoneLargestError => "dead_zone_largest_error_rad",
+            Self::DisturbingTorqueRmsError => "disturbing_torque_rms_error_nm",
+            Self::DisturbingTorqueBias => "disturbing_torque_bias_nm",
         }
     }
 
@@ -100,15 +138,21 @@ impl Metric {
     #[must_use]
     pub const fn unit(self) -> &'static str {
         match self {
-            Self::SettleTime | Self::SettleTime5Pct | Self::SettleTime2Pct | Self::SettleTime1Pct => "s",
+            Self::SettleTime
+            | Self::SettleTime5Pct
+            | Self::SettleTime2Pct
+            | Self::SettleTime1Pct
+            | Self::DeadZoneSettleTime => "s",
             Self::StaticError
             | Self::Hunting
             | Self::Overshoot
             | Self::LostMotion
             | Self::DeadZoneEstimate
-            | Self::DeadZoneError => "rad",
+            | Self::DeadZoneError
+            | Self::DeadZoneBias
+            | Self::DeadZoneLargestError => "rad",
             Self::Effort => "N^2 m^2 s",
-            Self::TorqueTotalVariation => "N m",
+            Self::TorqueTotalVariation | Self::DisturbingTorqueRmsError | Self::DisturbingTorqueBias => "N m",
         }
     }
 }
@@ -138,6 +182,8 @@ pub enum Measured {
     NoInitialError,
     /// The reference did not pass its middle in both directions, or has none.
     NoReversal,
+    /// The drive told no estimate, or none in the window.
+    NoEstimate,
     /// The run, or this metric's sum, left the finite numbers.
     NotFinite,
 }
@@ -148,9 +194,12 @@ impl Measured {
     pub const fn value(self) -> Option<f64> {
         match self {
             Self::Value(value) => Some(value),
-            Self::Never | Self::RunTooShort | Self::NoInitialError | Self::NoReversal | Self::NotFinite => {
-                None
-            }
+            Self::Never
+            | Self::RunTooShort
+            | Self::NoInitialError
+            | Self::NoReversal
+            | Self::NoEstimate
+            | Self::NotFinite => None,
         }
     }
 
@@ -168,6 +217,7 @@ impl fmt::Display for Measured {
             Self::RunTooShort => f.pad("run too short"),
             Self::NoInitialError => f.pad("no initial error"),
             Self::NoReversal => f.pad("no reversal"),
+            Self::NoEstimate => f.pad("no estimate"),
             Self::NotFinite => f.pad("not finite"),
         }
     }

@@ -22,6 +22,7 @@ mod figure;
 mod layout;
 mod legend;
 mod panel;
+pub mod paper;
 mod placement;
 mod scale;
 mod svg;

@@ -147,7 +147,7 @@ impl Display for Px {
 }
 
 /// Text as XML character data. Characters that XML 1.0 doesn't allow at all become U+FFFD.
-struct Escaped<'a>(&'a str);
+pub(super) struct Escaped<'a>(pub(super) &'a str);
 
 impl Display for Escaped<'_> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {

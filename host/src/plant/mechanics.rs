@@ -161,6 +161,7 @@ impl Mechanics {
             load_torque_nm: 0.0,
             twist_rad,
             transmitted_torque_nm,
+            disturbing_torque_nm: transmitted_torque_nm - self.stiffness_nm_rad * twist_rad,
             gap_position_rad: twist_rad - transmitted_torque_nm / self.stiffness_nm_rad,
             contact,
             load_friction: DryFriction::SlipPositive,

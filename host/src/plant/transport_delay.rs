@@ -23,11 +23,10 @@ impl TransportDelay {
     pub fn new(delay_us: u32, period_us: u32) -> Self {
         let (whole, rest_us) = (delay_us / period_us, delay_us % period_us);
         let torques = whole as usize + usize::from(rest_us > 0);
-        Self {
-            period_s: f64::from(period_us) / 1e6,
-            rest_s: f64::from(rest_us) / 1e6,
-            on_the_way_nm: std::iter::repeat_n(0.0, torques).collect(),
-        }
+        // With room for the one that comes before the oldest goes: a step takes no memory.
+        let mut on_the_way_nm = VecDeque::with_capacity(torques + 1);
+        on_the_way_nm.resize(torques, 0.0);
+        Self { period_s: f64::from(period_us) / 1e6, rest_s: f64::from(rest_us) / 1e6, on_the_way_nm }
     }
 
     /// Takes the torque of this period and gives what is held at the motor during it: torques and for how long each.

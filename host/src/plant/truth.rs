@@ -87,6 +87,8 @@ pub struct Truth {
     pub twist_rad: f64,
     /// Transmitted torque C in N m, at the motor's side of the reducer.
     pub transmitted_torque_nm: f64,
+    /// Disturbing torque w = C - K z in N m: what the gap takes from a spring without one. Equation (2) of the paper.
+    pub disturbing_torque_nm: f64,
     /// Position in the gap in rad: theta_b of the bench profile, elsewhere the part of the twist that the spring does not
     /// take, z - C / K. Within +-j0 on a hard gap, within +-4 j0 on the smooth one.
     pub gap_position_rad: f64,

@@ -81,7 +81,7 @@ mod tests {
     use std::path::Path;
 
     use super::{Summary, Versions};
-    use crate::metrics::{Measurement, Metric, Sample};
+    use crate::metrics::{Estimates, Measurement, Metric, Sample};
     use crate::scenario::bench::Allowance;
     use crate::scenario::expectation::Expectation;
     use crate::timing::{ClockName, Timings};
@@ -95,8 +95,9 @@ mod tests {
                 reference_rad: 0.0,
                 load_position_rad: 1.0 - 0.25 * f64::from(step),
                 torque_nm: -1.5,
-                dead_zone_estimate_rad: 0.16,
+                estimates: Some(Estimates { dead_zone_rad: 0.16, disturbing_torque_nm: 0.0 }),
                 dead_zone_rad: 0.125,
+                disturbing_torque_nm: 0.0,
             });
         }
         let metrics = measurement.metrics();
@@ -157,7 +158,12 @@ mod tests {
             "effort_nm2s": 4.5,
             "torque_total_variation_nm": 0.0,
             "dead_zone_estimate_rad": 0.16,
-            "dead_zone_error_rad": 0.035
+            "dead_zone_error_rad": 0.035,
+            "dead_zone_settle_time_s": null,
+            "dead_zone_bias_rad": null,
+            "dead_zone_largest_error_rad": null,
+            "disturbing_torque_rms_error_nm": 0.0,
+            "disturbing_torque_bias_nm": 0.0
           },
           "expectations": [
             {

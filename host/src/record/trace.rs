@@ -54,11 +54,20 @@ pub struct TraceRow {
     pub supplied_energy_j: f64,
     /// Energy lost to friction and damping since the start.
     pub dissipated_energy_j: f64,
+    /// True disturbing torque, w = C - K z.
+    pub disturbing_torque_nm: f64,
+    /// The drive's estimate of w.
+    pub disturbing_torque_estimate_nm: f64,
+    /// Motor position less the one the load loop asks for, as the drive tells it.
+    pub motor_error_rad: f64,
+    /// Time of the sample that this row's estimates and motor error are of: telemetry comes every n-th step, and the last
+    /// is shown until the next.
+    pub estimate_time_s: f64,
 }
 
 impl TraceRow {
     /// The header of the file.
-    pub const COLUMNS: [&str; 22] = [
+    pub const COLUMNS: [&str; 26] = [
         "time_s",
         "reference_rad",
         "load_position_rad",
@@ -81,6 +90,10 @@ impl TraceRow {
         "stored_energy_j",
         "supplied_energy_j",
         "dissipated_energy_j",
+        "disturbing_torque_nm",
+        "disturbing_torque_estimate_nm",
+        "motor_error_rad",
+        "estimate_time_s",
     ];
 
     /// The values in the order of [`COLUMNS`](Self::COLUMNS).
@@ -109,6 +122,10 @@ impl TraceRow {
             self.stored_energy_j,
             self.supplied_energy_j,
             self.dissipated_energy_j,
+            self.disturbing_torque_nm,
+            self.disturbing_torque_estimate_nm,
+            self.motor_error_rad,
+            self.estimate_time_s,
         ]
     }
 }

@@ -78,8 +78,8 @@ impl Bench {
         })
     }
 
-    /// What the encoders read now, and what the record is to know. The torque of the row is still zero and the estimate
-    /// still unknown: the drive has not been asked.
+    /// What the encoders read now, and what the record is to know. The torque of the row is still zero and the
+    /// estimates still unknown: the drive has not been asked.
     ///
     /// # Errors
     /// As [`Profile::truth`] and [`Profile::surround`].
@@ -143,5 +143,9 @@ fn row(truth: &Truth, time_s: f64, reference_rad: f64) -> TraceRow {
         stored_energy_j: truth.energy_j(),
         supplied_energy_j: truth.supplied_energy_j,
         dissipated_energy_j: truth.dissipated_energy_j,
+        disturbing_torque_nm: truth.disturbing_torque_nm,
+        disturbing_torque_estimate_nm: f64::NAN,
+        motor_error_rad: f64::NAN,
+        estimate_time_s: f64::NAN,
     }
 }

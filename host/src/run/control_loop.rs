@@ -191,11 +191,15 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
         self.torque_nm = 0.0;
         self.timeline.pause();
         let deadline = Instant::now() + link.resume_limit();
-        while let Err(error) = setup::resume(device, self.scenario, self.clock) {
+        let lost = *device.session.identity();
+        loop {
+            self.timeline.revive(device);
+            let Err(error) = setup::resume(device, self.scenario, self.clock, &lost) else { break };
             if self.sink.stop_asked() {
                 return Ok(Some(End::Interrupted));
             }
-            if !matches!(error, RunError::Device(_)) || Instant::now() >= deadline {
+            let may_pass = matches!(&error, RunError::Device(error) if error.may_pass());
+            if !may_pass || Instant::now() >= deadline {
                 return Err(error.into());
             }
             thread::sleep(RESUME_INTERVAL);
@@ -225,11 +229,17 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
         self.timeline.end(device)
     }
 
-    /// Hands over the last step, with the estimate the drive has told of by now.
+    /// Hands over the last step, with the estimates the drive has told of by now.
     pub(super) fn finish(&mut self, device: &Device) -> Result<(), RunError> {
         let Some(mut step) = self.unfinished.take() else { return Ok(()) };
         if let Some(telemetry) = device.session.telemetry() {
-            step.row.dead_zone_estimate_rad = telemetry.dead_zone_estimate_rad.into();
+            let row = &mut step.row;
+            row.dead_zone_estimate_rad = telemetry.dead_zone_estimate_rad.into();
+            row.disturbing_torque_estimate_nm = telemetry.disturbing_torque_nm.into();
+            row.motor_error_rad = telemetry.motor_error_rad.into();
+            // Not as integers: a drive may name any sequence.
+            let told_of = f64::from(self.origin) + f64::from(telemetry.sequence);
+            row.estimate_time_s = told_of * self.scenario.run.control_period_s();
         }
         self.sink.take(step)
     }

@@ -144,7 +144,12 @@ fn to_the_end<'a, S: Sink>(
     let faults = control.end_faults(device);
     // The last telemetry comes before the answer to the stop, and the last row waits for it.
     let stopped = match &end {
-        Ok(end) if end.leaves_a_session() => device.session.stop().map_err(|source| device.explain(source)),
+        Ok(end) if end.leaves_a_session() => {
+            // On a line that has lost samples a half frame may stand before the stop.
+            let cleared = if control.unanswered() > 0 { device.session.end_frame() } else { Ok(()) };
+            let stopped = cleared.and_then(|()| device.session.stop());
+            stopped.map_err(|source| device.explain(source))
+        }
         _ => {
             device.session.abandon();
             Ok(())

@@ -3,7 +3,7 @@
 
 use super::RunError;
 use super::control_loop::Sink;
-use crate::metrics::{Measurement, Sample};
+use crate::metrics::{Estimates, Measurement, Sample};
 use crate::record::RecordError;
 use crate::record::digest::TorqueDigest;
 use crate::record::trace::TraceRow;
@@ -64,8 +64,9 @@ impl Sink for &mut Keeper<'_> {
             reference_rad: row.reference_rad,
             load_position_rad: row.load_position_rad,
             torque_nm: row.torque_nm,
-            dead_zone_estimate_rad: row.dead_zone_estimate_rad,
+            estimates: estimates(row),
             dead_zone_rad: row.dead_zone_rad,
+            disturbing_torque_nm: row.disturbing_torque_nm,
         });
         Ok(self.watcher.step(&step)?)
     }
@@ -73,4 +74,13 @@ impl Sink for &mut Keeper<'_> {
     fn stop_asked(&self) -> bool {
         self.watcher.stop_asked()
     }
+}
+
+/// The drive's estimates of this very step: what is only shown again until the next telemetry, or came too late, is not
+/// compared with another step's truth.
+fn estimates(row: &TraceRow) -> Option<Estimates> {
+    (row.estimate_time_s == row.time_s).then_some(Estimates {
+        dead_zone_rad: row.dead_zone_estimate_rad,
+        disturbing_torque_nm: row.disturbing_torque_estimate_nm,
+    })
 }

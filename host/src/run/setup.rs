@@ -2,6 +2,7 @@
 //!
 //! A drive on a bench remembers what the last host set. It is reset first, so that a run depends on its scenario alone.
 
+use lashloop_protocol::message::Identity;
 use lashloop_protocol::vocabulary::{ControllerId, DisturbingTorqueSource, Outcome};
 
 use super::RunError;
@@ -27,6 +28,11 @@ const SET_ELSEWHERE: [(&str, &str); 5] = [
 /// conversation broke.
 pub fn set_up(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
     device.session.reset().map_err(|source| device.explain(source))?;
+    configure(device, scenario, clock)
+}
+
+/// Sets everything the scenario has to say about a drive that has just been reset.
+fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
     let controller = id_of(scenario.controller.name);
     // Its parameter would refuse it too, but by a number.
     if !device.session.identity().controllers.offers(controller) {
@@ -55,10 +61,28 @@ pub fn set_up(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Res
     Ok(())
 }
 
-/// Sets up and starts a drive that was lost.
-pub(super) fn resume(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
+/// Sets up and starts a drive that was lost. What comes back has to be what was lost: parameters are set by indices that
+/// were learned from it, and a run has one drive.
+pub(super) fn resume(
+    device: &mut Device,
+    scenario: &Scenario,
+    clock: ClockName,
+    lost: &Identity,
+) -> Result<(), RunError> {
     device.session.clear_line().map_err(|source| device.explain(source))?;
-    set_up(device, scenario, clock)?;
+    device.session.reset().map_err(|source| device.explain(source))?;
+    let is_same = {
+        let back = device.session.identity();
+        (back.board, back.firmware, back.build_id, back.parameter_count)
+            == (lost.board, lost.firmware, lost.build_id, lost.parameter_count)
+    };
+    if !is_same {
+        let build = lost.build_id;
+        return Err(device
+            .unfit(format!("it came back with another firmware than build {build:08x}"))
+            .into());
+    }
+    configure(device, scenario, clock)?;
     device.session.start().map_err(|source| refused_start(device, source))
 }
 

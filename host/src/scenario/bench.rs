@@ -88,6 +88,8 @@ pub struct LinkSettings {
     pub silence_limit_ms: u32,
     /// Speed of a tty; other links have none.
     pub baud: u32,
+    /// Speed of the wire that is modelled where there is none; 0 for none. See [`crate::link::wire`].
+    pub modelled_baud: u32,
     /// What becomes of the run when the drive is lost: gone, or started anew.
     pub on_loss: OnLoss,
     /// How long the bench tries to get it back.
@@ -103,6 +105,9 @@ pub enum OnLoss {
     /// The drive is greeted, set up, armed and started again, and the run goes on. Until then there is no torque.
     Resume,
 }
+
+/// The slowest wire that is modelled. On a slower one the greeting of a drive takes longer than the bench waits for it.
+const SLOWEST_MODELLED_BAUD: u32 = 9_600;
 
 impl LinkSettings {
     /// How long the bench waits for one answer.
@@ -122,19 +127,33 @@ impl LinkSettings {
     pub fn silence_limit(&self) -> Duration {
         Duration::from_millis(self.silence_limit_ms.into())
     }
+
+    /// Speed of the modelled wire, if there is to be one.
+    #[must_use]
+    pub fn modelled_baud(&self) -> Option<u32> {
+        (self.modelled_baud > 0).then_some(self.modelled_baud)
+    }
 }
 
 pub(super) fn read_link(link: &mut Section<'_>) -> LinkSettings {
-    LinkSettings {
+    let settings = LinkSettings {
         // A terminal waits in tenths of a second. The drive's watchdog gets the silence limit, and bears a minute.
         answer_timeout_ms: link.integer("answer_timeout_ms", unit::MILLISECOND, 1000, 100..=30_000),
         silence_limit_ms: link.integer("silence_limit_ms", unit::MILLISECOND, 2500, 100..=60_000),
         baud: link.integer("baud", unit::BAUD, 921_600, 1200..=12_000_000),
+        modelled_baud: link.integer("modelled_baud", unit::BAUD, 0, 0..=12_000_000),
         on_loss: link
             .choice("on_loss", OnLoss::End, &[("end", OnLoss::End), ("resume", OnLoss::Resume)])
             .unwrap_or(OnLoss::End),
         resume_limit_ms: link.integer("resume_limit_ms", unit::MILLISECOND, 5000, 100..=600_000),
+    };
+    if (1..SLOWEST_MODELLED_BAUD).contains(&settings.modelled_baud) {
+        link.reject(
+            "modelled_baud",
+            format!("is too slow; it must be >= {SLOWEST_MODELLED_BAUD} Bd, or 0 for no wire"),
+        );
     }
+    settings
 }
 
 /// `[allow]`: what the link may lose before the run says nothing any more and its verdict is INVALID.

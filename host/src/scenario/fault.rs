@@ -327,11 +327,14 @@ fn factor(fault: &mut Section<'_>) -> f64 {
     fault.number("factor", unit::NONE, None, positive(100.0))
 }
 
-/// Reads one fault of a scenario whose plant is `model`.
-pub(super) fn read(fault: &mut Section<'_>, model: PlantModel) -> Fault {
+/// Reads one fault of a scenario whose plant is `model` and whose run lasts `duration_s`.
+pub(super) fn read(fault: &mut Section<'_>, model: PlantModel, duration_s: f64) -> Fault {
     let kinds: Vec<_> = KINDS.iter().map(|(name, read)| (*name, (*name, *read))).collect();
     let at_s = fault.number("at_s", unit::SECOND, None, within(0.0, 1e5));
     let for_s = fault.optional_number("for_s", unit::SECOND, positive(1e5));
+    if at_s >= duration_s {
+        fault.reject("at_s", format!("is not before the end of the run; it must be < {duration_s} s"));
+    }
     let Some((name, read)) = fault.choice("kind", None, &kinds) else {
         fault.accept_the_rest();
         return Fault { at_s, for_s, name: "", kind: FaultKind::LinkCut {} };

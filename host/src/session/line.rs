@@ -54,6 +54,11 @@ impl Line {
     /// Throws away what is on the line and ends whatever half frame an earlier host left in the drive's decoder.
     pub(crate) fn clear(&mut self) -> Result<(), SessionError> {
         self.link.discard_input().map_err(|error| self.broken(error))?;
+        self.end_frame()
+    }
+
+    /// Ends whatever half frame is in the drive's decoder.
+    pub(crate) fn end_frame(&mut self) -> Result<(), SessionError> {
         self.send_bytes(&[lashloop_protocol::frame::DELIMITER])
     }
 
@@ -94,6 +99,11 @@ impl Line {
                 Err(error) => return Err(self.broken(error)),
             }
         }
+    }
+
+    /// Says that nothing is going to be sent or waited for until a moment.
+    pub(crate) fn idle(&mut self, until: Instant) -> Result<(), SessionError> {
+        self.link.idle(until).map_err(|error| self.broken(error))
     }
 
     /// Sends a request and waits for the answer that `wanted` recognises.

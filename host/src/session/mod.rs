@@ -58,6 +58,8 @@ pub struct Session {
     identity: Identity,
     parameters: Vec<Parameter>,
     late: u64,
+    /// The sample that was answered last.
+    answered: Option<u32>,
     moments: Moments,
 }
 
@@ -74,7 +76,7 @@ impl Session {
         let parameters = parameters::learn(&mut line, identity.parameter_count)?;
         let now = Instant::now();
         let moments = Moments { asked: now, sent: now, arrived: now, decoded: now };
-        Ok(Self { line, number, identity, parameters, late: 0, moments })
+        Ok(Self { line, number, identity, parameters, late: 0, answered: None, moments })
     }
 
     /// Who the drive said it is, at the greeting.
@@ -164,8 +166,17 @@ impl Session {
         self.command(Arm { session })?;
         self.command(Start { session })?;
         (self.line.telemetry, self.line.fault, self.line.report) = (None, None, None);
+        self.answered = None;
         (self.line.last_seen.sample_sent, self.line.last_seen.torque) = (None, None);
         Ok(())
+    }
+
+    /// Ends whatever the line has left of a frame in the drive's decoder, so that the next request is read.
+    ///
+    /// # Errors
+    /// The line broke.
+    pub fn end_frame(&mut self) -> Result<(), SessionError> {
+        self.line.end_frame()
     }
 
     /// Ends the run in good order. A drive that has latched a fault needs no stop.
@@ -174,7 +185,12 @@ impl Session {
     /// The line broke, or the drive did not answer.
     pub fn stop(&mut self) -> Result<(), SessionError> {
         let said_before = self.line.logs.mark();
-        match self.ask(Stop {})? {
+        let mut answer = self.ask(Stop {})?;
+        if self.line.report.is_none() && answer.0 == Outcome::Accepted {
+            // The report comes before the answer. What the line had left of a frame has swallowed it; it is said again.
+            answer = self.ask(Stop {})?;
+        }
+        match answer {
             (Outcome::Accepted, _) | (_, State::Faulted) => Ok(()),
             (outcome, state) => Err(self.refused::<Stop>(outcome, state, said_before)),
         }
@@ -202,7 +218,7 @@ impl Session {
         self.moments.sent = Instant::now();
         self.line.last_seen.sample_sent = Some(sample.sequence);
         let said_before = self.line.logs.mark();
-        let sequence = sample.sequence;
+        let (sequence, answered) = (sample.sequence, self.answered);
         let mut late = 0;
         let answer = self.line.wait(deadline, |message| match message {
             DriveMessage::TorqueAnswer(answer) if answer.sequence == sequence => {
@@ -210,6 +226,8 @@ impl Session {
             }
             // The line doubled a sample; its answer came in time.
             DriveMessage::TorqueAnswer(answer) if answer.flags.contains(TorqueFlags::REPEATED) => None,
+            // The line doubled an answer that has been used.
+            DriveMessage::TorqueAnswer(answer) if Some(answer.sequence) == answered => None,
             DriveMessage::TorqueAnswer(_) => {
                 late += 1;
                 None
@@ -232,10 +250,23 @@ impl Session {
         self.moments.decoded = Instant::now();
         self.late += late;
         match answer {
-            Some(Ok(exchange)) => Ok(exchange),
+            Some(Ok(exchange)) => {
+                if matches!(exchange, Exchange::Answered(_)) {
+                    self.answered = Some(sequence);
+                }
+                Ok(exchange)
+            }
             Some(Err((outcome, state))) => Err(self.refused::<EncoderSample>(outcome, state, said_before)),
             None => Ok(Exchange::Unanswered),
         }
+    }
+
+    /// Leaves the line to itself until a moment; a line that needs no care for that returns at once.
+    ///
+    /// # Errors
+    /// The line broke.
+    pub fn idle(&mut self, until: Instant) -> Result<(), SessionError> {
+        self.line.idle(until)
     }
 
     /// Sends a command that has to be accepted.

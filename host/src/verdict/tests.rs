@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::{Exit, Judgement, LinkCounts, Verdict};
-use crate::metrics::{Measurement, Metric, Metrics, Sample};
+use crate::metrics::{Estimates, Measurement, Metric, Metrics, Sample};
 use crate::scenario::bench::Allowance;
 use crate::scenario::expectation::Expectation;
 use crate::timing::{ClockName, Fate, RoundTrip, StepTiming, TimingReport, Timings};
@@ -16,8 +16,9 @@ fn metrics(load_position_rad: f64) -> Metrics {
             reference_rad: 0.0,
             load_position_rad,
             torque_nm: 0.0,
-            dead_zone_estimate_rad: 0.16,
+            estimates: Some(Estimates { dead_zone_rad: 0.16, disturbing_torque_nm: 0.0 }),
             dead_zone_rad: 0.16,
+            disturbing_torque_nm: 0.0,
         });
     }
     measurement.metrics()

@@ -1,6 +1,7 @@
 //! Scenarios as a user meets them: files that are right, and what is said about those that aren't.
 
 mod bench_plant;
+mod fault;
 mod hostile;
 mod messages;
 mod overrides;

@@ -112,7 +112,7 @@ fn all_faults_of_a_file_are_told_at_once_in_its_order() {
     x.toml:6: run.seed: "lucky" is text; it must be a whole number >= 0 and <= 9223372036854775807
     x.toml:7: run.duration_s: -2.0 is out of range; it must be > 0 and <= 1e5 s
     x.toml:10: plant.dead_zone_mrad: 160 is in a wrong unit; write dead_zone_rad, in rad
-    x.toml:12: controller.name: "pid" is not a choice; it must be "pd", "faithful" or "literal"
+    x.toml:12: controller.name: "pid" is not a choice; it must be "pd", "faithful", "literal" or "compensating"
     "#);
 }
 

@@ -122,6 +122,6 @@ fn every_faulty_option_is_named_in_place_of_file_and_line() {
     --set reference.profile=step: reference.at_s: is missing; it must be a number >= 0 and <= 1e6 s
     --set reference.at_s=1: reference.at_s: 1 is given, but this key belongs to profile = "step" and the scenario chooses profile = "constant"
     --set controller.parameters.gains=[1, 2]: controller.parameters.gains: [2 items] is a list; it must be a number, a boolean or a text
-    --controller pdd: controller.name: "pdd" is not a choice; it must be "pd", "faithful" or "literal"
+    --controller pdd: controller.name: "pdd" is not a choice; it must be "pd", "faithful", "literal" or "compensating"
     "#);
 }

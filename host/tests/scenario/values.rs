@@ -150,6 +150,7 @@ fn a_scenario_that_was_read_can_be_printed_and_read_again() {
     answer_timeout_ms = 1000
     silence_limit_ms = 2500
     baud = 921600
+    modelled_baud = 0
     on_loss = "end"
     resume_limit_ms = 5000
 

@@ -13,15 +13,21 @@ mod runs;
 use std::process::ExitCode;
 
 use libtest_mimic::Arguments;
+use tests::fault_table;
 use tests::left_out::{self, trial};
 use tests::paper::{COMPENSATING, RUNS};
 
 type Check = fn();
 
 /// Trials that need image and emulator, by their names.
-const TRIALS: [(&str, Check); 9] = [
+const TRIALS: [(&str, Check); 12] = [
     ("codec::reading_and_writing_a_message_takes_few_instructions", codec::every_message),
     ("conforming::the_image_passes_every_check_and_none_is_left_out", conforming::every_check),
+    ("faults::the_run_without_faults_passes", || fault_table::check_healthy_on("qemu")),
+    ("faults::the_watchdog_takes_the_torque_away_within_its_own_time", || {
+        fault_table::check_watchdog_on("qemu");
+    }),
+    ("faults::a_bench_that_pauses_in_lockstep_trips_no_watchdog", || fault_table::check_pause_on("qemu")),
     ("instructions::a_control_step_of_every_law_keeps_its_budget", instructions::of_every_law),
     ("lost::a_killed_emulator_is_reported_with_its_process_and_signal", lost::killed),
     ("lost::an_emulator_that_hangs_is_reported_as_silent_and_not_left_behind", lost::stopped),
@@ -41,6 +47,11 @@ fn main() -> ExitCode {
     for run in RUNS.into_iter().chain([COMPENSATING]) {
         let name = format!("runs::{}_is_the_same_run_as_in_process", run.name.replace('-', "_"));
         trials.push(trial(&name, missing.clone(), move || runs::same_as_in_process(run)));
+    }
+    for (number, row) in fault_table::rows().into_iter().enumerate() {
+        let name =
+            format!("faults::row_{:02}_{}_is_as_the_table_says", number + 1, row.kind().replace('-', "_"));
+        trials.push(trial(&name, missing.clone(), move || row.check_on("qemu")));
     }
     trials.push(trial(
         "runs::an_image_that_is_not_there_is_named_with_the_command_that_builds_it",

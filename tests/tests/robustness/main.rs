@@ -2,5 +2,6 @@
 
 mod damaged;
 mod fuzzed;
+mod lossy;
 mod residual;
 mod seeds;

@@ -103,6 +103,7 @@ class ControllerId(WireEnum):
     PD = 1
     FAITHFUL = 2
     LITERAL = 3
+    COMPENSATING = 4
 
 
 class DisturbingTorqueSource(WireEnum):
@@ -126,6 +127,7 @@ class Controllers(IntFlag):
     PD = 0x0002
     FAITHFUL = 0x0004
     LITERAL = 0x0008
+    COMPENSATING = 0x0010
 
     def offers(self, controller: int) -> bool:
         """Whether the law of this number is offered."""

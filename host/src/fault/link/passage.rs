@@ -67,10 +67,10 @@ struct PassageFault {
 pub(super) struct Passage {
     faults: Vec<PassageFault>,
     partial: Piece,
+    /// Whatever the delay, frames of one line keep their order: only the first is looked at.
     held: VecDeque<Held>,
     /// A frame that waits to be overtaken.
     overtaken: Option<Held>,
-    last_release: Option<Instant>,
 }
 
 impl Passage {
@@ -89,33 +89,31 @@ impl Passage {
             partial: Piece::EMPTY,
             held: VecDeque::with_capacity(ROOM),
             overtaken: None,
-            last_release: None,
         }
     }
 
     pub(super) fn clear(&mut self) {
         self.partial = Piece::EMPTY;
         self.held.clear();
-        (self.overtaken, self.last_release) = (None, None);
+        self.overtaken = None;
     }
 
     pub(super) fn is_empty(&self) -> bool {
         self.held.is_empty()
     }
 
-    /// Takes bytes from the near side.
-    pub(super) fn admit(&mut self, bytes: &[u8], shared: &LinkFaults) {
+    /// Takes bytes from the near side at a time.
+    pub(super) fn admit(&mut self, bytes: &[u8], shared: &LinkFaults, now: Instant) {
         for byte in bytes {
             self.partial.push(*byte);
             if self.partial.is_whole() {
                 let piece = std::mem::replace(&mut self.partial, Piece::EMPTY);
-                self.admit_piece(piece, shared);
+                self.admit_piece(piece, shared, now);
             }
         }
     }
 
-    fn admit_piece(&mut self, mut piece: Piece, shared: &LinkFaults) {
-        let now = Instant::now();
+    fn admit_piece(&mut self, mut piece: Piece, shared: &LinkFaults, now: Instant) {
         let (mut release, mut stalls, mut doubled, mut overtaken) = (now, false, false, false);
         let step = shared.step();
         for fault in &mut self.faults {
@@ -131,6 +129,10 @@ impl Passage {
                 FaultKind::LinkStall { .. } => {
                     stalls = true;
                     true
+                }
+                // A frame can't be overtaken by one that waits for the same.
+                FaultKind::LinkReorder { share, .. } => {
+                    draw(random) < share && self.overtaken.is_none() && !overtaken
                 }
                 kind => share_of(&kind).is_some_and(|share| draw(random) < share),
             };
@@ -157,12 +159,13 @@ impl Passage {
                 _ => {}
             }
         }
-        // Whatever the delay, frames of one line keep their order.
-        release = self.last_release.map_or(release, |last| last.max(release));
-        self.last_release = Some(release);
+        // The lone byte of a piece was lost. Nothing is left that could be held, or read as the end of a wait.
+        if piece.is_empty() {
+            return;
+        }
         let held = || Held { piece, release: (!stalls).then_some(release) };
         let waiting = self.overtaken.take();
-        if overtaken && waiting.is_none() {
+        if overtaken {
             self.overtaken = Some(held());
         } else {
             self.hold(held());
@@ -217,8 +220,10 @@ fn share_of(kind: &FaultKind) -> Option<f64> {
         FaultKind::LinkByteLoss { share, .. }
         | FaultKind::LinkBitFlip { share, .. }
         | FaultKind::LinkBurst { share, .. }
-        | FaultKind::LinkDuplicate { share, .. }
-        | FaultKind::LinkReorder { share, .. } => Some(*share),
+        | FaultKind::LinkDuplicate { share, .. } => Some(*share),
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests;

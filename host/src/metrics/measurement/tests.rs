@@ -1,7 +1,7 @@
 //! Runs whose metrics are known in closed form.
 
 use super::{Measurement, Sample};
-use crate::metrics::{Measured, Metric, Metrics};
+use crate::metrics::{Estimates, Measured, Metric, Metrics};
 
 const PERIOD_S: f64 = 0.001;
 
@@ -15,8 +15,9 @@ fn run(seconds: f64, error_rad: impl Fn(f64) -> f64, torque_nm: impl Fn(f64) -> 
             reference_rad: 0.5,
             load_position_rad: 0.5 + error_rad(time_s),
             torque_nm: torque_nm(time_s),
-            dead_zone_estimate_rad: 0.16,
+            estimates: Some(Estimates { dead_zone_rad: 0.16, disturbing_torque_nm: 0.0 }),
             dead_zone_rad: 0.1,
+            disturbing_torque_nm: 0.0,
         });
     }
     measurement.metrics()
@@ -64,8 +65,9 @@ fn an_error_of_exactly_the_band_is_inside() {
         reference_rad: 0.0,
         load_position_rad: -0.05,
         torque_nm: 0.0,
-        dead_zone_estimate_rad: 0.0,
+        estimates: Some(Estimates { dead_zone_rad: 0.0, disturbing_torque_nm: 0.0 }),
         dead_zone_rad: 0.1,
+        disturbing_torque_nm: 0.0,
     };
     measurement.push(&sample);
     assert_close(&measurement.metrics(), Metric::SettleTime, 0.0);
@@ -162,8 +164,9 @@ fn a_plant_that_could_not_be_followed_takes_every_figure_of_the_run() {
             reference_rad: 0.0,
             load_position_rad: if step == 0 { 1.0 } else { 0.0 },
             torque_nm: 0.0,
-            dead_zone_estimate_rad: 0.16,
+            estimates: Some(Estimates { dead_zone_rad: 0.16, disturbing_torque_nm: 0.0 }),
             dead_zone_rad: 0.16,
+            disturbing_torque_nm: 0.0,
         });
     }
     assert_close(&measurement.metrics(), Metric::SettleTime, 0.001);
@@ -187,8 +190,9 @@ fn behind_a_triangle(seconds: f64, lag_rad: f64, middle_rad: Option<f64>) -> Met
             reference_rad,
             load_position_rad: reference_rad - if upwards { lag_rad } else { -lag_rad },
             torque_nm: 0.0,
-            dead_zone_estimate_rad: 0.16,
+            estimates: Some(Estimates { dead_zone_rad: 0.16, disturbing_torque_nm: 0.0 }),
             dead_zone_rad: 0.1,
+            disturbing_torque_nm: 0.0,
         });
     }
     measurement.metrics()
@@ -222,8 +226,9 @@ fn a_drive_without_an_estimate_loses_that_figure_only() {
         reference_rad: 0.0,
         load_position_rad: 1.0,
         torque_nm: 1.0,
-        dead_zone_estimate_rad: f64::NAN,
+        estimates: Some(Estimates { dead_zone_rad: f64::NAN, disturbing_torque_nm: 0.0 }),
         dead_zone_rad: 0.1,
+        disturbing_torque_nm: 0.0,
     });
     let metrics = measurement.metrics();
     assert_eq!(metrics.get(Metric::DeadZoneEstimate), Measured::NotFinite);

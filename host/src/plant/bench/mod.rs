@@ -217,6 +217,8 @@ impl Plant for BenchPlant {
             }
             None => (self.load_friction.curve.torque_nm(mode.load, load_velocity, load_drive_nm), 0.0),
         };
+        let twist_rad = self.mechanics.twist_of(at.x[LOAD_POSITION], at.x[MOTOR_POSITION]);
+        let transmitted_torque_nm = self.transmitted_torque_nm(at, mode.contact);
         Truth {
             load_position_rad: at.x[LOAD_POSITION],
             load_velocity_rad_s: load_velocity,
@@ -224,8 +226,9 @@ impl Plant for BenchPlant {
             motor_velocity_rad_s: motor_velocity,
             motor_torque_nm: at.motor_torque_nm,
             load_torque_nm: at.surroundings.load_torque_nm,
-            twist_rad: self.mechanics.twist_of(at.x[LOAD_POSITION], at.x[MOTOR_POSITION]),
-            transmitted_torque_nm: self.transmitted_torque_nm(at, mode.contact),
+            twist_rad,
+            transmitted_torque_nm,
+            disturbing_torque_nm: transmitted_torque_nm - self.mechanics.stiffness_nm_rad * twist_rad,
             gap_position_rad: at.gap_position_rad,
             contact: mode.contact,
             load_friction: mode.load,

@@ -30,6 +30,10 @@ fn row(step: u32) -> TraceRow {
         stored_energy_j: 0.5,
         supplied_energy_j: 0.75,
         dissipated_energy_j: 0.25,
+        disturbing_torque_nm: -0.5,
+        disturbing_torque_estimate_nm: -0.25,
+        motor_error_rad: 0.125,
+        estimate_time_s: value * 0.001,
     }
 }
 
@@ -54,9 +58,9 @@ fn a_trace_is_a_header_and_one_line_per_step() {
     writer.push(&TraceRow { torque_nm: f64::NAN, ..row(1) }).expect("a row");
     writer.finish().expect("the rows");
     insta::assert_snapshot!(fs::read_to_string(&path).expect("a trace"), @r#"
-    time_s,reference_rad,load_position_rad,load_velocity_rad_s,motor_position_rad,motor_velocity_rad_s,torque_nm,transmitted_torque_nm,twist_rad,dead_zone_estimate_rad,dead_zone_rad,gap_position_rad,contact,motor_torque_nm,load_torque_nm,load_dry_friction_nm,motor_dry_friction_nm,load_sticks,motor_sticks,stored_energy_j,supplied_energy_j,dissipated_energy_j
-    0.0,0.0,1.5707963267948966,-0.3333333333333333,0.0,-0.0,0.10000000149011612,1e+300,2.2250738585072014e-308,0.16,0.25,-0.25,-1.0,2.0,3.0,3.4,-0.02,1.0,0.0,0.5,0.75,0.25
-    0.001,0.0,0.7853981633974483,-0.3333333333333333,1e-7,-0.0,NaN,1e+300,2.2250738585072014e-308,0.16,0.25,-0.25,-1.0,2.0,3.0,3.4,-0.02,1.0,0.0,0.5,0.75,0.25
+    time_s,reference_rad,load_position_rad,load_velocity_rad_s,motor_position_rad,motor_velocity_rad_s,torque_nm,transmitted_torque_nm,twist_rad,dead_zone_estimate_rad,dead_zone_rad,gap_position_rad,contact,motor_torque_nm,load_torque_nm,load_dry_friction_nm,motor_dry_friction_nm,load_sticks,motor_sticks,stored_energy_j,supplied_energy_j,dissipated_energy_j,disturbing_torque_nm,disturbing_torque_estimate_nm,motor_error_rad,estimate_time_s
+    0.0,0.0,1.5707963267948966,-0.3333333333333333,0.0,-0.0,0.10000000149011612,1e+300,2.2250738585072014e-308,0.16,0.25,-0.25,-1.0,2.0,3.0,3.4,-0.02,1.0,0.0,0.5,0.75,0.25,-0.5,-0.25,0.125,0.0
+    0.001,0.0,0.7853981633974483,-0.3333333333333333,1e-7,-0.0,NaN,1e+300,2.2250738585072014e-308,0.16,0.25,-0.25,-1.0,2.0,3.0,3.4,-0.02,1.0,0.0,0.5,0.75,0.25,-0.5,-0.25,0.125,0.001
     "#);
 }
 

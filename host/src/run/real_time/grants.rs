@@ -12,7 +12,8 @@ use thread_priority::{
 use super::RealTime;
 
 /// Asks for everything in the name of the calling thread and says what was refused.
-pub(in crate::run) fn obtain(options: &RealTime) -> Vec<String> {
+#[must_use]
+pub fn obtain(options: &RealTime) -> Vec<String> {
     let mut refused = Vec::new();
     let mut note = |what: String, error: Option<String>| {
         refused.extend(error.map(|error| format!("{what}: {error}")));

@@ -8,6 +8,8 @@
 //! The thread neither allocates nor locks nor writes: finished steps go through a ring to the caller's thread, which
 //! measures and records them.
 
+#[cfg(test)]
+mod allocations;
 mod grants;
 mod pacer;
 mod ring;
@@ -20,7 +22,7 @@ use super::{End, RunError};
 use crate::device::Device;
 use crate::scenario::Scenario;
 
-pub(super) use grants::obtain;
+pub use grants::obtain;
 use pacer::Pacer;
 pub(super) use ring::{Ring, drain};
 
@@ -38,7 +40,7 @@ pub struct RealTime {
 }
 
 /// What is left of a period for everything but the answer: one part in so many.
-const RESERVE: u32 = 20;
+pub const RESERVE: u32 = 20;
 
 /// How often the caller's thread looks for finished steps.
 const LOOK: Duration = Duration::from_millis(5);
@@ -62,6 +64,11 @@ pub(super) fn close<S: Sink>(
             return Ok(End::Interrupted);
         }
         let due = pacer.due(step);
+        match device.session.idle(due - (spin + period / RESERVE)) {
+            // The step is about to find out.
+            Err(source) if !source.is_loss() => return Err(device.explain(source).into()),
+            _ => {}
+        }
         let woke = pacer.wait_for(due)?;
         let present = pacer.step_at(woke).min(steps);
         let outcome = if step < present {

@@ -46,11 +46,24 @@ PARAMETERS: tuple[ParameterSpec, ...] = (
     real("reduction_ratio", "", 3.0, 1e-3, 1e4),
     real("stiffness_nm_rad", "N m/rad", 1.0, 1e-6, 1e9),
     real("dead_zone_rad", "rad", 0.16, 1e-6, 10.0),
+    real("approach_rate_1_s", "1/s", 2.5, 0.0, 1e6),
+    real("approach_speed_rad_s", "rad/s", 1.5, 0.0, 1e6),
+    real("load_velocity_gain_nm_s_rad", "N m s/rad", 30.0, 0.0, 1e6),
+    real("load_integral_gain_nm_rad", "N m/rad", 150.0, 0.0, 1e6),
+    real("load_integral_limit_nm", "N m", 8.0, 0.0, 1e6),
+    real("transmitted_limit_nm", "N m", 8.0, 0.0, 1e6),
+    real("gap_crossing_nm", "N m", 0.05, 1e-6, 1e6),
+    real("twist_gain_nm_rad", "N m/rad", 1.0, 0.0, 1e6),
+    real("twist_damping_nm_s_rad", "N m s/rad", 0.04, 0.0, 1e6),
+    real("load_observer_rad_s", "rad/s", 12.0, 0.1, 1e4),
+    real("identification_min_nm", "N m", 0.4, 0.0, 1e6),
+    real("arrival_band_rad", "rad", 0.002, 0.0, 1.0),
+    real("hold_share", "", 0.3, 0.0, 1.0),
 )
-"""Gains and nominal mechanics of the paper's laws, with the paper's tables 1 and 2 as defaults.
+"""Gains and nominal mechanics of the firmware's laws, with the paper's tables 1 and 2 as defaults.
 
-Those of the compensating laws, which this drive does not offer, are kept and have no effect, as in the firmware while
-it runs the plain cascade: so a scenario that sets them fits both.
+Those of the laws with compensation, which this drive does not offer, are kept and have no effect, as in the firmware
+while it runs the plain cascade: so a scenario that sets them fits both.
 """
 
 

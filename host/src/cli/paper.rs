@@ -1,0 +1,206 @@
+//! `lashloop paper`: the paper's figures and numbers, once more.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use lashloop::device::{Device, DeviceChoice};
+use lashloop::picture::paper::{Laws, Run, Runs, figures, file_name, page, tables};
+use lashloop::record::RecordError;
+use lashloop::record::trace::TraceRow;
+use lashloop::run::bench::Bench;
+use lashloop::run::{self, Clock, RunError, Step, Watcher};
+use lashloop::scenario::{Override, Scenario};
+use lashloop::supervisor::Supervisor;
+use lashloop::verdict::{Exit, Verdict};
+
+use super::demo::SCENARIOS;
+use super::error::CliError;
+use super::progress::Progress;
+use super::start_supervisor;
+
+const BENCH: [(&str, &str); 5] = [
+    ("scenarios/bench-pd.toml", include_str!("../../../scenarios/bench-pd.toml")),
+    ("scenarios/bench-faithful.toml", include_str!("../../../scenarios/bench-faithful.toml")),
+    ("scenarios/bench-compensating.toml", include_str!("../../../scenarios/bench-compensating.toml")),
+    ("scenarios/bench-sine.toml", include_str!("../../../scenarios/bench-sine.toml")),
+    (
+        "scenarios/bench-compensating-sine.toml",
+        include_str!("../../../scenarios/bench-compensating-sine.toml"),
+    ),
+];
+
+/// A scenario of which the law is another makes other numbers than it expects.
+const WITHOUT_EXPECTATIONS: &str = "expect=[]";
+
+const BEFORE: &str = "pd";
+const BEYOND: &str = "compensating";
+
+/// A plant with three laws, a scenario for each and the law if it is not the scenario's.
+type Plan = [((&'static str, &'static str), Option<&'static str>); 3];
+
+const PLANS: [Plan; 4] = [
+    [(SCENARIOS[0], None), (SCENARIOS[1], None), (SCENARIOS[1], Some(BEYOND))],
+    [(SCENARIOS[2], None), (SCENARIOS[3], None), (SCENARIOS[3], Some(BEYOND))],
+    [(BENCH[0], None), (BENCH[1], None), (BENCH[2], None)],
+    [(BENCH[3], Some(BEFORE)), (BENCH[3], None), (BENCH[4], None)],
+];
+
+/// Of the slow sine the last period is drawn.
+const SINE_SHOWN_S: f64 = 20.0;
+
+/// Twists of figure 5.
+const TWIST_RAD: f64 = 2.0;
+const TWISTS: i32 = 400;
+
+const INDEX: &str = "index.html";
+
+/// Draw the paper's figures 5 and 7 to 17 from runs made for them, and print its numbers beside ours.
+///
+/// Runs three plants and a slow sine under three laws: the cascaded PD law (before), the paper's compensation (after) and
+/// the law that inverts the gap in the torque domain (beyond). Writes figure-05.svg, figure-07.svg to figure-17.svg and an
+/// index.html with all of them.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// The drive, as for `run`
+    #[arg(long, default_value = "native", value_name = "DEVICE")]
+    device: DeviceChoice,
+
+    /// Folder for the figures and index.html
+    #[arg(long, default_value = "out/paper", value_name = "DIR")]
+    out: PathBuf,
+}
+
+impl Arguments {
+    pub(crate) fn run(self) -> Result<Exit, CliError> {
+        let supervisor = start_supervisor()?;
+        prepare(&self.out)?;
+        let mut device = None;
+        let mut worst = Verdict::Pass;
+        let mut all = Vec::new();
+        for plan in PLANS {
+            let mut laws = Vec::new();
+            for (file, law) in plan {
+                let scenario = scenario(file, law)?;
+                let device = match &mut device {
+                    Some(device) => device,
+                    None => device.insert(self.open(&scenario, &supervisor)?),
+                };
+                let (run, verdict) = make(&scenario, device, &supervisor)?;
+                say!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name.as_str());
+                laws.push(run);
+                worst = worst.max(verdict);
+                if supervisor.interrupted() {
+                    return Ok(worst.into());
+                }
+            }
+            let [before, after, beyond] = <[Run; 3]>::try_from(laws).expect("one run for each law");
+            all.push(Laws { before, after, beyond });
+        }
+        let [smooth, friction, bench, sine] = <[Laws; 4]>::try_from(all).expect("one set for each plan");
+        let twisted = |file| twist(scenario(file, None)?);
+        let ratio = scenario(SCENARIOS[0], None)?.plant.reduction_ratio;
+        let (smooth_gap, hard_gap) = (twisted(SCENARIOS[0])?, twisted(BENCH[0])?);
+        let runs = Runs { smooth, friction, bench, sine, smooth_gap, hard_gap, ratio };
+        let device = device.map_or_else(String::new, |device| device.description());
+        self.report(&runs, &device)?;
+        Ok(worst.into())
+    }
+
+    fn open(&self, scenario: &Scenario, supervisor: &Supervisor) -> Result<Device, CliError> {
+        let device = Device::open(&self.device, scenario.link.baud, supervisor)?;
+        say!("{}", device.description());
+        Ok(device)
+    }
+
+    /// Prints the tables and writes the figures, the page that shows them last.
+    fn report(&self, runs: &Runs, device: &str) -> Result<(), CliError> {
+        let tables = tables(runs);
+        for table in &tables {
+            say!("\n{table}");
+        }
+        let figures = figures(runs);
+        for (number, figure) in &figures {
+            write(&self.out.join(file_name(*number)), &figure.to_svg())?;
+        }
+        let version = env!("CARGO_PKG_VERSION");
+        let index = self.out.join(INDEX);
+        write(
+            &index,
+            &page(&figures, &tables, &format!("Drawn by lashloop {version} from runs on {device}.")),
+        )?;
+        say!("\nfigures: {}", index.display());
+        Ok(())
+    }
+}
+
+/// Makes the folder. An old page goes first: if the runs are cut short, it must not pass for theirs.
+fn prepare(folder: &Path) -> Result<(), CliError> {
+    let failed = |source| CliError::Output { path: folder.to_owned(), source };
+    fs::create_dir_all(folder).map_err(failed)?;
+    match fs::remove_file(folder.join(INDEX)) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(failed(error)),
+        _ => Ok(()),
+    }
+}
+
+fn write(path: &Path, text: &str) -> Result<(), CliError> {
+    fs::write(path, text).map_err(|source| CliError::Output { path: path.to_owned(), source })
+}
+
+fn scenario((name, text): (&str, &str), law: Option<&str>) -> Result<Scenario, CliError> {
+    let overrides =
+        law.map(|law| [Override::Controller(law.to_owned()), Override::Set(WITHOUT_EXPECTATIONS.to_owned())]);
+    Ok(Scenario::from_str(name, text, overrides.as_ref().map_or(&[], |overrides| overrides))?)
+}
+
+fn make(
+    scenario: &Scenario,
+    device: &mut Device,
+    supervisor: &Supervisor,
+) -> Result<(Run, Verdict), CliError> {
+    let shown_from_s = match scenario.reference.middle_rad() {
+        Some(_) => f64::from(scenario.run.steps()) * scenario.run.control_period_s() - SINE_SHOWN_S,
+        None => 0.0,
+    };
+    let progress = Progress::of(scenario);
+    let mut history = History { rows: Vec::new(), shown_from_s, progress, supervisor };
+    let _heed = supervisor.heed_signals();
+    let outcome = run::run(scenario, device, Clock::Lockstep, &mut history)?;
+    Ok((Run { rows: history.rows, metrics: outcome.metrics }, outcome.judgement.verdict))
+}
+
+/// The plant of a scenario at rest, seen at one twist after the other.
+fn twist(mut scenario: Scenario) -> Result<Vec<TraceRow>, CliError> {
+    let mut at = |twist_rad| -> Result<TraceRow, RunError> {
+        let initial = &mut scenario.plant.initial;
+        (initial.load_position_rad, initial.motor_position_rad) = (0.0, twist_rad);
+        let (_, row) = Bench::new(&scenario)?.observe(0)?;
+        Ok(row)
+    };
+    let twists = (-TWISTS..=TWISTS).map(|step| TWIST_RAD * f64::from(step) / f64::from(TWISTS));
+    Ok(twists.map(&mut at).collect::<Result<_, _>>()?)
+}
+
+/// Keeps what the figures show.
+struct History<'a> {
+    rows: Vec<TraceRow>,
+    shown_from_s: f64,
+    progress: Progress,
+    supervisor: &'a Supervisor,
+}
+
+impl Watcher for History<'_> {
+    fn step(&mut self, step: &Step) -> Result<(), RecordError> {
+        self.progress.step();
+        if step.row.time_s >= self.shown_from_s {
+            self.rows.push(step.row);
+        }
+        Ok(())
+    }
+
+    fn stop_asked(&self) -> bool {
+        self.supervisor.interrupted()
+    }
+}

@@ -1,0 +1,119 @@
+//! The verdict of a run, judged once more from its figures. Not by the code that gave it.
+
+use crate::run::{End, Outcome};
+use crate::scenario::Scenario;
+use crate::verdict::{LinkCounts, Verdict};
+
+/// What is wrong with the judgement of a run in lockstep. Nothing, on a bench that works.
+#[must_use]
+pub fn wrong(scenario: &Scenario, outcome: &Outcome) -> Option<String> {
+    let Outcome { judgement, end, link, .. } = outcome;
+    let (allow, have) = (&scenario.allow, judgement.verdict);
+    let beyond = [
+        (link.lost, allow.lost),
+        (link.late, allow.late),
+        (link.crc_errors, allow.crc_errors),
+        (link.resumes, allow.resumes),
+    ];
+    let broken = beyond.iter().any(|(counted, allowed)| counted > allowed);
+    let met = judgement.findings.iter().all(|finding| {
+        let value = finding.value.value().unwrap_or(f64::NAN);
+        let (min, max) = (finding.min.unwrap_or(f64::MIN), finding.max.unwrap_or(f64::MAX));
+        (min..=max).contains(&value)
+    });
+    let want = match end.verdict() {
+        _ if broken => Verdict::Invalid,
+        Some(Verdict::Invalid) => Verdict::Invalid,
+        None if met => Verdict::Pass,
+        _ => Verdict::Fail,
+    };
+    if have != want {
+        return Some(format!(
+            "{have} in place of {want}: {} of {link:?}, ended {end}",
+            judgement.findings.len()
+        ));
+    }
+    uncounted(outcome)
+}
+
+/// A frame that was damaged is damage on one of the sides, in a run to its end.
+fn uncounted(outcome: &Outcome) -> Option<String> {
+    let damaging = ["link-bit-flip", "link-byte-loss"];
+    let hits: u64 = (outcome.faults.iter())
+        .filter(|fault| damaging.contains(&fault.kind))
+        .filter_map(|fault| fault.frames)
+        .sum();
+    let LinkCounts { crc_errors, damaged_at_drive, .. } = outcome.link;
+    let is_counted = crc_errors + damaged_at_drive > 0 || hits == 0;
+    (outcome.end == End::Complete && !is_counted)
+        .then(|| format!("{hits} frames were damaged and none was counted"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fault::tests::scenario;
+    use crate::fault::timeline::Fired;
+    use crate::metrics::Measurement;
+    use crate::timing::{ClockName, Timings};
+    use crate::verdict::Judgement;
+
+    fn outcome(verdict: Verdict, link: LinkCounts) -> Outcome {
+        let timing = Timings::new(ClockName::Lockstep, 1_000, 0).report(Vec::new());
+        let metrics = Measurement::new(1e-3).metrics();
+        Outcome {
+            judgement: Judgement { verdict, findings: Vec::new(), breaches: Vec::new() },
+            end: End::Complete,
+            metrics,
+            link,
+            timing,
+            faults: Vec::new(),
+            steps: 1,
+            simulated_s: 1e-3,
+            wall_s: 1e-3,
+            torque_sha256: String::new(),
+            logs: Vec::new(),
+        }
+    }
+
+    fn wrong_with(outcome: &Outcome) -> Option<String> {
+        wrong(&scenario(&[]), outcome)
+    }
+
+    #[test]
+    fn a_pass_with_losses_beyond_what_is_allowed_is_wrong() {
+        let counts = [
+            LinkCounts { lost: 1, ..LinkCounts::default() },
+            LinkCounts { late: 1, ..LinkCounts::default() },
+            LinkCounts { crc_errors: 1, ..LinkCounts::default() },
+            LinkCounts { resumes: 1, ..LinkCounts::default() },
+        ];
+        for link in counts {
+            assert!(wrong_with(&outcome(Verdict::Pass, link)).is_some(), "{link:?}");
+            assert!(wrong_with(&outcome(Verdict::Fail, link)).is_some(), "{link:?}");
+            assert_eq!(wrong_with(&outcome(Verdict::Invalid, link)), None);
+        }
+    }
+
+    #[test]
+    fn an_invalid_for_nothing_is_wrong_and_so_is_a_fail() {
+        assert_eq!(wrong_with(&outcome(Verdict::Pass, LinkCounts::default())), None);
+        assert!(wrong_with(&outcome(Verdict::Invalid, LinkCounts::default())).is_some());
+        assert!(wrong_with(&outcome(Verdict::Fail, LinkCounts::default())).is_some());
+    }
+
+    #[test]
+    fn a_pass_of_a_run_that_was_cut_short_is_wrong() {
+        let run = Outcome { end: End::DriveRestarted, ..outcome(Verdict::Pass, LinkCounts::default()) };
+        assert!(wrong_with(&run).is_some());
+    }
+
+    #[test]
+    fn damage_that_nobody_counted_is_wrong() {
+        let hit = Fired { kind: "link-bit-flip", step: 0, until_step: Some(9), frames: Some(3) };
+        let run = Outcome { faults: vec![hit], ..outcome(Verdict::Pass, LinkCounts::default()) };
+        assert!(wrong_with(&run).is_some_and(|why| why.contains("none was counted")));
+        let at_drive = LinkCounts { damaged_at_drive: 3, ..LinkCounts::default() };
+        assert_eq!(wrong_with(&Outcome { link: at_drive, ..run }), None);
+    }
+}

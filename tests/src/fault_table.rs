@@ -1,0 +1,261 @@
+//! The table of `docs/faults.md`: what becomes of a run with a fault in it. It is read here and held against runs, so the
+//! document says what happens and nothing else.
+
+use std::fs;
+use std::path::PathBuf;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::bench::{self, Ended};
+use crate::paper::PATIENCE;
+use crate::records::Records;
+use crate::workspace;
+
+const DOCUMENT: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/faults.md"));
+
+/// Counts of the link that say that something was lost.
+const COUNTS: [&str; 6] = ["crc_errors", "lost", "late", "resumes", "damaged_at_drive", "overruns_at_drive"];
+
+/// A row of the table.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Row {
+    /// The keys of the fault, apart by semicolons.
+    pub fault: String,
+    /// Settings beside it.
+    pub with: Vec<String>,
+    /// Who notices, and by what.
+    pub detected_by: Vec<String>,
+    /// PASS, FAIL, INVALID or `exit 4`.
+    pub ends: String,
+    /// Until when.
+    pub within: String,
+}
+
+impl Row {
+    fn read(line: &str) -> Self {
+        let cells: Vec<_> =
+            line.trim_matches('|').split('|').map(|cell| cell.trim().replace('`', "")).collect();
+        let [fault, with, detected_by, ends, within] = &cells[..] else { panic!("not five cells: {line}") };
+        let list = |cell: &str| -> Vec<String> {
+            cell.split(", ").filter(|item| !item.is_empty()).map(str::to_owned).collect()
+        };
+        Self {
+            fault: fault.clone(),
+            with: list(with),
+            detected_by: list(detected_by),
+            ends: ends.clone(),
+            within: within.clone(),
+        }
+    }
+
+    /// The kind of the fault.
+    ///
+    /// # Panics
+    /// The row has none.
+    #[must_use]
+    pub fn kind(&self) -> &str {
+        self.fault.split('"').nth(1).unwrap_or_else(|| panic!("no kind in {}", self.fault))
+    }
+
+    /// The step in which it begins.
+    fn step(&self) -> usize {
+        let key = self.fault.split("; ").find_map(|key| key.strip_prefix("at_s = "));
+        let at_s: f64 =
+            key.and_then(|time| time.parse().ok()).unwrap_or_else(|| panic!("no time in {}", self.fault));
+        (at_s * 1e3).round() as usize
+    }
+
+    fn scenario(&self, folder: &TempDir) -> PathBuf {
+        let healthy = fs::read_to_string(workspace().join("scenarios/faults.toml")).expect("the scenario");
+        let path = folder.path().join("faults.toml");
+        let text = format!("{healthy}\n[[fault]]\n{}\n", self.fault.replace("; ", "\n"));
+        fs::write(&path, text).expect("a scenario of the test");
+        path
+    }
+
+    /// Runs the row on a device.
+    #[must_use]
+    pub fn run_on(&self, device: &str) -> (Ended, Records) {
+        let (folder, records) = (tempfile::tempdir().expect("a temporary folder"), Records::new());
+        let (scenario, out) = (self.scenario(&folder).display().to_string(), records.out());
+        let mut arguments = vec!["run", &scenario, "--device", device, "--out", &out];
+        arguments.extend(self.with.iter().flat_map(|setting| ["--set", setting]));
+        if !self.detected_by.iter().any(|by| by.starts_with("bench")) {
+            // Nothing is lost in this row, and a machine that is busy must not add what is.
+            arguments.extend(PATIENCE);
+        }
+        (bench::run(arguments), records)
+    }
+
+    /// Runs the row on a device and holds it against what came of it.
+    ///
+    /// # Panics
+    /// It is not so; the panic shows the row and what the bench said.
+    pub fn check_on(&self, device: &str) {
+        let (ended, records) = self.run_on(device);
+        let context = format!("{self:?} on {device}\n{}{}", ended.stdout, ended.stderr);
+        let code = match self.ends.as_str() {
+            "PASS" => 0,
+            "FAIL" => 1,
+            "INVALID" => 3,
+            "exit 4" => 4,
+            other => panic!("{other} is no end: {context}"),
+        };
+        assert_eq!(ended.code, Some(code), "{context}");
+        let summary = records.summary_text().map(|_| records.summary());
+        assert_eq!(summary.is_some(), code != 4, "a run has a summary if it has a verdict: {context}");
+        for detector in &self.detected_by {
+            assert!(is_detected(detector, &ended, summary.as_ref()), "not {detector}: {context}");
+        }
+        if let Some(summary) = &summary {
+            self.check_summary(summary, &context);
+        }
+        self.check_bound(&records, &context);
+        held_where_unanswered(&records, &context);
+    }
+
+    /// Nothing but what the row names was noticed, and the log has the fault.
+    fn check_summary(&self, summary: &Value, context: &str) {
+        for count in COUNTS {
+            let named = self.detected_by.iter().any(|by| by.split(' ').next_back() == Some(count));
+            assert!(named || summary["link"][count] == 0, "{count} as well: {context}");
+        }
+        let fired = &summary["faults"][0];
+        assert_eq!((&fired["kind"], &fired["step"]), (&self.kind().into(), &self.step().into()), "{context}");
+        if self.detected_by == ["nobody"] {
+            let missed = summary["expectations"].as_array().into_iter().flatten();
+            assert!(missed.into_iter().all(|finding| finding["ok"] == true), "{context}");
+        }
+    }
+
+    /// The last row of a run that was ended is not later than the table says.
+    fn check_bound(&self, records: &Records, context: &str) {
+        let rows = records.trace().len();
+        match self.within.split_once(' ') {
+            Some((steps, "steps")) => {
+                let bound: usize = steps.parse().unwrap_or_else(|_| panic!("{steps} steps: {context}"));
+                assert!((self.step()..=self.step() + bound).contains(&rows), "{rows} rows: {context}");
+            }
+            _ if self.within == "the end" => assert_eq!(rows, 8_000, "{context}"),
+            _ => panic!("{} is no bound: {context}", self.within),
+        }
+    }
+}
+
+fn is_detected(detector: &str, ended: &Ended, summary: Option<&Value>) -> bool {
+    let text = |key: &str| summary.and_then(|summary| summary[key].as_str()).unwrap_or_default();
+    match detector.split_once(' ') {
+        None if detector == "nobody" => text("verdict") == "PASS",
+        Some(("bench" | "drive", count)) if COUNTS.contains(&count) => {
+            summary.is_some_and(|summary| summary["link"][count].as_u64().is_some_and(|count| count > 0))
+        }
+        Some(("bench", "restart")) => text("end").starts_with("the drive started anew"),
+        Some(("bench", "closed line")) => ended.stderr.contains("the far end closed the line"),
+        Some(("bench", "silence")) => ended.stderr.contains("the drive was silent for 6.0 s"),
+        Some(("drive", fault)) => text("end").starts_with(&format!("the drive latched {fault} at sample ")),
+        Some(("verdict", metric)) => summary
+            .and_then(|summary| summary["expectations"].as_array())
+            .into_iter()
+            .flatten()
+            .any(|finding| finding["metric"] == metric && finding["ok"] == false),
+        _ => panic!("{detector} is nobody who detects"),
+    }
+}
+
+/// A step without an answer has the torque of the step before.
+fn held_where_unanswered(records: &Records, context: &str) {
+    let (answered, torque_nm) = (records.timing().column("answered"), records.trace().column("torque_nm"));
+    for step in 1..answered.len() {
+        if answered[step] == 0.0 {
+            assert_eq!(torque_nm[step], torque_nm[step - 1], "step {step}: {context}");
+        }
+    }
+}
+
+/// The table.
+///
+/// # Panics
+/// The document has none.
+#[must_use]
+pub fn rows() -> Vec<Row> {
+    let rows: Vec<_> =
+        DOCUMENT.lines().filter(|line| line.starts_with("| `kind = ")).map(Row::read).collect();
+    assert!(!rows.is_empty(), "docs/faults.md has no table");
+    rows
+}
+
+/// Whether the list of kinds has this one, with what it is.
+#[must_use]
+pub fn explains(kind: &str) -> bool {
+    let row = DOCUMENT.lines().find(|line| line.starts_with(&format!("| `{kind}` |")));
+    row.is_some_and(|row| row.split('|').nth(3).is_some_and(|what| what.trim().len() > 10))
+}
+
+/// The scenario without a fault passes.
+///
+/// # Panics
+/// It doesn't.
+pub fn check_healthy_on(device: &str) {
+    let records = Records::new();
+    let out = records.out();
+    let arguments = ["run", "scenarios/faults.toml", "--device", device, "--out", &out];
+    let _ = bench::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
+    let summary = records.summary();
+    for count in COUNTS {
+        assert_eq!(summary["link"][count], 0, "{count}");
+    }
+    assert_eq!(summary["faults"].as_array().map(Vec::len), Some(0));
+}
+
+/// The drive's watchdog takes the torque away when samples stay away, within its own time: that of the drive.
+///
+/// # Panics
+/// It doesn't.
+pub fn check_watchdog_on(device: &str) {
+    let row = Row {
+        fault: "kind = \"link-stall\"; at_s = 2.0; for_s = 0.001; way = \"to-drive\"".to_owned(),
+        with: vec!["controller.parameters.watchdog_us=200000".to_owned()],
+        ..Row::default()
+    };
+    let (ended, records) = row.run_on(device);
+    let ended = ended.with_code(3);
+    let summary = records.summary();
+    let end = summary["end"].as_str().expect("an end");
+    let figures = end
+        .strip_prefix("the drive latched Watchdog at sample 1999 (value ")
+        .unwrap_or_else(|| panic!("{end}"));
+    let (value_s, limit_s) = figures.trim_end_matches(')').split_once(", limit ").expect("a limit");
+    let (value_s, limit_s): (f64, f64) =
+        (value_s.parse().expect("a time"), limit_s.parse().expect("a limit"));
+    assert!((limit_s - 0.2).abs() < 1e-6, "{end}");
+    // The drive looks about every millisecond; a busy machine may keep it from looking for a while.
+    assert!(value_s > limit_s && value_s < 2.0 * limit_s, "{end}");
+    assert!(ended.stdout.contains("ENDED  the drive latched Watchdog"), "{}", ended.stdout);
+}
+
+/// A bench that is stopped for longer than a drive on a real bench would bear is waited for in lockstep, and the run is the
+/// same.
+///
+/// # Panics
+/// It isn't.
+pub fn check_pause_on(device: &str) {
+    use rustix::process::Signal;
+    let run = |pause: bool| {
+        let records = Records::new();
+        let arguments = ["run", "scenarios/faults.toml", "--device", device, "--out", &records.out()];
+        let bench = bench::Bench::start(arguments.into_iter().chain(["--set", "record.flush_rows=10"]));
+        if pause {
+            records.wait_for_rows();
+            bench.signal(Signal::STOP);
+            std::thread::sleep(std::time::Duration::from_millis(400));
+            bench.signal(Signal::CONT);
+        }
+        let _ = bench.wait().with_code(0);
+        let summary = records.summary();
+        let wall_s = summary["wall_s"].as_f64().expect("a time");
+        assert!(!pause || wall_s > 0.4, "the pause was not in the run of {wall_s} s");
+        summary["torque_sha256"].clone()
+    };
+    assert_eq!(run(true), run(false));
+}

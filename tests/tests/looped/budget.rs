@@ -1,0 +1,27 @@
+//! `lashloop budget`: the arithmetic of the wire. What it says is held against runs on a modelled wire in `wire`.
+
+use tests::bench;
+
+#[test]
+fn the_budget_says_where_the_time_goes_and_what_to_change() {
+    let ended = bench::run(["budget", "scenarios/smooth-after.toml", "--baud", "460800"]).with_code(1);
+    assert_eq!(ended.stderr, "");
+    insta::assert_snapshot!(ended.stdout);
+}
+
+#[test]
+fn the_exit_code_tells_whether_the_period_holds_the_worst_cycle() {
+    // 42 bytes at 460,800 Bd take 0.91 of 0.95 ms, and telemetry delays the torque by 0.17 ms.
+    for (options, code) in [
+        (&["budget"][..], 0),
+        (&["budget", "--baud", "460800"], 1),
+        (&["budget", "--baud", "460800", "--telemetry-every", "0"], 0),
+        (&["budget", "--baud", "460800", "--period-us", "1200"], 0),
+        (&["budget", "scenarios/bench-pd.toml", "--baud", "115200"], 1),
+        (&["budget", "scenarios/bench-pd.toml", "--baud", "115200", "--period-us", "8000"], 0),
+        (&["budget", "--baud", "100"], 2),
+        (&["budget", "scenarios/none.toml"], 2),
+    ] {
+        let _ = bench::run(options).with_code(code);
+    }
+}

@@ -1,0 +1,57 @@
+//! `--capture` in real time.
+
+use std::fs;
+
+use lashloop::capture::reader;
+use lashloop_protocol::layout::Direction;
+use rustix::process::Signal;
+use tests::bench::{self, Bench};
+use tests::paper::RUNS;
+use tests::records::Records;
+use tests::wait;
+
+const BEAR: [&str; 4] =
+    ["--set", "allow.late=1000000", "--set", "controller.parameters.watchdog_us=10000000"];
+
+fn arguments<'a>(scenario: &'a str, duration: &'a str, file: &'a str) -> Vec<&'a str> {
+    let mut arguments = vec!["run", scenario, "--clock", "real-time", "--set", duration, "--capture", file];
+    arguments.extend(BEAR);
+    arguments
+}
+
+#[test]
+fn a_bench_that_is_killed_in_real_time_leaves_whole_packets() {
+    let records = Records::new();
+    let file = records.path("line.pcapng");
+    let bench = Bench::start(arguments(
+        &RUNS[1].scenario(),
+        "run.duration_s=1000",
+        file.to_str().expect("a path in UTF-8"),
+    ));
+    wait::until("packets in the file", || {
+        fs::metadata(&file).is_ok_and(|file| file.len() > 100_000).then_some(())
+    });
+    bench.signal(Signal::KILL);
+    assert_eq!(bench.wait().code, None);
+    let bytes = fs::read(&file).expect("the capture");
+    let packets: Vec<_> = reader::packets(&bytes).map(|packet| packet.expect("a whole packet")).collect();
+    let back = packets.iter().filter(|packet| packet.direction == Some(Direction::DriveToHost)).count();
+    assert!(packets.len() > 1_000 && back > 400, "{} packets, {back} from the drive", packets.len());
+}
+
+#[test]
+fn a_capture_in_real_time_has_every_sample_that_was_sent() {
+    let records = Records::new();
+    let (file, out, scenario) = (records.path("line.pcapng"), records.out(), RUNS[1].scenario());
+    let mut arguments = arguments(&scenario, "run.duration_s=1", file.to_str().expect("a path in UTF-8"));
+    arguments.extend(["--out", &out]);
+    // One second is too short for what the scenario expects.
+    let _ = bench::run(arguments).with_code(1);
+    let bytes = fs::read(&file).expect("the capture");
+    let samples = reader::packets(&bytes)
+        .map(|packet| packet.expect("a whole packet"))
+        .filter(|packet| packet.bytes.len() == 23 && packet.direction == Some(Direction::HostToDrive))
+        .count() as u64;
+    let missed = records.summary()["timing"]["missed"].as_u64().expect("a count");
+    assert_eq!(samples, 1_000 - missed);
+}

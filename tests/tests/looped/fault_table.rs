@@ -1,0 +1,71 @@
+//! The table of `docs/faults.md` on the native twin, and that it is complete.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+
+use lashloop::scenario::Scenario;
+use tests::fault_table::{self, Row, rows};
+
+/// Rows that wait for a lost answer need no core, so more of them run at a time than there are cores.
+const AT_A_TIME: usize = 4;
+
+#[test]
+fn every_row_of_the_table_holds_on_the_native_twin() {
+    let (rows, next) = (rows(), AtomicUsize::new(0));
+    thread::scope(|scope| {
+        for _ in 0..AT_A_TIME {
+            scope.spawn(|| {
+                while let Some(row) = rows.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    row.check_on("native");
+                }
+            });
+        }
+    });
+}
+
+#[test]
+fn the_run_without_faults_passes() {
+    fault_table::check_healthy_on("native");
+}
+
+#[test]
+fn the_table_has_every_kind_of_fault() {
+    let unknown = "title = \"x\"\n[[fault]]\nkind = \"x\"\nat_s = 0\n";
+    let message = Scenario::from_str("x", unknown, &[]).expect_err("no such kind").to_string();
+    let line = message.lines().find(|line| line.contains("fault.0.kind")).expect("a line about it");
+    let (_, kinds) = line.split_once("must be ").expect("the kinds there are");
+    let kinds: Vec<_> = kinds.split('"').skip(1).step_by(2).collect();
+    assert!(kinds.len() >= 25, "{line}");
+    let rows = rows();
+    for kind in kinds {
+        assert!(rows.iter().any(|row| row.kind() == kind), "docs/faults.md has no row for {kind}");
+        assert!(fault_table::explains(kind), "docs/faults.md does not say what {kind} is");
+    }
+}
+
+#[test]
+fn the_watchdog_takes_the_torque_away_within_its_own_time() {
+    fault_table::check_watchdog_on("native");
+}
+
+#[test]
+fn a_bench_that_pauses_in_lockstep_trips_no_watchdog() {
+    fault_table::check_pause_on("native");
+}
+
+#[test]
+fn a_fault_that_cannot_be_there_is_refused_before_the_run() {
+    let row = |device: &str| {
+        Row { fault: "kind = \"device-hang\"; at_s = 2.0; for_s = 0.5".to_owned(), ..Row::default() }
+            .run_on(device)
+    };
+    let (ended, records) = row("inproc");
+    let ended = ended.with_code(2);
+    let want = "lashloop: fault device-hang at 2 s can't be applied here: the drive is in the bench's own process, which would \
+                hang as well: use --device native or qemu\n";
+    assert_eq!(ended.stderr, want);
+    assert_eq!((records.trace().len(), records.summary_text()), (0, None));
+    let twin = tests::twin::Twin::start();
+    let (ended, _) = row(&twin.device());
+    assert!(ended.with_code(2).stderr.contains("only a process that the bench started can be stopped"));
+}

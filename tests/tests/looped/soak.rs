@@ -1,0 +1,75 @@
+//! `lashloop soak`: over and over, with more and more going wrong.
+
+use rustix::process::Signal;
+use tests::bench::{self, Bench};
+use tests::{processes, wait};
+
+/// The runs of each level, as the summary tells of them.
+fn runs_of_levels(stdout: &str) -> Vec<u64> {
+    let table = stdout.lines().skip_while(|line| !line.starts_with("level  share")).skip(1);
+    let runs = table.take_while(|line| !line.is_empty()).map(|line| {
+        line.split_whitespace().nth(2).and_then(|runs| runs.parse().ok()).expect("a number of runs")
+    });
+    runs.collect()
+}
+
+#[test]
+fn a_minute_of_rising_faults_leaves_nothing_wrong() {
+    let ended = bench::run(["soak", "scenarios/faults.toml", "--for", "60s"]).with_code(0);
+    let runs = runs_of_levels(&ended.stdout);
+    assert_eq!(runs.len(), 6, "{}", ended.stdout);
+    let lines = ended.stdout.lines().filter(|line| line.starts_with("run ")).count() as u64;
+    assert!(lines >= 6 && lines == runs.iter().sum::<u64>(), "a line for each run: {}", ended.stdout);
+    assert!(!ended.stdout.contains("WRONG") && ended.stdout.ends_with("\nPASS\n"), "{}", ended.stdout);
+    // Level 0 has nothing to lose, level 5 has.
+    let lost = |level: &str| {
+        let row = ended.stdout.lines().find(|line| line.trim_start().starts_with(level));
+        row.and_then(|row| row.split_whitespace().next_back()?.parse::<u64>().ok()).expect("a count")
+    };
+    assert!(lost("5  0.01") > 0, "{}", ended.stdout);
+    assert!(ended.stdout.contains("\nbench  grew by "), "{}", ended.stdout);
+    assert!(ended.stdout.contains("\ndrive  grew by "), "{}", ended.stdout);
+}
+
+/// A soak in its midst, and the process of its drive.
+fn in_its_midst() -> (Bench, u32) {
+    let endless = "run.duration_s=100000";
+    let arguments = ["soak", "scenarios/smooth-after.toml", "--for", "1h", "--set", endless];
+    let bench = Bench::start(arguments);
+    let drive = wait::until("the drive of the soak", || processes::children(bench.id()).first().copied());
+    // It is a drive when it has become one; before that it is the bench that starts it.
+    wait::until("the run", || (processes::cpu_ticks(drive) > 2).then_some(()));
+    (bench, drive)
+}
+
+#[test]
+fn an_interrupted_soak_ends_with_the_summary_so_far() {
+    let (bench, drive) = in_its_midst();
+    bench.signal(Signal::INT);
+    let ended = bench.wait().with_code(0);
+    assert!(ended.stdout.contains("1 runs, interrupted after "), "{}", ended.stdout);
+    assert_eq!(runs_of_levels(&ended.stdout), [0; 6], "a run that was cut short is none of a level");
+    assert!(!processes::runs(drive), "the drive was left behind");
+}
+
+#[test]
+fn a_drive_that_dies_in_a_soak_is_wrong_and_the_soak_goes_on() {
+    let (bench, drive) = in_its_midst();
+    processes::signal(drive, Signal::KILL);
+    let next = wait::until("the next run", || {
+        processes::children(bench.id()).first().copied().filter(|id| *id != drive)
+    });
+    wait::until("the next run", || (processes::cpu_ticks(next) > 2).then_some(()));
+    bench.signal(Signal::INT);
+    let ended = bench.wait().with_code(1);
+    assert!(ended.stdout.contains("WRONG run 0: ") && ended.stdout.contains("signal: 9"), "{}", ended.stdout);
+    assert!(ended.stdout.ends_with("\nFAIL\n"), "{}", ended.stdout);
+}
+
+#[test]
+fn a_time_without_a_unit_is_refused() {
+    for time in ["10", "m", "0s", "-5s", "200h", "1e99h"] {
+        let ended = bench::run(["soak", "scenarios/faults.toml", &format!("--for={time}")]).with_code(2);
+        assert!(ended.stderr.contains("it must be a number with its unit"), "{}", ended.stderr);
+    }
+}
