@@ -58,8 +58,8 @@ enum Command {
     Decode(decode::Arguments),
     Ports(ports::Arguments),
     Doctor(doctor::Arguments),
-    Battery(battery::Arguments),
     Budget(budget::Arguments),
+    Battery(battery::Arguments),
     Compare(compare::Arguments),
     Soak(soak::Arguments),
     Conformance(conformance::Arguments),
@@ -76,8 +76,8 @@ Exit codes: 0 PASS, 1 FAIL, 2 bad usage, scenario or output folder, 3 INVALID, 4
 const LONG_HELP: &str = "\
 Exit codes:
   0  PASS     every expectation of the scenario is met
-  1  FAIL     an expectation or a limit is not met, the drive latched a fault, it breaks a rule of the protocol,
-               or a line is too slow
+  1  FAIL     an expectation or a limit is not met, the drive latched a fault, it breaks a rule of the protocol, or
+              a line is too slow
   2           bad usage, a bad scenario, or an output folder that can't be written
   3  INVALID  link or timing broke what the scenario allows, or the run was interrupted
   4           the device or the link failed; there is no verdict
@@ -109,8 +109,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Decode(arguments) => arguments.run(),
         Command::Ports(arguments) => arguments.run(),
         Command::Doctor(arguments) => arguments.run(),
-        Command::Battery(arguments) => arguments.run(),
         Command::Budget(arguments) => arguments.run(),
+        Command::Battery(arguments) => arguments.run(),
         Command::Compare(arguments) => arguments.run(),
         Command::Soak(arguments) => arguments.run(),
         Command::Conformance(arguments) => arguments.run(),
