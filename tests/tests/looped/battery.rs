@@ -6,7 +6,7 @@ use std::fs;
 use rustix::process::Signal;
 use tests::bench::{self, Bench, Ended};
 use tests::records::Records;
-use tests::wait;
+use tests::{wait, workspace};
 
 /// Arguments of a battery that keeps its results.
 fn arguments(records: &Records, rest: &str) -> Vec<String> {
@@ -42,6 +42,13 @@ fn short_battery_meets_its_limits_and_every_row_is_a_run_of_its_own() {
     let ended = run(&records, "--plants 20").with_code(0);
     assert!(ended.stdout.ends_with("PASS\n"), "{}", ended.stdout);
     assert_eq!(ended.stdout.lines().filter(|line| line.starts_with("met ")).count(), 4, "{}", ended.stdout);
+    // The sweeps don't depend on the number of plants, so they are those of the document.
+    let (_, sweeps) = ended.stdout.split_once("\n\ntrue j0").expect("the first sweep");
+    let (sweeps, _) = sweeps.split_once("\n\nlimits of").expect("the end of the last");
+    let document = fs::read_to_string(workspace().join("docs/robustness.md")).expect("the document");
+    for line in sweeps.lines().skip(1).filter(|line| !line.is_empty()) {
+        assert!(document.contains(&format!("    {line}\n")), "not in docs/robustness.md: {line}");
+    }
     let report: serde_json::Value =
         serde_json::from_str(&text(&records, "battery.json")).expect("battery.json is JSON");
     assert_eq!(report["verdict"], "PASS");
