@@ -126,6 +126,11 @@ impl Decoder {
         Err(error)
     }
 
+    /// Forgets the frame it is in, which will not go on: the line was opened anew. Nothing is counted.
+    pub fn forget_partial(&mut self) {
+        self.pending = 0;
+    }
+
     /// What has been seen so far.
     #[must_use]
     pub const fn counters(&self) -> &Counters {

@@ -63,7 +63,6 @@ impl Arguments {
         let overrides: Vec<_> = self.set.into_iter().map(Override::Set).chain(controller).collect();
         let scenario = Scenario::from_file(&self.scenario, &overrides)?;
         let clock = self.pace.clock()?;
-        let tables = self.out.as_deref().map(|folder| prepare(folder, &scenario)).transpose()?;
         let when_full = match clock.name() {
             ClockName::Lockstep => WhenFull::Wait,
             ClockName::RealTime => WhenFull::Fail,
@@ -83,11 +82,12 @@ impl Arguments {
         let mut device =
             Device::open_through(&self.device, &scenario.link, &supervisor, |link| listen(tamper(link)))?
                 .with_link_faults(faults.clone());
+        // Not before there is a drive: an old record is worth more than none.
+        let tables = self.out.as_deref().map(|folder| prepare(folder, &scenario)).transpose()?;
         let progress = Progress::of(&scenario);
         let mut watcher = RunWatcher { tables, capture, supervisor: &supervisor, progress };
         let heed = supervisor.heed_signals();
         let outcome = run::run(&scenario, &mut device, clock, &mut watcher)?;
-        drop(heed);
         let RunWatcher { tables, capture, progress, .. } = watcher;
         drop(progress);
         if let Some(Tables { trace, timing }) = tables {
@@ -103,6 +103,8 @@ impl Arguments {
         if let Some(folder) = &self.out {
             summary.write(&folder.join(SUMMARY))?;
         }
+        // Until here a signal would have cost the record its end.
+        drop(heed);
         report::print(&scenario, &summary, &outcome);
         Ok(summary.verdict.into())
     }

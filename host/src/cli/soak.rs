@@ -108,7 +108,7 @@ fn one_run(
         Some(faults) => faults.wrap(link, scenario),
         None => link,
     };
-    let device = Device::open_through(choice, scenario.link.baud, supervisor, tamper)?;
+    let device = Device::open_through(choice, &scenario.link, supervisor, tamper)?;
     let mut device = device.with_link_faults(faults.clone());
     watcher.process = device.process().map(lashloop::supervisor::Process::id);
     run::run(scenario, &mut device, Clock::Lockstep, watcher)

@@ -64,6 +64,7 @@ impl Link for Serial {
     }
 
     fn discard_input(&mut self) -> Result<(), LinkError> {
-        Ok(self.port.clear(ClearBuffer::Input).map_err(io::Error::from)?)
+        // The crate keeps the system's reason to itself, and there is one reason only: the port is gone.
+        self.port.clear(ClearBuffer::Input).map_err(|_| LinkError::Disconnected)
     }
 }

@@ -51,11 +51,6 @@ pub fn run(
     let timeline = Timeline::new(scenario, device)?;
     setup::set_up(device, scenario, clock.name())?;
     let before = device.session.traffic();
-    if let Err(source) = device.session.start() {
-        // It may be armed, or even running if only its answer was lost.
-        device.session.abandon();
-        return Err(setup::refused_start(device, source));
-    }
     let mut keeper = Keeper::new(scenario, clock.name(), watcher);
     let (closed, refused) = match clock {
         Clock::Lockstep => {
@@ -138,6 +133,12 @@ fn to_the_end<'a, S: Sink>(
     device: &mut Device,
     close: impl FnOnce(&mut ControlLoop<'a, S>, &mut Device) -> Result<End, RunError>,
 ) -> Result<Closed, RunError> {
+    // Last of all, because the drive's watchdog runs from here on.
+    if let Err(source) = device.session.start() {
+        // It may be armed, or even running if only its answer was lost.
+        device.session.abandon();
+        return Err(setup::refused_start(device, source));
+    }
     let started = Instant::now();
     let end = close(&mut control, device);
     let wall_s = started.elapsed().as_secs_f64();
@@ -155,9 +156,15 @@ fn to_the_end<'a, S: Sink>(
             Ok(())
         }
     };
+    if stopped.is_err() {
+        device.session.abandon();
+    }
     control.finish(device)?;
     let end = end?;
-    stopped?;
+    // A run that was cut short says so, whether the drive could still be told or not.
+    if end == End::Complete {
+        stopped?;
+    }
     let (steps, unanswered, resumes) = (control.steps(), control.unanswered(), control.resumes());
     Ok(Closed { end, steps, unanswered, resumes, wall_s, faults })
 }

@@ -107,9 +107,11 @@ pub fn id_of(name: ControllerName) -> ControllerId {
 
 fn not_offered(device: &Device, wanted: ControllerName) -> DeviceError {
     let offered = device.session.identity().controllers;
-    let laws = [ControllerName::Pd, ControllerName::Faithful, ControllerName::Literal];
-    let mut laws: Vec<_> =
-        laws.into_iter().filter(|law| offered.offers(id_of(*law))).map(ControllerName::as_str).collect();
+    let mut laws: Vec<_> = ControllerName::ALL
+        .into_iter()
+        .filter(|law| offered.offers(id_of(*law)))
+        .map(ControllerName::as_str)
+        .collect();
     if laws.is_empty() {
         laws.push("none that a scenario can name");
     }

@@ -48,6 +48,11 @@ pub(super) fn read_run(run: &mut Section<'_>) -> RunSettings {
         warm_up_steps: run.integer("warm_up_steps", unit::STEP, 0, 0..=u32::MAX),
     };
     let (duration_s, period_s) = (settings.duration_s, settings.control_period_s());
+    // Without one step left that counts, everything would be within what is allowed.
+    if settings.warm_up_steps > 0 && duration_s >= period_s && settings.warm_up_steps >= settings.steps() {
+        let reason = format!("leaves no step to judge; the run has {} steps", settings.steps());
+        run.reject("warm_up_steps", reason);
+    }
     if duration_s < period_s && run.is_option("control_period_us") {
         run.reject(
             "control_period_us",

@@ -24,6 +24,9 @@ pub enum ControllerName {
 }
 
 impl ControllerName {
+    /// Every law, in the order in which they are told.
+    pub const ALL: [Self; 4] = [Self::Pd, Self::Faithful, Self::Literal, Self::Compensating];
+
     /// The name in a scenario and in a summary.
     #[must_use]
     pub const fn as_str(self) -> &'static str {
@@ -86,11 +89,8 @@ impl fmt::Display for ParameterValue {
     }
 }
 
-const CONTROLLERS: [ControllerName; 4] =
-    [ControllerName::Pd, ControllerName::Faithful, ControllerName::Literal, ControllerName::Compensating];
-
 pub(super) fn read(controller: &mut Section<'_>) -> ControllerSettings {
-    let choices = CONTROLLERS.map(|name| (name.as_str(), name));
+    let choices = ControllerName::ALL.map(|name| (name.as_str(), name));
     ControllerSettings {
         name: controller.choice("name", None, &choices).unwrap_or(ControllerName::Pd),
         parameters: controller.section("parameters", read_parameters),

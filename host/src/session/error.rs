@@ -102,7 +102,7 @@ impl SessionError {
     #[must_use]
     pub fn is_loss(&self) -> bool {
         match self {
-            Self::Broken { source, .. } => matches!(source, LinkError::Disconnected),
+            Self::Broken { source, .. } => matches!(source, LinkError::Disconnected | LinkError::Stuck),
             Self::Silent { .. } => true,
             Self::Refused { request, state, .. } => {
                 *request == EncoderSample::LAYOUT.name && *state == State::Boot

@@ -53,6 +53,8 @@ impl Line {
 
     /// Throws away what is on the line and ends whatever half frame an earlier host left in the drive's decoder.
     pub(crate) fn clear(&mut self) -> Result<(), SessionError> {
+        self.unread = 0..0;
+        self.decoder.forget_partial();
         self.link.discard_input().map_err(|error| self.broken(error))?;
         self.end_frame()
     }

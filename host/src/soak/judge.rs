@@ -15,7 +15,10 @@ pub fn wrong(scenario: &Scenario, outcome: &Outcome) -> Option<String> {
         (link.crc_errors, allow.crc_errors),
         (link.resumes, allow.resumes),
     ];
-    let broken = beyond.iter().any(|(counted, allowed)| counted > allowed);
+    let slow = allow.round_trip_p99_us.is_some_and(|allowed| {
+        outcome.timing.round_trip_us.is_none_or(|round_trip| round_trip.p99.ceil() > allowed as f64)
+    });
+    let broken = slow || beyond.iter().any(|(counted, allowed)| counted > allowed);
     let met = judgement.findings.iter().all(|finding| {
         let value = finding.value.value().unwrap_or(f64::NAN);
         let (min, max) = (finding.min.unwrap_or(f64::MIN), finding.max.unwrap_or(f64::MAX));

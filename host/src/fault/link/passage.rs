@@ -191,8 +191,12 @@ impl Passage {
         if due { self.held.pop_front().map(|held| held.piece) } else { None }
     }
 
-    /// When the next frame may pass; `None` if there is none, or as long as the line stalls.
+    /// When the next frame may pass; `None` if there is none, or as long as the line stalls. Outside the run nothing is
+    /// wrong with the line, so nothing is held.
     pub(super) fn next_release(&self, step: Option<u32>, now: Instant) -> Option<Instant> {
+        if step.is_none() {
+            return self.held.front().map(|_| now);
+        }
         let stalls = self.faults.iter().any(|fault| {
             matches!(fault.kind, FaultKind::LinkStall { .. })
                 && step.is_some_and(|step| fault.schedule.contains(step))
