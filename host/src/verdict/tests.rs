@@ -131,6 +131,24 @@ fn timing_beyond_its_allowance_makes_even_a_failed_run_invalid() {
     }
 }
 
+#[test]
+fn what_was_never_measured_meets_no_limit() {
+    let limit = Some(1_000_000);
+    let allow =
+        Allowance { late: 9, lateness_p99_us: limit, round_trip_p99_us: limit, ..Allowance::default() };
+    let timing = timing(&[Fate::Missed; 3]);
+    let judgement = Judgement::new(&[], &metrics(0.0), &allow, &LinkCounts::default(), &timing);
+    assert_eq!(judgement.verdict, Verdict::Invalid);
+    let reasons: Vec<_> = judgement.breaches.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        reasons,
+        [
+            "lateness_p99_us: nothing to measure, allow.lateness_p99_us is 1000000",
+            "round_trip_p99_us: nothing to measure, allow.round_trip_p99_us is 1000000",
+        ]
+    );
+}
+
 /// Steps of a run in real time, each 10 us late and 30 us away.
 fn timing(fates: &[Fate]) -> TimingReport {
     const US: Duration = Duration::from_micros(1);

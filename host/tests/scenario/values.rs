@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use lashloop::reference::Reference;
 use lashloop::scenario::controller::{ControllerName, ParameterValue};
 use lashloop::scenario::plant::{InitialState, PlantModel, PlantSettings};
-use lashloop::scenario::{Scenario, ScenarioError};
+use lashloop::scenario::{Override, Scenario, ScenarioError};
 
 use crate::{SHORTEST, read};
 
@@ -57,6 +57,20 @@ fn the_hard_gap_brings_its_friction_and_the_smooth_one_has_none() {
     let hard = read(&SHORTEST.replace("smooth", "hard-coulomb"), &[]).expect("a good scenario");
     assert_eq!(hard.plant.model, PlantModel::HardCoulomb);
     assert_eq!(hard.plant.load_coulomb_nm, Some(3.84));
+}
+
+#[test]
+fn a_warm_up_leaves_at_least_one_step_to_judge() {
+    let with = |steps: u32| {
+        let set = |text: String| Override::Set(text);
+        read(SHORTEST, &[set("run.duration_s=0.5".to_owned()), set(format!("run.warm_up_steps={steps}"))])
+    };
+    assert_eq!(with(499).expect("a good scenario").run.warm_up_steps, 499);
+    let error = with(500).expect_err("no step is left");
+    assert!(
+        error.contains("run.warm_up_steps: 500 leaves no step to judge; the run has 500 steps"),
+        "{error}"
+    );
 }
 
 #[test]

@@ -198,3 +198,13 @@ fn errors_are_sentences_with_both_sides() {
     let stop = HostMessage::from(Stop {});
     assert_eq!(stop.frame().len(), 7);
 }
+
+#[test]
+fn a_frame_that_will_not_go_on_is_forgotten_and_counted_nowhere() {
+    let mut decoder = Decoder::new();
+    let frame = sample_frame();
+    assert_eq!(decode_all(&mut decoder, &frame[..10]), []);
+    decoder.forget_partial();
+    assert_eq!(decode_all(&mut decoder, &frame), [Ok(examples::SAMPLE.into())]);
+    assert_eq!(*decoder.counters(), Counters { messages: 1, ..Counters::default() });
+}

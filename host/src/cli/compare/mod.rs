@@ -7,6 +7,7 @@
 mod bare;
 mod goals;
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -130,6 +131,15 @@ impl Arguments {
         goals.at_most("1 kHz: round trip p50, us", 1.3, of(&trips, trip), of(&loops, trip));
         if self.spin_us > 0 {
             goals.below("1 kHz, spinning: lateness p99, us", 10.0, of(&sleeps, p99), of(&loops, p99));
+        }
+        for refusal in sleeps
+            .iter()
+            .chain(&trips)
+            .chain(&loops)
+            .flat_map(|report| &report.refused)
+            .collect::<BTreeSet<_>>()
+        {
+            say!("not granted: {refusal}");
         }
         // A sleeper that does nothing is woken sooner on a busy machine than one that works.
         goals.note("1 kHz: lateness p99, bare: ping-pong, us", of(&trips, p99), of(&loops, p99));
