@@ -24,7 +24,7 @@ pub const FLUSH: Duration = Duration::from_millis(5);
 /// Bytes that may wait for the disk: a minute at 1 kHz.
 const ROOM: usize = 1 << 22;
 
-/// How long [`Capture::finish`] waits for a disk.
+/// How long anybody waits for a disk.
 const FINISH_LIMIT: Duration = Duration::from_secs(30);
 
 /// What the loop does when the ring is full.
@@ -150,7 +150,12 @@ impl Recorder {
         for piece in bytes.chunks(u16::MAX.into()) {
             let header = Header { time_ns, direction, len: piece.len() as u16 }.bytes();
             let needed = header.len() + piece.len();
-            while self.when_full == WhenFull::Wait && ring.slots() < needed && !ring.is_abandoned() {
+            let give_up = Instant::now() + FINISH_LIMIT;
+            while self.when_full == WhenFull::Wait
+                && ring.slots() < needed
+                && !ring.is_abandoned()
+                && Instant::now() < give_up
+            {
                 if let Some(thread) = &self.thread {
                     thread.thread().unpark();
                 }
@@ -173,8 +178,11 @@ impl Drop for Recorder {
         drop(self.ring.take());
         if let Some(thread) = self.thread.take() {
             thread.thread().unpark();
-            // One that panicked leaves whole packets, and a capture that is never finished.
-            let _ = thread.join();
+            // One whose disk hangs is left alone; `Capture::finish` tells.
+            let give_up = Instant::now() + FINISH_LIMIT;
+            while !thread.is_finished() && Instant::now() < give_up {
+                thread::sleep(Duration::from_micros(100));
+            }
         }
     }
 }

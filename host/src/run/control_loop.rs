@@ -48,6 +48,8 @@ pub(super) struct ControlLoop<'a, S> {
     /// sample is the first.
     origin: u32,
     is_answered: bool,
+    /// Not from when a lost drive has been set up again to the step that asks it.
+    is_started: bool,
     /// What the motor is given at present.
     torque_nm: f32,
     unanswered: u64,
@@ -75,6 +77,7 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
             resumes: 0,
             origin: 0,
             is_answered: false,
+            is_started: true,
             torque_nm: 0.0,
             unanswered: 0,
             unanswered_since: None,
@@ -116,6 +119,11 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
         lateness: Duration,
         device: &mut Device,
     ) -> Result<Option<End>, StepError> {
+        if !self.is_started
+            && let Some(end) = self.start_again(device)?
+        {
+            return Ok(Some(end));
+        }
         self.begin(step, device)?;
         let (mut sample, row) = self.bench.observe(step)?;
         if !self.is_answered {
@@ -210,8 +218,25 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
             }
             thread::sleep(RESUME_INTERVAL);
         }
-        (self.is_answered, self.unanswered_since) = (false, None);
+        (self.is_started, self.is_answered, self.unanswered_since) = (false, false, None);
         self.resumes += 1;
+        Ok(None)
+    }
+
+    /// Starts a drive that was lost and has been set up. Not before the step that asks it again: its watchdog runs from
+    /// here on, and in real time the steps that were missed had to be made up for first.
+    fn start_again(&mut self, device: &mut Device) -> Result<Option<End>, StepError> {
+        self.timeline.pause();
+        if let Err(source) = device.session.start() {
+            if !source.is_loss() {
+                return Err(setup::refused_start(device, source).into());
+            }
+            if let Some(end) = self.lose(source, device)? {
+                return Ok(Some(end));
+            }
+            device.session.start().map_err(|source| setup::refused_start(device, source))?;
+        }
+        self.is_started = true;
         Ok(None)
     }
 

@@ -61,7 +61,7 @@ fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Resu
     Ok(())
 }
 
-/// Sets up and starts a drive that was lost. What comes back has to be what was lost: parameters are set by indices that
+/// Sets up a drive that was lost, up to its start. What comes back has to be what was lost: parameters are set by indices that
 /// were learned from it, and a run has one drive.
 pub(super) fn resume(
     device: &mut Device,
@@ -82,8 +82,7 @@ pub(super) fn resume(
             .unfit(format!("it came back with another firmware than build {build:08x}"))
             .into());
     }
-    configure(device, scenario, clock)?;
-    device.session.start().map_err(|source| refused_start(device, source))
+    configure(device, scenario, clock)
 }
 
 /// The error for a drive that does not start. Parameters that don't go together are the scenario's fault.
