@@ -8,6 +8,7 @@ use lashloop_protocol::layout::Direction;
 
 use super::pcapng;
 use crate::record::RecordError;
+use crate::record::whole;
 
 #[derive(Debug)]
 pub(super) struct CaptureFile {
@@ -25,23 +26,21 @@ pub(super) struct CaptureFile {
 }
 
 impl CaptureFile {
-    /// Creates the file, or empties it.
+    /// Begins the file with its header; an older one is replaced when that is written.
     ///
     /// # Errors
     /// The file can't be created or written.
     pub(super) fn create(path: &Path) -> Result<Self, RecordError> {
-        let failed = |source| RecordError { path: path.to_owned(), action: "created", source };
-        let mut capture = Self {
+        let header = pcapng::file_header();
+        Ok(Self {
             path: path.to_owned(),
-            file: File::create(path).map_err(failed)?,
-            pending: pcapng::file_header(),
+            file: whole::begin(path, ".capture-", &header)?,
+            pending: Vec::new(),
             pending_packets: 0,
-            written: 0,
+            written: header.len() as u64,
             packets: 0,
             failed: false,
-        };
-        capture.flush()?;
-        Ok(capture)
+        })
     }
 
     /// Takes a packet. A file that has failed takes nothing more.

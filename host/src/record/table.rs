@@ -8,6 +8,7 @@ use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::RecordError;
+use super::whole;
 
 /// Writes a table. [`finish`](Self::finish) reports whether the last rows arrived; a writer that is merely
 /// dropped writes them too, but has nobody to tell.
@@ -23,23 +24,21 @@ pub struct TableWriter {
 }
 
 impl TableWriter {
-    /// Creates the file, or empties it, and writes the header. `flush_rows` is the number of rows that reach
+    /// Begins the file with its header; an older one is replaced when that is written. `flush_rows` is the number of rows that reach
     /// the file together; 0 counts as 1.
     ///
     /// # Errors
     /// The file can't be created or the header can't be written.
     pub fn create(path: &Path, columns: &[&str], flush_rows: u32) -> Result<Self, RecordError> {
-        let file = File::create(path).map_err(|source| RecordError {
+        let header = columns.join(",") + "\n";
+        Ok(Self {
             path: path.to_owned(),
-            action: "created",
-            source,
-        })?;
-        let mut pending = columns.join(",").into_bytes();
-        pending.push(b'\n');
-        let path = path.to_owned();
-        let mut writer = Self { path, file, flush_rows, pending, pending_rows: 0, written: 0 };
-        writer.flush()?;
-        Ok(writer)
+            file: whole::begin(path, ".table-", header.as_bytes())?,
+            flush_rows,
+            pending: Vec::new(),
+            pending_rows: 0,
+            written: header.len() as u64,
+        })
     }
 
     /// Takes the next row.
