@@ -44,7 +44,7 @@ fn a_capture_holds_the_whole_conversation_frame_by_frame() {
 }
 
 #[test]
-fn a_run_that_is_killed_leaves_whole_packets() {
+fn a_run_that_is_killed_leaves_whole_packets_but_for_the_last() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("line.pcapng");
     let scenario = root().join("scenarios/smooth-after.toml");
@@ -68,7 +68,12 @@ fn a_run_that_is_killed_leaves_whole_packets() {
     child.kill().unwrap();
     child.wait().unwrap();
     let bytes = fs::read(&path).unwrap();
-    let packets: Vec<_> = reader::packets(&bytes).map(|packet| packet.expect("whole")).collect();
+    let mut found: Vec<_> = reader::packets(&bytes).collect();
+    // A kill in the middle of a write may leave the last packet torn, and a reader told so.
+    if found.last().is_some_and(Result::is_err) {
+        found.pop();
+    }
+    let packets: Vec<_> = found.into_iter().map(|packet| packet.expect("whole")).collect();
     assert!(packets.len() > 1000, "{}", packets.len());
     assert!(packets.iter().any(|packet| packet.direction == Some(Direction::DriveToHost)));
 }
