@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use lashloop::capture::{self, Capture, WhenFull};
 use lashloop::device::{Device, DeviceChoice};
-use lashloop::fault::link::LinkFaults;
 use lashloop::link::Link;
 use lashloop::link::capture::Captured;
 use lashloop::record::RecordError;
@@ -70,18 +69,11 @@ impl Arguments {
         let capture = self.capture.as_deref().map(|path| capture::create(path, when_full)).transpose()?;
         let (recorder, capture) = capture.unzip();
         let supervisor = start_supervisor()?;
-        let faults = LinkFaults::new(&scenario);
-        let tamper = |link| match &faults {
-            Some(faults) => faults.wrap(link, &scenario),
-            None => link,
-        };
         let listen = |link| match recorder {
             Some(recorder) => Box::new(Captured::new(link, recorder)) as Box<dyn Link>,
             None => link,
         };
-        let mut device =
-            Device::open_through(&self.device, &scenario.link, &supervisor, |link| listen(tamper(link)))?
-                .with_link_faults(faults.clone());
+        let mut device = Device::open_for(&scenario, &self.device, &supervisor, listen)?;
         // Not before there is a drive: an old record is worth more than none.
         let tables = self.out.as_deref().map(|folder| prepare(folder, &scenario)).transpose()?;
         let progress = Progress::of(&scenario);

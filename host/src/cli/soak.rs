@@ -8,7 +8,6 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use lashloop::device::{Device, DeviceChoice};
-use lashloop::fault::link::LinkFaults;
 use lashloop::record::RecordError;
 use lashloop::run::{self, Clock, Outcome, RunError, Step, Watcher};
 use lashloop::scenario::{Override, Scenario};
@@ -103,13 +102,7 @@ fn one_run(
     supervisor: &Supervisor,
     watcher: &mut SoakWatcher<'_>,
 ) -> Result<Outcome, RunError> {
-    let faults = LinkFaults::new(scenario);
-    let tamper = |link| match &faults {
-        Some(faults) => faults.wrap(link, scenario),
-        None => link,
-    };
-    let device = Device::open_through(choice, &scenario.link, supervisor, tamper)?;
-    let mut device = device.with_link_faults(faults.clone());
+    let mut device = Device::open_for(scenario, choice, supervisor, |link| link)?;
     watcher.process = device.process().map(lashloop::supervisor::Process::id);
     run::run(scenario, &mut device, Clock::Lockstep, watcher)
 }

@@ -18,6 +18,7 @@ use crate::link::reopening::Reopening;
 use crate::link::serial::Serial;
 use crate::link::wire::Wire;
 use crate::link::{Link, LinkError};
+use crate::scenario::Scenario;
 use crate::scenario::bench::LinkSettings;
 use crate::session::{Session, SessionError, printable};
 use crate::supervisor::{Process, Program, Supervisor};
@@ -128,6 +129,26 @@ impl Device {
         let session =
             Session::open(middleware(link), session_number()).map_err(|source| connection.explain(source))?;
         Ok(Self { session, connection, link_faults: None })
+    }
+
+    /// Opens it for a scenario: at its speed, and with its faults on the line. The middleware is between those and the
+    /// bench.
+    ///
+    /// # Errors
+    /// A sentence that says what could not be reached, and what to do.
+    pub fn open_for(
+        scenario: &Scenario,
+        choice: &DeviceChoice,
+        supervisor: &Supervisor,
+        middleware: impl FnOnce(Box<dyn Link>) -> Box<dyn Link>,
+    ) -> Result<Self, DeviceError> {
+        let faults = LinkFaults::new(scenario);
+        let tamper = |link| match &faults {
+            Some(faults) => faults.wrap(link, scenario),
+            None => link,
+        };
+        let device = Self::open_through(choice, &scenario.link, supervisor, |link| middleware(tamper(link)))?;
+        Ok(device.with_link_faults(faults))
     }
 
     /// Tells of the faults that its link was wrapped in, so that a run can steer them.

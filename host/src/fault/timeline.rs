@@ -28,17 +28,38 @@ pub struct Fired {
 
 /// The timeline of a run.
 pub struct Timeline {
-    faults: Vec<(Schedule, FaultKind)>,
-    fired: Vec<Option<Fired>>,
-    names: Vec<&'static str>,
+    faults: Vec<Planned>,
     /// The first step in which something begins or ends again.
     next: u32,
-    /// When each fault that is there now will be over, if that goes by the clock on the wall: while a drive hangs or is cut
-    /// off there may be no steps.
-    over_at: Vec<Option<Instant>>,
-    /// How long each of those lasts.
-    lasts: Vec<Option<Duration>>,
     link: Option<LinkFaults>,
+}
+
+struct Planned {
+    name: &'static str,
+    kind: FaultKind,
+    schedule: Schedule,
+    /// How long it lasts by the clock on the wall, if it goes by that: while a drive hangs or is cut off there may be no
+    /// steps.
+    lasts: Option<Duration>,
+    /// When it will be over by that clock, while it is there.
+    over_at: Option<Instant>,
+    fired: Option<Fired>,
+}
+
+impl Planned {
+    fn new(fault: &Fault, schedule: Schedule) -> Self {
+        let by_the_wall = matches!(fault.kind, FaultKind::LinkCut {} | FaultKind::DeviceHang {});
+        let lasts = fault.for_s.filter(|_| by_the_wall).map(Duration::from_secs_f64);
+        Self { name: fault.name, kind: fault.kind, schedule, lasts, over_at: None, fired: None }
+    }
+
+    fn hangs(&self) -> bool {
+        self.kind == FaultKind::DeviceHang {} && self.over_at.is_some()
+    }
+
+    fn is_over(&self, step: u32) -> bool {
+        if self.lasts.is_some() { self.over_at.is_none() } else { step >= self.schedule.until }
+    }
 }
 
 impl Timeline {
@@ -52,14 +73,10 @@ impl Timeline {
                 return Err(RunError::Fault { kind: fault.name, at_s: fault.at_s, reason });
             }
         }
-        let schedule = |fault| Schedule::of(fault, &scenario.run);
+        let planned = |fault| Planned::new(fault, Schedule::of(fault, &scenario.run));
         Ok(Self {
-            faults: scenario.faults.iter().map(|fault| (schedule(fault), fault.kind)).collect(),
-            fired: vec![None; scenario.faults.len()],
-            names: scenario.faults.iter().map(|fault| fault.name).collect(),
+            faults: scenario.faults.iter().map(planned).collect(),
             next: if scenario.faults.is_empty() { u32::MAX } else { 0 },
-            over_at: vec![None; scenario.faults.len()],
-            lasts: scenario.faults.iter().map(wall_time).collect(),
             link: device.link_faults().cloned(),
         })
     }
@@ -76,41 +93,34 @@ impl Timeline {
         if step < self.next {
             return Ok(());
         }
-        for (number, (schedule, kind)) in self.faults.iter().enumerate() {
-            let fired = &mut self.fired[number];
-            if fired.is_none() && schedule.contains(step) {
-                *fired = Some(Fired { kind: self.names[number], step, until_step: None, frames: None });
-                match kind {
+        for fault in &mut self.faults {
+            if fault.fired.is_none() && fault.schedule.contains(step) {
+                fault.fired = Some(Fired { kind: fault.name, step, until_step: None, frames: None });
+                match fault.kind {
                     FaultKind::DeviceReset {} => device.session.reset_by_surprise()?,
                     FaultKind::DeviceHang {} => signal(device, Signal::STOP),
                     _ => {}
                 }
-                self.over_at[number] = self.lasts[number].map(|lasts| Instant::now() + lasts);
+                fault.over_at = fault.lasts.map(|lasts| Instant::now() + lasts);
             }
-            let is_over = match self.lasts[number] {
-                Some(_) => self.over_at[number].is_none(),
-                None => step >= schedule.until,
-            };
-            if let Some(fired) = fired
-                && is_over
+            if fault.is_over(step)
+                && let Some(fired) = &mut fault.fired
             {
                 fired.until_step.get_or_insert(step);
             }
         }
-        let edges = self.faults.iter().flat_map(|(schedule, _)| [schedule.from, schedule.until]);
+        let edges = self.faults.iter().flat_map(|fault| [fault.schedule.from, fault.schedule.until]);
         let edge = edges.filter(|edge| *edge > step).min().unwrap_or(u32::MAX);
-        self.next = if self.over_at.iter().any(Option::is_some) { step + 1 } else { edge };
+        let by_the_wall = self.faults.iter().any(|fault| fault.over_at.is_some());
+        self.next = if by_the_wall { step + 1 } else { edge };
         Ok(())
     }
 
     /// Lets a drive go on that has hung for its time. Asked in every step, and while a lost drive is waited for.
     pub fn revive(&mut self, device: &Device) {
-        if self.over_at.iter().all(Option::is_none) {
-            return;
-        }
-        let now = Instant::now();
-        for (over_at, (_, kind)) in self.over_at.iter_mut().zip(&self.faults) {
-            if over_at.take_if(|over_at| *over_at <= now).is_some() && *kind == (FaultKind::DeviceHang {}) {
+        for fault in self.faults.iter_mut().filter(|fault| fault.over_at.is_some()) {
+            let hangs = fault.hangs();
+            if fault.over_at.take_if(|over_at| *over_at <= Instant::now()).is_some() && hangs {
                 signal(device, Signal::CONT);
             }
         }
@@ -126,25 +136,16 @@ impl Timeline {
     /// The run is over: nothing is wrong any more. Returns what was.
     pub fn end(&mut self, device: &Device) -> Vec<Fired> {
         self.pause();
-        for (over_at, (_, kind)) in self.over_at.iter().zip(&self.faults) {
-            if over_at.is_some() && *kind == (FaultKind::DeviceHang {}) {
-                signal(device, Signal::CONT);
-            }
+        if self.faults.iter().any(Planned::hangs) {
+            signal(device, Signal::CONT);
         }
-        let fired = self.fired.iter().enumerate().filter_map(|(number, fired)| {
-            let mut fired = fired.clone()?;
-            let on_link = self.faults[number].1.place() == Place::Link;
-            fired.frames = self.link.as_ref().filter(|_| on_link).map(|link| link.hits(number));
-            Some(fired)
+        let fired = self.faults.iter().enumerate().filter_map(|(number, fault)| {
+            let on_link = fault.kind.place() == Place::Link;
+            let frames = self.link.as_ref().filter(|_| on_link).map(|link| link.hits(number));
+            Some(Fired { frames, ..fault.fired.clone()? })
         });
         fired.collect()
     }
-}
-
-/// How long a fault lasts that goes by the clock on the wall.
-fn wall_time(fault: &Fault) -> Option<Duration> {
-    let by_the_wall = matches!(fault.kind, FaultKind::LinkCut {} | FaultKind::DeviceHang {});
-    fault.for_s.filter(|_| by_the_wall).map(Duration::from_secs_f64)
 }
 
 fn impossible(kind: &FaultKind, device: &Device) -> Option<&'static str> {

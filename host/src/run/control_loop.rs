@@ -161,26 +161,28 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
                 }
             }
             Some(Exchange::Faulted(fault)) => return Ok(Some(End::DriveFault(fault))),
-            Some(Exchange::Unanswered) => {
-                if Instant::now() >= self.silent_at(asked) {
-                    let silent = device.session.silent(self.scenario.link.silence_limit());
-                    if let Some(end) = self.lose(silent, device)? {
-                        return Ok(Some(end));
-                    }
-                } else {
-                    self.unanswered_since.get_or_insert(asked);
+            Some(Exchange::Unanswered) if Instant::now() >= self.silent_at(asked) => {
+                let silent = device.session.silent(self.scenario.link.silence_limit());
+                if let Some(end) = self.lose(silent, device)? {
+                    return Ok(Some(end));
                 }
-                self.unanswered += 1;
-                (Fate::Unanswered, None)
+                self.give_up()
             }
-            None => {
-                self.unanswered += 1;
-                (Fate::Unanswered, None)
+            Some(Exchange::Unanswered) => {
+                self.unanswered_since.get_or_insert(asked);
+                self.give_up()
             }
+            // The drive was lost, and is there again.
+            None => self.give_up(),
         };
         self.finish(device)?;
         self.hold(step, row, StepTiming { lateness, fate, round_trip })?;
         Ok(None)
+    }
+
+    fn give_up(&mut self) -> (Fate, Option<RoundTrip>) {
+        self.unanswered += 1;
+        (Fate::Unanswered, None)
     }
 
     fn begin(&mut self, step: u32, device: &mut Device) -> Result<(), StepError> {

@@ -20,9 +20,8 @@ pub(super) struct Pacer {
 impl Pacer {
     /// Starts now: step 0 is due.
     pub(super) fn start(period: Duration, spin: Duration) -> Self {
-        let now = clock_gettime(ClockId::Monotonic);
-        let epoch_on_clock = Duration::new(now.tv_sec as u64, now.tv_nsec as u32);
-        Self { epoch: Instant::now(), epoch_on_clock, period, spin }
+        let (epoch, epoch_on_clock) = one_moment();
+        Self { epoch, epoch_on_clock, period, spin }
     }
 
     /// When a step is due.
@@ -58,6 +57,18 @@ impl Pacer {
                 return Ok(now);
             }
             hint::spin_loop();
+        }
+    }
+}
+
+/// Now, on both clocks. Read again if something came between: what they differed by, every step would be early or late.
+fn one_moment() -> (Instant, Duration) {
+    const CLOSE: Duration = Duration::from_micros(5);
+    loop {
+        let before = Instant::now();
+        let now = clock_gettime(ClockId::Monotonic);
+        if before.elapsed() < CLOSE {
+            return (before, Duration::new(now.tv_sec as u64, now.tv_nsec as u32));
         }
     }
 }
