@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
+use lashloop::record::reading::Table;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -15,10 +16,7 @@ pub struct Records {
 
 /// A table of numbers, column by column.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Trace {
-    header: Vec<String>,
-    rows: Vec<Vec<f64>>,
-}
+pub struct Trace(Table);
 
 impl Default for Records {
     fn default() -> Self {
@@ -83,16 +81,9 @@ impl Records {
     }
 
     fn table(&self, name: &str) -> Trace {
-        let text = fs::read_to_string(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
-        assert!(text.ends_with('\n'), "{name} ends within a row: {:?}", text.lines().last());
-        let mut reader = csv::Reader::from_reader(text.as_bytes());
-        let header = reader.headers().expect("a table has a header").iter().map(str::to_owned).collect();
-        let number = |field: &str| field.parse().unwrap_or_else(|_| panic!("{name}: {field} is no number"));
-        let rows = reader
-            .records()
-            .map(|row| row.expect("every row has as many columns as the header").iter().map(number).collect())
-            .collect();
-        Trace { header, rows }
+        let table = Table::read(&self.path(name)).unwrap_or_else(|error| panic!("{error}"));
+        assert!(!table.is_torn(), "{name} ends within a row");
+        Trace(table)
     }
 
     /// Waits until a run has written rows: it is in its midst then.
@@ -107,19 +98,19 @@ impl Trace {
     /// Names of the columns.
     #[must_use]
     pub fn header(&self) -> &[String] {
-        &self.header
+        self.0.header()
     }
 
     /// Number of rows.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.rows.len()
+        self.0.len()
     }
 
     /// Whether there is no row.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.rows.is_empty()
+        self.0.is_empty()
     }
 
     /// A column by its name.
@@ -128,7 +119,6 @@ impl Trace {
     /// There is no such column.
     #[must_use]
     pub fn column(&self, name: &str) -> Vec<f64> {
-        let at = self.header.iter().position(|column| column == name).expect("a column of this name");
-        self.rows.iter().map(|row| row[at]).collect()
+        self.0.column(name).unwrap_or_else(|error| panic!("{error}")).to_vec()
     }
 }

@@ -7,6 +7,7 @@ use lashloop::battery::BatteryError;
 use lashloop::device::DeviceError;
 use lashloop::parameter_set::SettingsError;
 use lashloop::record::RecordError;
+use lashloop::record::reading::ReadError;
 use lashloop::run::RunError;
 use lashloop::scenario::ScenarioErrors;
 use lashloop::verdict::Exit;
@@ -30,6 +31,10 @@ pub(crate) enum CliError {
     Input { path: PathBuf, source: io::Error },
     #[error(transparent)]
     Battery(#[from] BatteryError),
+    #[error(transparent)]
+    Record(#[from] ReadError),
+    #[error("--from {from} --until {until} leaves nothing to show; --until must be the later")]
+    Nothing { from: f64, until: f64 },
     #[error("can't {what}: {source}")]
     System { what: &'static str, source: io::Error },
 }
@@ -50,7 +55,9 @@ impl CliError {
             | Self::Settings(_)
             | Self::Output { .. }
             | Self::Report { .. }
-            | Self::Input { .. } => Exit::UsageOrScenario,
+            | Self::Input { .. }
+            | Self::Record(_)
+            | Self::Nothing { .. } => Exit::UsageOrScenario,
         }
     }
 }

@@ -21,6 +21,7 @@ mod pace;
 mod paper;
 mod parameters;
 mod ping_pong;
+mod plot;
 mod ports;
 mod progress;
 mod report;
@@ -53,6 +54,7 @@ enum Command {
     Run(run::Arguments),
     Demo(demo::Arguments),
     Paper(paper::Arguments),
+    Plot(plot::Arguments),
     Device(device::Arguments),
     Show(show::Arguments),
     Decode(decode::Arguments),
@@ -88,6 +90,7 @@ First steps:
   lashloop run scenarios/smooth-after.toml             one run, with the native twin
   lashloop show scenarios/smooth-after.toml            every key a scenario can have
   lashloop run scenarios/smooth-after.toml --device qemu --out out/qemu
+  lashloop plot out/qemu                               what it did, as a picture
   lashloop device                                      a drive on a terminal, for a second shell:
   lashloop run scenarios/smooth-after.toml --device /dev/pts/N";
 
@@ -104,6 +107,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Run(arguments) => arguments.run(),
         Command::Demo(arguments) => arguments.run(),
         Command::Paper(arguments) => arguments.run(),
+        Command::Plot(arguments) => arguments.run(),
         Command::Device(arguments) => arguments.run(),
         Command::Show(arguments) => arguments.run(),
         Command::Decode(arguments) => arguments.run(),

@@ -24,6 +24,7 @@ mod legend;
 mod panel;
 pub mod paper;
 mod placement;
+pub mod record;
 mod scale;
 mod svg;
 mod text;

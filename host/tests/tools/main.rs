@@ -1,9 +1,10 @@
-//! The tools around the line: capture, decode, the Wireshark dissector, doctor.
+//! The tools around line and record: capture, decode, the Wireshark dissector, doctor, plot.
 
 mod capture;
 mod decode;
 mod dissector;
 mod doctor;
+mod plot;
 mod support;
 
 /// The messages that protocol version 1 is pinned by.

@@ -1,0 +1,61 @@
+//! `lashloop plot`: what a run did, as a picture.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use lashloop::picture::record::figure;
+use lashloop::record::reading::Record;
+use lashloop::verdict::Exit;
+
+use super::error::CliError;
+
+const PICTURE: &str = "record.svg";
+
+/// Draw the records of one run or several side by side: position, error, torque, gap, estimate, round trip.
+///
+/// A record is a folder that `run --out` has written, also of a run that was cut short.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Folders of runs
+    #[arg(required = true, value_name = "DIR")]
+    records: Vec<PathBuf>,
+
+    /// The picture [default: record.svg in the first folder]
+    #[arg(long, value_name = "FILE.svg")]
+    out: Option<PathBuf>,
+
+    /// Leave out what was before this time, in s
+    #[arg(long, default_value_t = 0.0, value_name = "S")]
+    from: f64,
+
+    /// Leave out what was after this time, in s
+    #[arg(long, default_value_t = f64::INFINITY, value_name = "S", hide_default_value = true)]
+    until: f64,
+}
+
+impl Arguments {
+    pub(crate) fn run(self) -> Result<Exit, CliError> {
+        let (from, until) = (self.from, self.until);
+        if from.is_nan() || until.is_nan() || from >= until {
+            return Err(CliError::Nothing { from, until });
+        }
+        let runs = self
+            .records
+            .iter()
+            .map(|folder| Ok((name(folder), Record::read(folder)?)))
+            .collect::<Result<Vec<_>, CliError>>()?;
+        let picture = figure(&runs, &(from..=until))?.to_svg();
+        let path = self.out.unwrap_or_else(|| self.records[0].join(PICTURE));
+        fs::write(&path, picture).map_err(|source| CliError::Output { path: path.clone(), source })?;
+        say!("picture: {}", path.display());
+        Ok(Exit::Pass)
+    }
+}
+
+/// As it was given, but for what is the same for every folder and says nothing.
+fn name(folder: &Path) -> String {
+    folder
+        .file_name()
+        .map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned())
+}

@@ -1,0 +1,118 @@
+//! `lashloop plot` on records of runs that ended well, ended early, or are none.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use crate::support::{lashloop, root, text};
+
+/// Folders of runs of a tenth of a second.
+struct Runs(TempDir);
+
+impl Runs {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn folder(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn run(&self, name: &str, settings: &[&str]) -> PathBuf {
+        let (scenario, out) = (root().join("scenarios/faults.toml"), self.folder(name));
+        let mut arguments = vec!["run", scenario.to_str().unwrap(), "--device", "inproc"];
+        arguments.extend(["--out", out.to_str().unwrap(), "--set", "run.duration_s=0.1"]);
+        arguments.extend(settings.iter().flat_map(|setting| ["--set", setting]));
+        let ended = lashloop(&arguments, &[]);
+        assert_eq!(ended.status.code(), Some(1), "{}", text(&ended.stderr));
+        out
+    }
+}
+
+fn plot(arguments: &[&Path]) -> Result<String, String> {
+    let arguments: Vec<&str> = arguments.iter().map(|argument| argument.to_str().unwrap()).collect();
+    let ended = lashloop(&[&["plot"], &arguments[..]].concat(), &[]);
+    match ended.status.code() {
+        Some(0) => Ok(text(&ended.stdout).to_owned()),
+        Some(2) => Err(text(&ended.stderr).to_owned()),
+        code => panic!("{code:?}: {}", text(&ended.stderr)),
+    }
+}
+
+#[test]
+fn a_record_becomes_a_picture_in_its_folder() {
+    let runs = Runs::new();
+    let one = runs.run("one", &[]);
+    let said = plot(&[&one]).unwrap();
+    let picture = one.join("record.svg");
+    assert_eq!(said, format!("picture: {}\n", picture.display()));
+    let svg = fs::read_to_string(picture).unwrap();
+    for words in
+        ["Record of one", "Load position", "edges of the gap", "Round trip", "100 steps, all answered."]
+    {
+        assert!(svg.contains(words), "no {words:?}");
+    }
+    assert!(!svg.contains("no data"), "every panel has a curve");
+}
+
+#[test]
+fn records_side_by_side_have_a_curve_each_and_share_what_is_the_same() {
+    let runs = Runs::new();
+    let (one, other) = (runs.run("one", &[]), runs.run("other", &["plant.dead_zone_rad=0.2"]));
+    let picture = runs.folder("both.svg");
+    plot(&[&one, &other, Path::new("--out"), &picture]).unwrap();
+    let svg = fs::read_to_string(picture).unwrap();
+    let curves = |label: &str| svg.matches(&format!("<title>{label}</title>")).count();
+    assert_eq!((curves("one"), curves("other")), (6, 6), "one in each panel");
+    assert_eq!(curves("reference"), 1, "both follow the same");
+    assert_eq!(curves("edges of the gap"), 2, "the gaps differ");
+}
+
+#[test]
+fn a_part_of_the_time_is_shown_alone() {
+    let runs = Runs::new();
+    let one = runs.run("one", &[]);
+    plot(&[&one, Path::new("--from=0.05"), Path::new("--until=0.06")]).unwrap();
+    let svg = fs::read_to_string(one.join("record.svg")).unwrap();
+    assert!(svg.contains(">0.050<") && svg.contains(">0.060<") && !svg.contains(">0.10<"), "other times");
+    let error = plot(&[&one, Path::new("--from=2"), Path::new("--until=1")]).unwrap_err();
+    assert!(error.contains("--until must be the later"), "{error}");
+}
+
+#[test]
+fn a_run_that_was_killed_is_drawn_as_far_as_its_record_goes() {
+    let runs = Runs::new();
+    let one = runs.run("one", &[]);
+    fs::remove_file(one.join("summary.json")).unwrap();
+    fs::remove_file(one.join("timing.csv")).unwrap();
+    let trace = fs::read(one.join("trace.csv")).unwrap();
+    fs::write(one.join("trace.csv"), &trace[..trace.len() - 40]).unwrap();
+    plot(&[&one]).unwrap();
+    let svg = fs::read_to_string(one.join("record.svg")).unwrap();
+    for words in ["ended without a verdict", "99 steps", "no timing.csv", "ends within a row"] {
+        assert!(svg.replace("</tspan>", " ").contains(words), "no {words:?}: {svg}");
+    }
+}
+
+#[test]
+fn what_is_no_record_is_named_with_its_file_and_line() {
+    let runs = Runs::new();
+    let nowhere = runs.folder("nowhere");
+    let error = plot(&[&nowhere]).unwrap_err();
+    assert!(error.contains("nowhere/trace.csv: can't be read: No such file"), "{error}");
+
+    let one = runs.run("one", &[]);
+    let trace = fs::read_to_string(one.join("trace.csv")).unwrap();
+    fs::write(one.join("trace.csv"), trace.replacen("\n0.001,", "\nsoon,", 1)).unwrap();
+    let error = plot(&[&one]).unwrap_err();
+    assert!(error.contains("trace.csv:3: time_s is \"soon\"; it must be a number"), "{error}");
+
+    fs::write(one.join("trace.csv"), trace.lines().next().unwrap().to_owned() + "\n").unwrap();
+    let error = plot(&[&one]).unwrap_err();
+    assert!(error.contains("trace.csv: has no rows"), "{error}");
+
+    fs::write(one.join("trace.csv"), trace.replacen("twist_rad", "twirl_rad", 1)).unwrap();
+    let error = plot(&[&one]).unwrap_err();
+    assert!(error.contains("trace.csv: there is no column twist_rad"), "{error}");
+}
