@@ -4,12 +4,12 @@ use core::fmt::Write;
 use std::thread;
 
 use lashloop::battery::plants::RandomPlant;
-use lashloop::plant::{Start, Truth};
-use lashloop_firmware::control::law::{Law, LawState};
-use lashloop_firmware::control::{Controller, Measurement, Real};
+use lashloop::plant::Start;
+use lashloop_firmware::control::Real;
 
 use crate::bench::load_distance_rad;
-use crate::closed_loop::{Quantised, Reference, Sensors, Timing, regulate_to_nought, run};
+use crate::closed_loop::{Reference, Timing, regulate_to_nought, run};
+use crate::listener::Listener;
 use crate::machine::{Figures, HEAD, Machine};
 use crate::paper;
 
@@ -170,26 +170,6 @@ fn two_hundred_plants_that_nobody_tuned_it_for() {
     insta::assert_snapshot!(table);
 }
 
-/// Reads for the law in double precision and lets the drive's single precision listen to the same counts.
-struct Listener<'a> {
-    double: Quantised<f64>,
-    single: Quantised<f32>,
-    laws: (Law<f64>, Law<f32>),
-    states: (LawState<f64>, LawState<f32>),
-    largest_nm: &'a mut f64,
-}
-
-impl Sensors<f64> for Listener<'_> {
-    fn measure(&mut self, truth: &Truth, reference: Reference, applied_torque_nm: f64) -> Measurement<f64> {
-        let double = self.double.measure(truth, reference, applied_torque_nm);
-        let single = self.single.measure(truth, reference, applied_torque_nm);
-        let want = self.laws.0.step(&mut self.states.0, &double).torque_nm;
-        let have = self.laws.1.step(&mut self.states.1, &single).torque_nm;
-        *self.largest_nm = self.largest_nm.max((have.to_f64() - want).abs());
-        double
-    }
-}
-
 #[test]
 fn single_precision_answers_the_same_counts_with_the_same_torque() {
     let mut table = String::from("counts   largest difference of torque, N m\n");
@@ -197,13 +177,7 @@ fn single_precision_answers_the_same_counts_with_the_same_torque() {
         let machine = Machine { counts, ..Machine::paper() };
         let laws = (machine.compensating(), machine.compensating());
         let mut largest_nm = 0.0;
-        let listener = Listener {
-            double: machine.sensors(),
-            single: machine.sensors(),
-            states: (laws.0.initial_state(), laws.1.initial_state()),
-            laws,
-            largest_nm: &mut largest_nm,
-        };
+        let listener = Listener::new((machine.sensors(), machine.sensors()), laws, &mut largest_nm);
         let rows =
             machine.follow(&machine.compensating(), listener, paper::START, 25_000, regulate_to_nought);
         meets(&Figures::of(&rows), "in double precision");

@@ -4,6 +4,7 @@
 
 mod bench;
 mod closed_loop;
+mod listener;
 mod machine;
 mod open_loop;
 mod paper;
