@@ -35,7 +35,7 @@ impl RunSettings {
     /// Control steps of the run: the duration in whole periods, to the nearest. At least 1.
     #[must_use]
     pub fn steps(&self) -> u32 {
-        // At most 1e5 s / 100 us = 1e9, so the conversion is exact, and a sequence number holds it.
+        // At most 1e5 s / 100 us = 1e9, so the conversion is exact, and a step number holds it.
         (self.duration_s * 1e6 / f64::from(self.control_period_us)).round() as u32
     }
 }
