@@ -60,6 +60,8 @@ impl ControlLoop {
     /// Names the parameter that does not go with the others.
     pub(super) fn new(parameters: &Parameters) -> Result<Self, ParameterError> {
         let period_s = parameters.period_us as f32 * 1e-6;
+        let sensing = Sensing::new(sensing_config(parameters, period_s))?;
+        let law = law(parameters, period_s)?;
         let [motor_rad_s_per_count, load_rad_s_per_count] =
             [parameters.motor_counts_per_rev, parameters.load_counts_per_rev]
                 .map(|counts| TAU / (counts as f32 * period_s));
@@ -67,8 +69,6 @@ impl ControlLoop {
             told_apart("motor_speed_limit_rad_s", parameters.motor_speed_limit_rad_s, motor_rad_s_per_count)?;
         let load_gap =
             told_apart("load_speed_limit_rad_s", parameters.load_speed_limit_rad_s, load_rad_s_per_count)?;
-        let sensing = Sensing::new(sensing_config(parameters, period_s))?;
-        let law = law(parameters, period_s)?;
         Ok(Self {
             sensing_state: sensing.initial_state(),
             sensing,

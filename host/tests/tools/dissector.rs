@@ -105,7 +105,8 @@ fn every_field_of_every_pinned_message_is_read_as_we_read_it() {
                         panic!("{name} is no status")
                     };
                     let value = states.iter().find(|(_, name)| name == state).unwrap().0;
-                    assert_eq!(shown(&format!("{name}.state")), value.to_string(), "{name}");
+                    let below = &layer[format!("lashloop.{name}_tree")];
+                    assert_eq!(below[format!("lashloop.{name}.state")], value.to_string(), "{name}");
                     let whole = bits(names, flags) | u16::from(value);
                     assert_eq!(number(&shown(name)), whole, "{name}");
                 }
