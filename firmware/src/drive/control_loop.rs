@@ -26,30 +26,13 @@ const LONGEST_GAP: u16 = 1000;
 /// an encoder may show one count more than it has turned.
 const COUNTS_TOLD_APART: f32 = (EncoderCounts::MAX.get() - 1) as f32;
 
-/// Where an encoder stands.
-#[derive(Clone, Copy)]
-struct Position {
-    reading: EncoderCounts,
-    /// The reading without the wraps on the way here.
-    counter: i32,
-}
-
-impl Position {
-    fn first(reading: EncoderCounts) -> Self {
-        Self { reading, counter: reading.get() }
-    }
-
-    fn moved_to(self, reading: EncoderCounts) -> Self {
-        Self { reading, counter: self.counter.wrapping_add(reading.wrapping_sub(self.reading)) }
-    }
-}
-
 pub(super) struct ControlLoop {
     sensing: Sensing<f32>,
     sensing_state: SensingState<f32>,
     law: Law<f32>,
     law_state: LawState<f32>,
-    previous: Option<(Position, Position)>,
+    /// Counters of motor and load: the readings without their wraps.
+    previous_counts: Option<(i32, i32)>,
     longest_gap: u16,
     motor_rad_s_per_count: f32,
     load_rad_s_per_count: f32,
@@ -65,17 +48,22 @@ impl ControlLoop {
         let [motor_rad_s_per_count, load_rad_s_per_count] =
             [parameters.motor_counts_per_rev, parameters.load_counts_per_rev]
                 .map(|counts| TAU / (counts as f32 * period_s));
-        let motor_gap =
-            told_apart("motor_speed_limit_rad_s", parameters.motor_speed_limit_rad_s, motor_rad_s_per_count)?;
-        let load_gap =
-            told_apart("load_speed_limit_rad_s", parameters.load_speed_limit_rad_s, load_rad_s_per_count)?;
+        let mut longest_gap = LONGEST_GAP;
+        for (name, limit_rad_s, rad_s_per_count) in [
+            ("motor_speed_limit_rad_s", parameters.motor_speed_limit_rad_s, motor_rad_s_per_count),
+            ("load_speed_limit_rad_s", parameters.load_speed_limit_rad_s, load_rad_s_per_count),
+        ] {
+            let fastest_rad_s = COUNTS_TOLD_APART * rad_s_per_count;
+            within(name, limit_rad_s, 0.0, fastest_rad_s)?;
+            longest_gap = longest_gap.min((fastest_rad_s / limit_rad_s) as u16);
+        }
         Ok(Self {
             sensing_state: sensing.initial_state(),
             sensing,
             law_state: law.initial_state(),
             law,
-            previous: None,
-            longest_gap: LONGEST_GAP.min(motor_gap).min(load_gap),
+            previous_counts: None,
+            longest_gap,
             motor_rad_s_per_count,
             load_rad_s_per_count,
         })
@@ -89,13 +77,13 @@ impl ControlLoop {
     /// How fast motor and load must have turned at least since the last sample, in rad/s, either way; zero for the first
     /// one. A count is taken off: an encoder that shows one count more may have turned hardly at all.
     pub(super) fn speeds(&self, sample: &EncoderSample, periods: u32) -> (f32, f32) {
-        let Some((motor, load)) = self.previous else { return (0.0, 0.0) };
-        let moved = |now: EncoderCounts, before: Position, scale: f32| {
-            now.wrapping_sub(before.reading).unsigned_abs().saturating_sub(1) as f32 * scale / periods as f32
+        let Some((motor, load)) = self.previous_counts else { return (0.0, 0.0) };
+        let speed = |reading, counter, scale: f32| {
+            moved(reading, counter).unsigned_abs().saturating_sub(1) as f32 * scale / periods as f32
         };
         (
-            moved(sample.motor_counts, motor, self.motor_rad_s_per_count),
-            moved(sample.load_counts, load, self.load_rad_s_per_count),
+            speed(sample.motor_counts, motor, self.motor_rad_s_per_count),
+            speed(sample.load_counts, load, self.load_rad_s_per_count),
         )
     }
 
@@ -106,16 +94,19 @@ impl ControlLoop {
         periods: u32,
         applied_torque_nm: f32,
     ) -> ControlOutput<f32> {
-        let (motor, load) = match self.previous {
-            None => (Position::first(sample.motor_counts), Position::first(sample.load_counts)),
-            Some((motor, load)) => (motor.moved_to(sample.motor_counts), load.moved_to(sample.load_counts)),
+        let (motor_counts, load_counts) = match self.previous_counts {
+            None => (sample.motor_counts.get(), sample.load_counts.get()),
+            Some((motor, load)) => (
+                motor.wrapping_add(moved(sample.motor_counts, motor)),
+                load.wrapping_add(moved(sample.load_counts, load)),
+            ),
         };
-        self.previous = Some((motor, load));
+        self.previous_counts = Some((motor_counts, load_counts));
         let measurement = self.sensing.step(
             &mut self.sensing_state,
             &Sample {
-                motor_counts: motor.counter,
-                load_counts: load.counter,
+                motor_counts,
+                load_counts,
                 reference_rad: sample.reference_rad,
                 applied_torque_nm,
                 elapsed_periods: periods,
@@ -125,18 +116,9 @@ impl ControlLoop {
     }
 }
 
-/// Periods, at least one, after which readings of an encoder can still be told apart at its speed limit.
-///
-/// # Errors
-/// Not even after one period.
-fn told_apart(
-    name: &'static str,
-    speed_limit_rad_s: f32,
-    rad_s_per_count: f32,
-) -> Result<u16, ParameterError> {
-    let fastest_rad_s = COUNTS_TOLD_APART * rad_s_per_count;
-    within(name, speed_limit_rad_s, 0.0, fastest_rad_s)?;
-    Ok((fastest_rad_s / speed_limit_rad_s) as u16)
+/// Counts that an encoder has moved from where its counter stood to this reading.
+fn moved(reading: EncoderCounts, counter: i32) -> i32 {
+    reading.wrapping_sub(EncoderCounts::wrapping(counter.into()))
 }
 
 fn sensing_config(parameters: &Parameters, period_s: f32) -> SensingConfig<f32> {
