@@ -4,6 +4,12 @@
 use std::fs;
 use std::path::PathBuf;
 
+use lashloop::capture::reader;
+use lashloop_protocol::layout::Direction;
+use lashloop_protocol::message::EncoderSample;
+use lashloop_protocol::vocabulary::State;
+use lashloop_protocol::wire::Payload;
+use lashloop_protocol::{Decoder, DriveMessage};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -13,6 +19,9 @@ use crate::records::Records;
 use crate::workspace;
 
 const DOCUMENT: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/faults.md"));
+
+/// The capture of the line, beside the record.
+const LINE: &str = "line.pcapng";
 
 /// Counts of the link that say that something was lost.
 const COUNTS: [&str; 6] = ["crc_errors", "lost", "late", "resumes", "damaged_at_drive", "overruns_at_drive"];
@@ -26,6 +35,8 @@ pub struct Row {
     pub with: Vec<String>,
     /// Who notices, and by what.
     pub detected_by: Vec<String>,
+    /// What drive and bench do about it.
+    pub reaction: String,
     /// PASS, FAIL, INVALID or `exit 4`.
     pub ends: String,
     /// Until when.
@@ -36,7 +47,9 @@ impl Row {
     fn read(line: &str) -> Self {
         let cells: Vec<_> =
             line.trim_matches('|').split('|').map(|cell| cell.trim().replace('`', "")).collect();
-        let [fault, with, detected_by, ends, within] = &cells[..] else { panic!("not five cells: {line}") };
+        let [fault, with, detected_by, reaction, ends, within] = &cells[..] else {
+            panic!("not six cells: {line}")
+        };
         let list = |cell: &str| -> Vec<String> {
             cell.split(", ").filter(|item| !item.is_empty()).map(str::to_owned).collect()
         };
@@ -44,6 +57,7 @@ impl Row {
             fault: fault.clone(),
             with: list(with),
             detected_by: list(detected_by),
+            reaction: reaction.clone(),
             ends: ends.clone(),
             within: within.clone(),
         }
@@ -79,7 +93,8 @@ impl Row {
     pub fn run_on(&self, device: &str) -> (Ended, Records) {
         let (folder, records) = (tempfile::tempdir().expect("a temporary folder"), Records::new());
         let (scenario, out) = (self.scenario(&folder).display().to_string(), records.out());
-        let mut arguments = vec!["run", &scenario, "--device", device, "--out", &out];
+        let line = records.path(LINE).display().to_string();
+        let mut arguments = vec!["run", &scenario, "--device", device, "--out", &out, "--capture", &line];
         arguments.extend(self.with.iter().flat_map(|setting| ["--set", setting]));
         if !self.detected_by.iter().any(|by| by.starts_with("bench")) {
             // Nothing is lost in this row, and a machine that is busy must not add what is.
@@ -112,7 +127,33 @@ impl Row {
             self.check_summary(summary, &context);
         }
         self.check_bound(&records, &context);
-        held_where_unanswered(&records, &context);
+        self.check_reaction(&records, &context);
+    }
+
+    /// What drive and bench did about it, by the frames on the line and the rows of the record.
+    fn check_reaction(&self, records: &Records, context: &str) {
+        let unanswered = held_where_unanswered(records, context);
+        let said = said_by_the_drive(records, context);
+        let shows_it = said.iter().position(|message| match message {
+            DriveMessage::FaultReport(_) => true,
+            DriveMessage::CommandResult(result) => {
+                (result.request, result.state) == (EncoderSample::LAYOUT.kind, State::Boot)
+            }
+            _ => false,
+        });
+        let torque_after = said[shows_it.unwrap_or(said.len())..].iter().any(gives_torque);
+        let torque_while_not_running = said.iter().any(|message| {
+            matches!(message, DriveMessage::TorqueAnswer(answer) if answer.status.state != State::Running)
+                && gives_torque(message)
+        });
+        assert!(!torque_after && !torque_while_not_running, "a torque after the fault: {context}");
+        match self.reaction.as_str() {
+            "torque zero" => assert!(shows_it.is_some(), "the drive runs on: {context}"),
+            "torque held" => assert!(unanswered > 0 && shows_it.is_none(), "nothing to hold: {context}"),
+            "none" => assert!(unanswered == 0 && shows_it.is_none(), "a reaction: {context}"),
+            "run ended" => assert_eq!(self.ends, "exit 4", "{context}"),
+            other => panic!("{other} is no reaction: {context}"),
+        }
     }
 
     /// Nothing but what the row names was noticed, and the log has the fault.
@@ -163,14 +204,33 @@ fn is_detected(detector: &str, ended: &Ended, summary: Option<&Value>) -> bool {
     }
 }
 
-/// A step without an answer has the torque of the step before.
-fn held_where_unanswered(records: &Records, context: &str) {
+/// A step without an answer has the torque of the step before. Returns how many there are.
+fn held_where_unanswered(records: &Records, context: &str) -> usize {
     let (answered, torque_nm) = (records.timing().column("answered"), records.trace().column("torque_nm"));
-    for step in 1..answered.len() {
-        if answered[step] == 0.0 {
-            assert_eq!(torque_nm[step], torque_nm[step - 1], "step {step}: {context}");
-        }
+    let unanswered: Vec<_> = (1..answered.len()).filter(|step| answered[*step] == 0.0).collect();
+    for &step in &unanswered {
+        assert_eq!(torque_nm[step], torque_nm[step - 1], "step {step}: {context}");
     }
+    unanswered.len()
+}
+
+/// What the drive said on the line, as far as it arrived whole.
+fn said_by_the_drive(records: &Records, context: &str) -> Vec<DriveMessage> {
+    let bytes = fs::read(records.path(LINE)).unwrap_or_else(|error| panic!("no capture, {error}: {context}"));
+    let mut decoder = Decoder::new();
+    reader::packets(&bytes)
+        .map(|packet| packet.expect("a whole packet"))
+        .filter(|packet| packet.direction == Some(Direction::DriveToHost))
+        .flat_map(|packet| {
+            let mut rest = &packet.bytes[..];
+            std::iter::from_fn(|| decoder.next(&mut rest)).collect::<Vec<_>>()
+        })
+        .filter_map(Result::ok)
+        .collect()
+}
+
+fn gives_torque(message: &DriveMessage) -> bool {
+    matches!(message, DriveMessage::TorqueAnswer(answer) if answer.torque_nm != 0.0)
 }
 
 /// The table.

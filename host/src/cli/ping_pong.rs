@@ -1,5 +1,5 @@
 //! What the loop is compared with: the bytes of a control cycle to and fro over a pseudo-terminal, and nothing else.
-//! Blocking reads and writes, one process at either end, no frames, no drive, no plant.
+//! Reads and writes, one process at either end, no frames, no drive, no plant.
 
 use std::io::{self, Write};
 use std::os::fd::OwnedFd;
@@ -11,7 +11,9 @@ use lashloop::verdict::Exit;
 use lashloop_firmware::twin::Terminal;
 use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
 use lashloop_protocol::wire::Payload;
+use rustix::event::{PollFd, PollFlags, poll};
 use rustix::fs::{Mode, OFlags};
+use rustix::time::Timespec;
 
 use super::error::CliError;
 
@@ -47,10 +49,20 @@ impl NearEnd {
         Ok(Self(line))
     }
 
-    /// The bytes of a control cycle there and back, and the time they took.
+    /// The bytes of a control cycle there and back, and the time they took. Waits for them as long as it takes.
     pub(super) fn round_trip(&mut self) -> io::Result<Duration> {
         let started = Instant::now();
         write_all(&self.0, &[1; OUT])?;
+        read_exactly(&self.0, &mut [0; BACK])?;
+        Ok(started.elapsed())
+    }
+
+    /// The same by somebody who has a next period to keep: he has to be able to give up, and a read alone knows no time
+    /// shorter than a tenth of a second. Bytes that come after `limit` are waited for all the same.
+    pub(super) fn round_trip_with_a_deadline(&mut self, limit: Timespec) -> io::Result<Duration> {
+        let started = Instant::now();
+        write_all(&self.0, &[1; OUT])?;
+        poll(&mut [PollFd::new(&self.0, PollFlags::IN)], Some(&limit))?;
         read_exactly(&self.0, &mut [0; BACK])?;
         Ok(started.elapsed())
     }

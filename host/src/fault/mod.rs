@@ -41,11 +41,10 @@ impl Schedule {
     /// The steps of a fault: its times to the nearest step, and one step at least.
     #[must_use]
     pub fn of(fault: &Fault, run: &RunSettings) -> Self {
-        let steps = |time_s: f64| (time_s / run.control_period_s()).round() as u32;
-        let from = steps(fault.at_s);
+        let from = run.step_at(fault.at_s);
         let until = match (fault.for_s, fault.kind) {
             (_, FaultKind::DeviceReset {}) => from.saturating_add(1),
-            (Some(for_s), _) => from.saturating_add(steps(for_s).max(1)),
+            (Some(for_s), _) => from.saturating_add(run.step_at(for_s).max(1)),
             (None, _) => u32::MAX,
         };
         Self { from, until }

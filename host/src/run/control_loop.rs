@@ -50,8 +50,12 @@ pub(super) struct ControlLoop<'a, S> {
     is_answered: bool,
     /// Not from when a lost drive has been set up again to the step that asks it.
     is_started: bool,
+    /// How long the drive gives torque without a new sample. `None` in lockstep, where its time is not the plant's.
+    watchdog: Option<Duration>,
     /// What the motor is given at present.
     torque_nm: f32,
+    /// Steps since the one whose torque that is.
+    held: u32,
     unanswered: u64,
     /// When the first sample of those was sent that have no answer yet.
     unanswered_since: Option<Instant>,
@@ -66,6 +70,7 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
         bench: Bench,
         timeline: Timeline,
         clock: ClockName,
+        watchdog: Option<Duration>,
         sink: S,
     ) -> Self {
         Self {
@@ -78,7 +83,9 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
             origin: 0,
             is_answered: false,
             is_started: true,
+            watchdog,
             torque_nm: 0.0,
+            held: 0,
             unanswered: 0,
             unanswered_since: None,
             steps: 0,
@@ -252,6 +259,12 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
     }
 
     fn hold(&mut self, step: u32, mut row: TraceRow, timing: StepTiming) -> Result<(), StepError> {
+        self.held = if timing.fate == Fate::Answered { 0 } else { self.held.saturating_add(1) };
+        let held_for = Duration::from_micros(self.scenario.run.control_period_us.into()) * self.held;
+        if self.watchdog.is_some_and(|watchdog| held_for >= watchdog) {
+            // If the samples were lost, the drive's watchdog has tripped; if only the answers were, nobody here can know.
+            self.torque_nm = 0.0;
+        }
         row.torque_nm = self.torque_nm.into();
         self.unfinished = Some(Step { row, timing });
         self.steps += 1;

@@ -1,7 +1,7 @@
 //! From a scenario and a device to a verdict.
 
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::bench::Bench;
 use super::control_loop::{ControlLoop, Sink};
@@ -50,17 +50,23 @@ pub fn run(
     let bench = Bench::new(scenario)?;
     let timeline = Timeline::new(scenario, device)?;
     setup::set_up(device, scenario, clock.name())?;
+    let watchdog = match clock {
+        Clock::Lockstep => None,
+        Clock::RealTime(_) => Some(setup::watchdog(device)?),
+    };
     let before = device.session.traffic();
     let mut keeper = Keeper::new(scenario, clock.name(), watcher);
     let (closed, refused) = match clock {
         Clock::Lockstep => {
-            let control = ControlLoop::new(scenario, bench, timeline, clock.name(), &mut keeper);
+            let control = ControlLoop::new(scenario, bench, timeline, clock.name(), watchdog, &mut keeper);
             (
                 to_the_end(control, device, |control, device| lockstep::close(control, scenario, device))?,
                 Vec::new(),
             )
         }
-        Clock::RealTime(options) => in_real_time(scenario, bench, timeline, device, &options, &mut keeper)?,
+        Clock::RealTime(options) => {
+            in_real_time(scenario, bench, timeline, watchdog, device, &options, &mut keeper)?
+        }
     };
     let Closed { end, steps, unanswered, resumes, wall_s, faults } = closed;
     if matches!(end, End::Diverged(_)) {
@@ -101,6 +107,7 @@ fn in_real_time(
     scenario: &Scenario,
     bench: Bench,
     timeline: Timeline,
+    watchdog: Option<Duration>,
     device: &mut Device,
     options: &RealTime,
     keeper: &mut Keeper<'_>,
@@ -111,7 +118,7 @@ fn in_real_time(
     let mut keeper = keeper;
     let work = || {
         let refused = real_time::obtain(options);
-        let control = ControlLoop::new(scenario, bench, timeline, ClockName::RealTime, ring);
+        let control = ControlLoop::new(scenario, bench, timeline, ClockName::RealTime, watchdog, ring);
         let closed = to_the_end(control, device, |control, device| {
             real_time::close(control, scenario, device, options.spin)
         });

@@ -2,12 +2,14 @@
 //!
 //! A drive on a bench remembers what the last host set. It is reset first, so that a run depends on its scenario alone.
 
+use std::time::Duration;
+
 use lashloop_protocol::message::Identity;
-use lashloop_protocol::vocabulary::{ControllerId, DisturbingTorqueSource, Outcome};
+use lashloop_protocol::vocabulary::{ControllerId, DisturbingTorqueSource, Outcome, ParameterValue};
 
 use super::RunError;
 use crate::device::{Device, DeviceError};
-use crate::scenario::controller::{ControllerName, ParameterSetting, ParameterValue};
+use crate::scenario::controller::{self, ControllerName, ParameterSetting};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::session::{SessionError, SetError};
 use crate::timing::ClockName;
@@ -59,6 +61,23 @@ fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Resu
         apply(device, setting)?;
     }
     Ok(())
+}
+
+/// How long the drive gives torque without a new sample, as it has it in force.
+///
+/// # Errors
+/// It has no such parameter, or the conversation broke.
+pub(super) fn watchdog(device: &mut Device) -> Result<Duration, RunError> {
+    let Some(index) = device.session.parameter("watchdog_us").map(|parameter| parameter.index) else {
+        return Err(device
+            .unfit("it has no parameter watchdog_us, which every drive must have".to_owned())
+            .into());
+    };
+    match device.session.get(index).map_err(|source| device.explain(source))? {
+        ParameterValue::U32(us) => Ok(Duration::from_micros(us.into())),
+        ParameterValue::F32(us) => Duration::try_from_secs_f32(1e-6 * us)
+            .map_err(|error| device.unfit(format!("its watchdog_us is {us}: {error}")).into()),
+    }
 }
 
 /// Sets up a drive that was lost, up to its start. What comes back has to be what was lost: parameters are set by indices that
@@ -133,14 +152,14 @@ fn apply(device: &mut Device, setting: &ParameterSetting) -> Result<(), RunError
 
 fn number_of(setting: &ParameterSetting) -> Result<f64, ScenarioError> {
     match (&setting.value, setting.name.as_str()) {
-        (ParameterValue::Number(number), _) => Ok(*number),
-        (ParameterValue::Boolean(on), _) => Ok(f64::from(u8::from(*on))),
-        (ParameterValue::Text(text), "disturbing_torque_source") => match text.as_str() {
+        (controller::ParameterValue::Number(number), _) => Ok(*number),
+        (controller::ParameterValue::Boolean(on), _) => Ok(f64::from(u8::from(*on))),
+        (controller::ParameterValue::Text(text), "disturbing_torque_source") => match text.as_str() {
             "model" => Ok(f64::from(DisturbingTorqueSource::Model as u8)),
             "observed" => Ok(f64::from(DisturbingTorqueSource::Observed as u8)),
             _ => Err(ScenarioError::parameter(setting, "is no source; it must be \"model\" or \"observed\"")),
         },
-        (ParameterValue::Text(_), _) => {
+        (controller::ParameterValue::Text(_), _) => {
             Err(ScenarioError::parameter(setting, "is a text; the drive takes a number"))
         }
     }

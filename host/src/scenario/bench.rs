@@ -35,8 +35,14 @@ impl RunSettings {
     /// Control steps of the run: the duration in whole periods, to the nearest. At least 1.
     #[must_use]
     pub fn steps(&self) -> u32 {
+        self.step_at(self.duration_s)
+    }
+
+    /// The step that begins nearest to a time.
+    #[must_use]
+    pub fn step_at(&self, time_s: f64) -> u32 {
         // At most 1e5 s / 100 us = 1e9, so the conversion is exact, and a step number holds it.
-        (self.duration_s * 1e6 / f64::from(self.control_period_us)).round() as u32
+        (time_s * 1e6 / f64::from(self.control_period_us)).round() as u32
     }
 }
 

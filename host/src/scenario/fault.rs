@@ -3,6 +3,7 @@
 use lashloop_protocol::EncoderCounts;
 use serde::Serialize;
 
+use super::bench::RunSettings;
 use super::plant::PlantModel;
 use super::range::{positive, within};
 use super::reader::Section;
@@ -330,13 +331,17 @@ fn factor(fault: &mut Section<'_>) -> f64 {
     fault.number("factor", unit::NONE, None, positive(100.0))
 }
 
-/// Reads one fault of a scenario whose plant is `model` and whose run lasts `duration_s`.
-pub(super) fn read(fault: &mut Section<'_>, model: PlantModel, duration_s: f64) -> Fault {
+/// Reads one fault of a scenario with this plant and this run.
+pub(super) fn read(fault: &mut Section<'_>, model: PlantModel, run: &RunSettings) -> Fault {
     let kinds: Vec<_> = KINDS.iter().map(|(name, read)| (*name, (*name, *read))).collect();
     let at_s = fault.number("at_s", unit::SECOND, None, within(0.0, 1e5));
     let for_s = fault.optional_number("for_s", unit::SECOND, positive(1e5));
-    if at_s >= duration_s {
-        fault.reject("at_s", format!("is not before the end of the run; it must be < {duration_s} s"));
+    if run.step_at(at_s) >= run.steps() {
+        let last_s = f64::from(run.steps().saturating_sub(1)) * f64::from(run.control_period_us) / 1e6;
+        fault.reject(
+            "at_s",
+            format!("is not before the end of the run, whose last step begins at {last_s} s"),
+        );
     }
     let Some((name, read)) = fault.choice("kind", None, &kinds) else {
         fault.accept_the_rest();

@@ -134,7 +134,7 @@ fn read(root: &mut Section<'_>, name: &str, directory: &Path) -> Scenario {
     let plant = root.section("plant", plant::read);
     let model = plant.model;
     let run = root.section("run", bench::read_run);
-    let duration_s = run.duration_s;
+    let faults = root.sections("fault", |section| fault::read(section, model, &run));
     Scenario {
         name: name.to_owned(),
         title: root.text("title", Some("a text in quotes")).unwrap_or_default().to_owned(),
@@ -148,7 +148,7 @@ fn read(root: &mut Section<'_>, name: &str, directory: &Path) -> Scenario {
         allow: root.section("allow", bench::read_allow),
         telemetry: root.section("telemetry", bench::read_telemetry),
         record: root.section("record", bench::read_record),
-        faults: root.sections("fault", |section| fault::read(section, model, duration_s)),
+        faults,
         expectations: root.sections("expect", expectation::read),
     }
 }

@@ -29,7 +29,10 @@ pub(crate) fn greet(line: &mut Line, session: u32) -> Result<Identity, SessionEr
             _ => None,
         })?;
         match identity {
-            Some(identity) if identity.protocol_version == PROTOCOL_VERSION => return Ok(identity),
+            Some(identity) if identity.protocol_version == PROTOCOL_VERSION => {
+                line.session = session;
+                return Ok(identity);
+            }
             Some(identity) => return Err(SessionError::Version { drive: identity.protocol_version }),
             None => {}
         }

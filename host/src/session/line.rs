@@ -7,11 +7,22 @@ use lashloop_protocol::message::{FaultReport, LineReport, Telemetry};
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 
 use super::logs::Logs;
-use super::{LastSeen, Placed, SessionError};
+use super::{LastSeen, Placed, SessionError, greeting};
 use crate::link::{Link, LinkError};
 
-/// How long a request may take. Requests are answered at once; this is for an emulator on a busy machine.
+/// How long a request may take, all attempts at it together. Requests are answered at once; this is for a line that loses
+/// frames, and for an emulator on a busy machine.
 pub(crate) const REQUEST_LIMIT: Duration = Duration::from_secs(2);
+/// How long an attempt may take before the request is made again, because it or its answer may be lost.
+pub(crate) const ATTEMPT_LIMIT: Duration = Duration::from_millis(500);
+
+/// What came of a request.
+pub(crate) struct Answered<T> {
+    /// The answer.
+    pub(crate) with: T,
+    /// The request was made more than once, so it may have been done before this answer.
+    pub(crate) repeated: bool,
+}
 
 /// A link with a decoder at its end.
 pub(crate) struct Line {
@@ -20,6 +31,8 @@ pub(crate) struct Line {
     inbox: Box<[u8; 4096]>,
     /// The part of `inbox` that holds bytes not decoded yet.
     unread: Range<usize>,
+    /// Number of the session, once there is one.
+    pub(crate) session: u32,
     pub(crate) frames_sent: u64,
     pub(crate) last_seen: LastSeen,
     pub(crate) telemetry: Option<Placed<Telemetry>>,
@@ -37,6 +50,7 @@ impl Line {
             decoder: Decoder::new(),
             inbox: Box::new([0; 4096]),
             unread: 0..0,
+            session: 0,
             frames_sent: 0,
             last_seen: LastSeen::default(),
             telemetry: None,
@@ -108,15 +122,49 @@ impl Line {
         self.link.idle(until).map_err(|error| self.broken(error))
     }
 
-    /// Sends a request and waits for the answer that `wanted` recognises.
+    /// Sends a request, again if need be, and waits for the answer that `wanted` recognises.
+    ///
+    /// A request may be made again only if it may be done again: a drive does every one that reaches it.
     pub(crate) fn request<T>(
         &mut self,
         request: &HostMessage,
+        mut wanted: impl FnMut(&DriveMessage) -> Option<T>,
+    ) -> Result<Answered<T>, SessionError> {
+        let give_up = Instant::now() + REQUEST_LIMIT;
+        let mut repeated = false;
+        loop {
+            if let Some(with) = self.attempt(request, &mut wanted)? {
+                if repeated {
+                    self.let_answers_pass()?;
+                }
+                return Ok(Answered { with, repeated });
+            }
+            if Instant::now() >= give_up {
+                return Err(self.silent(request.layout().name, REQUEST_LIMIT));
+            }
+            repeated = true;
+        }
+    }
+
+    /// Sends a request once and waits for its answer for a while.
+    pub(crate) fn attempt<T>(
+        &mut self,
+        request: &HostMessage,
         wanted: impl FnMut(&DriveMessage) -> Option<T>,
-    ) -> Result<T, SessionError> {
+    ) -> Result<Option<T>, SessionError> {
         self.send(request)?;
-        let answer = self.wait(Instant::now() + REQUEST_LIMIT, wanted)?;
-        answer.ok_or_else(|| self.silent(request.layout().name, REQUEST_LIMIT))
+        let answer = self.wait(Instant::now() + ATTEMPT_LIMIT, wanted)?;
+        if answer.is_none() {
+            // What the line has left of a frame must not swallow what is said next.
+            self.end_frame()?;
+        }
+        Ok(answer)
+    }
+
+    /// Answers to earlier attempts may still be under way, and must not be taken for those to a later request of the same
+    /// kind. Answers keep their order, so once a greeting is answered there are none.
+    fn let_answers_pass(&mut self) -> Result<(), SessionError> {
+        greeting::greet(self, self.session).map(drop)
     }
 
     /// The next good message among the bytes received. Telemetry, faults and logs are kept on the way.

@@ -13,8 +13,8 @@ mod placed;
 use std::time::{Duration, Instant};
 
 use lashloop_protocol::message::{
-    Arm, EmergencyStop, EncoderSample, FaultReport, Identity, LineReport, Reset, Start, Stop, Telemetry,
-    TorqueAnswer,
+    Arm, ClearFault, EmergencyStop, EncoderSample, FaultReport, Identity, LineReport, Reset, Start, Stop,
+    Telemetry, TorqueAnswer,
 };
 use lashloop_protocol::vocabulary::{Outcome, State, TorqueFlags};
 use lashloop_protocol::wire::Payload;
@@ -26,8 +26,8 @@ pub use placed::Placed;
 
 use crate::link::Link;
 use crate::timing::Moments;
-use line::Line;
 pub(crate) use line::printable;
+use line::{Answered, Line, REQUEST_LIMIT};
 
 /// What came of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -137,7 +137,7 @@ impl Session {
         if let Some(fault) = self.line.fault.take() {
             self.line.logs.note(format!("it came with a latched fault, now cleared: {:?}", fault.code));
         }
-        self.command(Reset {})?;
+        self.command(Reset {}, State::Boot)?;
         self.number = self.number.wrapping_add(1);
         self.identity = greeting::greet(&mut self.line, self.number)?;
         Ok(())
@@ -165,12 +165,34 @@ impl Session {
     /// The drive refused, or the line broke.
     pub fn start(&mut self) -> Result<(), SessionError> {
         let session = self.number;
-        self.command(Arm { session })?;
-        self.command(Start { session })?;
+        let give_up = Instant::now() + REQUEST_LIMIT;
+        loop {
+            self.command(Arm { session }, State::Armed)?;
+            let said_before = self.line.logs.mark();
+            match self.line.attempt(&Start { session }.into(), result_of::<Start>)? {
+                Some((Outcome::Accepted, _)) => break,
+                Some((outcome, state)) => return Err(self.refused::<Start>(outcome, state, said_before)),
+                None if Instant::now() >= give_up => {
+                    return Err(self.line.silent(Start::LAYOUT.name, REQUEST_LIMIT));
+                }
+                // It may have started, and then its watchdog is about to trip. A start can't be made up for.
+                None => self.disarm()?,
+            }
+        }
         (self.line.telemetry, self.line.fault, self.line.report) = (None, None, None);
         self.answered = None;
         (self.line.last_seen.sample_sent, self.line.last_seen.torque) = (None, None);
         Ok(())
+    }
+
+    /// Brings a drive that is armed, runs or has just latched a fault back to where it can be armed.
+    fn disarm(&mut self) -> Result<(), SessionError> {
+        let said_before = self.line.logs.mark();
+        match self.ask(Stop {})?.with {
+            (Outcome::Accepted, _) => Ok(()),
+            (_, State::Faulted) => self.command(ClearFault {}, State::Idle),
+            (outcome, state) => Err(self.refused::<Stop>(outcome, state, said_before)),
+        }
     }
 
     /// Ends whatever the line has left of a frame in the drive's decoder, so that the next request is read.
@@ -187,10 +209,10 @@ impl Session {
     /// The line broke, or the drive did not answer.
     pub fn stop(&mut self) -> Result<(), SessionError> {
         let said_before = self.line.logs.mark();
-        let mut answer = self.ask(Stop {})?;
+        let mut answer = self.ask(Stop {})?.with;
         if self.line.report.is_none() && answer.0 == Outcome::Accepted {
             // The report comes before the answer. What the line had left of a frame has swallowed it; it is said again.
-            answer = self.ask(Stop {})?;
+            answer = self.ask(Stop {})?.with;
         }
         match answer {
             (Outcome::Accepted, _) | (_, State::Faulted) => Ok(()),
@@ -280,23 +302,28 @@ impl Session {
         self.line.idle(until)
     }
 
-    /// Sends a command that has to be accepted.
-    fn command<C: Payload + Into<HostMessage>>(&mut self, command: C) -> Result<(), SessionError> {
+    /// Sends a command that has to be accepted and leaves the drive in the state `afterwards`.
+    fn command<C: Payload + Into<HostMessage>>(
+        &mut self,
+        command: C,
+        afterwards: State,
+    ) -> Result<(), SessionError> {
         let said_before = self.line.logs.mark();
-        match self.ask(command)? {
+        let Answered { with, repeated } = self.ask(command)?;
+        match with {
             (Outcome::Accepted, _) => Ok(()),
+            // An earlier attempt has done it, and its answer was lost.
+            (Outcome::WrongState, state) if repeated && state == afterwards => Ok(()),
             (outcome, state) => Err(self.refused::<C>(outcome, state, said_before)),
         }
     }
 
-    /// Sends a command and waits until the drive has said what became of it.
-    fn ask<C: Payload + Into<HostMessage>>(&mut self, command: C) -> Result<(Outcome, State), SessionError> {
-        self.line.request(&command.into(), |answer| match answer {
-            DriveMessage::CommandResult(result) if result.request == C::LAYOUT.kind => {
-                Some((result.outcome, result.state))
-            }
-            _ => None,
-        })
+    /// Sends a command until the drive has said what became of it.
+    fn ask<C: Payload + Into<HostMessage>>(
+        &mut self,
+        command: C,
+    ) -> Result<Answered<(Outcome, State)>, SessionError> {
+        self.line.request(&command.into(), result_of::<C>)
     }
 
     /// The refusal of a request, with what the drive has said since it was made.
@@ -309,5 +336,15 @@ impl Session {
             said,
             last_seen: self.line.last_seen,
         }
+    }
+}
+
+/// What became of a command, if the message says so.
+fn result_of<C: Payload>(message: &DriveMessage) -> Option<(Outcome, State)> {
+    match message {
+        DriveMessage::CommandResult(result) if result.request == C::LAYOUT.kind => {
+            Some((result.outcome, result.state))
+        }
+        _ => None,
     }
 }

@@ -84,7 +84,7 @@ pub enum SetError {
 pub(crate) fn learn(line: &mut Line, count: u8) -> Result<Vec<Parameter>, SessionError> {
     (0..count)
         .map(|index| {
-            line.request(&DescribeParameter { index }.into(), |answer| match answer {
+            let described = line.request(&DescribeParameter { index }.into(), |answer| match answer {
                 DriveMessage::ParameterDescription(it) if it.index == index => Some(Parameter {
                     index,
                     name: it.name.as_str().to_owned(),
@@ -95,7 +95,8 @@ pub(crate) fn learn(line: &mut Line, count: u8) -> Result<Vec<Parameter>, Sessio
                     live: it.live == 1,
                 }),
                 _ => None,
-            })
+            });
+            described.map(|answered| answered.with)
         })
         .collect()
 }
@@ -159,9 +160,10 @@ impl Session {
     }
 
     fn report_of(&mut self, index: u8, request: &HostMessage) -> Result<ParameterReport, SessionError> {
-        self.line.request(request, |answer| match answer {
+        let reported = self.line.request(request, |answer| match answer {
             DriveMessage::ParameterReport(report) if report.index == index => Some(*report),
             _ => None,
-        })
+        });
+        reported.map(|answered| answered.with)
     }
 }

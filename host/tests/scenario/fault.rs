@@ -137,7 +137,12 @@ fn a_fault_of_the_gears_is_refused_on_a_plant_that_does_not_change() {
 
 #[test]
 fn a_fault_that_would_begin_after_the_run_is_refused() {
-    let text = "[[fault]]\nat_s = 2.0\nkind = \"torque-dead\"\n";
-    let message = bench_with(text).expect_err("a fault that never comes");
-    assert_eq!(message, "x.toml:12: fault.0.at_s: 2.0 is not before the end of the run; it must be < 2 s");
+    let at = |at_s: &str| bench_with(&format!("[[fault]]\nat_s = {at_s}\nkind = \"torque-dead\"\n"));
+    // The second is before the end, but nearest to a step that isn't.
+    for at_s in ["2.0", "1.9996"] {
+        let message = at(at_s).expect_err("a fault that never comes");
+        let last = "is not before the end of the run, whose last step begins at 1.999 s";
+        assert_eq!(message, format!("x.toml:12: fault.0.at_s: {at_s} {last}"));
+    }
+    assert!(at("1.9994").is_ok());
 }

@@ -77,7 +77,8 @@ fn the_longest_gap_of_the_default_parameters_is_that_of_the_document() {
     let speed = f64::from(parameters.motor_speed_limit_rad_s);
     let period_s = f64::from(parameters.period_us) * 1e-6;
     let counts_per_period = speed * period_s * f64::from(parameters.motor_counts_per_rev) / TAU;
-    let longest = (1..).take_while(|n| f64::from(*n) * counts_per_period + 1.0 <= f64::from((1 << 23) - 1)).last();
+    let longest =
+        (1..).take_while(|n| f64::from(*n) * counts_per_period + 1.0 <= f64::from((1 << 23) - 1)).last();
     let longest = longest.expect("one period can be told apart");
     let said = format!("{counts_per_period:.0} counts in a period, so the longest gap is {longest} periods.");
     let section = section("## 7. Samples and torques").replace(',', "");

@@ -21,6 +21,7 @@ mod paper;
 mod paper_figures;
 mod real_time;
 mod refused;
+mod repeated;
 mod resumed;
 mod soak;
 mod speed;

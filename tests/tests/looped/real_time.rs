@@ -107,6 +107,31 @@ fn a_late_answer_holds_the_last_torque_and_the_next_steps_are_on_their_grid() {
 }
 
 #[test]
+fn a_torque_that_is_not_renewed_is_taken_away_when_the_drive_s_watchdog_must_have_tripped() {
+    const SILENT: std::ops::RangeInclusive<u16> = 700..=1_000;
+    const WATCHDOG_STEPS: usize = 100;
+    let twin = Twin::start();
+    let relay = Relay::start(twin.path(), |frame| {
+        let is_silenced = frame.torque().is_some_and(|torque| SILENT.contains(&torque.sequence));
+        if is_silenced { Fate::Become(Vec::new()) } else { Fate::Pass }
+    });
+    let records = Records::new();
+    let (scenario, out) = (RUNS[2].scenario(), records.out());
+    let mut arguments = arguments(&scenario, relay.device(), &out, "run.duration_s=2");
+    arguments.extend(["--set", "controller.parameters.watchdog_us=100000", "--set", "allow.lost=400"]);
+    let ended = bench::run(arguments);
+    assert_eq!(records.summary()["end"], "complete", "{}{}", ended.stdout, ended.stderr);
+    let (torque_nm, answered) = (records.trace().column("torque_nm"), records.timing().column("answered"));
+    let last = answered[..700].iter().rposition(|flag| *flag == 1.0).expect("an answer before the silence");
+    let taken_away = last + WATCHDOG_STEPS;
+    assert!(torque_nm[last] != 0.0, "a torque to be held");
+    assert!(torque_nm[last..taken_away].iter().all(|torque| *torque == torque_nm[last]), "held too briefly");
+    assert!(torque_nm[taken_away..=1_000].iter().all(|torque| *torque == 0.0), "held for too long");
+    let next = 1_001 + answered[1_001..].iter().position(|flag| *flag == 1.0).expect("an answer after it");
+    assert!(torque_nm[next] != 0.0, "the drive is in charge again");
+}
+
+#[test]
 fn a_bench_that_slept_through_steps_goes_on_where_the_clock_is() {
     let records = Records::new();
     let bench = Bench::start(arguments(&RUNS[1].scenario(), "native", &records.out(), "run.duration_s=4"));

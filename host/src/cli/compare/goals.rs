@@ -64,10 +64,10 @@ impl fmt::Display for Goals {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let heading = ["bare", "the loop", "ratio", "goal"];
         let [bare, ours, ratio, wanted] = heading;
-        write!(out, "{:<42}{bare:>10}{ours:>10}{ratio:>8}  {wanted}", "medians")?;
+        write!(out, "{:<44}{bare:>10}{ours:>10}{ratio:>8}  {wanted}", "medians")?;
         for goal in &self.0 {
             let Goal { what, bare, ours, wanted } = goal;
-            write!(out, "\n{what:<42}{bare:>10.1}{ours:>10.1}")?;
+            write!(out, "\n{what:<44}{bare:>10.1}{ours:>10.1}")?;
             let Some(wanted) = wanted else { continue };
             let met = if goal.is_met() == Some(true) { "met" } else { "MISSED" };
             write!(out, "{:>8.2}  {wanted}: {met}", goal.ratio())?;

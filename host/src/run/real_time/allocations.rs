@@ -99,6 +99,7 @@ fn counted(
     let mut device = Device::open_through(&choice, &scenario.link, &supervisor, middleware).expect("a drive");
     let timeline = Timeline::new(&scenario, &device).expect("no faults");
     setup::set_up(&mut device, &scenario, ClockName::RealTime).expect("a drive that takes the scenario");
+    let watchdog = Some(setup::watchdog(&mut device).expect("a watchdog"));
     device.session.start().expect("a drive that starts");
 
     let bench = Bench::new(&scenario).expect("a bench");
@@ -108,7 +109,7 @@ fn counted(
     let work = || {
         let _ = obtain(&RealTime::default());
         let sink = Counting { ring, wastes };
-        let mut control = ControlLoop::new(&scenario, bench, timeline, ClockName::RealTime, sink);
+        let mut control = ControlLoop::new(&scenario, bench, timeline, ClockName::RealTime, watchdog, sink);
         let closing = || end = Some(close(&mut control, &scenario, &mut device, Duration::ZERO));
         info = allocation_counter::measure(closing);
     };
