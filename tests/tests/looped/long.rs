@@ -30,11 +30,11 @@ fn steps_are_counted_on_where_sequences_wrap() {
     let trace = records.trace();
     let (time_s, told_s) = (trace.column("time_s"), trace.column("estimate_time_s"));
     assert_eq!(time_s.len(), STEPS);
-    for step in 0..STEPS {
+    for (step, told_s) in told_s.iter().enumerate() {
         // Telemetry follows the torques whose sequence is a multiple of ten, and a sequence begins anew.
         let since_the_last_0 = step % 65_536;
         let of = step - since_the_last_0 % EVERY;
-        assert_eq!(told_s[step], time_s[of], "telemetry of step {of}, in force at step {step}");
+        assert_eq!(*told_s, time_s[of], "telemetry of step {of}, in force at step {step}");
     }
 }
 
