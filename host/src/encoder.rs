@@ -1,13 +1,14 @@
 //! An incremental encoder: a position becomes a count.
 //!
-//! n = floor(theta counts / 2 pi), wrapped to the range of `i32` as a 32-bit counter wraps. 2^31 counts are 2048 turns
-//! at 2^20 counts per revolution; a reader that differences counts with wrapping doesn't notice.
+//! n = floor(theta counts / 2 pi), however far that is. What is read of it are 24 bits ([`EncoderCounts`]): 2^23 counts are
+//! 64 turns at 2^17 counts per revolution, and a reader that differences counts with wrapping doesn't notice.
 //!
 //! Noise stands for jitter of the edges: a uniform displacement before the count is taken, from a generator that is
 //! the same on every machine.
 
 use core::f64::consts::TAU;
 
+use lashloop_protocol::EncoderCounts;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
@@ -30,6 +31,24 @@ pub struct EncoderError {
 pub struct Encoder {
     counts_per_rad: f64,
     noise_counts: f64,
+}
+
+/// Where an encoder stands, in counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Count(pub i64);
+
+impl Count {
+    /// What is read of it.
+    #[must_use]
+    pub fn reading(self) -> EncoderCounts {
+        EncoderCounts::wrapping(self.0)
+    }
+
+    /// Whether the reading alone says where the encoder stands, as the first one of a run has to.
+    #[must_use]
+    pub fn is_read_whole(self) -> bool {
+        i64::from(self.reading().get()) == self.0
+    }
 }
 
 /// What an encoder remembers: where its noise has got to.
@@ -57,15 +76,14 @@ impl Encoder {
     }
 
     /// The count at a position in rad. A position that isn't finite reads as nought.
-    pub fn step(&self, state: &mut EncoderState, position_rad: f64) -> i32 {
+    pub fn step(&self, state: &mut EncoderState, position_rad: f64) -> Count {
         let mut counts = position_rad * self.counts_per_rad;
         if self.noise_counts > 0.0 {
             // The upper 53 bits of the draw, evenly in [-1, 1).
             let draw = (state.noise.next_u64() >> 11) as f64 * (1.0 / (1_u64 << 52) as f64) - 1.0;
             counts += self.noise_counts * draw;
         }
-        // Through i64, because a cast from f64 to i32 would stop at the end of the range instead of wrapping.
-        libm::floor(counts) as i64 as i32
+        Count(libm::floor(counts) as i64)
     }
 }
 
@@ -77,7 +95,7 @@ fn within(name: &'static str, value: f64, low: f64, high: f64) -> Result<(), Enc
 mod tests {
     use super::*;
 
-    fn counts(encoder: &Encoder, position_rad: f64) -> i32 {
+    fn counts(encoder: &Encoder, position_rad: f64) -> Count {
         encoder.step(&mut encoder.initial_state(1), position_rad)
     }
 
@@ -85,16 +103,18 @@ mod tests {
     fn count_is_the_floor_on_both_sides_of_nought() {
         let encoder = Encoder::new(1000, 0.0).expect("valid");
         let one = TAU / 1000.0;
-        assert_eq!([-1.5, -0.5, 0.5, 1.5].map(|n| counts(&encoder, n * one)), [-2, -1, 0, 1]);
+        assert_eq!([-1.5, -0.5, 0.5, 1.5].map(|n| counts(&encoder, n * one).0), [-2, -1, 0, 1]);
     }
 
     #[test]
-    fn counter_wraps_at_the_range_of_32_bits() {
+    fn readings_wrap_at_the_range_of_24_bits_and_counts_go_on() {
         let encoder = Encoder::new(1 << 20, 0.0).expect("valid");
-        let edge = 2048.0 * TAU;
+        let edge = 8.0 * TAU;
         let one = TAU / f64::from(1 << 20);
-        assert_eq!(counts(&encoder, edge - 0.5 * one), i32::MAX);
-        assert_eq!(counts(&encoder, edge + 0.5 * one), i32::MIN);
+        let [below, above] = [edge - 0.5 * one, edge + 0.5 * one].map(|rad| counts(&encoder, rad));
+        assert_eq!([below.reading(), above.reading()], [EncoderCounts::MAX, EncoderCounts::MIN]);
+        assert_eq!([below.0, above.0], [8_388_607, 8_388_608]);
+        assert_eq!([below.is_read_whole(), above.is_read_whole()], [true, false]);
     }
 
     #[test]
@@ -102,7 +122,7 @@ mod tests {
         let encoder = Encoder::new(1000, 3.0).expect("valid");
         let draw = |seed| {
             let mut state = encoder.initial_state(seed);
-            (0..60_000).map(|_| encoder.step(&mut state, 0.0)).collect::<Vec<_>>()
+            (0..60_000).map(|_| encoder.step(&mut state, 0.0).0).collect::<Vec<_>>()
         };
         let drawn = draw(7);
         for n in -3..3 {

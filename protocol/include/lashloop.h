@@ -17,6 +17,7 @@
 #define LASHLOOP_OVERHEAD 6 /* bytes of a frame beyond its body: COBS code, CRC, delimiter */
 #define LASHLOOP_DELIMITER 0 /* ends every frame and occurs nowhere else */
 #define LASHLOOP_CRC_LEN 4 /* bytes, little endian, after the body */
+#define LASHLOOP_STATUS_STATE_MASK 15 /* bits of a status byte that are its state */
 #define LASHLOOP_CRC_POLYNOMIAL 0x1edc6f41u /* CRC-32/ISCSI, over the body */
 #define LASHLOOP_CRC_POLYNOMIAL_REFLECTED 0x82f63b78u /* for a loop that shifts right, as input and output are reflected */
 #define LASHLOOP_CRC_INIT 0xffffffffu /* register before the first byte */
@@ -78,9 +79,9 @@ enum lashloop_parameter_type {
     LASHLOOP_PARAMETER_TYPE_F32 = 2
 };
 
-#define LASHLOOP_TORQUE_FLAG_SATURATED 0x1
-#define LASHLOOP_TORQUE_FLAG_REPEATED 0x2
-#define LASHLOOP_TORQUE_FLAG_GAP 0x4
+#define LASHLOOP_TORQUE_FLAG_SATURATED 0x10
+#define LASHLOOP_TORQUE_FLAG_REPEATED 0x20
+#define LASHLOOP_TORQUE_FLAG_GAP 0x40
 
 #define LASHLOOP_CONTROLLER_BIT_PD 0x2
 #define LASHLOOP_CONTROLLER_BIT_FAITHFUL 0x4
@@ -163,19 +164,19 @@ enum lashloop_parameter_type {
 
 /* EncoderSample: What the two encoders read at the start of a control period. */
 #define LASHLOOP_ENCODER_SAMPLE_KIND 0x10
-#define LASHLOOP_ENCODER_SAMPLE_BODY_LEN 17
-#define LASHLOOP_ENCODER_SAMPLE_FRAME_LEN 23
-/* uint32_t: Number of the control period since the start, from 0. */
+#define LASHLOOP_ENCODER_SAMPLE_BODY_LEN 13
+#define LASHLOOP_ENCODER_SAMPLE_FRAME_LEN 19
+/* uint16_t: Number of the control period since the start, from 0; wraps around. */
 #define LASHLOOP_ENCODER_SAMPLE_SEQUENCE_OFFSET 1
-#define LASHLOOP_ENCODER_SAMPLE_SEQUENCE_LEN 4
-/* int32_t: Motor encoder, in counts; wraps around. */
-#define LASHLOOP_ENCODER_SAMPLE_MOTOR_COUNTS_OFFSET 5
-#define LASHLOOP_ENCODER_SAMPLE_MOTOR_COUNTS_LEN 4
-/* int32_t: Load encoder, in counts; wraps around. */
-#define LASHLOOP_ENCODER_SAMPLE_LOAD_COUNTS_OFFSET 9
-#define LASHLOOP_ENCODER_SAMPLE_LOAD_COUNTS_LEN 4
+#define LASHLOOP_ENCODER_SAMPLE_SEQUENCE_LEN 2
+/* 3 bytes of two's complement: Motor encoder, in counts; wraps around. */
+#define LASHLOOP_ENCODER_SAMPLE_MOTOR_COUNTS_OFFSET 3
+#define LASHLOOP_ENCODER_SAMPLE_MOTOR_COUNTS_LEN 3
+/* 3 bytes of two's complement: Load encoder, in counts; wraps around. */
+#define LASHLOOP_ENCODER_SAMPLE_LOAD_COUNTS_OFFSET 6
+#define LASHLOOP_ENCODER_SAMPLE_LOAD_COUNTS_LEN 3
 /* float, IEEE 754 binary32: Where the load is wanted, in rad. */
-#define LASHLOOP_ENCODER_SAMPLE_REFERENCE_RAD_OFFSET 13
+#define LASHLOOP_ENCODER_SAMPLE_REFERENCE_RAD_OFFSET 9
 #define LASHLOOP_ENCODER_SAMPLE_REFERENCE_RAD_LEN 4
 
 /* X(name, kind, body length) for every message that this side sends. */
@@ -190,7 +191,7 @@ enum lashloop_parameter_type {
     X(EMERGENCY_STOP, 0x08, 1) \
     X(CLEAR_FAULT, 0x09, 1) \
     X(RESET, 0x0a, 1) \
-    X(ENCODER_SAMPLE, 0x10, 17)
+    X(ENCODER_SAMPLE, 0x10, 13)
 
 /* Identity: Who the drive is. Same layout in every protocol version. */
 #define LASHLOOP_IDENTITY_KIND 0x81
@@ -289,68 +290,65 @@ enum lashloop_parameter_type {
 
 /* TorqueAnswer: The torque for one sample. */
 #define LASHLOOP_TORQUE_ANSWER_KIND 0x90
-#define LASHLOOP_TORQUE_ANSWER_BODY_LEN 13
-#define LASHLOOP_TORQUE_ANSWER_FRAME_LEN 19
-/* uint32_t: Sequence of the sample that this answers. */
+#define LASHLOOP_TORQUE_ANSWER_BODY_LEN 10
+#define LASHLOOP_TORQUE_ANSWER_FRAME_LEN 16
+/* uint16_t: Sequence of the sample that this answers. */
 #define LASHLOOP_TORQUE_ANSWER_SEQUENCE_OFFSET 1
-#define LASHLOOP_TORQUE_ANSWER_SEQUENCE_LEN 4
+#define LASHLOOP_TORQUE_ANSWER_SEQUENCE_LEN 2
 /* float, IEEE 754 binary32: Motor torque from now on, in N m; zero unless running. */
-#define LASHLOOP_TORQUE_ANSWER_TORQUE_NM_OFFSET 5
+#define LASHLOOP_TORQUE_ANSWER_TORQUE_NM_OFFSET 3
 #define LASHLOOP_TORQUE_ANSWER_TORQUE_NM_LEN 4
-/* 1 byte of enum lashloop_state: State after the step. */
-#define LASHLOOP_TORQUE_ANSWER_STATE_OFFSET 9
-#define LASHLOOP_TORQUE_ANSWER_STATE_LEN 1
-/* 8 bits LASHLOOP_TORQUE_FLAG_*: What is to be known of this torque. */
-#define LASHLOOP_TORQUE_ANSWER_FLAGS_OFFSET 10
-#define LASHLOOP_TORQUE_ANSWER_FLAGS_LEN 1
+/* low four bits enum lashloop_state, high four bits LASHLOOP_TORQUE_FLAG_*: State after the step, and what is to be known of this torque. */
+#define LASHLOOP_TORQUE_ANSWER_STATUS_OFFSET 7
+#define LASHLOOP_TORQUE_ANSWER_STATUS_LEN 1
 /* uint16_t: Time from the arrival of the sample to this answer, in 0.1 us; stays at its largest value if longer. */
-#define LASHLOOP_TORQUE_ANSWER_COMPUTE_TENTHS_US_OFFSET 11
+#define LASHLOOP_TORQUE_ANSWER_COMPUTE_TENTHS_US_OFFSET 8
 #define LASHLOOP_TORQUE_ANSWER_COMPUTE_TENTHS_US_LEN 2
 
 /* Telemetry: What the controller thinks. */
 #define LASHLOOP_TELEMETRY_KIND 0x91
-#define LASHLOOP_TELEMETRY_BODY_LEN 29
-#define LASHLOOP_TELEMETRY_FRAME_LEN 35
-/* uint32_t: Sequence of the sample at which this was so. */
+#define LASHLOOP_TELEMETRY_BODY_LEN 27
+#define LASHLOOP_TELEMETRY_FRAME_LEN 33
+/* uint16_t: Sequence of the sample at which this was so. */
 #define LASHLOOP_TELEMETRY_SEQUENCE_OFFSET 1
-#define LASHLOOP_TELEMETRY_SEQUENCE_LEN 4
+#define LASHLOOP_TELEMETRY_SEQUENCE_LEN 2
 /* float, IEEE 754 binary32: Estimate of the dead-zone amplitude used in this step's torque, in rad. */
-#define LASHLOOP_TELEMETRY_DEAD_ZONE_ESTIMATE_RAD_OFFSET 5
+#define LASHLOOP_TELEMETRY_DEAD_ZONE_ESTIMATE_RAD_OFFSET 3
 #define LASHLOOP_TELEMETRY_DEAD_ZONE_ESTIMATE_RAD_LEN 4
 /* float, IEEE 754 binary32: Estimate of the disturbing torque, in N m. */
-#define LASHLOOP_TELEMETRY_DISTURBING_TORQUE_NM_OFFSET 9
+#define LASHLOOP_TELEMETRY_DISTURBING_TORQUE_NM_OFFSET 7
 #define LASHLOOP_TELEMETRY_DISTURBING_TORQUE_NM_LEN 4
 /* float, IEEE 754 binary32: Error of the load position, in rad. */
-#define LASHLOOP_TELEMETRY_LOAD_ERROR_RAD_OFFSET 13
+#define LASHLOOP_TELEMETRY_LOAD_ERROR_RAD_OFFSET 11
 #define LASHLOOP_TELEMETRY_LOAD_ERROR_RAD_LEN 4
 /* float, IEEE 754 binary32: Error of the motor position against the position the outer loop asks for, in rad. */
-#define LASHLOOP_TELEMETRY_MOTOR_ERROR_RAD_OFFSET 17
+#define LASHLOOP_TELEMETRY_MOTOR_ERROR_RAD_OFFSET 15
 #define LASHLOOP_TELEMETRY_MOTOR_ERROR_RAD_LEN 4
 /* float, IEEE 754 binary32: Error of the elastic torque, in N m. */
-#define LASHLOOP_TELEMETRY_ELASTIC_ERROR_NM_OFFSET 21
+#define LASHLOOP_TELEMETRY_ELASTIC_ERROR_NM_OFFSET 19
 #define LASHLOOP_TELEMETRY_ELASTIC_ERROR_NM_LEN 4
 /* float, IEEE 754 binary32: Torque asked for before the limit, in N m. */
-#define LASHLOOP_TELEMETRY_REQUESTED_TORQUE_NM_OFFSET 25
+#define LASHLOOP_TELEMETRY_REQUESTED_TORQUE_NM_OFFSET 23
 #define LASHLOOP_TELEMETRY_REQUESTED_TORQUE_NM_LEN 4
 
 /* FaultReport: A fault that has just been latched. */
 #define LASHLOOP_FAULT_REPORT_KIND 0x92
-#define LASHLOOP_FAULT_REPORT_BODY_LEN 18
-#define LASHLOOP_FAULT_REPORT_FRAME_LEN 24
+#define LASHLOOP_FAULT_REPORT_BODY_LEN 16
+#define LASHLOOP_FAULT_REPORT_FRAME_LEN 22
 /* 1 byte of enum lashloop_fault_code: What happened. */
 #define LASHLOOP_FAULT_REPORT_CODE_OFFSET 1
 #define LASHLOOP_FAULT_REPORT_CODE_LEN 1
-/* uint32_t: Sequence of the last sample taken. */
+/* uint16_t: Sequence of the last sample taken. */
 #define LASHLOOP_FAULT_REPORT_SEQUENCE_OFFSET 2
-#define LASHLOOP_FAULT_REPORT_SEQUENCE_LEN 4
+#define LASHLOOP_FAULT_REPORT_SEQUENCE_LEN 2
 /* float, IEEE 754 binary32: The value that broke the limit, in the unit that the code says; 0 where there is none. */
-#define LASHLOOP_FAULT_REPORT_VALUE_OFFSET 6
+#define LASHLOOP_FAULT_REPORT_VALUE_OFFSET 4
 #define LASHLOOP_FAULT_REPORT_VALUE_LEN 4
 /* float, IEEE 754 binary32: The limit that was broken; 0 where there is none. */
-#define LASHLOOP_FAULT_REPORT_LIMIT_OFFSET 10
+#define LASHLOOP_FAULT_REPORT_LIMIT_OFFSET 8
 #define LASHLOOP_FAULT_REPORT_LIMIT_LEN 4
 /* uint32_t: More, where the code says so. */
-#define LASHLOOP_FAULT_REPORT_DETAIL_OFFSET 14
+#define LASHLOOP_FAULT_REPORT_DETAIL_OFFSET 12
 #define LASHLOOP_FAULT_REPORT_DETAIL_LEN 4
 
 /* Log: A line of text from the firmware. */
@@ -387,9 +385,9 @@ enum lashloop_parameter_type {
     X(PARAMETER_DESCRIPTION, 0x82, 56) \
     X(PARAMETER_REPORT, 0x83, 9) \
     X(COMMAND_RESULT, 0x85, 4) \
-    X(TORQUE_ANSWER, 0x90, 13) \
-    X(TELEMETRY, 0x91, 29) \
-    X(FAULT_REPORT, 0x92, 18) \
+    X(TORQUE_ANSWER, 0x90, 10) \
+    X(TELEMETRY, 0x91, 27) \
+    X(FAULT_REPORT, 0x92, 16) \
     X(LOG, 0x93, 54) \
     X(LINE_REPORT, 0x94, 17)
 

@@ -1,6 +1,6 @@
 //! The check value of a frame: CRC-32/ISCSI, also called CRC-32C (Castagnoli).
 //!
-//! Chosen for the errors it is sure to see. Body and CRC of a torque answer are 17 bytes, of an encoder sample 21; up to
+//! Chosen for the errors it is sure to see. Body and CRC of a torque answer are 14 bytes, of an encoder sample 17; up to
 //! 209 bits this polynomial has Hamming distance 8, so any seven flipped bits among them are found. In the longest
 //! frame (61 bytes) any five are (distance 6 up to 5,275 bits; Koopman 2002, and a test here proves both for our lengths).
 //! The CRC-16 polynomials reach only distance 4 to 6 at these lengths and let one random frame in 65,536 through; for two

@@ -21,8 +21,8 @@ pub enum FieldType {
     U16,
     /// Unsigned, 4 bytes.
     U32,
-    /// Two's complement, 4 bytes.
-    I32,
+    /// Two's complement, 3 bytes.
+    I24,
     /// IEEE 754 binary32, 4 bytes.
     F32,
     /// One byte out of a closed list of names; any other byte is refused.
@@ -30,6 +30,13 @@ pub enum FieldType {
     /// One bit each. The list holds mask and name; a set bit without a name is refused, except in `controllers`, where a
     /// newer drive may offer more.
     Flags(&'static [(u16, &'static str)]),
+    /// One byte: a value out of a closed list of names in its low four bits, and bits with names above them.
+    Status {
+        /// Values of the low four bits; any other is refused.
+        states: &'static [(u8, &'static str)],
+        /// Masks of the whole byte, as in [`FieldType::Flags`]; a set bit without a name is refused.
+        flags: &'static [(u16, &'static str)],
+    },
     /// UTF-8, padded with zeros to the field's length.
     Text,
     /// A [`ParameterType`](crate::vocabulary::ParameterType) byte, then 4 bytes of that type.

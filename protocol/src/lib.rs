@@ -24,7 +24,7 @@
 //!
 //! | module | does |
 //! |---|---|
-//! | [`message`], [`vocabulary`], [`text`] | values: what is said |
+//! | [`message`], [`vocabulary`], [`counts`], [`sequence`], [`text`] | values: what is said |
 //! | [`wire`], [`layout`] | bytes: where each field lies and how it is checked |
 //! | [`crc`], [`cobs`], [`frame`] | a body becomes a frame |
 //! | [`decoder`] | a stream becomes messages again, whatever lies between them |
@@ -45,6 +45,7 @@ mod macros;
 pub mod cobs;
 #[cfg(feature = "tokio-codec")]
 pub mod codec;
+pub mod counts;
 pub mod crc;
 pub mod decoder;
 pub mod frame;
@@ -52,10 +53,12 @@ pub mod layout;
 pub mod message;
 #[cfg(feature = "wide-crc-tables")]
 mod quick;
+pub mod sequence;
 pub mod text;
 pub mod vocabulary;
 pub mod wire;
 
+pub use counts::EncoderCounts;
 pub use decoder::{Counters, Decoder};
 pub use frame::{Frame, FrameError, MAX_BODY, MAX_FRAME};
 pub use message::{DriveMessage, HostMessage, Message};

@@ -12,23 +12,24 @@
 //! | `0x08` | [`EmergencyStop`] | host | 7 | any time |
 //! | `0x09` | [`ClearFault`] | host | 7 | in `Faulted` |
 //! | `0x0a` | [`Reset`] | host | 7 | any time |
-//! | `0x10` | [`EncoderSample`] | host | 23 | once in a control period |
+//! | `0x10` | [`EncoderSample`] | host | 19 | once in a control period |
 //! | `0x81` | [`Identity`] | drive | 51 | answers `Hello` |
 //! | `0x82` | [`ParameterDescription`] | drive | 62 | answers `DescribeParameter` |
 //! | `0x83` | [`ParameterReport`] | drive | 15 | answers `GetParameter` and `SetParameter` |
 //! | `0x85` | [`CommandResult`] | drive | 10 | answers every other request |
-//! | `0x90` | [`TorqueAnswer`] | drive | 19 | answers `EncoderSample`; what else a sample causes comes after it |
+//! | `0x90` | [`TorqueAnswer`] | drive | 16 | answers `EncoderSample`; what else a sample causes comes after it |
 //! | | | | | (a sample before the greeting or out of sequence gets a `CommandResult` instead) |
-//! | `0x91` | [`Telemetry`] | drive | 35 | after every n-th torque while running |
-//! | `0x92` | [`FaultReport`] | drive | 24 | when a fault is latched |
+//! | `0x91` | [`Telemetry`] | drive | 33 | after every n-th torque while running |
+//! | `0x92` | [`FaultReport`] | drive | 22 | when a fault is latched |
 //! | `0x93` | [`Log`] | drive | 60 | when the drive has something to say |
 //! | `0x94` | [`LineReport`] | drive | 23 | answers `Stop`, before its result, done or not |
 
+use crate::counts::EncoderCounts;
 use crate::frame::Frame;
 use crate::layout::MessageLayout;
 use crate::text::Text;
 use crate::vocabulary::{
-    Controllers, FaultCode, LogLevel, Outcome, ParameterValue, State, TorqueFlags, Version,
+    Controllers, FaultCode, LogLevel, Outcome, ParameterValue, State, TorqueStatus, Version,
 };
 use crate::wire::BodyError;
 
@@ -134,12 +135,12 @@ payload! {
 payload! {
     /// What the two encoders read at the start of a control period.
     0x10 HostToDrive EncoderSample {
-        /// Number of the control period since the start, from 0.
-        sequence: u32,
+        /// Number of the control period since the start, from 0; wraps around.
+        sequence: u16,
         /// Motor encoder, in counts; wraps around.
-        motor_counts: i32,
+        motor_counts: EncoderCounts,
         /// Load encoder, in counts; wraps around.
-        load_counts: i32,
+        load_counts: EncoderCounts,
         /// Where the load is wanted, in rad.
         reference_rad: f32,
     }
@@ -223,13 +224,11 @@ payload! {
     /// The torque for one sample.
     0x90 DriveToHost TorqueAnswer {
         /// Sequence of the sample that this answers.
-        sequence: u32,
+        sequence: u16,
         /// Motor torque from now on, in N m; zero unless running.
         torque_nm: f32,
-        /// State after the step.
-        state: State,
-        /// What is to be known of this torque.
-        flags: TorqueFlags,
+        /// State after the step, and what is to be known of this torque.
+        status: TorqueStatus,
         /// Time from the arrival of the sample to this answer, in 0.1 us; stays at its largest value if longer.
         compute_tenths_us: u16,
     }
@@ -239,7 +238,7 @@ payload! {
     /// What the controller thinks.
     0x91 DriveToHost Telemetry {
         /// Sequence of the sample at which this was so.
-        sequence: u32,
+        sequence: u16,
         /// Estimate of the dead-zone amplitude used in this step's torque, in rad.
         dead_zone_estimate_rad: f32,
         /// Estimate of the disturbing torque, in N m.
@@ -261,7 +260,7 @@ payload! {
         /// What happened.
         code: FaultCode,
         /// Sequence of the last sample taken.
-        sequence: u32,
+        sequence: u16,
         /// The value that broke the limit, in the unit that the code says; 0 where there is none.
         value: f32,
         /// The limit that was broken; 0 where there is none.

@@ -119,26 +119,72 @@ bitflags::bitflags! {
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub struct TorqueFlags: u8 {
         /// The controller asked for more than the torque limit.
-        const SATURATED = 1;
+        const SATURATED = 0x10;
         /// The sample had been answered before; this is the same answer again and no control step was made.
-        const REPEATED = 2;
+        const REPEATED = 0x20;
         /// Samples are missing between this one and the one before.
-        const GAP = 4;
+        const GAP = 0x40;
     }
 }
 
-impl Wire for TorqueFlags {
+impl TorqueFlags {
+    /// Every bit with its name.
+    pub const NAMES: &'static [(u16, &'static str)] =
+        &[(0x10, "SATURATED"), (0x20, "REPEATED"), (0x40, "GAP")];
+}
+
+/// The state that a torque was given in, and what is to be known of the torque: both in one byte.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TorqueStatus {
+    /// State after the step; the low four bits.
+    pub state: State,
+    /// What is to be known of the torque; the high four bits.
+    pub flags: TorqueFlags,
+}
+
+impl TorqueStatus {
+    /// The bits of a status that hold the state; the others are flags.
+    pub const STATE_MASK: u8 = 0x0f;
+
+    /// State and flags in one byte.
+    #[inline]
+    #[must_use]
+    pub const fn byte(self) -> u8 {
+        self.state as u8 | self.flags.bits()
+    }
+
+    /// State and flags of a byte; `None` if it holds a state or a flag without a name.
+    #[inline]
+    #[must_use]
+    pub const fn from_byte(byte: u8) -> Option<Self> {
+        match (State::from_byte(byte & Self::STATE_MASK), TorqueFlags::from_bits(byte & !Self::STATE_MASK)) {
+            (Some(state), Some(flags)) => Some(Self { state, flags }),
+            _ => None,
+        }
+    }
+}
+
+const _: () = {
+    assert!(TorqueFlags::all().bits() & TorqueStatus::STATE_MASK == 0, "flags lie above the state");
+    let mut at = 0;
+    while at < State::ALL.len() {
+        assert!(State::ALL[at] as u8 & !TorqueStatus::STATE_MASK == 0, "a state has four bits");
+        at += 1;
+    }
+};
+
+impl Wire for TorqueStatus {
     const LEN: usize = 1;
-    const TYPE: FieldType = FieldType::Flags(&[(1, "SATURATED"), (2, "REPEATED"), (4, "GAP")]);
+    const TYPE: FieldType = FieldType::Status { states: State::NAMES, flags: TorqueFlags::NAMES };
 
     #[inline]
     fn put(self, out: &mut [u8]) {
-        out[0] = self.bits();
+        out[0] = self.byte();
     }
 
     #[inline]
     fn get(bytes: &[u8]) -> Option<Self> {
-        Self::from_bits(bytes[0])
+        Self::from_byte(bytes[0])
     }
 }
 

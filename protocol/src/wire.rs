@@ -82,4 +82,4 @@ macro_rules! wire_number {
     )* };
 }
 
-wire_number!(u8 U8, u16 U16, u32 U32, i32 I32, f32 F32);
+wire_number!(u8 U8, u16 U16, u32 U32, f32 F32);

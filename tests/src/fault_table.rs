@@ -143,7 +143,7 @@ impl Row {
         });
         let torque_after = said[shows_it.unwrap_or(said.len())..].iter().any(gives_torque);
         let torque_while_not_running = said.iter().any(|message| {
-            matches!(message, DriveMessage::TorqueAnswer(answer) if answer.state != State::Running)
+            matches!(message, DriveMessage::TorqueAnswer(answer) if answer.status.state != State::Running)
                 && gives_torque(message)
         });
         assert!(!torque_after && !torque_while_not_running, "a torque after the fault: {context}");

@@ -8,7 +8,8 @@
 -- A frame is COBS( kind, fields, CRC-32C of both ) and a zero byte; numbers are little endian. The tables below follow
 -- the layouts of the crate lashloop-protocol; a test holds them against each other.
 --
--- Filters: lashloop.kind == 0x90, lashloop.sequence == 12, lashloop.state == 5, lashloop.crc.status == 0
+-- Filters: lashloop.kind == 0x90, lashloop.sequence == 12, lashloop.state == 5, lashloop.status.state == 5,
+-- lashloop.status.gap == 1, lashloop.crc.status == 0. A sequence has 16 bits and begins anew after 65535.
 
 local lashloop = Proto("lashloop", "Lashloop bench and drive")
 
@@ -28,7 +29,9 @@ local OUTCOME = {
 }
 local LOG_LEVEL = { [1] = "Debug", [2] = "Info", [3] = "Warning", [4] = "Error" }
 local PARAMETER_TYPE = { [1] = "U32", [2] = "F32" }
-local TORQUE_FLAGS = { [1] = "SATURATED", [2] = "REPEATED", [4] = "GAP" }
+local TORQUE_FLAGS = { [16] = "SATURATED", [32] = "REPEATED", [64] = "GAP" }
+-- The bits of a status that are its state; the others are flags.
+local STATE_MASK = 0x0f
 local CONTROLLERS = { [2] = "PD", [4] = "FAITHFUL", [8] = "LITERAL", [16] = "COMPENSATING" }
 
 -- Types of fields: how many bytes, and how to read and show them ---------------------------------------------------
@@ -36,12 +39,15 @@ local CONTROLLERS = { [2] = "PD", [4] = "FAITHFUL", [8] = "LITERAL", [16] = "COM
 local u8, u16, u32 = { len = 1, new = ProtoField.uint8 }, { len = 2, new = ProtoField.uint16 },
     { len = 4, new = ProtoField.uint32 }
 -- Wireshark shows a float with six digits and a double with enough to read the float back, so reals are doubles here.
-local i32, f32 = { len = 4, new = ProtoField.int32 }, { len = 4, new = ProtoField.double, is_real = true }
+local i24, f32 = { len = 3, new = ProtoField.int24 }, { len = 4, new = ProtoField.double, is_real = true }
 local value, version = { len = 5, is_value = true }, { len = 3, is_version = true }
 
 local function enum(names) return { len = 1, new = ProtoField.uint8, names = names } end
 local function flags(len, names)
     return { len = len, new = len == 1 and ProtoField.uint8 or ProtoField.uint16, flags = names }
+end
+local function status(states, torque_flags)
+    return { len = 1, new = ProtoField.uint8, states = states, flags = torque_flags }
 end
 local function text(len) return { len = len, is_text = true } end
 
@@ -73,9 +79,9 @@ local MESSAGES = {
     [0x09] = { "ClearFault", {} },
     [0x0a] = { "Reset", {} },
     [0x10] = { "EncoderSample", {
-        { "sequence", u32 },
-        { "motor_counts", i32 },
-        { "load_counts", i32 },
+        { "sequence", u16 },
+        { "motor_counts", i24 },
+        { "load_counts", i24 },
         { "reference_rad", f32 },
     } },
     [0x81] = { "Identity", {
@@ -112,14 +118,13 @@ local MESSAGES = {
         { "state", enum(STATE) },
     } },
     [0x90] = { "TorqueAnswer", {
-        { "sequence", u32 },
+        { "sequence", u16 },
         { "torque_nm", f32 },
-        { "state", enum(STATE) },
-        { "flags", flags(1, TORQUE_FLAGS) },
+        { "status", status(STATE, TORQUE_FLAGS) },
         { "compute_tenths_us", u16 },
     } },
     [0x91] = { "Telemetry", {
-        { "sequence", u32 },
+        { "sequence", u16 },
         { "dead_zone_estimate_rad", f32 },
         { "disturbing_torque_nm", f32 },
         { "load_error_rad", f32 },
@@ -129,7 +134,7 @@ local MESSAGES = {
     } },
     [0x92] = { "FaultReport", {
         { "code", enum(FAULT_CODE) },
-        { "sequence", u32 },
+        { "sequence", u16 },
         { "value", f32 },
         { "limit", f32 },
         { "detail", u32 },
@@ -188,6 +193,11 @@ local function add_fields(name, ty)
         add(name, function() return ty.new(abbreviation, name, base.DEC, ty.names) end)
     elseif ty.flags then
         add(name, function() return ty.new(abbreviation, name, base.HEX) end)
+        if ty.states then
+            add(name .. ".state", function()
+                return ty.new(abbreviation .. ".state", "state", base.DEC, ty.states, STATE_MASK)
+            end)
+        end
         for mask, flag in pairs(ty.flags) do
             add(name .. "." .. flag, function()
                 return ProtoField.bool(abbreviation .. "." .. flag:lower(), flag, 8 * ty.len, nil, mask)
@@ -274,6 +284,12 @@ end
 local function show_flags(tree, name, ty, range)
     local branch = tree:add_le(fields[name], range)
     local bits, set, known = range:le_uint(), {}, 0
+    if ty.states then
+        branch:add(fields[name .. ".state"], range)
+        local state = ty.states[bits % (STATE_MASK + 1)]
+        if not state then return nil end
+        set[1], known = state, bits % (STATE_MASK + 1)
+    end
     for bit = 0, 8 * ty.len - 1 do
         local flag = ty.flags[2 ^ bit]
         if flag then
@@ -285,7 +301,7 @@ local function show_flags(tree, name, ty, range)
         end
     end
     branch:append_text(" (" .. (#set > 0 and table.concat(set, "|") or "none") .. ")")
-    -- Laws that a newer drive may offer have no name here; an unknown flag of a torque is no torque.
+    -- Laws that a newer drive may offer have no name here; a torque with an unknown flag is no torque.
     if ty.len == 1 and known ~= bits then return nil end
     return table.concat(set, "|")
 end
@@ -311,7 +327,7 @@ local function show_field(tree, field, range)
     end
     tree:add_le(fields[name], range):append_text(unit)
     if ty.names then return ty.names[range:uint()] end
-    return tostring(ty == i32 and range:le_int() or range:le_uint()) .. unit
+    return tostring(ty == i24 and range:le_int() or range:le_uint()) .. unit
 end
 
 -- The info column: what one wants to see without opening the tree ------------------------------------------------------
@@ -319,7 +335,7 @@ end
 local IN_INFO = {
     Hello = { "session" }, Arm = { "session" }, Start = { "session" },
     DescribeParameter = { "index" }, GetParameter = { "index" }, SetParameter = { "index", "value" },
-    EncoderSample = { "sequence" }, TorqueAnswer = { "sequence", "torque_nm", "state", "flags" },
+    EncoderSample = { "sequence" }, TorqueAnswer = { "sequence", "torque_nm", "status" },
     Telemetry = { "sequence", "dead_zone_estimate_rad" },
     Identity = { "board", "firmware", "state" }, ParameterDescription = { "index", "name", "default", "unit" },
     ParameterReport = { "index", "outcome", "value" }, CommandResult = { "request", "outcome", "state" },

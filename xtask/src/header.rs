@@ -13,7 +13,7 @@ use lashloop_protocol::frame::{DELIMITER, OVERHEAD};
 use lashloop_protocol::layout::{FieldLayout, FieldType, MessageLayout};
 use lashloop_protocol::vocabulary::{
     ControllerId, Controllers, DisturbingTorqueSource, FaultCode, LogLevel, Outcome, ParameterType, State,
-    TorqueFlags,
+    TorqueFlags, TorqueStatus,
 };
 use lashloop_protocol::wire::Wire;
 use lashloop_protocol::{
@@ -51,7 +51,7 @@ const LISTS: [(&str, &[(u8, &str)]); 7] = [
 
 /// Sets of bits: what C calls one bit, and the type it belongs to.
 const FLAGS: [(&str, FieldType); 2] =
-    [("torque_flag", TorqueFlags::TYPE), ("controller_bit", Controllers::TYPE)];
+    [("torque_flag", FieldType::Flags(TorqueFlags::NAMES)), ("controller_bit", Controllers::TYPE)];
 
 /// Writes the header to its place.
 ///
@@ -90,6 +90,7 @@ fn limits(header: &mut String) -> Result<()> {
         ("OVERHEAD", OVERHEAD, "bytes of a frame beyond its body: COBS code, CRC, delimiter"),
         ("DELIMITER", DELIMITER.into(), "ends every frame and occurs nowhere else"),
         ("CRC_LEN", frame_crc::LEN, "bytes, little endian, after the body"),
+        ("STATUS_STATE_MASK", TorqueStatus::STATE_MASK.into(), "bits of a status byte that are its state"),
     ];
     header.push('\n');
     for (name, number, meaning) in numbers {
@@ -164,22 +165,29 @@ fn message(header: &mut String, layout: &MessageLayout) -> Result<()> {
 
 /// How to read a field, in the words of C.
 fn c_type(field: &FieldLayout) -> Result<String> {
+    let list = |names| {
+        let known = LISTS.iter().find(|(_, list)| *list == names);
+        known.map(|(list, _)| *list).with_context(|| format!("{} is of a list without a name", field.name))
+    };
+    let flags = |ty| {
+        let known = FLAGS.iter().find(|(_, flags)| *flags == ty);
+        known
+            .map(|(flags, _)| flags.to_uppercase())
+            .with_context(|| format!("{} is of bits without a name", field.name))
+    };
     Ok(match field.ty {
         FieldType::U8 => "uint8_t".to_owned(),
         FieldType::U16 => "uint16_t".to_owned(),
         FieldType::U32 => "uint32_t".to_owned(),
-        FieldType::I32 => "int32_t".to_owned(),
+        FieldType::I24 => "3 bytes of two's complement".to_owned(),
         FieldType::F32 => "float, IEEE 754 binary32".to_owned(),
-        FieldType::Enum(names) => {
-            let known = LISTS.iter().find(|(_, list)| *list == names);
-            let (list, _) = known.with_context(|| format!("{} is of a list without a name", field.name))?;
-            format!("1 byte of enum lashloop_{list}")
-        }
-        FieldType::Flags(_) => {
-            let known = FLAGS.iter().find(|(_, ty)| *ty == field.ty);
-            let (flags, _) = known.with_context(|| format!("{} is of bits without a name", field.name))?;
-            format!("{} bits LASHLOOP_{}_*", field.len * 8, flags.to_uppercase())
-        }
+        FieldType::Enum(names) => format!("1 byte of enum lashloop_{}", list(names)?),
+        FieldType::Flags(_) => format!("{} bits LASHLOOP_{}_*", field.len * 8, flags(field.ty)?),
+        FieldType::Status { states, flags: bits } => format!(
+            "low four bits enum lashloop_{}, high four bits LASHLOOP_{}_*",
+            list(states)?,
+            flags(FieldType::Flags(bits))?
+        ),
         FieldType::Text => format!("{} bytes of UTF-8, padded with zeros, not always terminated", field.len),
         FieldType::ParameterValue => {
             "1 byte of enum lashloop_parameter_type, then 4 bytes of that type".to_owned()

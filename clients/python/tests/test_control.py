@@ -15,6 +15,7 @@ from lashloop.control.sensing import Sensing
 from lashloop.counts import wrapped, wrapping_difference
 from lashloop.drive import Drive, Parameters
 from lashloop.drive.parameters import COMMON_PARAMETERS
+from lashloop.sequence import nearest_step, of_step
 from lashloop.vocabulary import single
 from support import Clock, document
 
@@ -91,10 +92,10 @@ def test_velocity_and_twist_survive_a_thousand_radians_in_single_precision() -> 
     assert float(it.twist_rad) == pytest.approx(5 * count, rel=1e-6)
 
 
-def test_a_counter_that_wraps_keeps_position_and_velocity() -> None:
+def test_an_encoder_that_has_turned_beyond_any_reading_keeps_position_and_velocity() -> None:
     sensing = Sensing(DEFAULTS)
     sensing.step(at(2**31 - 2, 0))
-    it = sensing.step(at(-(2**31) + 1, 0))
+    it = sensing.step(at(2**31 + 1, 0))
     assert float(it.motor_position_rad) == pytest.approx((2**31 + 1.5) * COUNT_RAD, rel=1e-7)
     assert float(it.motor_velocity_rad_s) == pytest.approx(3 * COUNT_RAD / 1e-3 * (1 - math.exp(-0.4)), rel=1e-5)
 
@@ -113,9 +114,15 @@ def test_resolutions_that_are_too_far_apart_are_named() -> None:
         PD.build(DEFAULTS | far)
 
 
-@given(st.integers(-(2**31), 2**31 - 1), st.integers(-(2**31) + 1, 2**31 - 1))
-def test_a_counter_s_difference_is_what_it_has_moved(before: int, moved: int) -> None:
+@given(st.integers(-(2**23), 2**23 - 1), st.integers(-(2**23) + 1, 2**23 - 1))
+def test_the_difference_of_two_readings_is_what_the_encoder_moved(before: int, moved: int) -> None:
     assert wrapping_difference(wrapped(before + moved), before) == moved
+
+
+@given(st.integers(0, 2**40), st.integers(-(2**15), 2**15 - 1))
+def test_a_step_is_found_again_from_its_sequence(step: int, ahead: int) -> None:
+    meant = step + ahead
+    assert nearest_step(of_step(meant), step) == (meant if meant >= 0 else None)
 
 
 def test_the_conversation_of_the_specification_comes_to_the_byte() -> None:

@@ -14,12 +14,13 @@ from lashloop.messages import Arm, EncoderSample, GetParameter, HostMessage, Lin
 from lashloop.vocabulary import ParameterValue
 
 SESSIONS = st.integers(0, 2**32 - 1)
-COUNTS = st.integers(-(2**31), 2**31 - 1)
+SEQUENCES = st.integers(0, 2**16 - 1)
+COUNTS = st.integers(-(2**23), 2**23 - 1)
 REALS = st.floats(width=32, allow_nan=False)
 MESSAGES: st.SearchStrategy[HostMessage] = st.one_of(
     st.builds(Arm, SESSIONS),
     st.builds(GetParameter, st.integers(0, 255)),
-    st.builds(EncoderSample, SESSIONS, COUNTS, COUNTS, REALS),
+    st.builds(EncoderSample, SEQUENCES, COUNTS, COUNTS, REALS),
     st.builds(SetParameter, st.integers(0, 255), st.builds(ParameterValue.f32, REALS)),
     st.just(Stop()),
 )

@@ -7,9 +7,11 @@ import math
 import pytest
 
 from lashloop.control import ControlInput, ControlLaw, ControlOutput
+from lashloop.counts import wrapped
 from lashloop.drive import Drive
 from lashloop.frames import encode
 from lashloop.messages import (
+    Arm,
     CommandResult,
     DriveMessage,
     EncoderSample,
@@ -17,13 +19,15 @@ from lashloop.messages import (
     GetParameter,
     Hello,
     LineReport,
+    Log,
     Start,
     Stop,
     Telemetry,
     TorqueAnswer,
 )
+from lashloop.sequence import of_step
 from lashloop.vocabulary import FaultCode, Outcome, ParameterValue, State, TorqueFlags, single
-from support import SESSION, Bench, Clock, sample, table
+from support import SESSION, Bench, sample, table
 
 QUIET = {"telemetry_every": ParameterValue.u32(0)}
 
@@ -38,7 +42,7 @@ def fault(answers: list[DriveMessage]) -> FaultReport:
     """The fault behind a torque of zero."""
     first, second = answers
     assert isinstance(first, TorqueAnswer)
-    assert (first.torque_nm, first.state) == (0.0, State.FAULTED)
+    assert (first.torque_nm, first.status.state) == (0.0, State.FAULTED)
     assert isinstance(second, FaultReport)
     return second
 
@@ -58,19 +62,21 @@ def place(bench: Bench, sequence: int) -> str:
         assert (answer.request, answer.outcome) == (EncoderSample.KIND, Outcome.OUT_OF_SEQUENCE)
         return "stray"
     assert isinstance(answer, TorqueAnswer)
-    flags = answer.flags & ~TorqueFlags.SATURATED
+    flags = answer.status.flags & ~TorqueFlags.SATURATED
     return {TorqueFlags(0): "taken", TorqueFlags.GAP: "after a gap", TorqueFlags.REPEATED: "repeated"}[flags]
 
 
-LAST = 2**32 - 2  # so that what follows wraps
+LAST = 2**16 - 2  # so that what follows wraps
+SLOW = {"motor_speed_limit_rad_s": ParameterValue.f32(100.0)}  # so that encoders allow the longest gap there is
 
 
-def at_last(clock: Clock | None = None) -> Bench:
-    """A running drive whose last sequence is `LAST`. It is brought there by gaps, as no host would."""
-    bench = Bench(clock or Clock())
-    bench.running(**QUIET)
-    bench.say(sample(0))
-    bench.drive._safety.last_sequence = LAST
+def at_last() -> Bench:
+    """A running drive whose last sequence is `LAST`. It is brought there by gaps, to be there soon."""
+    bench = Bench()
+    bench.running(**QUIET, **SLOW)
+    for sequence in (*range(0, LAST - 1, 999), LAST - 1):
+        assert place(bench, sequence) == ("after a gap" if sequence else "taken")
+    assert place(bench, LAST) == "taken"
     return bench
 
 
@@ -79,14 +85,14 @@ def at_last(clock: Clock | None = None) -> Bench:
     [
         (LAST + 1, "taken"),
         (0, "after a gap"),
-        ((LAST + 1000) % 2**32, "after a gap"),
-        ((LAST + 1001) % 2**32, "stray"),
+        ((LAST + 1000) % 2**16, "after a gap"),
+        ((LAST + 1001) % 2**16, "stray"),
         (LAST, "repeated"),
         (LAST - 1, "stray"),
-        ((LAST + 2**31) % 2**32, "stray"),
+        ((LAST + 2**15) % 2**16, "stray"),
     ],
 )
-def test_where_a_sample_stands_is_told_by_its_sequence_modulo_2_to_the_32(sequence: int, is_: str) -> None:
+def test_where_a_sample_stands_is_told_by_its_sequence_modulo_2_to_the_16(sequence: int, is_: str) -> None:
     assert place(at_last(), sequence) == is_
 
 
@@ -101,7 +107,7 @@ def test_the_table_of_sequences_is_the_one_tested() -> None:
     ]
 
 
-@pytest.mark.parametrize("sequence", [1, 5, 1000, 2**32 - 1])
+@pytest.mark.parametrize("sequence", [1, 5, 1000, 2**16 - 1])
 def test_only_sequence_0_begins_a_run(sequence: int) -> None:
     bench = running_at()
     assert place(bench, sequence) == "stray"
@@ -115,7 +121,7 @@ def test_a_repeated_sample_gets_the_same_answer_whatever_it_carries_and_makes_no
         first = torque(disturbed.say(it))
         again = torque(disturbed.say(EncoderSample(sequence, 999, -999, math.nan)))
         assert again.torque_nm == first.torque_nm
-        assert again.flags == first.flags | TorqueFlags.REPEATED
+        assert again.status.flags == first.status.flags | TorqueFlags.REPEATED
         assert first.torque_nm == torque(quiet.say(it)).torque_nm
 
 
@@ -124,7 +130,7 @@ def test_a_stray_sample_makes_no_step() -> None:
     for sequence in range(20):
         it = sample(sequence, motor=3 * sequence, load=sequence)
         assert torque(disturbed.say(it)).torque_nm == torque(quiet.say(it)).torque_nm
-        assert place(disturbed, (sequence + 2**31) % 2**32) == "stray"
+        assert place(disturbed, (sequence + 2**15) % 2**16) == "stray"
 
 
 def test_a_gap_is_told_once_and_velocities_are_over_the_time_that_passed() -> None:
@@ -134,7 +140,7 @@ def test_a_gap_is_told_once_and_velocities_are_over_the_time_that_passed() -> No
         wanted = torque(every.say(it))
         if sequence % 3 == 0:
             have = torque(gappy.say(it))
-            assert (TorqueFlags.GAP in have.flags) == (sequence > 0)
+            assert (TorqueFlags.GAP in have.status.flags) == (sequence > 0)
             assert have.torque_nm == pytest.approx(wanted.torque_nm, rel=1e-5)
 
 
@@ -146,7 +152,7 @@ def test_the_torque_is_cut_to_the_limit_and_flagged() -> None:
         answer, telemetry = bench.say(sample(0))
         assert isinstance(answer, TorqueAnswer)
         assert isinstance(telemetry, Telemetry)
-        assert (answer.torque_nm, answer.flags) == (math.copysign(wanted_nm, free_nm), flags)
+        assert (answer.torque_nm, answer.status.flags) == (math.copysign(wanted_nm, free_nm), flags)
         assert telemetry.requested_torque_nm == free_nm
         assert bench.drive.torque_nm == answer.torque_nm
 
@@ -189,7 +195,7 @@ def test_an_encoder_may_be_as_fast_as_its_limit_and_a_count_more_and_no_faster(
         bench.say(sample(0))
         return bench.say(sample(periods, **{side: way * distance}))
 
-    assert torque(moved(counts + 1)).state is State.RUNNING
+    assert torque(moved(counts + 1)).status.state is State.RUNNING
     it = fault(moved(counts + periods + 1))
     assert (it.code, it.sequence, it.limit) == (code, periods, limit)
     assert it.value == pytest.approx(1001 * per_count_rad_s, rel=1e-6)
@@ -197,8 +203,59 @@ def test_an_encoder_may_be_as_fast_as_its_limit_and_a_count_more_and_no_faster(
 
 def test_an_encoder_that_wraps_has_not_jumped() -> None:
     bench = running_at()
-    for sequence, counts in ((0, 2**31 - 1), (1, -(2**31)), (2, 2**31 - 1)):
-        assert torque(bench.say(sample(sequence, motor=counts, load=counts))).state is State.RUNNING
+    for sequence, counts in ((0, 2**23 - 1), (1, -(2**23)), (2, 2**23 - 1)):
+        assert torque(bench.say(sample(sequence, motor=counts, load=counts))).status.state is State.RUNNING
+
+
+@pytest.mark.parametrize(
+    ("settings", "longest"),
+    [
+        ({}, 402),  # 1000 rad/s are 20,861 counts in a millisecond, of 2^23
+        ({"motor_speed_limit_rad_s": ParameterValue.f32(500.0)}, 804),
+        (SLOW, 1000),
+        ({**SLOW, "load_counts_per_rev": ParameterValue.u32(2**24)}, 31),
+    ],
+)
+def test_a_gap_is_no_longer_than_positions_can_be_told_apart(settings: dict[str, ParameterValue], longest: int) -> None:
+    bench = Bench().running(**QUIET, **settings)
+    bench.say(sample(0))
+    assert place(bench, longest + 1) == "stray"
+    assert place(bench, longest) == "after a gap"
+
+
+@pytest.mark.parametrize("side", ["motor", "load"])
+def test_encoders_that_no_period_tells_apart_are_refused_when_arming(side: str) -> None:
+    bench = Bench().idle()
+    bench.set(f"{side}_counts_per_rev", ParameterValue.u32(2**24))
+    # 3142 rad/s are half a revolution in a millisecond, and half a revolution is 2^23 counts.
+    bench.set(f"{side}_speed_limit_rad_s", ParameterValue.f32(3142.0))
+    log, result = bench.say(Arm(SESSION))
+    assert isinstance(log, Log)
+    assert log.text == f"{side}_speed_limit_rad_s does not go with the others"
+    assert isinstance(result, CommandResult)
+    assert (result.outcome, result.state) == (Outcome.INCONSISTENT, State.IDLE)
+    bench.set(f"{side}_speed_limit_rad_s", ParameterValue.f32(3141.0))
+    result = bench.only(CommandResult, Arm(SESSION))
+    assert result.outcome is Outcome.ACCEPTED
+
+
+def test_a_law_is_told_positions_that_go_on_where_readings_wrap() -> None:
+    seen: list[tuple[int, int]] = []
+
+    class Listening:
+        def step(self, sample: ControlInput) -> ControlOutput:
+            seen.append((sample.motor_counts, sample.load_counts))
+            return ControlOutput(0.0)
+
+    bench = Bench()
+    bench.drive = Drive([ControlLaw(1, (), lambda _: Listening())], clock_ns=bench.clock)
+    bench.running(**QUIET)
+    stands = [(20_000 * step, -2_000 * step) for step in range(10_000)]
+    for step, (motor, load) in enumerate(stands):
+        bench.say(sample(of_step(step), motor=wrapped(motor), load=wrapped(load)))
+    assert seen == stands
+    assert stands[-1][0] > 2**27
+    assert stands[-1][1] < -(2**24)
 
 
 class Wild:

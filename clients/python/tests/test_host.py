@@ -17,6 +17,7 @@ from lashloop.host import (
     ParameterRefusedError,
     RefusedError,
     SilenceError,
+    StartTooFarError,
     UnknownParameterError,
     VersionError,
 )
@@ -128,7 +129,7 @@ def test_a_host_greets_sets_runs_and_stops() -> None:
         torques_nm = [step(host) for _ in range(5)]
         assert torques_nm == [single(2.3)] * 5
         assert host.last_answer is not None
-        assert TorqueFlags.SATURATED in host.last_answer.flags
+        assert TorqueFlags.SATURATED in host.last_answer.status.flags
         assert host.telemetry is not None
         assert host.telemetry.sequence == 0
         report = host.stop()
@@ -149,15 +150,54 @@ def test_leaving_a_run_takes_the_torque_away() -> None:
     assert wire.closed
 
 
-def test_counts_beyond_32_bits_are_wrapped() -> None:
+def test_counts_beyond_24_bits_are_wrapped() -> None:
     wire = Wire()
     host = running(wire)
     for turns in range(3):
-        counts = 2**31 - 1 + turns
-        host.torque(motor_counts=3 * counts, load_counts=counts, reference_rad=0.0)
+        host.torque(motor_counts=3 * turns, load_counts=2**23 - 1 + turns, reference_rad=0.0)
     samples = [it for it in wire.sent if isinstance(it, EncoderSample)]
-    assert [it.load_counts for it in samples] == [2**31 - 1, -(2**31), -(2**31) + 1]
+    assert [it.load_counts for it in samples] == [2**23 - 1, -(2**23), -(2**23) + 1]
     assert [it.sequence for it in samples] == [0, 1, 2]
+
+
+@pytest.mark.parametrize(
+    ("motor", "load", "said"), [(2**23, 0, "motor_counts = 8388608"), (0, -(2**23) - 1, "load_counts = -8388609")]
+)
+def test_a_first_sample_that_does_not_say_where_an_encoder_stands_is_not_sent(motor: int, load: int, said: str) -> None:
+    wire = Wire()
+    host = running(wire)
+    with pytest.raises(StartTooFarError, match=f"{said}: a drive that starts knows of -8388608 to 8388607; take"):
+        host.torque(motor_counts=motor, load_counts=load, reference_rad=0.0)
+    assert wire.count(EncoderSample) == 0
+
+
+def test_steps_are_counted_on_where_sequences_wrap() -> None:
+    wire = Wire()
+    host = running(wire)
+    for _ in range(65_600):
+        step(host)
+    assert host.lost == 0
+    assert [it.sequence for it in wire.sent if isinstance(it, EncoderSample)][65_535:65_537] == [65_535, 0]
+    assert host.last_answer is not None
+    assert (host.last_answer.sequence, host.step_of(host.last_answer.sequence)) == (63, 65_599)
+    assert host.telemetry is not None
+    assert host.step_of(host.telemetry.sequence) == 65_596
+    wire.loses_request = lambda it: isinstance(it, EncoderSample)
+    step(host)
+    step(host)
+    said = r"after EncoderSample 65602 \(last sample sent: 65602, last torque: 65599, "
+    with pytest.raises(SilenceError, match=said):
+        step(host)
+
+
+def test_a_fault_is_told_with_its_step() -> None:
+    wire = Wire()
+    host = running(wire)
+    for _ in range(65_540):
+        step(host)
+    with pytest.raises(DriveFaultError, match="MotorEncoderJump at sample 65540: ") as it:
+        host.torque(motor_counts=100_000, load_counts=0, reference_rad=0.0)
+    assert (it.value.step, it.value.fault.sequence) == (65_540, 4)
 
 
 def test_a_silent_drive_is_given_up_after_greetings_every_100_ms() -> None:
@@ -231,7 +271,7 @@ def test_a_lost_answer_holds_the_torque_and_is_counted() -> None:
     assert wire.now_s - start_s == pytest.approx(2.0)
     assert host.torque(motor_counts=0, load_counts=0, reference_rad=0.5) != before_nm
     assert host.last_answer is not None
-    assert TorqueFlags.GAP in host.last_answer.flags
+    assert TorqueFlags.GAP in host.last_answer.status.flags
 
 
 def test_too_long_a_silence_ends_the_run_after_2_5_s() -> None:

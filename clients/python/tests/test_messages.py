@@ -23,6 +23,7 @@ from lashloop.vocabulary import (
     ParameterValue,
     State,
     TorqueFlags,
+    TorqueStatus,
     Version,
     WireEnum,
     single,
@@ -32,6 +33,7 @@ from support import WORKSPACE, document, table
 
 GOLDEN = json.loads((WORKSPACE / "protocol/golden/v1.json").read_text())
 ALL: tuple[type[Message], ...] = (*HOST_MESSAGES, *DRIVE_MESSAGES)
+LISTS: dict[str, type[WireEnum]] = {"state": State, "outcome": Outcome, "code": FaultCode, "level": LogLevel}
 FLAGS = {"flags": TorqueFlags, "controllers": Controllers}
 
 
@@ -41,6 +43,8 @@ def direction(kind: int) -> Any:
 
 def from_json(name: str, value: Any) -> Any:
     """A field as the shared file has it, as the message has it."""
+    if name == "status":
+        return TorqueStatus(**{part: from_json(part, it) for part, it in value.items()})
     if isinstance(value, dict):
         make = ParameterValue.f32 if value["type"] == "F32" else ParameterValue.u32
         return make(value["value"])
@@ -51,9 +55,8 @@ def from_json(name: str, value: Any) -> Any:
         return bits
     if name == "firmware":
         return Version(*map(int, value.split(".")))
-    lists: dict[str, type[WireEnum]] = {"state": State, "outcome": Outcome, "code": FaultCode, "level": LogLevel}
-    if name in lists:
-        return next(it for it in lists[name] if it.label == value)
+    if name in LISTS:
+        return next(it for it in LISTS[name] if it.label == value)
     return single(value) if isinstance(value, float) else value
 
 
@@ -134,7 +137,8 @@ def test_limits_are_those_of_the_specification() -> None:
     [
         (messages.Arm(2**32), "Arm.session is 4294967296, allowed is 0 to 4294967295"),
         (messages.Arm(-1), "Arm.session is -1, allowed is 0 to 4294967295"),
-        (messages.EncoderSample(0, 2**31, 0, 0.0), "EncoderSample.motor_counts is 2147483648, allowed is"),
+        (messages.EncoderSample(0, 2**23, 0, 0.0), "EncoderSample.motor_counts is 8388608, allowed is -8388608 to"),
+        (messages.EncoderSample(2**16, 0, 0, 0.0), "EncoderSample.sequence is 65536, allowed is 0 to 65535"),
         (messages.EncoderSample(0, 0, 0, 1e39), "EncoderSample.reference_rad is 1e+39, allowed is"),
         (messages.SetParameter(256, ParameterValue.u32(0)), "SetParameter.index is 256, allowed is 0 to 255"),
         (messages.SetParameter(0, ParameterValue.u32(-1)), "SetParameter.value is"),
@@ -178,12 +182,24 @@ def test_a_whole_frame_that_is_no_message_is_refused(body: bytes) -> None:
         b"\x85\x06\x0a\x01",
         b"\x85\x06\x00\x01",
         b"\x85\x06\x01\x06",
-        b"\x90" + bytes(8) + b"\x04\x08\0\0",
+        b"\x90" + bytes(6) + b"\x84\0\0",
+        b"\x90" + bytes(6) + b"\x06\0\0",
+        b"\x90" + bytes(6) + b"\x10\0\0",
         b"\x93\x05" + bytes(52),
         b"\x93\x01a\0b" + bytes(49),
         b"\x93\x01\xff" + bytes(51),
     ],
-    ids=["outcome", "outcome 0", "state", "torque flag", "level", "text after its end", "not UTF-8"],
+    ids=[
+        "outcome",
+        "outcome 0",
+        "state",
+        "torque flag",
+        "torque state",
+        "torque state 0",
+        "level",
+        "text after its end",
+        "not UTF-8",
+    ],
 )
 def test_a_field_that_holds_no_value_of_its_type_is_refused(body: bytes) -> None:
     with pytest.raises(RefusedError):

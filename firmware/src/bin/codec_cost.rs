@@ -14,8 +14,8 @@ use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::entry;
 use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
-use lashloop_protocol::vocabulary::{State, TorqueFlags};
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
+use lashloop_protocol::vocabulary::{State, TorqueFlags, TorqueStatus};
+use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message};
 use stm32f4xx_hal::pac::Peripherals;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
@@ -37,34 +37,25 @@ fn main() -> ! {
     let mut out =
         device.USART2.tx(pin, serial::Config::default(), &mut rcc).expect("9600 bit/s are possible");
 
-    let sample = |[sequence, motor, load, reference]: [u32; 4]| {
-        HostMessage::from(EncoderSample {
-            sequence,
-            motor_counts: motor.cast_signed(),
-            load_counts: load.cast_signed(),
-            reference_rad: f32::from_bits(reference),
-        })
+    let sample = |sequence, counts: [i64; 2], reference| {
+        let [motor_counts, load_counts] = counts.map(EncoderCounts::wrapping);
+        let reference_rad = f32::from_bits(reference);
+        HostMessage::from(EncoderSample { sequence, motor_counts, load_counts, reference_rad })
     };
     let torque = |sequence, torque_nm: f32, flags, compute_tenths_us| {
-        let flags = TorqueFlags::from_bits_truncate(flags);
-        DriveMessage::from(TorqueAnswer {
-            sequence,
-            torque_nm,
-            state: State::Running,
-            flags,
-            compute_tenths_us,
-        })
+        let status = TorqueStatus { state: State::Running, flags };
+        DriveMessage::from(TorqueAnswer { sequence, torque_nm, status, compute_tenths_us })
     };
     // A round more than asked for, of two instructions each, and a few to align the loop.
     let known = instructions(|| cortex_m::asm::delay(1000));
     let _ = writeln!(out, "loop-of-2002 {known}");
     // The second cycle of the conversation in the protocol's document; then the bytes that are the extremes of stuffing.
-    report(&mut out, "sample", &sample([1, 98_104, 32_766, 0]));
-    report(&mut out, "sample-zeros", &sample([0; 4]));
-    report(&mut out, "sample-no-zeros", &sample([u32::MAX; 4]));
-    report(&mut out, "torque", &torque(1, -20.195_326, 0, 57));
-    report(&mut out, "torque-zeros", &torque(0, 0.0, 0, 0));
-    report(&mut out, "torque-no-zeros", &torque(u32::MAX, 1.1, 7, u16::MAX));
+    report(&mut out, "sample", &sample(1, [98_104, 32_766], 0));
+    report(&mut out, "sample-zeros", &sample(0, [0; 2], 0));
+    report(&mut out, "sample-no-zeros", &sample(u16::MAX, [-1; 2], u32::MAX));
+    report(&mut out, "torque", &torque(1, -20.195_326, TorqueFlags::empty(), 57));
+    report(&mut out, "torque-zeros", &torque(0, 0.0, TorqueFlags::empty(), 0));
+    report(&mut out, "torque-no-zeros", &torque(u16::MAX, 1.1, TorqueFlags::all(), u16::MAX));
     let _ = writeln!(out, "end");
     loop {
         cortex_m::asm::wfi();

@@ -33,7 +33,7 @@ pub mod literal;
 mod measurement;
 pub mod momentum_observer;
 pub mod nominal;
-mod parameter;
+pub(crate) mod parameter;
 pub mod pd;
 mod real;
 pub mod sensing;

@@ -2,6 +2,7 @@
 
 use core::f32::consts::TAU;
 
+use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::vocabulary::{ControllerId, DisturbingTorqueSource};
 
@@ -13,16 +14,26 @@ use crate::control::faithful::{self, Faithful};
 use crate::control::law::{Law, LawState};
 use crate::control::literal::Literal;
 use crate::control::nominal::NominalModel;
+use crate::control::parameter::within;
 use crate::control::pd::Pd;
 use crate::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig, SensingState};
 use crate::control::{ControlOutput, Controller, ParameterError};
+
+/// Samples that may be missing in a row before the sequence is taken for a stray frame of another run.
+const LONGEST_GAP: u16 = 1000;
+
+/// Most counts that a difference of two readings tells apart from a whole turn of their range, either way, but for one:
+/// an encoder may show one count more than it has turned.
+const COUNTS_TOLD_APART: f32 = (EncoderCounts::MAX.get() - 1) as f32;
 
 pub(super) struct ControlLoop {
     sensing: Sensing<f32>,
     sensing_state: SensingState<f32>,
     law: Law<f32>,
     law_state: LawState<f32>,
+    /// Counters of motor and load: the readings without their wraps.
     previous_counts: Option<(i32, i32)>,
+    longest_gap: u16,
     motor_rad_s_per_count: f32,
     load_rad_s_per_count: f32,
 }
@@ -34,27 +45,45 @@ impl ControlLoop {
         let period_s = parameters.period_us as f32 * 1e-6;
         let sensing = Sensing::new(sensing_config(parameters, period_s))?;
         let law = law(parameters, period_s)?;
+        let [motor_rad_s_per_count, load_rad_s_per_count] =
+            [parameters.motor_counts_per_rev, parameters.load_counts_per_rev]
+                .map(|counts| TAU / (counts as f32 * period_s));
+        let mut longest_gap = LONGEST_GAP;
+        for (name, limit_rad_s, rad_s_per_count) in [
+            ("motor_speed_limit_rad_s", parameters.motor_speed_limit_rad_s, motor_rad_s_per_count),
+            ("load_speed_limit_rad_s", parameters.load_speed_limit_rad_s, load_rad_s_per_count),
+        ] {
+            let fastest_rad_s = COUNTS_TOLD_APART * rad_s_per_count;
+            within(name, limit_rad_s, 0.0, fastest_rad_s)?;
+            longest_gap = longest_gap.min((fastest_rad_s / limit_rad_s) as u16);
+        }
         Ok(Self {
             sensing_state: sensing.initial_state(),
             sensing,
             law_state: law.initial_state(),
             law,
             previous_counts: None,
-            motor_rad_s_per_count: TAU / (parameters.motor_counts_per_rev as f32 * period_s),
-            load_rad_s_per_count: TAU / (parameters.load_counts_per_rev as f32 * period_s),
+            longest_gap,
+            motor_rad_s_per_count,
+            load_rad_s_per_count,
         })
+    }
+
+    /// Periods after which a sample is still taken.
+    pub(super) fn longest_gap(&self) -> u16 {
+        self.longest_gap
     }
 
     /// How fast motor and load must have turned at least since the last sample, in rad/s, either way; zero for the first
     /// one. A count is taken off: an encoder that shows one count more may have turned hardly at all.
     pub(super) fn speeds(&self, sample: &EncoderSample, periods: u32) -> (f32, f32) {
         let Some((motor, load)) = self.previous_counts else { return (0.0, 0.0) };
-        let moved = |now: i32, before: i32, scale: f32| {
-            now.wrapping_sub(before).unsigned_abs().saturating_sub(1) as f32 * scale / periods as f32
+        let speed = |reading, counter, scale: f32| {
+            moved(reading, counter).unsigned_abs().saturating_sub(1) as f32 * scale / periods as f32
         };
         (
-            moved(sample.motor_counts, motor, self.motor_rad_s_per_count),
-            moved(sample.load_counts, load, self.load_rad_s_per_count),
+            speed(sample.motor_counts, motor, self.motor_rad_s_per_count),
+            speed(sample.load_counts, load, self.load_rad_s_per_count),
         )
     }
 
@@ -65,12 +94,19 @@ impl ControlLoop {
         periods: u32,
         applied_torque_nm: f32,
     ) -> ControlOutput<f32> {
-        self.previous_counts = Some((sample.motor_counts, sample.load_counts));
+        let (motor_counts, load_counts) = match self.previous_counts {
+            None => (sample.motor_counts.get(), sample.load_counts.get()),
+            Some((motor, load)) => (
+                motor.wrapping_add(moved(sample.motor_counts, motor)),
+                load.wrapping_add(moved(sample.load_counts, load)),
+            ),
+        };
+        self.previous_counts = Some((motor_counts, load_counts));
         let measurement = self.sensing.step(
             &mut self.sensing_state,
             &Sample {
-                motor_counts: sample.motor_counts,
-                load_counts: sample.load_counts,
+                motor_counts,
+                load_counts,
                 reference_rad: sample.reference_rad,
                 applied_torque_nm,
                 elapsed_periods: periods,
@@ -78,6 +114,11 @@ impl ControlLoop {
         );
         self.law.step(&mut self.law_state, &measurement)
     }
+}
+
+/// Counts that an encoder has moved from where its counter stood to this reading.
+fn moved(reading: EncoderCounts, counter: i32) -> i32 {
+    reading.wrapping_sub(EncoderCounts::wrapping(counter.into()))
 }
 
 fn sensing_config(parameters: &Parameters, period_s: f32) -> SensingConfig<f32> {

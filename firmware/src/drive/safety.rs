@@ -25,7 +25,7 @@ pub(super) struct Safety {
     torque_nm: f32,
     limits: Limits,
     last_sample_at: Duration,
-    last_sequence: Option<u32>,
+    last_sequence: Option<u16>,
 }
 
 #[derive(Default)]
@@ -60,7 +60,7 @@ impl Safety {
         self.torque_nm
     }
 
-    pub(super) fn last_sequence(&self) -> Option<u32> {
+    pub(super) fn last_sequence(&self) -> Option<u16> {
         self.last_sequence
     }
 
@@ -139,7 +139,7 @@ impl Safety {
     }
 
     /// A new sample has come in time; the watchdog starts anew.
-    pub(super) fn note_sample(&mut self, sequence: u32, now: Duration) {
+    pub(super) fn note_sample(&mut self, sequence: u16, now: Duration) {
         self.last_sequence = Some(sequence);
         self.last_sample_at = now;
     }

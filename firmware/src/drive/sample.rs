@@ -3,13 +3,11 @@
 use core::time::Duration;
 
 use lashloop_protocol::message::{EncoderSample, FaultReport, Telemetry, TorqueAnswer};
-use lashloop_protocol::vocabulary::{Outcome, State, TorqueFlags};
+use lashloop_protocol::vocabulary::{Outcome, State, TorqueFlags, TorqueStatus};
 
+use super::control_loop::ControlLoop;
 use super::{Clock, Drive};
 use crate::control::ControlOutput;
-
-/// Samples that may be missing in a row before the sequence is taken for a stray frame of another run.
-const LARGEST_GAP: u32 = 1000;
 
 /// Where a sample stands in the run.
 enum Place {
@@ -37,7 +35,9 @@ impl Drive {
             State::Running => match self.place(sample.sequence) {
                 Place::Next(periods) => self.step(sample, periods, arrived, clock),
                 Place::Repeated(answer) => {
-                    self.output.send(TorqueAnswer { flags: answer.flags | TorqueFlags::REPEATED, ..answer });
+                    let flags = answer.status.flags | TorqueFlags::REPEATED;
+                    self.output
+                        .send(TorqueAnswer { status: TorqueStatus { flags, ..answer.status }, ..answer });
                 }
                 Place::Stray => self.conclude::<EncoderSample>(Outcome::OutOfSequence),
             },
@@ -47,12 +47,13 @@ impl Drive {
         }
     }
 
-    fn place(&self, sequence: u32) -> Place {
+    fn place(&self, sequence: u16) -> Place {
+        let longest_gap = self.control.as_ref().map_or(1, ControlLoop::longest_gap);
         match (self.safety.last_sequence(), self.last_answer) {
             (None, _) if sequence == 0 => Place::Next(1),
             (Some(last), Some(answer)) if sequence == last => Place::Repeated(answer),
-            (Some(last), _) if (1..=LARGEST_GAP).contains(&sequence.wrapping_sub(last)) => {
-                Place::Next(sequence.wrapping_sub(last))
+            (Some(last), _) if (1..=longest_gap).contains(&sequence.wrapping_sub(last)) => {
+                Place::Next(sequence.wrapping_sub(last).into())
             }
             _ => Place::Stray,
         }
@@ -94,21 +95,22 @@ impl Drive {
 
     fn answer(
         &mut self,
-        sequence: u32,
+        sequence: u16,
         torque_nm: f32,
         flags: TorqueFlags,
         arrived: Duration,
         clock: &impl Clock,
     ) {
+        let status = TorqueStatus { state: self.state(), flags };
         let compute_tenths_us = tenths_us(clock.now().saturating_sub(arrived));
-        let answer = TorqueAnswer { sequence, torque_nm, state: self.state(), flags, compute_tenths_us };
+        let answer = TorqueAnswer { sequence, torque_nm, status, compute_tenths_us };
         self.last_answer = Some(answer);
         self.output.send(answer);
     }
 
-    fn send_telemetry(&mut self, sequence: u32, opinion: &ControlOutput<f32>) {
+    fn send_telemetry(&mut self, sequence: u16, opinion: &ControlOutput<f32>) {
         let every = self.parameters.telemetry_every;
-        if every > 0 && sequence.is_multiple_of(every) {
+        if every > 0 && u32::from(sequence).is_multiple_of(every) {
             self.output.send(Telemetry {
                 sequence,
                 dead_zone_estimate_rad: opinion.dead_zone_estimate_rad,

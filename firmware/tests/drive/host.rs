@@ -8,7 +8,7 @@ use lashloop_protocol::message::{
     TorqueAnswer,
 };
 use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State};
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message, PROTOCOL_VERSION};
 
 pub const SESSION: u32 = 7;
 
@@ -98,9 +98,15 @@ impl Host {
     }
 
     /// A sample at rest, `counts` off on the load.
-    pub fn sample(&mut self, sequence: u32, motor_counts: i32, load_counts: i32) -> Vec<DriveMessage> {
-        self.say(EncoderSample { sequence, motor_counts, load_counts, reference_rad: 0.0 })
+    pub fn sample(&mut self, sequence: u16, motor_counts: i64, load_counts: i64) -> Vec<DriveMessage> {
+        self.say(sample(sequence, motor_counts, load_counts))
     }
+}
+
+/// What encoders show that stand at these counts, with the load wanted at 0.
+pub fn sample(sequence: u16, motor_counts: i64, load_counts: i64) -> EncoderSample {
+    let [motor_counts, load_counts] = [motor_counts, load_counts].map(EncoderCounts::wrapping);
+    EncoderSample { sequence, motor_counts, load_counts, reference_rad: 0.0 }
 }
 
 pub fn torque(answers: &[DriveMessage]) -> TorqueAnswer {

@@ -5,3 +5,4 @@ mod parameters;
 mod running;
 mod safety;
 mod session;
+mod wrapping;

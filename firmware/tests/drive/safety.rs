@@ -7,10 +7,10 @@ use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, EncoderSample, 
 use lashloop_protocol::vocabulary::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::{Decoder, DriveMessage, PROTOCOL_VERSION};
 
-use crate::host::{Host, SESSION, fault, torque};
+use crate::host::{Host, SESSION, fault, sample, torque};
 
-const MOTOR: i32 = 3 * 32_768;
-const LOAD: i32 = 32_768;
+const MOTOR: i64 = 3 * 32_768;
+const LOAD: i64 = 32_768;
 
 /// Running, and giving torque.
 fn pushing() -> Host {
@@ -73,7 +73,7 @@ fn emergency_stop_latches_from_any_state() {
 fn the_first_fault_is_the_one_that_is_told_again() {
     let mut host = Host::running(&[]);
     host.sample(0, 0, 0);
-    host.sample(1, i32::MAX, 0);
+    host.sample(1, 8_388_607, 0);
     host.say(EmergencyStop {});
     let answers = host.say(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION + 1 });
     assert_eq!(fault(&answers).code, FaultCode::MotorEncoderJump);
@@ -84,7 +84,7 @@ fn a_late_sample_is_answered_before_its_fault_is_told() {
     let mut host = pushing();
     host.clock.0 += Duration::from_secs(1);
     let answers = host.sample(1, MOTOR, LOAD);
-    assert_eq!((torque(&answers).torque_nm, torque(&answers).state), (0.0, State::Faulted));
+    assert_eq!((torque(&answers).torque_nm, torque(&answers).status.state), (0.0, State::Faulted));
     assert!(matches!(answers[1], DriveMessage::FaultReport(_)), "{answers:?}");
 }
 
@@ -93,7 +93,7 @@ fn one_count_is_never_a_jump_however_coarse_the_encoder() {
     let coarse = [("load_counts_per_rev", ParameterValue::U32(60)), ("period_us", ParameterValue::U32(100))];
     let mut host = Host::running(&coarse);
     host.sample(0, 0, 0);
-    assert_eq!(torque(&host.sample(1, 0, 1)).state, State::Running);
+    assert_eq!(torque(&host.sample(1, 0, 1)).status.state, State::Running);
     assert_eq!(fault(&host.sample(2, 0, 3)).code, FaultCode::LoadEncoderJump);
 }
 
@@ -112,7 +112,7 @@ fn a_fault_stays_until_it_is_cleared() {
     host.say(EmergencyStop {});
     host.say(Stop {});
     let answer = torque(&host.sample(1, MOTOR, LOAD));
-    assert_eq!((answer.torque_nm, answer.state), (0.0, State::Faulted));
+    assert_eq!((answer.torque_nm, answer.status.state), (0.0, State::Faulted));
     assert_eq!(host.command(ClearFault {}), (Outcome::Accepted, State::Idle));
     assert_eq!(torque(&host.sample(2, MOTOR, LOAD)).torque_nm, 0.0, "cleared is not armed");
 }
@@ -133,19 +133,22 @@ fn an_encoder_faster_than_the_limit_is_a_fault_before_the_controller_sees_it() {
         (-20_900, 0, Some((FaultCode::MotorEncoderJump, 1000.0))),
         (0, 2_000, None),
         (0, -2_100, Some((FaultCode::LoadEncoderJump, 100.0))),
-        (i32::MIN, 0, Some((FaultCode::MotorEncoderJump, 1000.0))),
+        (-8_388_608, 0, Some((FaultCode::MotorEncoderJump, 1000.0))),
     ];
     for (motor, load, want) in cases {
         let mut host = Host::running(&[]);
         host.sample(0, 0, 0);
         let answers = host.sample(1, motor, load);
         match want {
-            None => assert_eq!(torque(&answers).state, State::Running, "{motor} {load}"),
+            None => assert_eq!(torque(&answers).status.state, State::Running, "{motor} {load}"),
             Some((code, limit)) => {
                 let report = fault(&answers);
                 assert_eq!((report.code, report.limit, report.sequence), (code, limit, 1));
                 assert!(report.value.abs() > limit);
-                assert_eq!((torque(&answers).torque_nm, torque(&answers).state), (0.0, State::Faulted));
+                assert_eq!(
+                    (torque(&answers).torque_nm, torque(&answers).status.state),
+                    (0.0, State::Faulted)
+                );
             }
         }
     }
@@ -155,21 +158,21 @@ fn an_encoder_faster_than_the_limit_is_a_fault_before_the_controller_sees_it() {
 fn lost_samples_stretch_the_plausible_move() {
     let mut host = Host::running(&[]);
     host.sample(0, 0, 0);
-    assert_eq!(torque(&host.sample(4, 4 * 20_800, 0)).state, State::Running);
+    assert_eq!(torque(&host.sample(4, 4 * 20_800, 0)).status.state, State::Running);
 }
 
 #[test]
 fn a_counter_may_wrap() {
     let mut host = Host::running(&[]);
-    host.sample(0, i32::MAX, 0);
-    assert_eq!(torque(&host.sample(1, i32::MIN + 5, 0)).state, State::Running);
+    host.sample(0, 8_388_607, 0);
+    assert_eq!(torque(&host.sample(1, -8_388_603, 0)).status.state, State::Running);
 }
 
 #[test]
 fn a_reference_that_is_no_number_is_a_fault() {
     for reference_rad in [f32::NAN, f32::INFINITY] {
         let mut host = pushing();
-        let sample = EncoderSample { sequence: 1, motor_counts: MOTOR, load_counts: LOAD, reference_rad };
+        let sample = EncoderSample { reference_rad, ..sample(1, MOTOR, LOAD) };
         let answers = host.say(sample);
         assert_eq!(fault(&answers).code, FaultCode::ReferenceNotFinite);
         assert_eq!(host.drive.torque_nm(), 0.0);
@@ -180,11 +183,10 @@ fn a_reference_that_is_no_number_is_a_fault() {
 fn a_torque_that_is_no_number_is_a_fault_and_never_leaves() {
     let overflow = [("k_p2", ParameterValue::F32(1e6)), ("k_p1", ParameterValue::F32(1e6))];
     let mut host = Host::running(&overflow);
-    let sample =
-        EncoderSample { sequence: 0, motor_counts: MOTOR, load_counts: LOAD, reference_rad: f32::MAX };
+    let sample = EncoderSample { reference_rad: f32::MAX, ..sample(0, MOTOR, LOAD) };
     let answers = host.say(sample);
     assert_eq!(fault(&answers).code, FaultCode::TorqueNotFinite);
-    assert_eq!((torque(&answers).torque_nm, torque(&answers).state), (0.0, State::Faulted));
+    assert_eq!((torque(&answers).torque_nm, torque(&answers).status.state), (0.0, State::Faulted));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Greeting, arming, stopping.
 
 use lashloop_firmware::drive::BUILD_ID;
-use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, EncoderSample, Hello, Reset, Start, Stop};
+use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Hello, Reset, Start, Stop};
 use lashloop_protocol::vocabulary::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::{DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
 
@@ -35,7 +35,7 @@ fn another_protocol_version_is_refused_and_both_are_named() {
 #[test]
 fn before_the_greeting_samples_are_refused() {
     let mut host = Host::new();
-    let sample = EncoderSample { sequence: 0, motor_counts: 0, load_counts: 0, reference_rad: 0.0 };
+    let sample = crate::host::sample(0, 0, 0);
     assert_eq!(host.command(sample), (Outcome::WrongState, State::Boot));
 }
 
@@ -143,7 +143,7 @@ fn reset_brings_back_the_defaults() {
 fn a_drive_that_is_not_running_answers_samples_with_no_torque() {
     let mut host = Host::idle();
     let answer = torque(&host.sample(41, 5000, -5000));
-    assert_eq!((answer.sequence, answer.torque_nm, answer.state), (41, 0.0, State::Idle));
+    assert_eq!((answer.sequence, answer.torque_nm, answer.status.state), (41, 0.0, State::Idle));
 }
 
 #[test]

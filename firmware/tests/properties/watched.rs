@@ -7,7 +7,9 @@ use lashloop_firmware::drive::{Drive, Frozen};
 use lashloop_protocol::message::{CommandResult, EncoderSample, FaultReport, ParameterReport, Reset};
 use lashloop_protocol::vocabulary::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, PROTOCOL_VERSION, cobs, crc};
+use lashloop_protocol::{
+    Decoder, DriveMessage, EncoderCounts, HostMessage, Message, PROTOCOL_VERSION, cobs, crc,
+};
 
 use crate::action::Action;
 
@@ -59,7 +61,12 @@ impl Watched {
             heard: 0,
             torque_limit_nm: Parameters::default().torque_limit_nm,
             fault: None,
-            next_sample: EncoderSample { sequence: 0, motor_counts: 0, load_counts: 0, reference_rad: 0.0 },
+            next_sample: EncoderSample {
+                sequence: 0,
+                motor_counts: EncoderCounts::default(),
+                load_counts: EncoderCounts::default(),
+                reference_rad: 0.0,
+            },
             seen: Seen::default(),
         }
     }
@@ -201,7 +208,7 @@ impl Watched {
     fn check_said(&mut self, message: &DriveMessage, state: State) {
         match message {
             DriveMessage::TorqueAnswer(answer) => {
-                assert_eq!(answer.state, state);
+                assert_eq!(answer.status.state, state);
                 self.check_torque(answer.torque_nm, state);
                 assert_eq!(
                     answer.torque_nm.to_bits(),

@@ -146,32 +146,32 @@ mod tests {
     #[test]
     fn a_cycle_is_made_of_the_protocol_s_frames() {
         let budget = at(1_000_000, 1_000, 10);
-        assert_eq!([SAMPLE, TORQUE, TELEMETRY].map(MessageLayout::frame_len), [23, 19, 35]);
-        assert!((budget.bytes_back(Cycle::Mean) - 22.5).abs() < 1e-9);
-        assert_eq!(budget.bytes_back(Cycle::Worst), 54.0);
-        assert_eq!(at(1_000_000, 1_000, 0).bytes_back(Cycle::Worst), 19.0);
+        assert_eq!([SAMPLE, TORQUE, TELEMETRY].map(MessageLayout::frame_len), [19, 16, 33]);
+        assert!((budget.bytes_back(Cycle::Mean) - 19.3).abs() < 1e-9);
+        assert_eq!(budget.bytes_back(Cycle::Worst), 49.0);
+        assert_eq!(at(1_000_000, 1_000, 0).bytes_back(Cycle::Worst), 16.0);
         // Ten microseconds a byte, and the wire back is idle again when the next torque comes.
-        assert_eq!(budget.answer(Cycle::Worst), Duration::from_micros(420));
+        assert_eq!(budget.answer(Cycle::Worst), Duration::from_micros(350));
     }
 
     #[test]
     fn telemetry_that_is_longer_than_the_rest_of_the_period_delays_the_next_torque() {
-        // The wire back is taken for 540 us after the first bit of a torque, 40 us into the next one.
-        let budget = at(1_000_000, 500, 10);
-        assert_eq!(budget.answer(Cycle::Worst), Duration::from_micros(460));
-        assert_eq!(budget.answer(Cycle::Mean), Duration::from_micros(424));
-        assert!(budget.holds(Cycle::Worst), "475 us are there for it");
-        assert!(!at(1_000_000, 480, 10).holds(Cycle::Worst), "480 us of 456");
-        assert!(at(1_000_000, 480, 0).holds(Cycle::Worst));
+        // The wire back is taken for 490 us after the first bit of a torque, 40 us into the next one.
+        let budget = at(1_000_000, 450, 10);
+        assert_eq!(budget.answer(Cycle::Worst), Duration::from_micros(390));
+        assert_eq!(budget.answer(Cycle::Mean), Duration::from_micros(354));
+        assert!(budget.holds(Cycle::Worst), "427.5 us are there for it");
+        assert!(!at(1_000_000, 420, 10).holds(Cycle::Worst), "420 us of 399");
+        assert!(at(1_000_000, 420, 0).holds(Cycle::Worst));
     }
 
     #[test]
     fn telemetry_in_every_cycle_must_not_pile_up() {
-        // Each answer alone would be in time: 42 bytes and a wait that has not grown yet.
-        let budget = at(1_000_000, 535, 1);
+        // Each answer alone would be in time: 35 bytes and a wait that has not grown yet.
+        let budget = at(1_000_000, 485, 1);
         assert!(budget.answer(Cycle::Worst) < budget.deadline());
         assert!(!budget.holds(Cycle::Worst));
-        assert_eq!(budget.shortest_period(Cycle::Worst), Duration::from_micros(540));
+        assert_eq!(budget.shortest_period(Cycle::Worst), Duration::from_micros(490));
     }
 
     #[test]
@@ -188,10 +188,11 @@ mod tests {
     }
 
     #[test]
-    fn one_kilohertz_needs_more_than_460_800_bd_with_telemetry() {
+    fn one_kilohertz_needs_460_800_bd_and_more_with_telemetry_in_every_cycle() {
         assert!(!at(115_200, 1_000, 10).holds(Cycle::Mean));
-        assert!(at(460_800, 1_000, 0).holds(Cycle::Worst));
-        assert!(!at(460_800, 1_000, 10).holds(Cycle::Worst));
-        assert!(at(921_600, 1_000, 10).holds(Cycle::Worst));
+        assert!(!at(230_400, 1_000, 0).holds(Cycle::Worst));
+        assert!(at(460_800, 1_000, 10).holds(Cycle::Worst));
+        assert!(!at(460_800, 1_000, 1).holds(Cycle::Worst));
+        assert!(at(921_600, 1_000, 1).holds(Cycle::Worst));
     }
 }

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use lashloop_protocol::message::{DescribeParameter, EncoderSample, GetParameter, Hello};
+use lashloop_protocol::sequence::of_step;
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
 
@@ -24,7 +25,7 @@ pub(super) fn checks() -> Vec<Check> {
         }),
         timed::<DescribeParameter>("ParameterDescription", |_, _| DescribeParameter { index: 0 }.into()),
         timed::<GetParameter>("ParameterReport", |_, _| GetParameter { index: 0 }.into()),
-        timed::<EncoderSample>("TorqueAnswer", |_, round| sample(round).into()),
+        timed::<EncoderSample>("TorqueAnswer", |_, round| sample(of_step(round)).into()),
     ]
 }
 

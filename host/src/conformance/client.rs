@@ -9,7 +9,7 @@ use lashloop_protocol::message::{
 };
 use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State};
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, Message, PROTOCOL_VERSION};
 
 use super::check::{Checked, Failure, equal, find};
 use crate::link::Link;
@@ -232,19 +232,20 @@ impl Client {
     }
 
     /// A sample with the mechanics at rest at zero, and all that comes for it.
-    pub(super) fn sample(&mut self, sequence: u32) -> Result<Vec<DriveMessage>, Failure> {
+    pub(super) fn sample(&mut self, sequence: u16) -> Result<Vec<DriveMessage>, Failure> {
         self.say(sample(sequence))
     }
 
     /// The torque for a sample of [`Self::sample`].
-    pub(super) fn torque(&mut self, sequence: u32) -> Result<TorqueAnswer, Failure> {
+    pub(super) fn torque(&mut self, sequence: u16) -> Result<TorqueAnswer, Failure> {
         torque(&self.sample(sequence)?)
     }
 }
 
 /// The mechanics at rest at zero, and the load wanted at 1 rad: any controller pushes.
-pub(super) fn sample(sequence: u32) -> EncoderSample {
-    EncoderSample { sequence, motor_counts: 0, load_counts: 0, reference_rad: 1.0 }
+pub(super) fn sample(sequence: u16) -> EncoderSample {
+    let [motor_counts, load_counts] = [EncoderCounts::default(); 2];
+    EncoderSample { sequence, motor_counts, load_counts, reference_rad: 1.0 }
 }
 
 /// The identity among answers.

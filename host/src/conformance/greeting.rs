@@ -24,7 +24,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.greet(client.session())?;
             // A step more shows that the run goes on; without one, the torque is the one before.
             equal("repeated torque", before, client.torque(0)?.torque_nm)?;
-            equal("state of the next torque", State::Running, client.torque(1)?.state)
+            equal("state of the next torque", State::Running, client.torque(1)?.status.state)
         }),
         check("a new session leaves a latched fault and is told of it", |client| {
             client.faulted()?;

@@ -3,9 +3,9 @@
 use std::f32::consts::TAU;
 use std::time::{Duration, Instant};
 
-use lashloop_protocol::DriveMessage;
 use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, FaultReport, Hello, Reset, Stop};
 use lashloop_protocol::vocabulary::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::{DriveMessage, EncoderCounts};
 use lashloop_protocol::{HostMessage, PROTOCOL_VERSION};
 
 use super::check::{Check, Checked, Failure, equal, expect, names};
@@ -78,14 +78,14 @@ pub(super) fn checks() -> Vec<Check> {
                 equal(
                     &format!("{} at {share} of its limit: state", encoder.speed_limit),
                     State::Running,
-                    answer.state,
+                    answer.status.state,
                 )?;
             }
             Ok(())
         }),
         check("an encoder that wraps around has not jumped", |client| {
             client.running(&[])?;
-            for (sequence, counts) in [(0, i32::MAX), (1, i32::MIN)] {
+            for (sequence, counts) in [(0, EncoderCounts::MAX), (1, EncoderCounts::MIN)] {
                 client.say(EncoderSample {
                     motor_counts: counts,
                     load_counts: counts,
@@ -137,9 +137,9 @@ fn ends_of_torque() -> impl Iterator<Item = Check> {
     })
 }
 
-fn no_torque(client: &mut Client, sequence: u32, state: State) -> Checked {
+fn no_torque(client: &mut Client, sequence: u16, state: State) -> Checked {
     let answer = client.torque(sequence)?;
-    equal("torque and state", (0.0, state), (answer.torque_nm, answer.state))
+    equal("torque and state", (0.0, state), (answer.torque_nm, answer.status.state))
 }
 
 fn limited(client: &mut Client) -> Checked {
@@ -150,10 +150,10 @@ fn limited(client: &mut Client) -> Checked {
     client.running(&[("torque_limit_nm", ParameterValue::F32(limit_nm))])?;
     let answer = client.torque(0)?;
     let wanted = (limit_nm.copysign(free.torque_nm), TorqueFlags::SATURATED);
-    equal("torque and flags", wanted, (answer.torque_nm, answer.flags))?;
+    equal("torque and flags", wanted, (answer.torque_nm, answer.status.flags))?;
     client.fresh()?;
     client.running(&[("torque_limit_nm", ParameterValue::F32(4.0 * limit_nm))])?;
-    equal("far from the limit the flags", TorqueFlags::empty(), client.torque(0)?.flags)
+    equal("far from the limit the flags", TorqueFlags::empty(), client.torque(0)?.status.flags)
 }
 
 /// Running with a short watchdog, after one sample.
@@ -225,12 +225,12 @@ fn moved(client: &mut Client, encoder: Encoder, share: f32) -> Result<(Vec<Drive
     ])?;
     client.torque(0)?;
     let per_count = speed_per_count_rad_s(encoder);
-    let counts = (share * SPEED_LIMIT_RAD_S / per_count) as i32;
+    let counts = (share * SPEED_LIMIT_RAD_S / per_count) as i64;
     let still = sample(1);
     let moved = if encoder.load {
-        EncoderSample { load_counts: counts, ..still }
+        EncoderSample { load_counts: EncoderCounts::wrapping(counts), ..still }
     } else {
-        EncoderSample { motor_counts: counts, ..still }
+        EncoderSample { motor_counts: EncoderCounts::wrapping(counts), ..still }
     };
     Ok((client.say(moved)?, counts as f32 * per_count))
 }
@@ -255,7 +255,7 @@ fn jump(client: &mut Client, encoder: Encoder, share: f32) -> Checked {
 fn faulted(answers: &[DriveMessage], code: FaultCode) -> Result<FaultReport, Failure> {
     equal("answers", vec!["TorqueAnswer", "FaultReport"], names(answers))?;
     let answer = torque(answers)?;
-    equal("torque and state", (0.0, State::Faulted), (answer.torque_nm, answer.state))?;
+    equal("torque and state", (0.0, State::Faulted), (answer.torque_nm, answer.status.state))?;
     let it = fault(answers)?;
     equal("code", code, it.code)?;
     Ok(it)

@@ -1,14 +1,16 @@
 //! Samples: a torque for each, the rules of the sequence, and telemetry.
 
-use lashloop_protocol::DriveMessage;
 use lashloop_protocol::message::{EncoderSample, Stop};
 use lashloop_protocol::vocabulary::{ControllerId, Outcome, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::{DriveMessage, EncoderCounts};
 
 use super::check::{Check, Checked, Failure, equal, expect, find, names};
 use super::client::{Client, outcome, sample, torque};
 
 /// Steps that are enough for any memory a controller has to show.
-const STEPS: u32 = 50;
+const STEPS: u16 = 50;
+/// A gap that encoders of every usual resolution allow.
+const GAP: usize = 100;
 
 pub(super) fn checks() -> Vec<Check> {
     let check = |name, run: fn(&mut Client) -> Checked| Check::new("samples", name, run);
@@ -22,8 +24,12 @@ pub(super) fn checks() -> Vec<Check> {
             client.running(&[])?;
             for sequence in 0..3 {
                 let answer = client.torque(sequence)?;
-                equal("sequence and state", (sequence, State::Running), (answer.sequence, answer.state))?;
-                equal("flags", TorqueFlags::empty(), answer.flags - TorqueFlags::SATURATED)?;
+                equal(
+                    "sequence and state",
+                    (sequence, State::Running),
+                    (answer.sequence, answer.status.state),
+                )?;
+                equal("flags", TorqueFlags::empty(), answer.status.flags - TorqueFlags::SATURATED)?;
                 let pushes = answer.torque_nm != 0.0 && answer.torque_nm.is_finite();
                 expect(pushes, "a torque for a load 1 rad off its reference", answer.torque_nm)?;
             }
@@ -42,7 +48,7 @@ pub(super) fn checks() -> Vec<Check> {
                 let (first, again) = (client.torque(sequence)?, client.torque(sequence)?);
                 equal("sequence", sequence, again.sequence)?;
                 equal("torque", first.torque_nm, again.torque_nm)?;
-                equal("flags", first.flags | TorqueFlags::REPEATED, again.flags)?;
+                equal("flags", first.status.flags | TorqueFlags::REPEATED, again.status.flags)?;
             }
             Ok(())
         }),
@@ -56,25 +62,35 @@ pub(super) fn checks() -> Vec<Check> {
             client.torque(0)?;
             let has_gap = |flags: TorqueFlags| flags.contains(TorqueFlags::GAP);
             for (sequence, gap) in [(1, false), (4, true), (5, false), (7, true)] {
-                equal(&format!("GAP at {sequence}:"), gap, has_gap(client.torque(sequence)?.flags))?;
+                equal(&format!("GAP at {sequence}:"), gap, has_gap(client.torque(sequence)?.status.flags))?;
             }
             Ok(())
+        }),
+        check("after sequence 65535 comes 0", |client| {
+            client.running(&[])?;
+            for sequence in (0..=u16::MAX).step_by(GAP).chain([u16::MAX]) {
+                client.torque(sequence)?;
+            }
+            let answer = client.torque(0)?;
+            let wanted = (0, State::Running, TorqueFlags::empty());
+            let flags = answer.status.flags - TorqueFlags::SATURATED;
+            equal("sequence, state and flags", wanted, (answer.sequence, answer.status.state, flags))?;
+            stray(client, u16::MAX)
         }),
         check("a sample older than the last or far ahead of it is refused", |client| {
             client.running(&[])?;
             for sequence in 0..3 {
                 client.torque(sequence)?;
             }
-            [0, 1, u32::MAX, 1 << 31].into_iter().try_for_each(|sequence| stray(client, sequence))
+            [0, 1, u16::MAX, 1 << 15].into_iter().try_for_each(|sequence| stray(client, sequence))
         }),
         check("a stray sample makes no control step", |client| {
             let quiet = torques(client, |_, _| Ok(()))?;
             let disturbed = torques(client, |client, sample| {
                 // Half the numbers away, and moved a little, so that a step with it would show.
-                let sequence = sample.sequence ^ 1 << 31;
-                client
-                    .say(EncoderSample { sequence, load_counts: sample.load_counts + 90, ..*sample })
-                    .map(drop)
+                let sequence = sample.sequence ^ 1 << 15;
+                let load_counts = sample.load_counts.wrapping_add(90);
+                client.say(EncoderSample { sequence, load_counts, ..*sample }).map(drop)
             })?;
             equal("torques", quiet, disturbed)
         }),
@@ -85,7 +101,7 @@ pub(super) fn checks() -> Vec<Check> {
         }),
         check("telemetry follows the torque of every n-th sample", |client| {
             client.running(&[("telemetry_every", ParameterValue::U32(3))])?;
-            for sequence in 0..7u32 {
+            for sequence in 0..7_u16 {
                 let answers = client.sample(sequence)?;
                 let both = vec!["TorqueAnswer", "Telemetry"];
                 let wanted = if sequence.is_multiple_of(3) { both } else { vec!["TorqueAnswer"] };
@@ -125,7 +141,7 @@ pub(super) fn checks() -> Vec<Check> {
                 let answers = client.sample(0)?;
                 equal("answers", vec!["TorqueAnswer"], names(&answers))?;
                 let answer = torque(&answers)?;
-                equal("torque and state", (0.0, state), (answer.torque_nm, answer.state))
+                equal("torque and state", (0.0, state), (answer.torque_nm, answer.status.state))
             },
         ));
     }
@@ -140,8 +156,9 @@ fn torques(
     client.running(&[])?;
     let mut torques = Vec::new();
     for sequence in 0..STEPS {
-        let place = sequence as i32;
-        let sample = EncoderSample { motor_counts: 3 * place, load_counts: place, ..sample(sequence) };
+        let place = i64::from(sequence);
+        let [motor_counts, load_counts] = [3 * place, place].map(EncoderCounts::wrapping);
+        let sample = EncoderSample { motor_counts, load_counts, ..sample(sequence) };
         torques.push(torque(&client.say(sample)?)?.torque_nm.to_bits());
         after_each(client, &sample)?;
     }
@@ -149,7 +166,7 @@ fn torques(
     Ok(torques)
 }
 
-fn stray(client: &mut Client, sequence: u32) -> Checked {
+fn stray(client: &mut Client, sequence: u16) -> Checked {
     let answers = client.sample(sequence)?;
     equal(&format!("to sample {sequence}"), vec!["CommandResult"], names(&answers))?;
     equal("outcome", Outcome::OutOfSequence, outcome::<EncoderSample>(&answers)?)?;
@@ -157,7 +174,7 @@ fn stray(client: &mut Client, sequence: u32) -> Checked {
 }
 
 /// Sequence and requested torque of the telemetry among answers.
-fn requested(answers: &[DriveMessage]) -> Result<(u32, f32), Failure> {
+fn requested(answers: &[DriveMessage]) -> Result<(u16, f32), Failure> {
     find("a Telemetry", answers, |answer| match answer {
         DriveMessage::Telemetry(telemetry) => Some((telemetry.sequence, telemetry.requested_torque_nm)),
         _ => None,
@@ -170,7 +187,7 @@ fn every_controller(client: &mut Client) -> Checked {
         client.fresh()?;
         client.running(&[("controller", ParameterValue::U32(controller as u32))])?;
         let answer = client.torque(0)?;
-        equal(&format!("with {controller:?} the state"), State::Running, answer.state)?;
+        equal(&format!("with {controller:?} the state"), State::Running, answer.status.state)?;
         expect(answer.torque_nm.is_finite(), format!("a torque of {controller:?}"), answer.torque_nm)?;
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! Entries as JSON, one object a line.
 //!
 //! ```text
-//! {"offset":0,"length":19,"direction":"drive_to_host","message":"TorqueAnswer","kind":144,
+//! {"offset":0,"length":16,"direction":"drive_to_host","message":"TorqueAnswer","kind":144,
 //!  "fields":{"sequence":258,"torque_nm":-20.420353,...},"units":{"torque_nm":"N m",...}}
 //! {"packet":7,"time_ns":51200,"length":9,"error":"...","bytes":"0307..."}
 //! {"counters":{"messages":1,...}}
@@ -12,6 +12,7 @@
 use lashloop_protocol::Counters;
 use lashloop_protocol::layout::Direction;
 use lashloop_protocol::vocabulary::ParameterValue;
+use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
 use super::value::{Field, Value};
@@ -127,6 +128,12 @@ impl Serialize for Value {
             }
             Self::Real(value) | Self::Parameter(ParameterValue::F32(value)) => serializer.collect_str(value),
             Self::Name(name) => serializer.serialize_str(name),
+            Self::Status(state, flags) => {
+                let mut status = serializer.serialize_struct("Status", 2)?;
+                status.serialize_field("state", state)?;
+                status.serialize_field("flags", flags)?;
+                status.end()
+            }
             Self::Flags(names) => serializer.collect_seq(names),
             Self::Text(text) => serializer.serialize_str(text),
             Self::Version(version) => serializer.collect_str(version),

@@ -3,9 +3,9 @@
 use std::fmt;
 
 use lashloop_protocol::layout::{FieldLayout, FieldType};
-use lashloop_protocol::vocabulary::{ParameterValue, Version};
+use lashloop_protocol::vocabulary::{ParameterValue, TorqueStatus, Version};
 use lashloop_protocol::wire::Wire;
-use lashloop_protocol::{Message, frame};
+use lashloop_protocol::{EncoderCounts, Message, frame};
 
 use super::message::AnyMessage;
 
@@ -31,6 +31,8 @@ pub enum Value {
     Real(f32),
     /// One of a closed list of names.
     Name(&'static str),
+    /// One of a closed list of names, and the flags that are set beside it.
+    Status(&'static str, Vec<String>),
     /// The flags that are set; one without a name is called by its bit.
     Flags(Vec<String>),
     /// A text.
@@ -48,6 +50,8 @@ impl fmt::Display for Value {
             Self::Signed(value) => value.fmt(out),
             Self::Real(value) => value.fmt(out),
             Self::Name(name) => name.fmt(out),
+            Self::Status(name, flags) if flags.is_empty() => name.fmt(out),
+            Self::Status(name, flags) => write!(out, "{name}|{}", flags.join("|")),
             Self::Flags(names) if names.is_empty() => write!(out, "none"),
             Self::Flags(names) => names.join("|").fmt(out),
             Self::Text(text) => write!(out, "{text:?}"),
@@ -93,23 +97,31 @@ fn value(ty: &FieldType, bytes: &[u8]) -> Option<Value> {
     let unsigned = || bytes.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte));
     Some(match ty {
         FieldType::U8 | FieldType::U16 | FieldType::U32 => Value::Unsigned(unsigned()),
-        FieldType::I32 => Value::Signed(unsigned().cast_signed()),
+        FieldType::I24 => Value::Signed(<EncoderCounts as Wire>::get(bytes)?.get()),
         FieldType::F32 => Value::Real(f32::from_bits(unsigned())),
-        FieldType::Enum(names) => {
-            Value::Name(names.iter().find(|(byte, _)| u32::from(*byte) == unsigned())?.1)
-        }
-        FieldType::Flags(names) => {
-            let bits = (0..u16::BITS).map(|bit| 1 << bit).filter(|bit| unsigned() & u32::from(*bit) != 0);
-            let named = |bit: u16| match names.iter().find(|(mask, _)| *mask == bit) {
-                Some((_, name)) => (*name).to_owned(),
-                None => format!("bit {}", bit.trailing_zeros()),
-            };
-            Value::Flags(bits.map(named).collect())
+        FieldType::Enum(names) => Value::Name(name(names, unsigned())?),
+        FieldType::Flags(names) => Value::Flags(set_flags(names, unsigned())),
+        FieldType::Status { states, flags } => {
+            let low = u32::from(TorqueStatus::STATE_MASK);
+            Value::Status(name(states, unsigned() & low)?, set_flags(flags, unsigned() & !low))
         }
         FieldType::Text => Value::Text(std::str::from_utf8(bytes).ok()?.trim_end_matches('\0').to_owned()),
         FieldType::ParameterValue => Value::Parameter(ParameterValue::get(bytes)?),
         FieldType::Version => Value::Version(Version::get(bytes)?),
     })
+}
+
+fn name(names: &[(u8, &'static str)], value: u32) -> Option<&'static str> {
+    names.iter().find(|(byte, _)| u32::from(*byte) == value).map(|(_, name)| *name)
+}
+
+fn set_flags(names: &[(u16, &str)], value: u32) -> Vec<String> {
+    let bits = (0..u16::BITS).map(|bit| 1 << bit).filter(|bit| value & u32::from(*bit) != 0);
+    let named = |bit: u16| match names.iter().find(|(mask, _)| *mask == bit) {
+        Some((_, name)) => (*name).to_owned(),
+        None => format!("bit {}", bit.trailing_zeros()),
+    };
+    bits.map(named).collect()
 }
 
 #[cfg(test)]

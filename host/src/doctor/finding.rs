@@ -232,7 +232,7 @@ mod tests {
             [latency_timer(Some(&timer)), speed(&timing(16_400), Some(wire_time(921_600)), Some(&timer))];
         insta::assert_snapshot!(findings.map(|finding| finding.to_string()).join("\n"), @r"
         WRONG  latency timer  16 ms and can't be shortened (permission denied): echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer, or add a udev rule that does it
-        WRONG  speed          p50 is 15944.3 us above the 455.7 us that 42 bytes take on the wire at 10 bits each: the adapter's latency timer of 16 ms
+        WRONG  speed          p50 is 16020.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each: the adapter's latency timer of 16 ms
         ");
     }
 
@@ -243,10 +243,10 @@ mod tests {
         let findings = [100, 900, 4_500, 16_000].map(|p50_us| speed(&timing(p50_us), wire, Some(&none)));
         let text = findings.map(|finding| finding.to_string()).join("\n");
         insta::assert_snapshot!(text, @r"
-        ok     speed          faster than the 455.7 us that 42 bytes take at this baud rate: the port has none, as USB CDC
-        ok     speed          p50 is 444.3 us above the 455.7 us that 42 bytes take on the wire at 10 bits each
-        WRONG  speed          p50 is 4044.3 us above the 455.7 us that 42 bytes take on the wire at 10 bits each: something on the way keeps bytes to itself: a hub, the adapter, or firmware that answers late
-        WRONG  speed          p50 is 15544.3 us above the 455.7 us that 42 bytes take on the wire at 10 bits each: this is what a latency timer of 16 ms looks like, in the adapter or in a virtual machine's USB; plug the adapter into the machine itself, or try another
+        ok     speed          faster than the 379.8 us that 35 bytes take at this baud rate: the port has none, as USB CDC
+        ok     speed          p50 is 520.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each
+        WRONG  speed          p50 is 4120.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each: something on the way keeps bytes to itself: a hub, the adapter, or firmware that answers late
+        WRONG  speed          p50 is 15620.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each: this is what a latency timer of 16 ms looks like, in the adapter or in a virtual machine's USB; plug the adapter into the machine itself, or try another
         ");
     }
 

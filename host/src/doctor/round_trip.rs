@@ -3,7 +3,9 @@
 use std::time::{Duration, Instant};
 
 use hdrhistogram::Histogram;
+use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
+use lashloop_protocol::sequence::of_step;
 use lashloop_protocol::wire::Payload;
 
 use crate::session::{Exchange, Session, SessionError};
@@ -51,10 +53,11 @@ pub fn measure(session: &mut Session, rounds: u32) -> Result<Timing, SessionErro
     let mut times_ns =
         Histogram::<u64>::new_with_max(longest_ns, DIGITS).expect("the crate takes 0 to 5 digits");
     let mut lost = 0;
-    for sequence in 0..rounds {
-        let sample = EncoderSample { sequence, motor_counts: 0, load_counts: 0, reference_rad: 0.0 };
+    let [motor_counts, load_counts] = [EncoderCounts::default(); 2];
+    for step in 0..rounds {
+        let sample = EncoderSample { sequence: of_step(step), motor_counts, load_counts, reference_rad: 0.0 };
         let sent = Instant::now();
-        match session.exchange(&sample, Instant::now() + ANSWER_LIMIT)? {
+        match session.exchange(step, &sample, Instant::now() + ANSWER_LIMIT)? {
             Exchange::Answered(_) => times_ns.saturating_record(sent.elapsed().as_nanos() as u64),
             // A fault in place of an answer is not one; an unarmed drive has none to give.
             Exchange::Unanswered | Exchange::Faulted(_) => {
@@ -80,9 +83,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_control_cycle_is_42_bytes_of_ten_bits() {
-        assert_eq!(BYTES, 42);
-        assert_eq!(wire_time(921_600), Duration::from_nanos(455_729));
-        assert_eq!(wire_time(115_200), Duration::from_nanos(3_645_833));
+    fn a_control_cycle_is_35_bytes_of_ten_bits() {
+        assert_eq!(BYTES, 35);
+        assert_eq!(wire_time(921_600), Duration::from_nanos(379_774));
+        assert_eq!(wire_time(115_200), Duration::from_nanos(3_038_194));
     }
 }

@@ -1,5 +1,6 @@
 //! Faults of the encoders: between the count and the sample.
 
+use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::message::EncoderSample;
 use rand_pcg::Pcg64Mcg;
 
@@ -19,9 +20,9 @@ struct SensorFault {
     side: Side,
     random: Pcg64Mcg,
     /// The count when the fault began.
-    at_start: Option<i32>,
+    at_start: Option<EncoderCounts>,
     /// The last count that came in.
-    before: Option<i32>,
+    before: Option<EncoderCounts>,
     /// Counts lost so far, with sign and fraction. They stay lost.
     lost: f64,
 }
@@ -51,16 +52,16 @@ impl SensorFaults {
 }
 
 impl SensorFault {
-    fn apply(&mut self, step: u32, counts: i32, period_s: f64) -> i32 {
+    fn apply(&mut self, step: u32, counts: EncoderCounts, period_s: f64) -> EncoderCounts {
         let before = self.before.replace(counts).unwrap_or(counts);
         if !self.schedule.contains(step) {
             self.at_start = None;
-            return counts.wrapping_sub(self.lost as i32);
+            return self.without_lost(counts);
         }
         let at_start = *self.at_start.get_or_insert(counts);
         match self.kind {
             FaultKind::EncoderStuck { .. } => at_start,
-            FaultKind::EncoderDead { .. } => 0,
+            FaultKind::EncoderDead { .. } => EncoderCounts::default(),
             FaultKind::EncoderJump { counts: jump, .. } => counts.wrapping_add(jump),
             FaultKind::EncoderOffset { counts: offset, over_s, .. } => {
                 let for_s = f64::from(step - self.schedule.from) * period_s;
@@ -68,15 +69,20 @@ impl SensorFault {
             }
             FaultKind::EncoderLostCounts { share, .. } => {
                 self.lost += share * f64::from(counts.wrapping_sub(before));
-                counts.wrapping_sub(self.lost as i32)
+                self.without_lost(counts)
             }
             FaultKind::EncoderNoise { counts: noise, .. } => {
                 let drawn = draw_below(&mut self.random, 2 * noise as usize + 1);
                 counts.wrapping_add(drawn as i32 - noise as i32)
             }
-            FaultKind::EncoderReversed { .. } => at_start.wrapping_sub(counts.wrapping_sub(at_start)),
+            FaultKind::EncoderReversed { .. } => at_start.wrapping_add(-counts.wrapping_sub(at_start)),
             _ => counts,
         }
+    }
+
+    /// Through i64, because a cast to i32 would stop at the end of its range instead of wrapping.
+    fn without_lost(&self, counts: EncoderCounts) -> EncoderCounts {
+        EncoderCounts::wrapping(i64::from(counts.get()) - self.lost as i64)
     }
 }
 

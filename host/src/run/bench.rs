@@ -3,9 +3,10 @@
 use std::collections::VecDeque;
 
 use lashloop_protocol::message::EncoderSample;
+use lashloop_protocol::sequence::of_step;
 
 use super::{RunError, mechanics};
-use crate::encoder::{Encoder, EncoderState};
+use crate::encoder::{Count, Encoder, EncoderState};
 use crate::fault::actuator::ActuatorFaults;
 use crate::fault::gears::GearFaults;
 use crate::fault::sensor::SensorFaults;
@@ -24,6 +25,8 @@ pub struct Bench {
     state: ProfileState,
     motor_encoder: (Encoder, EncoderState),
     load_encoder: (Encoder, EncoderState),
+    /// Where the encoders of motor and load stood when they were read last.
+    counts: [Count; 2],
     reference: Reference,
     settings: PlantSettings,
     delay: TransportDelay,
@@ -64,6 +67,7 @@ impl Bench {
             plant,
             motor_encoder: encoder(encoders.motor_counts_per_rev, scenario.run.seed)?,
             load_encoder: encoder(encoders.load_counts_per_rev, scenario.run.seed ^ LOAD_ENCODER_STREAM)?,
+            counts: [Count(0); 2],
             reference: scenario.reference.clone(),
             settings: scenario.plant.clone(),
             sensors: SensorFaults::new(scenario),
@@ -96,14 +100,31 @@ impl Bench {
         }
         let truth = self.plant.truth(&self.state)?;
         let reference_rad = self.reference.position_rad(time_s);
+        self.counts = [
+            self.motor_encoder.0.step(&mut self.motor_encoder.1, truth.motor_position_rad),
+            self.load_encoder.0.step(&mut self.load_encoder.1, truth.load_position_rad),
+        ];
         let mut sample = EncoderSample {
-            sequence: step,
-            motor_counts: self.motor_encoder.0.step(&mut self.motor_encoder.1, truth.motor_position_rad),
-            load_counts: self.load_encoder.0.step(&mut self.load_encoder.1, truth.load_position_rad),
+            sequence: of_step(step),
+            motor_counts: self.counts[0].reading(),
+            load_counts: self.counts[1].reading(),
             reference_rad: reference_rad as f32,
         };
         self.sensors.apply(step, &mut sample);
         Ok((sample, row(&truth, time_s, reference_rad)))
+    }
+
+    /// Whether a drive can be started here: what the encoders read now is all that it gets to know of where they stand.
+    ///
+    /// # Errors
+    /// Which encoder has turned too far for that.
+    pub fn check_start(&self) -> Result<(), RunError> {
+        for (encoder, count) in ["motor", "load"].into_iter().zip(self.counts) {
+            if !count.is_read_whole() {
+                return Err(RunError::TooFarToStart { encoder, counts: count.0 });
+            }
+        }
+        Ok(())
     }
 
     /// Lets a control period pass. The torque is held for one, beginning after its delay.

@@ -132,13 +132,14 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
             return Ok(Some(end));
         }
         self.begin(step, device)?;
-        let (mut sample, row) = self.bench.observe(step)?;
+        let (sample, row) = self.bench.observe(step)?;
         if !self.is_answered {
+            self.bench.check_start()?;
             self.origin = step;
         }
-        sample.sequence = step - self.origin;
         let asked = Instant::now();
-        let exchange = device.session.exchange(&sample, deadline.min(self.silent_at(asked)));
+        let exchange =
+            device.session.exchange(step - self.origin, &sample, deadline.min(self.silent_at(asked)));
         let exchange = match exchange {
             Err(source) if source.is_loss() => {
                 if let Some(end) = self.lose(source, device)? {
@@ -150,7 +151,7 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
         };
         let (fate, round_trip) = match exchange {
             Some(Exchange::Answered(answer)) => {
-                if answer.state != State::Running {
+                if answer.status.state != State::Running {
                     return Ok(Some(drive_fault(device, &answer)?));
                 }
                 if !answer.torque_nm.is_finite() {
@@ -284,7 +285,7 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
             row.disturbing_torque_estimate_nm = telemetry.disturbing_torque_nm.into();
             row.motor_error_rad = telemetry.motor_error_rad.into();
             // Not as integers: a drive may name any sequence.
-            let told_of = f64::from(self.origin) + f64::from(telemetry.sequence);
+            let told_of = f64::from(self.origin) + f64::from(telemetry.step);
             row.estimate_time_s = told_of * self.scenario.run.control_period_s();
         }
         self.sink.take(step)
@@ -300,7 +301,7 @@ fn drive_fault(device: &mut Device, answer: &TorqueAnswer) -> Result<End, RunErr
     match device.session.fault() {
         Some(fault) => Ok(End::DriveFault(fault)),
         None => Err(device
-            .unfit(format!("state {:?} in the middle of the run, without a fault", answer.state))
+            .unfit(format!("state {:?} in the middle of the run, without a fault", answer.status.state))
             .into()),
     }
 }

@@ -52,6 +52,18 @@ pub enum RunError {
     /// The scenario's encoders can't be built.
     #[error(transparent)]
     Encoder(#[from] crate::encoder::EncoderError),
+    /// No reading says where an encoder stands, so no drive can be started here.
+    #[error(
+        "the {encoder} encoder stands at {counts} counts and a drive that starts knows of at most {}: take a coarser \
+         encoder, or start nearer to 0",
+        lashloop_protocol::EncoderCounts::MAX
+    )]
+    TooFarToStart {
+        /// Whose.
+        encoder: &'static str,
+        /// Where it stands.
+        counts: i64,
+    },
     /// The device or the link.
     #[error(transparent)]
     Device(#[from] DeviceError),

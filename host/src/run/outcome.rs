@@ -8,6 +8,7 @@ use lashloop_protocol::vocabulary::FaultCode;
 use crate::fault::timeline::Fired;
 use crate::metrics::Metrics;
 use crate::plant::PlantError;
+use crate::session::Placed;
 use crate::timing::TimingReport;
 use crate::verdict::{Judgement, LinkCounts, Verdict};
 
@@ -17,7 +18,7 @@ pub enum End {
     /// After its full duration.
     Complete,
     /// The drive latched a fault.
-    DriveFault(FaultReport),
+    DriveFault(Placed<FaultReport>),
     /// The drive started anew in the middle of the run.
     DriveRestarted,
     /// The plant could not be followed any further: its state left the range of numbers, above all.
@@ -64,7 +65,7 @@ impl fmt::Display for End {
             Self::Interrupted => write!(out, "interrupted by the user"),
             Self::Diverged(error) => write!(out, "the plant can't be followed any further: {error}"),
             Self::DriveFault(fault) => {
-                let FaultReport { code, sequence, value, limit, detail } = fault;
+                let Placed { step, message: FaultReport { code, value, limit, detail, .. } } = fault;
                 match code {
                     FaultCode::Panic => write!(out, "the firmware panicked, source line {detail}"),
                     FaultCode::ProcessorFault => {
@@ -75,7 +76,7 @@ impl fmt::Display for End {
                     }
                     _ => write!(
                         out,
-                        "the drive latched {code:?} at sample {sequence} (value {value}, limit {limit})"
+                        "the drive latched {code:?} at sample {step} (value {value}, limit {limit})"
                     ),
                 }
             }

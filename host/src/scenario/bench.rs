@@ -41,7 +41,7 @@ impl RunSettings {
     /// The step that begins nearest to a time.
     #[must_use]
     pub fn step_at(&self, time_s: f64) -> u32 {
-        // At most 1e5 s / 100 us = 1e9, so the conversion is exact.
+        // At most 1e5 s / 100 us = 1e9, so the conversion is exact, and a step number holds it.
         (time_s * 1e6 / f64::from(self.control_period_us)).round() as u32
     }
 }

@@ -1,5 +1,6 @@
 //! `[[fault]]`: what goes wrong during the run, when, for how long and how badly.
 
+use lashloop_protocol::EncoderCounts;
 use serde::Serialize;
 
 use super::bench::RunSettings;
@@ -321,7 +322,9 @@ fn side(fault: &mut Section<'_>) -> Side {
 }
 
 fn counts(fault: &mut Section<'_>) -> i32 {
-    fault.integer("counts", unit::COUNT, None, -i32::MAX..=i32::MAX)
+    // A whole turn of the reading's range would not show.
+    let most = EncoderCounts::MAX.get();
+    fault.integer("counts", unit::COUNT, None, -most..=most)
 }
 
 fn factor(fault: &mut Section<'_>) -> f64 {

@@ -4,6 +4,7 @@ use std::fmt;
 use std::time::Duration;
 
 use lashloop_protocol::message::EncoderSample;
+use lashloop_protocol::sequence::nearest_step;
 use lashloop_protocol::vocabulary::{Outcome, State};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, Message, PROTOCOL_VERSION};
@@ -13,11 +14,11 @@ use crate::link::LinkError;
 /// How far the conversation had got.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct LastSeen {
-    /// Sequence of the last sample sent; `None` before the first.
+    /// Control period of the last sample sent, from 0 at the start; `None` before the first.
     pub sample_sent: Option<u32>,
     /// Name of the last good frame received.
     pub frame: Option<&'static str>,
-    /// Sequence of the last torque received.
+    /// Control period of the last torque received.
     pub torque: Option<u32>,
 }
 
@@ -25,7 +26,7 @@ impl LastSeen {
     pub(super) fn note(&mut self, message: &DriveMessage) {
         self.frame = Some(message.layout().name);
         if let DriveMessage::TorqueAnswer(answer) = message {
-            self.torque = Some(answer.sequence);
+            self.torque = nearest_step(answer.sequence, self.sample_sent.unwrap_or(0));
         }
     }
 }
@@ -33,7 +34,7 @@ impl LastSeen {
 impl fmt::Display for LastSeen {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.sample_sent {
-            Some(sequence) => write!(out, "last sample sent: {sequence}, ")?,
+            Some(step) => write!(out, "last sample sent: {step}, ")?,
             None => write!(out, "no sample sent yet, ")?,
         }
         match (self.frame, self.torque) {

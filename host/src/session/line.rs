@@ -7,7 +7,7 @@ use lashloop_protocol::message::{FaultReport, LineReport, Telemetry};
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 
 use super::logs::Logs;
-use super::{LastSeen, SessionError, greeting};
+use super::{LastSeen, Placed, SessionError, greeting};
 use crate::link::{Link, LinkError};
 
 /// How long a request may take, all attempts at it together. Requests are answered at once; this is for a line that loses
@@ -35,8 +35,8 @@ pub(crate) struct Line {
     pub(crate) session: u32,
     pub(crate) frames_sent: u64,
     pub(crate) last_seen: LastSeen,
-    pub(crate) telemetry: Option<Telemetry>,
-    pub(crate) fault: Option<FaultReport>,
+    pub(crate) telemetry: Option<Placed<Telemetry>>,
+    pub(crate) fault: Option<Placed<FaultReport>>,
     pub(crate) report: Option<LineReport>,
     pub(crate) logs: Logs,
     /// When the bytes were read that were decoded last.
@@ -191,9 +191,10 @@ impl Line {
 
     fn note(&mut self, message: &DriveMessage) {
         self.last_seen.note(message);
+        let step = self.last_seen.sample_sent.unwrap_or(0);
         match message {
-            DriveMessage::Telemetry(telemetry) => self.telemetry = Some(*telemetry),
-            DriveMessage::FaultReport(fault) => self.fault = Some(*fault),
+            DriveMessage::Telemetry(it) => self.telemetry = Some(Placed::near(step, it.sequence, *it)),
+            DriveMessage::FaultReport(it) => self.fault = Some(Placed::near(step, it.sequence, *it)),
             DriveMessage::LineReport(report) => self.report = Some(*report),
             DriveMessage::Log(log) => self.logs.say(*log),
             _ => {}

@@ -8,6 +8,7 @@ pub(crate) mod greeting;
 pub(crate) mod line;
 mod logs;
 pub(crate) mod parameters;
+mod placed;
 
 use std::time::{Duration, Instant};
 
@@ -17,10 +18,11 @@ use lashloop_protocol::message::{
 };
 use lashloop_protocol::vocabulary::{Outcome, State, TorqueFlags};
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, HostMessage};
+use lashloop_protocol::{DriveMessage, HostMessage, sequence};
 
 pub use error::{LastSeen, SessionError};
 pub use parameters::{Parameter, SetError};
+pub use placed::Placed;
 
 use crate::link::Link;
 use crate::timing::Moments;
@@ -33,7 +35,7 @@ pub enum Exchange {
     /// The drive's torque for it.
     Answered(TorqueAnswer),
     /// The drive has latched a fault, or died, without answering it.
-    Faulted(FaultReport),
+    Faulted(Placed<FaultReport>),
     /// No answer within the time given.
     Unanswered,
 }
@@ -59,7 +61,7 @@ pub struct Session {
     parameters: Vec<Parameter>,
     late: u64,
     /// The sample that was answered last.
-    answered: Option<u32>,
+    answered: Option<u16>,
     moments: Moments,
 }
 
@@ -87,13 +89,13 @@ impl Session {
 
     /// The last telemetry since the start.
     #[must_use]
-    pub fn telemetry(&self) -> Option<&Telemetry> {
+    pub fn telemetry(&self) -> Option<&Placed<Telemetry>> {
         self.line.telemetry.as_ref()
     }
 
     /// The last fault the drive reported since the start.
     #[must_use]
-    pub fn fault(&self) -> Option<FaultReport> {
+    pub fn fault(&self) -> Option<Placed<FaultReport>> {
         self.line.fault
     }
 
@@ -230,24 +232,31 @@ impl Session {
         self.moments
     }
 
-    /// Sends a sample and waits for its torque until the deadline.
+    /// Sends the sample of a control period, counted from the start, and waits for its torque until the deadline. What the
+    /// sample has for a sequence is left out of account.
     ///
     /// # Errors
     /// The line broke, or the drive refused the sample.
-    pub fn exchange(&mut self, sample: &EncoderSample, deadline: Instant) -> Result<Exchange, SessionError> {
+    pub fn exchange(
+        &mut self,
+        step: u32,
+        sample: &EncoderSample,
+        deadline: Instant,
+    ) -> Result<Exchange, SessionError> {
+        let sequence = sequence::of_step(step);
         self.moments.asked = Instant::now();
-        self.line.send(&HostMessage::EncoderSample(*sample))?;
+        self.line.send(&HostMessage::EncoderSample(EncoderSample { sequence, ..*sample }))?;
         self.moments.sent = Instant::now();
-        self.line.last_seen.sample_sent = Some(sample.sequence);
+        self.line.last_seen.sample_sent = Some(step);
         let said_before = self.line.logs.mark();
-        let (sequence, answered) = (sample.sequence, self.answered);
+        let answered = self.answered;
         let mut late = 0;
         let answer = self.line.wait(deadline, |message| match message {
             DriveMessage::TorqueAnswer(answer) if answer.sequence == sequence => {
                 Some(Ok(Exchange::Answered(*answer)))
             }
             // The line doubled a sample; its answer came in time.
-            DriveMessage::TorqueAnswer(answer) if answer.flags.contains(TorqueFlags::REPEATED) => None,
+            DriveMessage::TorqueAnswer(answer) if answer.status.flags.contains(TorqueFlags::REPEATED) => None,
             // The line doubled an answer that has been used.
             DriveMessage::TorqueAnswer(answer) if Some(answer.sequence) == answered => None,
             DriveMessage::TorqueAnswer(_) => {
@@ -255,7 +264,9 @@ impl Session {
                 None
             }
             // It will not answer any more: its watchdog has tripped, or these are its last words.
-            DriveMessage::FaultReport(fault) => Some(Ok(Exchange::Faulted(*fault))),
+            DriveMessage::FaultReport(fault) => {
+                Some(Ok(Exchange::Faulted(Placed::near(step, fault.sequence, *fault))))
+            }
             // The line brought samples in another order, and this is about an older one: the drive runs on.
             DriveMessage::CommandResult(result)
                 if result.request == EncoderSample::LAYOUT.kind

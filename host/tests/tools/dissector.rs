@@ -57,6 +57,11 @@ fn the_script_names_every_message_field_and_value_of_the_layouts() {
                 FieldType::Flags(names) => {
                     names.iter().map(|(mask, name)| format!("[{mask}] = \"{name}\"")).collect()
                 }
+                FieldType::Status { states, flags } => states
+                    .iter()
+                    .map(|(value, name)| format!("[{value}] = \"{name}\""))
+                    .chain(flags.iter().map(|(mask, name)| format!("[{mask}] = \"{name}\"")))
+                    .collect(),
                 _ => Vec::new(),
             };
             for name in names {
@@ -93,13 +98,17 @@ fn every_field_of_every_pinned_message_is_read_as_we_read_it() {
                 }
                 Value::Flags(flags) => {
                     let FieldType::Flags(names) = layout.ty else { panic!("{name} has no flags") };
-                    let bits: u16 = names
-                        .iter()
-                        .filter(|(_, name)| flags.iter().any(|f| f == name))
-                        .map(|(m, _)| m)
-                        .sum();
-                    let hex = shown(name);
-                    assert_eq!(u16::from_str_radix(hex.trim_start_matches("0x"), 16), Ok(bits), "{name}");
+                    assert_eq!(number(&shown(name)), bits(names, flags), "{name}");
+                }
+                Value::Status(state, flags) => {
+                    let FieldType::Status { states, flags: names } = layout.ty else {
+                        panic!("{name} is no status")
+                    };
+                    let value = states.iter().find(|(_, name)| name == state).unwrap().0;
+                    let below = &layer[format!("lashloop.{name}_tree")];
+                    assert_eq!(below[format!("lashloop.{name}.state")], value.to_string(), "{name}");
+                    let whole = bits(names, flags) | u16::from(value);
+                    assert_eq!(number(&shown(name)), whole, "{name}");
                 }
                 Value::Text(value) => assert_eq!(shown(name), *value, "{name}"),
                 Value::Parameter(ParameterValue::U32(value)) => {
@@ -116,6 +125,15 @@ fn every_field_of_every_pinned_message_is_read_as_we_read_it() {
             }
         }
     }
+}
+
+fn bits(names: &[(u16, &str)], set: &[String]) -> u16 {
+    names.iter().filter(|(_, name)| set.iter().any(|it| it == name)).map(|(mask, _)| mask).sum()
+}
+
+/// A number that is shown in hexadecimal digits.
+fn number(shown: &str) -> u16 {
+    u16::from_str_radix(shown.trim_start_matches("0x"), 16).unwrap()
 }
 
 fn found(frame: &[u8]) -> Found {

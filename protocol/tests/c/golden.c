@@ -49,12 +49,30 @@ static void put_u32(uint8_t *at, uint32_t value)
         at[i] = (uint8_t)(value >> (8 * i));
 }
 
-static int32_t get_i32(const uint8_t *at)
+static uint16_t get_u16(const uint8_t *at)
 {
-    uint32_t bits = get_u32(at);
-    int32_t value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
+    return (uint16_t)(at[0] | at[1] << 8);
+}
+
+static void put_u16(uint8_t *at, uint16_t value)
+{
+    at[0] = (uint8_t)value;
+    at[1] = (uint8_t)(value >> 8);
+}
+
+/* Counts are 24 bits; the highest is the sign. */
+static int32_t get_i24(const uint8_t *at)
+{
+    int32_t bits = (int32_t)at[0] | (int32_t)at[1] << 8 | (int32_t)at[2] << 16;
+    return bits < 0x800000 ? bits : bits - 0x1000000;
+}
+
+/* Takes any count; further bits are those of whole turns of the 24. */
+static void put_i24(uint8_t *at, int32_t value)
+{
+    uint32_t bits = (uint32_t)value;
+    for (int i = 0; i < 3; i++)
+        at[i] = (uint8_t)(bits >> (8 * i));
 }
 
 static float get_f32(const uint8_t *at)
@@ -132,7 +150,7 @@ static size_t body_len_of(uint8_t kind)
 }
 
 struct sample {
-    uint32_t sequence;
+    uint16_t sequence;
     int32_t motor_counts;
     int32_t load_counts;
     float reference_rad;
@@ -141,9 +159,9 @@ struct sample {
 static struct sample read_sample(const uint8_t *body)
 {
     return (struct sample){
-        .sequence = get_u32(body + LASHLOOP_ENCODER_SAMPLE_SEQUENCE_OFFSET),
-        .motor_counts = get_i32(body + LASHLOOP_ENCODER_SAMPLE_MOTOR_COUNTS_OFFSET),
-        .load_counts = get_i32(body + LASHLOOP_ENCODER_SAMPLE_LOAD_COUNTS_OFFSET),
+        .sequence = get_u16(body + LASHLOOP_ENCODER_SAMPLE_SEQUENCE_OFFSET),
+        .motor_counts = get_i24(body + LASHLOOP_ENCODER_SAMPLE_MOTOR_COUNTS_OFFSET),
+        .load_counts = get_i24(body + LASHLOOP_ENCODER_SAMPLE_LOAD_COUNTS_OFFSET),
         .reference_rad = get_f32(body + LASHLOOP_ENCODER_SAMPLE_REFERENCE_RAD_OFFSET),
     };
 }
@@ -151,15 +169,15 @@ static struct sample read_sample(const uint8_t *body)
 static size_t write_sample(const struct sample *sample, uint8_t *body)
 {
     body[0] = LASHLOOP_ENCODER_SAMPLE_KIND;
-    put_u32(body + LASHLOOP_ENCODER_SAMPLE_SEQUENCE_OFFSET, sample->sequence);
-    put_u32(body + LASHLOOP_ENCODER_SAMPLE_MOTOR_COUNTS_OFFSET, (uint32_t)sample->motor_counts);
-    put_u32(body + LASHLOOP_ENCODER_SAMPLE_LOAD_COUNTS_OFFSET, (uint32_t)sample->load_counts);
+    put_u16(body + LASHLOOP_ENCODER_SAMPLE_SEQUENCE_OFFSET, sample->sequence);
+    put_i24(body + LASHLOOP_ENCODER_SAMPLE_MOTOR_COUNTS_OFFSET, sample->motor_counts);
+    put_i24(body + LASHLOOP_ENCODER_SAMPLE_LOAD_COUNTS_OFFSET, sample->load_counts);
     put_f32(body + LASHLOOP_ENCODER_SAMPLE_REFERENCE_RAD_OFFSET, sample->reference_rad);
     return LASHLOOP_ENCODER_SAMPLE_BODY_LEN;
 }
 
 struct torque {
-    uint32_t sequence;
+    uint16_t sequence;
     float torque_nm;
     uint8_t state;
     uint8_t flags;
@@ -168,26 +186,23 @@ struct torque {
 
 static struct torque read_torque(const uint8_t *body)
 {
-    const uint8_t *compute = body + LASHLOOP_TORQUE_ANSWER_COMPUTE_TENTHS_US_OFFSET;
+    uint8_t status = body[LASHLOOP_TORQUE_ANSWER_STATUS_OFFSET];
     return (struct torque){
-        .sequence = get_u32(body + LASHLOOP_TORQUE_ANSWER_SEQUENCE_OFFSET),
+        .sequence = get_u16(body + LASHLOOP_TORQUE_ANSWER_SEQUENCE_OFFSET),
         .torque_nm = get_f32(body + LASHLOOP_TORQUE_ANSWER_TORQUE_NM_OFFSET),
-        .state = body[LASHLOOP_TORQUE_ANSWER_STATE_OFFSET],
-        .flags = body[LASHLOOP_TORQUE_ANSWER_FLAGS_OFFSET],
-        .compute_tenths_us = (uint16_t)(compute[0] | compute[1] << 8),
+        .state = status & LASHLOOP_STATUS_STATE_MASK,
+        .flags = status & (uint8_t)~LASHLOOP_STATUS_STATE_MASK,
+        .compute_tenths_us = get_u16(body + LASHLOOP_TORQUE_ANSWER_COMPUTE_TENTHS_US_OFFSET),
     };
 }
 
 static size_t write_torque(const struct torque *torque, uint8_t *body)
 {
-    uint8_t *compute = body + LASHLOOP_TORQUE_ANSWER_COMPUTE_TENTHS_US_OFFSET;
     body[0] = LASHLOOP_TORQUE_ANSWER_KIND;
-    put_u32(body + LASHLOOP_TORQUE_ANSWER_SEQUENCE_OFFSET, torque->sequence);
+    put_u16(body + LASHLOOP_TORQUE_ANSWER_SEQUENCE_OFFSET, torque->sequence);
     put_f32(body + LASHLOOP_TORQUE_ANSWER_TORQUE_NM_OFFSET, torque->torque_nm);
-    body[LASHLOOP_TORQUE_ANSWER_STATE_OFFSET] = torque->state;
-    body[LASHLOOP_TORQUE_ANSWER_FLAGS_OFFSET] = torque->flags;
-    compute[0] = (uint8_t)torque->compute_tenths_us;
-    compute[1] = (uint8_t)(torque->compute_tenths_us >> 8);
+    body[LASHLOOP_TORQUE_ANSWER_STATUS_OFFSET] = torque->state | torque->flags;
+    put_u16(body + LASHLOOP_TORQUE_ANSWER_COMPUTE_TENTHS_US_OFFSET, torque->compute_tenths_us);
     return LASHLOOP_TORQUE_ANSWER_BODY_LEN;
 }
 
@@ -252,7 +267,7 @@ static bool sample_case(const char *line)
     uint32_t reference;
     struct sample want;
     uint8_t body[LASHLOOP_MAX_FRAME];
-    int found = sscanf(line, "sample %255s %" SCNu32 " %" SCNd32 " %" SCNd32 " %" SCNx32, digits, &want.sequence,
+    int found = sscanf(line, "sample %255s %" SCNu16 " %" SCNd32 " %" SCNd32 " %" SCNx32, digits, &want.sequence,
                        &want.motor_counts, &want.load_counts, &reference);
     if (found != 5)
         return false;
@@ -274,7 +289,7 @@ static bool torque_case(const char *line)
     uint32_t torque;
     struct torque want;
     uint8_t body[LASHLOOP_MAX_FRAME];
-    int found = sscanf(line, "torque %255s %" SCNu32 " %" SCNx32 " %" SCNu8 " %" SCNu8 " %" SCNu16, digits,
+    int found = sscanf(line, "torque %255s %" SCNu16 " %" SCNx32 " %" SCNu8 " %" SCNu8 " %" SCNu16, digits,
                        &want.sequence, &torque, &want.state, &want.flags, &want.compute_tenths_us);
     if (found != 6)
         return false;

@@ -42,6 +42,11 @@ fn value_of(ty: &FieldType, len: usize) -> BoxedStrategy<Vec<u8>> {
             let all = names.iter().fold(0, |all, (mask, _)| all | mask);
             any::<u16>().prop_map(move |bits| (bits & all).to_le_bytes()[..len].to_vec()).boxed()
         }
+        FieldType::Status { states, flags } => {
+            (value_of(&FieldType::Enum(states), len), value_of(&FieldType::Flags(flags), len))
+                .prop_map(|(state, flags)| vec![state[0] | flags[0]])
+                .boxed()
+        }
         FieldType::Text => text(len).boxed(),
         FieldType::ParameterValue => {
             (1..=2_u8, edgy(4)).prop_map(|(ty, value)| [vec![ty], value].concat()).boxed()

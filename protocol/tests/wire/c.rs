@@ -88,8 +88,8 @@ fn value_cases() -> String {
         hex(&torque_frame),
         torque.sequence,
         torque.torque_nm.to_bits(),
-        torque.state as u8,
-        torque.flags.bits(),
+        torque.status.state as u8,
+        torque.status.flags.bits(),
         torque.compute_tenths_us,
     )
 }

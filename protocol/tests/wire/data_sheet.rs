@@ -54,14 +54,27 @@ pub fn type_name(field: &FieldLayout) -> String {
     let bits = field.len * 8;
     match field.ty {
         FieldType::U8 | FieldType::U16 | FieldType::U32 => format!("u{bits}"),
-        FieldType::I32 => "i32".to_owned(),
+        FieldType::I24 => "i24".to_owned(),
         FieldType::F32 => "f32".to_owned(),
         FieldType::Enum(_) => "enum8".to_owned(),
         FieldType::Flags(_) => format!("flags{bits}"),
+        FieldType::Status { .. } => "status8".to_owned(),
         FieldType::Text => format!("text[{}]", field.len),
         FieldType::ParameterValue => "value".to_owned(),
         FieldType::Version => "version".to_owned(),
     }
+}
+
+fn i24_of(bytes: &[u8]) -> i32 {
+    i32::from_le_bytes([0, bytes[0], bytes[1], bytes[2]]) >> 8
+}
+
+fn name_of(names: &[(u8, &'static str)], byte: u8) -> &'static str {
+    names.iter().find(|(named, _)| *named == byte).expect("a named byte").1
+}
+
+fn names_of(names: &[(u16, &'static str)], bits: u16) -> Vec<&'static str> {
+    names.iter().filter(|(mask, _)| bits & mask != 0).map(|(_, name)| *name).collect()
 }
 
 fn value(ty: FieldType, bytes: &[u8]) -> String {
@@ -69,17 +82,16 @@ fn value(ty: FieldType, bytes: &[u8]) -> String {
         FieldType::U8 => bytes[0].to_string(),
         FieldType::U16 => u16::from_le_bytes([bytes[0], bytes[1]]).to_string(),
         FieldType::U32 => u32_of(bytes).to_string(),
-        FieldType::I32 => u32_of(bytes).cast_signed().to_string(),
+        FieldType::I24 => i24_of(bytes).to_string(),
         FieldType::F32 => f32::from_bits(u32_of(bytes)).to_string(),
-        FieldType::Enum(names) => {
-            let (_, name) = names.iter().find(|(byte, _)| *byte == bytes[0]).expect("a named byte");
-            (*name).to_owned()
-        }
+        FieldType::Enum(names) => name_of(names, bytes[0]).to_owned(),
         FieldType::Flags(names) => {
             let bits = bytes.iter().rev().fold(0, |bits, &byte| bits << 8 | u16::from(byte));
-            let set: Vec<_> =
-                names.iter().filter(|(mask, _)| bits & mask != 0).map(|(_, name)| *name).collect();
-            set.join("|")
+            names_of(names, bits).join("|")
+        }
+        FieldType::Status { states, flags } => {
+            let state = [name_of(states, bytes[0] & 0x0f)];
+            [&state[..], &names_of(flags, bytes[0].into())].concat().join("|")
         }
         FieldType::Text => {
             format!("{:?}", String::from_utf8(bytes.to_vec()).unwrap().trim_end_matches('\0'))

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use ::crc::CRC_32_ISCSI;
 use lashloop_protocol::frame::{DELIMITER, OVERHEAD};
-use lashloop_protocol::layout::{Direction, FieldLayout, FieldType, MessageLayout};
+use lashloop_protocol::layout::{Direction, FieldType, MessageLayout};
 use lashloop_protocol::vocabulary::{
     ControllerId, Controllers, DisturbingTorqueSource, FaultCode, LogLevel, Outcome, ParameterType, State,
     TorqueFlags,
@@ -29,7 +29,7 @@ const LISTS: [(&str, &[(u8, &str)]); 7] = [
 ];
 
 const FLAGS: [(&str, FieldType); 2] =
-    [("TorqueFlags", TorqueFlags::TYPE), ("Controllers", Controllers::TYPE)];
+    [("TorqueFlags", FieldType::Flags(TorqueFlags::NAMES)), ("Controllers", Controllers::TYPE)];
 
 fn layouts() -> impl Iterator<Item = &'static MessageLayout> {
     HostMessage::LAYOUTS.iter().chain(DriveMessage::LAYOUTS)
@@ -68,24 +68,29 @@ fn every_message_has_its_table_of_bytes() {
             assert_eq!(row[..4], want, "{name}");
             assert_eq!(row.len(), 7, "columns of {name}.{}", field.name);
             assert!(!row[6].is_empty(), "{name}.{} has a meaning", field.name);
-            if let Some(values) = values_of(field) {
+            for values in values_of(field.ty) {
                 assert!(row[4].contains(&format!("[{values}](#")), "{name}.{} is of {values}", field.name);
             }
         }
     }
 }
 
-/// The list or the bits that a field's values are taken from.
-fn values_of(field: &FieldLayout) -> Option<&'static str> {
-    let list = |ty| LISTS.iter().find(|(_, names)| FieldType::Enum(names) == ty).map(|(name, _)| *name);
-    match field.ty {
-        FieldType::Enum(_) => Some(list(field.ty).expect("every list is documented")),
-        FieldType::Flags(_) => {
-            let known = FLAGS.iter().find(|(_, ty)| *ty == field.ty);
-            Some(known.expect("every set of bits is documented").0)
+/// The lists and the bits that a field's values are taken from.
+fn values_of(ty: FieldType) -> Vec<&'static str> {
+    match ty {
+        FieldType::Enum(names) => {
+            let known = LISTS.iter().find(|(_, list)| *list == names);
+            vec![known.expect("every list is documented").0]
         }
-        FieldType::ParameterValue => Some("ParameterType"),
-        _ => None,
+        FieldType::Flags(_) => {
+            let known = FLAGS.iter().find(|(_, flags)| *flags == ty);
+            vec![known.expect("every set of bits is documented").0]
+        }
+        FieldType::Status { states, flags } => {
+            [values_of(FieldType::Enum(states)), values_of(FieldType::Flags(flags))].concat()
+        }
+        FieldType::ParameterValue => vec!["ParameterType"],
+        _ => Vec::new(),
     }
 }
 

@@ -7,21 +7,24 @@ use lashloop_protocol::message::{
 };
 use lashloop_protocol::text::Text;
 use lashloop_protocol::vocabulary::{
-    Controllers, FaultCode, LogLevel, Outcome, ParameterValue, State, TorqueFlags, Version,
+    Controllers, FaultCode, LogLevel, Outcome, ParameterValue, State, TorqueFlags, TorqueStatus, Version,
 };
-use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION};
 
 /// A session number whose four bytes differ.
 const SESSION: u32 = 0x4c41_5348;
 
-pub const SAMPLE: EncoderSample =
-    EncoderSample { sequence: 258, motor_counts: 98304, load_counts: -2, reference_rad: 0.5 };
+pub const SAMPLE: EncoderSample = EncoderSample {
+    sequence: 258,
+    motor_counts: EncoderCounts::wrapping(98304),
+    load_counts: EncoderCounts::wrapping(-2),
+    reference_rad: 0.5,
+};
 
 pub const TORQUE: TorqueAnswer = TorqueAnswer {
     sequence: 258,
     torque_nm: -20.420_353,
-    state: State::Running,
-    flags: TorqueFlags::SATURATED.union(TorqueFlags::GAP),
+    status: TorqueStatus { state: State::Running, flags: TorqueFlags::SATURATED.union(TorqueFlags::GAP) },
     compute_tenths_us: 57,
 };
 

@@ -55,11 +55,15 @@ fn word(bytes: &[u8]) -> u32 {
 fn json(ty: FieldType, bytes: &[u8]) -> String {
     match ty {
         FieldType::U8 | FieldType::U16 | FieldType::U32 => word(bytes).to_string(),
-        FieldType::I32 => word(bytes).cast_signed().to_string(),
+        FieldType::I24 => (word(bytes) << 8).cast_signed().wrapping_shr(8).to_string(),
         FieldType::F32 => format!("{:?}", f32::from_bits(word(bytes))),
         FieldType::Enum(names) => {
             let (_, name) = names.iter().find(|(byte, _)| *byte == bytes[0]).expect("a named byte");
             Value::from(*name).to_string()
+        }
+        FieldType::Status { states, flags } => {
+            let state = json(FieldType::Enum(states), &[bytes[0] & 0x0f]);
+            format!("{{\"state\": {state}, \"flags\": {}}}", json(FieldType::Flags(flags), bytes))
         }
         FieldType::Flags(names) => {
             let set = names.iter().filter(|(mask, _)| word(bytes) & u32::from(*mask) != 0);

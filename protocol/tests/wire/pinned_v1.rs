@@ -36,9 +36,9 @@ fn every_message_of_the_drive_is_pinned() {
 }
 
 #[test]
-fn a_control_cycle_is_23_bytes_out_and_19_back() {
-    assert_eq!(HostMessage::from(examples::SAMPLE).frame().len(), 23);
-    assert_eq!(DriveMessage::from(examples::TORQUE).frame().len(), 19);
+fn a_control_cycle_is_19_bytes_out_and_16_back() {
+    assert_eq!(HostMessage::from(examples::SAMPLE).frame().len(), 19);
+    assert_eq!(DriveMessage::from(examples::TORQUE).frame().len(), 16);
 }
 
 #[test]

@@ -128,7 +128,7 @@ fn a_frame_of_the_other_direction_is_refused_by_its_kind() {
 #[test]
 fn a_body_of_the_wrong_length_names_both_lengths() {
     let items = decode_all(&mut Decoder::new(), &frame_around(&[0x10, 1, 2, 3]));
-    let expected = BodyError::Length { name: "EncoderSample", expected: 17, found: 4 };
+    let expected = BodyError::Length { name: "EncoderSample", expected: 13, found: 4 };
     assert_eq!(items, [Err(FrameError::Body(expected))]);
 }
 
@@ -139,6 +139,26 @@ fn a_byte_without_a_name_is_refused_by_its_field() {
     let expected = BodyError::Value { name: "CommandResult", field: "outcome" };
     assert_eq!(decoder.next::<DriveMessage>(&mut input), Some(Err(FrameError::Body(expected))));
     assert_eq!(decoder.counters().refused, 1);
+}
+
+#[test]
+fn a_status_without_a_name_is_refused() {
+    let status = |status: u8| {
+        let body = [0x90, 1, 0, 0, 0, 0, 0, status, 0, 0];
+        Decoder::new().next::<DriveMessage>(&mut &frame_around(&body)[..]).expect("a whole frame")
+    };
+    let refused = BodyError::Value { name: "TorqueAnswer", field: "status" };
+    for byte in 0..=u8::MAX {
+        // Five states, and three flags above them.
+        if (1..=5).contains(&(byte & 0x0f)) && byte & 0x80 == 0 {
+            let Ok(DriveMessage::TorqueAnswer(answer)) = status(byte) else {
+                panic!("{byte:#04x} is refused")
+            };
+            assert_eq!((answer.status.state as u8, answer.status.flags.bits()), (byte & 0x0f, byte & 0xf0));
+        } else {
+            assert_eq!(status(byte), Err(FrameError::Body(refused)), "{byte:#04x}");
+        }
+    }
 }
 
 #[test]

@@ -9,7 +9,7 @@ use lashloop_protocol::vocabulary::{ParameterValue, State};
 use crate::markdown::{section, table};
 use crate::talk::{SESSION, Talk, names, request, rest};
 
-fn running_after(samples: u32) -> Talk {
+fn running_after(samples: u16) -> Talk {
     let mut talk = Talk::running(&[]);
     for sequence in 0..samples {
         talk.sample(sequence);

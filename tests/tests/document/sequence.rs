@@ -1,19 +1,25 @@
 //! The rules of sequence, at their edges.
 
+use std::f64::consts::TAU;
+
+use lashloop_firmware::drive::parameters::Parameters;
 use lashloop_protocol::DriveMessage;
-use lashloop_protocol::vocabulary::{Outcome, TorqueFlags};
+use lashloop_protocol::vocabulary::{Outcome, ParameterValue, TorqueFlags};
 
 use crate::markdown::{section, table};
 use crate::talk::{Talk, refusal};
 
+/// So slow a motor that the encoders allow the longest gap there is.
+const SLOW: (&str, ParameterValue) = ("motor_speed_limit_rad_s", ParameterValue::F32(100.0));
+
 /// The sequences that a row of the document means, where 5 is the last one taken.
-fn sequences(row: &[String]) -> Vec<u32> {
-    const LAST: u32 = 5;
+fn sequences(row: &[String]) -> Vec<u16> {
+    const LAST: u16 = 5;
     match row[1].as_str() {
         "first" => vec![0],
         "next" => vec![LAST + 1],
         "after a gap" => {
-            let largest = row[0].rsplit(' ').next().and_then(|number| number.parse::<u32>().ok());
+            let largest = row[0].rsplit(' ').next().and_then(|number| number.parse::<u16>().ok());
             vec![LAST + 2, LAST + largest.expect("the row ends with the largest gap")]
         }
         "repeated" => vec![LAST],
@@ -21,9 +27,9 @@ fn sequences(row: &[String]) -> Vec<u32> {
             let gap = table(section("## 7. Samples and torques"), "sequence")
                 .iter()
                 .find(|row| row[1] == "after a gap")
-                .and_then(|row| row[0].rsplit(' ').next()?.parse::<u32>().ok())
+                .and_then(|row| row[0].rsplit(' ').next()?.parse::<u16>().ok())
                 .expect("the largest gap");
-            vec![LAST - 1, 0, LAST + gap + 1, u32::MAX]
+            vec![LAST - 1, 0, LAST + gap + 1, u16::MAX]
         }
         other => panic!("the document has a place {other:?} that this test can't make"),
     }
@@ -31,10 +37,10 @@ fn sequences(row: &[String]) -> Vec<u32> {
 
 fn kind_of(answers: &[DriveMessage]) -> String {
     match answers[0] {
-        DriveMessage::TorqueAnswer(answer) if answer.flags.contains(TorqueFlags::REPEATED) => {
+        DriveMessage::TorqueAnswer(answer) if answer.status.flags.contains(TorqueFlags::REPEATED) => {
             "the last TorqueAnswer with REPEATED".to_owned()
         }
-        DriveMessage::TorqueAnswer(answer) if answer.flags.contains(TorqueFlags::GAP) => {
+        DriveMessage::TorqueAnswer(answer) if answer.status.flags.contains(TorqueFlags::GAP) => {
             "TorqueAnswer with GAP".to_owned()
         }
         DriveMessage::TorqueAnswer(_) => "TorqueAnswer".to_owned(),
@@ -49,7 +55,7 @@ fn kind_of(answers: &[DriveMessage]) -> String {
 fn a_sample_is_taken_or_not_as_the_table_says() {
     for row in table(section("## 7. Samples and torques"), "sequence") {
         for sequence in sequences(&row) {
-            let mut talk = Talk::running(&[]);
+            let mut talk = Talk::running(&[SLOW]);
             if row[1] != "first" {
                 (0..=5).for_each(|sequence| drop(talk.sample(sequence)));
             }
@@ -60,7 +66,28 @@ fn a_sample_is_taken_or_not_as_the_table_says() {
 
 #[test]
 fn the_first_sample_of_a_run_is_0_and_no_other() {
-    for sequence in [1, 2, 1000, u32::MAX] {
+    for sequence in [1, 2, 1000, u16::MAX] {
         assert_eq!(refusal(&Talk::running(&[]).sample(sequence)), Some(Outcome::OutOfSequence));
     }
+}
+
+#[test]
+fn the_longest_gap_of_the_default_parameters_is_that_of_the_document() {
+    let parameters = Parameters::default();
+    let speed = f64::from(parameters.motor_speed_limit_rad_s);
+    let period_s = f64::from(parameters.period_us) * 1e-6;
+    let counts_per_period = speed * period_s * f64::from(parameters.motor_counts_per_rev) / TAU;
+    let longest =
+        (1..).take_while(|n| f64::from(*n) * counts_per_period + 1.0 <= f64::from((1 << 23) - 1)).last();
+    let longest = longest.expect("one period can be told apart");
+    let said = format!("{counts_per_period:.0} counts in a period, so the longest gap is {longest} periods.");
+    let section = section("## 7. Samples and torques").replace(',', "");
+    assert!(section.contains(&said.replace(',', "")), "{said}");
+
+    let taken = |sequence| {
+        let mut talk = Talk::running(&[]);
+        talk.sample(0);
+        refusal(&talk.sample(sequence)).is_none()
+    };
+    assert_eq!([longest, longest + 1].map(taken), [true, false]);
 }

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use lashloop_protocol::DriveMessage;
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::vocabulary::{FaultCode, ParameterValue, State};
+use lashloop_protocol::{DriveMessage, EncoderCounts};
 
 use crate::markdown::{section, table};
 use crate::talk::{Talk, refusal, request, rest};
@@ -24,7 +24,8 @@ fn every_request_does_in_every_state_what_the_table_says() {
             }
             let mut talk = Talk::in_state(state);
             if state == State::Running {
-                talk.say(EncoderSample { motor_counts: 3000, load_counts: 1000, ..rest(0) });
+                let [motor_counts, load_counts] = [3000, 1000].map(EncoderCounts::wrapping);
+                talk.say(EncoderSample { motor_counts, load_counts, ..rest(0) });
                 assert_ne!(talk.drive.torque_nm(), 0.0, "there is torque to take away");
             }
             let refused = refusal(&talk.say(request(name)));
@@ -61,7 +62,10 @@ fn a_fault_before_any_greeting_is_cleared_to_boot() {
 
 /// Makes happen to a running drive what the document names, and returns what the drive says.
 fn happen(code: FaultCode) -> (Talk, Vec<DriveMessage>) {
-    let far = |motor_counts, load_counts| EncoderSample { motor_counts, load_counts, ..rest(1) };
+    let far = |motor, load| {
+        let [motor_counts, load_counts] = [motor, load].map(EncoderCounts::wrapping);
+        EncoderSample { motor_counts, load_counts, ..rest(1) }
+    };
     let mut talk = Talk::running(&[("k_p1", ParameterValue::F32(1e6)), ("k_p2", ParameterValue::F32(1e6))]);
     talk.sample(0);
     let answers = match code {

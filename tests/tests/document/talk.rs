@@ -7,7 +7,7 @@ use lashloop_protocol::message::{
     Arm, ClearFault, EmergencyStop, EncoderSample, GetParameter, Hello, Reset, SetParameter, Start, Stop,
 };
 use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State};
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message, PROTOCOL_VERSION};
 
 pub const SESSION: u32 = 7;
 pub const HELLO: Hello = Hello { protocol_version: PROTOCOL_VERSION, session: SESSION };
@@ -60,7 +60,7 @@ impl Talk {
     }
 
     /// A sample with the load and the motor at rest at zero.
-    pub fn sample(&mut self, sequence: u32) -> Vec<DriveMessage> {
+    pub fn sample(&mut self, sequence: u16) -> Vec<DriveMessage> {
         self.say(rest(sequence))
     }
 
@@ -85,8 +85,9 @@ impl Talk {
     }
 }
 
-pub fn rest(sequence: u32) -> EncoderSample {
-    EncoderSample { sequence, motor_counts: 0, load_counts: 0, reference_rad: 0.0 }
+pub fn rest(sequence: u16) -> EncoderSample {
+    let [motor_counts, load_counts] = [EncoderCounts::default(); 2];
+    EncoderSample { sequence, motor_counts, load_counts, reference_rad: 0.0 }
 }
 
 /// Index of the parameter of this name.

@@ -12,12 +12,12 @@ pub(crate) fn every_message() {
     assert!((2002..=2010).contains(&costs.known_loop), "{costs:?}");
     let names: Vec<_> = costs.messages.iter().map(|cost| (cost.message.as_str(), cost.frame_bytes)).collect();
     let want = [
-        ("sample", 23),
-        ("sample-zeros", 23),
-        ("sample-no-zeros", 23),
-        ("torque", 19),
-        ("torque-zeros", 19),
-        ("torque-no-zeros", 19),
+        ("sample", 19),
+        ("sample-zeros", 19),
+        ("sample-no-zeros", 19),
+        ("torque", 16),
+        ("torque-zeros", 16),
+        ("torque-no-zeros", 16),
     ];
     assert_eq!(names, want);
     for cost in &costs.messages {

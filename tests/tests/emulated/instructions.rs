@@ -16,6 +16,7 @@ use lashloop::plant::bench::{BenchParameters, BenchPlant};
 use lashloop::plant::{Mechanics, Plant, Start};
 use lashloop::session::{Exchange, Session};
 use lashloop_protocol::message::EncoderSample;
+use lashloop_protocol::sequence::of_step;
 use lashloop_protocol::vocabulary::ControllerId;
 use tests::wait;
 
@@ -74,19 +75,21 @@ fn of_a_run(session: &mut Session, controller: ControllerId, samples: u32) -> Ve
     let encoder = Encoder::new(4000, 0.0).expect("valid encoder");
     let mut readings = [encoder.initial_state(1), encoder.initial_state(2)];
     let mut steps = Vec::new();
-    for sequence in 0..samples {
+    for step in 0..samples {
         let truth = plant.truth(&state);
         let sample = EncoderSample {
-            sequence,
-            motor_counts: encoder.step(&mut readings[0], truth.motor_position_rad),
-            load_counts: encoder.step(&mut readings[1], truth.load_position_rad),
+            sequence: of_step(step),
+            motor_counts: encoder.step(&mut readings[0], truth.motor_position_rad).reading(),
+            load_counts: encoder.step(&mut readings[1], truth.load_position_rad).reading(),
             reference_rad: 0.0,
         };
-        let answer =
-            match session.exchange(&sample, Instant::now() + Duration::from_secs(20)).expect("a line") {
-                Exchange::Answered(answer) => answer,
-                other => panic!("sample {sequence}: {other:?}"),
-            };
+        let answer = match session
+            .exchange(step, &sample, Instant::now() + Duration::from_secs(20))
+            .expect("a line")
+        {
+            Exchange::Answered(answer) => answer,
+            other => panic!("sample {step}: {other:?}"),
+        };
         plant.step(&mut state, answer.torque_nm.into(), 1e-3).expect("the plant steps");
         steps.push(u32::from(answer.compute_tenths_us) * 100 / NANOSECONDS);
     }

@@ -4,6 +4,8 @@ use std::fs;
 
 use lashloop::capture::reader;
 use lashloop_protocol::layout::Direction;
+use lashloop_protocol::message::EncoderSample;
+use lashloop_protocol::wire::Payload;
 use rustix::process::Signal;
 use tests::bench::{self, Bench};
 use tests::paper::RUNS;
@@ -50,7 +52,8 @@ fn a_capture_in_real_time_has_every_sample_that_was_sent() {
     let bytes = fs::read(&file).expect("the capture");
     let samples = reader::packets(&bytes)
         .map(|packet| packet.expect("a whole packet"))
-        .filter(|packet| packet.bytes.len() == 23 && packet.direction == Some(Direction::HostToDrive))
+        .filter(|packet| packet.direction == Some(Direction::HostToDrive))
+        .filter(|packet| packet.bytes.len() == EncoderSample::LAYOUT.frame_len())
         .count() as u64;
     let missed = records.summary()["timing"]["missed"].as_u64().expect("a count");
     assert_eq!(samples, 1_000 - missed);

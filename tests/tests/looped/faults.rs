@@ -9,7 +9,7 @@ use tests::relay::{Fate, Passing, Relay};
 use tests::twin::Twin;
 
 /// The frame that is hit.
-const HIT: u32 = 700;
+const HIT: u16 = 700;
 
 /// A lost answer costs this time. Long enough for a twin on a busy machine, so that no answer is lost or late that isn't
 /// meant to be.
@@ -48,7 +48,7 @@ fn lose_torque(frame: &Passing) -> Fate {
 
 fn held_at_hit(trace: &Trace) -> bool {
     let torque_nm = trace.column("torque_nm");
-    let at = HIT as usize;
+    let at = usize::from(HIT);
     // Neighbours that differ show that a held torque is more than a drive at rest.
     torque_nm[at] == torque_nm[at - 1]
         && torque_nm[at - 1] != torque_nm[at - 2]

@@ -7,7 +7,7 @@ use futures_util::{SinkExt, StreamExt};
 use lashloop_protocol::codec::Codec;
 use lashloop_protocol::message::{Arm, EncoderSample, Hello, Start, Stop};
 use lashloop_protocol::vocabulary::{Outcome, State};
-use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION};
 use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
 use tests::terminal::open_near_end;
 use tests::twin::Twin;
@@ -61,13 +61,14 @@ async fn converse(terminal: File) -> Vec<f32> {
     assert_eq!(line.command(Arm { session: SESSION }).await, State::Armed);
     assert_eq!(line.command(Start { session: SESSION }).await, State::Running);
     let mut torques_nm = Vec::new();
+    let [motor_counts, load_counts] = [301, 100].map(EncoderCounts::wrapping);
     for sequence in 0..10 {
         // Off the reference at rest and, read at the middles of the counts, without twist: 301.5 = 3 * 100.5.
-        let sample = EncoderSample { sequence, motor_counts: 301, load_counts: 100, reference_rad: 0.0 };
+        let sample = EncoderSample { sequence, motor_counts, load_counts, reference_rad: 0.0 };
         let DriveMessage::TorqueAnswer(answer) = line.ask(sample).await else {
             panic!("a torque was expected")
         };
-        assert_eq!((answer.sequence, answer.state), (sequence, State::Running));
+        assert_eq!((answer.sequence, answer.status.state), (sequence, State::Running));
         torques_nm.push(answer.torque_nm);
         // By default telemetry follows every tenth torque.
         if sequence == 0 {

@@ -2,7 +2,7 @@
 
 use std::sync::mpsc;
 
-use lashloop_protocol::vocabulary::{State, TorqueFlags};
+use lashloop_protocol::vocabulary::{State, TorqueFlags, TorqueStatus};
 use tests::bench;
 use tests::paper::RUNS;
 use tests::relay::{Fate, Passing, Relay};
@@ -35,12 +35,14 @@ fn the_first_sample_and_the_first_torque_have_these_bytes() {
 
     // code, kind, sequence 0, motor counts 98304, load counts 32768, reference 0.0, CRC, delimiter: the load at pi/2 and
     // the motor at 3 pi/2 are a quarter and three quarters of 131,072 counts.
-    assert_eq!(hex(&sample.bytes), "02 10 01 01 01 01 03 80 01 01 02 80 01 01 01 01 01 05 d7 b8 98 ef 00");
+    assert_eq!(hex(&sample.bytes), "02 10 01 01 03 80 01 02 80 01 01 01 01 05 bd 77 10 4c 00");
 
-    // code, kind, sequence 0, torque, state Running. Flags, CRC and delimiter follow, and between them the time the
-    // drive took, which no test can know; with it the stuffing of the flags' zero.
-    assert_eq!(torque.bytes.len(), 19);
-    assert_eq!(hex(&torque.bytes[..11]), "02 90 01 01 01 06 85 5d a3 c1 04");
+    // code, kind, sequence 0, torque, state Running without flags. The time the drive took follows, which no test can
+    // know, and with it the distance from the sequence's second zero to the next; then CRC and delimiter.
+    assert_eq!(torque.bytes.len(), 16);
+    assert_eq!(hex(&torque.bytes[..3]), "02 90 01");
+    assert_eq!(hex(&torque.bytes[4..9]), "85 5d a3 c1 04");
     let answer = torque.torque().expect("a torque");
-    assert_eq!((answer.sequence, answer.state, answer.flags), (0, State::Running, TorqueFlags::empty()));
+    let status = TorqueStatus { state: State::Running, flags: TorqueFlags::empty() };
+    assert_eq!((answer.sequence, answer.status), (0, status));
 }

@@ -55,7 +55,7 @@ fn the_bench_s_own_twin_that_hangs_is_reported_as_silent_and_not_left_behind() {
 
 #[test]
 fn a_pulled_line_is_reported_as_closed_and_the_drive_stays_usable() {
-    const LAST: u32 = 3_000;
+    const LAST: u16 = 3_000;
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| match frame.torque() {
         Some(torque) if torque.sequence == LAST => Fate::Pull,
@@ -67,7 +67,7 @@ fn a_pulled_line_is_reported_as_closed_and_the_drive_stays_usable() {
     let told = "last sample sent: 3000, last good frame received: Telemetry, last torque for sample 2999";
     let or_torque = told.replace("Telemetry", "TorqueAnswer");
     assert!(sentence.contains(told) || sentence.contains(&or_torque), "{sentence}");
-    assert_eq!(records.trace().len(), LAST as usize);
+    assert_eq!(records.trace().len(), usize::from(LAST));
     drop(relay);
     let _ = tests::paper::RUNS[1].pass_on(&twin.device());
 }

@@ -15,6 +15,7 @@ mod faults;
 mod framed;
 mod frames;
 mod idle;
+mod long;
 mod lost;
 mod paper;
 mod paper_figures;

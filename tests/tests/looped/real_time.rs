@@ -77,7 +77,7 @@ fn without_late_steps_a_run_in_real_time_is_the_run_in_lockstep() {
 
 #[test]
 fn a_late_answer_holds_the_last_torque_and_the_next_steps_are_on_their_grid() {
-    const HIT: u32 = 700;
+    const HIT: u16 = 700;
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| {
         if frame.torque().is_some_and(|torque| torque.sequence == HIT) {
@@ -90,7 +90,7 @@ fn a_late_answer_holds_the_last_torque_and_the_next_steps_are_on_their_grid() {
         bench::run(arguments(&RUNS[2].scenario(), relay.device(), &records.out(), "run.duration_s=2"));
     let (summary, trace, timing) = (records.summary(), records.trace(), records.timing());
     let (torque_nm, answered) = (trace.column("torque_nm"), timing.column("answered"));
-    let at = HIT as usize;
+    let at = usize::from(HIT);
     assert_eq!(answered[at], 0.0, "{}", ended.stdout);
     assert_eq!(torque_nm[at], torque_nm[at - 1], "the torque of a late step is the one before");
     assert!(torque_nm[at - 1] != torque_nm[at - 2], "neighbours that differ show that it is held");
@@ -108,7 +108,7 @@ fn a_late_answer_holds_the_last_torque_and_the_next_steps_are_on_their_grid() {
 
 #[test]
 fn a_torque_that_is_not_renewed_is_taken_away_when_the_drive_s_watchdog_must_have_tripped() {
-    const SILENT: std::ops::RangeInclusive<u32> = 700..=1_000;
+    const SILENT: std::ops::RangeInclusive<u16> = 700..=1_000;
     const WATCHDOG_STEPS: usize = 100;
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| {

@@ -22,7 +22,7 @@ fn a_killed_bench_leaves_every_row_up_to_the_last_whole_chunk() {
     let seen = Arc::clone(&answered);
     let relay = Relay::start(twin.path(), move |frame| {
         if let Some(torque) = frame.torque() {
-            seen.fetch_max(torque.sequence + 1, Ordering::Relaxed);
+            seen.fetch_max(u32::from(torque.sequence) + 1, Ordering::Relaxed);
         }
         Fate::Pass
     });
@@ -125,7 +125,7 @@ fn an_interrupted_run_with_large_chunks_loses_no_row() {
         let seen = Arc::clone(&answered);
         let relay = Relay::start(twin.path(), move |frame| {
             if let Some(torque) = frame.torque() {
-                seen.fetch_max(torque.sequence + 1, Ordering::Relaxed);
+                seen.fetch_max(u32::from(torque.sequence) + 1, Ordering::Relaxed);
             }
             Fate::Pass
         });

@@ -6,9 +6,9 @@ use tests::paper::{PATIENCE, RUNS};
 use tests::records::Records;
 
 /// Bytes of a step to the drive, back, and what follows every so many steps.
-const SAMPLE: f64 = 23.0;
-const TORQUE: f64 = 19.0;
-const TELEMETRY: f64 = 35.0;
+const SAMPLE: f64 = 19.0;
+const TORQUE: f64 = 16.0;
+const TELEMETRY: f64 = 33.0;
 
 /// Time of so many bytes on the wire.
 fn wire_s(bytes: f64, baud: u32) -> f64 {
@@ -79,10 +79,10 @@ fn in_real_time_a_wire_that_is_too_slow_makes_the_run_invalid() {
         let share = late.iter().sum::<f64>() / steps;
         (share, summary["verdict"].clone())
     };
-    // 23 bytes out alone take 2 ms.
+    // 19 bytes out alone take 1.65 ms.
     let (slow, verdict) = late_share(115_200);
     assert!(slow > 0.9 && verdict == "INVALID", "{slow} of the steps late, {verdict}");
-    // Out and back take 0.46 ms, which leaves as much for a busy machine.
+    // Out and back take 0.38 ms, which leaves as much for a busy machine.
     let (fast, _) = late_share(921_600);
     assert!(fast < 0.75 * slow, "{fast} of the steps late, {slow} at the slow rate");
 }

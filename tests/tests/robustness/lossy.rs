@@ -16,6 +16,7 @@ use lashloop::scenario::{Override, Scenario};
 use lashloop::supervisor::Supervisor;
 use lashloop::timing::Fate;
 use lashloop_protocol::message::LineReport;
+use lashloop_protocol::sequence::{nearest_step, of_step};
 use lashloop_protocol::vocabulary::TorqueFlags;
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage};
 
@@ -28,7 +29,7 @@ struct Heard {
     /// bench does.
     damaged_before: (u32, u32),
     messages_before: (u32, u32),
-    /// The sample sent last.
+    /// The sample sent last, counted on where sequences wrap.
     asked: Option<u32>,
     /// The first answer to each sample; on the bench's side only if it came before the next sample was sent.
     torques_nm: Vec<Option<f32>>,
@@ -48,8 +49,10 @@ impl Heard {
                     (self.damaged_before.0, self.messages_before.0) = (counters.damaged(), counters.messages);
                 }
                 Ok(HostMessage::EncoderSample(sample)) => {
-                    self.asked = Some(sample.sequence);
-                    let end = sample.sequence as usize + 1;
+                    let step =
+                        nearest_step(sample.sequence, self.asked.unwrap_or(0)).expect("a step of the run");
+                    self.asked = Some(step);
+                    let end = step as usize + 1;
                     self.torques_nm.resize(self.torques_nm.len().max(end), None);
                 }
                 _ => {}
@@ -60,11 +63,13 @@ impl Heard {
     fn receive(&mut self, mut bytes: &[u8]) {
         while let Some(message) = self.to_bench.next::<DriveMessage>(&mut bytes) {
             match message {
-                Ok(DriveMessage::TorqueAnswer(answer))
-                    if Some(answer.sequence) == self.asked
-                        && !answer.flags.contains(TorqueFlags::REPEATED) =>
-                {
-                    self.torques_nm[answer.sequence as usize].get_or_insert(answer.torque_nm);
+                Ok(DriveMessage::TorqueAnswer(answer)) => {
+                    let asked = self.asked.filter(|step| of_step(*step) == answer.sequence);
+                    if let Some(step) = asked
+                        && !answer.status.flags.contains(TorqueFlags::REPEATED)
+                    {
+                        self.torques_nm[step as usize].get_or_insert(answer.torque_nm);
+                    }
                 }
                 Ok(DriveMessage::LineReport(report)) => self.report = Some(report),
                 _ => {}

@@ -9,8 +9,8 @@ use std::fmt;
 
 use lashloop_protocol::frame::FrameError;
 use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
-use lashloop_protocol::vocabulary::{State, TorqueFlags};
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, cobs, frame};
+use lashloop_protocol::vocabulary::{State, TorqueFlags, TorqueStatus};
+use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message, cobs, frame};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
@@ -134,19 +134,21 @@ pub fn run(frames: u64, seed: u64) -> Vec<(Damage, Tally)> {
 
 fn sample(random: &mut Pcg64Mcg) -> EncoderSample {
     EncoderSample {
-        sequence: random.next_u32() >> 12,
-        motor_counts: random.next_u32().cast_signed() >> 10,
-        load_counts: random.next_u32().cast_signed() >> 10,
+        sequence: random.next_u32() as u16,
+        motor_counts: EncoderCounts::wrapping((random.next_u32().cast_signed() >> 10).into()),
+        load_counts: EncoderCounts::wrapping((random.next_u32().cast_signed() >> 10).into()),
         reference_rad: random.next_u32() as f32 / 2_f32.powi(32),
     }
 }
 
 fn torque(random: &mut Pcg64Mcg) -> TorqueAnswer {
     TorqueAnswer {
-        sequence: random.next_u32() >> 12,
+        sequence: random.next_u32() as u16,
         torque_nm: random.next_u32().cast_signed() as f32 / 2_f32.powi(26),
-        state: State::ALL[below(random, State::ALL.len())],
-        flags: TorqueFlags::from_bits_truncate(random.next_u32() as u8),
+        status: TorqueStatus {
+            state: State::ALL[below(random, State::ALL.len())],
+            flags: TorqueFlags::from_bits_truncate(random.next_u32() as u8),
+        },
         compute_tenths_us: (random.next_u32() >> 22) as u16,
     }
 }

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass, fields
-from operator import attrgetter
+from operator import attrgetter, index
 from typing import TYPE_CHECKING, Annotated, Any, Protocol, get_type_hints
 
 from lashloop.errors import FieldError
@@ -20,6 +20,7 @@ from lashloop.vocabulary import (
     ParameterValue,
     State,
     TorqueFlags,
+    TorqueStatus,
     Version,
 )
 
@@ -72,6 +73,22 @@ def _enum(values: type[State | FaultCode | Outcome | LogLevel]) -> Wire:
     return Wire("enum8", "B", f"a {values.__name__}", values, values)
 
 
+def _pack_i24(counts: int) -> bytes:
+    return index(counts).to_bytes(3, "little", signed=True)
+
+
+def _unpack_i24(data: bytes) -> int:
+    return int.from_bytes(data, "little", signed=True)
+
+
+def _pack_status(status: TorqueStatus) -> int:
+    return State(status.state) | _named_flags(status.flags)
+
+
+def _unpack_status(byte: int) -> TorqueStatus:
+    return TorqueStatus(State(byte & _STATE_MASK), _named_flags(byte & ~_STATE_MASK))
+
+
 def _named_flags(bits: int) -> TorqueFlags:
     if bits & ~_ALL_TORQUE_FLAGS:
         raise ValueError(bits)
@@ -79,11 +96,13 @@ def _named_flags(bits: int) -> TorqueFlags:
 
 
 _ALL_TORQUE_FLAGS = sum(TorqueFlags)
+# The bits of a status that are its state; the others are flags.
+_STATE_MASK = 0x0F
 
 U8 = Annotated[int, Wire("u8", "B", "0 to 255")]
 U16 = Annotated[int, Wire("u16", "H", "0 to 65535")]
 U32 = Annotated[int, Wire("u32", "I", "0 to 4294967295")]
-I32 = Annotated[int, Wire("i32", "i", "-2147483648 to 2147483647")]
+I24 = Annotated[int, Wire("i24", "3s", "-8388608 to 8388607", _pack_i24, _unpack_i24)]
 F32 = Annotated[float, Wire("f32", "f", "-3.4028235e38 to 3.4028235e38, infinite or NaN")]
 Text10 = Annotated[str, _text(10)]
 Text16 = Annotated[str, _text(16)]
@@ -104,8 +123,8 @@ StateField = Annotated[State, _enum(State)]
 FaultCodeField = Annotated[FaultCode, _enum(FaultCode)]
 OutcomeField = Annotated[Outcome, _enum(Outcome)]
 LogLevelField = Annotated[LogLevel, _enum(LogLevel)]
-TorqueFlagsField = Annotated[TorqueFlags, Wire("flags8", "B", "TorqueFlags", _named_flags, _named_flags)]
-# Unlike those, a set bit without a name is a law that has none, and no reason to refuse an identity.
+StatusField = Annotated[TorqueStatus, Wire("status8", "B", "a State with TorqueFlags", _pack_status, _unpack_status)]
+# Unlike its flags, a set bit without a name is a law that has none, and no reason to refuse an identity.
 ControllersField = Annotated[Controllers, Wire("flags16", "H", "16 bits", None, Controllers)]
 
 

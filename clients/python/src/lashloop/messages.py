@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from lashloop.layout import (
     F32,
-    I32,
+    I24,
     U8,
     U16,
     U32,
@@ -17,11 +17,11 @@ from lashloop.layout import (
     LogLevelField,
     OutcomeField,
     StateField,
+    StatusField,
     Text10,
     Text16,
     Text28,
     Text52,
-    TorqueFlagsField,
     Value,
     VersionField,
 )
@@ -131,9 +131,9 @@ class EncoderSample(HostMessage):
     """What the two encoders read at the start of a control period."""
 
     KIND: ClassVar[int] = 0x10
-    sequence: U32
-    motor_counts: I32
-    load_counts: I32
+    sequence: U16
+    motor_counts: I24
+    load_counts: I24
     reference_rad: F32
 
 
@@ -195,10 +195,9 @@ class TorqueAnswer(DriveMessage):
     """The torque for one sample."""
 
     KIND: ClassVar[int] = 0x90
-    sequence: U32
+    sequence: U16
     torque_nm: F32
-    state: StateField
-    flags: TorqueFlagsField
+    status: StatusField
     compute_tenths_us: U16
 
 
@@ -207,7 +206,7 @@ class Telemetry(DriveMessage):
     """What the controller thinks."""
 
     KIND: ClassVar[int] = 0x91
-    sequence: U32
+    sequence: U16
     dead_zone_estimate_rad: F32
     disturbing_torque_nm: F32
     load_error_rad: F32
@@ -222,7 +221,7 @@ class FaultReport(DriveMessage):
 
     KIND: ClassVar[int] = 0x92
     code: FaultCodeField
-    sequence: U32
+    sequence: U16
     value: F32
     limit: F32
     detail: U32

@@ -116,9 +116,17 @@ class DisturbingTorqueSource(WireEnum):
 class TorqueFlags(IntFlag):
     """What is to be known of a torque."""
 
-    SATURATED = 0x01
-    REPEATED = 0x02
-    GAP = 0x04
+    SATURATED = 0x10
+    REPEATED = 0x20
+    GAP = 0x40
+
+
+@dataclass(frozen=True, slots=True)
+class TorqueStatus:
+    """State after a control step, and what is to be known of its torque: one byte, `state | flags`."""
+
+    state: State
+    flags: TorqueFlags
 
 
 class Controllers(IntFlag):

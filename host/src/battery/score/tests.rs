@@ -6,6 +6,7 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 use super::*;
 use crate::metrics::{Estimates, Measurement, Sample};
 use crate::plant::PlantError;
+use crate::session::Placed;
 
 /// Metrics of a run that lies on its reference from beginning to end.
 fn perfect() -> Metrics {
@@ -34,6 +35,7 @@ fn a_run_that_did_not_reach_its_end_never_scores_well() {
     assert_eq!(of(&End::Complete, Verdict::Fail), [Score::Value(0.0); 6]);
     let fault =
         FaultReport { code: FaultCode::MotorEncoderJump, sequence: 40, value: 1.0, limit: 1.0, detail: 0 };
+    let fault = Placed { step: 40, message: fault };
     let chattering = End::Diverged(PlantError::Chattering { substep_s: 1e-3 });
     let away = End::Diverged(PlantError::NotFinite { torque_nm: 1e300 });
     for (end, verdict, lack) in [

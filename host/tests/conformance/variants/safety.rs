@@ -2,7 +2,7 @@
 
 use lashloop_protocol::message::{ClearFault, EncoderSample, SetParameter};
 use lashloop_protocol::vocabulary::{FaultCode, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::{DriveMessage, HostMessage};
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage};
 
 use super::{each, hears, says, torques};
 use crate::altered::Variant;
@@ -10,7 +10,7 @@ use crate::altered::Variant;
 pub const VARIANTS: &[Variant] = &[
     says("keeps its torque after a fault", "a sample gets torque zero in Faulted", |past, answers| {
         torques(answers, |it| {
-            if it.state == State::Faulted {
+            if it.status.state == State::Faulted {
                 it.torque_nm = 1.0 + past.torque_nm;
             }
             past.torque_nm = it.torque_nm;
@@ -21,7 +21,7 @@ pub const VARIANTS: &[Variant] = &[
         "a torque beyond the limit is limited and flagged SATURATED",
         |_, answers| {
             torques(answers, |it| {
-                if it.flags.contains(TorqueFlags::SATURATED) {
+                if it.status.flags.contains(TorqueFlags::SATURATED) {
                     it.torque_nm *= 1.01;
                 }
             })
@@ -30,7 +30,7 @@ pub const VARIANTS: &[Variant] = &[
     says(
         "does not flag saturation",
         "a torque beyond the limit is limited and flagged SATURATED",
-        |_, answers| torques(answers, |it| it.flags.remove(TorqueFlags::SATURATED)),
+        |_, answers| torques(answers, |it| it.status.flags.remove(TorqueFlags::SATURATED)),
     ),
     says("tells of no fault", "EmergencyStop is answered with its fault", |_, mut answers| {
         answers.retain(|answer| !matches!(answer, DriveMessage::FaultReport(_)));
@@ -110,7 +110,7 @@ pub const VARIANTS: &[Variant] = &[
             HostMessage::EncoderSample(sample) => {
                 past.number += u32::from(past.kept == Some(request));
                 past.kept = Some(request);
-                vec![EncoderSample { sequence: sample.sequence + past.number, ..sample }.into()]
+                vec![EncoderSample { sequence: sample.sequence + past.number as u16, ..sample }.into()]
             }
             HostMessage::Start(_) => {
                 (past.kept, past.number) = (None, 0);
@@ -123,15 +123,15 @@ pub const VARIANTS: &[Variant] = &[
         "believes any motor encoder",
         "a motor encoder that jumps is a fault",
         |_, request| match request {
-            HostMessage::EncoderSample(sample) if sample.motor_counts.unsigned_abs() > 700 => {
-                vec![EncoderSample { motor_counts: 0, ..sample }.into()]
+            HostMessage::EncoderSample(sample) if sample.motor_counts.get().unsigned_abs() > 700 => {
+                vec![EncoderSample { motor_counts: EncoderCounts::default(), ..sample }.into()]
             }
             other => vec![other],
         },
     ),
     hears("believes any load encoder", "a load encoder that jumps is a fault", |_, request| match request {
-        HostMessage::EncoderSample(sample) if sample.load_counts.unsigned_abs() > 700 => {
-            vec![EncoderSample { load_counts: 0, ..sample }.into()]
+        HostMessage::EncoderSample(sample) if sample.load_counts.get().unsigned_abs() > 700 => {
+            vec![EncoderSample { load_counts: EncoderCounts::default(), ..sample }.into()]
         }
         other => vec![other],
     }),
@@ -139,16 +139,16 @@ pub const VARIANTS: &[Variant] = &[
         "believes no encoder",
         "an encoder within its speed limit is believed",
         |_, request| match request {
-            HostMessage::EncoderSample(sample) if sample.motor_counts.unsigned_abs() > 300 => {
-                vec![EncoderSample { motor_counts: 1 << 30, ..sample }.into()]
+            HostMessage::EncoderSample(sample) if sample.motor_counts.get().unsigned_abs() > 300 => {
+                vec![EncoderSample { motor_counts: EncoderCounts::wrapping(1 << 22), ..sample }.into()]
             }
             other => vec![other],
         },
     ),
     hears("does not know that counters wrap", "an encoder that wraps around has not jumped", |_, request| {
         match request {
-            HostMessage::EncoderSample(sample) if sample.motor_counts == i32::MIN => {
-                vec![EncoderSample { motor_counts: 0, ..sample }.into()]
+            HostMessage::EncoderSample(sample) if sample.motor_counts == EncoderCounts::MIN => {
+                vec![EncoderSample { motor_counts: EncoderCounts::default(), ..sample }.into()]
             }
             other => vec![other],
         }
@@ -162,7 +162,7 @@ pub const VARIANTS: &[Variant] = &[
     says("coasts down slowly", "Stop takes the torque away", |past, answers| {
         let stopped = matches!(past.request, Some(HostMessage::EncoderSample(_)));
         torques(answers, |it| {
-            if stopped && it.state != State::Running && past.torque_nm != 0.0 {
+            if stopped && it.status.state != State::Running && past.torque_nm != 0.0 {
                 it.torque_nm = 0.5 * past.torque_nm;
             }
             past.torque_nm = it.torque_nm;

@@ -1,10 +1,10 @@
 //! Wrong about samples and torques.
 
 use lashloop_protocol::message::{EncoderSample, SetParameter, TorqueAnswer};
-use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::{DriveMessage, HostMessage};
 
-use super::{answering, each, is_result_of, says, telemetry, torques};
+use super::{answering, each, hears, is_result_of, says, telemetry, torques};
 use crate::altered::Variant;
 
 pub const VARIANTS: &[Variant] = &[
@@ -16,8 +16,7 @@ pub const VARIANTS: &[Variant] = &[
                 (result.state == State::Boot).then_some(TorqueAnswer {
                     sequence: sample.sequence,
                     torque_nm: 0.0,
-                    state: State::Boot,
-                    flags: TorqueFlags::empty(),
+                    status: TorqueStatus { state: State::Boot, flags: TorqueFlags::empty() },
                     compute_tenths_us: 0,
                 })
             })
@@ -50,8 +49,7 @@ pub const VARIANTS: &[Variant] = &[
             (result.outcome == Outcome::OutOfSequence).then_some(TorqueAnswer {
                 sequence: sample.sequence,
                 torque_nm: 1.0,
-                state: State::Running,
-                flags: TorqueFlags::empty(),
+                status: TorqueStatus { state: State::Running, flags: TorqueFlags::empty() },
                 compute_tenths_us: 0,
             })
         })
@@ -59,14 +57,14 @@ pub const VARIANTS: &[Variant] = &[
     says(
         "does not flag repetitions",
         "a repeated sample gets the same torque, flagged REPEATED",
-        |_, answers| torques(answers, |it| it.flags.remove(TorqueFlags::REPEATED)),
+        |_, answers| torques(answers, |it| it.status.flags.remove(TorqueFlags::REPEATED)),
     ),
     says(
         "answers a repetition anew",
         "a repeated sample gets the same torque, flagged REPEATED",
         |_, answers| {
             torques(answers, |it| {
-                if it.flags.contains(TorqueFlags::REPEATED) {
+                if it.status.flags.contains(TorqueFlags::REPEATED) {
                     it.torque_nm *= 0.5;
                 }
             })
@@ -91,26 +89,37 @@ pub const VARIANTS: &[Variant] = &[
         ..says("steps at a repetition", "a repeated sample makes no control step", |past, answers| {
             let steps = past.number;
             torques(answers, |it| {
-                if !it.flags.contains(TorqueFlags::REPEATED) {
+                if !it.status.flags.contains(TorqueFlags::REPEATED) {
                     it.torque_nm -= 0.001 * steps as f32;
                 }
             })
         })
     },
     says("does not flag gaps", "a gap is flagged GAP, once", |_, answers| {
-        torques(answers, |it| it.flags.remove(TorqueFlags::GAP))
+        torques(answers, |it| it.status.flags.remove(TorqueFlags::GAP))
     }),
+    hears(
+        "does not know that sequences wrap",
+        "after sequence 65535 comes 0",
+        |past, request| match request {
+            HostMessage::EncoderSample(sample) => {
+                let wraps = sample.sequence == 0 && past.number == u32::from(u16::MAX);
+                past.number = sample.sequence.into();
+                vec![if wraps { EncoderSample { sequence: 1 << 15, ..sample }.into() } else { request }]
+            }
+            other => vec![other],
+        },
+    ),
     says(
         "answers stray samples",
         "a sample older than the last or far ahead of it is refused",
         |past, answers| {
             answering(past, answers, |sample, result| {
-                (result.outcome == Outcome::OutOfSequence && sample.sequence > 1 << 30).then_some(
+                (result.outcome == Outcome::OutOfSequence && sample.sequence > 1 << 14).then_some(
                     TorqueAnswer {
                         sequence: sample.sequence,
                         torque_nm: 1.0,
-                        state: State::Running,
-                        flags: TorqueFlags::GAP,
+                        status: TorqueStatus { state: State::Running, flags: TorqueFlags::GAP },
                         compute_tenths_us: 0,
                     },
                 )
@@ -162,14 +171,14 @@ pub const VARIANTS: &[Variant] = &[
     }),
     says("pushes in Idle", "a sample gets torque zero in Idle", |_, answers| {
         torques(answers, |it| {
-            if it.state == State::Idle {
+            if it.status.state == State::Idle {
                 it.torque_nm = 1.0;
             }
         })
     }),
     says("pushes in Armed", "a sample gets torque zero in Armed", |_, answers| {
         torques(answers, |it| {
-            if it.state == State::Armed {
+            if it.status.state == State::Armed {
                 it.torque_nm = 1.0;
             }
         })

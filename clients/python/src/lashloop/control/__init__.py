@@ -22,9 +22,9 @@ class ControlInput:
     """One encoder sample that the drive has found plausible."""
 
     motor_counts: int
-    """Counter of the motor encoder; it wraps at 32 bits."""
+    """Where the motor encoder stands: its count goes on where what is read of it wraps."""
     load_counts: int
-    """Counter of the load encoder; it wraps at 32 bits."""
+    """Where the load encoder stands, likewise."""
     reference_rad: float
     """Where the load is wanted."""
     applied_torque_nm: float

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lashloop.control import ControlInput, InconsistentError
-from lashloop.counts import wrapping_difference
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -49,25 +48,16 @@ class _Channel:
         self.half_count_rad = f32(np.pi) / f32(counts_per_rev)
         self._bandwidth_rad_s = f32(bandwidth_rad_s)
         self._share_per_period = _lag_share(self._bandwidth_rad_s, period_s)
-        self._counter: int | None = None
-        self._counts = 0
+        self._counts: int | None = None
         self.velocity_rad_s = f32(0.0)
 
-    def advance(self, counter: int, periods: int, elapsed_s: f32) -> None:
-        if self._counter is None:
-            self._counts = counter
-        else:
-            moved = wrapping_difference(counter, self._counter)
-            self._counts += moved
+    def advance(self, counts: int, periods: int, elapsed_s: f32) -> None:
+        if self._counts is not None:
+            moved = counts - self._counts
             velocity = f32(2 * moved) * self.half_count_rad / elapsed_s
             share = self._share_per_period if periods == 1 else _lag_share(self._bandwidth_rad_s, elapsed_s)
             self.velocity_rad_s += share * (velocity - self.velocity_rad_s)
-        self._counter = counter
-
-    @property
-    def half_counts(self) -> int:
-        """Middle of the count in half counts."""
-        return 2 * self._counts + 1
+        self._counts = counts
 
 
 class _Reference:
@@ -119,7 +109,8 @@ class Sensing:
         load.advance(sample.load_counts, periods, elapsed_s)
         reference_rad = f32(sample.reference_rad)
         velocity_rad_s, acceleration_rad_s2 = self._reference.advance(reference_rad, self._period_s, periods)
-        motor_half_counts, load_half_counts = motor.half_counts, load.half_counts
+        # Middles of the counts, in half counts.
+        motor_half_counts, load_half_counts = 2 * sample.motor_counts + 1, 2 * sample.load_counts + 1
         whole = motor_half_counts - self._whole_ratio * load_half_counts
         rest = self._rest_of_ratio * f32(load_half_counts)
         return Measurement(

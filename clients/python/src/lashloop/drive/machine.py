@@ -43,6 +43,7 @@ from lashloop.vocabulary import (
     ParameterValue,
     State,
     TorqueFlags,
+    TorqueStatus,
     Version,
     single,
 )
@@ -289,7 +290,8 @@ class Drive:
 
     def _answer(self, sample: EncoderSample, flags: TorqueFlags, arrived_ns: int) -> TorqueAnswer:
         compute_tenths_us = min(max(self._clock_ns() - arrived_ns, 0) // 100, _U16_MAX)
-        answer = TorqueAnswer(sample.sequence, self.torque_nm, self.state, flags, compute_tenths_us)
+        status = TorqueStatus(self.state, flags)
+        answer = TorqueAnswer(sample.sequence, self.torque_nm, status, compute_tenths_us)
         self._send(answer)
         return answer
 

@@ -9,6 +9,7 @@ from lashloop.host.errors import (
     ParameterRefusedError,
     RefusedError,
     SilenceError,
+    StartTooFarError,
     UnknownParameterError,
     VersionError,
 )
@@ -23,6 +24,7 @@ __all__ = [
     "ParameterRefusedError",
     "RefusedError",
     "SilenceError",
+    "StartTooFarError",
     "TimeLimits",
     "UnknownParameterError",
     "VersionError",

@@ -23,6 +23,7 @@ from lashloop.host.conversation import Conversation, TimeLimits
 from lashloop.host.errors import (
     ParameterRefusedError,
     RefusedError,
+    StartTooFarError,
     UnknownParameterError,
     VersionError,
 )
@@ -53,6 +54,7 @@ from lashloop.messages import (
     Telemetry,
     TorqueAnswer,
 )
+from lashloop.sequence import of_step
 from lashloop.vocabulary import Outcome, State
 
 if TYPE_CHECKING:
@@ -83,7 +85,7 @@ class Host:
         self._session = secrets.randbelow(_SESSIONS) if session is None else session
         self._parameters: dict[str, Parameter] | None = None
         self._may_give_torque = False
-        self._sequence = 0
+        self._step = 0
         self._held_nm = 0.0
         self._unanswered_since: float | None = None
         self.last_answer: TorqueAnswer | None = None
@@ -128,6 +130,10 @@ class Host:
     def fault(self) -> FaultReport | None:
         """The last fault that the drive reported, until it is cleared."""
         return self._talk.fault
+
+    def step_of(self, sequence: int) -> int:
+        """Give the control period, counted from 0 at the start, that an answer, telemetry or a fault means."""
+        return self._talk.step_of(sequence)
 
     @property
     def logs(self) -> list[str]:
@@ -176,17 +182,22 @@ class Host:
         """Begin a run."""
         self._may_give_torque = True
         self._command(Start(self._session))
-        self._sequence, self._held_nm, self.lost = 0, 0.0, 0
-        self._unanswered_since = self.last_answer = self._talk.telemetry = None
+        self._step, self._held_nm, self.lost = 0, 0.0, 0
+        self._unanswered_since = self.last_answer = None
+        self._talk.begin_run()
 
     def torque(self, *, motor_counts: int, load_counts: int, reference_rad: float) -> float:
         """Send the encoder sample of the next control period and give the torque from then on, in N m.
 
-        Counts are wrapped to 32 bits. A sample that stays unanswered leaves the torque before in force and is counted
-        as lost; `SilenceError` after too many. The first one is sent again, because no other can be the first.
-        `DriveFaultError` if the run has ended by a fault.
+        Counts may be of any size, as 24 bits of them are sent; only those of the first sample say where the encoders
+        stand, so `StartTooFarError` if they take more. A sample that stays unanswered leaves the torque before in
+        force and is counted as lost; `SilenceError` after too many. The first one is sent again, because no other can
+        be the first. `DriveFaultError` if the run has ended by a fault.
         """
-        sample = EncoderSample(self._sequence, wrapped(motor_counts), wrapped(load_counts), reference_rad)
+        if self._step == 0:
+            _check_start(motor=motor_counts, load=load_counts)
+        sequence = of_step(self._step)
+        sample = EncoderSample(sequence, wrapped(motor_counts), wrapped(load_counts), reference_rad)
         limits, clock = self._talk.limits, self._talk.clock
         if self._unanswered_since is None:
             self._unanswered_since = clock()
@@ -199,11 +210,11 @@ class Host:
                 self._held_nm = answer.torque_nm
                 break
             if clock() - self._unanswered_since >= limits.silence_s:
-                raise self._talk.silence(f"EncoderSample {sample.sequence}", limits.silence_s)
-            if sample.sequence > 0 or self.last_answer is not None:
+                raise self._talk.silence(f"EncoderSample {self._step}", limits.silence_s)
+            if self._step > 0:
                 self.lost += 1
                 break
-        self._sequence = (self._sequence + 1) % 2**32
+        self._step += 1
         return self._held_nm
 
     def stop(self) -> LineReport:
@@ -274,6 +285,12 @@ class Host:
         if result.outcome is not Outcome.ACCEPTED:
             said = self.logs[-1:] if result.outcome is Outcome.INCONSISTENT else []
             raise RefusedError(type(request).__name__, result.outcome, result.state, said)
+
+
+def _check_start(**positions: int) -> None:
+    for side, counts in positions.items():
+        if wrapped(counts) != counts:
+            raise StartTooFarError(side, counts)
 
 
 def _result_of(request: int) -> Callable[[DriveMessage], CommandResult | None]:

@@ -12,6 +12,7 @@ from lashloop.frames import DELIMITER, FROM_DRIVE, FrameError, encode
 from lashloop.host.errors import SilenceError
 from lashloop.lines import send_all
 from lashloop.messages import DriveMessage, EncoderSample, FaultReport, HostMessage, Log, Telemetry, TorqueAnswer
+from lashloop.sequence import nearest_step
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -61,6 +62,18 @@ class Conversation:
         """What this end's receiver has seen."""
         return self._decoder.counters
 
+    def begin_run(self) -> None:
+        """Count the samples anew, and forget what was told of the run before."""
+        self.telemetry = self._last_sent = self._last_torque = None
+
+    def step_of(self, sequence: int) -> int:
+        """Give the control period that a sequence means: the nearest one to the last sample sent.
+
+        One that no sample of the run can have had is left as it is.
+        """
+        step = nearest_step(sequence, self._last_sent or 0)
+        return sequence if step is None else step
+
     def clear(self) -> None:
         """Begin anew: forget what has come, and end whatever half frame an earlier host left with the drive."""
         self._line.discard_input()
@@ -72,7 +85,7 @@ class Conversation:
         """Send a message and wait for nothing."""
         send_all(self._line, encode(message), self.limits.request_s, self.clock)
         if isinstance(message, EncoderSample):
-            self._last_sent = message.sequence
+            self._last_sent = self.step_of(message.sequence)
 
     def wait(self, wanted: Callable[[DriveMessage], T | None], limit_s: float) -> T | None:
         """Give what `wanted` recognises, or None once the time is over. Everything else is kept or passed over."""
@@ -119,7 +132,7 @@ class Conversation:
             case Telemetry():
                 self.telemetry = message
             case TorqueAnswer():
-                self._last_torque = message.sequence
+                self._last_torque = self.step_of(message.sequence)
 
     def _last_seen(self) -> str:
         if not self._last_message:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from lashloop.counts import LARGEST
 from lashloop.errors import LashloopError
 from lashloop.messages import PROTOCOL_VERSION
 from lashloop.vocabulary import FaultCode
@@ -59,13 +60,25 @@ class RefusedError(HostError):
 class DriveFaultError(HostError):
     """The drive has latched a fault; the run is over."""
 
-    def __init__(self, fault: FaultReport) -> None:
+    def __init__(self, fault: FaultReport, step: int) -> None:
         """Say which fault, at which sample, which value and which limit."""
         unit = _UNITS.get(fault.code)
         numbers = f": {fault.value:g} {unit}, the limit is {fault.limit:g} {unit}" if unit else ""
         detail = f", detail {fault.detail:#x}" if fault.detail else ""
-        super().__init__(f"the drive latched {fault.code} at sample {fault.sequence}{numbers}{detail}")
-        self.fault = fault
+        super().__init__(f"the drive latched {fault.code} at sample {step}{numbers}{detail}")
+        self.fault, self.step = fault, step
+
+
+class StartTooFarError(HostError, ValueError):
+    """The first sample of a run does not say where an encoder stands. Nothing has been sent."""
+
+    def __init__(self, side: str, counts: int) -> None:
+        """Name the encoder, and how far a drive would know it to have turned."""
+        super().__init__(
+            f"{side}_counts = {counts}: a drive that starts knows of {-LARGEST - 1} to {LARGEST}; "
+            "take a coarser encoder, or start nearer to 0"
+        )
+        self.side, self.counts = side, counts
 
 
 class UnknownParameterError(HostError, KeyError):

@@ -21,7 +21,7 @@ def exchange(talk: Conversation, sample: EncoderSample, limit_s: float) -> Torqu
     def wanted(message: DriveMessage) -> TorqueAnswer | None:
         # It will not answer any more: its watchdog has tripped, or these are its last words.
         if isinstance(message, FaultReport):
-            raise DriveFaultError(message)
+            raise DriveFaultError(message, talk.step_of(message.sequence))
         if isinstance(message, CommandResult) and message.request == EncoderSample.KIND:
             raise RefusedError("EncoderSample", message.outcome, message.state, [])
         if isinstance(message, TorqueAnswer) and message.sequence == sample.sequence:
@@ -30,10 +30,11 @@ def exchange(talk: Conversation, sample: EncoderSample, limit_s: float) -> Torqu
 
     talk.send(sample)
     answer = talk.wait(wanted, limit_s)
-    if answer is not None and answer.state is State.FAULTED:
-        raise DriveFaultError(reported_fault(talk))
-    if answer is not None and answer.state is not State.RUNNING:
-        raise RefusedError("EncoderSample", Outcome.WRONG_STATE, answer.state, [])
+    if answer is not None and answer.status.state is State.FAULTED:
+        fault = reported_fault(talk)
+        raise DriveFaultError(fault, talk.step_of(fault.sequence))
+    if answer is not None and answer.status.state is not State.RUNNING:
+        raise RefusedError("EncoderSample", Outcome.WRONG_STATE, answer.status.state, [])
     return answer
 
 
