@@ -134,7 +134,7 @@ impl<V: Copy + PartialEq + std::fmt::Debug> Work<V> {
     fn decode(&self, codec: &mut impl Codec<V>) -> f64 {
         let started = Instant::now();
         for frame in self.frames() {
-            black_box(codec.decode(black_box(frame)));
+            black_box(&codec.decode(black_box(frame)));
         }
         started.elapsed().as_nanos() as f64 / COUNT as f64
     }
