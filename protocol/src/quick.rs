@@ -1,92 +1,114 @@
 //! How a PC writes and reads the one message of each direction that is sent in every control period.
 //!
-//! The bytes are those of [`Frame::of`] and [`crate::frame::open`], which a microcontroller uses for every message and a
-//! PC for all others. What makes the difference:
+//! The bytes are those of [`frame::write`] and [`frame::open`], which a microcontroller uses for every message and a PC for
+//! all others. What makes the difference:
 //!
-//! - The kind is known, so lengths are constants, nothing loops over bytes, and the body stays in registers.
-//! - The chain of distances is followed and laid for a fixed number of links: how many zeros a body has is beyond any
-//!   processor's guess, and a wrong guess costs more than the links that were not needed.
-//! - Words begin behind the kind byte, where fields of four bytes lie whole in them: a word that is read after its
-//!   bytes were written one by one has to wait for them.
+//! - The kind is known, so lengths are constants, nothing loops over bytes, and what is between the kind and the delimiter
+//!   stays in two registers: bytes that are written one by one and read as a word have to wait for each other.
+//! - How many zeros there are and where is beyond any processor's guess, and a wrong guess costs more than all the rest. So
+//!   the distances of a word come out of a table, whatever they are, and as for reading, the chain is followed for a fixed
+//!   number of links.
 
-use crate::frame::{Frame, MAX_FRAME};
+use crate::frame::MAX_FRAME;
 use crate::wire::Payload;
-use crate::{cobs, crc};
+use crate::crc;
 
-/// Links of the chain that are taken without asking whether there are more: as many zeros and one.
-const LINKS_AT_ONCE: usize = 5;
+/// Links of the chain that are followed without asking whether there are more: as many zeros and one.
+const LINKS_AT_ONCE: usize = 3;
 
-/// Where the fields begin.
+/// Where the fields begin: behind code and kind.
 const FIELDS: usize = 2;
 /// Bytes in a word.
 const WORD: usize = size_of::<u64>();
-/// Room for a frame whose last word is whole.
-const ROOM: usize = FIELDS + MAX_FRAME;
+/// Bytes behind the kind that are held in two words.
+const TAIL: usize = size_of::<u128>();
+/// The lowest bit of every byte, and the highest.
+const ONES: u64 = u64::from_ne_bytes([0x01; WORD]);
+const HIGHS: u64 = ONES << 7;
 
-/// The frame of a message.
+/// Bytes of fields and CRC.
+const fn tail_len<P: Payload>() -> usize {
+    let len = P::LAYOUT.body_len - 1 + crc::LEN;
+    assert!(WORD < len && len <= TAIL, "fields and CRC of a periodic message fill more than one word and at most two");
+    len
+}
+
+/// Writes the frame of a message to the beginning of `room`.
 #[inline(always)]
-pub(crate) fn frame<P: Payload>(payload: &P) -> Frame {
-    let body_end = 1 + P::LAYOUT.body_len;
-    let crc_end = body_end + crc::LEN;
-    let mut plain = [0; ROOM];
-    payload.put(&mut plain[1..body_end]);
-    let checksum = crc::checksum(&plain[1..body_end]);
-    plain[body_end..crc_end].copy_from_slice(&checksum.to_le_bytes());
+pub(crate) fn write<'room, P: Payload>(payload: &P, room: &'room mut [u8; MAX_FRAME]) -> &'room [u8] {
+    let len = const { tail_len::<P>() };
+    let fields = fields(payload);
+    let tail = fields | u128::from(checksum::<P>(fields)) << (8 * (P::LAYOUT.body_len - 1));
+    let words = [tail as u64, (tail >> u64::BITS) as u64];
 
-    let mut zeros = 0;
-    let mut bytes = [0; MAX_FRAME];
-    bytes[..FIELDS].copy_from_slice(&plain[..FIELDS]);
-    let mut at = FIELDS;
-    while at < crc_end {
-        let word = word_at(&plain, at);
-        zeros |= u64::from(zeros_of(word)) << at;
-        put_word(&mut bytes, at, word);
-        at += WORD;
-    }
-    lay_chain(&mut bytes, zeros, crc_end);
-    Frame::from_parts(bytes, crc_end + 1)
+    // Behind the tail there are zeros, so there is one where the delimiter will be.
+    let others = words.map(others_in);
+    let [low, high] = others.map(|others| &CHAINS[others]);
+    let first = (!(others[0] | others[1] << WORD)).trailing_zeros() as usize;
+    let first_high = u64::from((!others[1]).trailing_zeros());
+    room[0] = (FIELDS + first) as u8;
+    room[1] = P::LAYOUT.kind;
+    room[FIELDS..][..WORD].copy_from_slice(&(words[0] | low.distances + low.last * first_high).to_le_bytes());
+    room[FIELDS + WORD..][..WORD].copy_from_slice(&(words[1] | high.distances).to_le_bytes());
+    room[FIELDS + len] = 0;
+    &room[..=FIELDS + len]
 }
 
 /// The message at the beginning of `input`, and what comes after it; `None` if there is no whole and good frame of this
 /// kind, whatever there is instead.
 #[inline(always)]
 pub(crate) fn split_off<P: Payload>(input: &[u8]) -> Option<(P, &[u8])> {
-    let body_end = 1 + P::LAYOUT.body_len;
-    let crc_end = body_end + crc::LEN;
-    let (frame, rest) = input.split_at_checked(crc_end + 1)?;
+    let len = const { tail_len::<P>() };
+    let (frame, rest) = input.split_at_checked(FIELDS + len + 1)?;
+    let (&delimiter, stuffed) = frame.split_last()?;
     // With a first distance of 1 the kind byte is a link: it looks right but stands for a zero.
-    if frame[0] == 1 || frame[1] != P::LAYOUT.kind || cobs::find_zero(frame) != Some(crc_end) {
+    if stuffed[0] <= 1 || stuffed[1] != P::LAYOUT.kind || delimiter != 0 {
         return None;
     }
-    let links = chain(frame)?;
-    let mut plain = [0; ROOM];
-    plain[1] = P::LAYOUT.kind;
-    let mut at = FIELDS;
-    while at < crc_end {
-        put_word(&mut plain, at, word_at(frame, at) & KEPT[usize::from((links >> at) as u8)]);
-        at += WORD;
+    // The last word begins within the first.
+    let [low, last] = [*stuffed[FIELDS..].first_chunk()?, *stuffed.last_chunk()?].map(u64::from_le_bytes);
+    if has_zero(low) || has_zero(last) {
+        return None;
     }
-    let body = &plain[1..body_end];
-    if !plain[body_end..].starts_with(&crc::checksum(body).to_le_bytes()) {
+    let links = chain(frame)? >> FIELDS;
+    let low = low & KEPT[links & 0xff];
+    let high = last >> (8 * (TAIL - len)) & KEPT[links >> WORD & 0xff];
+    let plain = plain::<P>(u128::from(high) << u64::BITS | u128::from(low));
+    let (body, found) = plain.split_at(P::LAYOUT.body_len);
+    if !found.starts_with(&crc::checksum(body).to_le_bytes()) {
         return None;
     }
     Some((P::get(body).ok()?, rest))
 }
 
-/// The word that begins at `at`, with zeros for what lies behind the end.
+/// The fields as one number, the first in its lowest bytes.
+///
+/// Each is read as it was written, so none of them takes the way through memory.
 #[inline(always)]
-fn word_at(bytes: &[u8], at: usize) -> u64 {
-    let mut word = [0; WORD];
-    let len = WORD.min(bytes.len() - at);
-    word[..len].copy_from_slice(&bytes[at..at + len]);
-    u64::from_le_bytes(word)
+fn fields<P: Payload>(payload: &P) -> u128 {
+    let mut body = [0; 1 + TAIL];
+    payload.put(&mut body[..P::LAYOUT.body_len]);
+    let mut fields = 0;
+    for field in P::LAYOUT.fields {
+        let mut word = [0; TAIL];
+        word[..field.len].copy_from_slice(&body[field.offset..field.offset + field.len]);
+        fields |= u128::from_le_bytes(word) << (8 * (field.offset - 1));
+    }
+    fields
 }
 
-/// Puts a word, as much of it as there is room for.
+/// The kind, and the tail behind it.
 #[inline(always)]
-fn put_word(bytes: &mut [u8], at: usize, word: u64) {
-    let len = WORD.min(bytes.len() - at);
-    bytes[at..at + len].copy_from_slice(&word.to_le_bytes()[..len]);
+fn plain<P: Payload>(tail: u128) -> [u8; 1 + TAIL] {
+    let mut plain = [P::LAYOUT.kind; 1 + TAIL];
+    plain[1..].copy_from_slice(&tail.to_le_bytes());
+    plain
+}
+
+/// The CRC over kind and fields.
+#[inline(always)]
+fn checksum<P: Payload>(fields: u128) -> u32 {
+    crc::checksum(&plain::<P>(fields)[..P::LAYOUT.body_len])
 }
 
 /// The chain of distances in `frame`, whose last byte is the delimiter and the only zero: bit `n` is set if byte `n` is a
@@ -94,47 +116,67 @@ fn put_word(bytes: &mut [u8], at: usize, word: u64) {
 ///
 /// There it stays, at a distance of zero, which is why it may be followed too far.
 #[inline(always)]
-fn chain(frame: &[u8]) -> Option<u64> {
+fn chain(frame: &[u8]) -> Option<usize> {
     let end = frame.len() - 1;
     let (mut at, mut links) = (0, 0);
     while at < end {
         for _ in 0..LINKS_AT_ONCE {
             let distance = *frame.get(at)?;
-            links |= 1_u64 << at;
+            links |= 1 << at;
             at += usize::from(distance);
         }
     }
     (at == end).then_some(links)
 }
 
-/// Writes the distances into the bytes whose bit is set in `zeros`, and into the first.
+/// Whether a byte of the word is zero.
 #[inline(always)]
-fn lay_chain(frame: &mut [u8; MAX_FRAME], zeros: u64, end: usize) {
-    let delimiter = 1 << end;
-    let mut to_come = zeros & (delimiter - 1);
-    let mut at = 0;
-    while at < end {
-        for _ in 0..LINKS_AT_ONCE {
-            // From the delimiter on the distance is zero, which is what the delimiter is.
-            let next = (to_come | delimiter).trailing_zeros() as usize;
-            frame[at] = (next - at) as u8;
-            at = next;
-            to_come &= to_come.wrapping_sub(1);
-        }
-    }
+fn has_zero(word: u64) -> bool {
+    word.wrapping_sub(ONES) & !word & HIGHS != 0
 }
 
-/// Bit `n` is set if byte `n` of the word is zero.
+/// Bit `n` is set unless byte `n` of the word is zero.
 #[inline(always)]
-fn zeros_of(word: u64) -> u8 {
-    const LOW_BITS: u64 = u64::from_ne_bytes([0x7f; WORD]);
+fn others_in(word: u64) -> usize {
+    const LOW_BITS: u64 = !HIGHS;
     // The highest bit of each byte, set unless all eight are zero; no sum carries into the next byte.
-    let others = ((word & LOW_BITS) + LOW_BITS) | word | LOW_BITS;
-    // Its complement, gathered in the highest byte.
-    ((!others >> 7).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u8
+    let others = (((word & LOW_BITS) + LOW_BITS) | word) & HIGHS;
+    // Gathered in the highest byte.
+    (others.wrapping_mul(0x0002_0408_1020_4081) >> 56) as usize
 }
 
-/// For each set of bytes in a word, by their bits, a mask that clears them.
+/// The distances in a word.
+#[derive(Clone, Copy)]
+struct Chain {
+    /// In each byte that is zero, the distance to the next; in the last of them, to the end of the word.
+    distances: u64,
+    /// 1 in the last byte that is zero: times the bytes from the end of the word to the next zero, this is missing there.
+    last: u64,
+}
+
+/// The distances for each set of bytes that are not zero.
+static CHAINS: [Chain; 256] = {
+    let mut chains = [Chain { distances: 0, last: 0 }; 256];
+    let mut others = 0;
+    while others < chains.len() {
+        let (mut byte, mut next) = (WORD, WORD);
+        while byte > 0 {
+            byte -= 1;
+            if others >> byte & 1 == 0 {
+                let one = 1 << (8 * byte);
+                chains[others].distances |= (next - byte) as u64 * one;
+                if next == WORD {
+                    chains[others].last = one;
+                }
+                next = byte;
+            }
+        }
+        others += 1;
+    }
+    chains
+};
+
+/// For each set of bytes, a mask that clears them.
 static KEPT: [u64; 256] = {
     let mut masks = [u64::MAX; 256];
     let mut set = 0;
@@ -156,6 +198,7 @@ mod tests {
     use std::vec::Vec;
 
     use super::*;
+    use crate::cobs;
     use crate::counts::EncoderCounts;
     use crate::message::{DriveMessage, EncoderSample, HostMessage, Message, TorqueAnswer};
     use crate::vocabulary::{State, TorqueFlags, TorqueStatus};
@@ -213,11 +256,11 @@ mod tests {
     #[test]
     fn wherever_zeros_are_the_frame_is_that_of_the_long_way() {
         for sample in samples() {
-            assert_eq!(sample.frame()[..], sample.frame_of_any_kind()[..], "{sample:?}");
+            assert_eq!(sample.frame()[..], *sample.write_frame_of_any_kind(&mut [0x55; MAX_FRAME]), "{sample:?}");
             comes_back(&sample);
         }
         for torque in torques() {
-            assert_eq!(torque.frame()[..], torque.frame_of_any_kind()[..], "{torque:?}");
+            assert_eq!(torque.frame()[..], *torque.write_frame_of_any_kind(&mut [0x55; MAX_FRAME]), "{torque:?}");
             comes_back(&torque);
         }
     }
