@@ -33,12 +33,17 @@ const fn tail_len<P: Payload>() -> usize {
     len
 }
 
+/// Bits before the CRC.
+const fn fields_bits<P: Payload>() -> usize {
+    8 * (P::LAYOUT.body_len - 1)
+}
+
 /// Writes the frame of a message to the beginning of `room`.
 #[inline(always)]
 pub(crate) fn write<'room, P: Payload>(payload: &P, room: &'room mut [u8; MAX_FRAME]) -> &'room [u8] {
     let len = const { tail_len::<P>() };
     let fields = fields(payload);
-    let tail = fields | u128::from(checksum::<P>(fields)) << (8 * (P::LAYOUT.body_len - 1));
+    let tail = fields | u128::from(checksum::<P>(fields)) << fields_bits::<P>();
     let words = [tail as u64, (tail >> u64::BITS) as u64];
 
     // Behind the tail there are zeros, so there is one where the delimiter will be.
@@ -67,18 +72,17 @@ pub(crate) fn split_off<P: Payload>(input: &[u8]) -> Option<(P, &[u8])> {
     }
     // The last word begins within the first.
     let [low, last] = [*stuffed[FIELDS..].first_chunk()?, *stuffed.last_chunk()?].map(u64::from_le_bytes);
-    if has_zero(low) || has_zero(last) {
+    if zeros_in(low) | zeros_in(last) != 0 {
         return None;
     }
     let links = chain(frame)? >> FIELDS;
     let low = low & KEPT[links & 0xff];
     let high = last >> (8 * (TAIL - len)) & KEPT[links >> WORD & 0xff];
-    let plain = plain::<P>(u128::from(high) << u64::BITS | u128::from(low));
-    let (body, found) = plain.split_at(P::LAYOUT.body_len);
-    if !found.starts_with(&crc::checksum(body).to_le_bytes()) {
+    let tail = u128::from(high) << u64::BITS | u128::from(low);
+    if checksum::<P>(tail) != (tail >> fields_bits::<P>()) as u32 {
         return None;
     }
-    Some((P::get(body).ok()?, rest))
+    Some((P::get(&plain::<P>(tail)[..P::LAYOUT.body_len]).ok()?, rest))
 }
 
 /// The fields as one number, the first in its lowest bytes.
@@ -107,8 +111,8 @@ fn plain<P: Payload>(tail: u128) -> [u8; 1 + TAIL] {
 
 /// The CRC over kind and fields.
 #[inline(always)]
-fn checksum<P: Payload>(fields: u128) -> u32 {
-    crc::checksum(&plain::<P>(fields)[..P::LAYOUT.body_len])
+fn checksum<P: Payload>(tail: u128) -> u32 {
+    crc::checksum(&plain::<P>(tail)[..P::LAYOUT.body_len])
 }
 
 /// The chain of distances in `frame`, whose last byte is the delimiter and the only zero: bit `n` is set if byte `n` is a
@@ -129,10 +133,10 @@ fn chain(frame: &[u8]) -> Option<usize> {
     (at == end).then_some(links)
 }
 
-/// Whether a byte of the word is zero.
+/// The highest bit of each byte that is zero, and of none before the first of them.
 #[inline(always)]
-fn has_zero(word: u64) -> bool {
-    word.wrapping_sub(ONES) & !word & HIGHS != 0
+fn zeros_in(word: u64) -> u64 {
+    word.wrapping_sub(ONES) & !word & HIGHS
 }
 
 /// Bit `n` is set unless byte `n` of the word is zero.
