@@ -15,6 +15,7 @@ const TORQUE: usize = 10;
 const CRC: usize = 4;
 
 /// The lowest `N` bytes of a field, `at` so many bytes behind the kind.
+#[inline(always)]
 fn field<const N: usize>(bytes: [u8; N], at: usize) -> u128 {
     let mut word = [0; size_of::<u128>()];
     word[..N].copy_from_slice(&bytes);
@@ -22,6 +23,7 @@ fn field<const N: usize>(bytes: [u8; N], at: usize) -> u128 {
 }
 
 /// By value: what is written field by field and read word by word waits for its own bytes.
+#[inline(always)]
 fn close<const BODY: usize, const ALL: usize>(kind: u8, fields: u128) -> [u8; ALL] {
     let bytes = |word: u128| {
         let mut bytes = [kind; 1 + size_of::<u128>()];
@@ -32,6 +34,7 @@ fn close<const BODY: usize, const ALL: usize>(kind: u8, fields: u128) -> [u8; AL
     *bytes(fields | field(crc.to_le_bytes(), BODY - 1)).first_chunk().expect("all of it")
 }
 
+#[inline(always)]
 fn open<const BODY: usize>(frame: &[u8]) -> &[u8; BODY] {
     let (body, crc) = frame.split_first_chunk().expect("there is a body");
     assert!(checksum(body).to_le_bytes() == crc, "the CRC");
@@ -48,6 +51,7 @@ fn counts(body: &[u8; SAMPLE], at: usize) -> i32 {
 }
 
 impl Codec<Sample> for Floor {
+    #[inline(always)]
     fn encode(&mut self, value: &Sample, send: impl FnOnce(&[u8])) {
         let fields = field(value.sequence.to_le_bytes(), 0)
             | field(low_three(value.motor_counts), 2)
@@ -56,6 +60,7 @@ impl Codec<Sample> for Floor {
         send(&close::<SAMPLE, { SAMPLE + CRC }>(0x10, fields));
     }
 
+    #[inline(always)]
     fn decode(&mut self, frame: &[u8]) -> Sample {
         let body: &[u8; SAMPLE] = open(frame);
         Sample {
@@ -68,6 +73,7 @@ impl Codec<Sample> for Floor {
 }
 
 impl Codec<Torque> for Floor {
+    #[inline(always)]
     fn encode(&mut self, value: &Torque, send: impl FnOnce(&[u8])) {
         let fields = field(value.sequence.to_le_bytes(), 0)
             | field(value.torque_nm.to_le_bytes(), 2)
@@ -76,6 +82,7 @@ impl Codec<Torque> for Floor {
         send(&close::<TORQUE, { TORQUE + CRC }>(0x90, fields));
     }
 
+    #[inline(always)]
     fn decode(&mut self, frame: &[u8]) -> Torque {
         let b: &[u8; TORQUE] = open(frame);
         Torque {

@@ -19,6 +19,7 @@ impl Default for Ours {
 }
 
 impl Codec<Sample> for Ours {
+    #[inline(always)]
     fn encode(&mut self, value: &Sample, send: impl FnOnce(&[u8])) {
         let Sample { sequence, motor_counts, load_counts, reference_rad } = *value;
         let [motor_counts, load_counts] =
@@ -27,6 +28,7 @@ impl Codec<Sample> for Ours {
         send(HostMessage::from(sample).write_frame(&mut self.outbox));
     }
 
+    #[inline(always)]
     fn decode(&mut self, mut frame: &[u8]) -> Sample {
         let Some(Ok(HostMessage::EncoderSample(sample))) = self.decoder.next(&mut frame) else {
             panic!("no sample")
@@ -38,6 +40,7 @@ impl Codec<Sample> for Ours {
 }
 
 impl Codec<Torque> for Ours {
+    #[inline(always)]
     fn encode(&mut self, value: &Torque, send: impl FnOnce(&[u8])) {
         let Torque { sequence, torque_nm, state, flags, compute_tenths_us } = *value;
         let status = TorqueStatus::from_byte(state | flags).expect("a status");
@@ -45,6 +48,7 @@ impl Codec<Torque> for Ours {
         send(DriveMessage::from(answer).write_frame(&mut self.outbox));
     }
 
+    #[inline(always)]
     fn decode(&mut self, mut frame: &[u8]) -> Torque {
         let Some(Ok(DriveMessage::TorqueAnswer(answer))) = self.decoder.next(&mut frame) else {
             panic!("no torque")
