@@ -1,20 +1,18 @@
 //! How a PC writes and reads the one message of each direction that is sent in every control period.
 //!
-//! The bytes are those of [`frame::write`] and [`frame::open`], which a microcontroller uses for every message and a PC for
-//! all others. What makes the difference:
+//! The bytes are those of [`crate::frame::write`] and [`crate::frame::open`], which a microcontroller uses for every message
+//! and a PC for all others. What makes the difference:
 //!
-//! - The kind is known, so lengths are constants, nothing loops over bytes, and what is between the kind and the delimiter
-//!   stays in two registers: bytes that are written one by one and read as a word have to wait for each other.
-//! - How many zeros there are and where is beyond any processor's guess, and a wrong guess costs more than all the rest. So
-//!   the distances of a word come out of a table, whatever they are, and as for reading, the chain is followed for a fixed
-//!   number of links.
+//! - The kind is known, so lengths are constants and nothing loops over bytes.
+//! - What lies between kind and delimiter stays in two registers: bytes that are written one by one and read as a word have
+//!   to wait for each other.
+//! - Where zeros are is beyond any processor's guess, and a wrong guess costs more than all the rest. So a writer takes the
+//!   distances of a word out of a table, wherever its zeros are. A reader follows the chain, but asks only from the second
+//!   zero on whether there is one: most messages have none or one, and a missing one does no harm.
 
-use crate::frame::MAX_FRAME;
-use crate::wire::Payload;
 use crate::crc;
-
-/// Links of the chain that are followed without asking whether there are more: as many zeros and one.
-const LINKS_AT_ONCE: usize = 3;
+use crate::frame::{DELIMITER, MAX_FRAME};
+use crate::wire::Payload;
 
 /// Where the fields begin: behind code and kind.
 const FIELDS: usize = 2;
@@ -29,7 +27,7 @@ const HIGHS: u64 = ONES << 7;
 /// Bytes of fields and CRC.
 const fn tail_len<P: Payload>() -> usize {
     let len = P::LAYOUT.body_len - 1 + crc::LEN;
-    assert!(WORD < len && len <= TAIL, "fields and CRC of a periodic message fill more than one word and at most two");
+    assert!(WORD < len && len <= TAIL, "fields and CRC of a periodic message need two words");
     len
 }
 
@@ -44,18 +42,21 @@ pub(crate) fn write<'room, P: Payload>(payload: &P, room: &'room mut [u8; MAX_FR
     let len = const { tail_len::<P>() };
     let fields = fields(payload);
     let tail = fields | u128::from(checksum::<P>(fields)) << fields_bits::<P>();
-    let words = [tail as u64, (tail >> u64::BITS) as u64];
+    let [low, high] = [tail as u64, (tail >> u64::BITS) as u64];
 
-    // Behind the tail there are zeros, so there is one where the delimiter will be.
-    let others = words.map(others_in);
-    let [low, high] = others.map(|others| &CHAINS[others]);
+    // What is behind the tail counts as zero, so the last distances lead to the delimiter.
+    let others = [low, high].map(others_in);
+    let [low_chain, high_chain] = others.map(|others| &CHAINS[others]);
     let first = (!(others[0] | others[1] << WORD)).trailing_zeros() as usize;
-    let first_high = u64::from((!others[1]).trailing_zeros());
+    let first_of_high = u64::from((!others[1]).trailing_zeros());
+    let low = low | (low_chain.distances + low_chain.last * first_of_high);
+    let high = high | high_chain.distances;
+
     room[0] = (FIELDS + first) as u8;
     room[1] = P::LAYOUT.kind;
-    room[FIELDS..][..WORD].copy_from_slice(&(words[0] | low.distances + low.last * first_high).to_le_bytes());
-    room[FIELDS + WORD..][..WORD].copy_from_slice(&(words[1] | high.distances).to_le_bytes());
-    room[FIELDS + len] = 0;
+    room[FIELDS..][..WORD].copy_from_slice(&low.to_le_bytes());
+    room[FIELDS + WORD..][..WORD].copy_from_slice(&high.to_le_bytes());
+    room[FIELDS + len] = DELIMITER;
     &room[..=FIELDS + len]
 }
 
@@ -67,7 +68,7 @@ pub(crate) fn split_off<P: Payload>(input: &[u8]) -> Option<(P, &[u8])> {
     let (frame, rest) = input.split_at_checked(FIELDS + len + 1)?;
     let (&delimiter, stuffed) = frame.split_last()?;
     // With a first distance of 1 the kind byte is a link: it looks right but stands for a zero.
-    if stuffed[0] <= 1 || stuffed[1] != P::LAYOUT.kind || delimiter != 0 {
+    if stuffed[0] <= 1 || stuffed[1] != P::LAYOUT.kind || delimiter != DELIMITER {
         return None;
     }
     // The last word begins within the first.
@@ -118,19 +119,20 @@ fn checksum<P: Payload>(tail: u128) -> u32 {
 /// The chain of distances in `frame`, whose last byte is the delimiter and the only zero: bit `n` is set if byte `n` is a
 /// link. `None` if the chain doesn't end at the delimiter.
 ///
-/// There it stays, at a distance of zero, which is why it may be followed too far.
+/// Whether there is a first zero is not asked but taken as given. If there is none, the delimiter is the link: a distance
+/// of zero, and so still the end.
 #[inline(always)]
 fn chain(frame: &[u8]) -> Option<usize> {
     let end = frame.len() - 1;
-    let (mut at, mut links) = (0, 0);
-    while at < end {
-        for _ in 0..LINKS_AT_ONCE {
-            let distance = *frame.get(at)?;
-            links |= 1 << at;
-            at += usize::from(distance);
+    let (mut at, mut links) = (usize::from(frame[0]), 1);
+    loop {
+        let distance = usize::from(*frame.get(at)?);
+        links |= 1 << at;
+        at += distance;
+        if at >= end {
+            return (at == end).then_some(links);
         }
     }
-    (at == end).then_some(links)
 }
 
 /// The highest bit of each byte that is zero, and of none before the first of them.
@@ -154,7 +156,7 @@ fn others_in(word: u64) -> usize {
 struct Chain {
     /// In each byte that is zero, the distance to the next; in the last of them, to the end of the word.
     distances: u64,
-    /// 1 in the last byte that is zero: times the bytes from the end of the word to the next zero, this is missing there.
+    /// 1 in the last byte that is zero: there the way from the end of the word to the next zero is still to be added.
     last: u64,
 }
 
@@ -257,14 +259,20 @@ mod tests {
         assert_eq!(read_the_long_way::<M>(&line), want);
     }
 
+    /// Written into a room that is not empty, which the sender of a frame need not clear.
+    fn is_written_as_by_the_long_way(message: &(impl Message + std::fmt::Debug), long_way: &[u8]) {
+        assert_eq!(message.write_frame(&mut [0x55; MAX_FRAME]), long_way, "{message:?}");
+        assert_eq!(message.frame()[..], *long_way, "{message:?}");
+    }
+
     #[test]
     fn wherever_zeros_are_the_frame_is_that_of_the_long_way() {
         for sample in samples() {
-            assert_eq!(sample.frame()[..], *sample.write_frame_of_any_kind(&mut [0x55; MAX_FRAME]), "{sample:?}");
+            is_written_as_by_the_long_way(&sample, sample.write_frame_of_any_kind(&mut [0x55; MAX_FRAME]));
             comes_back(&sample);
         }
         for torque in torques() {
-            assert_eq!(torque.frame()[..], *torque.write_frame_of_any_kind(&mut [0x55; MAX_FRAME]), "{torque:?}");
+            is_written_as_by_the_long_way(&torque, torque.write_frame_of_any_kind(&mut [0x55; MAX_FRAME]));
             comes_back(&torque);
         }
     }
