@@ -10,19 +10,18 @@
 //!   distances of a word out of a table, wherever its zeros are. A reader follows the chain, but asks only from the second
 //!   zero on whether there is one: most messages have none or one, and a missing one does no harm.
 
+mod words;
+
+use words::WORD;
+
 use crate::crc;
 use crate::frame::{DELIMITER, MAX_FRAME};
 use crate::wire::Payload;
 
 /// Where the fields begin: behind code and kind.
 const FIELDS: usize = 2;
-/// Bytes in a word.
-const WORD: usize = size_of::<u64>();
 /// Bytes behind the kind that are held in two words.
 const TAIL: usize = size_of::<u128>();
-/// The lowest bit of every byte, and the highest.
-const ONES: u64 = u64::from_ne_bytes([0x01; WORD]);
-const HIGHS: u64 = ONES << 7;
 
 /// Bytes of fields and CRC.
 const fn tail_len<P: Payload>() -> usize {
@@ -42,15 +41,7 @@ pub(crate) fn write<'room, P: Payload>(payload: &P, room: &'room mut [u8; MAX_FR
     let len = const { tail_len::<P>() };
     let fields = fields(payload);
     let tail = fields | u128::from(checksum::<P>(fields)) << fields_bits::<P>();
-    let [low, high] = [tail as u64, (tail >> u64::BITS) as u64];
-
-    // What is behind the tail counts as zero, so the last distances lead to the delimiter.
-    let others = [low, high].map(others_in);
-    let [low_chain, high_chain] = others.map(|others| &CHAINS[others]);
-    let first = (!(others[0] | others[1] << WORD)).trailing_zeros() as usize;
-    let first_of_high = u64::from((!others[1]).trailing_zeros());
-    let low = low | (low_chain.distances + low_chain.last * first_of_high);
-    let high = high | high_chain.distances;
+    let (first, [low, high]) = words::with_distances([tail as u64, (tail >> u64::BITS) as u64]);
 
     room[0] = (FIELDS + first) as u8;
     room[1] = P::LAYOUT.kind;
@@ -73,12 +64,11 @@ pub(crate) fn split_off<P: Payload>(input: &[u8]) -> Option<(P, &[u8])> {
     }
     // The last word begins within the first.
     let [low, last] = [*stuffed[FIELDS..].first_chunk()?, *stuffed.last_chunk()?].map(u64::from_le_bytes);
-    if zeros_in(low) | zeros_in(last) != 0 {
+    if words::has_zero([low, last]) {
         return None;
     }
     let links = chain(frame)? >> FIELDS;
-    let low = low & KEPT[links & 0xff];
-    let high = last >> (8 * (TAIL - len)) & KEPT[links >> WORD & 0xff];
+    let [low, high] = words::without([low, last >> (8 * (TAIL - len))], links);
     let tail = u128::from(high) << u64::BITS | u128::from(low);
     if checksum::<P>(tail) != (tail >> fields_bits::<P>()) as u32 {
         return None;
@@ -134,70 +124,6 @@ fn chain(frame: &[u8]) -> Option<usize> {
         }
     }
 }
-
-/// The highest bit of each byte that is zero, and of none before the first of them.
-#[inline(always)]
-fn zeros_in(word: u64) -> u64 {
-    word.wrapping_sub(ONES) & !word & HIGHS
-}
-
-/// Bit `n` is set unless byte `n` of the word is zero.
-#[inline(always)]
-fn others_in(word: u64) -> usize {
-    const LOW_BITS: u64 = !HIGHS;
-    // The highest bit of each byte, set unless all eight are zero; no sum carries into the next byte.
-    let others = (((word & LOW_BITS) + LOW_BITS) | word) & HIGHS;
-    // Gathered in the highest byte.
-    (others.wrapping_mul(0x0002_0408_1020_4081) >> 56) as usize
-}
-
-/// The distances in a word.
-#[derive(Clone, Copy)]
-struct Chain {
-    /// In each byte that is zero, the distance to the next; in the last of them, to the end of the word.
-    distances: u64,
-    /// 1 in the last byte that is zero: there the way from the end of the word to the next zero is still to be added.
-    last: u64,
-}
-
-/// The distances for each set of bytes that are not zero.
-static CHAINS: [Chain; 256] = {
-    let mut chains = [Chain { distances: 0, last: 0 }; 256];
-    let mut others = 0;
-    while others < chains.len() {
-        let (mut byte, mut next) = (WORD, WORD);
-        while byte > 0 {
-            byte -= 1;
-            if others >> byte & 1 == 0 {
-                let one = 1 << (8 * byte);
-                chains[others].distances |= (next - byte) as u64 * one;
-                if next == WORD {
-                    chains[others].last = one;
-                }
-                next = byte;
-            }
-        }
-        others += 1;
-    }
-    chains
-};
-
-/// For each set of bytes, a mask that clears them.
-static KEPT: [u64; 256] = {
-    let mut masks = [u64::MAX; 256];
-    let mut set = 0;
-    while set < masks.len() {
-        let mut byte = 0;
-        while byte < WORD {
-            if set >> byte & 1 == 1 {
-                masks[set] &= !(0xff << (8 * byte));
-            }
-            byte += 1;
-        }
-        set += 1;
-    }
-    masks
-};
 
 #[cfg(test)]
 mod tests {
