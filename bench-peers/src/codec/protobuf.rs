@@ -108,6 +108,9 @@ impl<const CRC: bool> Protobuf<CRC> {
 }
 
 impl<const CRC: bool> Codec<Sample> for Protobuf<CRC> {
+    const CHECKED: bool = CRC;
+
+    #[inline(always)]
     fn encode(&mut self, value: &Sample, send: impl FnOnce(&[u8])) {
         let Sample { sequence, motor_counts, load_counts, reference_rad } = *value;
         let sequence = sequence.into();
@@ -123,6 +126,9 @@ impl<const CRC: bool> Codec<Sample> for Protobuf<CRC> {
 }
 
 impl<const CRC: bool> Codec<Torque> for Protobuf<CRC> {
+    const CHECKED: bool = CRC;
+
+    #[inline(always)]
     fn encode(&mut self, value: &Torque, send: impl FnOnce(&[u8])) {
         let torque = TorqueMessage {
             sequence: value.sequence.into(),
