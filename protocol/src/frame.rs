@@ -47,7 +47,7 @@ impl Deref for Frame {
 
 /// Writes the frame of a message to the beginning of `room` and gives that part of it.
 ///
-/// What `room` holds doesn't matter.
+/// What `room` holds before doesn't matter.
 #[inline]
 pub fn write<'room, P: Payload>(payload: &P, room: &'room mut [u8; MAX_FRAME]) -> &'room [u8] {
     payload.put(&mut room[1..=P::LAYOUT.body_len]);

@@ -55,7 +55,8 @@ pub trait Message: Sized {
     /// The layout of this message.
     fn layout(&self) -> &'static MessageLayout;
 
-    /// Writes the whole frame to the beginning of `room` and gives that part of it, ready to be sent.
+    /// Writes the whole frame to the beginning of `room` and gives that part of it, ready to be sent. What `room` holds
+    /// before doesn't matter, and what is behind the frame is of no use.
     fn write_frame<'room>(&self, room: &'room mut [u8; MAX_FRAME]) -> &'room [u8];
 
     /// The whole frame as a value. Where it is sent at once, [`Message::write_frame`] saves a copy.

@@ -8,7 +8,7 @@
 //!   to wait for each other.
 //! - Where zeros are is beyond any processor's guess, and a wrong guess costs more than all the rest. So a writer takes the
 //!   distances of a word out of a table, wherever its zeros are. A reader follows the chain, but asks only from the second
-//!   zero on whether there is one: most messages have none or one, and a missing one does no harm.
+//!   zero on whether there is one.
 
 mod words;
 
@@ -107,14 +107,14 @@ fn checksum<P: Payload>(tail: u128) -> u32 {
 }
 
 /// The chain of distances in `frame`, whose last byte is the delimiter and the only zero: bit `n` is set if byte `n` is a
-/// link. `None` if the chain doesn't end at the delimiter.
+/// link, but for the code byte, which always is. `None` if the chain doesn't end at the delimiter.
 ///
 /// Whether there is a first zero is not asked but taken as given. If there is none, the delimiter is the link: a distance
 /// of zero, and so still the end.
 #[inline(always)]
 fn chain(frame: &[u8]) -> Option<usize> {
     let end = frame.len() - 1;
-    let (mut at, mut links) = (usize::from(frame[0]), 1);
+    let (mut at, mut links) = (usize::from(frame[0]), 0);
     loop {
         let distance = usize::from(*frame.get(at)?);
         links |= 1 << at;
@@ -239,7 +239,7 @@ mod tests {
         for message in samples().step_by(251) {
             let good = message.frame();
             let end = good.len() - 1;
-            let links = chain(&good).expect("a chain");
+            let links = chain(&good).expect("a chain") | 1;
             for at in (FIELDS..end).filter(|at| links >> at & 1 == 1) {
                 // The link before jumps over this one. The body would be the same, and the CRC right.
                 let before = (0..at).rfind(|before| links >> before & 1 == 1).expect("the code byte");
