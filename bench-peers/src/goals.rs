@@ -26,10 +26,13 @@ pub fn table(figures: &[Figures], streams: &[stream::Figures]) {
     }
 }
 
+/// One of the figures.
+type Of<T> = fn(&T) -> f64;
+
 fn goals(figures: &[Figures], streams: &[stream::Figures]) -> Vec<Goal> {
     let [ours, floor, postcard, others @ ..] = figures else { panic!("three sides at least") };
     let mut goals = Vec::new();
-    let tasks: [(&str, fn(&Figures) -> f64, f64); 4] = [
+    let tasks: [(&str, Of<Figures>, f64); 4] = [
         ("sample, encode", |side| side.sample.encode_ns, 2.5),
         ("sample, decode", |side| side.sample.decode_ns, 3.0),
         ("torque, encode", |side| side.torque.encode_ns, 2.5),
@@ -46,7 +49,7 @@ fn goals(figures: &[Figures], streams: &[stream::Figures]) -> Vec<Goal> {
         goals.push(Goal::at_most(format!("{task}: ours over the floor"), 2.2, time(ours) / time(floor)));
     }
     let peers = || others.iter().chain([postcard]);
-    let bytes: [(&str, fn(&Cost) -> f64); 2] =
+    let bytes: [(&str, Of<Cost>); 2] =
         [("on average", |cost| cost.bytes.mean), ("at most", |cost| cost.bytes.longest as f64)];
     for (which, len) in bytes {
         let cycle = |side: &Figures| len(&side.sample) + len(&side.torque);

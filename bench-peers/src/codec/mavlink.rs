@@ -55,7 +55,6 @@ impl Codec<Sample> for Mavlink {
             pressure_alt: 488.1,
             temperature: 20.5,
             fields_updated: HilSensorUpdatedFlags::all(),
-            ..Default::default()
         };
         self.send(value.sequence, &MavMessage::HIL_SENSOR(data), send);
     }
