@@ -1,5 +1,6 @@
 //! What bench and drive tell each other in a control cycle, as plain values, and a run's worth of them.
 
+use lashloop_protocol::EncoderCounts;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
@@ -8,7 +9,8 @@ pub const COUNT: usize = 4096;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    pub sequence: u32,
+    pub sequence: u16,
+    /// 24 bits with their sign, as of the load.
     pub motor_counts: i32,
     pub load_counts: i32,
     pub reference_rad: f32,
@@ -16,11 +18,11 @@ pub struct Sample {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Torque {
-    pub sequence: u32,
+    pub sequence: u16,
     pub torque_nm: f32,
     /// 1 to 5.
     pub state: u8,
-    /// Three bits.
+    /// Three bits: 0x10, 0x20 and 0x40.
     pub flags: u8,
     pub compute_tenths_us: u16,
 }
@@ -28,7 +30,7 @@ pub struct Torque {
 /// Four seconds of a run from its middle: sequences in order, counts and numbers as they come.
 pub fn samples() -> Vec<Sample> {
     let mut random = Pcg64Mcg::seed_from_u64(1);
-    (0..COUNT as u32)
+    (0..COUNT as u16)
         .map(|k| Sample {
             sequence: 10_000 + k,
             motor_counts: random.next_u32().cast_signed() >> 13,
@@ -41,23 +43,26 @@ pub fn samples() -> Vec<Sample> {
 /// The answers.
 pub fn torques() -> Vec<Torque> {
     let mut random = Pcg64Mcg::seed_from_u64(2);
-    (0..COUNT as u32)
+    (0..COUNT as u16)
         .map(|k| Torque {
             sequence: 10_000 + k,
             torque_nm: random.next_u32().cast_signed() as f32 / 2_f32.powi(27),
             state: 4,
-            flags: u8::from(random.next_u32().is_multiple_of(8)),
+            flags: u8::from(random.next_u32().is_multiple_of(8)) << 4,
             compute_tenths_us: (random.next_u32() % 400) as u16,
         })
         .collect()
 }
 
+/// Of the 24 bits that a message of ours can carry.
+const EXTREME_COUNTS: [i32; 4] = [0, -1, EncoderCounts::MIN.get(), EncoderCounts::MAX.get()];
+
 /// Every sample of the values at which encodings are longest or shortest.
 pub fn extreme_samples() -> Vec<Sample> {
     let mut samples = Vec::new();
-    for sequence in [0, u32::MAX] {
-        for motor_counts in [0, -1, i32::MIN, i32::MAX] {
-            for load_counts in [0, -1, i32::MIN, i32::MAX] {
+    for sequence in [0, u16::MAX] {
+        for motor_counts in EXTREME_COUNTS {
+            for load_counts in EXTREME_COUNTS {
                 for reference_rad in [0.0, f32::MIN, f32::MIN_POSITIVE, std::f32::consts::PI] {
                     samples.push(Sample { sequence, motor_counts, load_counts, reference_rad });
                 }
@@ -70,9 +75,9 @@ pub fn extreme_samples() -> Vec<Sample> {
 /// The same for torques.
 pub fn extreme_torques() -> Vec<Torque> {
     let mut torques = Vec::new();
-    for sequence in [0, u32::MAX] {
+    for sequence in [0, u16::MAX] {
         for torque_nm in [0.0, f32::MIN, f32::MIN_POSITIVE, std::f32::consts::PI] {
-            for flags in [0, 7] {
+            for flags in [0, 0x70] {
                 for compute_tenths_us in [0, u16::MAX] {
                     torques.push(Torque { sequence, torque_nm, state: 5, flags, compute_tenths_us });
                 }

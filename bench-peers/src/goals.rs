@@ -26,10 +26,13 @@ pub fn table(figures: &[Figures], streams: &[stream::Figures]) {
     }
 }
 
+/// One of the figures.
+type Of<T> = fn(&T) -> f64;
+
 fn goals(figures: &[Figures], streams: &[stream::Figures]) -> Vec<Goal> {
     let [ours, floor, postcard, others @ ..] = figures else { panic!("three sides at least") };
     let mut goals = Vec::new();
-    let tasks: [(&str, fn(&Figures) -> f64, f64); 4] = [
+    let tasks: [(&str, Of<Figures>, f64); 4] = [
         ("sample, encode", |side| side.sample.encode_ns, 2.5),
         ("sample, decode", |side| side.sample.decode_ns, 3.0),
         ("torque, encode", |side| side.torque.encode_ns, 2.5),
@@ -46,19 +49,24 @@ fn goals(figures: &[Figures], streams: &[stream::Figures]) -> Vec<Goal> {
         goals.push(Goal::at_most(format!("{task}: ours over the floor"), 2.2, time(ours) / time(floor)));
     }
     let peers = || others.iter().chain([postcard]);
-    let bytes: [(&str, fn(&Cost) -> f64); 2] =
+    let bytes: [(&str, Of<Cost>); 2] =
         [("on average", |cost| cost.bytes.mean), ("at most", |cost| cost.bytes.longest as f64)];
     for (which, len) in bytes {
         let cycle = |side: &Figures| len(&side.sample) + len(&side.torque);
         let shortest = peers().map(cycle).fold(f64::INFINITY, f64::min);
-        goals.push(Goal::at_least(
-            format!("bytes per cycle {which}: shortest other over ours"),
-            1.0,
-            shortest / cycle(ours),
-        ));
+        let shortest_checked = peers().filter(|side| side.checked).map(cycle).fold(f64::INFINITY, f64::min);
+        for (other, shortest) in [("other", shortest), ("other with a check", shortest_checked)] {
+            goals.push(Goal::at_least(
+                format!("bytes per cycle {which}: shortest {other} over ours"),
+                1.0,
+                shortest / cycle(ours),
+            ));
+        }
     }
     let [ours, cobs, tokio, tokio_wide] = streams else { panic!("four streams") };
     goals.push(Goal::at_least("stream, MB/s: ours over cobs".into(), 1.0, ours.mb_s() / cobs.mb_s()));
+    let times = cobs.ns_per_message / ours.ns_per_message;
+    goals.push(Goal::at_least("stream, messages/s: ours over cobs".into(), 1.0, times));
     for (name, tokio) in [("tokio", tokio), ("tokio with 16 tables", tokio_wide)] {
         goals.push(Goal::at_least(
             format!("stream, MB/s: ours over {name}"),

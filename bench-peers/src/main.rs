@@ -1,7 +1,8 @@
 //! The codec beside others: `cargo run --release --manifest-path bench-peers/Cargo.toml`.
 //!
 //! All sides run in one process, in turn, round after round; each figure is the median of the rounds, so that what
-//! disturbs the machine disturbs all of them. Values vary from message to message.
+//! disturbs the machine disturbs all of them. Values vary from message to message. What is printed stands in
+//! docs/performance.md as it is.
 
 mod codec;
 mod cycle;
@@ -14,7 +15,7 @@ use measure::{Figures, Side, measure};
 
 fn main() {
     let (samples, torques) = (cycle::samples(), cycle::torques());
-    println!("load before: {}", load::word());
+    let load_before = load::word();
     let mut sides: Vec<Box<dyn Side>> = vec![
         <dyn Side>::of::<codec::ours::Ours>("lashloop", &samples, &torques),
         <dyn Side>::of::<codec::floor::Floor>("floor: copy and CRC-32C", &samples, &torques),
@@ -34,7 +35,7 @@ fn main() {
     stream::table(&streams);
     println!();
     goals::table(&figures, &streams);
-    println!("load after: {}", load::word());
+    println!("\nLoad of the machine in this run: {load_before} before it, {} after.", load::word());
 }
 
 fn table(figures: &[Figures]) {
@@ -42,7 +43,7 @@ fn table(figures: &[Figures]) {
         "| codec | sample: encode ns | decode ns | bytes | torque: encode ns | decode ns | bytes | bytes per cycle | at most |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
-    for Figures { name, sample, torque } in figures {
+    for Figures { name, sample, torque, .. } in figures {
         println!(
             "| {name} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {} |",
             sample.encode_ns,

@@ -26,6 +26,7 @@ pub struct Length {
 
 pub struct Figures {
     pub name: &'static str,
+    pub checked: bool,
     pub sample: Cost,
     pub torque: Cost,
 }
@@ -36,6 +37,9 @@ const TASKS: usize = 4;
 /// A codec with values to encode and frames to decode.
 pub trait Side {
     fn name(&self) -> &'static str;
+
+    /// Whether it finds damage.
+    fn checked(&self) -> bool;
 
     /// Lengths of the frames of a sample and of a torque.
     fn bytes(&self) -> [Length; 2];
@@ -66,6 +70,10 @@ struct Bench<C> {
 impl<C: Codec<Sample> + Codec<Torque>> Side for Bench<C> {
     fn name(&self) -> &'static str {
         self.name
+    }
+
+    fn checked(&self) -> bool {
+        <C as Codec<Sample>>::CHECKED && <C as Codec<Torque>>::CHECKED
     }
 
     fn bytes(&self) -> [Length; 2] {
@@ -134,7 +142,7 @@ impl<V: Copy + PartialEq + std::fmt::Debug> Work<V> {
     fn decode(&self, codec: &mut impl Codec<V>) -> f64 {
         let started = Instant::now();
         for frame in self.frames() {
-            black_box(codec.decode(black_box(frame)));
+            black_box(&codec.decode(black_box(frame)));
         }
         started.elapsed().as_nanos() as f64 / COUNT as f64
     }
@@ -158,6 +166,7 @@ pub fn measure(sides: &mut [Box<dyn Side>]) -> Vec<Figures> {
             let [sample, torque] = side.bytes();
             Figures {
                 name: side.name(),
+                checked: side.checked(),
                 sample: Cost { encode_ns: se, decode_ns: sd, bytes: sample },
                 torque: Cost { encode_ns: te, decode_ns: td, bytes: torque },
             }

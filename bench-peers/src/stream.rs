@@ -8,7 +8,7 @@ use bytes::{Buf, BytesMut};
 use cobs::CobsDecoder;
 use crc::{CRC_16_MCRF4XX, Crc, Table};
 use lashloop_protocol::message::EncoderSample;
-use lashloop_protocol::{Decoder, HostMessage, Message};
+use lashloop_protocol::{Decoder, EncoderCounts, HostMessage, Message};
 use tokio_util::codec::Decoder as _;
 
 use crate::codec::{CRC_32, Codec, ours::Ours};
@@ -111,7 +111,8 @@ fn read_cobs(stream: &[u8]) -> usize {
 const MAGIC: u8 = 0xfd;
 /// Magic, length, flags, flags, sequence, system, component, three bytes of message.
 const HEADER: usize = 10;
-const PAYLOAD: usize = 16;
+/// The fields in the types that there are: a count takes four bytes.
+const PAYLOAD: usize = 14;
 const CRC_LEN: usize = 2;
 
 /// As users write it.
@@ -158,9 +159,9 @@ impl<C: Fn(&[u8]) -> u16> tokio_util::codec::Decoder for MavlinkLike<C> {
             let mut frame = src.split_to(end + CRC_LEN);
             frame.advance(HEADER);
             return Ok(Some(EncoderSample {
-                sequence: frame.get_u32_le(),
-                motor_counts: frame.get_i32_le(),
-                load_counts: frame.get_i32_le(),
+                sequence: frame.get_u16_le(),
+                motor_counts: EncoderCounts::wrapping(frame.get_i32_le().into()),
+                load_counts: EncoderCounts::wrapping(frame.get_i32_le().into()),
                 reference_rad: frame.get_f32_le(),
             }));
         }

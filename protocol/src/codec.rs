@@ -6,7 +6,7 @@ use std::io;
 use bytes::{Buf, BytesMut};
 
 use crate::decoder::{Counters, Decoder};
-use crate::frame::FrameError;
+use crate::frame::{FrameError, MAX_FRAME};
 use crate::message::Message;
 
 /// Reads messages of type `In` and writes messages of type `Out`.
@@ -56,7 +56,7 @@ impl<In, Out: Message> tokio_util::codec::Encoder<Out> for Codec<In, Out> {
     type Error = io::Error;
 
     fn encode(&mut self, message: Out, dst: &mut BytesMut) -> io::Result<()> {
-        dst.extend_from_slice(&message.frame());
+        dst.extend_from_slice(message.write_frame(&mut [0; MAX_FRAME]));
         Ok(())
     }
 }

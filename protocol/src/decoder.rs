@@ -94,22 +94,22 @@ impl Decoder {
             self.counters.messages = self.counters.messages.saturating_add(1);
             return Some(Ok(message));
         }
-        self.next_of_any_kind(input)
+        self.next_of_any_kind(input).transpose()
     }
 
     #[cfg_attr(feature = "wide-crc-tables", inline(never))]
-    fn next_of_any_kind<M: Message>(&mut self, input: &mut &[u8]) -> Option<Result<M, FrameError>> {
+    fn next_of_any_kind<M: Message>(&mut self, input: &mut &[u8]) -> Result<Option<M>, FrameError> {
         while let Some(end) = cobs::find_zero(input) {
             let (piece, rest) = (&input[..end], &input[end + 1..]);
             *input = rest;
             self.append(piece);
             if self.pending > 0 {
-                return Some(self.close());
+                return self.close().map(Some);
             }
         }
         self.append(input);
         *input = &[];
-        None
+        Ok(None)
     }
 
     /// Ends the stream.

@@ -26,26 +26,14 @@ impl Frame {
     #[inline]
     #[must_use]
     pub fn of<P: Payload>(payload: &P) -> Self {
-        let mut frame = Self { bytes: [0; MAX_FRAME], len: P::LAYOUT.frame_len() };
-        payload.put(&mut frame.bytes[1..=P::LAYOUT.body_len]);
-        frame.close(P::LAYOUT.body_len);
-        frame
+        Self::written_by(|room| write(payload, room))
     }
 
-    /// Bytes that are a frame up to `len`.
-    #[cfg(feature = "wide-crc-tables")]
     #[inline(always)]
-    pub(crate) const fn from_parts(bytes: [u8; MAX_FRAME], len: usize) -> Self {
+    pub(crate) fn written_by(write: impl FnOnce(&mut [u8; MAX_FRAME]) -> &[u8]) -> Self {
+        let mut bytes = [0; MAX_FRAME];
+        let len = write(&mut bytes).len();
         Self { bytes, len }
-    }
-
-    /// Adds all that is not the body: one piece of code for every kind of message.
-    fn close(&mut self, body_len: usize) {
-        let body_end = 1 + body_len;
-        let crc_end = body_end + crc::LEN;
-        let checksum = crc::checksum(&self.bytes[1..body_end]);
-        self.bytes[body_end..crc_end].copy_from_slice(&checksum.to_le_bytes());
-        cobs::stuff(&mut self.bytes[..crc_end]);
     }
 }
 
@@ -55,6 +43,26 @@ impl Deref for Frame {
     fn deref(&self) -> &[u8] {
         &self.bytes[..self.len]
     }
+}
+
+/// Writes the frame of a message to the beginning of `room` and gives that part of it.
+///
+/// What `room` holds before doesn't matter.
+#[inline]
+pub fn write<'room, P: Payload>(payload: &P, room: &'room mut [u8; MAX_FRAME]) -> &'room [u8] {
+    payload.put(&mut room[1..=P::LAYOUT.body_len]);
+    close(room, P::LAYOUT.body_len);
+    &room[..P::LAYOUT.frame_len()]
+}
+
+/// Adds all that is not the body: one piece of code for every kind of message.
+fn close(room: &mut [u8; MAX_FRAME], body_len: usize) {
+    let body_end = 1 + body_len;
+    let crc_end = body_end + crc::LEN;
+    let checksum = crc::checksum(&room[1..body_end]);
+    room[body_end..crc_end].copy_from_slice(&checksum.to_le_bytes());
+    cobs::stuff(&mut room[..crc_end]);
+    room[crc_end] = DELIMITER;
 }
 
 /// Why the bytes between two delimiters are no message. Nothing of them has been used.

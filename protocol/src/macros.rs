@@ -165,27 +165,25 @@ macro_rules! direction {
                 match self { $(Self::$variant(_) => const { &<$variant as $crate::wire::Payload>::LAYOUT },)+ }
             }
 
-            #[cfg(feature = "wide-crc-tables")]
-            #[inline(always)]
-            fn frame(&self) -> $crate::frame::Frame {
-                match self {
-                    Self::$periodic(payload) => $crate::quick::frame(payload),
-                    _ => self.frame_of_any_kind(),
+            #[cfg_attr(feature = "wide-crc-tables", inline(always))]
+            #[cfg_attr(not(feature = "wide-crc-tables"), inline)]
+            fn write_frame<'room>(&self, room: &'room mut [u8; $crate::MAX_FRAME]) -> &'room [u8] {
+                #[cfg(feature = "wide-crc-tables")]
+                if let Self::$periodic(payload) = self {
+                    return $crate::quick::write(payload, room);
                 }
-            }
-
-            #[cfg(not(feature = "wide-crc-tables"))]
-            #[inline]
-            fn frame(&self) -> $crate::frame::Frame {
-                self.frame_of_any_kind()
+                self.write_frame_of_any_kind(room)
             }
         }
 
         impl $name {
             #[cfg_attr(feature = "wide-crc-tables", inline(never))]
             #[cfg_attr(not(feature = "wide-crc-tables"), inline)]
-            pub(crate) fn frame_of_any_kind(&self) -> $crate::frame::Frame {
-                match self { $(Self::$variant(payload) => $crate::frame::Frame::of(payload),)+ }
+            pub(crate) fn write_frame_of_any_kind<'room>(
+                &self,
+                room: &'room mut [u8; $crate::MAX_FRAME],
+            ) -> &'room [u8] {
+                match self { $(Self::$variant(payload) => $crate::frame::write(payload, room),)+ }
             }
         }
     };

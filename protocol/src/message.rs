@@ -25,7 +25,7 @@
 //! | `0x94` | [`LineReport`] | drive | 23 | answers `Stop`, before its result, done or not |
 
 use crate::counts::EncoderCounts;
-use crate::frame::Frame;
+use crate::frame::{Frame, MAX_FRAME};
 use crate::layout::MessageLayout;
 use crate::text::Text;
 use crate::vocabulary::{
@@ -55,8 +55,15 @@ pub trait Message: Sized {
     /// The layout of this message.
     fn layout(&self) -> &'static MessageLayout;
 
-    /// The whole frame, ready to be sent.
-    fn frame(&self) -> Frame;
+    /// Writes the whole frame to the beginning of `room` and gives that part of it, ready to be sent. What `room` holds
+    /// before doesn't matter, and what is behind the frame is of no use.
+    fn write_frame<'room>(&self, room: &'room mut [u8; MAX_FRAME]) -> &'room [u8];
+
+    /// The whole frame as a value. Where it is sent at once, [`Message::write_frame`] saves a copy.
+    #[inline(always)]
+    fn frame(&self) -> Frame {
+        Frame::written_by(|room| self.write_frame(room))
+    }
 }
 
 payload! {

@@ -1,161 +1,136 @@
 //! How a PC writes and reads the one message of each direction that is sent in every control period.
 //!
-//! The bytes are those of [`Frame::of`] and [`crate::frame::open`], which a microcontroller uses for every message and a
-//! PC for all others. What makes the difference:
+//! The bytes are those of [`crate::frame::write`] and [`crate::frame::open`], which a microcontroller uses for every message
+//! and a PC for all others. What makes the difference:
 //!
-//! - The kind is known, so lengths are constants, nothing loops over bytes, and the body stays in registers.
-//! - The chain of distances is followed and laid for a fixed number of links: how many zeros a body has is beyond any
-//!   processor's guess, and a wrong guess costs more than the links that were not needed.
-//! - Words begin behind the kind byte, where fields of four bytes lie whole in them: a word that is read after its
-//!   bytes were written one by one has to wait for them.
+//! - The kind is known, so lengths are constants and nothing loops over bytes.
+//! - What lies between kind and delimiter stays in two registers: bytes that are written one by one and read as a word have
+//!   to wait for each other.
+//! - Where zeros are is beyond any processor's guess, and a wrong guess costs more than all the rest. So a writer takes the
+//!   distances of a word out of a table, wherever its zeros are. A reader follows the chain, but asks only from the second
+//!   zero on whether there is one.
 
-use crate::frame::{Frame, MAX_FRAME};
+mod words;
+
+use words::WORD;
+
+use crate::crc;
+use crate::frame::{DELIMITER, MAX_FRAME};
 use crate::wire::Payload;
-use crate::{cobs, crc};
 
-/// Links of the chain that are taken without asking whether there are more: as many zeros and one.
-const LINKS_AT_ONCE: usize = 5;
-
-/// Where the fields begin.
+/// Where the fields begin: behind code and kind.
 const FIELDS: usize = 2;
-/// Bytes in a word.
-const WORD: usize = size_of::<u64>();
-/// Room for a frame whose last word is whole.
-const ROOM: usize = FIELDS + MAX_FRAME;
+/// Bytes behind the kind that are held in two words.
+const TAIL: usize = size_of::<u128>();
 
-/// The frame of a message.
+/// Bytes of fields and CRC.
+const fn tail_len<P: Payload>() -> usize {
+    let len = P::LAYOUT.body_len - 1 + crc::LEN;
+    assert!(WORD < len && len <= TAIL, "fields and CRC of a periodic message need two words");
+    len
+}
+
+/// Bits before the CRC.
+const fn fields_bits<P: Payload>() -> usize {
+    8 * (P::LAYOUT.body_len - 1)
+}
+
+/// Writes the frame of a message to the beginning of `room`.
 #[inline(always)]
-pub(crate) fn frame<P: Payload>(payload: &P) -> Frame {
-    let body_end = 1 + P::LAYOUT.body_len;
-    let crc_end = body_end + crc::LEN;
-    let mut plain = [0; ROOM];
-    payload.put(&mut plain[1..body_end]);
-    let checksum = crc::checksum(&plain[1..body_end]);
-    plain[body_end..crc_end].copy_from_slice(&checksum.to_le_bytes());
+pub(crate) fn write<'room, P: Payload>(payload: &P, room: &'room mut [u8; MAX_FRAME]) -> &'room [u8] {
+    let len = const { tail_len::<P>() };
+    let fields = fields(payload);
+    let tail = fields | u128::from(checksum::<P>(fields)) << fields_bits::<P>();
+    let (first, [low, high]) = words::with_distances([tail as u64, (tail >> u64::BITS) as u64]);
 
-    let mut zeros = 0;
-    let mut bytes = [0; MAX_FRAME];
-    bytes[..FIELDS].copy_from_slice(&plain[..FIELDS]);
-    let mut at = FIELDS;
-    while at < crc_end {
-        let word = word_at(&plain, at);
-        zeros |= u64::from(zeros_of(word)) << at;
-        put_word(&mut bytes, at, word);
-        at += WORD;
-    }
-    lay_chain(&mut bytes, zeros, crc_end);
-    Frame::from_parts(bytes, crc_end + 1)
+    room[0] = (FIELDS + first) as u8;
+    room[1] = P::LAYOUT.kind;
+    room[FIELDS..][..WORD].copy_from_slice(&low.to_le_bytes());
+    room[FIELDS + WORD..][..WORD].copy_from_slice(&high.to_le_bytes());
+    room[FIELDS + len] = DELIMITER;
+    &room[..=FIELDS + len]
 }
 
 /// The message at the beginning of `input`, and what comes after it; `None` if there is no whole and good frame of this
 /// kind, whatever there is instead.
 #[inline(always)]
 pub(crate) fn split_off<P: Payload>(input: &[u8]) -> Option<(P, &[u8])> {
-    let body_end = 1 + P::LAYOUT.body_len;
-    let crc_end = body_end + crc::LEN;
-    let (frame, rest) = input.split_at_checked(crc_end + 1)?;
+    let len = const { tail_len::<P>() };
+    let (frame, rest) = input.split_at_checked(FIELDS + len + 1)?;
+    let (&delimiter, stuffed) = frame.split_last()?;
     // With a first distance of 1 the kind byte is a link: it looks right but stands for a zero.
-    if frame[0] == 1 || frame[1] != P::LAYOUT.kind || cobs::find_zero(frame) != Some(crc_end) {
+    if stuffed[0] <= 1 || stuffed[1] != P::LAYOUT.kind || delimiter != DELIMITER {
         return None;
     }
-    let links = chain(frame)?;
-    let mut plain = [0; ROOM];
-    plain[1] = P::LAYOUT.kind;
-    let mut at = FIELDS;
-    while at < crc_end {
-        put_word(&mut plain, at, word_at(frame, at) & KEPT[usize::from((links >> at) as u8)]);
-        at += WORD;
-    }
-    let body = &plain[1..body_end];
-    if !plain[body_end..].starts_with(&crc::checksum(body).to_le_bytes()) {
+    // The last word begins within the first.
+    let [low, last] = [*stuffed[FIELDS..].first_chunk()?, *stuffed.last_chunk()?].map(u64::from_le_bytes);
+    if words::has_zero([low, last]) {
         return None;
     }
-    Some((P::get(body).ok()?, rest))
+    let links = chain(frame)? >> FIELDS;
+    let [low, high] = words::without([low, last >> (8 * (TAIL - len))], links);
+    let tail = u128::from(high) << u64::BITS | u128::from(low);
+    if checksum::<P>(tail) != (tail >> fields_bits::<P>()) as u32 {
+        return None;
+    }
+    Some((P::get(&plain::<P>(tail)[..P::LAYOUT.body_len]).ok()?, rest))
 }
 
-/// The word that begins at `at`, with zeros for what lies behind the end.
+/// The fields as one number, the first in its lowest bytes.
+///
+/// Each is read as it was written, so none of them takes the way through memory.
 #[inline(always)]
-fn word_at(bytes: &[u8], at: usize) -> u64 {
-    let mut word = [0; WORD];
-    let len = WORD.min(bytes.len() - at);
-    word[..len].copy_from_slice(&bytes[at..at + len]);
-    u64::from_le_bytes(word)
+fn fields<P: Payload>(payload: &P) -> u128 {
+    let mut body = [0; 1 + TAIL];
+    payload.put(&mut body[..P::LAYOUT.body_len]);
+    let mut fields = 0;
+    for field in P::LAYOUT.fields {
+        let mut word = [0; TAIL];
+        word[..field.len].copy_from_slice(&body[field.offset..field.offset + field.len]);
+        fields |= u128::from_le_bytes(word) << (8 * (field.offset - 1));
+    }
+    fields
 }
 
-/// Puts a word, as much of it as there is room for.
+/// The kind, and the tail behind it.
 #[inline(always)]
-fn put_word(bytes: &mut [u8], at: usize, word: u64) {
-    let len = WORD.min(bytes.len() - at);
-    bytes[at..at + len].copy_from_slice(&word.to_le_bytes()[..len]);
+fn plain<P: Payload>(tail: u128) -> [u8; 1 + TAIL] {
+    let mut plain = [P::LAYOUT.kind; 1 + TAIL];
+    plain[1..].copy_from_slice(&tail.to_le_bytes());
+    plain
+}
+
+/// The CRC over kind and fields.
+#[inline(always)]
+fn checksum<P: Payload>(tail: u128) -> u32 {
+    crc::checksum(&plain::<P>(tail)[..P::LAYOUT.body_len])
 }
 
 /// The chain of distances in `frame`, whose last byte is the delimiter and the only zero: bit `n` is set if byte `n` is a
-/// link. `None` if the chain doesn't end at the delimiter.
+/// link, but for the code byte, which always is. `None` if the chain doesn't end at the delimiter.
 ///
-/// There it stays, at a distance of zero, which is why it may be followed too far.
+/// Whether there is a first zero is not asked but taken as given. If there is none, the delimiter is the link: a distance
+/// of zero, and so still the end.
 #[inline(always)]
-fn chain(frame: &[u8]) -> Option<u64> {
+fn chain(frame: &[u8]) -> Option<usize> {
     let end = frame.len() - 1;
-    let (mut at, mut links) = (0, 0);
-    while at < end {
-        for _ in 0..LINKS_AT_ONCE {
-            let distance = *frame.get(at)?;
-            links |= 1_u64 << at;
-            at += usize::from(distance);
-        }
-    }
-    (at == end).then_some(links)
-}
-
-/// Writes the distances into the bytes whose bit is set in `zeros`, and into the first.
-#[inline(always)]
-fn lay_chain(frame: &mut [u8; MAX_FRAME], zeros: u64, end: usize) {
-    let delimiter = 1 << end;
-    let mut to_come = zeros & (delimiter - 1);
-    let mut at = 0;
-    while at < end {
-        for _ in 0..LINKS_AT_ONCE {
-            // From the delimiter on the distance is zero, which is what the delimiter is.
-            let next = (to_come | delimiter).trailing_zeros() as usize;
-            frame[at] = (next - at) as u8;
-            at = next;
-            to_come &= to_come.wrapping_sub(1);
+    let (mut at, mut links) = (usize::from(frame[0]), 0);
+    loop {
+        let distance = usize::from(*frame.get(at)?);
+        links |= 1 << at;
+        at += distance;
+        if at >= end {
+            return (at == end).then_some(links);
         }
     }
 }
-
-/// Bit `n` is set if byte `n` of the word is zero.
-#[inline(always)]
-fn zeros_of(word: u64) -> u8 {
-    const LOW_BITS: u64 = u64::from_ne_bytes([0x7f; WORD]);
-    // The highest bit of each byte, set unless all eight are zero; no sum carries into the next byte.
-    let others = ((word & LOW_BITS) + LOW_BITS) | word | LOW_BITS;
-    // Its complement, gathered in the highest byte.
-    ((!others >> 7).wrapping_mul(0x0102_0408_1020_4080) >> 56) as u8
-}
-
-/// For each set of bytes in a word, by their bits, a mask that clears them.
-static KEPT: [u64; 256] = {
-    let mut masks = [u64::MAX; 256];
-    let mut set = 0;
-    while set < masks.len() {
-        let mut byte = 0;
-        while byte < WORD {
-            if set >> byte & 1 == 1 {
-                masks[set] &= !(0xff << (8 * byte));
-            }
-            byte += 1;
-        }
-        set += 1;
-    }
-    masks
-};
 
 #[cfg(test)]
 mod tests {
     use std::vec::Vec;
 
     use super::*;
+    use crate::cobs;
     use crate::counts::EncoderCounts;
     use crate::message::{DriveMessage, EncoderSample, HostMessage, Message, TorqueAnswer};
     use crate::vocabulary::{State, TorqueFlags, TorqueStatus};
@@ -210,14 +185,20 @@ mod tests {
         assert_eq!(read_the_long_way::<M>(&line), want);
     }
 
+    /// Written into a room that is not empty, which the sender of a frame need not clear.
+    fn is_written_as_by_the_long_way(message: &(impl Message + std::fmt::Debug), long_way: &[u8]) {
+        assert_eq!(message.write_frame(&mut [0x55; MAX_FRAME]), long_way, "{message:?}");
+        assert_eq!(message.frame()[..], *long_way, "{message:?}");
+    }
+
     #[test]
     fn wherever_zeros_are_the_frame_is_that_of_the_long_way() {
         for sample in samples() {
-            assert_eq!(sample.frame()[..], sample.frame_of_any_kind()[..], "{sample:?}");
+            is_written_as_by_the_long_way(&sample, sample.write_frame_of_any_kind(&mut [0x55; MAX_FRAME]));
             comes_back(&sample);
         }
         for torque in torques() {
-            assert_eq!(torque.frame()[..], torque.frame_of_any_kind()[..], "{torque:?}");
+            is_written_as_by_the_long_way(&torque, torque.write_frame_of_any_kind(&mut [0x55; MAX_FRAME]));
             comes_back(&torque);
         }
     }
@@ -258,7 +239,7 @@ mod tests {
         for message in samples().step_by(251) {
             let good = message.frame();
             let end = good.len() - 1;
-            let links = chain(&good).expect("a chain");
+            let links = chain(&good).expect("a chain") | 1;
             for at in (FIELDS..end).filter(|at| links >> at & 1 == 1) {
                 // The link before jumps over this one. The body would be the same, and the CRC right.
                 let before = (0..at).rfind(|before| links >> before & 1 == 1).expect("the code byte");

@@ -9,66 +9,88 @@ use crate::cycle::{Sample, Torque};
 pub struct Floor;
 
 /// As long as the body of ours: there is a kind byte.
-const SAMPLE: usize = 17;
-const TORQUE: usize = 13;
+const SAMPLE: usize = 13;
+const TORQUE: usize = 10;
+/// Of the CRC.
+const CRC: usize = 4;
 
-/// By value: the fields are still in registers when the CRC reads them.
-fn close<const BODY: usize, const ALL: usize>(body: [u8; BODY]) -> [u8; ALL] {
-    let mut bytes = [0; ALL];
-    bytes[..BODY].copy_from_slice(&body);
-    bytes[BODY..].copy_from_slice(&checksum(&body).to_le_bytes());
-    bytes
+/// The lowest `N` bytes of a field, `at` so many bytes behind the kind.
+#[inline(always)]
+fn field<const N: usize>(bytes: [u8; N], at: usize) -> u128 {
+    let mut word = [0; size_of::<u128>()];
+    word[..N].copy_from_slice(&bytes);
+    u128::from_le_bytes(word) << (8 * at)
 }
 
+/// By value: what is written field by field and read word by word waits for its own bytes.
+#[inline(always)]
+fn close<const BODY: usize, const ALL: usize>(kind: u8, fields: u128) -> [u8; ALL] {
+    let bytes = |word: u128| {
+        let mut bytes = [kind; 1 + size_of::<u128>()];
+        bytes[1..].copy_from_slice(&word.to_le_bytes());
+        bytes
+    };
+    let crc = checksum(&bytes(fields)[..BODY]);
+    *bytes(fields | field(crc.to_le_bytes(), BODY - 1)).first_chunk().expect("all of it")
+}
+
+#[inline(always)]
 fn open<const BODY: usize>(frame: &[u8]) -> &[u8; BODY] {
     let (body, crc) = frame.split_first_chunk().expect("there is a body");
-    assert_eq!(checksum(body).to_le_bytes(), crc);
+    assert!(checksum(body).to_le_bytes() == crc, "the CRC");
     body
 }
 
-fn word(body: &[u8; SAMPLE], at: usize) -> [u8; 4] {
-    body[at..at + 4].try_into().expect("four bytes")
+fn low_three(counts: i32) -> [u8; 3] {
+    let [low, middle, high, _] = counts.to_le_bytes();
+    [low, middle, high]
+}
+
+fn counts(body: &[u8; SAMPLE], at: usize) -> i32 {
+    i32::from_le_bytes([0, body[at], body[at + 1], body[at + 2]]) >> 8
 }
 
 impl Codec<Sample> for Floor {
+    #[inline(always)]
     fn encode(&mut self, value: &Sample, send: impl FnOnce(&[u8])) {
-        let mut bytes = [0x10; SAMPLE];
-        bytes[1..5].copy_from_slice(&value.sequence.to_le_bytes());
-        bytes[5..9].copy_from_slice(&value.motor_counts.to_le_bytes());
-        bytes[9..13].copy_from_slice(&value.load_counts.to_le_bytes());
-        bytes[13..17].copy_from_slice(&value.reference_rad.to_le_bytes());
-        send(&close::<SAMPLE, { SAMPLE + 4 }>(bytes));
+        let fields = field(value.sequence.to_le_bytes(), 0)
+            | field(low_three(value.motor_counts), 2)
+            | field(low_three(value.load_counts), 5)
+            | field(value.reference_rad.to_le_bytes(), 8);
+        send(&close::<SAMPLE, { SAMPLE + CRC }>(0x10, fields));
     }
 
+    #[inline(always)]
     fn decode(&mut self, frame: &[u8]) -> Sample {
         let body: &[u8; SAMPLE] = open(frame);
         Sample {
-            sequence: u32::from_le_bytes(word(body, 1)),
-            motor_counts: i32::from_le_bytes(word(body, 5)),
-            load_counts: i32::from_le_bytes(word(body, 9)),
-            reference_rad: f32::from_le_bytes(word(body, 13)),
+            sequence: u16::from_le_bytes([body[1], body[2]]),
+            motor_counts: counts(body, 3),
+            load_counts: counts(body, 6),
+            reference_rad: f32::from_le_bytes([body[9], body[10], body[11], body[12]]),
         }
     }
 }
 
 impl Codec<Torque> for Floor {
+    #[inline(always)]
     fn encode(&mut self, value: &Torque, send: impl FnOnce(&[u8])) {
-        let mut bytes = [0x90; TORQUE];
-        bytes[1..5].copy_from_slice(&value.sequence.to_le_bytes());
-        bytes[5..9].copy_from_slice(&value.torque_nm.to_le_bytes());
-        bytes[9..11].copy_from_slice(&[value.state, value.flags]);
-        bytes[11..13].copy_from_slice(&value.compute_tenths_us.to_le_bytes());
-        send(&close::<TORQUE, { TORQUE + 4 }>(bytes));
+        let fields = field(value.sequence.to_le_bytes(), 0)
+            | field(value.torque_nm.to_le_bytes(), 2)
+            | field([value.state | value.flags], 6)
+            | field(value.compute_tenths_us.to_le_bytes(), 7);
+        send(&close::<TORQUE, { TORQUE + CRC }>(0x90, fields));
     }
 
+    #[inline(always)]
     fn decode(&mut self, frame: &[u8]) -> Torque {
         let b: &[u8; TORQUE] = open(frame);
         Torque {
-            sequence: u32::from_le_bytes([b[1], b[2], b[3], b[4]]),
-            torque_nm: f32::from_le_bytes([b[5], b[6], b[7], b[8]]),
-            state: b[9],
-            flags: b[10],
-            compute_tenths_us: u16::from_le_bytes([b[11], b[12]]),
+            sequence: u16::from_le_bytes([b[1], b[2]]),
+            torque_nm: f32::from_le_bytes([b[3], b[4], b[5], b[6]]),
+            state: b[7] & 0x0f,
+            flags: b[7] & 0xf0,
+            compute_tenths_us: u16::from_le_bytes([b[8], b[9]]),
         }
     }
 }

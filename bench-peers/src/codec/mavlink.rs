@@ -22,7 +22,7 @@ impl Default for Mavlink {
 }
 
 impl Mavlink {
-    fn send(&mut self, sequence: u32, message: &MavMessage, send: impl FnOnce(&[u8])) {
+    fn send(&mut self, sequence: u16, message: &MavMessage, send: impl FnOnce(&[u8])) {
         let header = MavHeader { system_id: 1, component_id: 1, sequence: sequence as u8 };
         self.sent.serialize_message(header, message);
         send(self.sent.raw_bytes());
@@ -40,7 +40,7 @@ impl Codec<Sample> for Mavlink {
     fn encode(&mut self, value: &Sample, send: impl FnOnce(&[u8])) {
         let data = HIL_SENSOR_DATA {
             time_usec: value.sequence.into(),
-            // Counts below 2^24 are whole in a float.
+            // Counts of 24 bits are whole in a float.
             xacc: value.motor_counts as f32,
             yacc: value.load_counts as f32,
             zacc: value.reference_rad,
@@ -55,7 +55,6 @@ impl Codec<Sample> for Mavlink {
             pressure_alt: 488.1,
             temperature: 20.5,
             fields_updated: HilSensorUpdatedFlags::all(),
-            ..Default::default()
         };
         self.send(value.sequence, &MavMessage::HIL_SENSOR(data), send);
     }
@@ -63,7 +62,7 @@ impl Codec<Sample> for Mavlink {
     fn decode(&mut self, frame: &[u8]) -> Sample {
         let MavMessage::HIL_SENSOR(data) = self.open(frame) else { panic!("no sample") };
         Sample {
-            sequence: data.time_usec as u32,
+            sequence: data.time_usec as u16,
             motor_counts: data.xacc as i32,
             load_counts: data.yacc as i32,
             reference_rad: data.zacc,
@@ -91,7 +90,7 @@ impl Codec<Torque> for Mavlink {
     fn decode(&mut self, frame: &[u8]) -> Torque {
         let MavMessage::HIL_ACTUATOR_CONTROLS(data) = self.open(frame) else { panic!("no torque") };
         Torque {
-            sequence: data.time_usec as u32,
+            sequence: data.time_usec as u16,
             torque_nm: data.controls[0],
             state: data.controls[1] as u8,
             flags: data.controls[2] as u8,

@@ -9,13 +9,13 @@ use crate::cycle::{Sample, Torque};
 
 #[derive(Serialize, Deserialize)]
 enum Host {
-    Sample { sequence: u32, motor_counts: i32, load_counts: i32, reference_rad: f32 },
+    Sample { sequence: u16, motor_counts: i32, load_counts: i32, reference_rad: f32 },
     Stop,
 }
 
 #[derive(Serialize, Deserialize)]
 enum Drive {
-    Torque { sequence: u32, torque_nm: f32, state: u8, flags: u8, compute_tenths_us: u16 },
+    Torque { sequence: u16, torque_nm: f32, state: u8, flags: u8, compute_tenths_us: u16 },
     Stopped,
 }
 

@@ -1,9 +1,25 @@
 //! Protocol buffers, delimited by the `cobs` crate: without a CRC, as users of both leave it, and with ours.
+//!
+//! There is one message per direction with a `oneof` over its kinds, as users of prost tell them apart.
 
-use prost::Message;
+use prost::{Message, Oneof};
 
 use super::{CRC_32, Codec};
 use crate::cycle::{Sample, Torque};
+
+#[derive(Clone, PartialEq, Message)]
+struct HostMessage {
+    #[prost(oneof = "Host", tags = "1, 2")]
+    kind: Option<Host>,
+}
+
+#[derive(Clone, PartialEq, Oneof)]
+enum Host {
+    #[prost(message, tag = "1")]
+    Sample(SampleMessage),
+    #[prost(message, tag = "2")]
+    Stop(StopMessage),
+}
 
 #[derive(Clone, PartialEq, Message)]
 struct SampleMessage {
@@ -15,6 +31,23 @@ struct SampleMessage {
     load_counts: i32,
     #[prost(float, tag = "4")]
     reference_rad: f32,
+}
+
+#[derive(Clone, PartialEq, Message)]
+struct StopMessage {}
+
+#[derive(Clone, PartialEq, Message)]
+struct DriveMessage {
+    #[prost(oneof = "Drive", tags = "1, 2")]
+    kind: Option<Drive>,
+}
+
+#[derive(Clone, PartialEq, Oneof)]
+enum Drive {
+    #[prost(message, tag = "1")]
+    Torque(TorqueMessage),
+    #[prost(message, tag = "2")]
+    Stopped(StoppedMessage),
 }
 
 #[derive(Clone, PartialEq, Message)]
@@ -30,6 +63,9 @@ struct TorqueMessage {
     #[prost(uint32, tag = "5")]
     compute_tenths_us: u32,
 }
+
+#[derive(Clone, PartialEq, Message)]
+struct StoppedMessage {}
 
 /// With the CRC-32C of all others, or without any.
 pub struct Protobuf<const CRC: bool> {
@@ -72,37 +108,46 @@ impl<const CRC: bool> Protobuf<CRC> {
 }
 
 impl<const CRC: bool> Codec<Sample> for Protobuf<CRC> {
+    const CHECKED: bool = CRC;
+
+    #[inline(always)]
     fn encode(&mut self, value: &Sample, send: impl FnOnce(&[u8])) {
         let Sample { sequence, motor_counts, load_counts, reference_rad } = *value;
-        self.send(&SampleMessage { sequence, motor_counts, load_counts, reference_rad }, send);
+        let sequence = sequence.into();
+        let sample = SampleMessage { sequence, motor_counts, load_counts, reference_rad };
+        self.send(&HostMessage { kind: Some(Host::Sample(sample)) }, send);
     }
 
     fn decode(&mut self, frame: &[u8]) -> Sample {
-        let SampleMessage { sequence, motor_counts, load_counts, reference_rad } = self.open(frame);
-        Sample { sequence, motor_counts, load_counts, reference_rad }
+        let Some(Host::Sample(sample)) = self.open::<HostMessage>(frame).kind else { panic!("no sample") };
+        let SampleMessage { sequence, motor_counts, load_counts, reference_rad } = sample;
+        Sample { sequence: sequence as u16, motor_counts, load_counts, reference_rad }
     }
 }
 
 impl<const CRC: bool> Codec<Torque> for Protobuf<CRC> {
+    const CHECKED: bool = CRC;
+
+    #[inline(always)]
     fn encode(&mut self, value: &Torque, send: impl FnOnce(&[u8])) {
-        let message = TorqueMessage {
-            sequence: value.sequence,
+        let torque = TorqueMessage {
+            sequence: value.sequence.into(),
             torque_nm: value.torque_nm,
             state: value.state.into(),
             flags: value.flags.into(),
             compute_tenths_us: value.compute_tenths_us.into(),
         };
-        self.send(&message, send);
+        self.send(&DriveMessage { kind: Some(Drive::Torque(torque)) }, send);
     }
 
     fn decode(&mut self, frame: &[u8]) -> Torque {
-        let message: TorqueMessage = self.open(frame);
+        let Some(Drive::Torque(torque)) = self.open::<DriveMessage>(frame).kind else { panic!("no torque") };
         Torque {
-            sequence: message.sequence,
-            torque_nm: message.torque_nm,
-            state: message.state as u8,
-            flags: message.flags as u8,
-            compute_tenths_us: message.compute_tenths_us as u16,
+            sequence: torque.sequence as u16,
+            torque_nm: torque.torque_nm,
+            state: torque.state as u8,
+            flags: torque.flags as u8,
+            compute_tenths_us: torque.compute_tenths_us as u16,
         }
     }
 }

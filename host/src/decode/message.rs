@@ -2,7 +2,7 @@
 
 use lashloop_protocol::layout::MessageLayout;
 use lashloop_protocol::wire::BodyError;
-use lashloop_protocol::{DriveMessage, Frame, HostMessage, Message};
+use lashloop_protocol::{DriveMessage, HostMessage, MAX_FRAME, Message};
 
 /// A message whose sender is not known before it has been read.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,10 +43,10 @@ impl Message for AnyMessage {
         }
     }
 
-    fn frame(&self) -> Frame {
+    fn write_frame<'room>(&self, room: &'room mut [u8; MAX_FRAME]) -> &'room [u8] {
         match self {
-            Self::Host(message) => message.frame(),
-            Self::Drive(message) => message.frame(),
+            Self::Host(message) => message.write_frame(room),
+            Self::Drive(message) => message.write_frame(room),
         }
     }
 }

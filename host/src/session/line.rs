@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use lashloop_protocol::message::{FaultReport, LineReport, Telemetry};
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, MAX_FRAME, Message};
 
 use super::logs::Logs;
 use super::{LastSeen, Placed, SessionError, greeting};
@@ -28,6 +28,7 @@ pub(crate) struct Answered<T> {
 pub(crate) struct Line {
     link: Box<dyn Link>,
     decoder: Decoder,
+    outbox: [u8; MAX_FRAME],
     inbox: Box<[u8; 4096]>,
     /// The part of `inbox` that holds bytes not decoded yet.
     unread: Range<usize>,
@@ -48,6 +49,7 @@ impl Line {
         Self {
             link,
             decoder: Decoder::new(),
+            outbox: [0; MAX_FRAME],
             inbox: Box::new([0; 4096]),
             unread: 0..0,
             session: 0,
@@ -80,7 +82,8 @@ impl Line {
 
     pub(crate) fn send(&mut self, message: &HostMessage) -> Result<(), SessionError> {
         self.frames_sent += 1;
-        self.send_bytes(&message.frame())
+        let sent = self.link.send(message.write_frame(&mut self.outbox));
+        sent.map_err(|error| self.broken(error))
     }
 
     /// Sends bytes as they are, which need not be frames.
