@@ -14,10 +14,8 @@ use tests::relay::{Fate, Relay};
 use tests::twin::Twin;
 use tests::{program, wait, workspace};
 
-#[test]
-fn a_killed_bench_leaves_every_row_up_to_the_last_whole_chunk() {
-    const CHUNK: usize = 64;
-    let twin = Twin::start();
+/// A relay that counts the torques that have passed.
+fn counting_relay(twin: &Twin) -> (Relay, Arc<AtomicU32>) {
     let answered = Arc::new(AtomicU32::new(0));
     let seen = Arc::clone(&answered);
     let relay = Relay::start(twin.path(), move |frame| {
@@ -26,6 +24,14 @@ fn a_killed_bench_leaves_every_row_up_to_the_last_whole_chunk() {
         }
         Fate::Pass
     });
+    (relay, answered)
+}
+
+#[test]
+fn a_killed_bench_leaves_every_row_up_to_the_last_whole_chunk() {
+    const CHUNK: usize = 64;
+    let twin = Twin::start();
+    let (relay, answered) = counting_relay(&twin);
     let records = Records::new();
     let (out, flush) = (records.out(), format!("record.flush_rows={CHUNK}"));
     let arguments = ["run", "scenarios/smooth-after.toml", "--device", relay.device(), "--out", &out];
@@ -121,14 +127,7 @@ fn a_reader_that_has_gone_away_changes_neither_verdict_nor_record() {
 fn an_interrupted_run_with_large_chunks_loses_no_row() {
     for signal in [Signal::INT, Signal::TERM] {
         let twin = Twin::start();
-        let answered = Arc::new(AtomicU32::new(0));
-        let seen = Arc::clone(&answered);
-        let relay = Relay::start(twin.path(), move |frame| {
-            if let Some(torque) = frame.torque() {
-                seen.fetch_max(u32::from(torque.sequence) + 1, Ordering::Relaxed);
-            }
-            Fate::Pass
-        });
+        let (relay, answered) = counting_relay(&twin);
         let records = Records::new();
         let out = records.out();
         let arguments = ["run", "scenarios/smooth-after.toml", "--device", relay.device(), "--out", &out];
