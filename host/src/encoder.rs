@@ -75,7 +75,8 @@ impl Encoder {
         EncoderState { noise: Pcg64Mcg::seed_from_u64(seed) }
     }
 
-    /// The count at a position in rad. A position that isn't finite reads as nought.
+    /// The count at a position in rad. A position that is no number reads as nought, an
+    /// infinite one as the end of the range of `i64`.
     pub fn step(&self, state: &mut EncoderState, position_rad: f64) -> Count {
         let mut counts = position_rad * self.counts_per_rad;
         if self.noise_counts > 0.0 {

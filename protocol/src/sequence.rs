@@ -1,7 +1,11 @@
 //! The number that a sample and all that belongs to it carry: which control period since the `Start`, modulo 2^16.
 //!
-//! A host that counts its periods further finds the period that a message means by [`nearest_step`]: what comes back is
-//! at most some thousand periods old.
+//! A host that counts its periods further finds the period that a message means by [`nearest_step`]: no host goes on for
+//! more than [`LONGEST_GAP`] periods without an answer, so what comes back is no older than that.
+
+/// Control periods after which a drive takes a sample at the latest; beyond that its sequence is taken for a stray frame. A
+/// host that has had no answer for longer has to start the drive anew, long before sequences come round again.
+pub const LONGEST_GAP: u16 = 1000;
 
 /// The sequence of a control period, counted from 0 at the `Start`.
 #[inline]

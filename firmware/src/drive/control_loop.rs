@@ -4,6 +4,7 @@ use core::f32::consts::TAU;
 
 use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::message::EncoderSample;
+use lashloop_protocol::sequence::LONGEST_GAP;
 use lashloop_protocol::vocabulary::{ControllerId, DisturbingTorqueSource};
 
 use super::parameters::Parameters;
@@ -18,9 +19,6 @@ use crate::control::parameter::within;
 use crate::control::pd::Pd;
 use crate::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig, SensingState};
 use crate::control::{ControlOutput, Controller, ParameterError};
-
-/// Samples that may be missing in a row before the sequence is taken for a stray frame of another run.
-const LONGEST_GAP: u16 = 1000;
 
 /// Most counts that a difference of two readings tells apart from a whole turn of their range, either way, but for one:
 /// an encoder may show one count more than it has turned.

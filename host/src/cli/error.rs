@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use lashloop::battery::BatteryError;
 use lashloop::device::DeviceError;
 use lashloop::parameter_set::SettingsError;
+use lashloop::picture::record::DrawError;
 use lashloop::record::RecordError;
 use lashloop::record::reading::ReadError;
 use lashloop::run::RunError;
@@ -33,6 +34,8 @@ pub(crate) enum CliError {
     Battery(#[from] BatteryError),
     #[error(transparent)]
     Record(#[from] ReadError),
+    #[error(transparent)]
+    Draw(#[from] DrawError),
     #[error("--from {from} --until {until} leaves nothing to show; --until must be the later")]
     Nothing { from: f64, until: f64 },
     #[error("can't {what}: {source}")]
@@ -57,6 +60,7 @@ impl CliError {
             | Self::Report { .. }
             | Self::Input { .. }
             | Self::Record(_)
+            | Self::Draw(_)
             | Self::Nothing { .. } => Exit::UsageOrScenario,
         }
     }

@@ -43,7 +43,7 @@ impl Arguments {
         let runs = self
             .records
             .iter()
-            .map(|folder| Ok((name(folder), Record::read(folder)?)))
+            .map(|folder| Ok((self.name(folder), Record::read(folder)?)))
             .collect::<Result<Vec<_>, CliError>>()?;
         let picture = figure(&runs, &(from..=until))?.to_svg();
         let path = self.out.unwrap_or_else(|| self.records[0].join(PICTURE));
@@ -51,11 +51,12 @@ impl Arguments {
         say!("picture: {}", path.display());
         Ok(Exit::Pass)
     }
-}
 
-/// As it was given, but for what is the same for every folder and says nothing.
-fn name(folder: &Path) -> String {
-    folder
-        .file_name()
-        .map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into_owned())
+    /// The last part of its path, or all of it where another folder is called the same.
+    fn name(&self, folder: &Path) -> String {
+        let is_alone =
+            self.records.iter().filter(|other| other.file_name() == folder.file_name()).count() == 1;
+        let name = folder.file_name().filter(|_| is_alone).unwrap_or(folder.as_os_str());
+        name.to_string_lossy().into_owned()
+    }
 }

@@ -142,6 +142,7 @@ fn remedy(source: &SessionError) -> &'static str {
         SessionError::Silent { last_seen, .. } if last_seen.frame.is_none() => {
             "; is it a Lashloop drive, powered, at this baud rate?"
         }
+        SessionError::TooLongAGap { .. } => "; the bench slept, the firmware hangs or the line is cut",
         SessionError::Silent { .. } => "; the firmware hangs or the line is cut",
         SessionError::Refused { state: State::Boot, .. } => {
             "; it has restarted: look at its power and its reset line"

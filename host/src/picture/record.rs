@@ -5,19 +5,45 @@ use std::ops::RangeInclusive;
 use super::{Axis, Figure, Panel, Role, Series};
 use crate::record::reading::{ReadError, Record, Table};
 
+/// Why records can't be drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum DrawError {
+    /// A record can't be used.
+    #[error(transparent)]
+    Record(#[from] ReadError),
+    /// No run has a step in the part of its time that is to be shown.
+    #[error("there is nothing from {from_s} s to {until_s} s; the records end at {end_s} s")]
+    Nothing {
+        /// Beginning of the part.
+        from_s: f64,
+        /// End of the part.
+        until_s: f64,
+        /// Time of the last step of all runs.
+        end_s: f64,
+    },
+}
+
 /// Faults that are marked; more would hide the curves.
 const MARKED: usize = 6;
 
 /// Position, its error, torque, gap, estimate and timing of some runs, each with its name, over a part of their time in s.
 ///
 /// # Errors
-/// A record lacks a column.
-pub fn figure(runs: &[(String, Record)], shown_s: &RangeInclusive<f64>) -> Result<Figure, ReadError> {
+/// A record lacks a column, or none has a step in that part.
+pub fn figure(runs: &[(String, Record)], shown_s: &RangeInclusive<f64>) -> Result<Figure, DrawError> {
     let runs = runs
         .iter()
         .enumerate()
         .map(|(number, (name, record))| Run::new(number, name, record, shown_s))
         .collect::<Result<Vec<_>, _>>()?;
+    if runs.iter().all(|run| run.rows.is_empty()) {
+        let ends = runs.iter().filter_map(|run| run.record.trace.column("time_s").ok()?.last().copied());
+        return Err(DrawError::Nothing {
+            from_s: *shown_s.start(),
+            until_s: *shown_s.end(),
+            end_s: ends.fold(f64::NAN, f64::max),
+        });
+    }
     let title = match &runs[..] {
         [run] => format!("Record of {}", run.name),
         runs => format!("{} records", runs.len()),
@@ -103,13 +129,19 @@ impl<'a> Run<'a> {
             None => format!("{}: no summary, so the run ended without a verdict.", self.name),
         };
         text += &format!(" {} steps", trace.len());
-        let unanswered = |timing: &Table| {
-            timing.column("answered").map_or(0, |flags| flags.iter().filter(|flag| **flag == 0.0).count())
-        };
-        match timing.as_ref().map(unanswered) {
-            Some(0) => text += ", all answered.",
-            Some(count) => text += &format!(", {count} of them without an answer in time."),
+        match timing.as_ref().map(|timing| timing.column("answered").unwrap_or_default()) {
             None => text += "; there is no timing.csv.",
+            Some(answered) => {
+                let known = answered.len();
+                if known < trace.len() {
+                    text += &format!("; timing.csv tells of {known} of them");
+                }
+                match answered.iter().filter(|flag| **flag == 0.0).count() {
+                    0 if known == 0 => text += ".",
+                    0 => text += ", all answered.",
+                    count => text += &format!(", {count} without an answer in time."),
+                }
+            }
         }
         if trace.is_torn() || timing.as_ref().is_some_and(Table::is_torn) {
             text += " The record ends within a row, which is left out.";

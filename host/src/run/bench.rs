@@ -114,14 +114,18 @@ impl Bench {
         Ok((sample, row(&truth, time_s, reference_rad)))
     }
 
-    /// Whether a drive can be started here: what the encoders read now is all that it gets to know of where they stand.
+    /// Whether a drive can be started with this sample, the last one observed: what it reads is all that the drive gets to
+    /// know of where the encoders stand.
     ///
     /// # Errors
-    /// Which encoder has turned too far for that.
-    pub fn check_start(&self) -> Result<(), RunError> {
-        for (encoder, count) in ["motor", "load"].into_iter().zip(self.counts) {
-            if !count.is_read_whole() {
-                return Err(RunError::TooFarToStart { encoder, counts: count.0 });
+    /// Which encoder has turned too far for that, faults of encoders included.
+    pub fn check_start(&self, sample: &EncoderSample) -> Result<(), RunError> {
+        let readings = [sample.motor_counts, sample.load_counts];
+        for ((encoder, count), reading) in ["motor", "load"].into_iter().zip(self.counts).zip(readings) {
+            let fault = reading.wrapping_sub(count.reading());
+            let told = Count(count.0.saturating_add(fault.into()));
+            if !told.is_read_whole() {
+                return Err(RunError::TooFarToStart { encoder, counts: told.0 });
             }
         }
         Ok(())

@@ -6,7 +6,8 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
-use lashloop_protocol::message::TorqueAnswer;
+use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
+use lashloop_protocol::sequence::LONGEST_GAP;
 use lashloop_protocol::vocabulary::State;
 
 use super::bench::Bench;
@@ -44,8 +45,10 @@ pub(super) struct ControlLoop<'a, S> {
     timeline: Timeline,
     clock: ClockName,
     resumes: u64,
-    /// The step whose sample had sequence 0. A drive takes no other sample first, so until one has been answered every
-    /// sample is the first.
+    /// The sample with sequence 0. A drive takes no other first, so until it is answered it is sent in every step, as it
+    /// was: the drive may have taken it, and only its answer was lost.
+    first: Option<EncoderSample>,
+    /// The step of that sample.
     origin: u32,
     is_answered: bool,
     /// Not from when a lost drive has been set up again to the step that asks it.
@@ -80,6 +83,7 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
             timeline,
             clock,
             resumes: 0,
+            first: None,
             origin: 0,
             is_answered: false,
             is_started: true,
@@ -133,13 +137,14 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
         }
         self.begin(step, device)?;
         let (sample, row) = self.bench.observe(step)?;
-        if !self.is_answered {
-            self.bench.check_start()?;
-            self.origin = step;
-        }
+        let (number, sample) = self.place(step, sample)?;
         let asked = Instant::now();
-        let exchange =
-            device.session.exchange(step - self.origin, &sample, deadline.min(self.silent_at(asked)));
+        let gap = (step - self.origin).saturating_sub(device.session.taken().unwrap_or(0));
+        let exchange = if gap > LONGEST_GAP.into() {
+            Err(device.session.too_long_a_gap(gap))
+        } else {
+            device.session.exchange(number, &sample, deadline.min(self.silent_at(asked)))
+        };
         let exchange = match exchange {
             Err(source) if source.is_loss() => {
                 if let Some(end) = self.lose(source, device)? {
@@ -188,6 +193,19 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
         Ok(None)
     }
 
+    /// The sample to be sent in a step, and its number since the start of the drive.
+    fn place(&mut self, step: u32, sample: EncoderSample) -> Result<(u32, EncoderSample), RunError> {
+        match self.first {
+            Some(_) if self.is_answered => Ok((step - self.origin, sample)),
+            Some(first) => Ok((0, first)),
+            None => {
+                self.bench.check_start(&sample)?;
+                (self.first, self.origin) = (Some(sample), step);
+                Ok((0, sample))
+            }
+        }
+    }
+
     fn give_up(&mut self) -> (Fate, Option<RoundTrip>) {
         self.unanswered += 1;
         (Fate::Unanswered, None)
@@ -228,7 +246,8 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
             }
             thread::sleep(RESUME_INTERVAL);
         }
-        (self.is_started, self.is_answered, self.unanswered_since) = (false, false, None);
+        (self.is_started, self.is_answered) = (false, false);
+        (self.first, self.unanswered_since) = (None, None);
         self.resumes += 1;
         Ok(None)
     }

@@ -26,7 +26,7 @@ impl LastSeen {
     pub(super) fn note(&mut self, message: &DriveMessage) {
         self.frame = Some(message.layout().name);
         if let DriveMessage::TorqueAnswer(answer) = message {
-            self.torque = nearest_step(answer.sequence, self.sample_sent.unwrap_or(0));
+            self.torque = nearest_step(answer.sequence, self.sample_sent.unwrap_or(0)).or(self.torque);
         }
     }
 }
@@ -68,6 +68,16 @@ pub enum SessionError {
         /// How far it had got.
         last_seen: LastSeen,
     },
+    /// The drive has answered nothing for so many control periods that it takes no sample any more.
+    #[error(
+        "the drive has answered none of the last {periods} samples and takes no other after so many ({last_seen})"
+    )]
+    TooLongAGap {
+        /// Control periods since the last answer.
+        periods: u32,
+        /// How far it had got.
+        last_seen: LastSeen,
+    },
     /// The drive speaks another version of the protocol.
     #[error(
         "the drive speaks protocol version {drive}, this bench speaks version {}: flash the firmware that came with \
@@ -104,7 +114,7 @@ impl SessionError {
     pub fn is_loss(&self) -> bool {
         match self {
             Self::Broken { source, .. } => matches!(source, LinkError::Disconnected | LinkError::Stuck),
-            Self::Silent { .. } => true,
+            Self::Silent { .. } | Self::TooLongAGap { .. } => true,
             Self::Refused { request, state, .. } => {
                 *request == EncoderSample::LAYOUT.name && *state == State::Boot
             }

@@ -14,7 +14,7 @@ use crate::link::{Link, LinkError};
 /// frames, and for an emulator on a busy machine.
 pub(crate) const REQUEST_LIMIT: Duration = Duration::from_secs(2);
 /// How long an attempt may take before the request is made again, because it or its answer may be lost.
-pub(crate) const ATTEMPT_LIMIT: Duration = Duration::from_millis(500);
+const ATTEMPT_LIMIT: Duration = Duration::from_millis(500);
 
 /// What came of a request.
 pub(crate) struct Answered<T> {
@@ -136,7 +136,7 @@ impl Line {
         let give_up = Instant::now() + REQUEST_LIMIT;
         let mut repeated = false;
         loop {
-            if let Some(with) = self.attempt(request, &mut wanted)? {
+            if let Some(with) = self.attempt(request, ATTEMPT_LIMIT, &mut wanted)? {
                 if repeated {
                     self.let_answers_pass()?;
                 }
@@ -149,14 +149,15 @@ impl Line {
         }
     }
 
-    /// Sends a request once and waits for its answer for a while.
+    /// Sends a request once and waits for its answer until a limit.
     pub(crate) fn attempt<T>(
         &mut self,
         request: &HostMessage,
+        limit: Duration,
         wanted: impl FnMut(&DriveMessage) -> Option<T>,
     ) -> Result<Option<T>, SessionError> {
         self.send(request)?;
-        let answer = self.wait(Instant::now() + ATTEMPT_LIMIT, wanted)?;
+        let answer = self.wait(Instant::now() + limit, wanted)?;
         if answer.is_none() {
             // What the line has left of a frame must not swallow what is said next.
             self.end_frame()?;

@@ -27,7 +27,12 @@ pub use placed::Placed;
 use crate::link::Link;
 use crate::timing::Moments;
 pub(crate) use line::printable;
-use line::{Answered, Line, REQUEST_LIMIT};
+use line::{Answered, Line};
+
+/// How long attempts to start a drive may take, one after the other. A line that is slow rather than lossy needs the longer
+/// ones.
+const START_LIMITS: [Duration; 3] =
+    [Duration::from_millis(500), Duration::from_secs(1), Duration::from_secs(2)];
 
 /// What came of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -128,6 +133,18 @@ impl Session {
         self.line.silent(EncoderSample::LAYOUT.name, limit)
     }
 
+    /// The last sample since the start that the drive is known to have taken, because it has answered it, in time or late.
+    #[must_use]
+    pub fn taken(&self) -> Option<u32> {
+        self.line.last_seen.torque
+    }
+
+    /// The error for a drive that has not answered for so many control periods.
+    #[must_use]
+    pub fn too_long_a_gap(&self, periods: u32) -> SessionError {
+        SessionError::TooLongAGap { periods, last_seen: self.line.last_seen }
+    }
+
     /// Puts the drive into the state it has after power-up, default parameters and no fault, and greets it again, as a new
     /// session: what an earlier run has left on the line can neither arm nor start this one.
     ///
@@ -164,25 +181,26 @@ impl Session {
     /// # Errors
     /// The drive refused, or the line broke.
     pub fn start(&mut self) -> Result<(), SessionError> {
-        let session = self.number;
-        let give_up = Instant::now() + REQUEST_LIMIT;
-        loop {
-            self.command(Arm { session }, State::Armed)?;
-            let said_before = self.line.logs.mark();
-            match self.line.attempt(&Start { session }.into(), result_of::<Start>)? {
-                Some((Outcome::Accepted, _)) => break,
-                Some((outcome, state)) => return Err(self.refused::<Start>(outcome, state, said_before)),
-                None if Instant::now() >= give_up => {
-                    return Err(self.line.silent(Start::LAYOUT.name, REQUEST_LIMIT));
-                }
-                // It may have started, and then its watchdog is about to trip. A start can't be made up for.
-                None => self.disarm()?,
-            }
-        }
+        self.arm_and_start()?;
         (self.line.telemetry, self.line.fault, self.line.report) = (None, None, None);
         self.answered = None;
         (self.line.last_seen.sample_sent, self.line.last_seen.torque) = (None, None);
         Ok(())
+    }
+
+    fn arm_and_start(&mut self) -> Result<(), SessionError> {
+        let session = self.number;
+        for limit in START_LIMITS {
+            self.command(Arm { session }, State::Armed)?;
+            let said_before = self.line.logs.mark();
+            match self.line.attempt(&Start { session }.into(), limit, result_of::<Start>)? {
+                Some((Outcome::Accepted, _)) => return Ok(()),
+                Some((outcome, state)) => return Err(self.refused::<Start>(outcome, state, said_before)),
+                // It may have started, and then its watchdog is about to trip. A start can't be made up for.
+                None => self.disarm()?,
+            }
+        }
+        Err(self.line.silent(Start::LAYOUT.name, START_LIMITS.iter().sum()))
     }
 
     /// Brings a drive that is armed, runs or has just latched a fault back to where it can be armed.

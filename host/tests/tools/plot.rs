@@ -70,6 +70,32 @@ fn records_side_by_side_have_a_curve_each_and_share_what_is_the_same() {
 }
 
 #[test]
+fn folders_of_the_same_name_are_told_apart_by_their_paths() {
+    let (here, there) = (Runs::new(), Runs::new());
+    let (one, other) = (here.run("one", &[]), there.run("one", &[]));
+    let picture = here.folder("both.svg");
+    plot(&[&one, &other, Path::new("--out"), &picture]).unwrap();
+    let svg = fs::read_to_string(picture).unwrap();
+    for folder in [&one, &other] {
+        assert!(svg.contains(&format!("<title>{}</title>", folder.display())), "{}", folder.display());
+    }
+}
+
+#[test]
+fn steps_that_the_timing_does_not_tell_of_are_not_said_to_be_answered() {
+    let runs = Runs::new();
+    let one = runs.run("one", &[]);
+    let timing = fs::read_to_string(one.join("timing.csv")).unwrap();
+    let lines: Vec<_> = timing.lines().collect();
+    for (rows, said) in [(0, "timing.csv tells of 0 of them."), (40, "tells of 40 of them, all answered.")] {
+        fs::write(one.join("timing.csv"), lines[..=rows].join("\n") + "\n").unwrap();
+        plot(&[&one]).unwrap();
+        let svg = fs::read_to_string(one.join("record.svg")).unwrap();
+        assert!(svg.contains(said), "no {said:?}: {svg}");
+    }
+}
+
+#[test]
 fn a_part_of_the_time_is_shown_alone() {
     let runs = Runs::new();
     let one = runs.run("one", &[]);
@@ -78,6 +104,8 @@ fn a_part_of_the_time_is_shown_alone() {
     assert!(svg.contains(">0.050<") && svg.contains(">0.060<") && !svg.contains(">0.10<"), "other times");
     let error = plot(&[&one, Path::new("--from=2"), Path::new("--until=1")]).unwrap_err();
     assert!(error.contains("--until must be the later"), "{error}");
+    let error = plot(&[&one, Path::new("--from=30")]).unwrap_err();
+    assert!(error.contains("there is nothing from 30 s to inf s; the records end at 0.099 s"), "{error}");
 }
 
 #[test]

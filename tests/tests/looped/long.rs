@@ -75,3 +75,22 @@ fn a_start_beyond_the_readings_of_an_encoder_is_refused() {
         ended.stderr
     );
 }
+
+#[test]
+fn a_start_that_a_fault_puts_beyond_the_readings_of_an_encoder_is_refused() {
+    let records = Records::new();
+    let text = fs::read_to_string(workspace().join("scenarios/smooth-after.toml")).expect("a scenario");
+    let scenario = records.path("jump.toml");
+    let fault = "[[fault]]\nkind = \"encoder-jump\"\nside = \"motor\"\ncounts = 1000\nat_s = 0.0\n";
+    fs::write(&scenario, format!("{text}\n{fault}")).expect("room for a scenario");
+    let scenario = scenario.to_str().expect("a path in UTF-8");
+    // 8,388,000 counts of 131,072 a turn, just below 2^23.
+    let settings = ["plant.initial.motor_position_rad=402.09381"];
+    let ended = run(scenario, &records, &settings, 2);
+    assert!(
+        ended.stderr.contains("the motor encoder stands at 8388981 counts"),
+        "{}{}",
+        ended.stdout,
+        ended.stderr
+    );
+}

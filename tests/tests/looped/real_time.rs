@@ -108,8 +108,8 @@ fn a_late_answer_holds_the_last_torque_and_the_next_steps_are_on_their_grid() {
 
 #[test]
 fn a_torque_that_is_not_renewed_is_taken_away_when_the_drive_s_watchdog_must_have_tripped() {
-    const SILENT: std::ops::RangeInclusive<u16> = 700..=1_000;
-    const WATCHDOG_STEPS: usize = 100;
+    const SILENT: std::ops::RangeInclusive<u16> = 700..=1_500;
+    const WATCHDOG_STEPS: usize = 400;
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| {
         let is_silenced = frame.torque().is_some_and(|torque| SILENT.contains(&torque.sequence));
@@ -118,7 +118,7 @@ fn a_torque_that_is_not_renewed_is_taken_away_when_the_drive_s_watchdog_must_hav
     let records = Records::new();
     let (scenario, out) = (RUNS[2].scenario(), records.out());
     let mut arguments = arguments(&scenario, relay.device(), &out, "run.duration_s=2");
-    arguments.extend(["--set", "controller.parameters.watchdog_us=100000", "--set", "allow.lost=400"]);
+    arguments.extend(["--set", "controller.parameters.watchdog_us=400000", "--set", "allow.lost=1000"]);
     let ended = bench::run(arguments);
     assert_eq!(records.summary()["end"], "complete", "{}{}", ended.stdout, ended.stderr);
     let (torque_nm, answered) = (records.trace().column("torque_nm"), records.timing().column("answered"));
@@ -126,8 +126,8 @@ fn a_torque_that_is_not_renewed_is_taken_away_when_the_drive_s_watchdog_must_hav
     let taken_away = last + WATCHDOG_STEPS;
     assert!(torque_nm[last] != 0.0, "a torque to be held");
     assert!(torque_nm[last..taken_away].iter().all(|torque| *torque == torque_nm[last]), "held too briefly");
-    assert!(torque_nm[taken_away..=1_000].iter().all(|torque| *torque == 0.0), "held for too long");
-    let next = 1_001 + answered[1_001..].iter().position(|flag| *flag == 1.0).expect("an answer after it");
+    assert!(torque_nm[taken_away..=1_500].iter().all(|torque| *torque == 0.0), "held for too long");
+    let next = 1_501 + answered[1_501..].iter().position(|flag| *flag == 1.0).expect("an answer after it");
     assert!(torque_nm[next] != 0.0, "the drive is in charge again");
 }
 
@@ -150,6 +150,18 @@ fn a_bench_that_slept_through_steps_goes_on_where_the_clock_is() {
     assert!(timing.column("missed").iter().sum::<f64>() >= 250.0);
     let wall_s = summary["wall_s"].as_f64().expect("a time");
     assert!(wall_s < 4.5, "4 s of the plant in {wall_s} s");
+}
+
+#[test]
+fn a_bench_that_slept_for_longer_than_a_drive_follows_ends_the_run() {
+    let records = Records::new();
+    let bench = Bench::start(arguments(&RUNS[1].scenario(), "native", &records.out(), "run.duration_s=10"));
+    records.wait_for_rows();
+    bench.signal(Signal::STOP);
+    thread::sleep(Duration::from_millis(1_500));
+    bench.signal(Signal::CONT);
+    let ended = bench.wait().with_code(4);
+    assert!(ended.stderr.contains("takes no other after so many"), "{}", ended.stderr);
 }
 
 #[test]

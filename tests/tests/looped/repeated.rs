@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::mpsc;
 
-use lashloop_protocol::message::Start;
+use lashloop_protocol::message::{Start, Stop};
 use lashloop_protocol::vocabulary::FaultCode;
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage, Message};
@@ -91,8 +91,8 @@ fn a_run_bears_the_loss_of_the_first_answer_of_every_kind() {
 
 #[test]
 fn a_drive_whose_watchdog_trips_before_its_start_is_known_is_started_again() {
-    // Shorter than the bench waits for the answer to the start, and longer than this machine sleeps.
-    let settings = ["controller.parameters.watchdog_us=300000"];
+    // Shorter than the bench waits for the answer to the start, and as long as it can be, because the machine may sleep.
+    let settings = ["controller.parameters.watchdog_us=450000"];
     let (tell, told) = mpsc::channel();
     let mut is_first = true;
     let torques = torques_over(
@@ -115,11 +115,54 @@ fn a_drive_whose_watchdog_trips_before_its_start_is_known_is_started_again() {
 }
 
 #[test]
+fn a_run_bears_the_loss_of_the_last_stop_and_of_its_answers() {
+    // The request itself, the report, the result: each of them alone, and nothing else in the run.
+    let is_hit: [fn(&Passing) -> bool; 3] = [
+        |frame| matches!(frame.from_bench(), Some(HostMessage::Stop(_))),
+        |frame| matches!(frame.from_drive(), Some(DriveMessage::LineReport(_))),
+        |frame| matches!(frame.from_drive(), Some(DriveMessage::CommandResult(it)) if it.request == Stop::LAYOUT.kind),
+    ];
+    let undisturbed = torques_of_a_run("native", &[]);
+    for is_hit in is_hit {
+        let mut is_first = true;
+        let torques = torques_over(
+            move |frame| if is_hit(frame) && std::mem::take(&mut is_first) { lost() } else { Fate::Pass },
+            &[],
+        );
+        assert_eq!(torques, undisturbed);
+    }
+}
+
+#[test]
+fn a_first_sample_without_an_answer_is_sent_again_as_it_was_and_time_goes_on() {
+    const LOST: usize = 3;
+    let (tell, told) = mpsc::channel();
+    let mut answers = 0;
+    let _ = torques_over(
+        move |frame| {
+            if let Some(sample) = frame.sample() {
+                let _ = tell.send(sample);
+            }
+            let is_answer = frame.torque().is_some();
+            answers += usize::from(is_answer);
+            if is_answer && answers <= LOST { lost() } else { Fate::Pass }
+        },
+        &["link.answer_timeout_ms=200", "allow.lost=3", "run.duration_s=0.01"],
+    );
+    let samples: Vec<_> = told.iter().collect();
+    let [first, others @ ..] = &samples[..] else { panic!("no samples") };
+    assert_eq!(first.sequence, 0);
+    assert!(others[..LOST].iter().all(|sample| sample == first), "the same sample: {samples:?}");
+    let rest: Vec<_> = others[LOST..].iter().map(|sample| sample.sequence).collect();
+    assert_eq!(rest, [4, 5, 6, 7, 8, 9], "periods since the first one was sent");
+}
+
+#[test]
 fn a_drive_that_never_answers_a_request_is_given_up_by_its_name() {
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| {
         if request(frame) == Some(Start::LAYOUT.name) { lost() } else { Fate::Pass }
     });
     let ended = bench::run(["run", &RUNS[1].scenario(), "--device", relay.device()]).with_code(4);
-    assert!(ended.stderr.contains("the drive was silent for 2.0 s after Start"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("the drive was silent for 3.5 s after Start"), "{}", ended.stderr);
 }
