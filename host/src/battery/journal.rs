@@ -6,6 +6,8 @@
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
@@ -76,6 +78,9 @@ pub enum JournalError {
     },
 }
 
+/// How long a lock of somebody else is waited for.
+const LOCK_PATIENCE: Duration = Duration::from_millis(500);
+
 /// An open file of results, locked for this process.
 #[derive(Debug)]
 pub struct Journal {
@@ -141,11 +146,19 @@ impl Journal {
         self.write(result)
     }
 
+    /// A process that is just being started holds copies of all locks of its parent until it runs its own program. So a
+    /// lock that has been given back may be taken for a moment longer.
     fn lock(path: &Path, file: File) -> Result<Self, JournalError> {
-        match file.try_lock() {
-            Ok(()) => Ok(Self { path: path.to_owned(), file, written: 0 }),
-            Err(TryLockError::WouldBlock) => Err(JournalError::InUse { path: path.to_owned() }),
-            Err(TryLockError::Error(source)) => Err(io_error(path, "opened")(source)),
+        let give_up = Instant::now() + LOCK_PATIENCE;
+        loop {
+            match file.try_lock() {
+                Ok(()) => return Ok(Self { path: path.to_owned(), file, written: 0 }),
+                Err(TryLockError::WouldBlock) if Instant::now() < give_up => {
+                    thread::sleep(LOCK_PATIENCE / 50);
+                }
+                Err(TryLockError::WouldBlock) => return Err(JournalError::InUse { path: path.to_owned() }),
+                Err(TryLockError::Error(source)) => return Err(io_error(path, "opened")(source)),
+            }
         }
     }
 
