@@ -36,6 +36,13 @@ fn a_drive_that_is_right_passes_every_check() {
     assert!(findings.iter().all(|it| it.outcome == Outcome::Passed), "{findings:#?}");
 }
 
+/// 1000 rad/s and these encoders make the longest gap 50 periods.
+#[test]
+fn a_drive_that_has_fine_encoders_passes_every_check() {
+    let findings = findings(variants::FINE);
+    assert!(findings.iter().all(|it| it.outcome == Outcome::Passed), "{findings:#?}");
+}
+
 /// Checks that no altered drive here can fail: it begins every check in Boot by the same Reset, gathers bytes to whole
 /// frames before it alters anything, and says nothing but whole frames.
 const OUT_OF_REACH: [&str; 3] = [

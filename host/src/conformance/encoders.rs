@@ -1,0 +1,257 @@
+//! Encoders: where they stand, how fast they may be, and how long they may go unread.
+
+use std::f64::consts::TAU;
+
+use lashloop_protocol::message::{Arm, EncoderSample};
+use lashloop_protocol::vocabulary::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::{DriveMessage, EncoderCounts};
+
+use super::check::{Check, Checked, Failure, equal, expect, names};
+use super::client::{Client, outcome, sample, torque};
+use super::safety::{faulted, no_torque};
+use super::samples::stray;
+
+const PERIOD_US: u32 = 1_000;
+/// Coarse enough that the largest speed in a period fits into a counter, fine enough that a count is a small part of it.
+const COUNTS_PER_REV: u32 = 65_536;
+/// What most encoders of servo drives have: the limits that go with the gaps tried here are those of real machines.
+const GAP_COUNTS_PER_REV: u32 = 131_072;
+/// Counts that a difference of readings tells apart either way, without the one that an encoder may show too much.
+const COUNTS_TOLD_APART: f64 = ((1 << 23) - 2) as f64;
+/// Periods after which no sample is taken, whatever the encoders are.
+const LONGEST_GAP: u16 = 1_000;
+/// How much two torques may differ, as a share of the larger one, if all that differs is a count in the position. The
+/// encoder then stands hundreds of radians off: a count of 96 urad, and the velocity that it makes, are nothing to that.
+const SAME_TORQUE: f32 = 0.05;
+
+/// One of the two encoders, by the names of its parameters.
+#[derive(Clone, Copy)]
+struct Encoder {
+    name: &'static str,
+    speed_limit: &'static str,
+    counts_per_rev: &'static str,
+    code: FaultCode,
+    place: fn(&mut EncoderSample) -> &mut EncoderCounts,
+}
+
+const MOTOR: Encoder = Encoder {
+    name: "motor",
+    speed_limit: "motor_speed_limit_rad_s",
+    counts_per_rev: "motor_counts_per_rev",
+    code: FaultCode::MotorEncoderJump,
+    place: |sample| &mut sample.motor_counts,
+};
+const LOAD: Encoder = Encoder {
+    name: "load",
+    speed_limit: "load_speed_limit_rad_s",
+    counts_per_rev: "load_counts_per_rev",
+    code: FaultCode::LoadEncoderJump,
+    place: |sample| &mut sample.load_counts,
+};
+const BOTH: [Encoder; 2] = [MOTOR, LOAD];
+
+type Setting = (&'static str, ParameterValue);
+
+/// Encoders of one resolution, with speed limits for motor and load.
+const fn encoders(counts_per_rev: u32, motor_rad_s: f32, load_rad_s: f32) -> [Setting; 5] {
+    [
+        ("period_us", ParameterValue::U32(PERIOD_US)),
+        (MOTOR.counts_per_rev, ParameterValue::U32(counts_per_rev)),
+        (LOAD.counts_per_rev, ParameterValue::U32(counts_per_rev)),
+        (MOTOR.speed_limit, ParameterValue::F32(motor_rad_s)),
+        (LOAD.speed_limit, ParameterValue::F32(load_rad_s)),
+    ]
+}
+
+/// For checks that leave samples out: these encoders turn by 66 counts in a period, so the longest gap is 1000, whatever
+/// encoders the drive has by default.
+pub(super) const COARSE: [Setting; 5] = encoders(4_096, 100.0, 100.0);
+
+pub(super) fn checks() -> Vec<Check> {
+    let check = |name, run: fn(&mut Client) -> Checked| Check::new("encoders", name, run);
+    let mut checks = vec![
+        check("an encoder within its speed limit is believed", |client| {
+            for (encoder, share) in [(MOTOR, 0.9), (MOTOR, -0.9), (LOAD, 0.9), (LOAD, -0.9)] {
+                let answer = torque(&moved(client, encoder, share)?.0)?;
+                equal(
+                    &format!("{} at {share} of its limit: state", encoder.speed_limit),
+                    State::Running,
+                    answer.status.state,
+                )?;
+            }
+            Ok(())
+        }),
+        check("an encoder that wraps around goes on where it was", |client| {
+            let (top, bottom) = (i64::from(EncoderCounts::MAX.get()), i64::from(EncoderCounts::MIN.get()));
+            BOTH.into_iter().try_for_each(|encoder| {
+                alike(client, encoder, &[(0, top), (1, top + 1)], &[(0, top - 1), (1, top)])?;
+                alike(client, encoder, &[(0, bottom), (1, bottom - 1)], &[(0, bottom + 1), (1, bottom)])
+            })
+        }),
+        check("an encoder may go further than half its range from its first reading", |client| {
+            // No reading wraps here; what would is the way from the first one.
+            let quarter = 1 << 22;
+            let way = |sign: i64, last: i64| [(0, -sign * quarter), (1_000, 0), (2_000, sign * last)];
+            BOTH.into_iter().try_for_each(|encoder| {
+                [1, -1].into_iter().try_for_each(|sign| {
+                    alike(client, encoder, &way(sign, quarter + 1), &way(sign, quarter - 1))
+                })
+            })
+        }),
+        check("a gap is taken as long as positions can be told apart, and no longer", |client| {
+            // What the encoders of motor and load allow.
+            for (motor, load) in [(400, 800), (800, 400), (5_000, 5_000)] {
+                longest_gap(client, motor, load)?;
+            }
+            Ok(())
+        }),
+    ];
+    checks.extend(BOTH.into_iter().flat_map(|encoder| {
+        let name = encoder.name;
+        [
+            Check::new("encoders", format!("a {name} encoder that jumps is a fault"), move |client| {
+                [1.5, -1.5].into_iter().try_for_each(|share| jump(client, encoder, share))
+            }),
+            Check::new(
+                "encoders",
+                format!("Arm is refused if no period tells positions of the {name} apart"),
+                move |client| never_told_apart(client, encoder),
+            ),
+        ]
+    }));
+    checks
+}
+
+/// A sample with one encoder at so many counts from zero, and the other at zero.
+fn placed(encoder: Encoder, sequence: u16, counts: i64) -> EncoderSample {
+    let mut sample = sample(sequence);
+    *(encoder.place)(&mut sample) = EncoderCounts::wrapping(counts);
+    sample
+}
+
+/// Holds the torque at the end of one way of an encoder against that at the end of another, which ends two counts
+/// earlier at most. A way is made of sequences and counts.
+///
+/// No control law is known here, so no torque is either. But a law that goes by position pushes hard so far from its
+/// reference, to its limit perhaps, and a count more is nothing to it; only one that takes the position for another, a
+/// whole range of counts away on the other side of zero, pushes the other way.
+fn alike(client: &mut Client, encoder: Encoder, way: &[(u16, i64)], earlier: &[(u16, i64)]) -> Checked {
+    let wanted_nm = at_the_end(client, encoder, earlier)?;
+    let came_nm = at_the_end(client, encoder, way)?;
+    let near = (came_nm - wanted_nm).abs() <= SAME_TORQUE * came_nm.abs().max(wanted_nm.abs());
+    let places = |way: &[(u16, i64)]| way.iter().map(|it| it.1.to_string()).collect::<Vec<_>>().join(", ");
+    let expected = format!(
+        "with the {} at {} counts the torque {wanted_nm} N m to {} %, as with it at {}",
+        encoder.name,
+        places(way),
+        100.0 * SAME_TORQUE,
+        places(earlier)
+    );
+    expect(near, expected, came_nm)
+}
+
+/// The torque at the end of a way.
+fn at_the_end(client: &mut Client, encoder: Encoder, way: &[(u16, i64)]) -> Result<f32, Failure> {
+    client.fresh()?;
+    // A quarter of the range in 1000 periods are 402 rad/s, and half of it is beyond 1000 periods at the limit.
+    client.running(&encoders(COUNTS_PER_REV, 500.0, 500.0))?;
+    let mut torque_nm = 0.0;
+    for &(sequence, counts) in way {
+        let answer = torque(&client.say(placed(encoder, sequence, counts))?)?;
+        let what = format!("{} at {counts} counts: state", encoder.name);
+        equal(&what, State::Running, answer.status.state)?;
+        torque_nm = answer.torque_nm;
+    }
+    Ok(torque_nm)
+}
+
+/// The speed limit in rad/s with which positions can be told apart over so many periods.
+fn limit_rad_s(counts_per_rev: u32, periods: f64) -> f32 {
+    let counts_per_period = COUNTS_TOLD_APART / periods;
+    (counts_per_period * speed_per_count_rad_s(counts_per_rev)) as f32
+}
+
+/// Tries the longest gap of encoders that allow so many periods.
+fn longest_gap(client: &mut Client, motor: u16, load: u16) -> Checked {
+    // Half a period more, so that no rounding in the drive counts.
+    let [motor_rad_s, load_rad_s] =
+        [motor, load].map(|periods| limit_rad_s(GAP_COUNTS_PER_REV, f64::from(periods) + 0.5));
+    client.fresh()?;
+    client.running(&encoders(GAP_COUNTS_PER_REV, motor_rad_s, load_rad_s))?;
+    client.torque(0)?;
+    let longest = motor.min(load).min(LONGEST_GAP);
+    stray(client, longest + 1)?;
+    let answer = torque(&client.sample(longest)?)?;
+    let what = format!("{motor_rad_s} and {load_rad_s} rad/s, {longest} periods on: sequence, state, flags");
+    let flags = answer.status.flags - TorqueFlags::SATURATED;
+    let wanted = (longest, State::Running, TorqueFlags::GAP);
+    equal(&what, wanted, (answer.sequence, answer.status.state, flags))
+}
+
+/// Arms with the finest encoder the drive takes, and a speed limit a little too high for it and a little lower.
+fn never_told_apart(client: &mut Client, encoder: Encoder) -> Checked {
+    const SLOW_RAD_S: f32 = 10.0;
+    // Of one resolution, because laws may refuse resolutions that are too far apart.
+    let counts_per_rev = finest(client, MOTOR)?.min(finest(client, LOAD)?);
+    let (high_rad_s, low_rad_s) = (limit_rad_s(counts_per_rev, 0.75), limit_rad_s(counts_per_rev, 1.5));
+    if matches!(client.parameter(encoder.speed_limit)?.max, ParameterValue::F32(max) if max < high_rad_s) {
+        return Err(Failure::LeftOut {
+            reason: "not run: the drive takes no encoder so fine and no limit so high",
+        });
+    }
+    client.idle()?;
+    for (name, value) in encoders(counts_per_rev, SLOW_RAD_S, SLOW_RAD_S) {
+        client.put(name, value)?;
+    }
+    client.put(encoder.speed_limit, ParameterValue::F32(high_rad_s))?;
+    let session = client.session();
+    let answers = client.say(Arm { session })?;
+    let mut came = names(&answers);
+    // Why may take more than one line.
+    came.dedup();
+    let what = format!("{} = {high_rad_s} at {counts_per_rev} counts/rev:", encoder.speed_limit);
+    equal(&format!("{what} answers"), vec!["Log", "CommandResult"], came)?;
+    let came = (outcome::<Arm>(&answers)?, client.state());
+    equal(&format!("{what} outcome and state"), (Outcome::Inconsistent, State::Idle), came)?;
+    client.put(encoder.speed_limit, ParameterValue::F32(low_rad_s))?;
+    client.arm()
+}
+
+/// The finest encoder that the drive takes, in counts per revolution.
+fn finest(client: &Client, encoder: Encoder) -> Result<u32, Failure> {
+    match client.parameter(encoder.counts_per_rev)?.max {
+        ParameterValue::U32(max) => Ok(max),
+        ParameterValue::F32(max) => Err(Failure::Rule {
+            expected: format!("a whole number as the largest {}", encoder.counts_per_rev),
+            came: format!("the real number {max}"),
+        }),
+    }
+}
+
+const SPEED_LIMIT_RAD_S: f32 = 50.0;
+
+/// Moves one encoder by a share of what its speed limit allows in a period; returns the answers and the speed in rad/s.
+fn moved(client: &mut Client, encoder: Encoder, share: f32) -> Result<(Vec<DriveMessage>, f32), Failure> {
+    client.fresh()?;
+    client.running(&encoders(COUNTS_PER_REV, SPEED_LIMIT_RAD_S, SPEED_LIMIT_RAD_S))?;
+    client.torque(0)?;
+    let per_count = speed_per_count_rad_s(COUNTS_PER_REV) as f32;
+    let counts = (share * SPEED_LIMIT_RAD_S / per_count) as i64;
+    Ok((client.say(placed(encoder, 1, counts))?, counts as f32 * per_count))
+}
+
+/// What one count in a period means.
+fn speed_per_count_rad_s(counts_per_rev: u32) -> f64 {
+    TAU / f64::from(counts_per_rev) / (f64::from(PERIOD_US) * 1e-6)
+}
+
+fn jump(client: &mut Client, encoder: Encoder, share: f32) -> Checked {
+    let (answers, speed_rad_s) = moved(client, encoder, share)?;
+    let it = faulted(&answers, encoder.code)?;
+    equal("sequence and limit", (1, SPEED_LIMIT_RAD_S), (it.sequence, it.limit))?;
+    // Which way it turned need not be said, and an encoder that shows one count more may have turned hardly at all.
+    let (value, speed_rad_s) = (it.value.abs(), speed_rad_s.abs());
+    let near = (value - speed_rad_s).abs() <= 1.01 * speed_per_count_rad_s(COUNTS_PER_REV) as f32;
+    expect(near, format!("the speed {speed_rad_s} rad/s, to a count in a period"), it.value)?;
+    no_torque(client, 2, State::Faulted)
+}
