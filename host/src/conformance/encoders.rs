@@ -8,6 +8,7 @@ use lashloop_protocol::{DriveMessage, EncoderCounts};
 
 use super::check::{Check, Checked, Failure, equal, expect, names};
 use super::client::{Client, outcome, sample, torque};
+use super::parameters::holds;
 use super::safety::{faulted, no_torque};
 use super::samples::stray;
 
@@ -63,9 +64,13 @@ const fn encoders(counts_per_rev: u32, motor_rad_s: f32, load_rad_s: f32) -> [Se
     ]
 }
 
-/// For checks that leave samples out: these encoders turn by 66 counts in a period, so the longest gap is 1000, whatever
-/// encoders the drive has by default.
-pub(super) const COARSE: [Setting; 5] = encoders(4_096, 100.0, 100.0);
+/// For checks that leave samples out, whatever encoders the drive has by default: up to 128,000 rad/s these allow gaps of
+/// 100 periods.
+pub(super) const COARSE: [Setting; 3] = [
+    ("period_us", ParameterValue::U32(PERIOD_US)),
+    (MOTOR.counts_per_rev, ParameterValue::U32(4_096)),
+    (LOAD.counts_per_rev, ParameterValue::U32(4_096)),
+];
 
 pub(super) fn checks() -> Vec<Check> {
     let check = |name, run: fn(&mut Client) -> Checked| Check::new("encoders", name, run);
@@ -154,7 +159,7 @@ fn alike(client: &mut Client, encoder: Encoder, way: &[(u16, i64)], earlier: &[(
 fn at_the_end(client: &mut Client, encoder: Encoder, way: &[(u16, i64)]) -> Result<f32, Failure> {
     client.fresh()?;
     // A quarter of the range in 1000 periods are 402 rad/s, and half of it is beyond 1000 periods at the limit.
-    client.running(&encoders(COUNTS_PER_REV, 500.0, 500.0))?;
+    running(client, &encoders(COUNTS_PER_REV, 500.0, 500.0))?;
     let mut torque_nm = 0.0;
     for &(sequence, counts) in way {
         let answer = torque(&client.say(placed(encoder, sequence, counts))?)?;
@@ -177,7 +182,7 @@ fn longest_gap(client: &mut Client, motor: u16, load: u16) -> Checked {
     let [motor_rad_s, load_rad_s] =
         [motor, load].map(|periods| limit_rad_s(GAP_COUNTS_PER_REV, f64::from(periods) + 0.5));
     client.fresh()?;
-    client.running(&encoders(GAP_COUNTS_PER_REV, motor_rad_s, load_rad_s))?;
+    running(client, &encoders(GAP_COUNTS_PER_REV, motor_rad_s, load_rad_s))?;
     client.torque(0)?;
     let longest = motor.min(load).min(LONGEST_GAP);
     stray(client, longest + 1)?;
@@ -194,16 +199,13 @@ fn never_told_apart(client: &mut Client, encoder: Encoder) -> Checked {
     // Of one resolution, because laws may refuse resolutions that are too far apart.
     let counts_per_rev = finest(client, MOTOR)?.min(finest(client, LOAD)?);
     let (high_rad_s, low_rad_s) = (limit_rad_s(counts_per_rev, 0.75), limit_rad_s(counts_per_rev, 1.5));
-    if matches!(client.parameter(encoder.speed_limit)?.max, ParameterValue::F32(max) if max < high_rad_s) {
-        return Err(Failure::LeftOut {
-            reason: "not run: the drive takes no encoder so fine and no limit so high",
-        });
-    }
+    let slow = encoders(counts_per_rev, SLOW_RAD_S, SLOW_RAD_S);
+    let [high, low] = [high_rad_s, low_rad_s].map(|rad_s| (encoder.speed_limit, ParameterValue::F32(rad_s)));
+    allowed(client, &[&slow[..], &[high, low]].concat())?;
     client.idle()?;
-    for (name, value) in encoders(counts_per_rev, SLOW_RAD_S, SLOW_RAD_S) {
+    for (name, value) in slow.into_iter().chain([high]) {
         client.put(name, value)?;
     }
-    client.put(encoder.speed_limit, ParameterValue::F32(high_rad_s))?;
     let session = client.session();
     let answers = client.say(Arm { session })?;
     let mut came = names(&answers);
@@ -213,8 +215,25 @@ fn never_told_apart(client: &mut Client, encoder: Encoder) -> Checked {
     equal(&format!("{what} answers"), vec!["Log", "CommandResult"], came)?;
     let came = (outcome::<Arm>(&answers)?, client.state());
     equal(&format!("{what} outcome and state"), (Outcome::Inconsistent, State::Idle), came)?;
-    client.put(encoder.speed_limit, ParameterValue::F32(low_rad_s))?;
+    client.put(low.0, low.1)?;
     client.arm()
+}
+
+/// Leaves the check out if the drive's ranges don't hold these settings: which ones it offers is its own affair.
+fn allowed(client: &Client, settings: &[Setting]) -> Checked {
+    for (name, value) in settings {
+        if !holds(client.parameter(name)?, *value) {
+            return Err(Failure::LeftOut {
+                reason: "not run: the drive takes no such encoders, period or speed limits",
+            });
+        }
+    }
+    Ok(())
+}
+
+fn running(client: &mut Client, settings: &[Setting]) -> Checked {
+    allowed(client, settings)?;
+    client.running(settings)
 }
 
 /// The finest encoder that the drive takes, in counts per revolution.
@@ -233,7 +252,7 @@ const SPEED_LIMIT_RAD_S: f32 = 50.0;
 /// Moves one encoder by a share of what its speed limit allows in a period; returns the answers and the speed in rad/s.
 fn moved(client: &mut Client, encoder: Encoder, share: f32) -> Result<(Vec<DriveMessage>, f32), Failure> {
     client.fresh()?;
-    client.running(&encoders(COUNTS_PER_REV, SPEED_LIMIT_RAD_S, SPEED_LIMIT_RAD_S))?;
+    running(client, &encoders(COUNTS_PER_REV, SPEED_LIMIT_RAD_S, SPEED_LIMIT_RAD_S))?;
     client.torque(0)?;
     let per_count = speed_per_count_rad_s(COUNTS_PER_REV) as f32;
     let counts = (share * SPEED_LIMIT_RAD_S / per_count) as i64;

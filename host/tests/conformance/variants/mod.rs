@@ -1,7 +1,7 @@
 //! Drives that break one rule each, and the check that has to find out.
 
 mod encoders;
-mod fine;
+mod foreign;
 mod greeting;
 mod line;
 mod parameters;
@@ -17,7 +17,7 @@ use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
 use crate::altered::{Past, Variant};
-pub use fine::FINE;
+pub use foreign::{FINE, SLOW};
 
 /// All of them, in the order of the battery.
 pub fn all() -> impl Iterator<Item = Variant> {

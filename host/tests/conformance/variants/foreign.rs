@@ -1,4 +1,4 @@
-//! Right, with finer encoders than the Lashloop drive has by default.
+//! Drives that are right, with other defaults and ranges than the Lashloop drive.
 
 use lashloop_protocol::message::SetParameter;
 use lashloop_protocol::vocabulary::ParameterValue;
@@ -35,6 +35,19 @@ pub const FINE: Variant = Variant {
         describing(answers, |it| {
             if ENCODERS.contains(&it.index) {
                 it.default = COUNTS_PER_REV;
+            }
+        })
+    },
+    ..Variant::FAITHFUL
+};
+
+/// Says that it takes no load faster than this.
+pub const SLOW: Variant = Variant {
+    does: "has a slow load",
+    say: |_, answers| {
+        describing(answers, |it| {
+            if it.name.as_str() == "load_speed_limit_rad_s" {
+                it.max = ParameterValue::F32(200.0);
             }
         })
     },
