@@ -1,24 +1,22 @@
-//! Encoders: where they stand, how fast they may be, and how long they may go unread.
+//! Encoders: where they stand, how fast they may be, and (`gaps`) how long they may go unread.
+
+mod gaps;
 
 use std::f64::consts::TAU;
 
-use lashloop_protocol::message::{Arm, EncoderSample};
-use lashloop_protocol::vocabulary::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::message::EncoderSample;
+use lashloop_protocol::vocabulary::{FaultCode, ParameterValue, State};
 use lashloop_protocol::{DriveMessage, EncoderCounts};
 
-use super::check::{Check, Checked, Failure, equal, expect, names};
-use super::client::{Client, outcome, sample, torque};
+use super::check::{Check, Checked, Failure, equal, expect};
+use super::client::{Client, sample, torque};
 use super::parameters::holds;
 use super::safety::{faulted, no_torque};
-use super::samples::stray;
 
 const PERIOD_US: u32 = 1_000;
 /// Coarse enough that the largest speed in a period fits into a counter, fine enough that a count is a small part of it.
 const COUNTS_PER_REV: u32 = 65_536;
-/// What most encoders of servo drives have: the limits that go with the gaps tried here are those of real machines.
-const GAP_COUNTS_PER_REV: u32 = 131_072;
-/// Counts that a difference of readings tells apart either way, without the one that an encoder may show too much.
-const COUNTS_TOLD_APART: f64 = ((1 << 23) - 2) as f64;
+const SPEED_LIMIT_RAD_S: f32 = 50.0;
 /// Periods after which no sample is taken, whatever the encoders are.
 const LONGEST_GAP: u16 = 1_000;
 /// How much two torques may differ, as a share of the larger one, if all that differs is a count in the position. The
@@ -94,36 +92,27 @@ pub(super) fn checks() -> Vec<Check> {
             })
         }),
         check("an encoder may go further than half its range from its first reading", |client| {
-            // No reading wraps here; what would is the way from the first one.
-            let quarter = 1 << 22;
-            let way = |sign: i64, last: i64| [(0, -sign * quarter), (1_000, 0), (2_000, sign * last)];
+            // From a quarter of the range below zero to one above: no reading wraps, what would is the way as a whole.
+            let way = |sign: i64, more: i64| {
+                let mut way = [(0, 0); 33];
+                for (step, at) in (0_i32..).zip(&mut way) {
+                    *at = (step as u16 * LONGEST_GAP, sign * (i64::from(step - 16) << 18));
+                }
+                way[32].1 += sign * more;
+                way
+            };
             BOTH.into_iter().try_for_each(|encoder| {
-                [1, -1].into_iter().try_for_each(|sign| {
-                    alike(client, encoder, &way(sign, quarter + 1), &way(sign, quarter - 1))
-                })
+                [1, -1].into_iter().try_for_each(|sign| alike(client, encoder, &way(sign, 1), &way(sign, -1)))
             })
         }),
-        check("a gap is taken as long as positions can be told apart, and no longer", |client| {
-            // What the encoders of motor and load allow.
-            for (motor, load) in [(400, 800), (800, 400), (5_000, 5_000)] {
-                longest_gap(client, motor, load)?;
-            }
-            Ok(())
-        }),
     ];
-    checks.extend(BOTH.into_iter().flat_map(|encoder| {
-        let name = encoder.name;
-        [
-            Check::new("encoders", format!("a {name} encoder that jumps is a fault"), move |client| {
-                [1.5, -1.5].into_iter().try_for_each(|share| jump(client, encoder, share))
-            }),
-            Check::new(
-                "encoders",
-                format!("Arm is refused if no period tells positions of the {name} apart"),
-                move |client| never_told_apart(client, encoder),
-            ),
-        ]
+    checks.extend(BOTH.into_iter().map(|encoder| {
+        let name = format!("a {} encoder that jumps is a fault", encoder.name);
+        Check::new("encoders", name, move |client| {
+            [1.5, -1.5].into_iter().try_for_each(|share| jump(client, encoder, share))
+        })
     }));
+    checks.extend(gaps::checks());
     checks
 }
 
@@ -144,13 +133,13 @@ fn alike(client: &mut Client, encoder: Encoder, way: &[(u16, i64)], earlier: &[(
     let wanted_nm = at_the_end(client, encoder, earlier)?;
     let came_nm = at_the_end(client, encoder, way)?;
     let near = (came_nm - wanted_nm).abs() <= SAME_TORQUE * came_nm.abs().max(wanted_nm.abs());
-    let places = |way: &[(u16, i64)]| way.iter().map(|it| it.1.to_string()).collect::<Vec<_>>().join(", ");
+    let last = |way: &[(u16, i64)]| way.last().map_or(0, |it| it.1);
     let expected = format!(
-        "with the {} at {} counts the torque {wanted_nm} N m to {} %, as with it at {}",
+        "with the {} at {} counts {wanted_nm} N m to {} %, the torque at {} counts",
         encoder.name,
-        places(way),
+        last(way),
         100.0 * SAME_TORQUE,
-        places(earlier)
+        last(earlier)
     );
     expect(near, expected, came_nm)
 }
@@ -158,8 +147,7 @@ fn alike(client: &mut Client, encoder: Encoder, way: &[(u16, i64)], earlier: &[(
 /// The torque at the end of a way.
 fn at_the_end(client: &mut Client, encoder: Encoder, way: &[(u16, i64)]) -> Result<f32, Failure> {
     client.fresh()?;
-    // A quarter of the range in 1000 periods are 402 rad/s, and half of it is beyond 1000 periods at the limit.
-    running(client, &encoders(COUNTS_PER_REV, 500.0, 500.0))?;
+    running(client, &encoders(COUNTS_PER_REV, SPEED_LIMIT_RAD_S, SPEED_LIMIT_RAD_S))?;
     let mut torque_nm = 0.0;
     for &(sequence, counts) in way {
         let answer = torque(&client.say(placed(encoder, sequence, counts))?)?;
@@ -168,55 +156,6 @@ fn at_the_end(client: &mut Client, encoder: Encoder, way: &[(u16, i64)]) -> Resu
         torque_nm = answer.torque_nm;
     }
     Ok(torque_nm)
-}
-
-/// The speed limit in rad/s with which positions can be told apart over so many periods.
-fn limit_rad_s(counts_per_rev: u32, periods: f64) -> f32 {
-    let counts_per_period = COUNTS_TOLD_APART / periods;
-    (counts_per_period * speed_per_count_rad_s(counts_per_rev)) as f32
-}
-
-/// Tries the longest gap of encoders that allow so many periods.
-fn longest_gap(client: &mut Client, motor: u16, load: u16) -> Checked {
-    // Half a period more, so that no rounding in the drive counts.
-    let [motor_rad_s, load_rad_s] =
-        [motor, load].map(|periods| limit_rad_s(GAP_COUNTS_PER_REV, f64::from(periods) + 0.5));
-    client.fresh()?;
-    running(client, &encoders(GAP_COUNTS_PER_REV, motor_rad_s, load_rad_s))?;
-    client.torque(0)?;
-    let longest = motor.min(load).min(LONGEST_GAP);
-    stray(client, longest + 1)?;
-    let answer = torque(&client.sample(longest)?)?;
-    let what = format!("{motor_rad_s} and {load_rad_s} rad/s, {longest} periods on: sequence, state, flags");
-    let flags = answer.status.flags - TorqueFlags::SATURATED;
-    let wanted = (longest, State::Running, TorqueFlags::GAP);
-    equal(&what, wanted, (answer.sequence, answer.status.state, flags))
-}
-
-/// Arms with the finest encoder the drive takes, and a speed limit a little too high for it and a little lower.
-fn never_told_apart(client: &mut Client, encoder: Encoder) -> Checked {
-    const SLOW_RAD_S: f32 = 10.0;
-    // Of one resolution, because laws may refuse resolutions that are too far apart.
-    let counts_per_rev = finest(client, MOTOR)?.min(finest(client, LOAD)?);
-    let (high_rad_s, low_rad_s) = (limit_rad_s(counts_per_rev, 0.75), limit_rad_s(counts_per_rev, 1.5));
-    let slow = encoders(counts_per_rev, SLOW_RAD_S, SLOW_RAD_S);
-    let [high, low] = [high_rad_s, low_rad_s].map(|rad_s| (encoder.speed_limit, ParameterValue::F32(rad_s)));
-    allowed(client, &[&slow[..], &[high, low]].concat())?;
-    client.idle()?;
-    for (name, value) in slow.into_iter().chain([high]) {
-        client.put(name, value)?;
-    }
-    let session = client.session();
-    let answers = client.say(Arm { session })?;
-    let mut came = names(&answers);
-    // Why may take more than one line.
-    came.dedup();
-    let what = format!("{} = {high_rad_s} at {counts_per_rev} counts/rev:", encoder.speed_limit);
-    equal(&format!("{what} answers"), vec!["Log", "CommandResult"], came)?;
-    let came = (outcome::<Arm>(&answers)?, client.state());
-    equal(&format!("{what} outcome and state"), (Outcome::Inconsistent, State::Idle), came)?;
-    client.put(low.0, low.1)?;
-    client.arm()
 }
 
 /// Leaves the check out if the drive's ranges don't hold these settings: which ones it offers is its own affair.
@@ -235,19 +174,6 @@ fn running(client: &mut Client, settings: &[Setting]) -> Checked {
     allowed(client, settings)?;
     client.running(settings)
 }
-
-/// The finest encoder that the drive takes, in counts per revolution.
-fn finest(client: &Client, encoder: Encoder) -> Result<u32, Failure> {
-    match client.parameter(encoder.counts_per_rev)?.max {
-        ParameterValue::U32(max) => Ok(max),
-        ParameterValue::F32(max) => Err(Failure::Rule {
-            expected: format!("a whole number as the largest {}", encoder.counts_per_rev),
-            came: format!("the real number {max}"),
-        }),
-    }
-}
-
-const SPEED_LIMIT_RAD_S: f32 = 50.0;
 
 /// Moves one encoder by a share of what its speed limit allows in a period; returns the answers and the speed in rad/s.
 fn moved(client: &mut Client, encoder: Encoder, share: f32) -> Result<(Vec<DriveMessage>, f32), Failure> {
