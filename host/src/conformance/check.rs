@@ -39,6 +39,8 @@ impl Check {
 pub(super) enum Failure {
     /// The rule is broken.
     Rule { expected: String, came: String },
+    /// Nothing this drive takes would show whether it keeps the rule.
+    LeftOut { reason: &'static str },
     /// The conversation can't go on.
     Session(SessionError),
 }

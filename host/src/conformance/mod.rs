@@ -6,6 +6,7 @@
 //! | `transitions` | every request in every state, and requests of another session |
 //! | `parameters` | descriptions, ranges, read-back, refusals |
 //! | `samples` | torque for samples, the rules of the sequence, telemetry |
+//! | `encoders` | readings that wrap, jump, or can't be told apart |
 //! | `safety` | limits, faults, watchdog; no torque where there should be none |
 //! | `line` | noise, damage, and what the drive tells of it |
 //! | `answers` | how long answers take |
@@ -20,6 +21,7 @@
 mod answers;
 mod check;
 mod client;
+mod encoders;
 mod greeting;
 pub mod junit;
 mod line;
@@ -123,6 +125,7 @@ pub fn run(
             _ => match client.fresh().and_then(|()| (check.run)(&mut client)) {
                 Ok(()) => Outcome::Passed,
                 Err(Failure::Rule { expected, came }) => Outcome::Failed { expected, came },
+                Err(Failure::LeftOut { reason }) => Outcome::LeftOut { reason },
                 Err(Failure::Session(error)) => return Err(error),
             },
         };
@@ -144,6 +147,7 @@ fn battery() -> Vec<Check> {
         transitions::checks(),
         parameters::checks(),
         samples::checks(),
+        encoders::checks(),
         safety::checks(),
         line::checks(),
         answers::checks(),

@@ -43,7 +43,11 @@ pub(super) fn checks() -> Vec<Check> {
         }),
         check("every default lies in its range", |client| {
             client.parameters().iter().try_for_each(|it| {
-                expect(within(it), format!("{} within {} to {}", it.name, it.min, it.max), it.default)
+                expect(
+                    holds(it, it.default),
+                    format!("{} within {} to {}", it.name, it.min, it.max),
+                    it.default,
+                )
             })
         }),
         check("after a reset every parameter has its default", |client| {
@@ -131,9 +135,10 @@ fn refused(client: &mut Client, parameter: &Parameter, value: ParameterValue, ou
     in_force(client, parameter, parameter.default)
 }
 
-fn within(parameter: &Parameter) -> bool {
+/// Whether a value lies in the range of a parameter and is of its type.
+pub(super) fn holds(parameter: &Parameter, value: ParameterValue) -> bool {
     use ParameterValue::{F32, U32};
-    match (parameter.min, parameter.default, parameter.max) {
+    match (parameter.min, value, parameter.max) {
         (U32(min), U32(value), U32(max)) => (min..=max).contains(&value),
         (F32(min), F32(value), F32(max)) => (min..=max).contains(&value),
         _ => false,

@@ -1,12 +1,10 @@
 //! Safety: no torque where there should be none, and a fault that says why.
 
-use std::f32::consts::TAU;
 use std::time::{Duration, Instant};
 
 use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, FaultReport, Hello, Reset, Stop};
 use lashloop_protocol::vocabulary::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::{DriveMessage, EncoderCounts};
-use lashloop_protocol::{HostMessage, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
 
 use super::check::{Check, Checked, Failure, equal, expect, names};
 use super::client::{Client, fault, sample, torque};
@@ -66,35 +64,6 @@ pub(super) fn checks() -> Vec<Check> {
             equal("state", State::Faulted, client.state())
         })
         .waiting(),
-        check("a motor encoder that jumps is a fault", |client| {
-            [1.5, -1.5].into_iter().try_for_each(|share| jump(client, MOTOR, share))
-        }),
-        check("a load encoder that jumps is a fault", |client| {
-            [1.5, -1.5].into_iter().try_for_each(|share| jump(client, LOAD, share))
-        }),
-        check("an encoder within its speed limit is believed", |client| {
-            for (encoder, share) in [(MOTOR, 0.9), (MOTOR, -0.9), (LOAD, 0.9), (LOAD, -0.9)] {
-                let answer = torque(&moved(client, encoder, share)?.0)?;
-                equal(
-                    &format!("{} at {share} of its limit: state", encoder.speed_limit),
-                    State::Running,
-                    answer.status.state,
-                )?;
-            }
-            Ok(())
-        }),
-        check("an encoder that wraps around has not jumped", |client| {
-            client.running(&[])?;
-            for (sequence, counts) in [(0, EncoderCounts::MAX), (1, EncoderCounts::MIN)] {
-                client.say(EncoderSample {
-                    motor_counts: counts,
-                    load_counts: counts,
-                    ..sample(sequence)
-                })?;
-                equal("state", State::Running, client.state())?;
-            }
-            Ok(())
-        }),
         check("a reference that is not finite is a fault", |client| {
             for reference_rad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
                 client.fresh()?;
@@ -137,7 +106,7 @@ fn ends_of_torque() -> impl Iterator<Item = Check> {
     })
 }
 
-fn no_torque(client: &mut Client, sequence: u16, state: State) -> Checked {
+pub(super) fn no_torque(client: &mut Client, sequence: u16, state: State) -> Checked {
     let answer = client.torque(sequence)?;
     equal("torque and state", (0.0, state), (answer.torque_nm, answer.status.state))
 }
@@ -191,68 +160,8 @@ fn watchdog_trips(client: &mut Client) -> Checked {
     Ok(())
 }
 
-/// One of the two encoders, by the names of its parameters.
-#[derive(Clone, Copy)]
-struct Encoder {
-    speed_limit: &'static str,
-    counts_per_rev: u32,
-    code: FaultCode,
-    load: bool,
-}
-
-/// Coarse enough that the largest speed in a period fits into a counter, fine enough that a count is a small part of it.
-const COUNTS_PER_REV: u32 = 65_536;
-const SPEED_LIMIT_RAD_S: f32 = 50.0;
-const PERIOD_US: u32 = 1_000;
-
-const MOTOR: Encoder = Encoder {
-    speed_limit: "motor_speed_limit_rad_s",
-    counts_per_rev: COUNTS_PER_REV,
-    code: FaultCode::MotorEncoderJump,
-    load: false,
-};
-const LOAD: Encoder =
-    Encoder { speed_limit: "load_speed_limit_rad_s", code: FaultCode::LoadEncoderJump, load: true, ..MOTOR };
-
-/// Moves one encoder by a share of what its speed limit allows in a period; returns the answers and the speed in rad/s.
-fn moved(client: &mut Client, encoder: Encoder, share: f32) -> Result<(Vec<DriveMessage>, f32), Failure> {
-    client.fresh()?;
-    client.running(&[
-        ("period_us", ParameterValue::U32(PERIOD_US)),
-        ("motor_counts_per_rev", ParameterValue::U32(encoder.counts_per_rev)),
-        ("load_counts_per_rev", ParameterValue::U32(encoder.counts_per_rev)),
-        (encoder.speed_limit, ParameterValue::F32(SPEED_LIMIT_RAD_S)),
-    ])?;
-    client.torque(0)?;
-    let per_count = speed_per_count_rad_s(encoder);
-    let counts = (share * SPEED_LIMIT_RAD_S / per_count) as i64;
-    let still = sample(1);
-    let moved = if encoder.load {
-        EncoderSample { load_counts: EncoderCounts::wrapping(counts), ..still }
-    } else {
-        EncoderSample { motor_counts: EncoderCounts::wrapping(counts), ..still }
-    };
-    Ok((client.say(moved)?, counts as f32 * per_count))
-}
-
-/// What one count in a period means.
-fn speed_per_count_rad_s(encoder: Encoder) -> f32 {
-    TAU / encoder.counts_per_rev as f32 / (PERIOD_US as f32 * 1e-6)
-}
-
-fn jump(client: &mut Client, encoder: Encoder, share: f32) -> Checked {
-    let (answers, speed_rad_s) = moved(client, encoder, share)?;
-    let it = faulted(&answers, encoder.code)?;
-    equal("sequence and limit", (1, SPEED_LIMIT_RAD_S), (it.sequence, it.limit))?;
-    // Which way it turned need not be said, and an encoder that shows one count more may have turned hardly at all.
-    let (value, speed_rad_s) = (it.value.abs(), speed_rad_s.abs());
-    let near = (value - speed_rad_s).abs() <= 1.01 * speed_per_count_rad_s(encoder);
-    expect(near, format!("the speed {speed_rad_s} rad/s, to a count in a period"), it.value)?;
-    no_torque(client, 2, State::Faulted)
-}
-
 /// The answers to a sample that is a fault: torque zero, then the report.
-fn faulted(answers: &[DriveMessage], code: FaultCode) -> Result<FaultReport, Failure> {
+pub(super) fn faulted(answers: &[DriveMessage], code: FaultCode) -> Result<FaultReport, Failure> {
     equal("answers", vec!["TorqueAnswer", "FaultReport"], names(answers))?;
     let answer = torque(answers)?;
     equal("torque and state", (0.0, State::Faulted), (answer.torque_nm, answer.status.state))?;

@@ -6,10 +6,11 @@ use lashloop_protocol::{DriveMessage, EncoderCounts};
 
 use super::check::{Check, Checked, Failure, equal, expect, find, names};
 use super::client::{Client, outcome, sample, torque};
+use super::encoders::COARSE;
 
 /// Steps that are enough for any memory a controller has to show.
 const STEPS: u16 = 50;
-/// A gap that encoders of every usual resolution allow.
+/// A gap that [`COARSE`] encoders allow.
 const GAP: usize = 100;
 
 pub(super) fn checks() -> Vec<Check> {
@@ -58,7 +59,7 @@ pub(super) fn checks() -> Vec<Check> {
             equal("torques", once, twice)
         }),
         check("a gap is flagged GAP, once", |client| {
-            client.running(&[])?;
+            client.running(&COARSE)?;
             client.torque(0)?;
             let has_gap = |flags: TorqueFlags| flags.contains(TorqueFlags::GAP);
             for (sequence, gap) in [(1, false), (4, true), (5, false), (7, true)] {
@@ -67,7 +68,7 @@ pub(super) fn checks() -> Vec<Check> {
             Ok(())
         }),
         check("after sequence 65535 comes 0", |client| {
-            client.running(&[])?;
+            client.running(&COARSE)?;
             for sequence in (0..=u16::MAX).step_by(GAP).chain([u16::MAX]) {
                 client.torque(sequence)?;
             }
@@ -166,7 +167,7 @@ fn torques(
     Ok(torques)
 }
 
-fn stray(client: &mut Client, sequence: u16) -> Checked {
+pub(super) fn stray(client: &mut Client, sequence: u16) -> Checked {
     let answers = client.sample(sequence)?;
     equal(&format!("to sample {sequence}"), vec!["CommandResult"], names(&answers))?;
     equal("outcome", Outcome::OutOfSequence, outcome::<EncoderSample>(&answers)?)?;

@@ -18,6 +18,8 @@ pub struct Past {
     pub number: u32,
     pub torque_nm: f32,
     pub kept: Option<HostMessage>,
+    /// Counts from zero at which an encoder was at first in a run, and is now.
+    pub counts: (i64, i64),
 }
 
 /// A way to be wrong.

@@ -36,6 +36,31 @@ fn a_drive_that_is_right_passes_every_check() {
     assert!(findings.iter().all(|it| it.outcome == Outcome::Passed), "{findings:#?}");
 }
 
+/// 1000 rad/s and these encoders make the longest gap 50 periods.
+#[test]
+fn a_drive_that_has_fine_encoders_passes_every_check() {
+    let findings = findings(variants::FINE);
+    assert!(findings.iter().all(|it| it.outcome == Outcome::Passed), "{findings:#?}");
+}
+
+#[test]
+fn what_the_ranges_of_a_drive_do_not_allow_is_left_out_and_said_so() {
+    let findings = findings(variants::SLOW);
+    let left_out: Vec<_> = findings
+        .iter()
+        .filter(|it| matches!(it.outcome, Outcome::LeftOut { reason } if reason.contains("speed limits")))
+        .map(|it| it.name.as_str())
+        .collect();
+    let wanted = [
+        "a gap is taken as long as positions can be told apart, and no longer",
+        "Arm is refused if no period tells positions of the load apart",
+    ];
+    assert_eq!(left_out, wanted);
+    // It takes more than it says, and that is all that is wrong with it.
+    let refuses = "a value out of range is refused and changes nothing".to_owned();
+    assert_eq!(failed(&findings), BTreeSet::from([refuses]));
+}
+
 /// Checks that no altered drive here can fail: it begins every check in Boot by the same Reset, gathers bytes to whole
 /// frames before it alters anything, and says nothing but whole frames.
 const OUT_OF_REACH: [&str; 3] = [

@@ -53,7 +53,8 @@ fn the_junit_file_has_every_check_as_a_case_of_its_group() {
         .filter(|it| it.has_tag_name("testsuite"))
         .filter_map(|it| it.attribute("name"))
         .collect();
-    let wanted = ["greeting", "transitions", "parameters", "samples", "safety", "line", "answers"];
+    let wanted =
+        ["greeting", "transitions", "parameters", "samples", "encoders", "safety", "line", "answers"];
     assert_eq!(groups, wanted);
 }
 

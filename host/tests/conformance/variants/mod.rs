@@ -1,5 +1,7 @@
 //! Drives that break one rule each, and the check that has to find out.
 
+mod encoders;
+mod foreign;
 mod greeting;
 mod line;
 mod parameters;
@@ -15,6 +17,7 @@ use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
 use crate::altered::{Past, Variant};
+pub use foreign::{FINE, SLOW};
 
 /// All of them, in the order of the battery.
 pub fn all() -> impl Iterator<Item = Variant> {
@@ -23,6 +26,7 @@ pub fn all() -> impl Iterator<Item = Variant> {
         transitions::VARIANTS,
         parameters::VARIANTS,
         samples::VARIANTS,
+        encoders::VARIANTS,
         safety::VARIANTS,
         line::VARIANTS,
     ]

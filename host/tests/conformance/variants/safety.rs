@@ -2,7 +2,7 @@
 
 use lashloop_protocol::message::{ClearFault, EncoderSample, SetParameter};
 use lashloop_protocol::vocabulary::{FaultCode, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage};
+use lashloop_protocol::{DriveMessage, HostMessage};
 
 use super::{each, hears, says, torques};
 use crate::altered::Variant;
@@ -119,40 +119,6 @@ pub const VARIANTS: &[Variant] = &[
             other => vec![other],
         },
     ),
-    hears(
-        "believes any motor encoder",
-        "a motor encoder that jumps is a fault",
-        |_, request| match request {
-            HostMessage::EncoderSample(sample) if sample.motor_counts.get().unsigned_abs() > 700 => {
-                vec![EncoderSample { motor_counts: EncoderCounts::default(), ..sample }.into()]
-            }
-            other => vec![other],
-        },
-    ),
-    hears("believes any load encoder", "a load encoder that jumps is a fault", |_, request| match request {
-        HostMessage::EncoderSample(sample) if sample.load_counts.get().unsigned_abs() > 700 => {
-            vec![EncoderSample { load_counts: EncoderCounts::default(), ..sample }.into()]
-        }
-        other => vec![other],
-    }),
-    hears(
-        "believes no encoder",
-        "an encoder within its speed limit is believed",
-        |_, request| match request {
-            HostMessage::EncoderSample(sample) if sample.motor_counts.get().unsigned_abs() > 300 => {
-                vec![EncoderSample { motor_counts: EncoderCounts::wrapping(1 << 22), ..sample }.into()]
-            }
-            other => vec![other],
-        },
-    ),
-    hears("does not know that counters wrap", "an encoder that wraps around has not jumped", |_, request| {
-        match request {
-            HostMessage::EncoderSample(sample) if sample.motor_counts == EncoderCounts::MIN => {
-                vec![EncoderSample { motor_counts: EncoderCounts::default(), ..sample }.into()]
-            }
-            other => vec![other],
-        }
-    }),
     hears("takes NaN for zero", "a reference that is not finite is a fault", |_, request| match request {
         HostMessage::EncoderSample(sample) if sample.reference_rad.is_nan() => {
             vec![EncoderSample { reference_rad: 0.0, ..sample }.into()]
