@@ -8,6 +8,7 @@ import sys
 
 import pytest
 
+from lashloop.host import Host
 from support import PARAMETER_COUNT, SOON_S, Program, python_drive
 
 
@@ -31,6 +32,15 @@ def test_a_drive_prints_its_path_and_says_who_it_is() -> None:
         )
         assert "control laws          Pd\n" in said
         assert "protocol version      1\n" in said
+
+
+def test_a_drive_with_a_fault_says_which() -> None:
+    with python_drive() as program:
+        with Host.open(program.path) as host:
+            host.emergency_stop()
+        code, said, _ = run("identify", "--port", program.path)
+    assert code == 0
+    assert "fault                 EmergencyStop (sequence 0)\n" in said
 
 
 def test_parameters_are_listed_and_set_and_stay() -> None:

@@ -73,7 +73,7 @@ def test_a_fault_that_the_drive_came_with_is_known_after_the_greeting() -> None:
     host = Host(wire, session=8, clock=wire.clock)
     assert host.identity.state is State.FAULTED
     assert host.fault is not None
-    assert host.fault.code is FaultCode.EMERGENCY_STOP
+    assert host.fault.message.code is FaultCode.EMERGENCY_STOP
     with pytest.raises(RefusedError, match="refused Arm in state Faulted: WrongState"):
         host.arm()
     host.clear_fault()

@@ -108,8 +108,8 @@ def test_without_samples_the_watchdog_trips_by_itself_and_is_told_at_once(served
         assert served.drive.torque_nm == 0.0
         with pytest.raises(DriveFaultError) as it:
             host.torque(motor_counts=0, load_counts=0, reference_rad=1.0)
-        assert it.value.fault.code is FaultCode.WATCHDOG
-        assert 0.1 < it.value.fault.value < SOON_S
+        assert it.value.fault.message.code is FaultCode.WATCHDOG
+        assert 0.1 < it.value.fault.message.value < SOON_S
 
 
 def test_a_host_that_does_not_read_can_t_keep_the_watchdog_from_tripping(served: Served) -> None:
@@ -146,7 +146,7 @@ def test_a_law_that_raises_ends_the_drive_with_last_words() -> None:
             host.torque(motor_counts=2, load_counts=0, reference_rad=0.0)
     assert isinstance(served.error, ZeroDivisionError)
     line = Broken.step.__code__.co_firstlineno + 2
-    assert it.value.fault.detail == line
+    assert it.value.fault.message.detail == line
 
 
 def test_a_drive_whose_line_is_gone_ends_with_a_sentence() -> None:

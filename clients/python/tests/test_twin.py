@@ -84,7 +84,7 @@ def test_a_closed_loop_with_the_twin_has_the_torque_of_the_law_and_brings_the_lo
         assert (report.messages, report.damaged, report.refused, report.overruns) == (3001, 0, 0, 0)
         assert host.lost == 0
         assert host.telemetry is not None
-        assert host.telemetry.sequence == 2990
+        assert host.telemetry.step == 2990
     # The load creeps home: less than half of its way is left after 3 s, and it has not run past.
     assert 0.0 < plant.load_rad < 0.25 * math.pi
 
@@ -112,12 +112,12 @@ def test_a_jump_of_an_encoder_is_a_fault_of_the_twin_with_value_and_limit() -> N
         host.torque(motor_counts=0, load_counts=0, reference_rad=0.0)
         with pytest.raises(DriveFaultError) as it:
             host.torque(motor_counts=0, load_counts=50_000, reference_rad=0.0)
-        fault = it.value.fault
+        fault = it.value.fault.message
         assert (fault.code, fault.sequence, fault.limit) == (FaultCode.LOAD_ENCODER_JUMP, 1, 100.0)
         # A count is taken off: an encoder that shows one count more may have turned hardly at all.
         assert fault.value == pytest.approx(49_999 * math.tau / COUNTS_PER_REV / PERIOD_S, rel=1e-6)
         host.clear_fault()
-        assert host.emergency_stop().code is FaultCode.EMERGENCY_STOP
+        assert host.emergency_stop().message.code is FaultCode.EMERGENCY_STOP
         host.clear_fault()
         host.arm()
 
@@ -129,4 +129,4 @@ def test_a_twin_with_a_fault_tells_the_next_host() -> None:
         with Host.open(twin.path) as host:
             assert host.identity.state is State.FAULTED
             assert host.fault is not None
-            assert host.fault.code is FaultCode.EMERGENCY_STOP
+            assert host.fault.message.code is FaultCode.EMERGENCY_STOP

@@ -6,7 +6,7 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from lashloop.frames import FROM_DRIVE, FROM_HOST, decode, encode
-from lashloop.host import Host
+from lashloop.host import Host, TimeLimits
 from support import Bench
 
 if TYPE_CHECKING:
@@ -72,14 +72,14 @@ class Wire:
         return Counter(map(type, self.sent))[kind]
 
 
-def greeted(wire: Wire) -> Host:
+def greeted(wire: Wire, limits: TimeLimits | None = None) -> Host:
     """A host of a session of ours."""
-    return Host(wire, session=7, clock=wire.clock)
+    return Host(wire, session=7, limits=limits, clock=wire.clock)
 
 
-def running(wire: Wire) -> Host:
+def running(wire: Wire, limits: TimeLimits | None = None) -> Host:
     """A host in a run, with a watchdog longer than its patience."""
-    host = greeted(wire)
+    host = greeted(wire, limits)
     host.set("watchdog_us", 10_000_000)
     host.arm()
     host.start()

@@ -140,7 +140,7 @@ def _identify(arguments: argparse.Namespace) -> None:
         print(f"protocol version      {it.protocol_version}")
         print(f"state                 {it.state}")
         if host.fault is not None:
-            print(f"fault                 {host.fault.code} at sample {host.fault.sequence}")
+            print(f"fault                 {host.fault}")
         print(f"control period        {it.period_us} us")
         print(f"motor encoder         {it.motor_counts_per_rev} counts/rev")
         print(f"load encoder          {it.load_counts_per_rev} counts/rev")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 SEQUENCES = 2**16
+LONGEST_GAP = 1000
+"""Control periods after the last sample taken beyond which no drive takes another, section 7 of `docs/protocol.md`."""
 
 
 def of_step(step: int) -> int:

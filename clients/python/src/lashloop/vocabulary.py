@@ -66,6 +66,11 @@ class FaultCode(WireEnum):
     PANIC = 7
     PROCESSOR_FAULT = 8
 
+    @property
+    def is_last_words(self) -> bool:
+        """Whether these are a firmware's last words, section 8: their sequence is 0 and names no sample."""
+        return self in (FaultCode.PANIC, FaultCode.PROCESSOR_FAULT)
+
 
 class Outcome(WireEnum):
     """What became of a request."""

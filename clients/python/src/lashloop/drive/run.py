@@ -8,16 +8,13 @@ from typing import TYPE_CHECKING
 
 from lashloop.control import ControlInput, Controller, ControlOutput, InconsistentError
 from lashloop.counts import LARGEST, wrapping_difference
-from lashloop.sequence import SEQUENCES
+from lashloop.sequence import LONGEST_GAP, SEQUENCES
 from lashloop.vocabulary import TorqueFlags
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from lashloop.messages import EncoderSample, TorqueAnswer
-
-LONGEST_GAP = 1000
-"""Samples that may be missing in a row before a sequence is taken for a stray frame of another run."""
 
 
 @dataclass(frozen=True, slots=True)

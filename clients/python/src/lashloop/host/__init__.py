@@ -4,6 +4,7 @@ from lashloop.host.client import Host
 from lashloop.host.conversation import TimeLimits
 from lashloop.host.errors import (
     DriveFaultError,
+    GapTooLongError,
     HostError,
     ParameterRangeError,
     ParameterRefusedError,
@@ -14,14 +15,18 @@ from lashloop.host.errors import (
     VersionError,
 )
 from lashloop.host.parameters import Parameter
+from lashloop.host.placed import Placed, PlacedFault
 
 __all__ = [
     "DriveFaultError",
+    "GapTooLongError",
     "Host",
     "HostError",
     "Parameter",
     "ParameterRangeError",
     "ParameterRefusedError",
+    "Placed",
+    "PlacedFault",
     "RefusedError",
     "SilenceError",
     "StartTooFarError",

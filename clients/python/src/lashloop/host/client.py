@@ -18,16 +18,15 @@ import secrets
 import time
 from typing import TYPE_CHECKING
 
-from lashloop.counts import wrapped
 from lashloop.host.conversation import Conversation, TimeLimits
 from lashloop.host.errors import (
     ParameterRefusedError,
     RefusedError,
-    StartTooFarError,
     UnknownParameterError,
     VersionError,
 )
-from lashloop.host.exchange import exchange, reported_fault
+from lashloop.host.exchange import reported_fault
+from lashloop.host.lockstep import Lockstep
 from lashloop.host.parameters import Parameter
 from lashloop.lines import DEFAULT_BAUD, LineError, open_port
 from lashloop.messages import (
@@ -38,8 +37,6 @@ from lashloop.messages import (
     DescribeParameter,
     DriveMessage,
     EmergencyStop,
-    EncoderSample,
-    FaultReport,
     GetParameter,
     Hello,
     HostMessage,
@@ -51,10 +48,7 @@ from lashloop.messages import (
     SetParameter,
     Start,
     Stop,
-    Telemetry,
-    TorqueAnswer,
 )
-from lashloop.sequence import of_step
 from lashloop.vocabulary import Outcome, State
 
 if TYPE_CHECKING:
@@ -64,7 +58,9 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from lashloop.decoder import Counters
+    from lashloop.host.placed import Placed, PlacedFault
     from lashloop.lines import Line
+    from lashloop.messages import Telemetry, TorqueAnswer
 
 _SESSIONS = 2**32
 
@@ -85,11 +81,7 @@ class Host:
         self._session = secrets.randbelow(_SESSIONS) if session is None else session
         self._parameters: dict[str, Parameter] | None = None
         self._may_give_torque = False
-        self._step = 0
-        self._held_nm = 0.0
-        self._unanswered_since: float | None = None
-        self.last_answer: TorqueAnswer | None = None
-        self.lost = 0
+        self._run = Lockstep(self._talk)
         self._talk.clear()
         self.identity = self._greet()
 
@@ -122,18 +114,24 @@ class Host:
         self._talk.close()
 
     @property
-    def telemetry(self) -> Telemetry | None:
-        """The last telemetry since the start."""
+    def last_answer(self) -> Placed[TorqueAnswer] | None:
+        """The last torque since the start that came in time, with its control period."""
+        return self._run.last_answer
+
+    @property
+    def lost(self) -> int:
+        """How many samples since the start have stayed unanswered."""
+        return self._run.lost
+
+    @property
+    def telemetry(self) -> Placed[Telemetry] | None:
+        """The last telemetry since the start, with its control period."""
         return self._talk.telemetry
 
     @property
-    def fault(self) -> FaultReport | None:
-        """The last fault that the drive reported, until it is cleared."""
+    def fault(self) -> PlacedFault | None:
+        """The last fault that the drive reported, with its control period, until it is cleared."""
         return self._talk.fault
-
-    def step_of(self, sequence: int) -> int:
-        """Give the control period, counted from 0 at the start, that an answer, telemetry or a fault means."""
-        return self._talk.step_of(sequence)
 
     @property
     def logs(self) -> list[str]:
@@ -182,40 +180,23 @@ class Host:
         """Begin a run."""
         self._may_give_torque = True
         self._command(Start(self._session))
-        self._step, self._held_nm, self.lost = 0, 0.0, 0
-        self._unanswered_since = self.last_answer = None
+        self._run = Lockstep(self._talk)
         self._talk.begin_run()
 
     def torque(self, *, motor_counts: int, load_counts: int, reference_rad: float) -> float:
         """Send the encoder sample of the next control period and give the torque from then on, in N m.
 
-        Counts may be of any size, as 24 bits of them are sent; only those of the first sample say where the encoders
-        stand, so `StartTooFarError` if they take more. A sample that stays unanswered leaves the torque before in
-        force and is counted as lost; `SilenceError` after too many. The first one is sent again, because no other can
-        be the first. `DriveFaultError` if the run has ended by a fault.
+        Each call that returns is a control period: mechanics stand still during a call, however long that takes, and
+        go on for a period between two. Counts may be of any size, as 24 bits of them are sent; only those of the first
+        sample say where the encoders stand, so `StartTooFarError` if they take more.
+
+        A sample that stays unanswered leaves the torque before in force and is counted as lost. The first one is sent
+        again as it was, because no other can be the first; the call after its answer is period 1. What goes on for too
+        long is an error, whichever comes first: `SilenceError` after `TimeLimits.silence_s`, `GapTooLongError` where
+        the next sample would be more than 1000 control periods after the last one answered. `RefusedError` if the
+        drive does not take the sample, `DriveFaultError` if the run has ended by a fault.
         """
-        if self._step == 0:
-            _check_start(motor=motor_counts, load=load_counts)
-        sequence = of_step(self._step)
-        sample = EncoderSample(sequence, wrapped(motor_counts), wrapped(load_counts), reference_rad)
-        limits, clock = self._talk.limits, self._talk.clock
-        if self._unanswered_since is None:
-            self._unanswered_since = clock()
-        while True:
-            patience_s = limits.silence_s - (clock() - self._unanswered_since)
-            answer = exchange(self._talk, sample, min(limits.answer_s, patience_s))
-            if answer is not None:
-                self._unanswered_since = None
-                self.last_answer = answer
-                self._held_nm = answer.torque_nm
-                break
-            if clock() - self._unanswered_since >= limits.silence_s:
-                raise self._talk.silence(f"EncoderSample {self._step}", limits.silence_s)
-            if self._step > 0:
-                self.lost += 1
-                break
-        self._step += 1
-        return self._held_nm
+        return self._run.torque(motor_counts, load_counts, reference_rad)
 
     def stop(self) -> LineReport:
         """End the run in good order, and give what the drive's receiver has seen of it."""
@@ -232,7 +213,7 @@ class Host:
             raise self._talk.silence("Stop, for a LineReport before its result,", self._talk.limits.request_s)
         return reports[-1]
 
-    def emergency_stop(self) -> FaultReport:
+    def emergency_stop(self) -> PlacedFault:
         """Take the torque away and latch a fault; gives the fault that this is reported as."""
         self._talk.fault = None
         self._command(EmergencyStop())
@@ -285,12 +266,6 @@ class Host:
         if result.outcome is not Outcome.ACCEPTED:
             said = self.logs[-1:] if result.outcome is Outcome.INCONSISTENT else []
             raise RefusedError(type(request).__name__, result.outcome, result.state, said)
-
-
-def _check_start(**positions: int) -> None:
-    for side, counts in positions.items():
-        if wrapped(counts) != counts:
-            raise StartTooFarError(side, counts)
 
 
 def _result_of(request: int) -> Callable[[DriveMessage], CommandResult | None]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 from lashloop.decoder import Counters, Decoder
 from lashloop.frames import DELIMITER, FROM_DRIVE, FrameError, encode
 from lashloop.host.errors import SilenceError
+from lashloop.host.placed import Placed, PlacedFault
 from lashloop.lines import send_all
 from lashloop.messages import DriveMessage, EncoderSample, FaultReport, HostMessage, Log, Telemetry, TorqueAnswer
 from lashloop.sequence import nearest_step
@@ -26,7 +27,11 @@ _LOGS_KEPT = 100
 
 @dataclass(frozen=True, slots=True)
 class TimeLimits:
-    """How long a host waits, section 11 of `docs/protocol.md`. Wall time."""
+    """How long a host waits, section 11 of `docs/protocol.md`. Wall time.
+
+    The Lashloop bench, of which that section tells, sends a request again every 500 ms; this host sends each of them
+    once and waits for its answer. Only a `Hello` and the first sample of a run are sent again.
+    """
 
     greeting_s: float = 2.5
     """For an `Identity`."""
@@ -47,8 +52,8 @@ class Conversation:
         """Use an open line; nothing is sent yet."""
         self.limits = limits
         self.clock = clock
-        self.telemetry: Telemetry | None = None
-        self.fault: FaultReport | None = None
+        self.telemetry: Placed[Telemetry] | None = None
+        self.fault: PlacedFault | None = None
         self.logs: deque[Log] = deque(maxlen=_LOGS_KEPT)
         self._line = line
         self._decoder = Decoder(FROM_DRIVE)
@@ -66,14 +71,6 @@ class Conversation:
         """Count the samples anew, and forget what was told of the run before."""
         self.telemetry = self._last_sent = self._last_torque = None
 
-    def step_of(self, sequence: int) -> int:
-        """Give the control period that a sequence means: the nearest one to the last sample sent.
-
-        One that no sample of the run can have had is left as it is.
-        """
-        step = nearest_step(sequence, self._last_sent or 0)
-        return sequence if step is None else step
-
     def clear(self) -> None:
         """Begin anew: forget what has come, and end whatever half frame an earlier host left with the drive."""
         self._line.discard_input()
@@ -85,7 +82,7 @@ class Conversation:
         """Send a message and wait for nothing."""
         send_all(self._line, encode(message), self.limits.request_s, self.clock)
         if isinstance(message, EncoderSample):
-            self._last_sent = self.step_of(message.sequence)
+            self._last_sent = nearest_step(message.sequence, self._last_sent or 0)
 
     def wait(self, wanted: Callable[[DriveMessage], T | None], limit_s: float) -> T | None:
         """Give what `wanted` recognises, or None once the time is over. Everything else is kept or passed over."""
@@ -128,11 +125,11 @@ class Conversation:
             case Log():
                 self.logs.append(message)
             case FaultReport():
-                self.fault = message
+                self.fault = PlacedFault.near(self._last_sent, message)
             case Telemetry():
-                self.telemetry = message
+                self.telemetry = Placed.near(self._last_sent or 0, message)
             case TorqueAnswer():
-                self._last_torque = self.step_of(message.sequence)
+                self._last_torque = Placed.near(self._last_sent or 0, message).step
 
     def _last_seen(self) -> str:
         if not self._last_message:

@@ -7,19 +7,10 @@ from typing import TYPE_CHECKING
 from lashloop.counts import LARGEST
 from lashloop.errors import LashloopError
 from lashloop.messages import PROTOCOL_VERSION
-from lashloop.vocabulary import FaultCode
 
 if TYPE_CHECKING:
-    from lashloop.messages import FaultReport
+    from lashloop.host.placed import PlacedFault
     from lashloop.vocabulary import Outcome, ParameterValue, State
-
-_UNITS = {
-    FaultCode.WATCHDOG: "s",
-    FaultCode.TORQUE_NOT_FINITE: "N m",
-    FaultCode.REFERENCE_NOT_FINITE: "rad",
-    FaultCode.MOTOR_ENCODER_JUMP: "rad/s",
-    FaultCode.LOAD_ENCODER_JUMP: "rad/s",
-}
 
 
 class HostError(LashloopError):
@@ -33,6 +24,18 @@ class SilenceError(HostError):
         """Say what it should have answered, how long it was waited for, and how far the conversation had got."""
         super().__init__(f"the drive was silent for {limit_s:g} s after {waiting_for} ({last_seen})")
         self.waiting_for, self.limit_s = waiting_for, limit_s
+
+
+class GapTooLongError(HostError):
+    """So many samples in a row went without an answer that no drive would take the next one. It has not been sent."""
+
+    def __init__(self, answered: int, longest: int) -> None:
+        """Name the sample answered last, and the longest gap in control periods."""
+        super().__init__(
+            f"the drive answered sample {answered} last, and no drive takes one that is more than {longest} control "
+            "periods later: the run is over, start the drive anew"
+        )
+        self.answered, self.longest = answered, longest
 
 
 class VersionError(HostError):
@@ -60,13 +63,10 @@ class RefusedError(HostError):
 class DriveFaultError(HostError):
     """The drive has latched a fault; the run is over."""
 
-    def __init__(self, fault: FaultReport, step: int) -> None:
+    def __init__(self, fault: PlacedFault) -> None:
         """Say which fault, at which sample, which value and which limit."""
-        unit = _UNITS.get(fault.code)
-        numbers = f": {fault.value:g} {unit}, the limit is {fault.limit:g} {unit}" if unit else ""
-        detail = f", detail {fault.detail:#x}" if fault.detail else ""
-        super().__init__(f"the drive latched {fault.code} at sample {step}{numbers}{detail}")
-        self.fault, self.step = fault, step
+        super().__init__(f"the drive latched {fault}")
+        self.fault = fault
 
 
 class StartTooFarError(HostError, ValueError):

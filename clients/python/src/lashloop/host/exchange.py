@@ -10,6 +10,7 @@ from lashloop.vocabulary import Outcome, State
 
 if TYPE_CHECKING:
     from lashloop.host.conversation import Conversation
+    from lashloop.host.placed import PlacedFault
 
 
 def exchange(talk: Conversation, sample: EncoderSample, limit_s: float) -> TorqueAnswer | None:
@@ -21,7 +22,7 @@ def exchange(talk: Conversation, sample: EncoderSample, limit_s: float) -> Torqu
     def wanted(message: DriveMessage) -> TorqueAnswer | None:
         # It will not answer any more: its watchdog has tripped, or these are its last words.
         if isinstance(message, FaultReport):
-            raise DriveFaultError(message, talk.step_of(message.sequence))
+            raise DriveFaultError(reported_fault(talk))
         if isinstance(message, CommandResult) and message.request == EncoderSample.KIND:
             raise RefusedError("EncoderSample", message.outcome, message.state, [])
         if isinstance(message, TorqueAnswer) and message.sequence == sample.sequence:
@@ -31,14 +32,13 @@ def exchange(talk: Conversation, sample: EncoderSample, limit_s: float) -> Torqu
     talk.send(sample)
     answer = talk.wait(wanted, limit_s)
     if answer is not None and answer.status.state is State.FAULTED:
-        fault = reported_fault(talk)
-        raise DriveFaultError(fault, talk.step_of(fault.sequence))
+        raise DriveFaultError(reported_fault(talk))
     if answer is not None and answer.status.state is not State.RUNNING:
         raise RefusedError("EncoderSample", Outcome.WRONG_STATE, answer.status.state, [])
     return answer
 
 
-def reported_fault(talk: Conversation) -> FaultReport:
+def reported_fault(talk: Conversation) -> PlacedFault:
     """Give the report of a fault that is known to be latched: it has come already, or follows."""
     if talk.fault is None:
         talk.wait(lambda it: it if isinstance(it, FaultReport) else None, talk.limits.request_s)
