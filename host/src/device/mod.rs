@@ -308,7 +308,7 @@ fn explain(choice: &DeviceChoice, process: Option<&Process>, source: SessionErro
     // merely silent has been waited for long enough.
     let patience = match source {
         SessionError::Broken { source: LinkError::Disconnected, .. } => Some(Duration::from_millis(500)),
-        SessionError::Silent { .. } => Some(Duration::ZERO),
+        SessionError::Silent { .. } | SessionError::TooLongAGap { .. } => Some(Duration::ZERO),
         _ => None,
     };
     let ended = process

@@ -12,7 +12,7 @@ pub enum DrawError {
     #[error(transparent)]
     Record(#[from] ReadError),
     /// No run has a step in the part of its time that is to be shown.
-    #[error("there is nothing from {from_s} s to {until_s} s; the records end at {end_s} s")]
+    #[error("there is nothing from {from_s} s {}; the records end at {end_s} s", to(*until_s))]
     Nothing {
         /// Beginning of the part.
         from_s: f64,
@@ -21,6 +21,10 @@ pub enum DrawError {
         /// Time of the last step of all runs.
         end_s: f64,
     },
+}
+
+fn to(until_s: f64) -> String {
+    if until_s.is_finite() { format!("to {until_s} s") } else { "on".to_owned() }
 }
 
 /// Faults that are marked; more would hide the curves.

@@ -7,7 +7,6 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
-use lashloop_protocol::sequence::LONGEST_GAP;
 use lashloop_protocol::vocabulary::State;
 
 use super::bench::Bench;
@@ -24,6 +23,9 @@ use crate::timing::{ClockName, Fate, RoundTrip, StepTiming};
 
 /// Time between two attempts to get a lost drive back.
 const RESUME_INTERVAL: Duration = Duration::from_millis(50);
+
+/// Time that a start may take in real time to be of use: less than what it waits for a lost answer.
+const START_LIMIT: Duration = Duration::from_millis(250);
 
 /// Where finished steps go.
 pub(super) trait Sink {
@@ -137,14 +139,16 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
         }
         self.begin(step, device)?;
         let (sample, row) = self.bench.observe(step)?;
+        if !self.is_started {
+            let (fate, round_trip) = self.give_up();
+            self.finish(device)?;
+            self.hold(step, row, StepTiming { lateness, fate, round_trip })?;
+            return Ok(None);
+        }
+        let is_sent_again = self.first.is_some() && !self.is_answered;
         let (number, sample) = self.place(step, sample)?;
         let asked = Instant::now();
-        let gap = (step - self.origin).saturating_sub(device.session.taken().unwrap_or(0));
-        let exchange = if gap > LONGEST_GAP.into() {
-            Err(device.session.too_long_a_gap(gap))
-        } else {
-            device.session.exchange(number, &sample, deadline.min(self.silent_at(asked)))
-        };
+        let exchange = device.session.exchange(number, &sample, deadline.min(self.silent_at(asked)));
         let exchange = match exchange {
             Err(source) if source.is_loss() => {
                 if let Some(end) = self.lose(source, device)? {
@@ -170,7 +174,9 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
                     (Fate::Unanswered, None)
                 } else {
                     self.torque_nm = answer.torque_nm;
-                    (Fate::Answered, Some(RoundTrip::new(&moments, &answer)))
+                    // To which sending it is the answer can't be known.
+                    let round_trip = (!is_sent_again).then(|| RoundTrip::new(&moments, &answer));
+                    (Fate::Answered, round_trip)
                 }
             }
             Some(Exchange::Faulted(fault)) => return Ok(Some(End::DriveFault(fault))),
@@ -253,8 +259,10 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
     }
 
     /// Starts a drive that was lost and has been set up. Not before the step that asks it again: its watchdog runs from
-    /// here on, and in real time the steps that were missed had to be made up for first.
+    /// here on, and in real time the steps that were missed had to be made up for first. If the start itself has taken so long
+    /// that many more were missed, it is taken back and made again in the step in which those are made up for.
     fn start_again(&mut self, device: &mut Device) -> Result<Option<End>, StepError> {
+        let began = Instant::now();
         self.timeline.pause();
         if let Err(source) = device.session.start() {
             if !source.is_loss() {
@@ -264,6 +272,12 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
                 return Ok(Some(end));
             }
             device.session.start().map_err(|source| setup::refused_start(device, source))?;
+        }
+        if self.clock == ClockName::RealTime && began.elapsed() > START_LIMIT {
+            return match device.session.disarm() {
+                Err(source) if source.is_loss() => self.lose(source, device),
+                disarmed => Ok(disarmed.map(|()| None).map_err(|source| device.explain(source))?),
+            };
         }
         self.is_started = true;
         Ok(None)

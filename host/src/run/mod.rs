@@ -54,14 +54,14 @@ pub enum RunError {
     Encoder(#[from] crate::encoder::EncoderError),
     /// No reading says where an encoder stands, so no drive can be started here.
     #[error(
-        "the {encoder} encoder stands at {counts} counts and a drive that starts knows of at most {}: take a coarser \
-         encoder, or start nearer to 0",
+        "the {encoder} encoder, with its faults, stands at {counts} counts and a drive that starts knows of at most {}: \
+         take a coarser encoder, or start nearer to 0",
         lashloop_protocol::EncoderCounts::MAX
     )]
     TooFarToStart {
         /// Whose.
         encoder: &'static str,
-        /// Where it stands.
+        /// Where it stands, faults of the scenario included.
         counts: i64,
     },
     /// The device or the link.

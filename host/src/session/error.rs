@@ -18,15 +18,18 @@ pub struct LastSeen {
     pub sample_sent: Option<u32>,
     /// Name of the last good frame received.
     pub frame: Option<&'static str>,
-    /// Control period of the last torque received.
+    /// Control period of the latest torque received.
     pub torque: Option<u32>,
 }
 
 impl LastSeen {
     pub(super) fn note(&mut self, message: &DriveMessage) {
         self.frame = Some(message.layout().name);
-        if let DriveMessage::TorqueAnswer(answer) = message {
-            self.torque = nearest_step(answer.sequence, self.sample_sent.unwrap_or(0)).or(self.torque);
+        if let DriveMessage::TorqueAnswer(answer) = message
+            && answer.status.state == State::Running
+        {
+            // A line that doubles answers or changes their order takes nothing back.
+            self.torque = nearest_step(answer.sequence, self.sample_sent.unwrap_or(0)).max(self.torque);
         }
     }
 }
@@ -70,7 +73,7 @@ pub enum SessionError {
     },
     /// The drive has answered nothing for so many control periods that it takes no sample any more.
     #[error(
-        "the drive has answered none of the last {periods} samples and takes no other after so many ({last_seen})"
+        "the drive has answered nothing for {periods} control periods and takes no sample after that ({last_seen})"
     )]
     TooLongAGap {
         /// Control periods since the last answer.

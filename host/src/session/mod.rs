@@ -133,16 +133,10 @@ impl Session {
         self.line.silent(EncoderSample::LAYOUT.name, limit)
     }
 
-    /// The last sample since the start that the drive is known to have taken, because it has answered it, in time or late.
-    #[must_use]
-    pub fn taken(&self) -> Option<u32> {
-        self.line.last_seen.torque
-    }
-
-    /// The error for a drive that has not answered for so many control periods.
-    #[must_use]
-    pub fn too_long_a_gap(&self, periods: u32) -> SessionError {
-        SessionError::TooLongAGap { periods, last_seen: self.line.last_seen }
+    /// Control periods from the last sample that the drive is known to have taken, because it has answered it, in time or
+    /// late, to this one.
+    fn gap(&self, step: u32) -> u32 {
+        step.saturating_sub(self.line.last_seen.torque.unwrap_or(0))
     }
 
     /// Puts the drive into the state it has after power-up, default parameters and no fault, and greets it again, as a new
@@ -155,6 +149,7 @@ impl Session {
             self.line.logs.note(format!("it came with a latched fault, now cleared: {:?}", fault.code));
         }
         self.command(Reset {}, State::Boot)?;
+        self.forget_run();
         self.number = self.number.wrapping_add(1);
         self.identity = greeting::greet(&mut self.line, self.number)?;
         Ok(())
@@ -182,10 +177,15 @@ impl Session {
     /// The drive refused, or the line broke.
     pub fn start(&mut self) -> Result<(), SessionError> {
         self.arm_and_start()?;
+        self.forget_run();
+        Ok(())
+    }
+
+    /// What the drive says from here on is about another run, or about none.
+    fn forget_run(&mut self) {
         (self.line.telemetry, self.line.fault, self.line.report) = (None, None, None);
         self.answered = None;
         (self.line.last_seen.sample_sent, self.line.last_seen.torque) = (None, None);
-        Ok(())
     }
 
     fn arm_and_start(&mut self) -> Result<(), SessionError> {
@@ -204,7 +204,10 @@ impl Session {
     }
 
     /// Brings a drive that is armed, runs or has just latched a fault back to where it can be armed.
-    fn disarm(&mut self) -> Result<(), SessionError> {
+    ///
+    /// # Errors
+    /// The drive refused, or the line broke.
+    pub fn disarm(&mut self) -> Result<(), SessionError> {
         let said_before = self.line.logs.mark();
         match self.ask(Stop {})?.with {
             (Outcome::Accepted, _) => Ok(()),
@@ -254,13 +257,28 @@ impl Session {
     /// sample has for a sequence is left out of account.
     ///
     /// # Errors
-    /// The line broke, or the drive refused the sample.
+    /// The line broke, the drive refused the sample, or it would, because it has answered nothing for longer than
+    /// [`LONGEST_GAP`](sequence::LONGEST_GAP).
     pub fn exchange(
         &mut self,
         step: u32,
         sample: &EncoderSample,
         deadline: Instant,
     ) -> Result<Exchange, SessionError> {
+        if self.gap(step) > sequence::LONGEST_GAP.into() {
+            // Nobody has listened meanwhile, so what the drive has said is still on the line.
+            let fault = self.line.wait(Instant::now(), |message| match message {
+                DriveMessage::FaultReport(fault) => Some(Placed::near(step, fault.sequence, *fault)),
+                _ => None,
+            })?;
+            if let Some(fault) = fault {
+                return Ok(Exchange::Faulted(fault));
+            }
+            let periods = self.gap(step);
+            if periods > sequence::LONGEST_GAP.into() {
+                return Err(SessionError::TooLongAGap { periods, last_seen: self.line.last_seen });
+            }
+        }
         let sequence = sequence::of_step(step);
         self.moments.asked = Instant::now();
         self.line.send(&HostMessage::EncoderSample(EncoderSample { sequence, ..*sample }))?;
@@ -364,5 +382,45 @@ fn result_of<C: Payload>(message: &DriveMessage) -> Option<(Outcome, State)> {
             Some((result.outcome, result.state))
         }
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use lashloop_protocol::EncoderCounts;
+    use lashloop_protocol::sequence::LONGEST_GAP;
+
+    use super::*;
+    use crate::link::in_process::InProcess;
+
+    /// A drive that has just been started, with encoders so coarse that no gap is too long for them.
+    fn started() -> Session {
+        let mut session = Session::open(Box::new(InProcess::default()), 1).expect("a drive");
+        for parameter in ["motor_counts_per_rev", "load_counts_per_rev"] {
+            session.set(parameter, 4096.0).expect("a coarse encoder");
+        }
+        session.start().expect("a drive that starts");
+        session
+    }
+
+    fn at(session: &mut Session, step: u32) -> Result<Exchange, SessionError> {
+        let [motor_counts, load_counts] = [EncoderCounts::default(); 2];
+        let sample = EncoderSample { sequence: 0, motor_counts, load_counts, reference_rad: 0.0 };
+        session.exchange(step, &sample, Instant::now() + Duration::from_secs(5))
+    }
+
+    #[test]
+    fn a_gap_is_gone_over_as_long_as_a_drive_follows_and_no_longer() {
+        let longest = u32::from(LONGEST_GAP);
+        let mut session = started();
+        for step in [0, 1, 1 + longest, 1 + 2 * longest] {
+            let answer = at(&mut session, step);
+            assert!(matches!(answer, Ok(Exchange::Answered(_))), "step {step}: {answer:?}");
+        }
+        let beyond = at(&mut session, 2 + 3 * longest);
+        assert!(
+            matches!(beyond, Err(SessionError::TooLongAGap { periods, .. }) if periods == longest + 1),
+            "{beyond:?}"
+        );
     }
 }

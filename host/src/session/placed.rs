@@ -7,7 +7,7 @@ use lashloop_protocol::sequence;
 /// A message whose sequence has been found among the control periods, which are counted on where sequences wrap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placed<M> {
-    /// The control period that it means, from 0 at the start.
+    /// The control period that it means, from 0 at the start. The last words of a firmware mean none.
     pub step: u32,
     /// The message.
     pub message: M,

@@ -105,7 +105,7 @@ fn a_part_of_the_time_is_shown_alone() {
     let error = plot(&[&one, Path::new("--from=2"), Path::new("--until=1")]).unwrap_err();
     assert!(error.contains("--until must be the later"), "{error}");
     let error = plot(&[&one, Path::new("--from=30")]).unwrap_err();
-    assert!(error.contains("there is nothing from 30 s to inf s; the records end at 0.099 s"), "{error}");
+    assert!(error.contains("there is nothing from 30 s on; the records end at 0.099 s"), "{error}");
 }
 
 #[test]

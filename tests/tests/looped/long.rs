@@ -69,7 +69,7 @@ fn a_start_beyond_the_readings_of_an_encoder_is_refused() {
     // The motor starts at three quarters of a turn.
     let ended = run(SCENARIO, &records, &["encoders.motor_counts_per_rev=16777216"], 2);
     assert!(
-        ended.stderr.contains("the motor encoder stands at 12582912 counts"),
+        ended.stderr.contains("the motor encoder, with its faults, stands at 12582912 counts"),
         "{}{}",
         ended.stdout,
         ended.stderr
@@ -88,7 +88,7 @@ fn a_start_that_a_fault_puts_beyond_the_readings_of_an_encoder_is_refused() {
     let settings = ["plant.initial.motor_position_rad=402.09381"];
     let ended = run(scenario, &records, &settings, 2);
     assert!(
-        ended.stderr.contains("the motor encoder stands at 8388981 counts"),
+        ended.stderr.contains("the motor encoder, with its faults, stands at 8388981 counts"),
         "{}{}",
         ended.stdout,
         ended.stderr

@@ -91,16 +91,18 @@ fn a_run_bears_the_loss_of_the_first_answer_of_every_kind() {
 
 #[test]
 fn a_drive_whose_watchdog_trips_before_its_start_is_known_is_started_again() {
-    // Shorter than the bench waits for the answer to the start, and as long as it can be, because the machine may sleep.
-    let settings = ["controller.parameters.watchdog_us=450000"];
+    // Longer than the bench waits for the answer to the start, and shorter than until its second stop: the first is lost.
+    let settings = ["controller.parameters.watchdog_us=750000"];
     let (tell, told) = mpsc::channel();
-    let mut is_first = true;
+    let (mut is_first_start, mut is_first_stop) = (true, true);
     let torques = torques_over(
         move |frame| match frame.from_drive() {
-            Some(DriveMessage::CommandResult(result)) if result.request == Start::LAYOUT.kind && is_first => {
-                is_first = false;
+            Some(DriveMessage::CommandResult(result))
+                if result.request == Start::LAYOUT.kind && std::mem::take(&mut is_first_start) =>
+            {
                 lost()
             }
+            None if request(frame) == Some(Stop::LAYOUT.name) && std::mem::take(&mut is_first_stop) => lost(),
             // Its report is lost too, so that only the state tells of it.
             Some(DriveMessage::FaultReport(fault)) => {
                 let _ = tell.send(fault.code);
@@ -110,7 +112,9 @@ fn a_drive_whose_watchdog_trips_before_its_start_is_known_is_started_again() {
         },
         &settings,
     );
-    assert_eq!(told.iter().collect::<Vec<_>>(), [FaultCode::Watchdog]);
+    let faults: Vec<_> = told.iter().collect();
+    // Told of again in every greeting while it is latched.
+    assert!(!faults.is_empty() && faults.iter().all(|code| *code == FaultCode::Watchdog), "{faults:?}");
     assert_eq!(torques, torques_of_a_run("native", &settings));
 }
 
@@ -147,7 +151,7 @@ fn a_first_sample_without_an_answer_is_sent_again_as_it_was_and_time_goes_on() {
             answers += usize::from(is_answer);
             if is_answer && answers <= LOST { lost() } else { Fate::Pass }
         },
-        &["link.answer_timeout_ms=200", "allow.lost=3", "run.duration_s=0.01"],
+        &["link.answer_timeout_ms=500", "allow.lost=3", "run.duration_s=0.01"],
     );
     let samples: Vec<_> = told.iter().collect();
     let [first, others @ ..] = &samples[..] else { panic!("no samples") };
