@@ -74,6 +74,28 @@ def test_a_fault_from_before_the_first_sample_names_none_of_this_run() -> None:
     assert (after.step, str(after)) == (None, "EmergencyStop (sequence 4)")
 
 
+def test_a_reset_ends_the_run_that_faults_are_placed_in() -> None:
+    wire = Wire()
+    host = running(wire)
+    for _ in range(33_000):
+        step(host)
+    host.reset()
+    assert (host.telemetry, host.last_answer, host.lost) == (None, None, 0)
+    fault = host.emergency_stop()
+    assert (fault.step, str(fault)) == (None, "EmergencyStop (sequence 0)")
+
+
+def test_a_sample_after_a_reset_is_none_of_the_run_before() -> None:
+    wire = Wire()
+    host = running(wire)
+    for _ in range(5):
+        step(host)
+    host.reset()
+    with pytest.raises(RefusedError, match="refused EncoderSample in state Idle: WrongState"):
+        step(host)
+    assert [it.sequence for it in wire.sent if isinstance(it, EncoderSample)] == [0, 1, 2, 3, 4, 0]
+
+
 def test_too_long_a_silence_ends_the_run_after_2_5_s() -> None:
     wire = Wire()
     host = running(wire)
@@ -120,6 +142,26 @@ def test_more_than_1000_periods_without_an_answer_end_the_run() -> None:
         step(host)
     assert wire.count(EncoderSample) - sent == 1000
     assert wire.now_s - start_s == pytest.approx(1.0)
+
+
+def test_late_answers_keep_a_run_going_and_the_last_of_them_begins_the_gap() -> None:
+    wire = Wire()
+    host = running(wire, IMPATIENT)
+    wire.delay_s = 1.5e-3
+    for _ in range(1200):
+        step(host)
+    # Only the first sample, sent again after 1 ms, had its answer in time.
+    assert host.last_answer is not None
+    assert (host.last_answer.step, host.lost) == (0, 1199)
+
+    wire.loses_request = any_sample
+    for _ in range(1000):
+        step(host)
+    sent = wire.count(EncoderSample)
+    with pytest.raises(GapTooLongError, match="answered sample 1199 last, and no drive takes one") as it:
+        step(host)
+    assert (it.value.answered, it.value.longest) == (1199, 1000)
+    assert wire.count(EncoderSample) == sent
 
 
 def test_a_silence_that_is_over_first_is_told_first() -> None:

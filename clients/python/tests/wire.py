@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, deque
 from typing import TYPE_CHECKING
 
 from lashloop.frames import FROM_DRIVE, FROM_HOST, decode, encode
@@ -24,8 +24,10 @@ class Wire:
         self.now_s = 0.0
         self.sent: list[HostMessage] = []
         self.closed = False
+        self.delay_s = 0.0
         self.loses_request: Callable[[HostMessage], bool] = lambda _: False
         self.alters: Callable[[DriveMessage], list[DriveMessage]] = lambda it: [it]
+        self._under_way: deque[tuple[float, bytes]] = deque()
         self._coming = bytearray(b"\x17 half a frame of an earlier host")
 
     def clock(self) -> float:
@@ -46,21 +48,30 @@ class Wire:
     def _answer(self, data: bytes) -> None:
         for frame in data.split(b"\0")[:-1]:
             for message in self.alters(decode(frame, FROM_DRIVE)):
-                self._coming += encode(message)
+                self._under_way.append((self.now_s + self.delay_s, encode(message)))
+
+    def _arrive(self) -> None:
+        while self._under_way and self._under_way[0][0] <= self.now_s:
+            self._coming += self._under_way.popleft()[1]
 
     def read(self, timeout_s: float) -> bytes:
-        """Give what has come, or let the time pass for both."""
+        """Give what has come, or let the time pass for both until something may."""
+        self._arrive()
         if not self._coming:
             left_s = self.bench.drive.time_left_s
             waited_s = timeout_s if left_s is None else min(timeout_s, left_s + 1e-6)
+            if self._under_way:
+                waited_s = min(waited_s, self._under_way[0][0] - self.now_s)
             self.now_s += waited_s
             self.bench.clock.pass_us(waited_s * 1e6)
             self._answer(self.bench.drive.tick())
+            self._arrive()
         data, self._coming = bytes(self._coming[:7]), self._coming[7:]
         return data
 
     def discard_input(self) -> None:
         """Forget what has come."""
+        self._arrive()
         self._coming.clear()
 
     def close(self) -> None:

@@ -120,7 +120,7 @@ class Host:
 
     @property
     def lost(self) -> int:
-        """How many samples since the start have stayed unanswered."""
+        """How many samples since the start have had no answer in time."""
         return self._run.lost
 
     @property
@@ -181,7 +181,6 @@ class Host:
         self._may_give_torque = True
         self._command(Start(self._session))
         self._run = Lockstep(self._talk)
-        self._talk.begin_run()
 
     def torque(self, *, motor_counts: int, load_counts: int, reference_rad: float) -> float:
         """Send the encoder sample of the next control period and give the torque from then on, in N m.
@@ -190,11 +189,12 @@ class Host:
         go on for a period between two. Counts may be of any size, as 24 bits of them are sent; only those of the first
         sample say where the encoders stand, so `StartTooFarError` if they take more.
 
-        A sample that stays unanswered leaves the torque before in force and is counted as lost. The first one is sent
-        again as it was, because no other can be the first; the call after its answer is period 1. What goes on for too
-        long is an error, whichever comes first: `SilenceError` after `TimeLimits.silence_s`, `GapTooLongError` where
-        the next sample would be more than 1000 control periods after the last one answered. `RefusedError` if the
-        drive does not take the sample, `DriveFaultError` if the run has ended by a fault.
+        A sample without an answer in time leaves the torque before in force and is counted as lost. The first one is
+        sent again as it was, because no other can be the first; the call after its answer is period 1. What goes on for
+        too long is an error, whichever comes first: `SilenceError` after `TimeLimits.silence_s` without an answer in
+        time, `GapTooLongError` where the next sample would be more than 1000 control periods after the last one
+        answered, in time or late. `RefusedError` if the drive does not take the sample, `DriveFaultError` if the run
+        has ended by a fault.
         """
         return self._run.torque(motor_counts, load_counts, reference_rad)
 
@@ -226,9 +226,13 @@ class Host:
         self._talk.fault = None
 
     def reset(self) -> Identity:
-        """Put the drive where it is after power-up, and greet it again, in a new session."""
+        """Put the drive where it is after power-up, and greet it again, in a new session.
+
+        The run is forgotten with it: `last_answer`, `telemetry` and `fault` are None, `lost` is 0.
+        """
         self._command(Reset())
         self._may_give_torque = False
+        self._run = Lockstep(self._talk)
         self._talk.fault = None
         self._session = (self._session + 1) % _SESSIONS
         self.identity = self._greet()

@@ -55,11 +55,12 @@ class Conversation:
         self.telemetry: Placed[Telemetry] | None = None
         self.fault: PlacedFault | None = None
         self.logs: deque[Log] = deque(maxlen=_LOGS_KEPT)
+        self.last_torque: int | None = None
+        """The control period of the last torque of the run that came at all, in time or late."""
         self._line = line
         self._decoder = Decoder(FROM_DRIVE)
         self._inbox: deque[DriveMessage] = deque()
         self._last_sent: int | None = None
-        self._last_torque: int | None = None
         self._last_message = ""
 
     @property
@@ -69,7 +70,7 @@ class Conversation:
 
     def begin_run(self) -> None:
         """Count the samples anew, and forget what was told of the run before."""
-        self.telemetry = self._last_sent = self._last_torque = None
+        self.telemetry = self._last_sent = self.last_torque = None
 
     def clear(self) -> None:
         """Begin anew: forget what has come, and end whatever half frame an earlier host left with the drive."""
@@ -129,7 +130,7 @@ class Conversation:
             case Telemetry():
                 self.telemetry = Placed.near(self._last_sent or 0, message)
             case TorqueAnswer():
-                self._last_torque = Placed.near(self._last_sent or 0, message).step
+                self.last_torque = Placed.near(self._last_sent or 0, message).step
 
     def _last_seen(self) -> str:
         if not self._last_message:
@@ -138,6 +139,6 @@ class Conversation:
         if self._last_sent is None:
             return f"last frame received: {self._last_message}"
         return (
-            f"last sample sent: {self._last_sent}, last torque: {self._last_torque}, "
+            f"last sample sent: {self._last_sent}, last torque: {self.last_torque}, "
             f"last frame received: {self._last_message}"
         )

@@ -27,10 +27,10 @@ class SilenceError(HostError):
 
 
 class GapTooLongError(HostError):
-    """So many samples in a row went without an answer that no drive would take the next one. It has not been sent."""
+    """So many samples had no answer, in time or late, that no drive would take the next one. It has not been sent."""
 
     def __init__(self, answered: int, longest: int) -> None:
-        """Name the sample answered last, and the longest gap in control periods."""
+        """Name the sample answered last, in time or late, and the longest gap in control periods."""
         super().__init__(
             f"the drive answered sample {answered} last, and no drive takes one that is more than {longest} control "
             "periods later: the run is over, start the drive anew"

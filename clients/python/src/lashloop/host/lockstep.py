@@ -20,7 +20,8 @@ class Lockstep:
     """The control periods of a run, counted by the calls of `torque`."""
 
     def __init__(self, talk: Conversation) -> None:
-        """Be at the first sample."""
+        """Be at the first sample; what comes from now on is of this run."""
+        talk.begin_run()
         self._talk = talk
         self._step = 0
         self._held_nm = 0.0
@@ -53,8 +54,10 @@ class Lockstep:
 
     def _check(self, **positions: int) -> None:
         """Find what no drive can make sense of, before anything is sent."""
-        if self.last_answer is not None and self._step - self.last_answer.step > LONGEST_GAP:
-            raise GapTooLongError(self.last_answer.step, LONGEST_GAP)
+        # A late answer gives no torque, but the drive has taken its sample.
+        taken = self._talk.last_torque
+        if taken is not None and self._step - taken > LONGEST_GAP:
+            raise GapTooLongError(taken, LONGEST_GAP)
         for side, counts in positions.items():
             if self._step == 0 and wrapped(counts) != counts:
                 raise StartTooFarError(side, counts)
