@@ -6,7 +6,7 @@ use lashloop_protocol::DriveMessage;
 use lashloop_protocol::message::{DescribeParameter, GetParameter, SetParameter};
 use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State};
 
-use super::check::{Check, Checked, equal, expect, find};
+use super::check::{Check, Checked, Failure, equal, expect, find};
 use super::client::{Client, report};
 use crate::session::Parameter;
 
@@ -145,6 +145,29 @@ pub(super) fn holds(parameter: &Parameter, value: ParameterValue) -> bool {
     }
 }
 
+/// The value in the range of a whole parameter that is nearest to this one.
+pub(super) fn nearest_whole(parameter: &Parameter, wished: u32) -> Result<u32, Failure> {
+    match (parameter.min, parameter.max) {
+        // A drive may say anything, even a range upside down, for which `clamp` would panic.
+        (ParameterValue::U32(min), ParameterValue::U32(max)) => Ok(wished.max(min).min(max)),
+        range => Err(Failure::Rule {
+            expected: format!("{}: a range of whole numbers", parameter.name),
+            came: format!("{range:?}"),
+        }),
+    }
+}
+
+/// The same for a real one.
+pub(super) fn nearest_real(parameter: &Parameter, wished: f32) -> Result<f32, Failure> {
+    match (parameter.min, parameter.max) {
+        (ParameterValue::F32(min), ParameterValue::F32(max)) => Ok(wished.max(min).min(max)),
+        range => Err(Failure::Rule {
+            expected: format!("{}: a range of real numbers", parameter.name),
+            came: format!("{range:?}"),
+        }),
+    }
+}
+
 /// The values next to the range, and those that are no numbers.
 fn outside(parameter: &Parameter) -> Vec<ParameterValue> {
     use ParameterValue::{F32, U32};
@@ -182,11 +205,13 @@ fn unknown_index(client: &mut Client) -> Checked {
 
 fn identity_follows(client: &mut Client) -> Checked {
     client.idle()?;
-    let wanted = (2_000, 4_096, 8_192);
-    client.put("period_us", ParameterValue::U32(wanted.0))?;
-    client.put("motor_counts_per_rev", ParameterValue::U32(wanted.1))?;
-    client.put("load_counts_per_rev", ParameterValue::U32(wanted.2))?;
+    let wished = [("period_us", 2_000), ("motor_counts_per_rev", 4_096), ("load_counts_per_rev", 8_192)];
+    let mut wanted = [0; 3];
+    for (wanted, (name, wished)) in wanted.iter_mut().zip(wished) {
+        *wanted = nearest_whole(client.parameter(name)?, wished)?;
+        client.put(name, ParameterValue::U32(*wanted))?;
+    }
     let it = client.greet(client.session())?;
-    let came = (it.period_us, it.motor_counts_per_rev, it.load_counts_per_rev);
+    let came = [it.period_us, it.motor_counts_per_rev, it.load_counts_per_rev];
     equal("period and counts per revolution of motor and load", wanted, came)
 }

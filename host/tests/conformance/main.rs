@@ -44,6 +44,24 @@ fn a_drive_that_has_fine_encoders_passes_every_check() {
 }
 
 #[test]
+fn a_drive_that_has_one_period_and_one_resolution_passes_every_check() {
+    let findings = findings(variants::FIXED);
+    assert!(findings.iter().all(|it| it.outcome == Outcome::Passed), "{findings:#?}");
+}
+
+#[test]
+fn jumps_and_gaps_are_checked_on_a_drive_that_has_one_period_and_one_resolution() {
+    let failed = failed(&findings(variants::FIXED_CREDULOUS));
+    for name in [
+        "a gap is flagged GAP, once",
+        "a motor encoder that jumps is a fault",
+        "a load encoder that jumps is a fault",
+    ] {
+        assert!(failed.contains(name), "{name}: {failed:?}");
+    }
+}
+
+#[test]
 fn what_the_ranges_of_a_drive_do_not_allow_is_left_out_and_said_so() {
     let findings = findings(variants::SLOW);
     let left_out: Vec<_> = findings

@@ -1,17 +1,17 @@
 //! How long encoders may go unread, and encoders that may not at all.
 
 use lashloop_protocol::message::Arm;
+use lashloop_protocol::sequence::LONGEST_GAP;
 use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State, TorqueFlags};
 
-use super::{BOTH, Encoder, LOAD, LONGEST_GAP, MOTOR, allowed, encoders, running, speed_per_count_rad_s};
+use super::setup::{COUNTS_TOLD_APART, Setup};
+use super::{BOTH, Encoder, LOAD, MOTOR};
 use crate::conformance::check::{Check, Checked, Failure, equal, names};
 use crate::conformance::client::{Client, outcome, torque};
 use crate::conformance::samples::stray;
 
 /// What most encoders of servo drives have: the limits that go with the gaps tried here are those of real machines.
 const GAP_COUNTS_PER_REV: u32 = 131_072;
-/// Counts that a difference of readings tells apart either way, without the one that an encoder may show too much.
-const COUNTS_TOLD_APART: f64 = ((1 << 23) - 2) as f64;
 
 pub(super) fn checks() -> Vec<Check> {
     let told = "a gap is taken as long as positions can be told apart, and no longer";
@@ -28,19 +28,16 @@ pub(super) fn checks() -> Vec<Check> {
     checks
 }
 
-/// The speed limit in rad/s with which positions can be told apart over so many periods.
-fn limit_rad_s(counts_per_rev: u32, periods: f64) -> f32 {
-    let counts_per_period = COUNTS_TOLD_APART / periods;
-    (counts_per_period * speed_per_count_rad_s(counts_per_rev)) as f32
-}
-
 /// Tries the longest gap of encoders that allow so many periods.
 fn longest_gap(client: &mut Client, motor: u16, load: u16) -> Checked {
-    // Half a period more, so that no rounding in the drive counts.
-    let [motor_rad_s, load_rad_s] =
-        [motor, load].map(|periods| limit_rad_s(GAP_COUNTS_PER_REV, f64::from(periods) + 0.5));
+    let mut setup = Setup::of(client, GAP_COUNTS_PER_REV)?;
+    for (scale, periods) in [(&mut setup.motor, motor), (&mut setup.load, load)] {
+        // Half a period more, so that no rounding in the drive counts.
+        scale.speed_limit_rad_s = scale.limit_rad_s(COUNTS_TOLD_APART / (f64::from(periods) + 0.5));
+    }
+    let (motor_rad_s, load_rad_s) = (setup.motor.speed_limit_rad_s, setup.load.speed_limit_rad_s);
     client.fresh()?;
-    running(client, &encoders(GAP_COUNTS_PER_REV, motor_rad_s, load_rad_s))?;
+    setup.start(client)?;
     client.torque(0)?;
     let longest = motor.min(load).min(LONGEST_GAP);
     stray(client, longest + 1)?;
@@ -53,15 +50,19 @@ fn longest_gap(client: &mut Client, motor: u16, load: u16) -> Checked {
 
 /// Arms with the finest encoder the drive takes, and a speed limit a little too high for it and a little lower.
 fn never_told_apart(client: &mut Client, encoder: Encoder) -> Checked {
-    const SLOW_RAD_S: f32 = 10.0;
-    // Of one resolution, because laws may refuse resolutions that are too far apart.
+    // Of one resolution if they can be, because laws may refuse resolutions that are too far apart.
     let counts_per_rev = finest(client, MOTOR)?.min(finest(client, LOAD)?);
-    let (high_rad_s, low_rad_s) = (limit_rad_s(counts_per_rev, 0.75), limit_rad_s(counts_per_rev, 1.5));
-    let slow = encoders(counts_per_rev, SLOW_RAD_S, SLOW_RAD_S);
-    let [high, low] = [high_rad_s, low_rad_s].map(|rad_s| (encoder.speed_limit, ParameterValue::F32(rad_s)));
-    allowed(client, &[&slow[..], &[high, low]].concat())?;
+    let mut setup = Setup::of(client, counts_per_rev)?;
+    let [(high, high_rad_s), (low, _)] = [0.9, 1.5].map(|periods| {
+        let scale = (encoder.scale)(&mut setup);
+        scale.speed_limit_rad_s = scale.limit_rad_s(COUNTS_TOLD_APART / periods);
+        let limit_rad_s = scale.speed_limit_rad_s;
+        (setup, limit_rad_s)
+    });
+    high.allowed(client)?;
+    low.allowed(client)?;
     client.idle()?;
-    for (name, value) in slow.into_iter().chain([high]) {
+    for (name, value) in high.settings() {
         client.put(name, value)?;
     }
     let session = client.session();
@@ -69,11 +70,13 @@ fn never_told_apart(client: &mut Client, encoder: Encoder) -> Checked {
     let mut came = names(&answers);
     // Why may take more than one line.
     came.dedup();
-    let what = format!("{} = {high_rad_s} at {counts_per_rev} counts/rev:", encoder.speed_limit);
+    let what = format!("{} = {high_rad_s} with the finest encoder:", encoder.speed_limit);
     equal(&format!("{what} answers"), vec!["Log", "CommandResult"], came)?;
     let came = (outcome::<Arm>(&answers)?, client.state());
     equal(&format!("{what} outcome and state"), (Outcome::Inconsistent, State::Idle), came)?;
-    client.put(low.0, low.1)?;
+    for (name, value) in low.settings() {
+        client.put(name, value)?;
+    }
     client.arm()
 }
 

@@ -1,26 +1,22 @@
 //! Encoders: where they stand, how fast they may be, and (`gaps`) how long they may go unread.
 
 mod gaps;
-
-use std::f64::consts::TAU;
+mod setup;
 
 use lashloop_protocol::message::EncoderSample;
-use lashloop_protocol::vocabulary::{FaultCode, ParameterValue, State};
+use lashloop_protocol::vocabulary::{FaultCode, State};
 use lashloop_protocol::{DriveMessage, EncoderCounts};
 
 use super::check::{Check, Checked, Failure, equal, expect};
 use super::client::{Client, sample, torque};
-use super::parameters::holds;
 use super::safety::{faulted, no_torque};
+use setup::Scale;
+pub(super) use setup::Setup;
 
-const PERIOD_US: u32 = 1_000;
-/// Coarse enough that the largest speed in a period fits into a counter, fine enough that a count is a small part of it.
-const COUNTS_PER_REV: u32 = 65_536;
-const SPEED_LIMIT_RAD_S: f32 = 50.0;
-/// Periods after which no sample is taken, whatever the encoders are.
-const LONGEST_GAP: u16 = 1_000;
+/// Samples that a way may take. A run of so many lasts seconds on a slow line.
+const LONGEST_WAY: i64 = 2_048;
 /// How much two torques may differ, as a share of the larger one, if all that differs is a count in the position. The
-/// encoder then stands hundreds of radians off: a count of 96 urad, and the velocity that it makes, are nothing to that.
+/// encoder then stands millions of counts off: one more, and the velocity that it makes, are nothing to that.
 const SAME_TORQUE: f32 = 0.05;
 
 /// One of the two encoders, by the names of its parameters.
@@ -31,6 +27,7 @@ struct Encoder {
     counts_per_rev: &'static str,
     code: FaultCode,
     place: fn(&mut EncoderSample) -> &mut EncoderCounts,
+    scale: fn(&mut Setup) -> &mut Scale,
 }
 
 const MOTOR: Encoder = Encoder {
@@ -39,6 +36,7 @@ const MOTOR: Encoder = Encoder {
     counts_per_rev: "motor_counts_per_rev",
     code: FaultCode::MotorEncoderJump,
     place: |sample| &mut sample.motor_counts,
+    scale: |setup| &mut setup.motor,
 };
 const LOAD: Encoder = Encoder {
     name: "load",
@@ -46,41 +44,22 @@ const LOAD: Encoder = Encoder {
     counts_per_rev: "load_counts_per_rev",
     code: FaultCode::LoadEncoderJump,
     place: |sample| &mut sample.load_counts,
+    scale: |setup| &mut setup.load,
 };
 const BOTH: [Encoder; 2] = [MOTOR, LOAD];
-
-type Setting = (&'static str, ParameterValue);
-
-/// Encoders of one resolution, with speed limits for motor and load.
-const fn encoders(counts_per_rev: u32, motor_rad_s: f32, load_rad_s: f32) -> [Setting; 5] {
-    [
-        ("period_us", ParameterValue::U32(PERIOD_US)),
-        (MOTOR.counts_per_rev, ParameterValue::U32(counts_per_rev)),
-        (LOAD.counts_per_rev, ParameterValue::U32(counts_per_rev)),
-        (MOTOR.speed_limit, ParameterValue::F32(motor_rad_s)),
-        (LOAD.speed_limit, ParameterValue::F32(load_rad_s)),
-    ]
-}
-
-/// For checks that leave samples out, whatever encoders the drive has by default: up to 128,000 rad/s these allow gaps of
-/// 100 periods.
-pub(super) const COARSE: [Setting; 3] = [
-    ("period_us", ParameterValue::U32(PERIOD_US)),
-    (MOTOR.counts_per_rev, ParameterValue::U32(4_096)),
-    (LOAD.counts_per_rev, ParameterValue::U32(4_096)),
-];
 
 pub(super) fn checks() -> Vec<Check> {
     let check = |name, run: fn(&mut Client) -> Checked| Check::new("encoders", name, run);
     let mut checks = vec![
         check("an encoder within its speed limit is believed", |client| {
-            for (encoder, share) in [(MOTOR, 0.9), (MOTOR, -0.9), (LOAD, 0.9), (LOAD, -0.9)] {
-                let answer = torque(&moved(client, encoder, share)?.0)?;
-                equal(
-                    &format!("{} at {share} of its limit: state", encoder.speed_limit),
-                    State::Running,
-                    answer.status.state,
-                )?;
+            for (encoder, sign) in [(MOTOR, 1), (MOTOR, -1), (LOAD, 1), (LOAD, -1)] {
+                let mut setup = Setup::coarse(client)?;
+                let limit_counts = (encoder.scale)(&mut setup).counts_per_period();
+                // One count more than it has turned is no fault of an encoder.
+                let counts = sign * ((0.9 * limit_counts) as i64 + 1);
+                let answer = torque(&moved(client, &setup, encoder, counts)?)?;
+                let what = format!("{} {counts} counts on, of {limit_counts} allowed: state", encoder.name);
+                equal(&what, State::Running, answer.status.state)?;
             }
             Ok(())
         }),
@@ -92,24 +71,18 @@ pub(super) fn checks() -> Vec<Check> {
             })
         }),
         check("an encoder may go further than half its range from its first reading", |client| {
-            // From a quarter of the range below zero to one above: no reading wraps, what would is the way as a whole.
-            let way = |sign: i64, more: i64| {
-                let mut way = [(0, 0); 33];
-                for (step, at) in (0_i32..).zip(&mut way) {
-                    *at = (step as u16 * LONGEST_GAP, sign * (i64::from(step - 16) << 18));
-                }
-                way[32].1 += sign * more;
-                way
-            };
             BOTH.into_iter().try_for_each(|encoder| {
-                [1, -1].into_iter().try_for_each(|sign| alike(client, encoder, &way(sign, 1), &way(sign, -1)))
+                [1, -1].into_iter().try_for_each(|sign| {
+                    let [further, earlier] = [1, -1].map(|more| far_way(client, encoder, sign, more));
+                    alike(client, encoder, &further?, &earlier?)
+                })
             })
         }),
     ];
     checks.extend(BOTH.into_iter().map(|encoder| {
         let name = format!("a {} encoder that jumps is a fault", encoder.name);
         Check::new("encoders", name, move |client| {
-            [1.5, -1.5].into_iter().try_for_each(|share| jump(client, encoder, share))
+            [1, -1].into_iter().try_for_each(|sign| jump(client, encoder, sign))
         })
     }));
     checks.extend(gaps::checks());
@@ -121,6 +94,26 @@ fn placed(encoder: Encoder, sequence: u16, counts: i64) -> EncoderSample {
     let mut sample = sample(sequence);
     *(encoder.place)(&mut sample) = EncoderCounts::wrapping(counts);
     sample
+}
+
+/// From a quarter of the range below zero to one above it and a little more, in the gaps that the drive takes. No reading
+/// wraps, what would is the way as a whole.
+fn far_way(client: &Client, encoder: Encoder, sign: i64, more: i64) -> Result<Vec<(u16, i64)>, Failure> {
+    const QUARTER: i64 = 1 << 22;
+    let mut setup = Setup::coarse(client)?;
+    let gap = setup.longest_gap();
+    // Half as fast as it may be.
+    let allowed_counts = (encoder.scale)(&mut setup).counts_per_period() * f64::from(gap);
+    let stride = ((0.5 * allowed_counts) as i64).clamp(1, QUARTER / 16);
+    let strides = (2 * QUARTER + stride - 1) / stride;
+    if strides > LONGEST_WAY {
+        return Err(Failure::LeftOut {
+            reason: "not run: at the highest speed limits that the drive takes the way lasts too long",
+        });
+    }
+    let at = |step| if step == strides { QUARTER + more } else { step * stride - QUARTER };
+    let sequence = |step: i64| (step as u16).wrapping_mul(gap);
+    Ok((0..=strides).map(|step| (sequence(step), sign * at(step))).collect())
 }
 
 /// Holds the torque at the end of one way of an encoder against that at the end of another, which ends two counts
@@ -147,7 +140,7 @@ fn alike(client: &mut Client, encoder: Encoder, way: &[(u16, i64)], earlier: &[(
 /// The torque at the end of a way.
 fn at_the_end(client: &mut Client, encoder: Encoder, way: &[(u16, i64)]) -> Result<f32, Failure> {
     client.fresh()?;
-    running(client, &encoders(COUNTS_PER_REV, SPEED_LIMIT_RAD_S, SPEED_LIMIT_RAD_S))?;
+    Setup::coarse(client)?.start(client)?;
     let mut torque_nm = 0.0;
     for &(sequence, counts) in way {
         let answer = torque(&client.say(placed(encoder, sequence, counts))?)?;
@@ -158,45 +151,32 @@ fn at_the_end(client: &mut Client, encoder: Encoder, way: &[(u16, i64)]) -> Resu
     Ok(torque_nm)
 }
 
-/// Leaves the check out if the drive's ranges don't hold these settings: which ones it offers is its own affair.
-fn allowed(client: &Client, settings: &[Setting]) -> Checked {
-    for (name, value) in settings {
-        if !holds(client.parameter(name)?, *value) {
-            return Err(Failure::LeftOut {
-                reason: "not run: the drive takes no such encoders, period or speed limits",
-            });
-        }
-    }
-    Ok(())
-}
-
-fn running(client: &mut Client, settings: &[Setting]) -> Checked {
-    allowed(client, settings)?;
-    client.running(settings)
-}
-
-/// Moves one encoder by a share of what its speed limit allows in a period; returns the answers and the speed in rad/s.
-fn moved(client: &mut Client, encoder: Encoder, share: f32) -> Result<(Vec<DriveMessage>, f32), Failure> {
+/// Moves one encoder by so many counts in a period.
+fn moved(
+    client: &mut Client,
+    setup: &Setup,
+    encoder: Encoder,
+    counts: i64,
+) -> Result<Vec<DriveMessage>, Failure> {
     client.fresh()?;
-    running(client, &encoders(COUNTS_PER_REV, SPEED_LIMIT_RAD_S, SPEED_LIMIT_RAD_S))?;
+    setup.start(client)?;
     client.torque(0)?;
-    let per_count = speed_per_count_rad_s(COUNTS_PER_REV) as f32;
-    let counts = (share * SPEED_LIMIT_RAD_S / per_count) as i64;
-    Ok((client.say(placed(encoder, 1, counts))?, counts as f32 * per_count))
+    client.say(placed(encoder, 1, counts))
 }
 
-/// What one count in a period means.
-fn speed_per_count_rad_s(counts_per_rev: u32) -> f64 {
-    TAU / f64::from(counts_per_rev) / (f64::from(PERIOD_US) * 1e-6)
-}
-
-fn jump(client: &mut Client, encoder: Encoder, share: f32) -> Checked {
-    let (answers, speed_rad_s) = moved(client, encoder, share)?;
+fn jump(client: &mut Client, encoder: Encoder, sign: i64) -> Checked {
+    let mut setup = Setup::coarse(client)?;
+    let scale = *(encoder.scale)(&mut setup);
+    let counts = scale.jump_counts()?;
+    let answers = moved(client, &setup, encoder, sign * counts)?;
     let it = faulted(&answers, encoder.code)?;
-    equal("sequence and limit", (1, SPEED_LIMIT_RAD_S), (it.sequence, it.limit))?;
+    equal("sequence and limit", (1, scale.speed_limit_rad_s), (it.sequence, it.limit))?;
     // Which way it turned need not be said, and an encoder that shows one count more may have turned hardly at all.
-    let (value, speed_rad_s) = (it.value.abs(), speed_rad_s.abs());
-    let near = (value - speed_rad_s).abs() <= 1.01 * speed_per_count_rad_s(COUNTS_PER_REV) as f32;
+    let per_count_rad_s = scale.speed_per_count_rad_s();
+    let speed_rad_s = counts as f64 * per_count_rad_s;
+    let off_rad_s = (f64::from(it.value.abs()) - speed_rad_s).abs();
+    let rounding_rad_s = f64::from(4.0 * f32::EPSILON) * speed_rad_s;
+    let near = off_rad_s <= 1.01 * per_count_rad_s + rounding_rad_s;
     expect(near, format!("the speed {speed_rad_s} rad/s, to a count in a period"), it.value)?;
     no_torque(client, 2, State::Faulted)
 }

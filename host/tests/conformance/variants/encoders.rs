@@ -136,7 +136,7 @@ pub const VARIANTS: &[Variant] = &[
 ];
 
 /// Whether a period is too short for an encoder to get from zero to here.
-fn is_fast(counts: EncoderCounts) -> bool {
+pub fn is_fast(counts: EncoderCounts) -> bool {
     counts.get().unsigned_abs() > 700
 }
 

@@ -1,23 +1,91 @@
-//! Drives that are right, with other defaults and ranges than the Lashloop drive.
+//! Drives with other defaults and ranges than the Lashloop drive: all are right but one.
 
-use lashloop_protocol::message::SetParameter;
-use lashloop_protocol::vocabulary::ParameterValue;
-use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
+use lashloop_protocol::message::{EncoderSample, SetParameter};
+use lashloop_protocol::vocabulary::{ParameterValue, TorqueFlags};
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION};
 
-use super::describing;
-use crate::altered::Variant;
+use super::encoders::is_fast;
+use super::{describing, torques};
+use crate::altered::{Past, Variant};
 
-const COUNTS_PER_REV: ParameterValue = ParameterValue::U32(1 << 20);
+const PERIOD: u8 = 1;
 /// `motor_counts_per_rev` and `load_counts_per_rev`.
 const ENCODERS: [u8; 2] = [2, 3];
+const FINE_COUNTS: ParameterValue = ParameterValue::U32(1 << 20);
 
-/// The first greeting after a reset sets what is then said to be the default; the second one tells of it.
+/// What the drive was built with: period and encoders, by index.
+const BUILT_WITH: [(u8, u32); 3] = [(PERIOD, 500), (ENCODERS[0], 131_072), (ENCODERS[1], 131_072)];
+
 pub const FINE: Variant = Variant {
     does: "has fine encoders",
-    hear: |past, request| match request {
+    hear: |past, request| {
+        let default = |index| SetParameter { index, value: FINE_COUNTS };
+        defaulting(past, request, &ENCODERS.map(default))
+    },
+    say: |past, answers| {
+        describing(unasked_left_out(past, answers), |it| {
+            if ENCODERS.contains(&it.index) {
+                it.default = FINE_COUNTS;
+            }
+        })
+    },
+    ..Variant::FAITHFUL
+};
+
+/// Takes the one value only, as a drive with one timer and absolute encoders does.
+pub const FIXED: Variant = Variant {
+    does: "has one period and one resolution",
+    hear: |past, request| {
+        let default = |(index, value)| SetParameter { index, value: ParameterValue::U32(value) };
+        let request = match request {
+            HostMessage::SetParameter(SetParameter { index, value: ParameterValue::U32(value) })
+                if BUILT_WITH.iter().any(|&(fixed, only)| fixed == index && only != value) =>
+            {
+                // Out of the range of the drive itself, which then refuses it.
+                SetParameter { index, value: ParameterValue::U32(0) }.into()
+            }
+            other => other,
+        };
+        defaulting(past, request, &BUILT_WITH.map(default))
+    },
+    say: |past, answers| {
+        describing(unasked_left_out(past, answers), |it| {
+            if let Some((_, only)) = BUILT_WITH.iter().find(|(index, _)| *index == it.index) {
+                [it.default, it.min, it.max] = [ParameterValue::U32(*only); 3];
+            }
+        })
+    },
+    ..Variant::FAITHFUL
+};
+
+/// The same, but believes whatever its encoders show and doesn't tell of gaps.
+pub const FIXED_CREDULOUS: Variant = Variant {
+    does: "has one period and one resolution and believes all it reads",
+    hear: |past, request| {
+        let believable = |counts: EncoderCounts| {
+            if is_fast(counts) { EncoderCounts::default() } else { counts }
+        };
+        let request = match request {
+            HostMessage::EncoderSample(sample) => EncoderSample {
+                motor_counts: believable(sample.motor_counts),
+                load_counts: believable(sample.load_counts),
+                ..sample
+            }
+            .into(),
+            other => other,
+        };
+        (FIXED.hear)(past, request)
+    },
+    say: |past, answers| torques((FIXED.say)(past, answers), |it| it.status.flags.remove(TorqueFlags::GAP)),
+    ..Variant::FAITHFUL
+};
+
+/// The first greeting after a reset sets what is then said to be the default; the second one tells of it.
+fn defaulting(past: &mut Past, request: HostMessage, defaults: &[SetParameter]) -> Vec<HostMessage> {
+    match request {
         HostMessage::Hello(hello) if past.number == 0 && hello.protocol_version == PROTOCOL_VERSION => {
             past.number = 1;
-            let set = ENCODERS.map(|index| SetParameter { index, value: COUNTS_PER_REV }.into());
+            let set: Vec<_> = defaults.iter().map(|&it| it.into()).collect();
             [&[request], &set[..], &[request]].concat()
         }
         HostMessage::Reset(_) => {
@@ -25,21 +93,18 @@ pub const FINE: Variant = Variant {
             vec![request]
         }
         other => vec![other],
-    },
-    say: |past, mut answers| {
-        if matches!(past.request, Some(HostMessage::Hello(_)))
-            && let Some(set) = answers.iter().rposition(|it| matches!(it, DriveMessage::ParameterReport(_)))
-        {
-            answers.drain(..=set);
-        }
-        describing(answers, |it| {
-            if ENCODERS.contains(&it.index) {
-                it.default = COUNTS_PER_REV;
-            }
-        })
-    },
-    ..Variant::FAITHFUL
-};
+    }
+}
+
+/// The answers without those to what [`defaulting`] has put in.
+fn unasked_left_out(past: &Past, mut answers: Vec<DriveMessage>) -> Vec<DriveMessage> {
+    if matches!(past.request, Some(HostMessage::Hello(_)))
+        && let Some(set) = answers.iter().rposition(|it| matches!(it, DriveMessage::ParameterReport(_)))
+    {
+        answers.drain(..=set);
+    }
+    answers
+}
 
 /// Says that it takes no load faster than this.
 pub const SLOW: Variant = Variant {

@@ -17,7 +17,7 @@ use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
 use crate::altered::{Past, Variant};
-pub use foreign::{FINE, SLOW};
+pub use foreign::{FINE, FIXED, FIXED_CREDULOUS, SLOW};
 
 /// All of them, in the order of the battery.
 pub fn all() -> impl Iterator<Item = Variant> {
