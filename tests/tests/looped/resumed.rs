@@ -116,9 +116,11 @@ fn in_real_time_the_plant_goes_on_without_torque_while_the_drive_is_away() {
     assert_eq!(torque_nm.len(), 4_000, "every step of the time has its row");
     // At 1.5 s the load is on its way, so a drive that is there gives torque.
     assert!(torque_nm[1400..1500].iter().any(|torque_nm| *torque_nm != 0.0), "{}", ended.stdout);
-    let away = torque_nm[1500..].iter().take_while(|torque_nm| **torque_nm == 0.0).count();
-    assert!(away >= 390, "{away} steps without torque\n{}", ended.stdout);
-    let after = &torque_nm[1500 + away..];
+    // A bench that is kept from its core notices later, and holds the torque until then.
+    let noticed = 1500 + torque_nm[1500..].iter().take_while(|torque_nm| **torque_nm != 0.0).count();
+    let away = torque_nm[noticed..].iter().take_while(|torque_nm| **torque_nm == 0.0).count();
+    assert!(away >= 390, "{away} steps without torque from {noticed} on\n{}", ended.stdout);
+    let after = &torque_nm[noticed + away..];
     assert!(after.iter().any(|torque_nm| *torque_nm != 0.0), "no torque after the drive came back");
 }
 
