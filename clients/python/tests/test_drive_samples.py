@@ -1,4 +1,4 @@
-"""Samples, torques and faults: section 7 and 8 of the specification."""
+"""Samples and torques: section 7 of the specification."""
 
 from __future__ import annotations
 
@@ -7,67 +7,20 @@ import math
 import pytest
 
 from lashloop.control import ControlInput, ControlLaw, ControlOutput
-from lashloop.counts import wrapped
 from lashloop.drive import Drive
 from lashloop.frames import encode
 from lashloop.messages import (
-    Arm,
-    CommandResult,
-    DriveMessage,
     EncoderSample,
-    FaultReport,
-    GetParameter,
-    Hello,
     LineReport,
-    Log,
-    Start,
     Stop,
     Telemetry,
     TorqueAnswer,
 )
-from lashloop.sequence import of_step
-from lashloop.vocabulary import FaultCode, Outcome, ParameterValue, State, TorqueFlags, single
-from support import SESSION, Bench, sample, table
-
-QUIET = {"telemetry_every": ParameterValue.u32(0)}
-
-
-def torque(answers: list[DriveMessage]) -> TorqueAnswer:
-    """The torque, which comes first."""
-    assert isinstance(answers[0], TorqueAnswer), answers
-    return answers[0]
-
-
-def fault(answers: list[DriveMessage]) -> FaultReport:
-    """The fault behind a torque of zero."""
-    first, second = answers
-    assert isinstance(first, TorqueAnswer)
-    assert (first.torque_nm, first.status.state) == (0.0, State.FAULTED)
-    assert isinstance(second, FaultReport)
-    return second
-
-
-def running_at(*sequences: int) -> Bench:
-    """A running drive that has taken these."""
-    bench = Bench().running(**QUIET)
-    for sequence in sequences:
-        bench.say(sample(sequence))
-    return bench
-
-
-def place(bench: Bench, sequence: int) -> str:
-    """What the drive makes of a sequence, in the words of the specification's table."""
-    (answer,) = bench.say(sample(sequence))
-    if isinstance(answer, CommandResult):
-        assert (answer.request, answer.outcome) == (EncoderSample.KIND, Outcome.OUT_OF_SEQUENCE)
-        return "stray"
-    assert isinstance(answer, TorqueAnswer)
-    flags = answer.status.flags & ~TorqueFlags.SATURATED
-    return {TorqueFlags(0): "taken", TorqueFlags.GAP: "after a gap", TorqueFlags.REPEATED: "repeated"}[flags]
-
+from lashloop.vocabulary import FaultCode, ParameterValue, TorqueFlags
+from running import QUIET, SLOW, fault, place, running_at, torque
+from support import Bench, sample, table
 
 LAST = 2**16 - 2  # so that what follows wraps
-SLOW = {"motor_speed_limit_rad_s": ParameterValue.f32(100.0)}  # so that encoders allow the longest gap there is
 
 
 def at_last() -> Bench:
@@ -173,91 +126,6 @@ def test_a_reference_that_is_no_number_is_a_fault(reference_rad: float) -> None:
     assert str(it.value) == str(reference_rad)
 
 
-@pytest.mark.parametrize("side", ["motor", "load"])
-@pytest.mark.parametrize("way", [1, -1])
-@pytest.mark.parametrize("periods", [1, 3])
-def test_an_encoder_may_be_as_fast_as_its_limit_and_a_count_more_and_no_faster(
-    side: str, way: int, periods: int
-) -> None:
-    # Both numbers are exact in single precision, so that "exactly the limit" means something.
-    counts, per_count_rad_s = 1000 * periods, math.tau / (65_536 * 1e-3)
-    limit = single(1000 * per_count_rad_s)
-    code = FaultCode.MOTOR_ENCODER_JUMP if side == "motor" else FaultCode.LOAD_ENCODER_JUMP
-
-    def moved(distance: int) -> list[DriveMessage]:
-        bench = Bench().running(
-            **QUIET,
-            **{
-                f"{side}_counts_per_rev": ParameterValue.u32(65_536),
-                f"{side}_speed_limit_rad_s": ParameterValue.f32(limit),
-            },
-        )
-        bench.say(sample(0))
-        return bench.say(sample(periods, **{side: way * distance}))
-
-    assert torque(moved(counts + 1)).status.state is State.RUNNING
-    it = fault(moved(counts + periods + 1))
-    assert (it.code, it.sequence, it.limit) == (code, periods, limit)
-    assert it.value == pytest.approx(1001 * per_count_rad_s, rel=1e-6)
-
-
-def test_an_encoder_that_wraps_has_not_jumped() -> None:
-    bench = running_at()
-    for sequence, counts in ((0, 2**23 - 1), (1, -(2**23)), (2, 2**23 - 1)):
-        assert torque(bench.say(sample(sequence, motor=counts, load=counts))).status.state is State.RUNNING
-
-
-@pytest.mark.parametrize(
-    ("settings", "longest"),
-    [
-        ({}, 402),  # 1000 rad/s are 20,861 counts in a millisecond, of 2^23
-        ({"motor_speed_limit_rad_s": ParameterValue.f32(500.0)}, 804),
-        (SLOW, 1000),
-        ({**SLOW, "load_counts_per_rev": ParameterValue.u32(2**24)}, 31),
-    ],
-)
-def test_a_gap_is_no_longer_than_positions_can_be_told_apart(settings: dict[str, ParameterValue], longest: int) -> None:
-    bench = Bench().running(**QUIET, **settings)
-    bench.say(sample(0))
-    assert place(bench, longest + 1) == "stray"
-    assert place(bench, longest) == "after a gap"
-
-
-@pytest.mark.parametrize("side", ["motor", "load"])
-def test_encoders_that_no_period_tells_apart_are_refused_when_arming(side: str) -> None:
-    bench = Bench().idle()
-    bench.set(f"{side}_counts_per_rev", ParameterValue.u32(2**24))
-    # 3142 rad/s are half a revolution in a millisecond, and half a revolution is 2^23 counts.
-    bench.set(f"{side}_speed_limit_rad_s", ParameterValue.f32(3142.0))
-    log, result = bench.say(Arm(SESSION))
-    assert isinstance(log, Log)
-    assert log.text == f"{side}_speed_limit_rad_s does not go with the others"
-    assert isinstance(result, CommandResult)
-    assert (result.outcome, result.state) == (Outcome.INCONSISTENT, State.IDLE)
-    bench.set(f"{side}_speed_limit_rad_s", ParameterValue.f32(3141.0))
-    result = bench.only(CommandResult, Arm(SESSION))
-    assert result.outcome is Outcome.ACCEPTED
-
-
-def test_a_law_is_told_positions_that_go_on_where_readings_wrap() -> None:
-    seen: list[tuple[int, int]] = []
-
-    class Listening:
-        def step(self, sample: ControlInput) -> ControlOutput:
-            seen.append((sample.motor_counts, sample.load_counts))
-            return ControlOutput(0.0)
-
-    bench = Bench()
-    bench.drive = Drive([ControlLaw(1, (), lambda _: Listening())], clock_ns=bench.clock)
-    bench.running(**QUIET)
-    stands = [(20_000 * step, -2_000 * step) for step in range(10_000)]
-    for step, (motor, load) in enumerate(stands):
-        bench.say(sample(of_step(step), motor=wrapped(motor), load=wrapped(load)))
-    assert seen == stands
-    assert stands[-1][0] > 2**27
-    assert stands[-1][1] < -(2**24)
-
-
 class Wild:
     """A law that asks for what it is told."""
 
@@ -309,60 +177,6 @@ def test_limits_are_those_at_the_start() -> None:
     # What is not live can't be set any more, so nothing can change a run's limits.
     for name in ("torque_limit_nm", "watchdog_us", "motor_speed_limit_rad_s", "load_speed_limit_rad_s"):
         assert not bench.drive.parameters.specs[bench.index(name)].live
-
-
-def test_the_watchdog_bears_a_silence_of_exactly_its_time_and_no_longer() -> None:
-    bench = running_at(0)
-    bench.clock.pass_us(20_000)
-    assert bench.drive.time_left_s == 0.0
-    assert bench.heard(bench.drive.tick()) == []
-    bench.clock.pass_us(0.1)
-    (it,) = bench.heard(bench.drive.tick())
-    assert isinstance(it, FaultReport)
-    assert (it.code, it.sequence, it.limit) == (FaultCode.WATCHDOG, 0, single(0.02))
-    assert it.value == pytest.approx(0.0200001, rel=1e-6)
-    assert bench.drive.torque_nm == 0.0
-    assert bench.drive.time_left_s is None
-    assert bench.heard(bench.drive.tick()) == []
-
-
-def test_a_late_sample_trips_the_watchdog_itself_and_gets_no_torque() -> None:
-    bench = running_at(0)
-    bench.clock.pass_us(20_001)
-    it = fault(bench.say(sample(1)))
-    assert (it.code, it.sequence) == (FaultCode.WATCHDOG, 0)
-
-
-def test_the_watchdog_runs_from_the_start() -> None:
-    bench = Bench().armed()
-    bench.clock.pass_us(1e6)
-    bench.say(Start(SESSION))
-    bench.clock.pass_us(20_000)
-    assert bench.drive.tick() == b""
-    bench.clock.pass_us(1)
-    assert bench.drive.tick() != b""
-
-
-def test_only_samples_that_are_taken_feed_the_watchdog() -> None:
-    for message in (sample(0), sample(1001), Hello(1, SESSION), GetParameter(0)):
-        bench = running_at(0)
-        bench.clock.pass_us(15_000)
-        bench.say(message)
-        bench.clock.pass_us(5_001)
-        assert bench.drive.tick() != b"", message
-    bench = running_at(0)
-    bench.clock.pass_us(15_000)
-    bench.say(sample(1))
-    bench.clock.pass_us(20_000)
-    assert bench.drive.tick() == b""
-
-
-@pytest.mark.parametrize("state", ["boot", "idle", "armed"])
-def test_where_nothing_runs_no_watchdog_does(state: str) -> None:
-    bench = {"boot": Bench(), "idle": Bench().idle(), "armed": Bench().armed()}[state]
-    bench.clock.pass_us(1e9)
-    assert bench.drive.time_left_s is None
-    assert bench.drive.tick() == b""
 
 
 def test_the_time_of_an_answer_is_device_time_and_stays_at_its_largest_value() -> None:

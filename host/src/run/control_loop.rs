@@ -140,6 +140,7 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
         self.begin(step, device)?;
         let (sample, row) = self.bench.observe(step)?;
         if !self.is_started {
+            // It was lost again, or its start came to nothing: the next step tries it once more.
             let (fate, round_trip) = self.give_up();
             self.finish(device)?;
             self.hold(step, row, StepTiming { lateness, fate, round_trip })?;
@@ -264,23 +265,18 @@ impl<'a, S: Sink> ControlLoop<'a, S> {
     fn start_again(&mut self, device: &mut Device) -> Result<Option<End>, StepError> {
         let began = Instant::now();
         self.timeline.pause();
-        if let Err(source) = device.session.start() {
-            if !source.is_loss() {
-                return Err(setup::refused_start(device, source).into());
+        let started = device.session.start().and_then(|()| {
+            let is_late = self.clock == ClockName::RealTime && began.elapsed() > START_LIMIT;
+            if is_late { device.session.disarm().map(|()| false) } else { Ok(true) }
+        });
+        match started {
+            Ok(is_started) => {
+                self.is_started = is_started;
+                Ok(None)
             }
-            if let Some(end) = self.lose(source, device)? {
-                return Ok(Some(end));
-            }
-            device.session.start().map_err(|source| setup::refused_start(device, source))?;
+            Err(source) if source.is_loss() => self.lose(source, device),
+            Err(source) => Err(setup::refused_start(device, source).into()),
         }
-        if self.clock == ClockName::RealTime && began.elapsed() > START_LIMIT {
-            return match device.session.disarm() {
-                Err(source) if source.is_loss() => self.lose(source, device),
-                disarmed => Ok(disarmed.map(|()| None).map_err(|source| device.explain(source))?),
-            };
-        }
-        self.is_started = true;
-        Ok(None)
     }
 
     /// Holds the last torque for a step in which the drive was not asked.

@@ -4,6 +4,7 @@
 //! the last sample sent and the last good frame received.
 
 mod error;
+mod exchange;
 pub(crate) mod greeting;
 pub(crate) mod line;
 mod logs;
@@ -14,13 +15,14 @@ use std::time::{Duration, Instant};
 
 use lashloop_protocol::message::{
     Arm, ClearFault, EmergencyStop, EncoderSample, FaultReport, Identity, LineReport, Reset, Start, Stop,
-    Telemetry, TorqueAnswer,
+    Telemetry,
 };
-use lashloop_protocol::vocabulary::{Outcome, State, TorqueFlags};
+use lashloop_protocol::vocabulary::{Outcome, State};
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, HostMessage, sequence};
+use lashloop_protocol::{DriveMessage, HostMessage};
 
 pub use error::{LastSeen, SessionError};
+pub use exchange::Exchange;
 pub use parameters::{Parameter, SetError};
 pub use placed::Placed;
 
@@ -33,17 +35,6 @@ use line::{Answered, Line};
 /// ones.
 const START_LIMITS: [Duration; 3] =
     [Duration::from_millis(500), Duration::from_secs(1), Duration::from_secs(2)];
-
-/// What came of a sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Exchange {
-    /// The drive's torque for it.
-    Answered(TorqueAnswer),
-    /// The drive has latched a fault, or died, without answering it.
-    Faulted(Placed<FaultReport>),
-    /// No answer within the time given.
-    Unanswered,
-}
 
 /// Frames out and in, as this side counts them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -131,12 +122,6 @@ impl Session {
     #[must_use]
     pub fn silent(&self, limit: Duration) -> SessionError {
         self.line.silent(EncoderSample::LAYOUT.name, limit)
-    }
-
-    /// Control periods from the last sample that the drive is known to have taken, because it has answered it, in time or
-    /// late, to this one.
-    fn gap(&self, step: u32) -> u32 {
-        step.saturating_sub(self.line.last_seen.torque.unwrap_or(0))
     }
 
     /// Puts the drive into the state it has after power-up, default parameters and no fault, and greets it again, as a new
@@ -253,83 +238,6 @@ impl Session {
         self.moments
     }
 
-    /// Sends the sample of a control period, counted from the start, and waits for its torque until the deadline. What the
-    /// sample has for a sequence is left out of account.
-    ///
-    /// # Errors
-    /// The line broke, the drive refused the sample, or it would, because it has answered nothing for longer than
-    /// [`LONGEST_GAP`](sequence::LONGEST_GAP).
-    pub fn exchange(
-        &mut self,
-        step: u32,
-        sample: &EncoderSample,
-        deadline: Instant,
-    ) -> Result<Exchange, SessionError> {
-        if self.gap(step) > sequence::LONGEST_GAP.into() {
-            // Nobody has listened meanwhile, so what the drive has said is still on the line.
-            let fault = self.line.wait(Instant::now(), |message| match message {
-                DriveMessage::FaultReport(fault) => Some(Placed::near(step, fault.sequence, *fault)),
-                _ => None,
-            })?;
-            if let Some(fault) = fault {
-                return Ok(Exchange::Faulted(fault));
-            }
-            let periods = self.gap(step);
-            if periods > sequence::LONGEST_GAP.into() {
-                return Err(SessionError::TooLongAGap { periods, last_seen: self.line.last_seen });
-            }
-        }
-        let sequence = sequence::of_step(step);
-        self.moments.asked = Instant::now();
-        self.line.send(&HostMessage::EncoderSample(EncoderSample { sequence, ..*sample }))?;
-        self.moments.sent = Instant::now();
-        self.line.last_seen.sample_sent = Some(step);
-        let said_before = self.line.logs.mark();
-        let answered = self.answered;
-        let mut late = 0;
-        let answer = self.line.wait(deadline, |message| match message {
-            DriveMessage::TorqueAnswer(answer) if answer.sequence == sequence => {
-                Some(Ok(Exchange::Answered(*answer)))
-            }
-            // The line doubled a sample; its answer came in time.
-            DriveMessage::TorqueAnswer(answer) if answer.status.flags.contains(TorqueFlags::REPEATED) => None,
-            // The line doubled an answer that has been used.
-            DriveMessage::TorqueAnswer(answer) if Some(answer.sequence) == answered => None,
-            DriveMessage::TorqueAnswer(_) => {
-                late += 1;
-                None
-            }
-            // It will not answer any more: its watchdog has tripped, or these are its last words.
-            DriveMessage::FaultReport(fault) => {
-                Some(Ok(Exchange::Faulted(Placed::near(step, fault.sequence, *fault))))
-            }
-            // The line brought samples in another order, and this is about an older one: the drive runs on.
-            DriveMessage::CommandResult(result)
-                if result.request == EncoderSample::LAYOUT.kind
-                    && (result.outcome, result.state) == (Outcome::OutOfSequence, State::Running) =>
-            {
-                None
-            }
-            DriveMessage::CommandResult(result) if result.request == EncoderSample::LAYOUT.kind => {
-                Some(Err((result.outcome, result.state)))
-            }
-            _ => None,
-        })?;
-        self.moments.arrived = self.line.arrived;
-        self.moments.decoded = Instant::now();
-        self.late += late;
-        match answer {
-            Some(Ok(exchange)) => {
-                if matches!(exchange, Exchange::Answered(_)) {
-                    self.answered = Some(sequence);
-                }
-                Ok(exchange)
-            }
-            Some(Err((outcome, state))) => Err(self.refused::<EncoderSample>(outcome, state, said_before)),
-            None => Ok(Exchange::Unanswered),
-        }
-    }
-
     /// Leaves the line to itself until a moment; a line that needs no care for that returns at once.
     ///
     /// # Errors
@@ -382,45 +290,5 @@ fn result_of<C: Payload>(message: &DriveMessage) -> Option<(Outcome, State)> {
             Some((result.outcome, result.state))
         }
         _ => None,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use lashloop_protocol::EncoderCounts;
-    use lashloop_protocol::sequence::LONGEST_GAP;
-
-    use super::*;
-    use crate::link::in_process::InProcess;
-
-    /// A drive that has just been started, with encoders so coarse that no gap is too long for them.
-    fn started() -> Session {
-        let mut session = Session::open(Box::new(InProcess::default()), 1).expect("a drive");
-        for parameter in ["motor_counts_per_rev", "load_counts_per_rev"] {
-            session.set(parameter, 4096.0).expect("a coarse encoder");
-        }
-        session.start().expect("a drive that starts");
-        session
-    }
-
-    fn at(session: &mut Session, step: u32) -> Result<Exchange, SessionError> {
-        let [motor_counts, load_counts] = [EncoderCounts::default(); 2];
-        let sample = EncoderSample { sequence: 0, motor_counts, load_counts, reference_rad: 0.0 };
-        session.exchange(step, &sample, Instant::now() + Duration::from_secs(5))
-    }
-
-    #[test]
-    fn a_gap_is_gone_over_as_long_as_a_drive_follows_and_no_longer() {
-        let longest = u32::from(LONGEST_GAP);
-        let mut session = started();
-        for step in [0, 1, 1 + longest, 1 + 2 * longest] {
-            let answer = at(&mut session, step);
-            assert!(matches!(answer, Ok(Exchange::Answered(_))), "step {step}: {answer:?}");
-        }
-        let beyond = at(&mut session, 2 + 3 * longest);
-        assert!(
-            matches!(beyond, Err(SessionError::TooLongAGap { periods, .. }) if periods == longest + 1),
-            "{beyond:?}"
-        );
     }
 }
