@@ -7,7 +7,6 @@
 //! |---|---|
 //! | [`control`] | the control laws of Merzouki and Cadiou, from encoder counts to a torque |
 //! | [`drive`] | session, parameters, safety: a state machine with bytes and device time in, bytes out |
-//! | `twin` (on a PC) | the drive as a process on a pseudo-terminal |
 //! | `board` (in the image) | the drive on the microcontroller |
 //!
 //! `no_std`, no allocation, no unsafe code; floating-point functions only from `libm`, so that every place computes the
@@ -16,10 +15,5 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-#[cfg(not(target_os = "none"))]
-extern crate std;
-
 pub mod control;
 pub mod drive;
-#[cfg(not(target_os = "none"))]
-pub mod twin;

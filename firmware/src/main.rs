@@ -1,5 +1,4 @@
-//! The drive as a program: the image of a board on Arm, the native twin on a PC. The one drive of the library
-//! runs in both.
+//! The drive as the image of a board: the drive of the library between USART2 and the device clock.
 //!
 //! The image is four tasks. Every byte is taken by `receive` as it comes, every millisecond `tick` counts the
 //! device clock and lets the watchdog look, and `serve` feeds what was received to the drive and sends what it
@@ -12,17 +11,11 @@
 //! | `serve` | EXTI0, pended by the others | 1 | a pended interrupt is never lost, however often it is asked for |
 //! | `idle` | | 0 | sleeps |
 
-#![cfg_attr(target_os = "none", no_std, no_main)]
+#![no_std]
+#![no_main]
 
-#[cfg(target_os = "none")]
 mod board;
 
-#[cfg(not(target_os = "none"))]
-fn main() -> Result<(), String> {
-    lashloop_firmware::twin::main()
-}
-
-#[cfg(target_os = "none")]
 // RTIC's expansion takes the peripherals and unmasks interrupts; there is no unsafe code written by hand here.
 #[allow(unsafe_code)]
 #[rtic::app(device = stm32f4xx_hal::pac)]

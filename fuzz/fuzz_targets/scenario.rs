@@ -2,7 +2,7 @@
 
 #![no_main]
 
-use lashloop::scenario::Scenario;
+use lashloop_bench::scenario::Scenario;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {

@@ -7,11 +7,11 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use lashloop_protocol::vocabulary::ParameterValue;
+use lashloop_protocol::enums::ParameterValue;
 use sha2::{Digest, Sha256};
 use toml_edit::{Document, Item, Value};
 
-use crate::session::{Parameter, Session, SessionError, SetError};
+use lashloop_bench::session::{Parameter, Session, SessionError, SetError};
 
 /// All parameters of a drive with the values in force, in the order of their index.
 #[derive(Debug, Clone, PartialEq)]

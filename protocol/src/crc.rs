@@ -21,15 +21,15 @@ use crc::{CRC_32_ISCSI, Crc, Table};
 pub const LEN: usize = 4;
 
 /// A PC takes up to sixteen bytes at a time from 16 KiB of tables; a microcontroller keeps its flash.
-#[cfg(feature = "wide-crc-tables")]
+#[cfg(feature = "fast-path")]
 type Tables = Table<16>;
-#[cfg(not(feature = "wide-crc-tables"))]
+#[cfg(not(feature = "fast-path"))]
 type Tables = Table<1>;
 
 static CRC: Crc<u32, Tables> = Crc::<u32, Tables>::new(&CRC_32_ISCSI);
 
 /// The check value of a body.
-#[cfg(not(feature = "wide-crc-tables"))]
+#[cfg(not(feature = "fast-path"))]
 #[inline]
 #[must_use]
 pub fn checksum(body: &[u8]) -> u32 {
@@ -40,7 +40,7 @@ pub fn checksum(body: &[u8]) -> u32 {
 ///
 /// `Crc::checksum` takes sixteen bytes in one step but what is left of them one after the other, each waiting for the
 /// one before: most of a torque answer. Here only the bytes before the first whole word are taken one by one.
-#[cfg(feature = "wide-crc-tables")]
+#[cfg(feature = "fast-path")]
 #[inline(always)]
 #[must_use]
 pub fn checksum(body: &[u8]) -> u32 {
@@ -64,7 +64,7 @@ pub fn checksum(body: &[u8]) -> u32 {
 /// The CRC after up to four more words.
 ///
 /// In table `n` stands what a byte has become `n` bytes later, and as the CRC is linear, these add up.
-#[cfg(feature = "wide-crc-tables")]
+#[cfg(feature = "fast-path")]
 #[inline(always)]
 fn step(before: u32, words: &[[u8; LEN]]) -> u32 {
     let mut crc = 0;

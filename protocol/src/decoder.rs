@@ -84,9 +84,9 @@ impl Decoder {
     ///
     /// # Errors
     /// The inner result says what was wrong with a frame; the decoder has already gone past it.
-    #[cfg_attr(feature = "wide-crc-tables", inline(always))]
+    #[cfg_attr(feature = "fast-path", inline(always))]
     pub fn next<M: Message>(&mut self, input: &mut &[u8]) -> Option<Result<M, FrameError>> {
-        #[cfg(feature = "wide-crc-tables")]
+        #[cfg(feature = "fast-path")]
         if self.pending == 0
             && let Some((message, rest)) = M::split_off_periodic(input)
         {
@@ -97,7 +97,7 @@ impl Decoder {
         self.next_of_any_kind(input).transpose()
     }
 
-    #[cfg_attr(feature = "wide-crc-tables", inline(never))]
+    #[cfg_attr(feature = "fast-path", inline(never))]
     fn next_of_any_kind<M: Message>(&mut self, input: &mut &[u8]) -> Result<Option<M>, FrameError> {
         while let Some(end) = cobs::find_zero(input) {
             let (piece, rest) = (&input[..end], &input[end + 1..]);

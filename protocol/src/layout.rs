@@ -39,7 +39,7 @@ pub enum FieldType {
     },
     /// UTF-8, padded with zeros to the field's length.
     Text,
-    /// A [`ParameterType`](crate::vocabulary::ParameterType) byte, then 4 bytes of that type.
+    /// A [`ParameterType`](crate::enums::ParameterType) byte, then 4 bytes of that type.
     ParameterValue,
     /// Major, minor, patch: one byte each.
     Version,

@@ -28,7 +28,7 @@
 //! | [`wire`], [`layout`] | bytes: where each field lies and how it is checked |
 //! | [`crc`], [`cobs`], [`frame`] | a body becomes a frame |
 //! | [`decoder`] | a stream becomes messages again, whatever lies between them |
-//! | `quick` (feature `wide-crc-tables`) | the same bytes for samples and torques, faster on a PC |
+//! | `quick` (feature `fast-path`) | the same bytes for samples and torques, faster on a PC |
 //! | `codec` (feature `tokio-codec`) | the same decoder as a tokio-util codec |
 //!
 //! `no_std`, no allocation, no unsafe code.
@@ -48,14 +48,14 @@ pub mod codec;
 pub mod counts;
 pub mod crc;
 pub mod decoder;
+pub mod enums;
+#[cfg(feature = "fast-path")]
+mod fast_path;
 pub mod frame;
 pub mod layout;
 pub mod message;
-#[cfg(feature = "wide-crc-tables")]
-mod quick;
 pub mod sequence;
 pub mod text;
-pub mod vocabulary;
 pub mod wire;
 
 pub use counts::EncoderCounts;
@@ -67,6 +67,6 @@ pub use message::{DriveMessage, HostMessage, Message};
 ///
 /// It is apart from the release version of the crates. It changes whenever the bytes or the meaning of an existing
 /// message change; a new kind of message that an old peer may ignore does not change it. `Hello`, `Identity` and
-/// `Reset` keep their layout in every version, and [`vocabulary::State`] its five values, so that two versions can always
+/// `Reset` keep their layout in every version, and [`enums::State`] its five values, so that two versions can always
 /// tell each other who they are and refuse each other by name.
 pub const PROTOCOL_VERSION: u8 = 1;

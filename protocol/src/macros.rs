@@ -154,10 +154,10 @@ macro_rules! direction {
                 Err($crate::wire::BodyError::UnknownKind { kind })
             }
 
-            #[cfg(feature = "wide-crc-tables")]
+            #[cfg(feature = "fast-path")]
             #[inline(always)]
             fn split_off_periodic(input: &[u8]) -> Option<(Self, &[u8])> {
-                let (payload, rest) = $crate::quick::split_off::<$periodic>(input)?;
+                let (payload, rest) = $crate::fast_path::split_off::<$periodic>(input)?;
                 Some((Self::$periodic(payload), rest))
             }
 
@@ -165,20 +165,20 @@ macro_rules! direction {
                 match self { $(Self::$variant(_) => const { &<$variant as $crate::wire::Payload>::LAYOUT },)+ }
             }
 
-            #[cfg_attr(feature = "wide-crc-tables", inline(always))]
-            #[cfg_attr(not(feature = "wide-crc-tables"), inline)]
+            #[cfg_attr(feature = "fast-path", inline(always))]
+            #[cfg_attr(not(feature = "fast-path"), inline)]
             fn write_frame<'room>(&self, room: &'room mut [u8; $crate::MAX_FRAME]) -> &'room [u8] {
-                #[cfg(feature = "wide-crc-tables")]
+                #[cfg(feature = "fast-path")]
                 if let Self::$periodic(payload) = self {
-                    return $crate::quick::write(payload, room);
+                    return $crate::fast_path::write(payload, room);
                 }
                 self.write_frame_of_any_kind(room)
             }
         }
 
         impl $name {
-            #[cfg_attr(feature = "wide-crc-tables", inline(never))]
-            #[cfg_attr(not(feature = "wide-crc-tables"), inline)]
+            #[cfg_attr(feature = "fast-path", inline(never))]
+            #[cfg_attr(not(feature = "fast-path"), inline)]
             pub(crate) fn write_frame_of_any_kind<'room>(
                 &self,
                 room: &'room mut [u8; $crate::MAX_FRAME],

@@ -25,12 +25,10 @@
 //! | `0x94` | [`LineReport`] | drive | 23 | answers `Stop`, before its result, done or not |
 
 use crate::counts::EncoderCounts;
+use crate::enums::{Controllers, FaultCode, LogLevel, Outcome, ParameterValue, State, TorqueStatus, Version};
 use crate::frame::{Frame, MAX_FRAME};
 use crate::layout::MessageLayout;
 use crate::text::Text;
-use crate::vocabulary::{
-    Controllers, FaultCode, LogLevel, Outcome, ParameterValue, State, TorqueStatus, Version,
-};
 use crate::wire::BodyError;
 
 /// All messages of one direction.
@@ -46,7 +44,7 @@ pub trait Message: Sized {
 
     /// The message and the rest of `input`, if that begins with a whole and good frame of the kind that is sent in every
     /// control period; `None` for anything else, for which the caller takes the long way, as it always may.
-    #[cfg(feature = "wide-crc-tables")]
+    #[cfg(feature = "fast-path")]
     #[inline(always)]
     fn split_off_periodic(_input: &[u8]) -> Option<(Self, &[u8])> {
         None

@@ -5,7 +5,7 @@ use std::env;
 use std::process::ExitCode;
 use std::time::Instant;
 
-#[path = "../tests/robustness/residual.rs"]
+#[path = "../tests/robustness/undetected_errors.rs"]
 mod residual;
 
 const USAGE: &str = "usage: residual_error [--frames N] [--seed N]";

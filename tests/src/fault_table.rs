@@ -4,10 +4,10 @@
 use std::fs;
 use std::path::PathBuf;
 
-use lashloop::capture::reader;
+use lashloop_bench::capture::reader;
+use lashloop_protocol::enums::State;
 use lashloop_protocol::layout::Direction;
 use lashloop_protocol::message::EncoderSample;
-use lashloop_protocol::vocabulary::State;
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 use serde_json::Value;

@@ -15,7 +15,7 @@
 //! | [`loss`] | what has to be true when a drive is lost in mid-run |
 //! | [`paper`] | the paper's four runs and the torque streams they are pinned to |
 //! | [`wait`] | conditions with deadlines |
-//! | [`left_out`] | tests that need what a checkout does not have |
+//! | [`optional`] | tests that need what a checkout does not have |
 //!
 //! Nothing here waits for a fixed time, and everything that is started ends with the test that started it.
 
@@ -23,8 +23,8 @@
 
 pub mod bench;
 pub mod fault_table;
-pub mod left_out;
 pub mod loss;
+pub mod optional;
 pub mod paper;
 pub mod processes;
 pub mod program;

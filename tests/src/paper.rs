@@ -60,8 +60,8 @@ pub const RUNS: [PaperRun; 4] = [
 ];
 
 /// Not the paper's: its bench as built, under the law that inverts the gap. Held to the same standard.
-pub const COMPENSATING: PaperRun = PaperRun {
-    name: "bench-compensating",
+pub const BACKLASH_INVERSE: PaperRun = PaperRun {
+    name: "shaft-backlash-inverse",
     metric: "settle_time_s",
     want: 2.51,
     tolerance: 0.05,

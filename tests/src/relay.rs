@@ -73,7 +73,7 @@ impl Passing {
 
 /// What becomes of a frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Fate {
+pub enum StepOutcome {
     /// It arrives.
     Pass,
     /// These bytes arrive in its place.
@@ -95,7 +95,7 @@ impl Relay {
     ///
     /// # Panics
     /// The terminal is not there.
-    pub fn start(drive: &Path, tamper: impl FnMut(&Passing) -> Fate + Send + 'static) -> Self {
+    pub fn start(drive: &Path, tamper: impl FnMut(&Passing) -> StepOutcome + Send + 'static) -> Self {
         let terminal = Terminal::open();
         let device = terminal.device();
         let drive = open_near_end(drive);
@@ -139,7 +139,7 @@ fn carry(
     bench: &File,
     drive: &File,
     stopped: &io::PipeReader,
-    mut tamper: impl FnMut(&Passing) -> Fate,
+    mut tamper: impl FnMut(&Passing) -> StepOutcome,
 ) -> io::Result<bool> {
     let mut ways = [
         Way { sender: Sender::Bench, from: bench, to: drive, begun: Vec::new() },
@@ -174,7 +174,7 @@ struct Way<'a> {
 
 impl Way<'_> {
     /// Whether the line is to be pulled.
-    fn carry(&mut self, tamper: &mut impl FnMut(&Passing) -> Fate) -> io::Result<bool> {
+    fn carry(&mut self, tamper: &mut impl FnMut(&Passing) -> StepOutcome) -> io::Result<bool> {
         let mut buffer = [0; 4096];
         let count = self.from.read(&mut buffer)?;
         // A drive that is gone closes its terminal; the bench is to see the same.
@@ -189,9 +189,9 @@ impl Way<'_> {
             }
             let frame = Passing { sender: self.sender, bytes: std::mem::take(&mut self.begun) };
             match tamper(&frame) {
-                Fate::Pass => out.extend(frame.bytes),
-                Fate::Become(bytes) => out.extend(bytes),
-                Fate::Pull => return Ok(true),
+                StepOutcome::Pass => out.extend(frame.bytes),
+                StepOutcome::Become(bytes) => out.extend(bytes),
+                StepOutcome::Pull => return Ok(true),
             }
         }
         self.to.write_all(&out)?;

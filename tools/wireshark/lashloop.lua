@@ -32,7 +32,7 @@ local PARAMETER_TYPE = { [1] = "U32", [2] = "F32" }
 local TORQUE_FLAGS = { [16] = "SATURATED", [32] = "REPEATED", [64] = "GAP" }
 -- The bits of a status that are its state; the others are flags.
 local STATE_MASK = 0x0f
-local CONTROLLERS = { [2] = "PD", [4] = "FAITHFUL", [8] = "LITERAL", [16] = "COMPENSATING" }
+local CONTROLLERS = { [2] = "PD", [4] = "MERZOUKI", [8] = "MERZOUKI_AS_PRINTED", [16] = "BACKLASH_INVERSE" }
 
 -- Types of fields: how many bytes, and how to read and show them ---------------------------------------------------
 

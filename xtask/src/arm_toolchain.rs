@@ -76,9 +76,7 @@ impl ArmToolchain {
 
     fn describe(&self, program: &str, command: &mut Command) {
         command.args(["--package", "lashloop-firmware", "--bin", program]);
-        if program == CODEC_COST {
-            command.args(["--features", CODEC_COST]);
-        }
+        command.args(["--features", if program == CODEC_COST { CODEC_COST } else { "image" }]);
         // The folder is ours to name: the image has one well-known place, whatever CARGO_TARGET_DIR says.
         command.args(["--target", TARGET, "--profile", "image", "--target-dir"]);
         command.arg(crate::root().join("target"));

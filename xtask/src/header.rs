@@ -9,12 +9,12 @@ use std::fs;
 
 use anyhow::{Context, Result, ensure};
 use crc::CRC_32_ISCSI;
-use lashloop_protocol::frame::{DELIMITER, OVERHEAD};
-use lashloop_protocol::layout::{FieldLayout, FieldType, MessageLayout};
-use lashloop_protocol::vocabulary::{
+use lashloop_protocol::enums::{
     ControllerId, Controllers, DisturbingTorqueSource, FaultCode, LogLevel, Outcome, ParameterType, State,
     TorqueFlags, TorqueStatus,
 };
+use lashloop_protocol::frame::{DELIMITER, OVERHEAD};
+use lashloop_protocol::layout::{FieldLayout, FieldType, MessageLayout};
 use lashloop_protocol::wire::Wire;
 use lashloop_protocol::{
     DriveMessage, HostMessage, MAX_BODY, MAX_FRAME, Message, PROTOCOL_VERSION, crc as frame_crc,

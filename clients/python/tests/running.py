@@ -9,7 +9,7 @@ from lashloop.messages import (
     FaultReport,
     TorqueAnswer,
 )
-from lashloop.vocabulary import Outcome, ParameterValue, State, TorqueFlags
+from lashloop.enums import Outcome, ParameterValue, State, TorqueFlags
 from support import Bench, sample
 
 QUIET = {"telemetry_every": ParameterValue.u32(0)}

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from lashloop.messages import HostMessage
-    from lashloop.vocabulary import ParameterValue
+    from lashloop.enums import ParameterValue
 
 WORKSPACE = Path(__file__).parents[3]
 SESSION = 0x4C41_5348

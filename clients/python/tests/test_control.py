@@ -16,7 +16,7 @@ from lashloop.counts import wrapped, wrapping_difference
 from lashloop.drive import Drive, Parameters
 from lashloop.drive.parameters import COMMON_PARAMETERS
 from lashloop.sequence import nearest_step, of_step
-from lashloop.vocabulary import single
+from lashloop.enums import single
 from support import Clock, document
 
 DEFAULTS = dict(Parameters([*COMMON_PARAMETERS, *PD.parameters]))

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from lashloop.decoder import Counters, Decoder
 from lashloop.frames import FROM_HOST, FrameError, crc32c, encode
 from lashloop.messages import Arm, EncoderSample, GetParameter, HostMessage, LineReport, SetParameter, Stop
-from lashloop.vocabulary import ParameterValue
+from lashloop.enums import ParameterValue
 
 SESSIONS = st.integers(0, 2**32 - 1)
 SEQUENCES = st.integers(0, 2**16 - 1)

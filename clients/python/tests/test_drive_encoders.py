@@ -16,7 +16,7 @@ from lashloop.messages import (
     Log,
 )
 from lashloop.sequence import of_step
-from lashloop.vocabulary import FaultCode, Outcome, ParameterValue, State, single
+from lashloop.enums import FaultCode, Outcome, ParameterValue, State, single
 from running import QUIET, SLOW, fault, place, running_at, torque
 from support import SESSION, Bench, sample
 

@@ -35,7 +35,7 @@ from lashloop.messages import (
     Stop,
     TorqueAnswer,
 )
-from lashloop.vocabulary import FaultCode, Outcome, ParameterType, ParameterValue, State, spell
+from lashloop.enums import FaultCode, Outcome, ParameterType, ParameterValue, State, spell
 from support import PARAMETER_COUNT, SESSION, Bench, sample, table
 
 if TYPE_CHECKING:

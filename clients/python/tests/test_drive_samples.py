@@ -16,7 +16,7 @@ from lashloop.messages import (
     Telemetry,
     TorqueAnswer,
 )
-from lashloop.vocabulary import FaultCode, ParameterValue, TorqueFlags
+from lashloop.enums import FaultCode, ParameterValue, TorqueFlags
 from running import QUIET, SLOW, fault, place, running_at, torque
 from support import Bench, sample, table
 

@@ -10,7 +10,7 @@ from lashloop.messages import (
     Hello,
     Start,
 )
-from lashloop.vocabulary import FaultCode, single
+from lashloop.enums import FaultCode, single
 from running import fault, running_at
 from support import SESSION, Bench, sample
 

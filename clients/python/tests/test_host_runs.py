@@ -8,7 +8,7 @@ import pytest
 
 from lashloop.host import DriveFaultError, RefusedError, SilenceError, StartTooFarError
 from lashloop.messages import DriveMessage, EncoderSample, Log, Reset, Start, TorqueAnswer
-from lashloop.vocabulary import LogLevel, State, TorqueFlags, single
+from lashloop.enums import LogLevel, State, TorqueFlags, single
 from wire import Wire, greeted, running, step
 
 

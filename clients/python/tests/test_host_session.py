@@ -17,7 +17,7 @@ from lashloop.host import (
 )
 from lashloop.lines import LineError
 from lashloop.messages import Arm, DriveMessage, Hello, Identity, ParameterReport
-from lashloop.vocabulary import FaultCode, Outcome, ParameterValue, State, Version
+from lashloop.enums import FaultCode, Outcome, ParameterValue, State, Version
 from support import PARAMETER_COUNT
 from wire import Wire, greeted, running
 

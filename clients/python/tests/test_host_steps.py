@@ -6,7 +6,7 @@ import pytest
 
 from lashloop.host import DriveFaultError, GapTooLongError, PlacedFault, RefusedError, SilenceError, TimeLimits
 from lashloop.messages import DriveMessage, EncoderSample, FaultReport, HostMessage, TorqueAnswer
-from lashloop.vocabulary import FaultCode, TorqueFlags
+from lashloop.enums import FaultCode, TorqueFlags
 from wire import Wire, greeted, running, step
 
 IMPATIENT = TimeLimits(answer_s=1e-3)
@@ -50,15 +50,15 @@ def test_a_fault_names_its_sample_and_last_words_name_none() -> None:
     assert (it.value.fault.step, it.value.fault.message.sequence) == (70_000, 70_000 - 65_536)
     assert host.fault == it.value.fault
     for code, name in ((FaultCode.PANIC, "Panic"), (FaultCode.PROCESSOR_FAULT, "ProcessorFault")):
-        last_words = FaultReport(code, 0, 0.0, 0.0, 0x2A)
+        fault_frame = FaultReport(code, 0, 0.0, 0.0, 0x2A)
 
-        def alters(message: DriveMessage, last_words: FaultReport = last_words) -> list[DriveMessage]:
-            return [last_words] if isinstance(message, TorqueAnswer) else []
+        def alters(message: DriveMessage, fault_frame: FaultReport = fault_frame) -> list[DriveMessage]:
+            return [fault_frame] if isinstance(message, TorqueAnswer) else []
 
         wire.alters = alters
         with pytest.raises(DriveFaultError) as raised:
             step(host)
-        assert raised.value.fault == PlacedFault(None, last_words)
+        assert raised.value.fault == PlacedFault(None, fault_frame)
         said = f"the drive latched {name} (its firmware has stopped: only a reset of the hardware brings it back), "
         assert str(raised.value) == said + "detail 0x2a"
 

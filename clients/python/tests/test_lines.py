@@ -18,7 +18,7 @@ from lashloop.frames import encode
 from lashloop.host import DriveFaultError, Host
 from lashloop.lines import DescriptorLine, LineError, open_port, send_all
 from lashloop.messages import Hello
-from lashloop.vocabulary import FaultCode, State
+from lashloop.enums import FaultCode, State
 from support import SOON_S, python_drive
 
 if TYPE_CHECKING:

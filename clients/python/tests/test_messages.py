@@ -12,7 +12,7 @@ from lashloop import frames, messages
 from lashloop.errors import FieldError
 from lashloop.frames import FROM_DRIVE, FROM_HOST, CrcError, MalformedError, OversizedError, RefusedError
 from lashloop.messages import DRIVE_MESSAGES, HOST_MESSAGES, LAYOUTS, Log, Message
-from lashloop.vocabulary import (
+from lashloop.enums import (
     ControllerId,
     Controllers,
     DisturbingTorqueSource,

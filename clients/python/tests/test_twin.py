@@ -10,7 +10,7 @@ from lashloop.control import ControlInput
 from lashloop.control.cascade import PD
 from lashloop.drive import Drive
 from lashloop.host import DriveFaultError, Host
-from lashloop.vocabulary import FaultCode, State
+from lashloop.enums import FaultCode, State
 from support import rust_twin
 
 PERIOD_S = 1e-3

@@ -8,10 +8,10 @@
 
 pub(crate) mod clock_tree;
 pub(crate) mod device_clock;
-mod last_words;
+mod fault_handlers;
 pub(crate) mod link;
 
-use lashloop_protocol::vocabulary::LogLevel;
+use lashloop_protocol::enums::LogLevel;
 use stm32f4xx_hal::gpio::GpioExt;
 use stm32f4xx_hal::pac::{DBGMCU, Peripherals, RCC};
 

@@ -4,7 +4,7 @@
 //! torque. Before compensation, after it and as printed differ only in the [`Compensation`] they hand to the cascade.
 
 use crate::control::feed_forward::FeedForward;
-use crate::control::nominal::NominalModel;
+use crate::control::nominal_model::NominalModel;
 use crate::control::parameter::{GAIN_MAX, Limits, all_within};
 use crate::control::{ControlOutput, Measurement, ParameterError, Real};
 

@@ -6,7 +6,7 @@
 //! equation (19).
 
 use crate::control::Real;
-use crate::control::nominal::NominalModel;
+use crate::control::nominal_model::NominalModel;
 
 /// The smoothed dead zone with its amplitude left open.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,7 +4,7 @@
 //! acceleration, with gain one at z = 0: it can't be implemented and is left out, and the f_m/K part, 4e-4 of the
 //! torque, goes with it. With a constant reference everything here is nought.
 
-use crate::control::nominal::NominalModel;
+use crate::control::nominal_model::NominalModel;
 use crate::control::{Measurement, Real};
 
 /// The torques a moving reference needs.

@@ -1,8 +1,8 @@
 //! The choice of a control law at run time.
 
-use crate::control::compensating::{Compensating, CompensatingState};
-use crate::control::faithful::{Faithful, FaithfulState};
-use crate::control::literal::{Literal, LiteralState};
+use crate::control::backlash_inverse::{BacklashInverse, BacklashInverseState};
+use crate::control::merzouki::{Merzouki, MerzoukiState};
+use crate::control::merzouki_as_printed::{MerzoukiAsPrinted, MerzoukiAsPrintedState};
 use crate::control::pd::Pd;
 use crate::control::{ControlOutput, Controller, Measurement, Real};
 
@@ -12,11 +12,11 @@ pub enum Law<F> {
     /// The cascade before compensation.
     Pd(Pd<F>),
     /// The cascade after compensation, in the reading that meets the paper's figures.
-    Faithful(Faithful<F>),
+    Merzouki(Merzouki<F>),
     /// The cascade after compensation, as printed.
-    Literal(Literal<F>),
+    MerzoukiAsPrinted(MerzoukiAsPrinted<F>),
     /// The gap inverted in the torque domain.
-    Compensating(Compensating<F>),
+    BacklashInverse(BacklashInverse<F>),
 }
 
 /// The state of any of the control laws.
@@ -24,12 +24,12 @@ pub enum Law<F> {
 pub enum LawState<F: Real> {
     /// [`Pd`] remembers nothing.
     Pd,
-    /// State of [`Faithful`].
-    Faithful(FaithfulState<F>),
-    /// State of [`Literal`].
-    Literal(LiteralState<F>),
-    /// State of [`Compensating`].
-    Compensating(CompensatingState<F>),
+    /// State of [`Merzouki`].
+    Merzouki(MerzoukiState<F>),
+    /// State of [`MerzoukiAsPrinted`].
+    MerzoukiAsPrinted(MerzoukiAsPrintedState<F>),
+    /// State of [`BacklashInverse`].
+    BacklashInverse(BacklashInverseState<F>),
 }
 
 impl<F: Real> Controller<F> for Law<F> {
@@ -38,9 +38,9 @@ impl<F: Real> Controller<F> for Law<F> {
     fn initial_state(&self) -> Self::State {
         match self {
             Self::Pd(_) => LawState::Pd,
-            Self::Faithful(law) => LawState::Faithful(law.initial_state()),
-            Self::Literal(law) => LawState::Literal(law.initial_state()),
-            Self::Compensating(law) => LawState::Compensating(law.initial_state()),
+            Self::Merzouki(law) => LawState::Merzouki(law.initial_state()),
+            Self::MerzoukiAsPrinted(law) => LawState::MerzoukiAsPrinted(law.initial_state()),
+            Self::BacklashInverse(law) => LawState::BacklashInverse(law.initial_state()),
         }
     }
 
@@ -49,9 +49,11 @@ impl<F: Real> Controller<F> for Law<F> {
     fn step(&self, state: &mut Self::State, measurement: &Measurement<F>) -> ControlOutput<F> {
         match (self, state) {
             (Self::Pd(law), LawState::Pd) => law.step(&mut (), measurement),
-            (Self::Faithful(law), LawState::Faithful(state)) => law.step(state, measurement),
-            (Self::Literal(law), LawState::Literal(state)) => law.step(state, measurement),
-            (Self::Compensating(law), LawState::Compensating(state)) => law.step(state, measurement),
+            (Self::Merzouki(law), LawState::Merzouki(state)) => law.step(state, measurement),
+            (Self::MerzoukiAsPrinted(law), LawState::MerzoukiAsPrinted(state)) => {
+                law.step(state, measurement)
+            }
+            (Self::BacklashInverse(law), LawState::BacklashInverse(state)) => law.step(state, measurement),
             (_, foreign) => {
                 *foreign = self.initial_state();
                 self.step(foreign, measurement)
@@ -65,11 +67,11 @@ mod tests {
     use core::f64::consts::FRAC_PI_2;
 
     use super::*;
+    use crate::control::backlash_inverse::{BacklashInverseGains, BacklashInverseSetting};
     use crate::control::cascade::CascadeGains;
-    use crate::control::compensating::{CompensatingGains, CompensatingSetting};
     use crate::control::dead_zone_observer::DeadZoneObserver;
-    use crate::control::faithful::DisturbingTorqueSource;
-    use crate::control::nominal::NominalModel;
+    use crate::control::merzouki::DisturbingTorqueSource;
+    use crate::control::nominal_model::NominalModel;
 
     /// The paper's start: at rest at pi/2, the motor at 3 pi/2.
     fn start() -> Measurement<f64> {
@@ -86,8 +88,8 @@ mod tests {
         }
     }
 
-    fn compensating() -> Law<f64> {
-        let setting = CompensatingSetting {
+    fn backlash_inverse() -> Law<f64> {
+        let setting = BacklashInverseSetting {
             momentum_observer_rad_s: 60.0,
             dead_zone_initial_rad: 0.16,
             dead_zone_max_rad: 3.0,
@@ -95,8 +97,8 @@ mod tests {
             torque_limit_nm: 20.0,
             period_s: 1e-3,
         };
-        let law = Compensating::new(&NominalModel::paper(), CompensatingGains::paper(), setting);
-        Law::Compensating(law.expect("valid"))
+        let law = BacklashInverse::new(&NominalModel::paper(), BacklashInverseGains::paper(), setting);
+        Law::BacklashInverse(law.expect("valid"))
     }
 
     /// The paper's.
@@ -106,8 +108,8 @@ mod tests {
         let source = DisturbingTorqueSource::Observed { pole_rad_s: 60.0 };
         [
             Law::Pd(Pd::new(&model, gains).expect("valid")),
-            Law::Faithful(Faithful::new(&model, gains, observer, source, 1e-3).expect("valid")),
-            Law::Literal(Literal::new(&model, gains, observer, 1e-3).expect("valid")),
+            Law::Merzouki(Merzouki::new(&model, gains, observer, source, 1e-3).expect("valid")),
+            Law::MerzoukiAsPrinted(MerzoukiAsPrinted::new(&model, gains, observer, 1e-3).expect("valid")),
         ]
     }
 
@@ -124,18 +126,19 @@ mod tests {
     #[test]
     fn laws_differ_by_lead_and_free_torque_at_a_wound_spring() {
         let wound = Measurement { twist_rad: 2.0, motor_position_rad: 3.0 * FRAC_PI_2 + 2.0, ..start() };
-        let [pd, faithful, literal] = laws().map(|law| law.step(&mut law.initial_state(), &wound).torque_nm);
+        let [pd, merzouki, as_printed] =
+            laws().map(|law| law.step(&mut law.initial_state(), &wound).torque_nm);
         let w_hat = -0.64 * libm::tanh(2.0 / 0.64);
-        assert!((literal - (pd - w_hat)).abs() < 1e-12, "literal: have {literal}, pd {pd}");
+        assert!((as_printed - (pd - w_hat)).abs() < 1e-12, "merzouki-as-printed: have {as_printed}, pd {pd}");
         // Lead -w_hat, and w - w_hat with nothing observed yet: C_obs = 0, w = -K z.
         assert!(
-            (faithful - (pd - w_hat - w_hat - 2.0 - w_hat)).abs() < 1e-12,
-            "faithful: have {faithful}, pd {pd}"
+            (merzouki - (pd - w_hat - w_hat - 2.0 - w_hat)).abs() < 1e-12,
+            "merzouki: have {merzouki}, pd {pd}"
         );
     }
 
     #[test]
-    fn literal_and_faithful_use_the_estimate_of_before_its_update() {
+    fn literal_and_merzouki_use_the_estimate_of_before_its_update() {
         let wound = Measurement { twist_rad: 2.0, ..start() };
         for law in laws().into_iter().skip(1) {
             let mut state = law.initial_state();
@@ -149,8 +152,8 @@ mod tests {
 
     #[test]
     fn state_of_another_law_is_begun_anew() {
-        let [pd, faithful, _] = laws();
-        for (before, law) in [(pd, faithful), (faithful, compensating()), (compensating(), pd)] {
+        let [pd, merzouki, _] = laws();
+        for (before, law) in [(pd, merzouki), (merzouki, backlash_inverse()), (backlash_inverse(), pd)] {
             let mut state = before.initial_state();
             let mut own = law.initial_state();
             assert_eq!(law.step(&mut state, &start()), law.step(&mut own, &start()));
@@ -181,7 +184,7 @@ mod tests {
 
     #[test]
     fn a_number_that_is_none_shows_in_the_output() {
-        for law in laws().into_iter().chain([compensating()]) {
+        for law in laws().into_iter().chain([backlash_inverse()]) {
             let blind = Measurement { load_position_rad: f64::NAN, ..start() };
             assert!(!law.step(&mut law.initial_state(), &blind).is_finite());
         }

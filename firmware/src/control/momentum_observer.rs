@@ -5,9 +5,9 @@
 //! transmission. With q = y - a J_m d(theta_e), dy/dt = a (U - f - q), the output C_obs = q follows U - f - J_m
 //! dd(theta_e) with the first-order lag of the pole a. The lag is advanced exactly for a torque held over the period.
 
-use crate::control::nominal::NominalModel;
+use crate::control::nominal_model::NominalModel;
 use crate::control::parameter::{PERIOD_S, within};
-use crate::control::real::lag_share;
+use crate::control::real::alpha;
 use crate::control::{Measurement, ParameterError, Real};
 
 /// Velocity in rad/s over which the motor's Coulomb friction turns over.
@@ -30,7 +30,7 @@ pub struct MomentumObserverState<F> {
 
 impl<F: Real> MomentumObserver<F> {
     /// An observer with its pole in rad/s, run every `period_s` seconds. 60 rad/s suits the paper's bench; at 300 the
-    /// faithful law oscillates from 3 ms of delay.
+    /// merzouki law oscillates from 3 ms of delay.
     ///
     /// # Errors
     /// Names the parameter outside its range.
@@ -40,7 +40,7 @@ impl<F: Real> MomentumObserver<F> {
         within("period_s", period_s, PERIOD_S.0, PERIOD_S.1)?;
         Ok(Self {
             pole_times_inertia: pole_rad_s * model.motor_inertia_kg_m2,
-            share_per_period: lag_share(pole_rad_s, period_s),
+            share_per_period: alpha(pole_rad_s, period_s),
             friction_nm_s_rad: model.motor_friction_nm_s_rad,
             coulomb_nm: model.motor_coulomb_nm,
         })

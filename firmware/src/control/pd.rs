@@ -4,7 +4,7 @@
 //! the paper's 13 s nor its static error of 0.32 rad comes out.
 
 use crate::control::cascade::{Cascade, CascadeGains, Compensation};
-use crate::control::nominal::NominalModel;
+use crate::control::nominal_model::NominalModel;
 use crate::control::{ControlOutput, Controller, Measurement, ParameterError, Real};
 
 /// The two loops alone.

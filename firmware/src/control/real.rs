@@ -125,7 +125,7 @@ impl Real for f64 {
 }
 
 /// Share of the way a first-order lag of `rate` (1/s) goes towards a held input in `time` (s): `1 - e^(-rate time)`.
-pub(crate) fn lag_share<F: Real>(rate: F, time: F) -> F {
+pub(crate) fn alpha<F: Real>(rate: F, time: F) -> F {
     -(-(rate * time)).exp_m1()
 }
 
@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn lag_share_keeps_its_digits_for_slow_lags_in_single_precision() {
         // 1 - e^-x loses all but three digits of 1e-5 in f32 when it is computed by subtraction.
-        let share = lag_share(0.01_f32, 0.001);
+        let share = alpha(0.01_f32, 0.001);
         assert!((share.to_f64() / 9.99995e-6 - 1.0).abs() < 2e-7, "have {share}");
     }
 }

@@ -15,7 +15,7 @@
 //! [`REFERENCE_JUMP_RAD`] per period counts as a jump and gives no rates.
 
 use crate::control::parameter::{PERIOD_S, within};
-use crate::control::real::lag_share;
+use crate::control::real::alpha;
 use crate::control::{Measurement, ParameterError, Real};
 
 /// Largest difference of the reference between two periods, in rad, that is taken for motion.
@@ -104,7 +104,7 @@ impl<F: Real> Channel<F> {
         Ok(Self {
             half_count_rad: F::from_f64(core::f64::consts::PI) / counts,
             bandwidth_rad_s: config.velocity_bandwidth_rad_s,
-            share_per_period: lag_share(config.velocity_bandwidth_rad_s, period_s),
+            share_per_period: alpha(config.velocity_bandwidth_rad_s, period_s),
         })
     }
 
@@ -117,7 +117,7 @@ impl<F: Real> Channel<F> {
     }
 
     fn share(&self, periods: u32, elapsed_s: F) -> F {
-        if periods == 1 { self.share_per_period } else { lag_share(self.bandwidth_rad_s, elapsed_s) }
+        if periods == 1 { self.share_per_period } else { alpha(self.bandwidth_rad_s, elapsed_s) }
     }
 }
 

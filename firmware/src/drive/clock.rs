@@ -10,12 +10,12 @@ pub trait Clock {
 
 /// A clock that stands still: for tests and for in-process runs, in which no device time passes.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Frozen(
+pub struct ManualClock(
     /// What it shows.
     pub Duration,
 );
 
-impl Clock for Frozen {
+impl Clock for ManualClock {
     fn now(&self) -> Duration {
         self.0
     }

@@ -3,18 +3,18 @@
 use core::f32::consts::TAU;
 
 use lashloop_protocol::EncoderCounts;
+use lashloop_protocol::enums::{ControllerId, DisturbingTorqueSource};
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::LONGEST_GAP;
-use lashloop_protocol::vocabulary::{ControllerId, DisturbingTorqueSource};
 
 use super::parameters::Parameters;
+use crate::control::backlash_inverse::{BacklashInverse, BacklashInverseGains, BacklashInverseSetting};
 use crate::control::cascade::CascadeGains;
-use crate::control::compensating::{Compensating, CompensatingGains, CompensatingSetting};
 use crate::control::dead_zone_observer::DeadZoneObserver;
-use crate::control::faithful::{self, Faithful};
 use crate::control::law::{Law, LawState};
-use crate::control::literal::Literal;
-use crate::control::nominal::NominalModel;
+use crate::control::merzouki::{self, Merzouki};
+use crate::control::merzouki_as_printed::MerzoukiAsPrinted;
+use crate::control::nominal_model::NominalModel;
 use crate::control::parameter::within;
 use crate::control::pd::Pd;
 use crate::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig, SensingState};
@@ -163,20 +163,24 @@ fn law(parameters: &Parameters, period_s: f32) -> Result<Law<f32>, ParameterErro
     let id = u8::try_from(parameters.controller).ok().and_then(ControllerId::from_byte);
     Ok(match id.unwrap_or(ControllerId::Pd) {
         ControllerId::Pd => Law::Pd(Pd::new(&model, gains)?),
-        ControllerId::Literal => Law::Literal(Literal::new(&model, gains, observer, period_s)?),
-        ControllerId::Faithful => {
-            Law::Faithful(Faithful::new(&model, gains, observer, source(parameters), period_s)?)
+        ControllerId::MerzoukiAsPrinted => {
+            Law::MerzoukiAsPrinted(MerzoukiAsPrinted::new(&model, gains, observer, period_s)?)
         }
-        ControllerId::Compensating => Law::Compensating(compensating(parameters, &model, period_s)?),
+        ControllerId::Merzouki => {
+            Law::Merzouki(Merzouki::new(&model, gains, observer, source(parameters), period_s)?)
+        }
+        ControllerId::BacklashInverse => {
+            Law::BacklashInverse(backlash_inverse(parameters, &model, period_s)?)
+        }
     })
 }
 
-fn compensating(
+fn backlash_inverse(
     parameters: &Parameters,
     model: &NominalModel<f32>,
     period_s: f32,
-) -> Result<Compensating<f32>, ParameterError> {
-    let gains = CompensatingGains {
+) -> Result<BacklashInverse<f32>, ParameterError> {
+    let gains = BacklashInverseGains {
         approach_rate_1_s: parameters.approach_rate_1_s,
         approach_speed_rad_s: parameters.approach_speed_rad_s,
         load_velocity_gain_nm_s_rad: parameters.load_velocity_gain_nm_s_rad,
@@ -189,9 +193,9 @@ fn compensating(
         load_observer_rad_s: parameters.load_observer_rad_s,
         identification_min_nm: parameters.identification_min_nm,
         arrival_band_rad: parameters.arrival_band_rad,
-        hold_share: parameters.hold_share,
+        hold_fraction: parameters.hold_fraction,
     };
-    let setting = CompensatingSetting {
+    let setting = BacklashInverseSetting {
         momentum_observer_rad_s: parameters.momentum_observer_rad_s,
         dead_zone_initial_rad: parameters.dead_zone_initial_rad,
         dead_zone_max_rad: parameters.dead_zone_max_rad,
@@ -199,13 +203,13 @@ fn compensating(
         torque_limit_nm: parameters.torque_limit_nm,
         period_s,
     };
-    Compensating::new(model, gains, setting)
+    BacklashInverse::new(model, gains, setting)
 }
 
-fn source(parameters: &Parameters) -> faithful::DisturbingTorqueSource<f32> {
+fn source(parameters: &Parameters) -> merzouki::DisturbingTorqueSource<f32> {
     if parameters.disturbing_torque_source == DisturbingTorqueSource::Model as u32 {
-        faithful::DisturbingTorqueSource::NominalModel
+        merzouki::DisturbingTorqueSource::NominalModel
     } else {
-        faithful::DisturbingTorqueSource::Observed { pole_rad_s: parameters.momentum_observer_rad_s }
+        merzouki::DisturbingTorqueSource::Observed { pole_rad_s: parameters.momentum_observer_rad_s }
     }
 }

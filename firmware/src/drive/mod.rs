@@ -26,11 +26,11 @@ mod session;
 
 use core::time::Duration;
 
+use lashloop_protocol::enums::{FaultCode, LogLevel, State, Version};
 use lashloop_protocol::message::{FaultReport, TorqueAnswer};
-use lashloop_protocol::vocabulary::{FaultCode, LogLevel, State, Version};
 use lashloop_protocol::{Counters, Decoder, Frame};
 
-pub use clock::{Clock, Frozen};
+pub use clock::{Clock, ManualClock};
 use control_loop::ControlLoop;
 use output::Output;
 use parameters::Parameters;
@@ -174,6 +174,6 @@ impl Drive {
 
 /// The last thing a dying firmware says, as a whole frame: for panic and fault handlers, which have no drive to ask.
 #[must_use]
-pub fn last_words(code: FaultCode, detail: u32) -> Frame {
+pub fn fault_frame(code: FaultCode, detail: u32) -> Frame {
     Frame::of(&FaultReport { code, sequence: 0, value: 0.0, limit: 0.0, detail })
 }

@@ -1,8 +1,8 @@
 //! What the drive wants sent.
 
+use lashloop_protocol::enums::LogLevel;
 use lashloop_protocol::message::Log;
 use lashloop_protocol::text::Text;
-use lashloop_protocol::vocabulary::LogLevel;
 use lashloop_protocol::{DriveMessage, MAX_FRAME, Message};
 
 /// One sample can cause a torque, a telemetry and a fault; one request an identity and a fault. A tick can add a fault.

@@ -2,7 +2,7 @@
 //!
 //! The index on the wire is the place in [`TABLE`]. Defaults are table 1 of Merzouki and Cadiou.
 
-use lashloop_protocol::vocabulary::{Outcome, ParameterValue};
+use lashloop_protocol::enums::{Outcome, ParameterValue};
 
 /// One parameter, as the host may learn it.
 pub struct Entry {
@@ -101,7 +101,7 @@ macro_rules! is_live {
 }
 
 parameters! {
-    /// Control law: a [`ControllerId`](lashloop_protocol::vocabulary::ControllerId).
+    /// Control law: a [`ControllerId`](lashloop_protocol::enums::ControllerId).
     controller: U32 = 1 in 1..=4 "";
     /// Control period.
     period_us: U32 = 1000 in 100..=100_000 "us";
@@ -145,7 +145,7 @@ parameters! {
     /// Largest dead-zone estimate. The paper's transient passes 1.7 rad; a bound below 2 rad spoils it.
     dead_zone_max_rad: F32 = 3.0 in 0.0..=100.0 "rad";
     /// Where the disturbing torque comes from: a
-    /// [`DisturbingTorqueSource`](lashloop_protocol::vocabulary::DisturbingTorqueSource).
+    /// [`DisturbingTorqueSource`](lashloop_protocol::enums::DisturbingTorqueSource).
     disturbing_torque_source: U32 = 2 in 1..=2 "";
     /// Pole of the momentum observer.
     momentum_observer_rad_s: F32 = 60.0 in 0.1..=10_000.0 "rad/s";
@@ -167,7 +167,7 @@ parameters! {
     /// Nominal dead-zone amplitude j0, half the gap.
     dead_zone_rad: F32 = 0.16 in 1e-6..=10.0 "rad";
 
-    /// Load error to wanted load velocity; this and what follows is of the law `Compensating`.
+    /// Load error to wanted load velocity; this and what follows is of the law `BacklashInverse`.
     approach_rate_1_s: F32 = 2.5 in 0.0..=1e6 "1/s";
     /// Fastest wanted load velocity beyond the reference's own.
     approach_speed_rad_s: F32 = 1.5 in 0.0..=1e6 "rad/s";
@@ -192,5 +192,5 @@ parameters! {
     /// Load error that counts as arrived; at least 1.05 counts of the load encoder are taken.
     arrival_band_rad: F32 = 0.002 in 0.0..=1.0 "rad";
     /// Share of the integral that is kept on arrival.
-    hold_share: F32 = 0.3 in 0.0..=1.0 "";
+    hold_fraction: F32 = 0.3 in 0.0..=1.0 "";
 }

@@ -13,8 +13,8 @@
 
 use core::time::Duration;
 
+use lashloop_protocol::enums::{FaultCode, Outcome, State};
 use lashloop_protocol::message::FaultReport;
-use lashloop_protocol::vocabulary::{FaultCode, Outcome, State};
 
 use super::parameters::Parameters;
 use crate::control::Real;

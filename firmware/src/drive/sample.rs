@@ -2,8 +2,8 @@
 
 use core::time::Duration;
 
+use lashloop_protocol::enums::{Outcome, State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::message::{EncoderSample, FaultReport, Telemetry, TorqueAnswer};
-use lashloop_protocol::vocabulary::{Outcome, State, TorqueFlags, TorqueStatus};
 
 use super::control_loop::ControlLoop;
 use super::{Clock, Drive};

@@ -2,11 +2,11 @@
 
 use core::time::Duration;
 
+use lashloop_protocol::enums::{Controllers, LogLevel, Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
     CommandResult, Hello, Identity, LineReport, ParameterDescription, ParameterReport, SetParameter,
 };
 use lashloop_protocol::text::Text;
-use lashloop_protocol::vocabulary::{Controllers, LogLevel, Outcome, ParameterValue, State};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{HostMessage, PROTOCOL_VERSION, message};
 

@@ -2,24 +2,24 @@
 
 use std::time::Duration;
 
-use lashloop_firmware::drive::{Drive, Frozen};
+use lashloop_firmware::drive::{Drive, ManualClock};
+use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
     Arm, CommandResult, EncoderSample, FaultReport, Hello, Identity, ParameterReport, SetParameter, Start,
     TorqueAnswer,
 };
-use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State};
 use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message, PROTOCOL_VERSION};
 
 pub const SESSION: u32 = 7;
 
 pub struct Host {
     pub drive: Drive,
-    pub clock: Frozen,
+    pub clock: ManualClock,
 }
 
 impl Host {
     pub fn new() -> Self {
-        Self { drive: Drive::new("test"), clock: Frozen::default() }
+        Self { drive: Drive::new("test"), clock: ManualClock::default() }
     }
 
     /// Greeted, and disarmed.

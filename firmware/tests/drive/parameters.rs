@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use lashloop_firmware::drive::parameters::TABLE;
 use lashloop_protocol::DriveMessage;
+use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{Arm, DescribeParameter, GetParameter, SetParameter};
-use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State};
 
 use crate::host::{Host, SESSION};
 

@@ -1,8 +1,8 @@
 //! The control path.
 
 use lashloop_protocol::DriveMessage;
+use lashloop_protocol::enums::{ParameterValue, State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::message::LineReport;
-use lashloop_protocol::vocabulary::{ParameterValue, State, TorqueFlags, TorqueStatus};
 
 use crate::host::{Host, torque};
 
@@ -35,8 +35,8 @@ fn torque_is_limited_and_flagged() {
 
 #[test]
 fn a_repeated_sample_gets_the_same_answer_and_makes_no_step() {
-    let faithful = [("controller", ParameterValue::U32(2)), ("torque_limit_nm", ParameterValue::F32(100.0))];
-    let (mut once, mut twice) = (Host::running(&faithful), Host::running(&faithful));
+    let merzouki = [("controller", ParameterValue::U32(2)), ("torque_limit_nm", ParameterValue::F32(100.0))];
+    let (mut once, mut twice) = (Host::running(&merzouki), Host::running(&merzouki));
     let first = torque(&once.sample(0, MOTOR, LOAD));
     twice.sample(0, MOTOR, LOAD);
     let again = torque(&twice.sample(0, MOTOR, LOAD));
@@ -109,8 +109,8 @@ fn telemetry_comes_every_n_th_step_after_its_torque() {
 #[test]
 fn a_new_run_starts_from_the_initial_state() {
     use lashloop_protocol::message::{Arm, Start, Stop};
-    let faithful = [("controller", ParameterValue::U32(2)), ("torque_limit_nm", ParameterValue::F32(100.0))];
-    let mut host = Host::running(&faithful);
+    let merzouki = [("controller", ParameterValue::U32(2)), ("torque_limit_nm", ParameterValue::F32(100.0))];
+    let mut host = Host::running(&merzouki);
     let run = |host: &mut Host| -> Vec<u32> {
         (0..50)
             .map(|k| torque(&host.sample(k, MOTOR - 300 * i64::from(k), LOAD)).torque_nm.to_bits())

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use lashloop_firmware::drive::last_words;
+use lashloop_firmware::drive::fault_frame;
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, EncoderSample, Hello, Reset, Stop};
-use lashloop_protocol::vocabulary::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::{Decoder, DriveMessage, PROTOCOL_VERSION};
 
 use crate::host::{Host, SESSION, fault, sample, torque};
@@ -201,7 +201,7 @@ fn stop_and_reset_take_the_torque_away() {
 
 #[test]
 fn the_last_words_of_a_dying_firmware_are_a_fault_report() {
-    let frame = last_words(FaultCode::ProcessorFault, 0x0800_1234);
+    let frame = fault_frame(FaultCode::ProcessorFault, 0x0800_1234);
     let message = Decoder::new().next(&mut &frame[..]);
     assert!(
         matches!(message, Some(Ok(DriveMessage::FaultReport(r))) if r.code == FaultCode::ProcessorFault && r.detail == 0x0800_1234)

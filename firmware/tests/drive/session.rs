@@ -1,8 +1,8 @@
 //! Greeting, arming, stopping.
 
 use lashloop_firmware::drive::BUILD_ID;
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Hello, Reset, Start, Stop};
-use lashloop_protocol::vocabulary::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::{DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
 
 use crate::host::{Host, SESSION, fault, torque};

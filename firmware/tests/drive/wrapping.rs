@@ -1,8 +1,8 @@
 //! Runs that are longer than the numbers on the wire: sequences of 16 bits, counts of 24.
 
 use lashloop_protocol::DriveMessage;
+use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::Arm;
-use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State, TorqueFlags};
 
 use crate::host::{Host, SESSION, torque};
 

@@ -4,9 +4,9 @@ use std::cell::RefCell;
 use std::time::Duration;
 
 use lashloop_firmware::drive::parameters::TABLE;
-use lashloop_firmware::drive::{Drive, Frozen};
+use lashloop_firmware::drive::{Drive, ManualClock};
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::message::{Arm, EmergencyStop, Hello, SetParameter, Start};
-use lashloop_protocol::vocabulary::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{HostMessage, Message, PROTOCOL_VERSION};
 use proptest::collection::vec;
@@ -16,7 +16,7 @@ use proptest::sample::select;
 use proptest::test_runner::{Config, RngSeed, TestError, TestRunner};
 
 use crate::action::Action;
-use crate::watched::{Seen, Watched, frame_around};
+use crate::invariants::{Seen, Watched, frame_around};
 
 const SESSION: u32 = 7;
 
@@ -189,7 +189,7 @@ fn answers(line: &[u8], piece_lens: &[usize]) -> Vec<u8> {
         if rest.is_empty() {
             break;
         }
-        let used = drive.receive(&rest[..len.min(rest.len())], &Frozen::default());
+        let used = drive.receive(&rest[..len.min(rest.len())], &ManualClock::default());
         rest = &rest[used..];
         said.extend_from_slice(drive.output());
         drive.clear_output();

@@ -2,4 +2,4 @@
 
 mod action;
 mod histories;
-mod watched;
+mod invariants;

@@ -19,8 +19,8 @@ use lashloop_protocol::layout::MessageLayout;
 use lashloop_protocol::message::{EncoderSample, Telemetry, TorqueAnswer};
 use lashloop_protocol::wire::Payload;
 
-use crate::link::wire::time_of;
-use crate::run::real_time::RESERVE;
+use lashloop_bench::link::uart_model::time_of;
+use lashloop_bench::run::real_time::PERIOD_MARGIN;
 
 pub use report::Report;
 
@@ -99,10 +99,10 @@ impl Budget {
         }
     }
 
-    /// What a period has for an answer: the loop keeps the rest for itself, see [`RESERVE`].
+    /// What a period has for an answer: the loop keeps the rest for itself, see [`PERIOD_MARGIN`].
     #[must_use]
     pub fn deadline(&self) -> Duration {
-        self.period - self.period / RESERVE
+        self.period - self.period / PERIOD_MARGIN
     }
 
     /// Whether the torque is there in time in these cycles, and nothing piles up on the wire.

@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use clap::Args;
-use lashloop::battery::journal::{Header, Journal};
-use lashloop::battery::plan::{Law, Settings};
-use lashloop::battery::runs::Ended;
-use lashloop::battery::{Battery, BatteryError, table};
-use lashloop::record::digest;
-use lashloop::record::whole::write_whole;
-use lashloop::verdict::Exit;
+use lashloop::campaign::journal::{Header, Journal};
+use lashloop::campaign::plan::{Law, Settings};
+use lashloop::campaign::runs::Ended;
+use lashloop::campaign::{Battery, BatteryError, table};
+use lashloop_bench::atomic_file::write_whole;
+use lashloop_bench::record::digest;
+use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
 use super::progress::Progress;
@@ -22,7 +22,7 @@ use super::{output, start_supervisor};
 /// Run control laws on many bench plants they were not tuned for, in process and in parallel.
 ///
 /// Random plants, with every parameter up to 30 % from its nominal value, then the nominal plant with one thing varied at a
-/// time. Ends with 1 if the compensating law misses one of its limits on the random plants.
+/// time. Ends with 1 if the backlash inverse misses one of its limits on the random plants.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Number of random plants
@@ -34,7 +34,7 @@ pub(crate) struct Arguments {
     seed: u64,
 
     /// Control laws, separated by commas
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "pd,faithful,compensating")]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "pd,merzouki,backlash-inverse")]
     controller: Vec<Law>,
 
     /// Leave the sweeps out

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use clap::Args;
 use lashloop::budget::{Budget, Cycle, Report};
-use lashloop::scenario::Scenario;
-use lashloop::verdict::Exit;
+use lashloop_bench::scenario::Scenario;
+use lashloop_bench::verdict::Exit;
 
 use super::DEFAULT_BAUD;
 use super::error::CliError;

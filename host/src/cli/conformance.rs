@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use lashloop::conformance::{self, DeviceTime, Finding, Outcome, Watcher, junit};
-use lashloop::device::{Connection, DeviceChoice, session_number};
-use lashloop::supervisor::Supervisor;
-use lashloop::verdict::Exit;
+use lashloop_bench::device::{Connection, DeviceChoice, session_number};
+use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::verdict::Exit;
 use lashloop_protocol::message::Identity;
 
 use super::error::CliError;

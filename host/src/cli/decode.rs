@@ -5,9 +5,9 @@ use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use lashloop::capture::{pcapng, reader};
 use lashloop::decode::{Entry, PacketReader, StreamReader, json, table};
-use lashloop::verdict::Exit;
+use lashloop_bench::capture::{pcapng, reader};
+use lashloop_bench::verdict::Exit;
 use lashloop_protocol::Counters;
 
 use super::error::CliError;

@@ -4,16 +4,16 @@ use std::fs;
 use std::path::PathBuf;
 
 use clap::Args;
-use lashloop::device::{Device, DeviceChoice};
-use lashloop::metrics::{Measured, Metric};
-use lashloop::picture::demo::{DemoRun, DemoRuns, PlantRuns, before_after};
-use lashloop::record::RecordError;
-use lashloop::record::trace::TraceRow;
-use lashloop::run::{self, Clock, Outcome, Step, Watcher};
-use lashloop::scenario::Scenario;
-use lashloop::scenario::bench::LinkSettings;
-use lashloop::supervisor::Supervisor;
-use lashloop::verdict::{Exit, Verdict};
+use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::record::trace::TraceRow;
+use lashloop_bench::run::{self, Clock, Outcome, Step, Watcher};
+use lashloop_bench::scenario::Scenario;
+use lashloop_bench::scenario::sections::LinkSettings;
+use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::verdict::{Exit, Verdict};
+use lashloop_plant::metrics::{Measured, Metric};
+use lashloop_report::demo::{DemoRun, DemoRuns, PlantRuns, before_after};
 
 use super::error::CliError;
 use super::progress::Progress;
@@ -134,7 +134,7 @@ impl<'a> History<'a> {
 }
 
 impl Watcher for History<'_> {
-    fn step(&mut self, step: &Step) -> Result<(), RecordError> {
+    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
         self.progress.step();
         self.rows.push(step.row);
         Ok(())

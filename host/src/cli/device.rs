@@ -3,8 +3,8 @@
 use std::io::{self, IsTerminal, Write};
 
 use clap::Args;
-use lashloop::verdict::Exit;
-use lashloop_firmware::twin::Twin;
+use lashloop_bench::device::twin::Twin;
+use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
 

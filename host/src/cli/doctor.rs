@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use lashloop::doctor::{self, Patient};
-use lashloop::verdict::Exit;
+use lashloop::doctor::{self, LineUnderTest};
+use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
 
@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
-        let patient = Patient { terminal: &self.terminal, baud: self.baud, rounds: self.rounds };
+        let patient = LineUnderTest { terminal: &self.terminal, baud: self.baud, rounds: self.rounds };
         let examination = doctor::examine(&patient);
         for finding in &examination.findings {
             say!("{finding}");

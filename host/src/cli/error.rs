@@ -3,15 +3,15 @@
 use std::io;
 use std::path::PathBuf;
 
-use lashloop::battery::BatteryError;
-use lashloop::device::DeviceError;
+use lashloop::campaign::BatteryError;
 use lashloop::parameter_set::SettingsError;
-use lashloop::picture::record::DrawError;
-use lashloop::record::RecordError;
-use lashloop::record::reading::ReadError;
-use lashloop::run::RunError;
-use lashloop::scenario::ScenarioErrors;
-use lashloop::verdict::Exit;
+use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::device::DeviceError;
+use lashloop_bench::record::reader::ReadError;
+use lashloop_bench::run::RunError;
+use lashloop_bench::scenario::ScenarioErrors;
+use lashloop_bench::verdict::Exit;
+use lashloop_report::runs::DrawError;
 
 /// An error of a command: one sentence for the user.
 #[derive(Debug, thiserror::Error)]
@@ -72,8 +72,8 @@ impl From<DeviceError> for CliError {
     }
 }
 
-impl From<RecordError> for CliError {
-    fn from(error: RecordError) -> Self {
+impl From<WriteError> for CliError {
+    fn from(error: WriteError) -> Self {
         Self::Run(error.into())
     }
 }

@@ -9,6 +9,7 @@ macro_rules! say {
 
 mod battery;
 mod budget;
+mod clock_options;
 mod compare;
 mod conformance;
 mod decode;
@@ -17,7 +18,6 @@ mod device;
 mod doctor;
 mod error;
 mod output;
-mod pace;
 mod paper;
 mod parameters;
 mod ping_pong;
@@ -26,15 +26,15 @@ mod ports;
 mod progress;
 mod report;
 mod run;
+mod run_child;
 mod show;
 mod soak;
-mod tied;
 
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use lashloop::supervisor::Supervisor;
-use lashloop::verdict::Exit;
+use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::verdict::Exit;
 
 use error::CliError;
 
@@ -67,7 +67,7 @@ enum Command {
     Conformance(conformance::Arguments),
     Parameters(parameters::Arguments),
     #[command(hide = true)]
-    Tied(tied::Arguments),
+    Tied(run_child::Arguments),
     #[command(hide = true)]
     PingPong,
 }

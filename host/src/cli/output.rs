@@ -4,7 +4,7 @@ use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write};
 use std::process;
 
-use lashloop::verdict::Exit;
+use lashloop_bench::verdict::Exit;
 
 /// Prints a line on standard output. A reader that has gone away (`| head`) is no reason to fail a run; an output that
 /// can't be written otherwise is (`> /dev/full`), for the user believes that it was.

@@ -5,15 +5,15 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use lashloop::device::{Device, DeviceChoice};
-use lashloop::picture::paper::{Laws, Run, Runs, figures, file_name, page, tables};
-use lashloop::record::RecordError;
-use lashloop::record::trace::TraceRow;
-use lashloop::run::bench::Bench;
-use lashloop::run::{self, Clock, RunError, Step, Watcher};
-use lashloop::scenario::{Override, Scenario};
-use lashloop::supervisor::Supervisor;
-use lashloop::verdict::{Exit, Verdict};
+use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::record::trace::TraceRow;
+use lashloop_bench::run::simulator::Simulator;
+use lashloop_bench::run::{self, Clock, RunError, Step, Watcher};
+use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::verdict::{Exit, Verdict};
+use lashloop_report::paper::{Laws, Run, Runs, figures, file_name, page, tables};
 
 use super::demo::SCENARIOS;
 use super::error::CliError;
@@ -21,13 +21,13 @@ use super::progress::Progress;
 use super::start_supervisor;
 
 const BENCH: [(&str, &str); 5] = [
-    ("scenarios/bench-pd.toml", include_str!("../../../scenarios/bench-pd.toml")),
-    ("scenarios/bench-faithful.toml", include_str!("../../../scenarios/bench-faithful.toml")),
-    ("scenarios/bench-compensating.toml", include_str!("../../../scenarios/bench-compensating.toml")),
-    ("scenarios/bench-sine.toml", include_str!("../../../scenarios/bench-sine.toml")),
+    ("scenarios/shaft-pd.toml", include_str!("../../../scenarios/shaft-pd.toml")),
+    ("scenarios/shaft-merzouki.toml", include_str!("../../../scenarios/shaft-merzouki.toml")),
+    ("scenarios/shaft-backlash-inverse.toml", include_str!("../../../scenarios/shaft-backlash-inverse.toml")),
+    ("scenarios/shaft-sine.toml", include_str!("../../../scenarios/shaft-sine.toml")),
     (
-        "scenarios/bench-compensating-sine.toml",
-        include_str!("../../../scenarios/bench-compensating-sine.toml"),
+        "scenarios/shaft-backlash-inverse-sine.toml",
+        include_str!("../../../scenarios/shaft-backlash-inverse-sine.toml"),
     ),
 ];
 
@@ -35,7 +35,7 @@ const BENCH: [(&str, &str); 5] = [
 const WITHOUT_EXPECTATIONS: &str = "expect=[]";
 
 const BEFORE: &str = "pd";
-const BEYOND: &str = "compensating";
+const BEYOND: &str = "backlash-inverse";
 
 /// A plant with three laws, a scenario for each and the law if it is not the scenario's.
 type Plan = [((&'static str, &'static str), Option<&'static str>); 3];
@@ -176,7 +176,7 @@ fn twist(mut scenario: Scenario) -> Result<Vec<TraceRow>, CliError> {
     let mut at = |twist_rad| -> Result<TraceRow, RunError> {
         let initial = &mut scenario.plant.initial;
         (initial.load_position_rad, initial.motor_position_rad) = (0.0, twist_rad);
-        let (_, row) = Bench::new(&scenario)?.observe(0)?;
+        let (_, row) = Simulator::new(&scenario)?.observe(0)?;
         Ok(row)
     };
     let twists = (-TWISTS..=TWISTS).map(|step| TWIST_RAD * f64::from(step) / f64::from(TWISTS));
@@ -192,7 +192,7 @@ struct History<'a> {
 }
 
 impl Watcher for History<'_> {
-    fn step(&mut self, step: &Step) -> Result<(), RecordError> {
+    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
         self.progress.step();
         if step.row.time_s >= self.shown_from_s {
             self.rows.push(step.row);

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use lashloop::device::{Device, DeviceChoice};
 use lashloop::parameter_set::{ParameterSet, Settings, SettingsError, spell};
-use lashloop::verdict::Exit;
+use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
 use super::{DEFAULT_BAUD, start_supervisor};

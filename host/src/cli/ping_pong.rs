@@ -6,9 +6,9 @@ use std::os::fd::OwnedFd;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use lashloop::link::pty::set_raw;
-use lashloop::verdict::Exit;
-use lashloop_firmware::twin::Terminal;
+use lashloop_bench::device::twin::Terminal;
+use lashloop_bench::link::pty::set_raw;
+use lashloop_bench::verdict::Exit;
 use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
 use lashloop_protocol::wire::Payload;
 use rustix::event::{PollFd, PollFlags, poll};

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use lashloop::picture::record::figure;
-use lashloop::record::reading::Record;
-use lashloop::verdict::Exit;
+use lashloop_bench::record::reader::Record;
+use lashloop_bench::verdict::Exit;
+use lashloop_report::runs::figure;
 
 use super::error::CliError;
 

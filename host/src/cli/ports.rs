@@ -2,7 +2,7 @@
 
 use clap::Args;
 use lashloop::ports;
-use lashloop::verdict::Exit;
+use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
 

@@ -1,7 +1,7 @@
 //! A progress bar on a terminal; nothing anywhere else.
 
 use indicatif::{ProgressBar, ProgressStyle};
-use lashloop::scenario::Scenario;
+use lashloop_bench::scenario::Scenario;
 
 /// Steps between two movements of the bar: a run makes tens of thousands in a second.
 const STRIDE: u64 = 250;

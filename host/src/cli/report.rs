@@ -1,9 +1,9 @@
 //! A run on the terminal: who, what, how well, and the verdict last.
 
-use lashloop::record::summary::Summary;
-use lashloop::run::{End, Outcome};
-use lashloop::scenario::Scenario;
-use lashloop::verdict::LinkCounts;
+use lashloop_bench::record::summary::Summary;
+use lashloop_bench::run::{End, Outcome};
+use lashloop_bench::scenario::Scenario;
+use lashloop_bench::verdict::LinkCounts;
 
 pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
     say!("{}", scenario.title);

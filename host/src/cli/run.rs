@@ -4,23 +4,23 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use lashloop::capture::{self, Capture, WhenFull};
-use lashloop::device::{Device, DeviceChoice};
-use lashloop::link::Link;
-use lashloop::link::capture::Captured;
-use lashloop::record::RecordError;
-use lashloop::record::summary::{Summary, Versions};
-use lashloop::record::timing::TimingWriter;
-use lashloop::record::trace::TraceWriter;
-use lashloop::run::{self, Outcome, Step, Watcher};
-use lashloop::scenario::{Override, Scenario};
-use lashloop::supervisor::Supervisor;
-use lashloop::timing::ClockName;
-use lashloop::verdict::Exit;
+use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::capture::link::Captured;
+use lashloop_bench::capture::{self, Capture, WhenFull};
+use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::link::Link;
+use lashloop_bench::record::summary::{Summary, Versions};
+use lashloop_bench::record::timing::TimingWriter;
+use lashloop_bench::record::trace::TraceWriter;
+use lashloop_bench::run::{self, Outcome, Step, Watcher};
+use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::timing::ClockName;
+use lashloop_bench::verdict::Exit;
 use lashloop_protocol::PROTOCOL_VERSION;
 
+use super::clock_options::Pace;
 use super::error::CliError;
-use super::pace::Pace;
 use super::progress::Progress;
 use super::{report, start_supervisor};
 
@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value = "native", value_name = "DEVICE")]
     device: DeviceChoice,
 
-    /// Another controller than the scenario's: pd, faithful, literal or compensating
+    /// Another controller than the scenario's: pd, merzouki, merzouki-as-printed or backlash-inverse
     #[arg(long, value_name = "NAME")]
     controller: Option<String>,
 
@@ -160,7 +160,7 @@ struct RunWatcher<'a> {
 }
 
 impl Watcher for RunWatcher<'_> {
-    fn step(&mut self, step: &Step) -> Result<(), RecordError> {
+    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
         self.progress.step();
         if let Some(capture) = &self.capture {
             capture.check()?;

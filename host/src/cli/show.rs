@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use lashloop::scenario::{Override, Scenario};
-use lashloop::verdict::Exit;
+use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
 

@@ -7,15 +7,15 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use lashloop::device::{Device, DeviceChoice};
-use lashloop::record::RecordError;
-use lashloop::run::{self, Clock, Outcome, RunError, Step, Watcher};
-use lashloop::scenario::{Override, Scenario};
-use lashloop::soak::growth::{self, Growth};
 use lashloop::soak::plan;
+use lashloop::soak::resource_usage::{self, Growth};
 use lashloop::soak::tally::Tally;
-use lashloop::supervisor::Supervisor;
-use lashloop::verdict::Exit;
+use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::run::{self, Clock, Outcome, RunError, Step, Watcher};
+use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
 use super::{output, start_supervisor};
@@ -70,8 +70,8 @@ impl Arguments {
             let begun = Instant::now();
             let result = one_run(&plan, &self.device, &supervisor, &mut watcher);
             let drive = watcher.growth;
-            let bench =
-                growth::look(None).map_err(|source| CliError::System { what: "look at /proc", source })?;
+            let bench = resource_usage::look(None)
+                .map_err(|source| CliError::System { what: "look at /proc", source })?;
             let mut tally = shared.tally();
             let before = tally.problems.len();
             tally.push(&plan, &result, bench, &drive);
@@ -103,7 +103,7 @@ fn one_run(
     watcher: &mut SoakWatcher<'_>,
 ) -> Result<Outcome, RunError> {
     let mut device = Device::open_for(scenario, choice, supervisor, |link| link)?;
-    watcher.process = device.process().map(lashloop::supervisor::Process::id);
+    watcher.process = device.process().map(lashloop_bench::supervisor::Process::id);
     run::run(scenario, &mut device, Clock::Lockstep, watcher)
 }
 
@@ -169,12 +169,12 @@ struct SoakWatcher<'a> {
 const STRIDE: u32 = 500;
 
 impl Watcher for SoakWatcher<'_> {
-    fn step(&mut self, _: &Step) -> Result<(), RecordError> {
+    fn step(&mut self, _: &Step) -> Result<(), WriteError> {
         self.shared.beats.fetch_add(1, Ordering::Relaxed);
         self.step += 1;
         if self.step.is_multiple_of(STRIDE)
             && let Some(process) = self.process
-            && let Ok(held) = growth::look(Some(process))
+            && let Ok(held) = resource_usage::look(Some(process))
         {
             // A process that is gone is what the line is about to tell.
             self.growth.push(held);

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use lashloop_protocol::{DriveMessage, Message};
 
 use super::client::Client;
-use crate::session::SessionError;
+use lashloop_bench::session::SessionError;
 
 pub(super) type Checked = Result<(), Failure>;
 

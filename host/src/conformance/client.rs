@@ -2,19 +2,19 @@
 
 use std::time::{Duration, Instant};
 
+use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::message::{
     Arm, EmergencyStop, EncoderSample, FaultReport, GetParameter, Hello, Identity, ParameterReport, Reset,
     SetParameter, Start, TorqueAnswer,
 };
-use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, Message, PROTOCOL_VERSION};
 
 use super::check::{Checked, Failure, equal, find};
-use crate::link::Link;
-use crate::session::line::{Line, REQUEST_LIMIT};
-use crate::session::{Parameter, SessionError, greeting, parameters};
+use lashloop_bench::link::Link;
+use lashloop_bench::session::line::{Line, REQUEST_LIMIT};
+use lashloop_bench::session::{Parameter, SessionError, greeting, parameters};
 
 /// No drive has a parameter of this index, since a count of parameters is a byte. So a question for it changes nothing
 /// in any state, and its answer ends the answers to what was asked before.

@@ -1,8 +1,8 @@
 //! Greeting: who is there, which session it is, and which version.
 
 use lashloop_protocol::PROTOCOL_VERSION;
+use lashloop_protocol::enums::{FaultCode, Outcome, State};
 use lashloop_protocol::message::{Arm, Hello};
-use lashloop_protocol::vocabulary::{FaultCode, Outcome, State};
 
 use super::check::{Check, Checked, equal, expect, names};
 use super::client::{Client, fault, identity, outcome};

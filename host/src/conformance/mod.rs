@@ -37,10 +37,10 @@ use lashloop_protocol::message::Identity;
 pub use answers::LIMIT as ANSWER_LIMIT;
 pub use parameters::REQUIRED_PARAMETERS;
 
-use crate::link::Link;
-use crate::session::SessionError;
 use check::{Check, Failure};
 use client::Client;
+use lashloop_bench::link::Link;
+use lashloop_bench::session::SessionError;
 
 /// Whether time passes for the drive while the bench waits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -100,7 +100,7 @@ pub trait Watcher {
 }
 
 /// Runs the whole battery on a fresh link and leaves the drive reset. `session` is the first session's number, as for
-/// [`Session::open`](crate::session::Session::open).
+/// [`Session::open`](lashloop_bench::session::Session::open).
 ///
 /// # Errors
 /// Nobody answers, what answers speaks another version, or the line breaks. A single answer that stays out is not an

@@ -3,12 +3,12 @@
 use std::collections::HashSet;
 
 use lashloop_protocol::DriveMessage;
+use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{DescribeParameter, GetParameter, SetParameter};
-use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State};
 
 use super::check::{Check, Checked, Failure, equal, expect, find};
 use super::client::{Client, report};
-use crate::session::Parameter;
+use lashloop_bench::session::Parameter;
 
 /// Parameters every drive must have, because every run sets them or a rule of safety speaks of them.
 pub const REQUIRED_PARAMETERS: [&str; 9] = [

@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, FaultReport, Hello, Reset, Stop};
-use lashloop_protocol::vocabulary::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
 
 use super::check::{Check, Checked, Failure, equal, expect, names};

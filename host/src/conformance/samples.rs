@@ -1,7 +1,7 @@
 //! Samples: a torque for each, the rules of the sequence, and telemetry.
 
+use lashloop_protocol::enums::{ControllerId, Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::{EncoderSample, Stop};
-use lashloop_protocol::vocabulary::{ControllerId, Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::{DriveMessage, EncoderCounts};
 
 use super::check::{Check, Checked, Failure, equal, expect, find, names};

@@ -1,8 +1,8 @@
 //! Every request in every state: what is done, and where it leads.
 
 use lashloop_protocol::HostMessage;
+use lashloop_protocol::enums::{Outcome, State};
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Reset, Start, Stop};
-use lashloop_protocol::vocabulary::{Outcome, State};
 use lashloop_protocol::{DriveMessage, Message};
 
 use super::check::{Check, Checked, Failure, equal, find};

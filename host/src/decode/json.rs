@@ -10,8 +10,8 @@
 //! The first two are shown on two lines. A real number that is none (NaN, infinity) is a string.
 
 use lashloop_protocol::Counters;
+use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::layout::Direction;
-use lashloop_protocol::vocabulary::ParameterValue;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 

@@ -17,8 +17,8 @@ use lashloop_protocol::frame;
 use lashloop_protocol::layout::{Direction, MessageLayout};
 use lashloop_protocol::{Counters, Decoder, FrameError, Message};
 
-use crate::capture::Splitter;
-use crate::capture::reader::Packet;
+use lashloop_bench::capture::Splitter;
+use lashloop_bench::capture::reader::Packet;
 use message::AnyMessage;
 use value::{Field, fields};
 

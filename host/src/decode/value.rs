@@ -2,8 +2,8 @@
 
 use std::fmt;
 
+use lashloop_protocol::enums::{ParameterValue, TorqueStatus, Version};
 use lashloop_protocol::layout::{FieldLayout, FieldType};
-use lashloop_protocol::vocabulary::{ParameterValue, TorqueStatus, Version};
 use lashloop_protocol::wire::Wire;
 use lashloop_protocol::{EncoderCounts, Message, frame};
 

@@ -3,12 +3,12 @@
 use std::fmt;
 use std::time::Duration;
 
+use lashloop_protocol::enums::State;
 use lashloop_protocol::message::Identity;
-use lashloop_protocol::vocabulary::State;
 
 use super::latency_timer::LatencyTimer;
 use super::round_trip::{BYTES, Timing};
-use crate::device::DeviceError;
+use lashloop_bench::device::DeviceError;
 
 /// Beyond this above the time on the wire, something keeps bytes to itself. USB at full speed costs up to 1 ms each way,
 /// and the drive has to answer.
@@ -263,14 +263,14 @@ mod tests {
         let identity = |state| Identity {
             protocol_version: 1,
             session: 7,
-            firmware: lashloop_protocol::vocabulary::Version { major: 0, minor: 1, patch: 0 },
+            firmware: lashloop_protocol::enums::Version { major: 0, minor: 1, patch: 0 },
             build_id: 0xc0ffee,
             state,
             board: lashloop_protocol::text::Text::new("stm32f405"),
             period_us: 1000,
             motor_counts_per_rev: 1,
             load_counts_per_rev: 1,
-            controllers: lashloop_protocol::vocabulary::Controllers::PD,
+            controllers: lashloop_protocol::enums::Controllers::PD,
             parameter_count: 27,
         };
         assert!(!greeted(&identity(State::Idle)).is_wrong());

@@ -11,21 +11,21 @@
 //! does for USB adapters is to shorten their latency timer, and that can be written in sysfs, so we do it there.
 
 pub mod finding;
-pub mod holder;
 pub mod latency_timer;
 pub mod round_trip;
+pub mod tty_users;
 
 use std::path::Path;
 
-use crate::device::{self, DeviceError};
-use crate::link::pty;
-use crate::session::Session;
 use finding::Finding;
+use lashloop_bench::device::{self, DeviceError};
+use lashloop_bench::link::pty;
+use lashloop_bench::session::Session;
 use latency_timer::LatencyTimer;
 
 /// What to examine.
 #[derive(Debug, Clone, Copy)]
-pub struct Patient<'a> {
+pub struct LineUnderTest<'a> {
     /// The terminal.
     pub terminal: &'a Path,
     /// Speed of a serial port, in bits a second.
@@ -54,20 +54,20 @@ impl Examination {
 /// Opens the terminal as a run does, greets the drive and measures. The drive is left in `Idle`, unarmed; a latency timer
 /// that could be shortened stays short until the adapter is unplugged.
 #[must_use]
-pub fn examine(patient: &Patient<'_>) -> Examination {
+pub fn examine(patient: &LineUnderTest<'_>) -> Examination {
     let mut findings = Vec::new();
     let reached = look(patient, &mut findings).is_some();
     Examination { findings, reached }
 }
 
 /// `None` as soon as there is nothing more to look at.
-fn look(patient: &Patient<'_>, findings: &mut Vec<Finding>) -> Option<()> {
-    let &Patient { terminal, baud, rounds } = patient;
+fn look(patient: &LineUnderTest<'_>, findings: &mut Vec<Finding>) -> Option<()> {
+    let &LineUnderTest { terminal, baud, rounds } = patient;
     let is_pty = terminal.starts_with(pty::DIRECTORY);
     let link = match device::open_terminal(terminal, baud) {
         Ok(link) => link,
         Err(error) => {
-            findings.push(finding::not_opened(&error, &holder::of(terminal)));
+            findings.push(finding::not_opened(&error, &tty_users::of(terminal)));
             return None;
         }
     };

@@ -8,7 +8,7 @@ use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
 use lashloop_protocol::sequence::of_step;
 use lashloop_protocol::wire::Payload;
 
-use crate::session::{Exchange, Session, SessionError};
+use lashloop_bench::session::{Exchange, Session, SessionError};
 
 /// How long one answer is waited for: far longer than any line that is fit for a bench takes.
 const ANSWER_LIMIT: Duration = Duration::from_millis(500);

@@ -1,8 +1,8 @@
 //! The verdict of a run, judged once more from its figures. Not by the code that gave it.
 
-use crate::run::{End, Outcome};
-use crate::scenario::Scenario;
-use crate::verdict::{LinkCounts, Verdict};
+use lashloop_bench::run::{End, Outcome};
+use lashloop_bench::scenario::Scenario;
+use lashloop_bench::verdict::{LinkCounts, Verdict};
 
 /// What is wrong with the judgement of a run in lockstep. Nothing, on a bench that works.
 #[must_use]
@@ -55,11 +55,11 @@ fn uncounted(outcome: &Outcome) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fault::tests::scenario;
-    use crate::fault::timeline::Fired;
-    use crate::metrics::Measurement;
-    use crate::timing::{ClockName, Timings};
-    use crate::verdict::Judgement;
+    use crate::soak::scenario_with as scenario;
+    use lashloop_bench::fault::timeline::FaultRecord;
+    use lashloop_bench::timing::{ClockName, Timings};
+    use lashloop_bench::verdict::Judgement;
+    use lashloop_plant::metrics::Measurement;
 
     fn outcome(verdict: Verdict, link: LinkCounts) -> Outcome {
         let timing = Timings::new(ClockName::Lockstep, 1_000, 0).report(Vec::new());
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn damage_that_nobody_counted_is_wrong() {
-        let hit = Fired { kind: "link-bit-flip", step: 0, until_step: Some(9), frames: Some(3) };
+        let hit = FaultRecord { kind: "link-bit-flip", step: 0, until_step: Some(9), frames: Some(3) };
         let run = Outcome { faults: vec![hit], ..outcome(Verdict::Pass, LinkCounts::default()) };
         assert!(wrong_with(&run).is_some_and(|why| why.contains("none was counted")));
         let at_drive = LinkCounts { damaged_at_drive: 3, ..LinkCounts::default() };

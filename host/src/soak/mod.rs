@@ -7,7 +7,19 @@
 //! | [`growth`] | memory and descriptors of a process, and how much more they may become |
 //! | [`tally`] | what came of all runs |
 
-pub mod growth;
 pub mod judge;
 pub mod plan;
+pub mod resource_usage;
 pub mod tally;
+
+/// A scenario of a second, with these faults.
+#[cfg(test)]
+fn scenario_with(faults: &[&str]) -> lashloop_bench::scenario::Scenario {
+    let mut text =
+        include_str!("../../../scenarios/shaft-pd.toml").replace("duration_s = 25.0", "duration_s = 1.0");
+    for fault in faults {
+        text += &format!("\n[[fault]]\n{fault}\n");
+    }
+    lashloop_bench::scenario::Scenario::from_str("x.toml", &text, &[])
+        .unwrap_or_else(|errors| panic!("{errors}"))
+}

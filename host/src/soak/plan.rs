@@ -1,7 +1,7 @@
 //! The scenario of each run.
 
-use crate::scenario::Scenario;
-use crate::scenario::fault::{Fault, FaultKind, Side, Way};
+use lashloop_bench::scenario::Scenario;
+use lashloop_bench::scenario::fault::{Fault, FaultKind, Side, Way};
 
 /// Share of frames that are hit, level by level. Level 0 is the scenario itself.
 pub const SHARES: [f64; 6] = [0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2];
@@ -69,7 +69,7 @@ fn faults(scenario: &Scenario, level: usize) -> Vec<Fault> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fault::tests::scenario as of_the_user;
+    use crate::soak::scenario_with as of_the_user;
 
     #[test]
     fn every_level_is_a_scenario_that_could_stand_in_a_file() {

@@ -3,12 +3,12 @@
 use std::fmt;
 use std::time::Duration;
 
-use super::growth::{self, Growth, Held};
 use super::plan::SHARES;
+use super::resource_usage::{self, Growth, Usage};
 use super::{judge, plan};
-use crate::run::{End, Outcome, RunError};
-use crate::scenario::Scenario;
-use crate::verdict::Verdict;
+use lashloop_bench::run::{End, Outcome, RunError};
+use lashloop_bench::scenario::Scenario;
+use lashloop_bench::verdict::Verdict;
 
 /// What came of the runs of one level.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -53,7 +53,7 @@ impl Tally {
         &mut self,
         scenario: &Scenario,
         result: &Result<Outcome, RunError>,
-        bench: Held,
+        bench: Usage,
         drive: &Growth,
     ) {
         let run = self.runs;
@@ -74,13 +74,14 @@ impl Tally {
         if drive.so_far().rss_kib >= self.drive.so_far().rss_kib {
             self.drive = *drive;
         }
-        problems.extend(drive.beyond(growth::DRIVE).map(|grown| format!("the drive's process: {grown}")));
+        problems
+            .extend(drive.beyond(resource_usage::DRIVE).map(|grown| format!("the drive's process: {grown}")));
         if self.judges_growth() {
-            let was_fine = self.bench.beyond(growth::BENCH).is_none();
+            let was_fine = self.bench.beyond(resource_usage::BENCH).is_none();
             self.bench.push(bench);
             problems.extend(
                 self.bench
-                    .beyond(growth::BENCH)
+                    .beyond(resource_usage::BENCH)
                     .filter(|_| was_fine)
                     .map(|grown| format!("the bench: {grown}")),
             );
@@ -142,7 +143,7 @@ impl fmt::Display for Tally {
         }
         writeln!(out)?;
         let growth = |growth: &Growth| {
-            let Held { rss_kib, descriptors } = growth.so_far();
+            let Usage { rss_kib, descriptors } = growth.so_far();
             format!("grew by {rss_kib} KiB to {} KiB, and by {descriptors} descriptors", growth.most.rss_kib)
         };
         match self.bench.first {

@@ -1,6 +1,6 @@
 //! Who checks the checks: drives that break one rule each, and the check of that rule.
 
-mod altered;
+mod mutants;
 mod variants;
 
 use std::collections::BTreeSet;
@@ -8,7 +8,7 @@ use std::thread;
 
 use altered::{Altered, Variant};
 use lashloop::conformance::{DeviceTime, Finding, Outcome, Watcher, run};
-use lashloop::link::in_process::InProcess;
+use lashloop_bench::link::in_process::InProcess;
 
 #[derive(Default)]
 struct Findings(Vec<Finding>);
@@ -32,7 +32,7 @@ fn failed(findings: &[Finding]) -> BTreeSet<String> {
 
 #[test]
 fn a_drive_that_is_right_passes_every_check() {
-    let findings = findings(Variant::FAITHFUL);
+    let findings = findings(Variant::MERZOUKI);
     assert!(findings.iter().all(|it| it.outcome == Outcome::Passed), "{findings:#?}");
 }
 
@@ -89,7 +89,7 @@ const OUT_OF_REACH: [&str; 3] = [
 
 #[test]
 fn names_of_checks_are_unique() {
-    let findings = findings(Variant::FAITHFUL);
+    let findings = findings(Variant::MERZOUKI);
     let names: BTreeSet<_> = findings.iter().map(|it| &it.name).collect();
     assert_eq!(names.len(), findings.len());
 }
@@ -108,7 +108,7 @@ fn every_broken_rule_is_caught_by_the_check_of_that_rule() {
         .collect();
     assert!(missed.is_empty(), "not caught by their check:\n{}", missed.join("\n"));
     let caught: BTreeSet<_> = failures.iter().flatten().collect();
-    let every = findings(Variant::FAITHFUL);
+    let every = findings(Variant::MERZOUKI);
     let idle: Vec<_> = every.iter().map(|it| &it.name).filter(|name| !caught.contains(name)).collect();
     assert_eq!(idle, OUT_OF_REACH, "checks that no broken drive fails");
 }

@@ -4,8 +4,8 @@ use std::fs;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use lashloop::capture::reader;
 use lashloop::decode::message::AnyMessage;
+use lashloop_bench::capture::reader;
 use lashloop_protocol::layout::Direction;
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 

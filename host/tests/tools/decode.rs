@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use lashloop::capture::pcapng;
+use lashloop_bench::capture::pcapng;
 use lashloop_protocol::layout::Direction;
 
 use crate::support::{example_frames, lashloop, short_run, text};

@@ -4,13 +4,13 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::PathBuf;
 
-use lashloop::capture::pcapng;
 use lashloop::decode::message::AnyMessage;
 use lashloop::decode::value::Value;
 use lashloop::decode::{Found, StreamReader};
+use lashloop_bench::capture::pcapng;
 use lashloop_protocol::Message;
+use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::layout::{Direction, FieldType};
-use lashloop_protocol::vocabulary::ParameterValue;
 use tempfile::TempDir;
 
 use crate::support::{example_frames, root, short_run, tshark};

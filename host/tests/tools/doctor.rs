@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use lashloop::doctor::finding::Health;
-use lashloop::doctor::{Examination, Patient, examine};
-use lashloop::link::pty::Pty;
-use lashloop_firmware::twin::Twin;
+use lashloop::doctor::{Examination, LineUnderTest, examine};
+use lashloop_bench::device::twin::Twin;
+use lashloop_bench::link::pty::Pty;
 use lashloop_protocol::{DriveMessage, Message};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
@@ -16,7 +16,7 @@ use crate::examples;
 use crate::support::{lashloop, text};
 
 fn patient(terminal: &Path) -> Examination {
-    examine(&Patient { terminal, baud: 921_600, rounds: 100 })
+    examine(&LineUnderTest { terminal, baud: 921_600, rounds: 100 })
 }
 
 /// A twin that serves until the test's process ends.

@@ -4,12 +4,12 @@
 use std::collections::BTreeSet;
 
 use ::crc::CRC_32_ISCSI;
-use lashloop_protocol::frame::{DELIMITER, OVERHEAD};
-use lashloop_protocol::layout::{Direction, FieldType, MessageLayout};
-use lashloop_protocol::vocabulary::{
+use lashloop_protocol::enums::{
     ControllerId, Controllers, DisturbingTorqueSource, FaultCode, LogLevel, Outcome, ParameterType, State,
     TorqueFlags,
 };
+use lashloop_protocol::frame::{DELIMITER, OVERHEAD};
+use lashloop_protocol::layout::{Direction, FieldType, MessageLayout};
 use lashloop_protocol::wire::Wire;
 use lashloop_protocol::{
     Decoder, DriveMessage, HostMessage, MAX_BODY, MAX_FRAME, Message, PROTOCOL_VERSION, crc,

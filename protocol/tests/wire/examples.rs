@@ -1,14 +1,14 @@
 //! One message of each kind, with values that show the order of bytes and hold zeros.
 
+use lashloop_protocol::enums::{
+    Controllers, FaultCode, LogLevel, Outcome, ParameterValue, State, TorqueFlags, TorqueStatus, Version,
+};
 use lashloop_protocol::message::{
     Arm, ClearFault, CommandResult, DescribeParameter, EmergencyStop, EncoderSample, FaultReport,
     GetParameter, Hello, Identity, LineReport, Log, ParameterDescription, ParameterReport, Reset,
     SetParameter, Start, Stop, Telemetry, TorqueAnswer,
 };
 use lashloop_protocol::text::Text;
-use lashloop_protocol::vocabulary::{
-    Controllers, FaultCode, LogLevel, Outcome, ParameterValue, State, TorqueFlags, TorqueStatus, Version,
-};
 use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION};
 
 /// A session number whose four bytes differ.
@@ -56,7 +56,7 @@ pub fn from_drive() -> Vec<DriveMessage> {
             period_us: 1000,
             motor_counts_per_rev: 131_072,
             load_counts_per_rev: 131_072,
-            controllers: Controllers::PD | Controllers::FAITHFUL,
+            controllers: Controllers::PD | Controllers::MERZOUKI,
             parameter_count: 27,
         }
         .into(),

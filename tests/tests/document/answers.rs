@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use lashloop_protocol::DriveMessage;
+use lashloop_protocol::enums::{ParameterValue, State};
 use lashloop_protocol::message::{DescribeParameter, EncoderSample, SetParameter};
-use lashloop_protocol::vocabulary::{ParameterValue, State};
 
 use crate::markdown::{section, table};
 use crate::talk::{SESSION, Talk, names, request, rest};

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use lashloop_firmware::drive::parameters::Parameters;
 use lashloop_protocol::DriveMessage;
-use lashloop_protocol::vocabulary::{Outcome, ParameterValue, TorqueFlags};
+use lashloop_protocol::enums::{Outcome, ParameterValue, TorqueFlags};
 
 use crate::markdown::{section, table};
 use crate::talk::{Talk, refusal};

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
+use lashloop_protocol::enums::{FaultCode, ParameterValue, State};
 use lashloop_protocol::message::EncoderSample;
-use lashloop_protocol::vocabulary::{FaultCode, ParameterValue, State};
 use lashloop_protocol::{DriveMessage, EncoderCounts};
 
 use crate::markdown::{section, table};

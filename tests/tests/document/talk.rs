@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use lashloop_firmware::drive::{Drive, Frozen};
+use lashloop_firmware::drive::{Drive, ManualClock};
+use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
     Arm, ClearFault, EmergencyStop, EncoderSample, GetParameter, Hello, Reset, SetParameter, Start, Stop,
 };
-use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State};
 use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message, PROTOCOL_VERSION};
 
 pub const SESSION: u32 = 7;
@@ -14,13 +14,13 @@ pub const HELLO: Hello = Hello { protocol_version: PROTOCOL_VERSION, session: SE
 
 pub struct Talk {
     pub drive: Drive,
-    clock: Frozen,
+    clock: ManualClock,
 }
 
 impl Talk {
     /// A drive that is in this state, by the shortest way.
     pub fn in_state(state: State) -> Self {
-        let mut talk = Self { drive: Drive::new("document"), clock: Frozen::default() };
+        let mut talk = Self { drive: Drive::new("document"), clock: ManualClock::default() };
         let way: &[HostMessage] = &[
             HELLO.into(),
             Arm { session: SESSION }.into(),

@@ -10,14 +10,15 @@ use std::os::unix::net::{SocketAddr, UnixListener};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use lashloop::encoder::Encoder;
-use lashloop::link::socket::Socket;
-use lashloop::plant::bench::{BenchParameters, BenchPlant};
-use lashloop::plant::{Mechanics, Plant, Start};
-use lashloop::session::{Exchange, Session};
+use lashloop_bench::link::socket::Socket;
+use lashloop_bench::session::{Exchange, Session};
+use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
+use lashloop_plant::encoder::Encoder;
+use lashloop_plant::{Mechanics, Plant, Start};
+use lashloop_protocol::EncoderCounts;
+use lashloop_protocol::enums::ControllerId;
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::of_step;
-use lashloop_protocol::vocabulary::ControllerId;
 use tests::wait;
 
 /// Most instructions from sample to torque: at 168 MHz, a hundredth of a period of 1 ms.
@@ -70,7 +71,7 @@ fn of_a_run(session: &mut Session, controller: ControllerId, samples: u32) -> Ve
         session.set(name, value).expect("a parameter of the drive");
     }
     session.start().expect("a start");
-    let plant = BenchPlant::new(Mechanics::paper(), BenchParameters::paper(), 16).expect("valid plant");
+    let plant = BacklashShaft::new(Mechanics::paper(), ShaftParameters::paper(), 16).expect("valid plant");
     let mut state = plant.initial_state(Start::at_rest(1.57, 4.71));
     let encoder = Encoder::new(4000, 0.0).expect("valid encoder");
     let mut readings = [encoder.initial_state(1), encoder.initial_state(2)];
@@ -79,8 +80,8 @@ fn of_a_run(session: &mut Session, controller: ControllerId, samples: u32) -> Ve
         let truth = plant.truth(&state);
         let sample = EncoderSample {
             sequence: of_step(step),
-            motor_counts: encoder.step(&mut readings[0], truth.motor_position_rad).reading(),
-            load_counts: encoder.step(&mut readings[1], truth.load_position_rad).reading(),
+            motor_counts: EncoderCounts::wrapping(encoder.step(&mut readings[0], truth.motor_position_rad)),
+            load_counts: EncoderCounts::wrapping(encoder.step(&mut readings[1], truth.load_position_rad)),
             reference_rad: 0.0,
         };
         let answer = match session
@@ -95,19 +96,19 @@ fn of_a_run(session: &mut Session, controller: ControllerId, samples: u32) -> Ve
     }
     session.stop().expect("a stop");
     let last = plant.truth(&state).load_position_rad.abs();
-    assert!(controller != ControllerId::Compensating || last < 2e-3, "it has arrived: {last} rad");
+    assert!(controller != ControllerId::BacklashInverse || last < 2e-3, "it has arrived: {last} rad");
     steps
 }
 
 pub(crate) fn of_every_law() {
     let (_emulator, link) = Emulator::start();
     let mut session = Session::open(Box::new(link), 1).expect("a drive");
-    // The compensating law until it has arrived and holds, so that every branch of it has been taken.
+    // The backlash inverse until it has arrived and holds, so that every branch of it has been taken.
     for (controller, samples) in [
         (ControllerId::Pd, 1000),
-        (ControllerId::Faithful, 1000),
-        (ControllerId::Literal, 1000),
-        (ControllerId::Compensating, 5000),
+        (ControllerId::Merzouki, 1000),
+        (ControllerId::MerzoukiAsPrinted, 1000),
+        (ControllerId::BacklashInverse, 5000),
     ] {
         let steps = of_a_run(&mut session, controller, samples);
         let (least, most) = (steps.iter().min().copied(), steps.iter().max().copied());

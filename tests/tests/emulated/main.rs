@@ -1,6 +1,6 @@
 //! The whole loop with the Cortex-M image in QEMU: the same torques, bit for bit, and the same ways to fail.
 //!
-//! Image and emulator don't come with a checkout, see [`left_out`].
+//! Image and emulator don't come with a checkout, see [`optional`].
 
 mod codec;
 mod codec_cost;
@@ -14,8 +14,8 @@ use std::process::ExitCode;
 
 use libtest_mimic::Arguments;
 use tests::fault_table;
-use tests::left_out::{self, trial};
-use tests::paper::{COMPENSATING, RUNS};
+use tests::optional::{self, trial};
+use tests::paper::{BACKLASH_INVERSE, RUNS};
 
 type Check = fn();
 
@@ -44,7 +44,7 @@ fn main() -> ExitCode {
     let missing = equipment::missing();
     let mut trials: Vec<_> =
         TRIALS.into_iter().map(|(name, check)| trial(name, missing.clone(), check)).collect();
-    for run in RUNS.into_iter().chain([COMPENSATING]) {
+    for run in RUNS.into_iter().chain([BACKLASH_INVERSE]) {
         let name = format!("runs::{}_is_the_same_run_as_in_process", run.name.replace('-', "_"));
         trials.push(trial(&name, missing.clone(), move || runs::same_as_in_process(run)));
     }
@@ -58,5 +58,5 @@ fn main() -> ExitCode {
         None,
         runs::no_image,
     ));
-    left_out::run(&arguments, "the emulated board", missing.as_deref(), trials)
+    optional::run(&arguments, "the emulated board", missing.as_deref(), trials)
 }

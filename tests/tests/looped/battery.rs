@@ -55,11 +55,11 @@ fn short_battery_meets_its_limits_and_every_row_is_a_run_of_its_own() {
     let rows = rows(&records);
     // 20 plants, and 22 values of four sweeps.
     assert_eq!(rows.len(), 3 * (20 + 22));
-    for law in ["pd", "faithful", "compensating"] {
+    for law in ["pd", "merzouki", "backlash-inverse"] {
         let random = |row: &&BTreeMap<_, _>| row["part"] == "random-plants" && row["controller"] == law;
         let row = rows.iter().filter(random).nth(13).expect("a row");
         let alone = Records::new();
-        let scenario = format!("scenarios/bench-{law}.toml");
+        let scenario = format!("scenarios/shaft-{law}.toml");
         let settings = row["set"].split(' ').flat_map(|set| ["--set".to_owned(), set.to_owned()]);
         let words = ["run", &scenario, "--device", "inproc", "--out", &alone.out()].map(str::to_owned);
         // Its verdict is that of a scenario for another plant.
@@ -83,7 +83,7 @@ fn same_seed_gives_the_same_table_whatever_the_number_of_jobs() {
     assert_ne!(alone.0, battery("--jobs 3 --seed 2").0);
 }
 
-const SMALL: &str = "--plants 25 --controller faithful,compensating --no-sweeps --jobs 1";
+const SMALL: &str = "--plants 25 --controller merzouki,backlash-inverse --no-sweeps --jobs 1";
 
 /// A battery with some results and more to come.
 fn in_its_midst(records: &Records) -> Bench {
@@ -129,7 +129,7 @@ fn interrupted_battery_ends_in_good_order_and_keeps_what_it_has() {
     goes_on_as_if_nothing_had_been(&records);
 }
 
-const ONE: &str = "--plants 1 --controller compensating --no-sweeps";
+const ONE: &str = "--plants 1 --controller backlash-inverse --no-sweeps";
 
 #[test]
 fn results_of_another_battery_are_neither_mixed_nor_overwritten() {
@@ -140,7 +140,7 @@ fn results_of_another_battery_are_neither_mixed_nor_overwritten() {
         (format!("{ONE} --resume --seed 2"), "its seed is 1, here it is 2"),
         ("--plants 1 --controller pd --no-sweeps --resume".to_owned(), "its list of controllers is"),
         (ONE.replace("--plants 1", "--plants 2 --resume"), "its number of plants is 1, here it is 2"),
-        ("--plants 1 --controller compensating --resume".to_owned(), "its choice of sweeps is without"),
+        ("--plants 1 --controller backlash-inverse --resume".to_owned(), "its choice of sweeps is without"),
         (ONE.to_owned(), "holds results already: go on with --resume"),
     ] {
         let ended = run(&records, &rest).with_code(2);
@@ -175,7 +175,7 @@ fn run_that_diverged_is_never_left_out_and_fails_the_battery() {
 #[test]
 fn wrong_battery_says_what_instead() {
     for (arguments, says) in [
-        ("battery --controller lqr", "expected pd, faithful or compensating"),
+        ("battery --controller lqr", "expected pd, merzouki or backlash-inverse"),
         ("battery --plants 0", "0 is not in 1..=100000"),
         ("battery --jobs 0", "number would be zero"),
         ("battery --resume", "--out <DIR>"),

@@ -19,8 +19,8 @@ fn the_exit_code_tells_whether_the_period_holds_the_worst_cycle() {
         (&["budget", "--baud", "460800", "--period-us", "900"], 1),
         (&["budget", "--baud", "460800", "--period-us", "900", "--telemetry-every", "0"], 0),
         (&["budget", "--baud", "460800"], 0),
-        (&["budget", "scenarios/bench-pd.toml", "--baud", "115200"], 1),
-        (&["budget", "scenarios/bench-pd.toml", "--baud", "115200", "--period-us", "8000"], 0),
+        (&["budget", "scenarios/shaft-pd.toml", "--baud", "115200"], 1),
+        (&["budget", "scenarios/shaft-pd.toml", "--baud", "115200", "--period-us", "8000"], 0),
         (&["budget", "--baud", "100"], 2),
         (&["budget", "scenarios/none.toml"], 2),
     ] {

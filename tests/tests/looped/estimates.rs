@@ -10,7 +10,7 @@ fn estimates_are_scored_at_the_samples_they_are_of() {
         let records = Records::new();
         let every_steps = format!("telemetry.every_steps={every}");
         let arguments =
-            ["run", "scenarios/bench-compensating.toml", "--device", device, "--out", &records.out()];
+            ["run", "scenarios/shaft-backlash-inverse.toml", "--device", device, "--out", &records.out()];
         let overrides = ["--set", &every_steps, "--set", "run.duration_s=8", "--set", "expect=[]"];
         let _ = bench::run(arguments.into_iter().chain(overrides).chain(PATIENCE)).with_code(0);
         let trace = records.trace();

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
-use lashloop::scenario::Scenario;
+use lashloop_bench::scenario::Scenario;
 use tests::fault_table::{self, Row, rows};
 
 /// Rows that wait for a lost answer need no core, so more of them run at a time than there are cores.

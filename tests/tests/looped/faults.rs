@@ -5,7 +5,7 @@ use serde_json::Value;
 use tests::bench;
 use tests::paper::RUNS;
 use tests::records::{Records, Trace};
-use tests::relay::{Fate, Passing, Relay};
+use tests::relay::{Passing, Relay, StepOutcome};
 use tests::twin::Twin;
 
 /// The frame that is hit.
@@ -17,7 +17,7 @@ const TIMEOUT: [&str; 4] = ["--set", "link.answer_timeout_ms=3000", "--set", "li
 
 /// Runs `friction-before` through a relay and expects an exit code.
 fn run_through(
-    tamper: impl FnMut(&Passing) -> Fate + Send + 'static,
+    tamper: impl FnMut(&Passing) -> StepOutcome + Send + 'static,
     settings: &[&str],
     code: i32,
 ) -> (Value, Trace, String) {
@@ -38,11 +38,11 @@ fn same_run(summary: &Value) -> bool {
     summary["torque_sha256"] == RUNS[2].torque_sha256
 }
 
-fn lose_torque(frame: &Passing) -> Fate {
+fn lose_torque(frame: &Passing) -> StepOutcome {
     if frame.torque().is_some_and(|torque| torque.sequence == HIT) {
-        Fate::Become(Vec::new())
+        StepOutcome::Become(Vec::new())
     } else {
-        Fate::Pass
+        StepOutcome::Pass
     }
 }
 
@@ -75,8 +75,8 @@ fn a_lost_answer_that_the_scenario_allows_can_pass() {
 #[test]
 fn a_lost_sample_holds_the_last_torque_as_well() {
     let lose = |frame: &Passing| match frame.sample() {
-        Some(sample) if sample.sequence == HIT => Fate::Become(Vec::new()),
-        _ => Fate::Pass,
+        Some(sample) if sample.sequence == HIT => StepOutcome::Become(Vec::new()),
+        _ => StepOutcome::Pass,
     };
     let (summary, trace, _) = run_through(lose, &[], 3);
     assert!(held_at_hit(&trace), "the row of the lost sample doesn't hold the torque before it");
@@ -89,11 +89,11 @@ fn a_late_answer_is_counted_and_not_used() {
     let delay = move |frame: &Passing| match frame.torque() {
         Some(torque) if torque.sequence == HIT => {
             kept.clone_from(&frame.bytes);
-            Fate::Become(Vec::new())
+            StepOutcome::Become(Vec::new())
         }
         // By now its sample has been given up.
-        Some(torque) if torque.sequence == HIT + 1 => Fate::Become([&kept[..], &frame.bytes].concat()),
-        _ => Fate::Pass,
+        Some(torque) if torque.sequence == HIT + 1 => StepOutcome::Become([&kept[..], &frame.bytes].concat()),
+        _ => StepOutcome::Pass,
     };
     let (summary, trace, _) = run_through(delay, &["allow.lost=1"], 3);
     assert!(held_at_hit(&trace), "the late answer was used");
@@ -107,9 +107,9 @@ fn a_torque_with_a_flipped_bit_is_counted_and_not_used() {
             let mut bytes = frame.bytes.clone();
             // Within the torque, and no byte that this makes zero: a frame of the right length with a wrong CRC.
             bytes[8] ^= if bytes[8] == 0x10 { 0x20 } else { 0x10 };
-            Fate::Become(bytes)
+            StepOutcome::Become(bytes)
         }
-        _ => Fate::Pass,
+        _ => StepOutcome::Pass,
     };
     let (summary, trace, stdout) = run_through(flip, &[], 3);
     assert!(held_at_hit(&trace), "the damaged torque was used");
@@ -123,9 +123,9 @@ fn a_sample_with_a_flipped_bit_is_refused_by_the_drive_which_tells_of_it() {
         Some(sample) if sample.sequence == HIT => {
             let mut bytes = frame.bytes.clone();
             bytes[7] ^= if bytes[7] == 0x10 { 0x20 } else { 0x10 };
-            Fate::Become(bytes)
+            StepOutcome::Become(bytes)
         }
-        _ => Fate::Pass,
+        _ => StepOutcome::Pass,
     };
     let (summary, trace, _) = run_through(flip, &[], 3);
     assert!(held_at_hit(&trace), "the damaged sample was answered");
@@ -139,8 +139,8 @@ fn a_sample_with_a_flipped_bit_is_refused_by_the_drive_which_tells_of_it() {
 #[test]
 fn a_doubled_sample_changes_nothing() {
     let double = |frame: &Passing| match frame.sample() {
-        Some(sample) if sample.sequence % 100 == 0 => Fate::Become(frame.bytes.repeat(2)),
-        _ => Fate::Pass,
+        Some(sample) if sample.sequence % 100 == 0 => StepOutcome::Become(frame.bytes.repeat(2)),
+        _ => StepOutcome::Pass,
     };
     let (summary, _, _) = run_through(double, &[], 0);
     assert!(same_run(&summary), "other torques: {summary}");
@@ -155,7 +155,7 @@ fn noise_between_frames_is_counted_and_changes_no_torque() {
         let hit = frame.torque().is_some_and(|torque| torque.sequence == HIT)
             || frame.sample().is_some_and(|sample| sample.sequence == HIT);
         let garbage = [0xff, 0x07, 0x5a, 0xa5, 0x00];
-        if hit { Fate::Become([&garbage[..], &frame.bytes].concat()) } else { Fate::Pass }
+        if hit { StepOutcome::Become([&garbage[..], &frame.bytes].concat()) } else { StepOutcome::Pass }
     };
     let (summary, _, _) = run_through(noise, &["allow.crc_errors=1"], 0);
     assert!(same_run(&summary), "other torques: {summary}");

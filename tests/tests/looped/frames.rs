@@ -2,10 +2,10 @@
 
 use std::sync::mpsc;
 
-use lashloop_protocol::vocabulary::{State, TorqueFlags, TorqueStatus};
+use lashloop_protocol::enums::{State, TorqueFlags, TorqueStatus};
 use tests::bench;
 use tests::paper::RUNS;
-use tests::relay::{Fate, Passing, Relay};
+use tests::relay::{Passing, Relay, StepOutcome};
 use tests::twin::Twin;
 
 fn hex(bytes: &[u8]) -> String {
@@ -18,7 +18,7 @@ fn first(wanted: [fn(&Passing) -> bool; 2]) -> [Passing; 2] {
     let (tell, told) = mpsc::channel();
     let relay = Relay::start(twin.path(), move |frame| {
         let _ = tell.send(frame.clone());
-        Fate::Pass
+        StepOutcome::Pass
     });
     // Two steps can't settle, so the verdict is FAIL.
     let scenario = RUNS[1].scenario();

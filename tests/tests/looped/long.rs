@@ -7,7 +7,7 @@ use tests::paper::PATIENCE;
 use tests::records::Records;
 use tests::workspace;
 
-const SCENARIO: &str = "scenarios/bench-compensating.toml";
+const SCENARIO: &str = "scenarios/shaft-backlash-inverse.toml";
 /// Steps of 1 ms, beyond the 65,536th.
 const STEPS: usize = 70_000;
 

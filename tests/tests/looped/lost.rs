@@ -5,7 +5,7 @@ use std::time::Instant;
 use rustix::process::Signal;
 use tests::loss::{run_in_its_midst, told};
 use tests::processes;
-use tests::relay::{Fate, Relay};
+use tests::relay::{Relay, StepOutcome};
 use tests::twin::Twin;
 
 #[test]
@@ -58,8 +58,8 @@ fn a_pulled_line_is_reported_as_closed_and_the_drive_stays_usable() {
     const LAST: u16 = 3_000;
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| match frame.torque() {
-        Some(torque) if torque.sequence == LAST => Fate::Pull,
-        _ => Fate::Pass,
+        Some(torque) if torque.sequence == LAST => StepOutcome::Pull,
+        _ => StepOutcome::Pass,
     });
     let (bench, records) = run_in_its_midst(relay.device());
     let lost_at = relay.pulled_at();

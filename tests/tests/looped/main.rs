@@ -2,17 +2,17 @@
 //! No emulator; see `emulated` for that.
 
 mod battery;
-mod beyond;
-mod bits;
+mod bench_scenarios;
+mod bit_exact;
 mod budget;
 mod captured;
 mod compared;
+mod crash_safety;
 mod demo;
 mod endings;
 mod estimates;
 mod fault_table;
 mod faults;
-mod framed;
 mod frames;
 mod idle;
 mod long;
@@ -20,12 +20,12 @@ mod lost;
 mod paper;
 mod paper_figures;
 mod real_time;
+mod reconnect;
 mod refused;
-mod repeated;
-mod resumed;
+mod retries;
 mod soak;
 mod speed;
 mod summary;
-mod surviving;
+mod tokio_client;
 mod usage;
 mod wire;

@@ -10,7 +10,7 @@ use serde_json::Value;
 use tests::bench::{self, Bench};
 use tests::paper::RUNS;
 use tests::records::Records;
-use tests::relay::{Fate, Relay};
+use tests::relay::{Relay, StepOutcome};
 use tests::twin::Twin;
 
 /// Late steps are what a busy machine makes; here they are looked at and not judged.
@@ -85,7 +85,7 @@ fn a_late_answer_holds_the_last_torque_and_the_next_steps_are_on_their_grid() {
         if frame.torque().is_some_and(|torque| torque.sequence == HIT) {
             thread::sleep(Duration::from_millis(20));
         }
-        Fate::Pass
+        StepOutcome::Pass
     });
     let records = Records::new();
     let ended =
@@ -116,7 +116,7 @@ fn a_torque_that_is_not_renewed_is_taken_away_when_the_drive_s_watchdog_must_hav
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| {
         let is_silenced = frame.torque().is_some_and(|torque| SILENT.contains(&torque.sequence));
-        if is_silenced { Fate::Become(Vec::new()) } else { Fate::Pass }
+        if is_silenced { StepOutcome::Become(Vec::new()) } else { StepOutcome::Pass }
     });
     let records = Records::new();
     let (scenario, out) = (RUNS[2].scenario(), records.out());
@@ -211,7 +211,7 @@ fn a_start_that_takes_long_is_made_again_where_the_clock_is() {
     let relay = Relay::start(twin.path(), move |frame| {
         starts += usize::from(matches!(frame.from_bench(), Some(HostMessage::Start(_))));
         let is_lost = starts == 2 && matches!(frame.from_bench(), Some(HostMessage::Start(_)));
-        if is_lost { Fate::Become(Vec::new()) } else { Fate::Pass }
+        if is_lost { StepOutcome::Become(Vec::new()) } else { StepOutcome::Pass }
     });
     let records = Records::new();
     let text = std::fs::read_to_string(tests::workspace().join(RUNS[1].scenario())).expect("a scenario");

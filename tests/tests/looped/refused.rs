@@ -7,7 +7,7 @@ use lashloop_protocol::{DriveMessage, Message};
 use tests::bench::{self, Ended};
 use tests::loss::run_in_its_midst;
 use tests::paper::RUNS;
-use tests::relay::{Fate, Relay};
+use tests::relay::{Relay, StepOutcome};
 use tests::terminal::Terminal;
 use tests::twin::Twin;
 
@@ -26,9 +26,9 @@ fn a_drive_of_another_protocol_version_is_refused_by_both_versions() {
     let relay = Relay::start(twin.path(), |frame| match frame.from_drive() {
         Some(DriveMessage::Identity(identity)) => {
             let stranger = DriveMessage::from(Identity { protocol_version: 9, ..identity });
-            Fate::Become(stranger.frame().to_vec())
+            StepOutcome::Become(stranger.frame().to_vec())
         }
-        _ => Fate::Pass,
+        _ => StepOutcome::Pass,
     });
     let ended = run_on(relay.device());
     insta::assert_snapshot!(sentence(&ended, relay.device()));

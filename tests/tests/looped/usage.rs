@@ -18,7 +18,7 @@ duration_s = 25.0
 model = "smooth"
 
 [controller]
-name = "faithful"
+name = "merzouki"
 
 [controller.parameters]
 torque_limit_nm = 25.0
@@ -72,7 +72,7 @@ fn what_a_scenario_file_has_wrong_is_named_by_file_and_line() {
         ("torque_limit_nm = 25.0", "watchdog_us = 70000000"),
         ("torque_limit_nm = 25.0", "period_us = 500"),
         ("duration_s = 25.0", "duration = 25.0"),
-        ("name = \"faithful\"", "name = \"faithfull\""),
+        ("name = \"merzouki\"", "name = \"faithfull\""),
         ("[plant]", "[plant"),
     ] {
         assert!(MINE.contains(right), "{right} is not in the scenario");

@@ -6,7 +6,7 @@ mod runs;
 use std::process::ExitCode;
 
 use libtest_mimic::Arguments;
-use tests::left_out::{self, trial};
+use tests::optional::{self, trial};
 use tests::python;
 
 type Check = fn();
@@ -23,5 +23,5 @@ fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let missing = python::missing();
     let trials = TRIALS.into_iter().map(|(name, check)| trial(name, missing.clone(), check)).collect();
-    left_out::run(&arguments, "the Python drive", missing.as_deref(), trials)
+    optional::run(&arguments, "the Python drive", missing.as_deref(), trials)
 }

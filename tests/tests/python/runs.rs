@@ -37,7 +37,7 @@ pub(crate) fn not_offered() {
     let device = drive.device();
     let ended = bench::run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(4);
     let want = format!(
-        "lashloop: drive on {device}: it does not offer the control law faithful, which the scenario needs; it offers pd; \
+        "lashloop: drive on {device}: it does not offer the control law merzouki, which the scenario needs; it offers pd; \
          the firmware does not fit this bench\n"
     );
     assert_eq!((ended.stderr.as_str(), ended.stdout.as_str()), (want.as_str(), ""));

@@ -45,10 +45,10 @@ fn held_pd_on_the_smooth_plant_agrees() {
 }
 
 #[test]
-fn held_faithful_on_the_smooth_plant_agrees() {
-    let law = paper::faithful_nominal::<f64>(1e-3);
+fn held_merzouki_on_the_smooth_plant_agrees() {
+    let law = paper::merzouki_nominal::<f64>(1e-3);
     let rows = run(&paper::smooth(4), paper::START, &law, Ideal, regulate_to_nought, Timing::RECORDED);
-    assert_within(difference(&rows, &read("zoh_smooth_faithful"), 10), STATED);
+    assert_within(difference(&rows, &read("zoh_smooth_merzouki"), 10), STATED);
 }
 
 #[test]
@@ -59,10 +59,10 @@ fn held_pd_on_the_hard_gap_with_friction_agrees() {
 }
 
 #[test]
-fn held_faithful_on_the_hard_gap_with_friction_agrees() {
-    let law = paper::faithful_observed::<f64>(1e-3);
+fn held_merzouki_on_the_hard_gap_with_friction_agrees() {
+    let law = paper::merzouki_observed::<f64>(1e-3);
     let rows = run(&paper::hard_coulomb(4), paper::START, &law, Ideal, regulate_to_nought, Timing::RECORDED);
-    assert_within(difference(&rows, &read("zoh_hardcoul_faithful"), 10), STATED);
+    assert_within(difference(&rows, &read("zoh_hardcoul_merzouki"), 10), STATED);
 }
 
 #[test]
@@ -88,9 +88,9 @@ fn held_pd_on_the_bench_agrees() {
 }
 
 /// A loop at `rate` times 1 kHz, one Runge-Kutta step per period, as rows every 10 ms.
-fn smooth_at_rate(rate: usize, faithful: bool) -> Vec<Row> {
+fn smooth_at_rate(rate: usize, merzouki: bool) -> Vec<Row> {
     let period_s = 1e-3 / rate as f64;
-    let law = if faithful { paper::faithful_nominal::<f64>(period_s) } else { paper::pd() };
+    let law = if merzouki { paper::merzouki_nominal::<f64>(period_s) } else { paper::pd() };
     let timing = Timing { period_s, periods: 25_000 * rate, ..Timing::RECORDED };
     let rows = run(&paper::smooth(1), paper::START, &law, Ideal, regulate_to_nought, timing);
     rows.into_iter().step_by(10 * rate).collect()
@@ -115,9 +115,9 @@ fn extrapolated(coarse: &[Row], fine: &[Row]) -> Vec<Row> {
 
 #[test]
 fn shrinking_the_period_leads_to_continuous_control() {
-    for (faithful, name) in [(false, "cont_smooth_pd"), (true, "cont_smooth_faithful")] {
+    for (merzouki, name) in [(false, "cont_smooth_pd"), (true, "cont_smooth_merzouki")] {
         let recorded = read(name);
-        let rows @ [_, medium, fast] = &[8, 16, 32].map(|rate| smooth_at_rate(rate, faithful));
+        let rows @ [_, medium, fast] = &[8, 16, 32].map(|rate| smooth_at_rate(rate, merzouki));
         let motor = |rows: &[Row]| difference(rows, &recorded, 1).motor_position_rad;
         let [at_8_khz, at_16_khz, at_32_khz] = rows.each_ref().map(|rows| motor(rows));
         for ratio in [at_8_khz / at_16_khz, at_16_khz / at_32_khz] {

@@ -2,9 +2,9 @@
 
 use core::f64::consts::TAU;
 
-use lashloop::plant::bench::{BenchParameters, BenchPlant, StribeckParameters};
-use lashloop::plant::hard_coulomb::HardCoulomb;
-use lashloop::plant::{Contact, DryFriction, Mechanics, Plant, Start, Truth};
+use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters, StribeckParameters};
+use lashloop_plant::hard_coulomb::HardCoulomb;
+use lashloop_plant::{Contact, DryFriction, Mechanics, Plant, Start, Truth};
 
 use crate::closed_loop::{Ideal, Row, Timing, regulate_to_nought, run};
 use crate::open_loop::{push_nm, pushed};
@@ -27,7 +27,7 @@ pub(crate) fn truths<P: Plant>(plant: &P, dt_s: f64, steps: usize) -> Vec<Truth>
     pushed(plant, dt_s, steps).into_iter().map(|(truth, _)| truth).collect()
 }
 
-fn pd_rows(plant: &BenchPlant, start: Start) -> Vec<Row> {
+fn pd_rows(plant: &BacklashShaft, start: Start) -> Vec<Row> {
     run(plant, start, &paper::pd::<f64>(), Ideal, regulate_to_nought, Timing::RECORDED)
 }
 
@@ -36,10 +36,10 @@ fn pd_truths() -> Vec<Truth> {
 }
 
 /// No lag, no friction on the motor, stiction as large as Coulomb friction.
-fn plain() -> BenchParameters {
+fn plain() -> ShaftParameters {
     let coulomb =
         |coulomb_nm| StribeckParameters { coulomb_nm, stiction_nm: coulomb_nm, velocity_rad_s: 1.0 };
-    BenchParameters {
+    ShaftParameters {
         load: coulomb(paper::LOAD_COULOMB_NM),
         motor: coulomb(0.0),
         current_lag_s: 0.0,
@@ -113,7 +113,7 @@ fn motor_distance_rad(one: &[Truth], other: &[Truth]) -> f64 {
 
 #[test]
 fn without_damping_the_bench_is_the_hard_gap() {
-    let undamped = BenchParameters { shaft_damping_nm_s_rad: 0.0, ..plain() };
+    let undamped = ShaftParameters { shaft_damping_nm_s_rad: 0.0, ..plain() };
     let bench = truths(&paper::bench_with(undamped, 16), 1e-3, 8_000);
     let hard = HardCoulomb::new(Mechanics::paper(), paper::LOAD_COULOMB_NM, 16).expect("valid plant");
     let distance_rad = motor_distance_rad(&bench, &truths(&hard, 1e-3, 8_000));
@@ -123,7 +123,7 @@ fn without_damping_the_bench_is_the_hard_gap() {
 #[test]
 fn vanishing_damping_leads_to_the_hard_gap_in_proportion() {
     let with = |shaft_damping_nm_s_rad| {
-        let parameters = BenchParameters { shaft_damping_nm_s_rad, ..plain() };
+        let parameters = ShaftParameters { shaft_damping_nm_s_rad, ..plain() };
         // Before the first stick: which instant of the push finds the load at rest is not continuous in the damping.
         truths(&paper::bench_with(parameters, 16), 1e-3, 700)
     };
@@ -140,7 +140,7 @@ fn pd_stops_the_bench_at_the_static_error_of_the_closed_form() {
     // Creeping on, load and motor carry their stiction: 3 C = -F_s, U = C - F_sM, z = C / K - j0; the cascade has
     // U = -2 K z - 13 K theta_s.
     let last = *pd_truths().last().expect("truths");
-    let parameters = BenchParameters::paper();
+    let parameters = ShaftParameters::paper();
     let want = (3.0 * parameters.load.stiction_nm / 3.0 + 2.0 * 0.16 + parameters.motor.stiction_nm) / 13.0;
     let have = last.load_position_rad;
     assert!((have - want).abs() < 1e-6, "have {have}, want {want} rad");
@@ -160,7 +160,7 @@ fn mirrored_start_gives_the_mirrored_bench() {
 
 #[test]
 fn mass_that_sticks_has_no_velocity_and_its_friction_holds_what_drives_it() {
-    let limits = BenchParameters::paper();
+    let limits = ShaftParameters::paper();
     let plant = paper::bench(16);
     let mut state = plant.initial_state(Start::at_rest(0.0, 0.0));
     let (mut stuck, mut released) = ([0_u32; 2], [0_u32; 2]);

@@ -3,10 +3,10 @@
 //! Row `k` holds the state at `k` periods and the torque applied from there on; the dead-zone estimate is the one used
 //! in that torque.
 
-use lashloop::encoder::{Encoder, EncoderState};
-use lashloop::plant::{Plant, Start, Truth};
 use lashloop_firmware::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig, SensingState};
 use lashloop_firmware::control::{Controller, Measurement, Real};
+use lashloop_plant::encoder::{Encoder, EncoderState};
+use lashloop_plant::{Plant, Start, Truth};
 
 /// One sample of a trajectory.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,8 +109,8 @@ impl<F: Real> Sensors<F> for Quantised<F> {
     fn measure(&mut self, truth: &Truth, reference: Reference, applied_torque_nm: f64) -> Measurement<F> {
         let [motor, load] = &mut self.encoder_states;
         let sample = Sample {
-            motor_counts: self.encoder.step(motor, truth.motor_position_rad).0 as i32,
-            load_counts: self.encoder.step(load, truth.load_position_rad).0 as i32,
+            motor_counts: self.encoder.step(motor, truth.motor_position_rad) as i32,
+            load_counts: self.encoder.step(load, truth.load_position_rad) as i32,
             reference_rad: F::from_f64(reference.position_rad),
             applied_torque_nm: F::from_f64(applied_torque_nm),
             elapsed_periods: 1,

@@ -4,8 +4,8 @@ use core::fmt::Write;
 
 use lashloop_firmware::control::Real;
 
-use crate::bench::{Loop, Measures, TORQUE_LIMIT_NM, load_distance_rad};
 use crate::closed_loop::{Ideal, Quantised};
+use crate::paper_loops::{Loop, Measures, TORQUE_LIMIT_NM, load_distance_rad};
 
 /// Encoders and bandwidths that bring the paper's numbers through quantised sensors, with the widest margin. Half the
 /// bandwidth at the load halves the noise of the torque and still meets them.
@@ -74,9 +74,9 @@ fn drive_with_fine_encoders_meets_the_paper() {
         assert!((have - want).abs() <= tolerance, "{what}: have {have}, want {want} +- {tolerance}");
     };
     near("smooth pd settles, s", settle(Loop::SmoothPd), 12.9, 0.15);
-    near("smooth faithful settles, s", settle(Loop::SmoothFaithful), 5.14, 0.1);
+    near("smooth merzouki settles, s", settle(Loop::SmoothMerzouki), 5.14, 0.1);
     near("hard-coulomb pd ends, rad", of(Loop::HardCoulombPd).final_error_rad, 0.32, 0.002);
-    near("hard-coulomb faithful ends, rad", of(Loop::HardCoulombFaithful).final_error_rad, 0.0, 0.015);
+    near("hard-coulomb merzouki ends, rad", of(Loop::HardCoulombMerzouki).final_error_rad, 0.0, 0.015);
     for bench in Loop::ALL {
         let largest = of(bench).largest_torque_nm;
         assert!(largest < TORQUE_LIMIT_NM, "{}: {largest} N m touches the limit", bench.name());
@@ -91,7 +91,7 @@ fn bandwidths_and_counts_that_meet_the_paper() {
         "motor rad/s",
         "load rad/s",
         "smooth pd",
-        "smooth faithful",
+        "smooth merzouki",
         "hard pd at 25 s",
         "hard f at 25 s",
         "variation",
@@ -108,22 +108,22 @@ fn bandwidths_and_counts_that_meet_the_paper() {
             (1000.0, 1000.0),
         ] {
             let of = |bench: Loop| Measures::of(&bench.run(Quantised::<f32>::new(counts, motor, load, 1e-3)));
-            let [pd, faithful, hard_pd, hard_faithful] = Loop::ALL.map(of);
+            let [pd, merzouki, hard_pd, hard_merzouki] = Loop::ALL.map(of);
             let near = |have: Option<f64>, want: f64, tolerance: f64| {
                 have.is_some_and(|have| (have - want).abs() <= tolerance)
             };
             let meets = near(pd.settle_s, 12.9, 0.15)
-                && near(faithful.settle_s, 5.14, 0.1)
+                && near(merzouki.settle_s, 5.14, 0.1)
                 && near(Some(hard_pd.final_error_rad), 0.32, 0.002)
-                && near(Some(hard_faithful.final_error_rad), 0.0, 0.015);
+                && near(Some(hard_merzouki.final_error_rad), 0.0, 0.015);
             writeln!(
                 table,
                 "{counts:>8} {motor:>11} {load:>10} {:>10} {:>15} {:>15.4} {:>15.4} {:>10.0} {:>6}",
                 seconds(pd.settle_s),
-                seconds(faithful.settle_s),
+                seconds(merzouki.settle_s),
                 hard_pd.final_error_rad,
-                hard_faithful.final_error_rad,
-                hard_faithful.torque_variation_nm,
+                hard_merzouki.final_error_rad,
+                hard_merzouki.torque_variation_nm,
                 if meets { "yes" } else { "no" },
             )
             .expect("writing to a string");

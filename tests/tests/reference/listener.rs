@@ -4,9 +4,9 @@
 //! whole count of it; that is a property of the encoder. So the loop is closed in double precision, and single precision
 //! listens.
 
-use lashloop::plant::Truth;
 use lashloop_firmware::control::law::{Law, LawState};
 use lashloop_firmware::control::{Controller, Measurement, Real};
+use lashloop_plant::Truth;
 
 use crate::closed_loop::{Quantised, Reference, Sensors};
 

@@ -2,27 +2,27 @@
 
 use core::f64::consts::PI;
 
-use lashloop::plant::bench::{BenchParameters, BristleParameters, Surroundings};
-use lashloop::plant::{Plant, PlantError, Start, Truth};
+use lashloop_plant::backlash_shaft::{BristleParameters, Environment, ShaftParameters};
+use lashloop_plant::{Plant, PlantError, Start, Truth};
 
 use crate::backlash::{recorded_imbalance, truths};
 use crate::closed_loop::{Ideal, Timing, regulate_to_nought, run};
 use crate::paper;
 
-fn bristles(stiffness_nm_rad: f64) -> BenchParameters {
-    BenchParameters {
+fn bristles(stiffness_nm_rad: f64) -> ShaftParameters {
+    ShaftParameters {
         load_bristles: Some(BristleParameters { stiffness_nm_rad, damping_nm_s_rad: 300.0 }),
         ..paper::unlimited()
     }
 }
 
 /// The load alone, under a torque from outside, for so many milliseconds from rest.
-fn under_load_torque(parameters: BenchParameters, torque_nm: impl Fn(f64) -> f64, steps: u32) -> Truth {
+fn under_load_torque(parameters: ShaftParameters, torque_nm: impl Fn(f64) -> f64, steps: u32) -> Truth {
     let plant = paper::bench_with(parameters, 16);
     let mut state = plant.initial_state(Start::at_rest(0.0, 0.0));
     for k in 0..steps {
         let load_torque_nm = torque_nm(f64::from(k) * 1e-3);
-        let surroundings = Surroundings { dead_zone_rad: 10.0, load_torque_nm };
+        let surroundings = Environment { dead_zone_rad: 10.0, load_torque_nm };
         plant.surround(&mut state, surroundings).expect("in range");
         plant.step(&mut state, 0.0, 1e-3).expect("the plant steps");
     }

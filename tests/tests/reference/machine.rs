@@ -2,12 +2,14 @@
 
 use std::fmt;
 
-use lashloop::plant::bench::{BenchParameters, BenchPlant};
-use lashloop::plant::{Mechanics, Plant, PlantError, Start, TransportDelay, Truth};
 use lashloop_firmware::control::Real;
-use lashloop_firmware::control::compensating::{Compensating, CompensatingGains, CompensatingSetting};
+use lashloop_firmware::control::backlash_inverse::{
+    BacklashInverse, BacklashInverseGains, BacklashInverseSetting,
+};
 use lashloop_firmware::control::law::Law;
-use lashloop_firmware::control::nominal::NominalModel;
+use lashloop_firmware::control::nominal_model::NominalModel;
+use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
+use lashloop_plant::{Mechanics, Plant, PlantError, Start, TransportDelay, Truth};
 
 use crate::closed_loop::{Quantised, Reference, Row, Timing, run};
 use crate::paper;
@@ -38,7 +40,7 @@ impl<P: Plant> Plant for Delayed<P> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Machine {
     pub(crate) mechanics: Mechanics,
-    pub(crate) parameters: BenchParameters,
+    pub(crate) parameters: ShaftParameters,
     pub(crate) counts: u32,
     pub(crate) delay_us: u32,
     /// The drive's own limit.
@@ -50,18 +52,18 @@ impl Machine {
     pub(crate) fn paper() -> Self {
         Self {
             mechanics: Mechanics::paper(),
-            parameters: BenchParameters::paper(),
+            parameters: ShaftParameters::paper(),
             counts: 4000,
             delay_us: 1000,
             torque_limit_nm: 20.0,
         }
     }
 
-    /// The compensating law with its default gains. Of the plant it knows table 1 and the motor's dry friction; the gap
+    /// The backlash inverse with its default gains. Of the plant it knows table 1 and the motor's dry friction; the gap
     /// is its own to find.
-    pub(crate) fn compensating<F: Real>(&self) -> Law<F> {
+    pub(crate) fn backlash_inverse<F: Real>(&self) -> Law<F> {
         let model = NominalModel { motor_coulomb_nm: F::from_f64(0.02), ..NominalModel::paper() };
-        let setting = CompensatingSetting {
+        let setting = BacklashInverseSetting {
             momentum_observer_rad_s: F::from_f64(60.0),
             dead_zone_initial_rad: F::from_f64(0.16),
             dead_zone_max_rad: F::from_f64(3.0),
@@ -69,7 +71,9 @@ impl Machine {
             torque_limit_nm: F::from_f64(self.torque_limit_nm),
             period_s: F::from_f64(1e-3),
         };
-        Law::Compensating(Compensating::new(&model, CompensatingGains::paper(), setting).expect("valid law"))
+        Law::BacklashInverse(
+            BacklashInverse::new(&model, BacklashInverseGains::paper(), setting).expect("valid law"),
+        )
     }
 
     /// What the drive's encoders and velocity filters make of it.
@@ -90,7 +94,7 @@ impl Machine {
         periods: usize,
         reference: impl Fn(f64) -> Reference,
     ) -> Vec<Row> {
-        let plant = BenchPlant::new(self.mechanics, self.parameters, 16).expect("valid plant");
+        let plant = BacklashShaft::new(self.mechanics, self.parameters, 16).expect("valid plant");
         let timing = Timing { period_s: 1e-3, periods, torque_limit_nm: self.torque_limit_nm };
         run(&Delayed { plant, delay_us: self.delay_us }, start, law, sensors, reference, timing)
     }

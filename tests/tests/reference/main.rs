@@ -2,17 +2,17 @@
 //! that were computed by independent programs, against closed forms and against conservation of energy; then the same
 //! laws in single precision behind encoders.
 
-mod bench;
 mod closed_loop;
 mod listener;
 mod machine;
 mod open_loop;
 mod paper;
+mod paper_loops;
 mod recorded;
 
 mod agreement;
 mod backlash;
-mod compensating;
+mod backlash_inverse;
 mod figures;
 mod lugre;
 mod order;

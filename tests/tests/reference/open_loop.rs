@@ -1,6 +1,6 @@
 //! A plant pushed back and forth by a torque that knows nothing of it.
 
-use lashloop::plant::{Plant, Start, Truth};
+use lashloop_plant::{Plant, Start, Truth};
 
 /// Seconds for which a push is held before it turns round.
 const PUSH_S: f64 = 0.4;

@@ -1,6 +1,6 @@
 //! The order of the integrator, and what locating events is worth.
 
-use lashloop::plant::{Mechanics, Plant, PlantError, Start, Truth};
+use lashloop_plant::{Mechanics, Plant, PlantError, Start, Truth};
 
 use crate::closed_loop::{Ideal, Timing, regulate_to_nought, run};
 use crate::paper;

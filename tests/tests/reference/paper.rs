@@ -2,17 +2,17 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use lashloop::plant::bench::{BenchParameters, BenchPlant};
-use lashloop::plant::hard_coulomb::HardCoulomb;
-use lashloop::plant::smooth::Smooth;
-use lashloop::plant::{Mechanics, Start};
 use lashloop_firmware::control::Real;
 use lashloop_firmware::control::cascade::CascadeGains;
 use lashloop_firmware::control::dead_zone_observer::DeadZoneObserver;
-use lashloop_firmware::control::faithful::{DisturbingTorqueSource, Faithful};
 use lashloop_firmware::control::law::Law;
-use lashloop_firmware::control::nominal::NominalModel;
+use lashloop_firmware::control::merzouki::{DisturbingTorqueSource, Merzouki};
+use lashloop_firmware::control::nominal_model::NominalModel;
 use lashloop_firmware::control::pd::Pd;
+use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
+use lashloop_plant::hard_coulomb::HardCoulomb;
+use lashloop_plant::smooth::Smooth;
+use lashloop_plant::{Mechanics, Start};
 
 /// Where the paper releases its bench.
 pub(crate) const START: Start = Start::at_rest(FRAC_PI_2, 3.0 * FRAC_PI_2);
@@ -29,39 +29,39 @@ pub(crate) fn hard_coulomb(substeps: u32) -> HardCoulomb {
 }
 
 /// The bench of the recorded trajectory: its motor knows no limit.
-pub(crate) fn bench(substeps: u32) -> BenchPlant {
+pub(crate) fn bench(substeps: u32) -> BacklashShaft {
     bench_with(unlimited(), substeps)
 }
 
-pub(crate) fn bench_with(parameters: BenchParameters, substeps: u32) -> BenchPlant {
-    BenchPlant::new(Mechanics::paper(), parameters, substeps).expect("valid plant")
+pub(crate) fn bench_with(parameters: ShaftParameters, substeps: u32) -> BacklashShaft {
+    BacklashShaft::new(Mechanics::paper(), parameters, substeps).expect("valid plant")
 }
 
-pub(crate) fn unlimited() -> BenchParameters {
-    BenchParameters { torque_saturation_nm: 1e6, ..BenchParameters::paper() }
+pub(crate) fn unlimited() -> ShaftParameters {
+    ShaftParameters { torque_saturation_nm: 1e6, ..ShaftParameters::paper() }
 }
 
 pub(crate) fn pd<F: Real>() -> Law<F> {
     Law::Pd(Pd::new(&NominalModel::paper(), CascadeGains::paper()).expect("valid law"))
 }
 
-fn faithful<F: Real>(source: DisturbingTorqueSource<F>, period_s: f64) -> Law<F> {
-    let law = Faithful::new(
+fn merzouki<F: Real>(source: DisturbingTorqueSource<F>, period_s: f64) -> Law<F> {
+    let law = Merzouki::new(
         &NominalModel::paper(),
         CascadeGains::paper(),
         DeadZoneObserver::paper(),
         source,
         F::from_f64(period_s),
     );
-    Law::Faithful(law.expect("valid law"))
+    Law::Merzouki(law.expect("valid law"))
 }
 
-/// The faithful law on the paper's own plant, where the disturbing torque is known.
-pub(crate) fn faithful_nominal<F: Real>(period_s: f64) -> Law<F> {
-    faithful(DisturbingTorqueSource::NominalModel, period_s)
+/// The merzouki law on the paper's own plant, where the disturbing torque is known.
+pub(crate) fn merzouki_nominal<F: Real>(period_s: f64) -> Law<F> {
+    merzouki(DisturbingTorqueSource::NominalModel, period_s)
 }
 
-/// The faithful law on any other plant.
-pub(crate) fn faithful_observed<F: Real>(period_s: f64) -> Law<F> {
-    faithful(DisturbingTorqueSource::Observed { pole_rad_s: F::from_f64(60.0) }, period_s)
+/// The merzouki law on any other plant.
+pub(crate) fn merzouki_observed<F: Real>(period_s: f64) -> Law<F> {
+    merzouki(DisturbingTorqueSource::Observed { pole_rad_s: F::from_f64(60.0) }, period_s)
 }

@@ -2,14 +2,14 @@
 
 use core::f64::consts::TAU;
 
-use lashloop::plant::{Contact, DryFriction, Mechanics, Plant, Start, Truth};
+use lashloop_plant::{Contact, DryFriction, Mechanics, Plant, Start, Truth};
 
 use crate::closed_loop::{Ideal, Reference, Row, Timing, regulate_to_nought, run};
 use crate::open_loop::pushed;
 use crate::paper;
 
-fn hard_coulomb_rows(faithful: bool, start: Start) -> Vec<Row> {
-    let law = if faithful { paper::faithful_observed::<f64>(1e-3) } else { paper::pd() };
+fn hard_coulomb_rows(merzouki: bool, start: Start) -> Vec<Row> {
+    let law = if merzouki { paper::merzouki_observed::<f64>(1e-3) } else { paper::pd() };
     run(&paper::hard_coulomb(4), start, &law, Ideal, regulate_to_nought, Timing::RECORDED)
 }
 
@@ -109,9 +109,9 @@ fn sticking_load_has_no_velocity_at_all() {
 
 #[test]
 fn mirrored_start_gives_the_mirrored_trajectory() {
-    for faithful in [false, true] {
-        let rows = hard_coulomb_rows(faithful, paper::START);
-        for (row, mirror) in rows.iter().zip(hard_coulomb_rows(faithful, mirrored(paper::START))) {
+    for merzouki in [false, true] {
+        let rows = hard_coulomb_rows(merzouki, paper::START);
+        for (row, mirror) in rows.iter().zip(hard_coulomb_rows(merzouki, mirrored(paper::START))) {
             assert_eq!(row.truth.load_position_rad, -mirror.truth.load_position_rad, "at {} s", row.time_s);
             assert_eq!(row.truth.motor_position_rad, -mirror.truth.motor_position_rad, "at {} s", row.time_s);
             assert_eq!(row.torque_nm, -mirror.torque_nm, "at {} s", row.time_s);
@@ -121,14 +121,14 @@ fn mirrored_start_gives_the_mirrored_trajectory() {
 }
 
 /// Lost motion under 0.5 rad at 0.05 Hz: how far apart the load passes the middle of the reference's two ways.
-fn lost_motion_rad(faithful: bool) -> f64 {
+fn lost_motion_rad(merzouki: bool) -> f64 {
     let omega = TAU * 0.05;
     let sine = |time_s: f64| Reference {
         position_rad: 0.5 * (omega * time_s).sin(),
         velocity_rad_s: 0.5 * omega * (omega * time_s).cos(),
         acceleration_rad_s2: -0.5 * omega * omega * (omega * time_s).sin(),
     };
-    let law = if faithful { paper::faithful_observed::<f64>(1e-3) } else { paper::pd() };
+    let law = if merzouki { paper::merzouki_observed::<f64>(1e-3) } else { paper::pd() };
     let middle = Start::at_rest(0.0, 0.0);
     let timing = Timing { periods: 80_000, ..Timing::RECORDED };
     let rows = run(&paper::hard_coulomb(4), middle, &law, Ideal, sine, timing);

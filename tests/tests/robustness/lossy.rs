@@ -7,17 +7,17 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use lashloop::device::{Device, DeviceChoice};
-use lashloop::fault::link::LinkFaults;
-use lashloop::link::{Link, LinkError};
-use lashloop::record::RecordError;
-use lashloop::run::{self, Clock, End, Outcome, Step, Watcher};
-use lashloop::scenario::{Override, Scenario};
-use lashloop::supervisor::Supervisor;
-use lashloop::timing::Fate;
+use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::fault::link::LinkFaults;
+use lashloop_bench::link::{Link, LinkError};
+use lashloop_bench::run::{self, Clock, End, Outcome, Step, Watcher};
+use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::timing::StepOutcome;
+use lashloop_protocol::enums::TorqueFlags;
 use lashloop_protocol::message::LineReport;
 use lashloop_protocol::sequence::{nearest_step, of_step};
-use lashloop_protocol::vocabulary::TorqueFlags;
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage};
 
 /// What a tap has heard since the drive was armed.
@@ -115,8 +115,8 @@ impl Link for Tap {
 struct Rows(Vec<(f32, bool)>);
 
 impl Watcher for Rows {
-    fn step(&mut self, step: &Step) -> Result<(), RecordError> {
-        self.0.push((step.row.torque_nm as f32, step.timing.fate == Fate::Answered));
+    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
+        self.0.push((step.row.torque_nm as f32, step.timing.outcome == StepOutcome::Answered));
         Ok(())
     }
 }

@@ -3,5 +3,5 @@
 mod damaged;
 mod fuzzed;
 mod lossy;
-mod residual;
 mod seeds;
+mod undetected_errors;

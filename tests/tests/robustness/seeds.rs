@@ -4,8 +4,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Hello, SetParameter, Start, Stop};
-use lashloop_protocol::vocabulary::ParameterValue;
 use lashloop_protocol::{HostMessage, Message, PROTOCOL_VERSION};
 
 #[allow(dead_code, reason = "the tests of the protocol use more of it")]
@@ -84,7 +84,7 @@ fn drive_seeds() -> Vec<Seed> {
     };
     let mut seeds: Vec<Seed> =
         examples::from_host().iter().map(|m| seed(&name_of(m), &[hello.clone(), told(m)])).collect();
-    for (name, law) in [("run_pd", 1), ("run_faithful", 2), ("run_literal", 3)] {
+    for (name, law) in [("run_pd", 1), ("run_merzouki", 2), ("run_literal", 3)] {
         seeds.push(seed(name, &[run(law)]));
     }
     let emergency =

@@ -15,7 +15,7 @@ from serial.tools import list_ports
 from lashloop.errors import LashloopError
 from lashloop.host import Host, ParameterRangeError, UnknownParameterError
 from lashloop.lines import DEFAULT_BAUD, PseudoTerminal, open_port
-from lashloop.vocabulary import ControllerId
+from lashloop.enums import ControllerId
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

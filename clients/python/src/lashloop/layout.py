@@ -11,7 +11,7 @@ from operator import attrgetter, index
 from typing import TYPE_CHECKING, Annotated, Any, Protocol, get_type_hints
 
 from lashloop.errors import FieldError
-from lashloop.vocabulary import (
+from lashloop.enums import (
     Controllers,
     FaultCode,
     LogLevel,

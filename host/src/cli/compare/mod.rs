@@ -5,22 +5,22 @@
 //! shown beside it. Both sides take turns within one command, round by round, and ask the system for the
 //! same; medians over the rounds are compared, because machines are noisy.
 
-mod bare;
 mod goals;
+mod sleep_baseline;
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use lashloop::device::{Device, DeviceChoice, DeviceError};
-use lashloop::record::RecordError;
-use lashloop::run::real_time::{RESERVE, RealTime};
-use lashloop::run::{self, Clock, Step, Watcher};
-use lashloop::scenario::{Override, Scenario};
-use lashloop::supervisor::{Process, Program, Supervisor};
-use lashloop::timing::TimingReport;
-use lashloop::verdict::Exit;
+use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::device::{Device, DeviceChoice, DeviceError};
+use lashloop_bench::run::real_time::{PERIOD_MARGIN, RealTime};
+use lashloop_bench::run::{self, Clock, Step, Watcher};
+use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_bench::supervisor::{Process, Program, Supervisor};
+use lashloop_bench::timing::TimingReport;
+use lashloop_bench::verdict::Exit;
 use rustix::io::Errno;
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 use rustix::time::Timespec;
@@ -35,7 +35,7 @@ use goals::{Goals, median};
 const PERIOD: Duration = Duration::from_millis(1);
 /// How long an answer is waited for in such a period, by both sides.
 const REPLY_LIMIT: Timespec =
-    Timespec { tv_sec: 0, tv_nsec: (PERIOD.as_nanos() - PERIOD.as_nanos() / RESERVE as u128) as i64 };
+    Timespec { tv_sec: 0, tv_nsec: (PERIOD.as_nanos() - PERIOD.as_nanos() / PERIOD_MARGIN as u128) as i64 };
 /// Steps at the start of a round that are not looked at.
 const WARM_UP: u32 = 100;
 
@@ -120,11 +120,11 @@ impl Arguments {
         let (mut sleeps, mut blocking, mut trips, mut loops) =
             (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for _ in 0..self.rounds {
-            sleeps.push(bare::paced(steps, &options, || Ok(None)).map_err(sleep_failed)?);
+            sleeps.push(sleep_baseline::paced(steps, &options, || Ok(None)).map_err(sleep_failed)?);
             let trip = || line.round_trip().map(Some);
-            blocking.push(bare::paced(steps, &options, trip).map_err(ping_pong_failed)?);
+            blocking.push(sleep_baseline::paced(steps, &options, trip).map_err(ping_pong_failed)?);
             let trip = || line.round_trip_with_a_deadline(REPLY_LIMIT).map(Some);
-            trips.push(bare::paced(steps, &options, trip).map_err(ping_pong_failed)?);
+            trips.push(sleep_baseline::paced(steps, &options, trip).map_err(ping_pong_failed)?);
             let outcome = run::run(&scenario, device, Clock::RealTime(options), &mut Nobody)?;
             loops.push(outcome.timing);
         }
@@ -209,7 +209,7 @@ fn placing_failed(error: Errno) -> CliError {
 struct Nobody;
 
 impl Watcher for Nobody {
-    fn step(&mut self, _step: &Step) -> Result<(), RecordError> {
+    fn step(&mut self, _step: &Step) -> Result<(), WriteError> {
         Ok(())
     }
 }

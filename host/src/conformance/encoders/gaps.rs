@@ -1,8 +1,8 @@
 //! How long encoders may go unread, and encoders that may not at all.
 
+use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::Arm;
 use lashloop_protocol::sequence::LONGEST_GAP;
-use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State, TorqueFlags};
 
 use super::setup::{COUNTS_TOLD_APART, Setup};
 use super::{BOTH, Encoder, LOAD, MOTOR};

@@ -3,8 +3,8 @@
 mod gaps;
 mod setup;
 
+use lashloop_protocol::enums::{FaultCode, State};
 use lashloop_protocol::message::EncoderSample;
-use lashloop_protocol::vocabulary::{FaultCode, State};
 use lashloop_protocol::{DriveMessage, EncoderCounts};
 
 use super::check::{Check, Checked, Failure, equal, expect};

@@ -6,8 +6,8 @@
 use std::f64::consts::TAU;
 
 use lashloop_protocol::EncoderCounts;
+use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::sequence::LONGEST_GAP;
-use lashloop_protocol::vocabulary::ParameterValue;
 
 use super::{Encoder, LOAD, MOTOR};
 use crate::conformance::check::{Checked, Failure};

@@ -1,7 +1,7 @@
 //! Wrong about encoders.
 
+use lashloop_protocol::enums::{Outcome, State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::message::{Arm, EncoderSample, TorqueAnswer};
-use lashloop_protocol::vocabulary::{Outcome, State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage};
 
 use super::{answering, each, hears, is_result_of, says, torques};

@@ -1,7 +1,7 @@
 //! Drives with other defaults and ranges than the Lashloop drive: all are right but one.
 
+use lashloop_protocol::enums::{ParameterValue, TorqueFlags};
 use lashloop_protocol::message::{EncoderSample, SetParameter};
-use lashloop_protocol::vocabulary::{ParameterValue, TorqueFlags};
 use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION};
 
 use super::encoders::is_fast;
@@ -29,7 +29,7 @@ pub const FINE: Variant = Variant {
             }
         })
     },
-    ..Variant::FAITHFUL
+    ..Variant::MERZOUKI
 };
 
 /// Takes the one value only, as a drive with one timer and absolute encoders does.
@@ -55,7 +55,7 @@ pub const FIXED: Variant = Variant {
             }
         })
     },
-    ..Variant::FAITHFUL
+    ..Variant::MERZOUKI
 };
 
 /// The same, but believes whatever its encoders show and doesn't tell of gaps.
@@ -77,7 +77,7 @@ pub const FIXED_CREDULOUS: Variant = Variant {
         (FIXED.hear)(past, request)
     },
     say: |past, answers| torques((FIXED.say)(past, answers), |it| it.status.flags.remove(TorqueFlags::GAP)),
-    ..Variant::FAITHFUL
+    ..Variant::MERZOUKI
 };
 
 /// The first greeting after a reset sets what is then said to be the default; the second one tells of it.
@@ -116,5 +116,5 @@ pub const SLOW: Variant = Variant {
             }
         })
     },
-    ..Variant::FAITHFUL
+    ..Variant::MERZOUKI
 };

@@ -1,8 +1,8 @@
 //! Wrong about the greeting.
 
+use lashloop_protocol::enums::Version;
 use lashloop_protocol::message::{Arm, Hello, Start, Stop};
 use lashloop_protocol::text::Text;
-use lashloop_protocol::vocabulary::Version;
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
 

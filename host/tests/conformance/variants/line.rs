@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
+use lashloop_protocol::enums::{Outcome, State};
 use lashloop_protocol::message::{CommandResult, Stop};
-use lashloop_protocol::vocabulary::{Outcome, State};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 

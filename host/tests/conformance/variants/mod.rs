@@ -41,7 +41,7 @@ const fn hears(
     caught_by: &'static str,
     hear: fn(&mut Past, HostMessage) -> Vec<HostMessage>,
 ) -> Variant {
-    Variant { does, caught_by, hear, ..Variant::FAITHFUL }
+    Variant { does, caught_by, hear, ..Variant::MERZOUKI }
 }
 
 /// Wrong in what it says.
@@ -50,7 +50,7 @@ const fn says(
     caught_by: &'static str,
     say: fn(&mut Past, Vec<DriveMessage>) -> Vec<DriveMessage>,
 ) -> Variant {
-    Variant { does, caught_by, say, ..Variant::FAITHFUL }
+    Variant { does, caught_by, say, ..Variant::MERZOUKI }
 }
 
 fn each(mut answers: Vec<DriveMessage>, alter: impl FnMut(&mut DriveMessage)) -> Vec<DriveMessage> {

@@ -1,8 +1,8 @@
 //! Wrong about parameters.
 
+use lashloop_protocol::enums::{Outcome, ParameterValue};
 use lashloop_protocol::message::{GetParameter, SetParameter};
 use lashloop_protocol::text::Text;
-use lashloop_protocol::vocabulary::{Outcome, ParameterValue};
 use lashloop_protocol::{DriveMessage, HostMessage};
 
 use super::{describing, each, hears, reporting, says};

@@ -1,7 +1,7 @@
 //! Wrong about faults, limits and the watchdog.
 
+use lashloop_protocol::enums::{FaultCode, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::{ClearFault, EncoderSample, SetParameter};
-use lashloop_protocol::vocabulary::{FaultCode, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::{DriveMessage, HostMessage};
 
 use super::{each, hears, says, torques};
@@ -72,7 +72,7 @@ pub const VARIANTS: &[Variant] = &[
         does: "has no watchdog",
         caught_by: "without samples the watchdog trips, not before its time",
         timeless: true,
-        ..Variant::FAITHFUL
+        ..Variant::MERZOUKI
     },
     hears("has a hasty watchdog", "without samples the watchdog trips, not before its time", |_, request| {
         match request {

@@ -1,7 +1,7 @@
 //! Wrong about samples and torques.
 
+use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::message::{EncoderSample, SetParameter, TorqueAnswer};
-use lashloop_protocol::vocabulary::{Outcome, ParameterValue, State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::{DriveMessage, HostMessage};
 
 use super::{answering, each, hears, is_result_of, says, telemetry, torques};

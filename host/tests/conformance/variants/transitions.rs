@@ -1,7 +1,7 @@
 //! Wrong about the transitions between states.
 
+use lashloop_protocol::enums::{Outcome, State};
 use lashloop_protocol::message::{Arm, EmergencyStop, Start, Stop};
-use lashloop_protocol::vocabulary::{Outcome, State};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 

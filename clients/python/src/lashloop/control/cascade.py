@@ -16,7 +16,7 @@ from lashloop.control import ControlInput, ControlLaw, ControlOutput
 from lashloop.control.sensing import Measurement, Sensing, f32
 from lashloop.drive.parameters import f32 as real
 from lashloop.drive.parameters import u32 as whole
-from lashloop.vocabulary import ControllerId
+from lashloop.enums import ControllerId
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -58,7 +58,7 @@ PARAMETERS: tuple[ParameterSpec, ...] = (
     real("load_observer_rad_s", "rad/s", 12.0, 0.1, 1e4),
     real("identification_min_nm", "N m", 0.4, 0.0, 1e6),
     real("arrival_band_rad", "rad", 0.002, 0.0, 1.0),
-    real("hold_share", "", 0.3, 0.0, 1.0),
+    real("hold_fraction", "", 0.3, 0.0, 1.0),
 )
 """Gains and nominal mechanics of the firmware's laws, with the paper's tables 1 and 2 as defaults.
 

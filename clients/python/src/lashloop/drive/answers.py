@@ -15,7 +15,7 @@ from lashloop.messages import (
     ParameterDescription,
     Telemetry,
 )
-from lashloop.vocabulary import Controllers, FaultCode, LogLevel, State, Version, single
+from lashloop.enums import Controllers, FaultCode, LogLevel, State, Version, single
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -84,7 +84,7 @@ def log(level: LogLevel, text: str) -> Log:
     return Log(level, _fitted(text, _LOG_BYTES))
 
 
-def last_words(line_number: int) -> bytes:
+def fault_frame(line_number: int) -> bytes:
     """What a drive says when its program can't go on: a delimiter and a fault that names the source line."""
     return DELIMITER + encode(FaultReport(FaultCode.PANIC, 0, 0.0, 0.0, line_number))
 

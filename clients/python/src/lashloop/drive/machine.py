@@ -37,7 +37,7 @@ from lashloop.messages import (
     Stop,
     TorqueAnswer,
 )
-from lashloop.vocabulary import (
+from lashloop.enums import (
     LogLevel,
     Outcome,
     ParameterValue,

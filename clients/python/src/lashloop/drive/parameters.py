@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from lashloop.vocabulary import Outcome, ParameterValue
+from lashloop.enums import Outcome, ParameterValue
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from lashloop.control import ControlInput, Controller, ControlOutput, InconsistentError
 from lashloop.counts import LARGEST, wrapping_difference
 from lashloop.sequence import LONGEST_GAP, SEQUENCES
-from lashloop.vocabulary import TorqueFlags
+from lashloop.enums import TorqueFlags
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from lashloop.messages import FaultReport
-from lashloop.vocabulary import FaultCode, Outcome, State, single
+from lashloop.enums import FaultCode, Outcome, State, single
 
 if TYPE_CHECKING:
     from lashloop.drive.parameters import Parameters

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from typing import TYPE_CHECKING
 
-from lashloop.drive.answers import last_words
+from lashloop.drive.answers import fault_frame
 from lashloop.lines import LineError
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def serve(line: Line, drive: Drive) -> None:
         raise
     except Exception as error:
         with contextlib.suppress(LineError):
-            line.write(last_words(_source_line(error)), 0.0)
+            line.write(fault_frame(_source_line(error)), 0.0)
         raise
 
 

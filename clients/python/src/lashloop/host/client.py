@@ -49,7 +49,7 @@ from lashloop.messages import (
     Start,
     Stop,
 )
-from lashloop.vocabulary import Outcome, State
+from lashloop.enums import Outcome, State
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

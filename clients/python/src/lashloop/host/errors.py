@@ -10,7 +10,7 @@ from lashloop.messages import PROTOCOL_VERSION
 
 if TYPE_CHECKING:
     from lashloop.host.placed import PlacedFault
-    from lashloop.vocabulary import Outcome, ParameterValue, State
+    from lashloop.enums import Outcome, ParameterValue, State
 
 
 class HostError(LashloopError):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from lashloop.host.errors import DriveFaultError, RefusedError
 from lashloop.messages import CommandResult, DriveMessage, EncoderSample, FaultReport, TorqueAnswer
-from lashloop.vocabulary import Outcome, State
+from lashloop.enums import Outcome, State
 
 if TYPE_CHECKING:
     from lashloop.host.conversation import Conversation

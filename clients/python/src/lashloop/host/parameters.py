@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from lashloop.host.errors import ParameterRangeError
-from lashloop.vocabulary import ParameterType, ParameterValue
+from lashloop.enums import ParameterType, ParameterValue
 
 if TYPE_CHECKING:
     from lashloop.messages import ParameterDescription

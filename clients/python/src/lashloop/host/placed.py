@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 from lashloop.sequence import nearest_step
-from lashloop.vocabulary import FaultCode
+from lashloop.enums import FaultCode
 
 if TYPE_CHECKING:
     from lashloop.messages import FaultReport, Telemetry, TorqueAnswer

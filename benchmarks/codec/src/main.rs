@@ -1,0 +1,59 @@
+//! The codec beside others: `cargo run --release --manifest-path benchmarks/codec/Cargo.toml`.
+//!
+//! All sides run in one process, in turn, round after round; each figure is the median of the rounds, so that what
+//! disturbs the machine disturbs all of them. Values vary from message to message. What is printed stands in
+//! docs/performance.md as it is.
+
+mod codec;
+mod cycle;
+mod goals;
+mod load;
+mod measure;
+mod stream;
+
+use measure::{Figures, Side, measure};
+
+fn main() {
+    let (samples, torques) = (cycle::samples(), cycle::torques());
+    let load_before = load::word();
+    let mut sides: Vec<Box<dyn Side>> = vec![
+        <dyn Side>::of::<codec::ours::Ours>("lashloop", &samples, &torques),
+        <dyn Side>::of::<codec::floor::Floor>("floor: copy and CRC-32C", &samples, &torques),
+        <dyn Side>::of::<codec::postcard::Postcard>("postcard, CRC-32C, cobs", &samples, &torques),
+        <dyn Side>::of::<codec::protobuf::Protobuf<true>>("prost, CRC-32C, cobs", &samples, &torques),
+        <dyn Side>::of::<codec::protobuf::Protobuf<false>>("prost, cobs, no check", &samples, &torques),
+        <dyn Side>::of::<codec::mavlink::Mavlink>(
+            "mavlink HIL_SENSOR, HIL_ACTUATOR_CONTROLS",
+            &samples,
+            &torques,
+        ),
+    ];
+    let figures = measure(&mut sides);
+    table(&figures);
+    let streams = stream::measure(&samples);
+    println!();
+    stream::table(&streams);
+    println!();
+    goals::table(&figures, &streams);
+    println!("\nLoad of the machine in this run: {load_before} before it, {} after.", load::word());
+}
+
+fn table(figures: &[Figures]) {
+    println!(
+        "| codec | sample: encode ns | decode ns | bytes | torque: encode ns | decode ns | bytes | bytes per cycle | at most |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    for Figures { name, sample, torque, .. } in figures {
+        println!(
+            "| {name} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {} |",
+            sample.encode_ns,
+            sample.decode_ns,
+            sample.bytes.mean,
+            torque.encode_ns,
+            torque.decode_ns,
+            torque.bytes.mean,
+            sample.bytes.mean + torque.bytes.mean,
+            sample.bytes.longest + torque.bytes.longest
+        );
+    }
+}

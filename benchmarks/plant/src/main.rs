@@ -1,0 +1,61 @@
+//! The plants' steps beside the same steps in C: `cargo run --release --manifest-path benchmarks/plant/Cargo.toml`.
+//!
+//! Both sides integrate the same 20 s under the same torque, in turn, round after round; each figure is the median of the
+//! rounds, so that what disturbs the machine disturbs both. Their trajectories have to agree, or nothing is compared. The
+//! C compiler is `cc` with `-O3 -march=native`; Rust is built as the program is released, for any x86-64, unless
+//! `RUSTFLAGS` says otherwise.
+
+mod c_side;
+mod rust_side;
+
+use std::error::Error;
+
+use c_side::CSide;
+
+/// Rounds of which the median is taken.
+const ROUNDS: usize = 21;
+/// Control periods of a millisecond in a round.
+const PERIODS: u32 = 20_000;
+
+/// One round of one plant on one side.
+#[derive(Debug, Clone, Copy)]
+pub struct Round {
+    /// Time on the wall.
+    pub ns: f64,
+    /// Where load and motor came to.
+    pub ends_rad: [f64; 2],
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut c = CSide::build()?;
+    println!("load: {}", std::fs::read_to_string("/proc/loadavg").unwrap_or_default().trim());
+    println!(
+        "rust: built {}",
+        if cfg!(target_feature = "avx2") { "for this machine" } else { "for any x86-64" }
+    );
+    println!("c:    {}", c.description());
+    println!("| plant | substeps | rust, ns per substep | c, ns per substep | c / rust |");
+    println!("|---|---|---|---|---|");
+    for plant in rust_side::PLANTS {
+        let (mut rust_ns, mut c_ns) = (Vec::new(), Vec::new());
+        for _ in 0..ROUNDS {
+            let (rust, c) = (plant.round(PERIODS)?, c.round(plant.name, PERIODS)?);
+            for (have, want) in rust.ends_rad.iter().zip(c.ends_rad) {
+                if (have - want).abs() > 1e-6 * want.abs().max(1.0) {
+                    return Err(format!("{}: Rust ends at {have} rad, C at {want} rad", plant.name).into());
+                }
+            }
+            rust_ns.push(rust.ns);
+            c_ns.push(c.ns);
+        }
+        let per_substep = |rounds| median(rounds) / f64::from(PERIODS * plant.substeps);
+        let (rust, c) = (per_substep(rust_ns), per_substep(c_ns));
+        println!("| {} | {} | {rust:.1} | {c:.1} | {:.2} |", plant.name, plant.substeps, c / rust);
+    }
+    Ok(())
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}

@@ -1,0 +1,162 @@
+//! The law as a whole, sample by sample.
+
+use std::string::ToString;
+
+use super::*;
+
+const LSB_RAD: f64 = core::f64::consts::TAU / 4000.0;
+
+fn setting() -> BacklashInverseSetting<f64> {
+    BacklashInverseSetting {
+        momentum_observer_rad_s: 60.0,
+        dead_zone_initial_rad: 0.16,
+        dead_zone_max_rad: 3.0,
+        load_resolution_rad: LSB_RAD,
+        torque_limit_nm: 20.0,
+        period_s: 1e-3,
+    }
+}
+
+fn law() -> BacklashInverse<f64> {
+    BacklashInverse::new(&NominalModel::paper(), BacklashInverseGains::paper(), setting()).expect("valid")
+}
+
+/// A blocked motor under a constant torque, for so many samples, and the last answer.
+fn blocked(m: Measurement<f64>, samples: usize) -> ControlOutput<f64> {
+    let law = law();
+    let mut state = law.initial_state();
+    (0..samples).map(|_| law.step(&mut state, &m)).last().expect("at least one sample")
+}
+
+#[test]
+fn a_drive_at_rest_on_its_reference_asks_for_nothing() {
+    let anywhere = Measurement {
+        load_position_rad: 40.0,
+        reference_position_rad: 40.0,
+        motor_position_rad: 120.0,
+        ..Measurement::at_rest()
+    };
+    let output = blocked(anywhere, 100);
+    assert_eq!((output.torque_nm, output.load_error_rad, output.motor_error_rad), (0.0, 0.0, 0.0));
+}
+
+#[test]
+fn motor_is_sent_across_the_gap_ahead_of_the_torque() {
+    // 0.1 rad beside the reference a torque is wanted that the spring gives beyond the gap.
+    let beside = Measurement { load_position_rad: -0.1, ..Measurement::at_rest() };
+    let output = blocked(beside, 1);
+    // (f_s + D_v) lam e / N0, with nothing integrated yet.
+    let wanted_nm = 46.0 * 2.5 * 0.1 / 3.0;
+    let twist_rad = wanted_nm / 1.0 + 0.16;
+    assert!((output.motor_error_rad + twist_rad).abs() < 1e-12, "have {}", output.motor_error_rad);
+    assert!((output.elastic_error_nm + twist_rad).abs() < 1e-12, "at 1 N m/rad");
+    assert!((output.torque_nm - (wanted_nm + 1.0 * twist_rad)).abs() < 1e-12, "have {}", output.torque_nm);
+}
+
+#[test]
+fn less_torque_than_the_crossing_sends_the_motor_part_of_the_way() {
+    // 2.5 mrad ask for 0.0958 N m; with a crossing twice as wide that is half of the gap.
+    let beside = Measurement { load_position_rad: -0.0025, ..Measurement::at_rest() };
+    let wanted_nm = 46.0 * 2.5 * 0.0025 / 3.0;
+    let gains = BacklashInverseGains { gap_crossing_nm: 2.0 * wanted_nm, ..BacklashInverseGains::paper() };
+    let law = BacklashInverse::new(&NominalModel::paper(), gains, setting()).expect("valid");
+    let output = law.step(&mut law.initial_state(), &beside);
+    assert!((output.motor_error_rad + wanted_nm + 0.08).abs() < 1e-12, "have {}", output.motor_error_rad);
+}
+
+#[test]
+fn disturbing_torque_is_what_the_spring_alone_would_not_carry() {
+    // Wound by 1.66 rad the paper's bench carries 1.5 N m: w = 1.5 - 1.66 N m.
+    let wound = Measurement { twist_rad: 1.66, applied_torque_nm: 1.5, ..Measurement::at_rest() };
+    let output = blocked(Measurement { motor_position_rad: 1.66, ..wound }, 2000);
+    assert!((output.disturbing_torque_nm + 0.16).abs() < 1e-9, "have {} N m", output.disturbing_torque_nm);
+    assert!((output.dead_zone_estimate_rad - 0.16).abs() < 1e-9);
+}
+
+#[test]
+fn friction_on_the_load_is_not_taken_for_a_piece_of_gap() {
+    // The load stands still, held by friction, whatever the spring carries: |z| = |C| / K + 0.1 all the same.
+    let law = law();
+    let mut state = law.initial_state();
+    let mut output = None;
+    for k in 0..40_000 {
+        let torque = 3.0 * (f64::from(k) * 5e-4).sin();
+        let twist = torque + 0.1 * torque.signum();
+        let wound = Measurement { applied_torque_nm: torque, twist_rad: twist, ..Measurement::at_rest() };
+        output = Some(law.step(&mut state, &Measurement { load_position_rad: -0.5, ..wound }));
+    }
+    let have = output.expect("stepped").dead_zone_estimate_rad;
+    assert!((have - 0.1).abs() < 5e-3, "have {have} rad, want 0.1");
+}
+
+#[test]
+fn nothing_is_learnt_while_friction_holds_the_load() {
+    let wound = Measurement { twist_rad: 3.0, applied_torque_nm: 1.5, ..Measurement::at_rest() };
+    assert_eq!(blocked(wound, 5000).dead_zone_estimate_rad, 0.16, "on the reference: holding");
+    let beside = Measurement { load_position_rad: 0.1, ..wound };
+    assert!(blocked(beside, 5000).dead_zone_estimate_rad > 0.2, "beside it");
+}
+
+#[test]
+fn transmission_is_asked_for_no_more_than_the_drive_can_give() {
+    let far = Measurement { load_position_rad: -2.0, ..Measurement::at_rest() };
+    let weak = BacklashInverseSetting { torque_limit_nm: 2.0, ..setting() };
+    for (setting, limit_nm) in [(setting(), 8.0), (weak, 2.0)] {
+        let law = BacklashInverse::new(&NominalModel::paper(), BacklashInverseGains::paper(), setting)
+            .expect("valid");
+        let output = law.step(&mut law.initial_state(), &far);
+        assert!((output.motor_error_rad + limit_nm + 0.16).abs() < 1e-12, "{}", output.motor_error_rad);
+    }
+}
+
+#[test]
+fn the_other_direction_is_the_mirror_image() {
+    let law = law();
+    let (mut state, mut mirrored) = (law.initial_state(), law.initial_state());
+    for k in 0..3000 {
+        let t = f64::from(k) * 1e-3;
+        let m = Measurement {
+            motor_position_rad: 3.0 * t.sin() + t,
+            motor_velocity_rad_s: 3.0 * t.cos() + 1.0,
+            load_position_rad: t.sin(),
+            twist_rad: t,
+            reference_position_rad: 0.3,
+            applied_torque_nm: 2.0 * t,
+            ..Measurement::at_rest()
+        };
+        let other = Measurement {
+            motor_position_rad: -m.motor_position_rad,
+            motor_velocity_rad_s: -m.motor_velocity_rad_s,
+            load_position_rad: -m.load_position_rad,
+            twist_rad: -m.twist_rad,
+            reference_position_rad: -m.reference_position_rad,
+            applied_torque_nm: -m.applied_torque_nm,
+            ..Measurement::at_rest()
+        };
+        let (one, two) = (law.step(&mut state, &m), law.step(&mut mirrored, &other));
+        assert_eq!(one.torque_nm, -two.torque_nm, "sample {k}");
+        assert_eq!(one.dead_zone_estimate_rad, two.dead_zone_estimate_rad, "sample {k}");
+    }
+}
+
+#[test]
+fn parameters_that_do_not_go_together_are_refused_by_name() {
+    let refused = |gains, setting| {
+        BacklashInverse::new(&NominalModel::paper(), gains, setting).expect_err("refused").to_string()
+    };
+    let gains = BacklashInverseGains::paper();
+    let damped = BacklashInverseGains { twist_damping_nm_s_rad: 0.1, ..gains };
+    let slow = BacklashInverseSetting { period_s: 0.01, ..setting() };
+    assert_eq!(
+        refused(damped, slow),
+        "control parameter twist_damping_nm_s_rad is 0.1, allowed is 0 to 0.0972"
+    );
+    let fast = BacklashInverseGains { load_observer_rad_s: 51.0, ..gains };
+    assert_eq!(refused(fast, slow), "control parameter load_observer_rad_s is 51, allowed is 0.1 to 50");
+    let unbounded = BacklashInverseGains { hold_fraction: 1.5, ..gains };
+    assert_eq!(refused(unbounded, setting()), "control parameter hold_fraction is 1.5, allowed is 0 to 1");
+    let wide = BacklashInverseSetting { dead_zone_initial_rad: 3.5, ..setting() };
+    assert_eq!(refused(gains, wide), "control parameter dead_zone_initial_rad is 3.5, allowed is 0 to 3");
+    let missing = BacklashInverseGains { gap_crossing_nm: f64::NAN, ..gains };
+    assert!(refused(missing, setting()).starts_with("control parameter gap_crossing_nm is NaN"));
+}

@@ -1,0 +1,104 @@
+//! Files that are whole or not there.
+
+use std::fs::{self, File, Permissions};
+use std::io::{self, Write};
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+/// A file that can't be written.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: cannot be {action}: {source}", path.display())]
+pub struct WriteError {
+    /// The file.
+    pub path: PathBuf,
+    /// `created` or `written`.
+    pub action: &'static str,
+    /// The operating system's reason.
+    pub source: io::Error,
+}
+
+/// Writes a file under its final name only when it is complete: into a temporary file in the same directory, then renamed.
+/// `prefix` is how the temporary file is called.
+///
+/// # Errors
+/// The directory isn't there or can't be written to, or `write` failed.
+pub fn write_whole(
+    path: &Path,
+    prefix: &str,
+    write: impl FnOnce(&mut File) -> io::Result<()>,
+) -> Result<(), WriteError> {
+    let error = |action| move |source| WriteError { path: path.to_owned(), action, source };
+    let mut file = temporary_file(path, prefix).map_err(error("created"))?;
+    write(file.as_file_mut()).and_then(|()| file.as_file().sync_all()).map_err(error("written"))?;
+    file.persist(path).map_err(|failure| error("written")(failure.error))?;
+    Ok(())
+}
+
+/// Begins a file that is to grow. It takes its name, and the place of an older one, once its first bytes are written, so a
+/// disk that takes nothing costs nothing. What is no plain file, a device or a pipe, is written to where it is.
+///
+/// # Errors
+/// The directory isn't there or can't be written to, or the first bytes can't be.
+pub fn begin(path: &Path, prefix: &str, first: &[u8]) -> Result<File, WriteError> {
+    let error = |action| move |source| WriteError { path: path.to_owned(), action, source };
+    if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
+        let mut file = File::create(path).map_err(error("created"))?;
+        file.write_all(first).map_err(error("written"))?;
+        return Ok(file);
+    }
+    // What a link points to is replaced and not the link.
+    let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let mut file = temporary_file(&place, prefix).map_err(error("created"))?;
+    file.write_all(first).map_err(error("written"))?;
+    file.persist(&place).map_err(|failure| error("written")(failure.error))
+}
+
+/// A temporary file in the same directory.
+fn temporary_file(path: &Path, prefix: &str) -> io::Result<NamedTempFile> {
+    let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    // The system's own words for one that is not there.
+    fs::metadata(directory)?;
+    // Temporary files are private by default; a record is for others as well, as far as the umask lets.
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(prefix).permissions(Permissions::from_mode(0o666)).tempfile_in(directory)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What fails is the last step, which a full disk never reaches: the name is that of a folder by then.
+    #[test]
+    fn a_file_that_can_t_be_begun_leaves_everything_as_it_was() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("trace.csv");
+        fs::create_dir(&path).expect("a folder in the way");
+        fs::write(path.join("old"), "old").expect("something in it");
+        assert!(begin(&path, ".trace-", b"new\n").is_err());
+        assert_eq!(fs::read_to_string(path.join("old")).expect("still there"), "old");
+        assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1);
+    }
+
+    #[test]
+    fn an_older_file_is_there_until_the_new_one_has_begun() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("trace.csv");
+        fs::write(&path, "old").expect("an old file");
+        let old = File::open(&path).expect("the old file");
+        drop(begin(&path, ".trace-", b"new\n").expect("a new file"));
+        // It was replaced as a whole and never emptied: whoever has it open still reads it.
+        assert_eq!(io::read_to_string(old).expect("the old file"), "old");
+        assert_eq!(fs::read_to_string(&path).expect("the new file"), "new\n");
+    }
+
+    #[test]
+    fn a_file_that_was_begun_goes_on_under_its_name() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("trace.csv");
+        let mut file = begin(&path, ".trace-", b"a,b\n").expect("a file");
+        file.write_all(b"1,2\n").expect("a row");
+        assert_eq!(fs::read_to_string(&path).expect("the file"), "a,b\n1,2\n");
+    }
+}

@@ -1,0 +1,64 @@
+//! Faults of the gears.
+
+use super::scenario;
+use crate::fault::plant::GearFaults;
+
+const FROM_2_FOR_3: &str = "at_s = 0.002\nfor_s = 0.003\n";
+
+fn at(step: u32, faults: &[String]) -> (f64, f64, f64, f64) {
+    let faults: Vec<_> = faults.iter().map(String::as_str).collect();
+    let scenario = scenario(&faults);
+    let healthy = &scenario.plant;
+    let gears = GearFaults::new(&scenario);
+    let settings = gears.settings(step, healthy);
+    let friction = |plant: &crate::scenario::plant::PlantSettings| {
+        plant.backlash_shaft.as_ref().map(|bench| bench.load_coulomb_nm).unwrap_or_default()
+    };
+    (
+        gears.growth_rad(step),
+        gears.load_torque_nm(step),
+        settings.stiffness_nm_rad / healthy.stiffness_nm_rad,
+        friction(&settings) / friction(healthy),
+    )
+}
+
+fn fault(text: &str) -> String {
+    format!("{FROM_2_FOR_3}{text}")
+}
+
+#[test]
+fn a_gap_grows_and_a_load_acts_while_their_faults_last() {
+    let faults =
+        [fault("kind = \"gap-growth\"\ngrowth_rad = 0.1"), fault("kind = \"load-torque\"\ntorque_nm = -5")];
+    assert_eq!(at(1, &faults), (0.0, 0.0, 1.0, 1.0));
+    assert_eq!(at(2, &faults), (0.1, -5.0, 1.0, 1.0));
+    assert_eq!(at(5, &faults), (0.0, 0.0, 1.0, 1.0));
+}
+
+#[test]
+fn stiffness_and_friction_change_by_their_factor_and_come_back() {
+    let faults =
+        [fault("kind = \"stiffness-drop\"\nfactor = 0.25"), fault("kind = \"friction-change\"\nfactor = 2")];
+    assert_eq!(at(1, &faults), (0.0, 0.0, 1.0, 1.0));
+    assert_eq!(at(4, &faults), (0.0, 0.0, 0.25, 2.0));
+    assert_eq!(at(5, &faults), (0.0, 0.0, 1.0, 1.0));
+}
+
+#[test]
+fn two_faults_of_a_kind_add_up() {
+    let growth = fault("kind = \"gap-growth\"\ngrowth_rad = 0.1");
+    let drop = fault("kind = \"stiffness-drop\"\nfactor = 0.5");
+    let (growth_rad, _, stiffness, _) = at(3, &[growth.clone(), growth, drop.clone(), drop]);
+    assert_eq!((growth_rad, stiffness), (0.2, 0.25));
+}
+
+#[test]
+fn the_plant_changes_at_the_edges_of_its_faults_and_nowhere_else() {
+    let scenario = scenario(&[
+        &fault("kind = \"stiffness-drop\"\nfactor = 0.5"),
+        "kind = \"friction-change\"\nfactor = 2\nat_s = 0.5",
+        "kind = \"load-torque\"\ntorque_nm = 1\nat_s = 0.7",
+    ]);
+    let changes: Vec<_> = GearFaults::new(&scenario).changes().into_iter().collect();
+    assert_eq!(changes, [2, 5, 500, u32::MAX]);
+}

@@ -1,0 +1,249 @@
+//! Reads back what a run has left behind, also one that was cut short.
+
+use std::fs;
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+/// A table of numbers, column by column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    path: PathBuf,
+    header: Vec<String>,
+    columns: Vec<Vec<f64>>,
+    is_torn: bool,
+}
+
+/// The folder of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// `trace.csv`.
+    pub trace: Table,
+    /// `timing.csv`, if it is there.
+    pub timing: Option<Table>,
+    /// What `summary.json` says, if the run got as far as a verdict.
+    pub summary: Option<SummaryHead>,
+}
+
+/// The part of a [`Summary`](super::summary::Summary) that tells what was run and what came of it.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct SummaryHead {
+    /// PASS, FAIL or INVALID.
+    pub verdict: String,
+    /// The scenario's file.
+    pub scenario: String,
+    /// The drive.
+    pub device: String,
+    /// The control law.
+    pub controller: String,
+    /// `complete`, or what cut the run short.
+    pub end: String,
+    /// Faults of the scenario that have been there.
+    pub faults: Vec<FiredFault>,
+}
+
+/// A fault that has been there.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct FiredFault {
+    /// What it is.
+    pub kind: String,
+    /// The step in which it began.
+    pub step: usize,
+}
+
+/// A record that can't be used: which file, which line, why.
+#[derive(Debug, thiserror::Error)]
+#[error("{}{}: {fault}", path.display(), line.map(|line| format!(":{line}")).unwrap_or_default())]
+pub struct ReadError {
+    /// The file.
+    pub path: PathBuf,
+    /// Counted from 1; `None` if the whole file is at fault.
+    pub line: Option<u64>,
+    /// What is wrong.
+    pub fault: ReadFault,
+}
+
+/// What can be wrong with a record.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadFault {
+    /// The file can't be read.
+    #[error("can't be read: {0}")]
+    Read(#[from] io::Error),
+    /// Not a table: another number of fields than columns.
+    #[error("fields in this row: {found}; the header has {columns} columns")]
+    Fields {
+        /// Fields in the row.
+        found: usize,
+        /// Columns of the header.
+        columns: usize,
+    },
+    /// A field that is no number.
+    #[error("{column} is {found:?}; it must be a number")]
+    NotANumber {
+        /// The column.
+        column: String,
+        /// The field.
+        found: String,
+    },
+    /// A column is not there.
+    #[error("there is no column {column}; this is not a file that `lashloop run --out` has written")]
+    Column {
+        /// The column.
+        column: String,
+    },
+    /// No rows.
+    #[error("has no rows: the run was cut short before its first rows reached the disk")]
+    Empty,
+    /// Not CSV at all.
+    #[error("is not a table: {0}")]
+    Csv(#[from] csv::Error),
+    /// Not a summary.
+    #[error("is not the summary of a run: {0}")]
+    Summary(#[from] serde_json::Error),
+}
+
+impl Table {
+    /// Reads a file. A last line without an end is left out: a run that is killed in the middle of a write leaves one.
+    ///
+    /// # Errors
+    /// The file can't be read or is not a table of numbers.
+    pub fn read(path: &Path) -> Result<Self, ReadError> {
+        let error = |line, fault| ReadError { path: path.to_owned(), line, fault };
+        let mut text = fs::read(path).map_err(|source| error(None, source.into()))?;
+        let whole = text.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
+        let is_torn = whole < text.len();
+        text.truncate(whole);
+
+        let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(&text[..]);
+        let header = reader.headers().map_err(|source| error(None, source.into()))?;
+        let header: Vec<String> = header.iter().map(str::to_owned).collect();
+        let mut columns = vec![Vec::new(); header.len()];
+        for row in reader.records() {
+            let row =
+                row.map_err(|source| error(source.position().map(csv::Position::line), source.into()))?;
+            let line = row.position().map(csv::Position::line);
+            if row.len() != header.len() {
+                return Err(error(line, ReadFault::Fields { found: row.len(), columns: header.len() }));
+            }
+            for ((field, name), column) in row.iter().zip(&header).zip(&mut columns) {
+                let number = field.trim().parse().map_err(|_| {
+                    error(line, ReadFault::NotANumber { column: name.clone(), found: field.to_owned() })
+                })?;
+                column.push(number);
+            }
+        }
+        Ok(Self { path: path.to_owned(), header, columns, is_torn })
+    }
+
+    /// Names of the columns.
+    #[must_use]
+    pub fn header(&self) -> &[String] {
+        &self.header
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.columns.first().map_or(0, Vec::len)
+    }
+
+    /// Whether there is no row.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether the file ended within a row, which was left out.
+    #[must_use]
+    pub fn is_torn(&self) -> bool {
+        self.is_torn
+    }
+
+    /// A column by its name.
+    ///
+    /// # Errors
+    /// There is none of this name.
+    pub fn column(&self, name: &str) -> Result<&[f64], ReadError> {
+        match self.header.iter().position(|column| column == name) {
+            Some(at) => Ok(&self.columns[at]),
+            None => Err(ReadError {
+                path: self.path.clone(),
+                line: None,
+                fault: ReadFault::Column { column: name.to_owned() },
+            }),
+        }
+    }
+}
+
+impl Record {
+    /// Reads the folder that was given to a run as `--out`.
+    ///
+    /// # Errors
+    /// There is no `trace.csv` or it has no rows, or one of the files can't be used.
+    pub fn read(folder: &Path) -> Result<Self, ReadError> {
+        let trace = Table::read(&folder.join("trace.csv"))?;
+        if trace.is_empty() {
+            return Err(ReadError { path: trace.path, line: None, fault: ReadFault::Empty });
+        }
+        let timing = if_there(Table::read(&folder.join("timing.csv")))?;
+        let summary = if_there(SummaryHead::read(&folder.join("summary.json")))?;
+        Ok(Self { trace, timing, summary })
+    }
+}
+
+impl SummaryHead {
+    /// Reads a summary.
+    ///
+    /// # Errors
+    /// The file can't be read or says something else.
+    pub fn read(path: &Path) -> Result<Self, ReadError> {
+        let error = |fault| ReadError { path: path.to_owned(), line: None, fault };
+        let text = fs::read(path).map_err(|source| error(source.into()))?;
+        serde_json::from_slice(&text).map_err(|source| error(source.into()))
+    }
+}
+
+fn if_there<T>(read: Result<T, ReadError>) -> Result<Option<T>, ReadError> {
+    match read {
+        Ok(there) => Ok(Some(there)),
+        Err(ReadError { fault: ReadFault::Read(source), .. }) if source.kind() == ErrorKind::NotFound => {
+            Ok(None)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(text: &str) -> Result<Table, String> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("t.csv");
+        fs::write(&path, text).expect("a file");
+        Table::read(&path)
+            .map_err(|error| error.to_string().replace(&folder.path().display().to_string(), ""))
+    }
+
+    #[test]
+    fn a_line_without_an_end_is_left_out_whatever_it_looks_like() {
+        for torn in ["3", "3,0.12", ""] {
+            let table = of(&format!("a,b\n1,2\n2,NaN\n{torn}")).expect("a table");
+            assert_eq!((table.column("a").expect("a column"), table.len()), (&[1.0, 2.0][..], 2));
+            assert!(table.column("b").expect("a column")[1].is_nan());
+            assert_eq!(table.is_torn(), !torn.is_empty());
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_file_and_line() {
+        assert_eq!(of("a,b\n1,2\n3,x\n"), Err("/t.csv:3: b is \"x\"; it must be a number".to_owned()));
+        assert_eq!(
+            of("a,b\n1,2,3\n"),
+            Err("/t.csv:2: fields in this row: 3; the header has 2 columns".to_owned())
+        );
+        let error = of("a,b\n1,2\n").expect("a table").column("c").expect_err("no such column").to_string();
+        assert!(error.contains("there is no column c"), "{error}");
+    }
+}

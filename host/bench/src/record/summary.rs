@@ -1,0 +1,256 @@
+//! `summary.json`: the verdict and what is needed to trust it, compare it and repeat it.
+
+use std::io::Write;
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::atomic_file::WriteError;
+use crate::atomic_file::write_whole;
+use crate::fault::timeline::FaultRecord;
+use crate::timing::TimingReport;
+use crate::verdict::{Finding, LinkCounts, Verdict};
+use lashloop_plant::metrics::Metrics;
+
+/// One run in one JSON object, its keys in this order.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// What the run says.
+    pub verdict: Verdict,
+    /// The scenario's file.
+    pub scenario: String,
+    /// The drive: what was connected to, and where.
+    pub device: String,
+    /// The control law.
+    pub controller: String,
+    /// Starts every random stream of the run.
+    pub seed: u64,
+    /// How the run ended: `complete`, or what cut it short.
+    pub end: String,
+    /// Control steps run.
+    pub steps: u64,
+    /// Time of the plant.
+    pub simulated_s: f64,
+    /// Time on the wall.
+    pub wall_s: f64,
+    /// The metrics by name; null where there is no value.
+    pub metrics: Metrics,
+    /// The expectations of the scenario and what became of them.
+    pub expectations: Vec<Finding>,
+    /// What the link counted.
+    pub link: LinkCounts,
+    /// How the steps went in time.
+    pub timing: TimingReport,
+    /// The faults of the scenario that have been there.
+    pub faults: Vec<FaultRecord>,
+    /// The digest of everything the drive commanded, see [`TorqueDigest`](super::digest::TorqueDigest).
+    pub torque_sha256: String,
+    /// Who took part.
+    pub versions: Versions,
+}
+
+/// The versions of everything that has a say in the result.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Versions {
+    /// This tool.
+    pub lashloop: String,
+    /// The protocol that was agreed on.
+    pub protocol: String,
+    /// The drive's firmware.
+    pub firmware: String,
+}
+
+impl Summary {
+    /// Writes the summary under its final name only when it is complete: into a temporary file in the same
+    /// directory, then renamed.
+    ///
+    /// # Errors
+    /// The directory isn't there or can't be written to.
+    pub fn write(&self, path: &Path) -> Result<(), WriteError> {
+        write_whole(path, ".summary-", |file| {
+            serde_json::to_writer_pretty(&mut *file, self)?;
+            file.write_all(b"\n")
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::os::unix::fs::PermissionsExt;
+    use std::path::Path;
+
+    use super::{Summary, Versions};
+    use crate::scenario::expectation::Expectation;
+    use crate::scenario::sections::Allowance;
+    use crate::timing::{ClockName, Timings};
+    use crate::verdict::{Judgement, LinkCounts};
+    use lashloop_plant::metrics::{Estimates, Measurement, Metric, Sample};
+
+    fn summary() -> Summary {
+        let mut measurement = Measurement::new(0.5);
+        for step in 0..4 {
+            measurement.push(&Sample {
+                time_s: f64::from(step) * 0.5,
+                reference_rad: 0.0,
+                load_position_rad: 1.0 - 0.25 * f64::from(step),
+                torque_nm: -1.5,
+                estimates: Some(Estimates { dead_zone_rad: 0.16, disturbing_torque_nm: 0.0 }),
+                dead_zone_rad: 0.125,
+                disturbing_torque_nm: 0.0,
+            });
+        }
+        let metrics = measurement.metrics();
+        let settle =
+            Expectation { metric: Metric::SettleTime, unit: "s", min: None, max: Some(2.0), note: None };
+        let link = LinkCounts { frames_sent: 4, frames_received: 4, ..LinkCounts::default() };
+        let timing = Timings::new(ClockName::Lockstep, 1_000, 0).report(Vec::new());
+        let judgement = Judgement::new(&[settle], &metrics, &Allowance::default(), &link, &timing);
+        Summary {
+            verdict: judgement.verdict,
+            scenario: "scenarios/smooth-before.toml".to_owned(),
+            device: "native twin".to_owned(),
+            controller: "pd".to_owned(),
+            seed: 1,
+            end: "complete".to_owned(),
+            steps: 4,
+            simulated_s: 2.0,
+            wall_s: 0.25,
+            metrics,
+            expectations: judgement.findings,
+            link,
+            timing,
+            faults: Vec::new(),
+            torque_sha256: "00".repeat(32),
+            versions: Versions {
+                lashloop: "0.1.0".to_owned(),
+                protocol: "1".to_owned(),
+                firmware: "0.1.0".to_owned(),
+            },
+        }
+    }
+
+    #[test]
+    fn a_summary_has_every_metric_and_null_for_what_never_came() {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let path = directory.path().join("summary.json");
+        summary().write(&path).expect("a summary");
+        insta::assert_snapshot!(fs::read_to_string(&path).expect("a summary"), @r#"
+        {
+          "verdict": "FAIL",
+          "scenario": "scenarios/smooth-before.toml",
+          "device": "native twin",
+          "controller": "pd",
+          "seed": 1,
+          "end": "complete",
+          "steps": 4,
+          "simulated_s": 2.0,
+          "wall_s": 0.25,
+          "metrics": {
+            "settle_time_s": null,
+            "settle_time_5pct_s": null,
+            "settle_time_2pct_s": null,
+            "settle_time_1pct_s": null,
+            "static_error_rad": 0.375,
+            "hunting_rad": null,
+            "overshoot_rad": 0.0,
+            "lost_motion_rad": null,
+            "effort_nm2s": 4.5,
+            "torque_total_variation_nm": 0.0,
+            "dead_zone_estimate_rad": 0.16,
+            "dead_zone_error_rad": 0.035,
+            "dead_zone_settle_time_s": null,
+            "dead_zone_bias_rad": null,
+            "dead_zone_largest_error_rad": null,
+            "disturbing_torque_rms_error_nm": 0.0,
+            "disturbing_torque_bias_nm": 0.0
+          },
+          "expectations": [
+            {
+              "metric": "settle_time_s",
+              "value": null,
+              "unit": "s",
+              "min": null,
+              "max": 2.0,
+              "ok": false
+            }
+          ],
+          "link": {
+            "frames_sent": 4,
+            "frames_received": 4,
+            "crc_errors": 0,
+            "lost": 0,
+            "late": 0,
+            "resumes": 0,
+            "damaged_at_drive": 0,
+            "overruns_at_drive": 0
+          },
+          "timing": {
+            "clock": "lockstep",
+            "period_us": 1000,
+            "warm_up_steps": 0,
+            "steps": 0,
+            "unanswered": 0,
+            "missed": 0,
+            "longest_run_of_late": 0,
+            "lateness_us": null,
+            "round_trip_us": null,
+            "send_us": null,
+            "line_and_device_us": null,
+            "compute_us": null,
+            "receive_us": null,
+            "lateness_histogram": [],
+            "round_trip_histogram": [],
+            "refused": []
+          },
+          "faults": [],
+          "torque_sha256": "0000000000000000000000000000000000000000000000000000000000000000",
+          "versions": {
+            "lashloop": "0.1.0",
+            "protocol": "1",
+            "firmware": "0.1.0"
+          }
+        }
+        "#);
+    }
+
+    #[test]
+    fn a_summary_replaces_the_last_one_and_leaves_nothing_beside_it() {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let path = directory.path().join("summary.json");
+        fs::write(&path, "{").expect("an old summary");
+        summary().write(&path).expect("a summary");
+        let text = fs::read_to_string(&path).expect("a summary");
+        serde_json::from_str::<serde_json::Value>(&text).expect("whole JSON");
+        assert_eq!(fs::read_dir(directory.path()).expect("the directory").count(), 1);
+    }
+
+    #[test]
+    fn a_summary_is_as_readable_for_others_as_any_file() {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let [path, plain] = ["summary.json", "plain"].map(|name| directory.path().join(name));
+        summary().write(&path).expect("a summary");
+        fs::write(&plain, "").expect("a file");
+        let mode = |path| fs::metadata(path).expect("a file").permissions().mode();
+        assert_eq!(mode(path), mode(plain));
+    }
+
+    #[test]
+    fn a_summary_that_cannot_take_its_name_leaves_nothing_behind() {
+        let directory = tempfile::tempdir().expect("a temporary directory");
+        let path = directory.path().join("summary.json");
+        fs::create_dir(&path).expect("a directory in the way");
+        let error = summary().write(&path).expect_err("a directory in the way");
+        assert!(
+            error.to_string().starts_with(&format!("{}: cannot be written: ", path.display())),
+            "{error}"
+        );
+        assert_eq!(fs::read_dir(directory.path()).expect("the directory").count(), 1);
+    }
+
+    #[test]
+    fn an_absent_directory_is_reported_with_the_path() {
+        let error = summary().write(Path::new("no/such/summary.json")).expect_err("no directory");
+        assert!(error.to_string().starts_with("no/such/summary.json: cannot be created: "), "{error}");
+    }
+}

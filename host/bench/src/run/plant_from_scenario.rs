@@ -1,0 +1,74 @@
+//! From the words of a scenario to the plant they describe.
+
+use crate::scenario::backlash_shaft::BacklashShaftSettings;
+use crate::scenario::plant::{PlantModel, PlantSettings};
+use lashloop_plant::backlash_shaft::{
+    BacklashShaft, BristleParameters, Environment, ShaftParameters, StribeckParameters,
+};
+use lashloop_plant::hard_coulomb::HardCoulomb;
+use lashloop_plant::smooth::Smooth;
+use lashloop_plant::{AnyPlant, Mechanics};
+
+use super::RunError;
+
+/// The plant of a scenario.
+///
+/// # Errors
+/// A parameter is outside its range, or the plant is too stiff for the control period.
+pub(super) fn profile(settings: &PlantSettings, period_s: f64) -> Result<AnyPlant, RunError> {
+    let mechanics = Mechanics {
+        motor_inertia_kg_m2: settings.motor_inertia_kg_m2,
+        motor_friction_nm_s_rad: settings.motor_friction_nm_s_rad,
+        load_inertia_kg_m2: settings.load_inertia_kg_m2,
+        load_friction_nm_s_rad: settings.load_friction_nm_s_rad,
+        ratio: settings.reduction_ratio,
+        stiffness_nm_rad: settings.stiffness_nm_rad,
+        dead_zone_rad: settings.dead_zone_rad,
+    };
+    Ok(match (settings.model, &settings.backlash_shaft) {
+        (PlantModel::BacklashShaft, Some(bench)) => {
+            let plant = BacklashShaft::new(mechanics, parameters(bench), settings.substeps)?;
+            // Bristles that can't be followed at the Stribeck velocity can't be followed anywhere. Others may turn out too
+            // stiff when the load gets faster; the run ends there.
+            let velocity_rad_s = settings.initial.load_velocity_rad_s.abs().max(bench.load_stribeck_rad_s);
+            plant.substeps(period_s, velocity_rad_s)?;
+            AnyPlant::BacklashShaft(plant)
+        }
+        (PlantModel::HardCoulomb | PlantModel::BacklashShaft, _) => {
+            let coulomb_nm = settings.load_coulomb_nm.unwrap_or_default();
+            AnyPlant::HardCoulomb(HardCoulomb::new(mechanics, coulomb_nm, settings.substeps)?)
+        }
+        (PlantModel::Smooth, _) => AnyPlant::Smooth(Smooth::new(mechanics, settings.substeps)?),
+    })
+}
+
+fn parameters(bench: &BacklashShaftSettings) -> ShaftParameters {
+    ShaftParameters {
+        shaft_damping_nm_s_rad: bench.shaft_damping_nm_s_rad,
+        load: StribeckParameters {
+            coulomb_nm: bench.load_coulomb_nm,
+            stiction_nm: bench.load_stiction_nm,
+            velocity_rad_s: bench.load_stribeck_rad_s,
+        },
+        load_asymmetry: bench.load_friction_asymmetry,
+        load_bristles: bench.bristles.as_ref().map(|bristles| BristleParameters {
+            stiffness_nm_rad: bristles.bristle_stiffness_nm_rad,
+            damping_nm_s_rad: bristles.bristle_damping_nm_s_rad,
+        }),
+        motor: StribeckParameters {
+            coulomb_nm: bench.motor_coulomb_nm,
+            stiction_nm: bench.motor_stiction_nm,
+            velocity_rad_s: bench.motor_stribeck_rad_s,
+        },
+        current_lag_s: bench.current_lag_ms / 1e3,
+        torque_saturation_nm: bench.torque_saturation_nm,
+    }
+}
+
+/// What is around the plant at a time of the run; `None` where it never changes.
+pub(super) fn surroundings(settings: &PlantSettings, time_s: f64) -> Option<Environment> {
+    settings.backlash_shaft.as_ref().map(|bench| Environment {
+        dead_zone_rad: settings.dead_zone_rad + bench.wear.at_rad(time_s),
+        load_torque_nm: bench.load_torque.at_nm(time_s),
+    })
+}

@@ -1,0 +1,156 @@
+//! The loop's thread takes no memory once it runs: counted by an allocator, step by step, on every kind of link that has
+//! something to keep. The counter counts the thread that asks, so drive, keeper and capture may do as they like.
+
+use std::sync::atomic::AtomicBool;
+use std::thread;
+use std::time::Instant;
+
+use crate::device::twin::Terminal;
+use allocation_counter::AllocationInfo;
+use lashloop_firmware::drive::{Clock, Drive};
+
+use super::*;
+use crate::capture::link::Captured;
+use crate::capture::{WhenFull, create};
+use crate::device::DeviceChoice;
+use crate::fault::timeline::Timeline;
+use crate::link::Link;
+use crate::run::setup;
+use crate::run::simulator::Simulator;
+use crate::run::step_sink::Step;
+use crate::scenario::Override;
+use crate::supervisor::Supervisor;
+use crate::timing::{ClockName, StepOutcome};
+
+const STEPS: u64 = 4_000;
+
+/// A scenario of every kind of plant.
+const SMOOTH: &str = include_str!("../../../../../scenarios/smooth-after.toml");
+const FRICTION: &str = include_str!("../../../../../scenarios/friction-after.toml");
+const BENCH: &str = include_str!("../../../../../scenarios/shaft-merzouki.toml");
+
+/// Half a millisecond, so that the test is short; whether steps are late does not matter here.
+const SETTINGS: [&str; 4] = [
+    "run.duration_s=2",
+    "run.control_period_us=500",
+    "telemetry.every_steps=3",
+    "controller.parameters.watchdog_us=50000000",
+];
+
+struct SinceBoot(Instant);
+
+impl Clock for SinceBoot {
+    fn now(&self) -> Duration {
+        self.0.elapsed()
+    }
+}
+
+/// A drive at the far end of a terminal, until the line breaks.
+fn drive(line: &std::os::fd::OwnedFd) {
+    let (mut drive, clock) = (Drive::new("a test"), SinceBoot(Instant::now()));
+    let mut buffer = [0; 256];
+    while let Ok(count) = rustix::io::read(line, &mut buffer) {
+        let mut bytes = &buffer[..count];
+        while !bytes.is_empty() {
+            bytes = &bytes[drive.receive(bytes, &clock)..];
+            if rustix::io::write(line, drive.output()).is_err() {
+                return;
+            }
+            drive.clear_output();
+        }
+    }
+}
+
+/// Takes one box for every step it is given, if it is told to.
+struct Counting<'a> {
+    ring: Ring<'a>,
+    wastes: bool,
+}
+
+impl Sink for Counting<'_> {
+    fn take(&mut self, step: Step) -> Result<(), RunError> {
+        if self.wastes {
+            drop(std::hint::black_box(Box::new(step)));
+        }
+        self.ring.take(step)
+    }
+
+    fn stop_asked(&self) -> bool {
+        self.ring.stop_asked()
+    }
+}
+
+/// Runs the loop on a terminal and counts. Returns the steps that were answered as well: a loop that does nothing takes
+/// nothing.
+fn counted(
+    text: &str,
+    more: &[&str],
+    wastes: bool,
+    middleware: impl FnOnce(Box<dyn Link>) -> Box<dyn Link>,
+) -> (AllocationInfo, u64) {
+    let settings: Vec<_> =
+        SETTINGS.iter().chain(more).map(|setting| Override::Set((*setting).to_owned())).collect();
+    let scenario = Scenario::from_str("of the test", text, &settings).expect("a scenario");
+    let terminal = Terminal::open().expect("a terminal");
+    let choice = DeviceChoice::Terminal(terminal.path.clone());
+    let line = terminal.line.try_clone().expect("a handle");
+    let twin = thread::spawn(move || drive(&line));
+    let supervisor = Supervisor::start(std::env::current_exe().expect("a path")).expect("a supervisor");
+    let mut device = Device::open_through(&choice, &scenario.link, &supervisor, middleware).expect("a drive");
+    let timeline = Timeline::new(&scenario, &device).expect("no faults");
+    setup::set_up(&mut device, &scenario, ClockName::RealTime).expect("a drive that takes the scenario");
+    let watchdog = Some(setup::watchdog(&mut device).expect("a watchdog"));
+    device.session.start().expect("a drive that starts");
+
+    let simulator = Simulator::new(&scenario).expect("a bench");
+    let stop = AtomicBool::new(false);
+    let (ring, mut steps) = Ring::new(&stop);
+    let (mut answered, mut info, mut end) = (0, AllocationInfo::default(), None);
+    let work = || {
+        let _ = obtain(&RealTime::default());
+        let sink = Counting { ring, wastes };
+        let mut control =
+            ControlLoop::new(&scenario, simulator, timeline, ClockName::RealTime, watchdog, sink);
+        let closing = || end = Some(close(&mut control, &scenario, &mut device, Duration::ZERO));
+        info = allocation_counter::measure(closing);
+    };
+    let look = || {
+        while let Ok(step) = steps.pop() {
+            answered += u64::from(step.timing.outcome == StepOutcome::Answered);
+        }
+    };
+    run_with_drain(work, look).expect("a thread");
+    assert_eq!(end.expect("the loop has run").expect("a run"), End::Complete);
+    device.session.stop().expect("a drive that stops");
+    drop((device, terminal));
+    // Nobody holds the near end any more, so the read of the drive fails.
+    twin.join().expect("a drive");
+    (info, answered)
+}
+
+#[test]
+fn the_loop_takes_no_memory() {
+    for text in [SMOOTH, FRICTION, BENCH] {
+        let (info, answered) = counted(text, &[], false, |link| link);
+        assert_eq!((info.count_total, info.bytes_total), (0, 0), "{info:?}");
+        assert!(answered > STEPS / 10, "{answered} of {STEPS} steps answered");
+    }
+}
+
+#[test]
+fn the_loop_takes_no_memory_for_a_capture_or_a_modelled_wire() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (recorder, capture) = create(&folder.path().join("line.pcapng"), WhenFull::Fail).expect("a capture");
+    let (info, answered) = counted(SMOOTH, &["link.modelled_baud=4000000"], false, |link| {
+        Box::new(Captured::new(link, recorder))
+    });
+    assert_eq!((info.count_total, info.bytes_total), (0, 0), "{info:?}");
+    assert!(answered > STEPS / 10, "{answered} of {STEPS} steps answered");
+    assert!(capture.finish().expect("a capture") > answered);
+}
+
+#[test]
+fn memory_that_is_taken_in_the_loop_is_seen() {
+    let (info, _) = counted(SMOOTH, &[], true, |link| link);
+    assert!(info.count_total >= STEPS - 1, "{info:?}");
+}

@@ -1,0 +1,176 @@
+//! Tells the drive what the scenario says.
+//!
+//! A drive on a bench remembers what the last host set. It is reset first, so that a run depends on its scenario alone.
+
+use std::time::Duration;
+
+use lashloop_protocol::enums::{ControllerId, DisturbingTorqueSource, Outcome, ParameterValue};
+use lashloop_protocol::message::Identity;
+
+use super::RunError;
+use crate::device::{Device, DeviceError};
+use crate::scenario::controller::{self, ControllerName, ParameterSetting};
+use crate::scenario::{Scenario, ScenarioError};
+use crate::session::{SessionError, SetError};
+use crate::timing::ClockName;
+
+/// Parameters that other keys of a scenario set, with those keys.
+const SET_ELSEWHERE: [(&str, &str); 5] = [
+    ("controller", "controller.name"),
+    ("period_us", "run.control_period_us"),
+    ("motor_counts_per_rev", "encoders.motor_counts_per_rev"),
+    ("load_counts_per_rev", "encoders.load_counts_per_rev"),
+    ("telemetry_every", "telemetry.every_steps"),
+];
+
+/// Resets the drive and sets everything the scenario has to say about it.
+///
+/// # Errors
+/// The drive does not offer the controller or does not take a parameter, with the place in the scenario; or the
+/// conversation broke.
+pub fn set_up(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
+    device.session.reset().map_err(|source| device.explain(source))?;
+    configure(device, scenario, clock)
+}
+
+/// Sets everything the scenario has to say about a drive that has just been reset.
+fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
+    let controller = id_of(scenario.controller.name);
+    // Its parameter would refuse it too, but by a number.
+    if !device.session.identity().controllers.offers(controller) {
+        return Err(not_offered(device, scenario.controller.name).into());
+    }
+    let from_sections = [
+        ("controller", f64::from(controller as u8)),
+        ("period_us", scenario.run.control_period_us.into()),
+        ("motor_counts_per_rev", scenario.encoders.motor_counts_per_rev.into()),
+        ("load_counts_per_rev", scenario.encoders.load_counts_per_rev.into()),
+        ("telemetry_every", scenario.telemetry.every_steps.into()),
+    ];
+    for (name, number) in from_sections {
+        device.session.set(name, number).map_err(|error| required(device, name, number, error))?;
+    }
+    if clock == ClockName::Lockstep {
+        // The plant waits for the drive and the drive for the plant, so the watchdog has to bear a bench that is slow,
+        // though not one that is gone: it waits as long for the bench as the bench does for it. In real time it stays
+        // what it is on a real bench.
+        let (name, watchdog_us) = ("watchdog_us", 1e3 * f64::from(scenario.link.silence_limit_ms));
+        device.session.set(name, watchdog_us).map_err(|error| required(device, name, watchdog_us, error))?;
+    }
+    for setting in &scenario.controller.parameters {
+        apply(device, setting)?;
+    }
+    Ok(())
+}
+
+/// How long the drive gives torque without a new sample, as it has it in force.
+///
+/// # Errors
+/// It has no such parameter, or the conversation broke.
+pub(super) fn watchdog(device: &mut Device) -> Result<Duration, RunError> {
+    let Some(index) = device.session.parameter("watchdog_us").map(|parameter| parameter.index) else {
+        return Err(device
+            .unfit("it has no parameter watchdog_us, which every drive must have".to_owned())
+            .into());
+    };
+    match device.session.get(index).map_err(|source| device.explain(source))? {
+        ParameterValue::U32(us) => Ok(Duration::from_micros(us.into())),
+        ParameterValue::F32(us) => Duration::try_from_secs_f32(1e-6 * us)
+            .map_err(|error| device.unfit(format!("its watchdog_us is {us}: {error}")).into()),
+    }
+}
+
+/// Sets up a drive that was lost, up to its start. What comes back has to be what was lost: parameters are set by indices that
+/// were learned from it, and a run has one drive.
+pub(super) fn resume(
+    device: &mut Device,
+    scenario: &Scenario,
+    clock: ClockName,
+    lost: &Identity,
+) -> Result<(), RunError> {
+    device.session.clear_line().map_err(|source| device.explain(source))?;
+    device.session.reset().map_err(|source| device.explain(source))?;
+    let is_same = {
+        let back = device.session.identity();
+        (back.board, back.firmware, back.build_id, back.parameter_count)
+            == (lost.board, lost.firmware, lost.build_id, lost.parameter_count)
+    };
+    if !is_same {
+        let build = lost.build_id;
+        return Err(device
+            .unfit(format!("it came back with another firmware than build {build:08x}"))
+            .into());
+    }
+    configure(device, scenario, clock)
+}
+
+/// The error for a drive that does not start. Parameters that don't go together are the scenario's fault.
+pub(super) fn refused_start(device: &Device, source: SessionError) -> RunError {
+    match source {
+        SessionError::Refused { outcome: Outcome::Inconsistent, said, .. } => RunError::Inconsistent { said },
+        source => device.explain(source).into(),
+    }
+}
+
+/// The name of a controller on the wire.
+#[must_use]
+pub fn id_of(name: ControllerName) -> ControllerId {
+    match name {
+        ControllerName::Pd => ControllerId::Pd,
+        ControllerName::Merzouki => ControllerId::Merzouki,
+        ControllerName::MerzoukiAsPrinted => ControllerId::MerzoukiAsPrinted,
+        ControllerName::BacklashInverse => ControllerId::BacklashInverse,
+    }
+}
+
+fn not_offered(device: &Device, wanted: ControllerName) -> DeviceError {
+    let offered = device.session.identity().controllers;
+    let mut laws: Vec<_> = ControllerName::ALL
+        .into_iter()
+        .filter(|law| offered.offers(id_of(*law)))
+        .map(ControllerName::as_str)
+        .collect();
+    if laws.is_empty() {
+        laws.push("none that a scenario can name");
+    }
+    let laws = laws.join(", ");
+    device.unfit(format!(
+        "it does not offer the control law {wanted}, which the scenario needs; it offers {laws}"
+    ))
+}
+
+fn apply(device: &mut Device, setting: &ParameterSetting) -> Result<(), RunError> {
+    if let Some((_, key)) = SET_ELSEWHERE.iter().find(|(name, _)| *name == setting.name) {
+        return Err(ScenarioError::parameter(setting, format!("is set by {key}; set it there")).into());
+    }
+    let number = number_of(setting)?;
+    device.session.set(&setting.name, number).map_err(|error| match error {
+        SetError::Session(source) => device.explain(source).into(),
+        refused => RunError::from(ScenarioError::parameter(setting, format!("is refused: {refused}"))),
+    })
+}
+
+fn number_of(setting: &ParameterSetting) -> Result<f64, ScenarioError> {
+    match (&setting.value, setting.name.as_str()) {
+        (controller::ParameterValue::Number(number), _) => Ok(*number),
+        (controller::ParameterValue::Boolean(on), _) => Ok(f64::from(u8::from(*on))),
+        (controller::ParameterValue::Text(text), "disturbing_torque_source") => match text.as_str() {
+            "model" => Ok(f64::from(DisturbingTorqueSource::Model as u8)),
+            "observed" => Ok(f64::from(DisturbingTorqueSource::Observed as u8)),
+            _ => Err(ScenarioError::parameter(setting, "is no source; it must be \"model\" or \"observed\"")),
+        },
+        (controller::ParameterValue::Text(_), _) => {
+            Err(ScenarioError::parameter(setting, "is a text; the drive takes a number"))
+        }
+    }
+}
+
+/// A parameter every drive must have was refused.
+fn required(device: &Device, name: &str, number: f64, error: SetError) -> RunError {
+    match error {
+        SetError::Session(source) => device.explain(source).into(),
+        refused => device
+            .unfit(format!("it does not take {name} = {number}, which the scenario needs: {refused}"))
+            .into(),
+    }
+}

@@ -1,0 +1,196 @@
+//! What `[plant]` has for `model = "backlash-shaft"` only: the shaft's damping, friction on both sides, the drive's lag, limit and
+//! delay, and what changes while the plant runs. The defaults stand for the paper's experiment.
+
+use serde::Serialize;
+
+use super::range::{positive, within};
+use super::reader::Section;
+use super::unit;
+
+/// Keys of the bench plant.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BacklashShaftSettings {
+    /// c, in parallel to the stiffness.
+    pub shaft_damping_nm_s_rad: f64,
+    /// How the load's dry friction behaves close to rest.
+    pub load_friction: LoadFrictionModel,
+    /// F_c on the load.
+    pub load_coulomb_nm: f64,
+    /// F_s on the load.
+    pub load_stiction_nm: f64,
+    /// v_s of the load.
+    pub load_stribeck_rad_s: f64,
+    /// Share by which the load's friction is larger forwards and smaller backwards.
+    pub load_friction_asymmetry: f64,
+    /// sigma_0 and sigma_1; `None` without bristles.
+    #[serde(flatten)]
+    pub bristles: Option<BristleSettings>,
+    /// F_c on the motor.
+    pub motor_coulomb_nm: f64,
+    /// F_s on the motor.
+    pub motor_stiction_nm: f64,
+    /// v_s of the motor.
+    pub motor_stribeck_rad_s: f64,
+    /// T_i of the current loop.
+    pub current_lag_ms: f64,
+    /// U_max of the motor.
+    pub torque_saturation_nm: f64,
+    /// Time from a torque's sample to its arrival at the motor.
+    pub torque_delay_us: u32,
+    /// A torque on the load for a while.
+    pub load_torque: LoadTorque,
+    /// A gap that grows for a while.
+    pub wear: Wear,
+}
+
+/// How the load's dry friction behaves close to rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LoadFrictionModel {
+    /// The load sticks and slips.
+    Stribeck,
+    /// The load bends bristles and creeps.
+    Lugre,
+}
+
+/// Bristles of LuGre friction.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BristleSettings {
+    /// sigma_0.
+    pub bristle_stiffness_nm_rad: f64,
+    /// sigma_1.
+    pub bristle_damping_nm_s_rad: f64,
+}
+
+/// `[plant.load_torque]`: a torque on the load, towards positive angles, from one time to another.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LoadTorque {
+    /// How much.
+    pub torque_nm: f64,
+    /// The first time at which it acts.
+    pub from_s: f64,
+    /// The first time at which it acts no more.
+    pub until_s: f64,
+}
+
+impl LoadTorque {
+    /// The torque on the load at a time of the run.
+    #[must_use]
+    pub fn at_nm(&self, time_s: f64) -> f64 {
+        if (self.from_s..self.until_s).contains(&time_s) { self.torque_nm } else { 0.0 }
+    }
+}
+
+/// `[plant.wear]`: the gap's half width grows evenly from one time to another.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Wear {
+    /// By how much in all.
+    pub growth_rad: f64,
+    /// When it begins.
+    pub from_s: f64,
+    /// When it ends.
+    pub until_s: f64,
+}
+
+impl Wear {
+    /// Growth of the half width up to a time of the run.
+    #[must_use]
+    pub fn at_rad(&self, time_s: f64) -> f64 {
+        if time_s >= self.until_s {
+            self.growth_rad
+        } else {
+            self.growth_rad * ((time_s - self.from_s) / (self.until_s - self.from_s)).max(0.0)
+        }
+    }
+}
+
+/// Far beyond the end of any run.
+const FOREVER_S: f64 = 1e6;
+
+const FRICTIONS: [(&str, LoadFrictionModel); 2] =
+    [("stribeck", LoadFrictionModel::Stribeck), ("lugre", LoadFrictionModel::Lugre)];
+
+pub(super) fn read(plant: &mut Section<'_>) -> BacklashShaftSettings {
+    let damping = unit::NEWTON_METRE_SECOND;
+    let friction = plant.choice("load_friction", LoadFrictionModel::Stribeck, &FRICTIONS);
+    let model = friction.unwrap_or(LoadFrictionModel::Stribeck);
+    let settings = BacklashShaftSettings {
+        shaft_damping_nm_s_rad: plant.number("shaft_damping_nm_s_rad", damping, 3.1e-3, within(0.0, 1e6)),
+        load_friction: model,
+        load_coulomb_nm: torque(plant, "load_coulomb_nm", 3.40),
+        load_stiction_nm: torque(plant, "load_stiction_nm", 3.82),
+        load_stribeck_rad_s: velocity(plant, "load_stribeck_rad_s", 0.03),
+        load_friction_asymmetry: plant.number("load_friction_asymmetry", unit::NONE, 0.0, within(-0.9, 0.9)),
+        bristles: match model {
+            LoadFrictionModel::Lugre => Some(read_bristles(plant)),
+            LoadFrictionModel::Stribeck => {
+                plant.belongs_to("load_friction", "lugre", "stribeck", read_bristles);
+                None
+            }
+        },
+        motor_coulomb_nm: torque(plant, "motor_coulomb_nm", 0.02),
+        motor_stiction_nm: torque(plant, "motor_stiction_nm", 0.025),
+        motor_stribeck_rad_s: velocity(plant, "motor_stribeck_rad_s", 0.2),
+        current_lag_ms: plant.number("current_lag_ms", unit::MILLISECOND, 0.5, within(0.0, 1e4)),
+        torque_saturation_nm: plant.number("torque_saturation_nm", unit::NEWTON_METRE, 20.0, positive(1e6)),
+        torque_delay_us: plant.integer("torque_delay_us", unit::MICROSECOND, 1000, 0..=1_000_000),
+        load_torque: plant.section("load_torque", read_load_torque),
+        wear: plant.section("wear", read_wear),
+    };
+    for (coulomb, stiction, [less, more]) in [
+        ("load_coulomb_nm", "load_stiction_nm", [settings.load_coulomb_nm, settings.load_stiction_nm]),
+        ("motor_coulomb_nm", "motor_stiction_nm", [settings.motor_coulomb_nm, settings.motor_stiction_nm]),
+    ] {
+        // Whichever was written is to blame: the other may be a default.
+        if more < less && plant.node(stiction).is_some() {
+            plant.reject(stiction, format!("is less than {coulomb}; it must be >= {less} N m"));
+        } else if more < less {
+            plant.reject(coulomb, format!("is more than {stiction}; it must be <= {more} N m"));
+        }
+    }
+    settings
+}
+
+fn torque(plant: &mut Section<'_>, key: &'static str, default: f64) -> f64 {
+    plant.number(key, unit::NEWTON_METRE, default, within(0.0, 1e6))
+}
+
+fn velocity(plant: &mut Section<'_>, key: &'static str, default: f64) -> f64 {
+    plant.number(key, unit::RADIAN_PER_SECOND, default, within(1e-6, 1e3))
+}
+
+fn read_bristles(plant: &mut Section<'_>) -> BristleSettings {
+    let (stiffness, damping) = (unit::NEWTON_METRE_PER_RADIAN, unit::NEWTON_METRE_SECOND);
+    BristleSettings {
+        bristle_stiffness_nm_rad: plant.number(
+            "bristle_stiffness_nm_rad",
+            stiffness,
+            3.4e4,
+            within(1e-3, 1e12),
+        ),
+        bristle_damping_nm_s_rad: plant.number("bristle_damping_nm_s_rad", damping, 300.0, within(0.0, 1e9)),
+    }
+}
+
+fn read_load_torque(load: &mut Section<'_>) -> LoadTorque {
+    let torque_nm = load.number("torque_nm", unit::NEWTON_METRE, 0.0, within(-1e6, 1e6));
+    let [from_s, until_s] = read_times(load);
+    LoadTorque { torque_nm, from_s, until_s }
+}
+
+fn read_wear(wear: &mut Section<'_>) -> Wear {
+    let growth_rad = wear.number("growth_rad", unit::RADIAN, 0.0, within(0.0, 1.0));
+    let [from_s, until_s] = read_times(wear);
+    Wear { growth_rad, from_s, until_s }
+}
+
+fn read_times(section: &mut Section<'_>) -> [f64; 2] {
+    let from_s = section.number("from_s", unit::SECOND, 0.0, within(0.0, FOREVER_S));
+    let until_s = section.number("until_s", unit::SECOND, FOREVER_S, positive(FOREVER_S));
+    if until_s <= from_s && section.node("until_s").is_some() {
+        section.reject("until_s", format!("is not after from_s; it must be > {from_s} s"));
+    } else if until_s <= from_s {
+        section.reject("from_s", format!("is the end of time; it must be < {until_s} s"));
+    }
+    [from_s, until_s]
+}

@@ -1,0 +1,140 @@
+//! `[controller]`: which law the drive runs, and the drive's own parameters.
+
+use std::fmt;
+
+use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
+
+use super::error::{Fault, Origin, spell_key, spell_text};
+use super::reader::Section;
+use super::tree::{Node, Value};
+
+/// The control laws a drive offers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ControllerName {
+    /// The paper's cascade before compensation.
+    Pd,
+    /// The paper's cascade with compensation, in the reading that meets its numbers.
+    Merzouki,
+    /// The paper's equations (16) to (19) to the letter, kept as an ablation.
+    MerzoukiAsPrinted,
+    /// The gap inverted in the torque domain and identified by least squares; not the paper's.
+    BacklashInverse,
+}
+
+impl ControllerName {
+    /// Every law, in the order in which they are told.
+    pub const ALL: [Self; 4] = [Self::Pd, Self::Merzouki, Self::MerzoukiAsPrinted, Self::BacklashInverse];
+
+    /// The name in a scenario and in a summary.
+    #[must_use]
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::Pd => "pd",
+            Self::Merzouki => "merzouki",
+            Self::MerzoukiAsPrinted => "merzouki-as-printed",
+            Self::BacklashInverse => "backlash-inverse",
+        }
+    }
+}
+
+impl fmt::Display for ControllerName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+/// The law and what is set on the drive before the run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ControllerSettings {
+    /// The law.
+    pub name: ControllerName,
+    /// `[controller.parameters]` in the order of the file.
+    #[serde(serialize_with = "serialize_parameters")]
+    pub parameters: Vec<ParameterSetting>,
+}
+
+/// A parameter of the drive. Its name, type and range are the drive's to know: it lists them on connecting, and
+/// [`ScenarioError::parameter`](super::ScenarioError::parameter) says then what is wrong.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParameterSetting {
+    /// The drive's name for it.
+    pub name: String,
+    /// The value asked for.
+    pub value: ParameterValue,
+    /// Where the scenario sets it.
+    pub origin: Origin,
+}
+
+/// The value of a drive parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum ParameterValue {
+    /// A finite number.
+    Number(f64),
+    /// On or off.
+    Boolean(bool),
+    /// A word.
+    Text(String),
+}
+
+impl fmt::Display for ParameterValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "{number}"),
+            Self::Boolean(boolean) => write!(f, "{boolean}"),
+            Self::Text(text) => f.write_str(&spell_text(text)),
+        }
+    }
+}
+
+pub(super) fn read(controller: &mut Section<'_>) -> ControllerSettings {
+    let choices = ControllerName::ALL.map(|name| (name.as_str(), name));
+    ControllerSettings {
+        name: controller.choice("name", None, &choices).unwrap_or(ControllerName::Pd),
+        parameters: controller.section("parameters", read_parameters),
+    }
+}
+
+fn read_parameters(parameters: &mut Section<'_>) -> Vec<ParameterSetting> {
+    let mut settings = Vec::new();
+    for (name, node) in parameters.all() {
+        match read_value(node) {
+            Ok(value) => {
+                settings.push(ParameterSetting { name: name.to_owned(), value, origin: node.origin.clone() });
+            }
+            Err(fault) => parameters.fault(&spell_key(name), node, fault),
+        }
+    }
+    settings
+}
+
+fn read_value(node: &Node) -> Result<ParameterValue, Fault> {
+    match &node.value {
+        // Exact up to 2^53; drives compute in f32.
+        Value::Integer(number) => Ok(ParameterValue::Number(*number as f64)),
+        Value::Float(number) if number.is_finite() => Ok(ParameterValue::Number(*number)),
+        Value::Float(_) => {
+            Err(Fault::OutOfRange { found: node.value.to_string(), allowed: "a finite number".to_owned() })
+        }
+        Value::Boolean(boolean) => Ok(ParameterValue::Boolean(*boolean)),
+        Value::Text(text) => Ok(ParameterValue::Text(text.clone())),
+        Value::Date(_) | Value::Array(_) | Value::Table(_) => Err(Fault::WrongType {
+            found: node.value.to_string(),
+            kind: node.value.kind(),
+            allowed: "a number, a boolean or a text".to_owned(),
+        }),
+    }
+}
+
+fn serialize_parameters<S: Serializer>(
+    settings: &[ParameterSetting],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(Some(settings.len()))?;
+    for setting in settings {
+        map.serialize_entry(&setting.name, &setting.value)?;
+    }
+    map.end()
+}

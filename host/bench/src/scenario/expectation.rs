@@ -1,0 +1,61 @@
+//! `[[expect]]`: what a metric must come out as for the run to pass.
+
+use serde::Serialize;
+
+use super::range::within;
+use super::reader::Section;
+use lashloop_plant::metrics::Metric;
+
+/// Bounds on one metric, both allowed values themselves. At least one is given.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Expectation {
+    /// What is measured.
+    pub metric: Metric,
+    /// The metric's unit, written out so that the bounds can be read without a manual.
+    pub unit: &'static str,
+    /// The least value that passes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min: Option<f64>,
+    /// The greatest value that passes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max: Option<f64>,
+    /// Where the bounds come from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+}
+
+pub(super) fn read(expect: &mut Section<'_>) -> Expectation {
+    let metric = expect.choice("metric", None, &Metric::ALL.map(|metric| (metric.name(), metric)));
+    let unit = metric.map_or("", Metric::unit);
+    check_unit(expect, metric);
+    let bound = within(-1e9, 1e9);
+    let min = expect.optional_number("min", unit, bound);
+    let max = expect.optional_number("max", unit, bound);
+    let note = expect.text("note", None).map(str::to_owned);
+    match (min, max) {
+        (None, None) => expect.reject_section("gives neither min nor max; it must give at least one"),
+        (Some(min), Some(max)) if min > max && expect.is_option("max") => {
+            expect.reject("max", format!("is less than min; it must be >= {min} {unit}"));
+        }
+        (Some(min), Some(max)) if min > max => {
+            expect.reject("min", format!("is greater than max; it must be <= {max} {unit}"));
+        }
+        _ => {}
+    }
+    Expectation { metric: metric.unwrap_or(Metric::SettleTime), unit, min, max, note }
+}
+
+/// A bound in milliradians on a metric in radians would pass everything, so the unit has to be written and has
+/// to be right.
+fn check_unit(expect: &mut Section<'_>, metric: Option<Metric>) {
+    let Some(metric) = metric else {
+        expect.text("unit", None);
+        return;
+    };
+    let allowed = format!("\"{}\"", metric.unit());
+    if let Some(found) = expect.text("unit", Some(&allowed))
+        && found != metric.unit()
+    {
+        expect.reject("unit", format!("is not the unit of {}; it must be {allowed}", metric.name()));
+    }
+}

@@ -1,0 +1,156 @@
+//! Scenarios: what to run, on which plant, against which drive settings, and what has to come out.
+//!
+//! ```text
+//! file ──▶ tree (values with origins) ──▶ overrides of the command line ──▶ reader ──▶ Scenario
+//! ```
+//!
+//! A scenario is a TOML file. Every key carries its unit in its name; every number has a range; a key that the
+//! bench doesn't know is refused, because a key without effect is worse than none. All that is wrong with a
+//! file is reported at once, each fault as one sentence (see [`error`]).
+//!
+//! | section | says | in |
+//! |---|---|---|
+//! | `title`, `description` | what the scenario shows | here |
+//! | `[run]` `[encoders]` `[link]` `[allow]` `[telemetry]` `[record]` | how the bench works | [`mod@bench`] |
+//! | `[plant]` | load, motor, gap and where they start | [`plant`], [`bench_plant`] |
+//! | `[controller]` | the law and the drive's own parameters | [`controller`] |
+//! | `[reference]` | the position to follow | [`lashloop_plant::reference`] |
+//! | `[[fault]]` | what goes wrong, and when | [`fault`] |
+//! | `[[expect]]` | bounds on metrics | [`expectation`] |
+
+pub mod backlash_shaft;
+pub mod controller;
+pub mod error;
+pub mod expectation;
+pub mod fault;
+mod overrides;
+pub mod plant;
+mod range;
+mod reader;
+mod reference;
+mod schema;
+pub mod sections;
+mod tree;
+mod unit;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use serde::Serialize;
+
+pub use self::error::{ScenarioError, ScenarioErrors};
+pub use self::overrides::Override;
+
+use self::controller::ControllerSettings;
+use self::error::Origin;
+use self::expectation::Expectation;
+use self::fault::Fault;
+use self::plant::PlantSettings;
+use self::reader::Section;
+use self::sections::{
+    Allowance, EncoderSettings, LinkSettings, RecordSettings, RunSettings, TelemetrySettings,
+};
+use lashloop_plant::reference::Reference;
+
+/// A scenario in which every key has a value in its allowed range.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Scenario {
+    /// The file as the user named it.
+    #[serde(skip)]
+    pub name: String,
+    /// One line for lists and reports.
+    pub title: String,
+    /// What the scenario shows, at any length.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub description: Option<String>,
+    /// Duration, control period and seed.
+    pub run: RunSettings,
+    /// Load, motor and gap.
+    pub plant: PlantSettings,
+    /// What the drive gets to see of the plant.
+    pub encoders: EncoderSettings,
+    /// The law and its parameters.
+    pub controller: ControllerSettings,
+    /// The position to follow.
+    pub reference: Reference,
+    /// Deadlines and speed.
+    pub link: LinkSettings,
+    /// What the link may lose.
+    pub allow: Allowance,
+    /// What the drive reports of its inner state.
+    pub telemetry: TelemetrySettings,
+    /// How the trace is written.
+    pub record: RecordSettings,
+    /// What goes wrong, and when.
+    #[serde(rename = "fault", skip_serializing_if = "Vec::is_empty")]
+    pub faults: Vec<Fault>,
+    /// What has to come out.
+    #[serde(rename = "expect")]
+    pub expectations: Vec<Expectation>,
+}
+
+impl Scenario {
+    /// Reads a file, then applies `overrides` in their order.
+    ///
+    /// # Errors
+    /// The file can't be read, isn't TOML, or has keys that are unknown, missing or out of range: all of them
+    /// at once.
+    pub fn from_file(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioErrors> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| ScenarioError::Read { path: path.to_owned(), source })?;
+        Self::from_str(&path.to_string_lossy(), &text, overrides)
+    }
+
+    /// Reads a text. `name` stands for the file in errors, and paths in the text start at its directory.
+    ///
+    /// # Errors
+    /// As [`from_file`](Self::from_file), except for reading the file.
+    pub fn from_str(name: &str, text: &str, overrides: &[Override]) -> Result<Self, ScenarioErrors> {
+        let file: Arc<str> = name.into();
+        let mut tree = tree::parse_file(&file, text)?;
+        let mut errors: Vec<_> =
+            overrides.iter().filter_map(|option| option.apply(&mut tree).err()).collect();
+        let directory = Path::new(name).parent().unwrap_or(Path::new(""));
+        let start = Origin::File { file, line: 1 };
+        match reader::read_document(&tree, start, |root| read(root, name, directory)) {
+            Ok(scenario) if errors.is_empty() => Ok(scenario),
+            Ok(_) => Err(ScenarioErrors::new(errors)),
+            Err(faults) => {
+                errors.extend(faults);
+                Err(ScenarioErrors::new(errors))
+            }
+        }
+    }
+
+    /// The scenario as a file with every default spelled out. Read again it is the same scenario; the path of a
+    /// table is relative to the working directory then.
+    ///
+    /// # Errors
+    /// The path of a table isn't UTF-8, or a whole number lies beyond TOML's 64 bits with sign.
+    pub fn to_toml(&self) -> Result<String, toml_edit::ser::Error> {
+        toml_edit::ser::to_string_pretty(self)
+    }
+}
+
+fn read(root: &mut Section<'_>, name: &str, directory: &Path) -> Scenario {
+    let plant = root.section("plant", plant::read);
+    let model = plant.model;
+    let run = root.section("run", sections::read_run);
+    let faults = root.sections("fault", |section| fault::read(section, model, &run));
+    Scenario {
+        name: name.to_owned(),
+        title: root.text("title", Some("a text in quotes")).unwrap_or_default().to_owned(),
+        description: root.text("description", None).map(str::to_owned),
+        run,
+        plant,
+        encoders: root.section("encoders", sections::read_encoders),
+        controller: root.section("controller", controller::read),
+        reference: root.section("reference", |section| reference::read(section, directory)),
+        link: root.section("link", sections::read_link),
+        allow: root.section("allow", sections::read_allow),
+        telemetry: root.section("telemetry", sections::read_telemetry),
+        record: root.section("record", sections::read_record),
+        faults,
+        expectations: root.sections("expect", expectation::read),
+    }
+}

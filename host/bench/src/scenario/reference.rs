@@ -1,0 +1,95 @@
+//! `[reference]`: the position the load has to follow. Each profile has keys of its own; a key of another
+//! profile is an error that says which one it belongs to.
+
+use std::path::Path;
+
+use super::error::Fault;
+use super::range::{positive, within};
+use super::reader::Section;
+use super::unit;
+use lashloop_plant::reference::{Interpolation, Reference, Table, Trapezoid};
+
+/// Reads the keys of one profile; `None` if a table can't be used. The path is the scenario's directory.
+type ReadProfile = fn(&mut Section<'_>, &Path) -> Option<Reference>;
+
+const PROFILES: [(&str, ReadProfile); 5] = [
+    ("constant", read_constant),
+    ("step", read_step),
+    ("sine", read_sine),
+    ("trapezoid", read_trapezoid),
+    ("table", read_table),
+];
+
+/// `directory` is where the path of a table starts.
+pub(super) fn read(reference: &mut Section<'_>, directory: &Path) -> Reference {
+    let choices = PROFILES.map(|(name, _)| (name, name));
+    let Some(chosen) = reference.choice("profile", None, &choices) else {
+        reference.accept_the_rest();
+        return STAND_IN;
+    };
+    reference.blame_option("profile");
+    let mut result = None;
+    for (name, read_profile) in PROFILES {
+        if name == chosen {
+            result = read_profile(reference, directory);
+        } else {
+            reference.belongs_to("profile", name, chosen, |section| read_profile(section, directory));
+        }
+    }
+    result.unwrap_or(STAND_IN)
+}
+
+/// Takes the place of a faulty reference until the scenario is refused.
+const STAND_IN: Reference = Reference::Constant { position_rad: 0.0 };
+
+/// Six thousand turns: encoders count far beyond it.
+fn position(section: &mut Section<'_>, key: &'static str, default: Option<f64>) -> f64 {
+    section.number(key, unit::RADIAN, default, within(-1e4, 1e4))
+}
+
+fn read_constant(constant: &mut Section<'_>, _: &Path) -> Option<Reference> {
+    Some(Reference::Constant { position_rad: position(constant, "position_rad", None) })
+}
+
+fn read_step(step: &mut Section<'_>, _: &Path) -> Option<Reference> {
+    Some(Reference::Step {
+        before_rad: position(step, "before_rad", None),
+        after_rad: position(step, "after_rad", None),
+        at_s: step.number("at_s", unit::SECOND, None, within(0.0, 1e6)),
+    })
+}
+
+fn read_sine(sine: &mut Section<'_>, _: &Path) -> Option<Reference> {
+    Some(Reference::Sine {
+        amplitude_rad: sine.number("amplitude_rad", unit::RADIAN, None, within(0.0, 1e4)),
+        frequency_hz: sine.number("frequency_hz", unit::HERTZ, None, positive(1e4)),
+        offset_rad: position(sine, "offset_rad", Some(0.0)),
+        phase_rad: position(sine, "phase_rad", Some(0.0)),
+    })
+}
+
+fn read_trapezoid(move_: &mut Section<'_>, _: &Path) -> Option<Reference> {
+    let acceleration = unit::RADIAN_PER_SECOND_SQUARED;
+    Some(Reference::Trapezoid(Trapezoid {
+        from_rad: position(move_, "from_rad", None),
+        to_rad: position(move_, "to_rad", None),
+        start_s: move_.number("start_s", unit::SECOND, 0.0, within(0.0, 1e6)),
+        velocity_rad_s: move_.number("velocity_rad_s", unit::RADIAN_PER_SECOND, None, positive(1e4)),
+        acceleration_rad_s2: move_.number("acceleration_rad_s2", acceleration, None, positive(1e6)),
+    }))
+}
+
+fn read_table(table: &mut Section<'_>, directory: &Path) -> Option<Reference> {
+    let interpolations = [("linear", Interpolation::Linear), ("hold", Interpolation::Hold)];
+    let interpolation = table.choice("interpolation", Interpolation::Linear, &interpolations);
+    let file = table.text("file", Some("the path of a CSV file with the columns time_s,position_rad"))?;
+    match Table::from_file(&directory.join(file), interpolation.unwrap_or(Interpolation::Linear)) {
+        Ok(points) => Some(Reference::Table(points)),
+        Err(error) => {
+            if let Some(node) = table.node("file") {
+                table.fault("file", node, Fault::Table(error));
+            }
+            None
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! The times of all steps together.
+
+use std::fmt;
+use std::time::Duration;
+
+use serde::Serialize;
+
+use super::quantiles::{Durations, Quantiles};
+use super::{RoundTrip, StepOutcome, StepTiming};
+
+/// What paces a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClockName {
+    /// The plant waits for the drive and the drive for the plant.
+    Lockstep,
+    /// The clock on the wall.
+    RealTime,
+}
+
+impl fmt::Display for ClockName {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.pad(match self {
+            Self::Lockstep => "lockstep",
+            Self::RealTime => "real time",
+        })
+    }
+}
+
+/// Gathers the times of steps.
+#[derive(Debug, Clone)]
+pub struct Timings {
+    clock: ClockName,
+    period_us: u32,
+    /// Steps at the start that are not looked at.
+    warm_up: u64,
+    seen: u64,
+    unanswered: u64,
+    missed: u64,
+    run_of_late: u64,
+    longest_run_of_late: u64,
+    lateness: Durations,
+    round_trip: Durations,
+    send: Durations,
+    line_and_device: Durations,
+    compute: Durations,
+    receive: Durations,
+}
+
+impl Timings {
+    /// Nothing gathered yet. The first `warm_up` steps are not going to be looked at.
+    #[must_use]
+    pub fn new(clock: ClockName, period_us: u32, warm_up: u64) -> Self {
+        let none = Durations::new();
+        Self {
+            clock,
+            period_us,
+            warm_up,
+            seen: 0,
+            unanswered: 0,
+            missed: 0,
+            run_of_late: 0,
+            longest_run_of_late: 0,
+            lateness: none.clone(),
+            round_trip: none.clone(),
+            send: none.clone(),
+            line_and_device: none.clone(),
+            compute: none.clone(),
+            receive: none,
+        }
+    }
+
+    /// Takes the next step.
+    pub fn push(&mut self, step: &StepTiming) {
+        self.seen += 1;
+        if self.seen <= self.warm_up {
+            return;
+        }
+        match step.outcome {
+            StepOutcome::Answered => self.run_of_late = 0,
+            StepOutcome::Unanswered => self.unanswered += 1,
+            StepOutcome::Missed => self.missed += 1,
+        }
+        if step.outcome != StepOutcome::Answered {
+            self.run_of_late += 1;
+            self.longest_run_of_late = self.longest_run_of_late.max(self.run_of_late);
+        }
+        if self.clock == ClockName::RealTime && step.outcome != StepOutcome::Missed {
+            self.lateness.record(step.lateness);
+        }
+        if let Some(round_trip) = &step.round_trip {
+            let RoundTrip { send, line_and_device, compute, receive } = *round_trip;
+            self.round_trip.record(round_trip.total());
+            self.send.record(send);
+            self.line_and_device.record(line_and_device);
+            self.compute.record(compute);
+            self.receive.record(receive);
+        }
+    }
+
+    /// What was gathered. `refused` is what the system did not grant of what was asked for.
+    #[must_use]
+    pub fn report(&self, refused: Vec<String>) -> TimingReport {
+        TimingReport {
+            clock: self.clock,
+            period_us: self.period_us,
+            warm_up_steps: self.seen.min(self.warm_up),
+            steps: self.seen.saturating_sub(self.warm_up),
+            unanswered: self.unanswered,
+            missed: self.missed,
+            longest_run_of_late: self.longest_run_of_late,
+            lateness_us: self.lateness.quantiles(),
+            round_trip_us: self.round_trip.quantiles(),
+            send_us: self.send.quantiles(),
+            line_and_device_us: self.line_and_device.quantiles(),
+            compute_us: self.compute.quantiles(),
+            receive_us: self.receive.quantiles(),
+            lateness_histogram: self.lateness.bins(),
+            round_trip_histogram: self.round_trip.bins(),
+            refused,
+        }
+    }
+}
+
+/// How a run went in time.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TimingReport {
+    /// What paced it.
+    pub clock: ClockName,
+    /// Control period.
+    pub period_us: u32,
+    /// Steps at the start that nothing here counts.
+    pub warm_up_steps: u64,
+    /// Steps that everything here counts.
+    pub steps: u64,
+    /// Steps that had no torque by their end.
+    pub unanswered: u64,
+    /// Steps the bench itself slept through.
+    pub missed: u64,
+    /// Most steps of either kind in a row.
+    pub longest_run_of_late: u64,
+    /// From the due time of a step to its beginning; in real time alone.
+    pub lateness_us: Option<Quantiles>,
+    /// From the sample to the torque.
+    pub round_trip_us: Option<Quantiles>,
+    /// Its parts, see [`RoundTrip`].
+    pub send_us: Option<Quantiles>,
+    /// The line, both ways, and the device without its computing.
+    pub line_and_device_us: Option<Quantiles>,
+    /// The drive's own computing.
+    pub compute_us: Option<Quantiles>,
+    /// Reading and decoding.
+    pub receive_us: Option<Quantiles>,
+    /// Counts of steps per bin of lateness, each bin named by its upper end in us.
+    pub lateness_histogram: Vec<(f64, u64)>,
+    /// The same of round trips.
+    pub round_trip_histogram: Vec<(f64, u64)>,
+    /// What the system did not grant of what was asked for.
+    pub refused: Vec<String>,
+}
+
+impl TimingReport {
+    /// Steps that had to do without a torque of their own.
+    #[must_use]
+    pub fn late(&self) -> u64 {
+        self.unanswered + self.missed
+    }
+
+    /// The control period.
+    #[must_use]
+    pub fn period(&self) -> Duration {
+        Duration::from_micros(self.period_us.into())
+    }
+}
+
+impl fmt::Display for TimingReport {
+    /// A table on several lines.
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { clock, period_us, steps, unanswered, missed, longest_run_of_late, .. } = self;
+        write!(out, "{clock}, period {period_us} us, {steps} steps")?;
+        if self.warm_up_steps > 0 {
+            write!(out, " after {} of warm-up", self.warm_up_steps)?;
+        }
+        write!(out, "; {unanswered} unanswered, {missed} missed, at most {longest_run_of_late} in a row")?;
+        write!(out, "\n{:18}{:>10}{:>10}{:>10}{:>10}", "us", "p50", "p99", "p99.9", "max")?;
+        let rows = [
+            ("lateness", self.lateness_us),
+            ("round trip", self.round_trip_us),
+            ("  send", self.send_us),
+            ("  line and device", self.line_and_device_us),
+            ("  compute", self.compute_us),
+            ("  receive", self.receive_us),
+        ];
+        for (name, quantiles) in rows {
+            if let Some(Quantiles { p50, p99, p99_9, max }) = quantiles {
+                write!(out, "\n{name:18}{p50:>10.1}{p99:>10.1}{p99_9:>10.1}{max:>10.1}")?;
+            }
+        }
+        for refusal in &self.refused {
+            write!(out, "\nnot granted: {refusal}")?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const US: Duration = Duration::from_micros(1);
+
+    fn step(outcome: StepOutcome) -> StepTiming {
+        let parts = RoundTrip { send: 2 * US, line_and_device: 20 * US, compute: 5 * US, receive: 3 * US };
+        StepTiming {
+            lateness: 10 * US,
+            outcome,
+            round_trip: (outcome == StepOutcome::Answered).then_some(parts),
+        }
+    }
+
+    fn report(warm_up: u64, fates: &[StepOutcome]) -> TimingReport {
+        let mut timings = Timings::new(ClockName::RealTime, 1_000, warm_up);
+        fates.iter().for_each(|outcome| timings.push(&step(*outcome)));
+        timings.report(Vec::new())
+    }
+
+    #[test]
+    fn the_longest_run_of_late_steps_is_broken_by_an_answer_alone() {
+        use StepOutcome::{Answered, Missed, Unanswered};
+        let report = report(0, &[Unanswered, Answered, Missed, Unanswered, Missed, Answered, Unanswered]);
+        assert_eq!((report.unanswered, report.missed, report.longest_run_of_late), (3, 2, 3));
+        assert_eq!(report.late(), 5);
+    }
+
+    #[test]
+    fn the_warm_up_leaves_no_trace() {
+        use StepOutcome::{Answered, Unanswered};
+        let report = report(2, &[Unanswered, Unanswered, Answered]);
+        assert_eq!((report.warm_up_steps, report.steps, report.unanswered), (2, 1, 0));
+        assert_eq!(report.longest_run_of_late, 0);
+    }
+
+    #[test]
+    fn the_parts_of_the_round_trip_add_up() {
+        let report = report(0, &[StepOutcome::Answered]);
+        let sum: f64 = [report.send_us, report.line_and_device_us, report.compute_us, report.receive_us]
+            .map(|part| part.expect("a part").max)
+            .iter()
+            .sum();
+        assert!((sum - 30.0).abs() < 0.1 && (report.round_trip_us.expect("a trip").max - 30.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn a_missed_step_has_no_lateness_of_its_own() {
+        assert_eq!(report(0, &[StepOutcome::Missed]).lateness_us, None);
+    }
+
+    #[test]
+    fn lockstep_has_no_lateness() {
+        let mut timings = Timings::new(ClockName::Lockstep, 1_000, 0);
+        timings.push(&step(StepOutcome::Answered));
+        assert_eq!(timings.report(Vec::new()).lateness_us, None);
+    }
+}

@@ -1,0 +1,100 @@
+//! What `[plant]` says of the bench as it is built.
+
+use std::path::Path;
+
+use lashloop_bench::scenario::Scenario;
+use lashloop_bench::scenario::backlash_shaft::LoadFrictionModel;
+use lashloop_plant::backlash_shaft::ShaftParameters;
+
+use crate::read;
+
+const BENCH: &str = r#"title = "a run"
+[run]
+duration_s = 2.0
+[plant]
+model = "backlash-shaft"
+[controller]
+name = "pd"
+[reference]
+profile = "constant"
+position_rad = 0.0
+"#;
+
+fn with(keys: &str) -> Result<Scenario, String> {
+    read(&BENCH.replace("model = \"backlash-shaft\"", &format!("model = \"backlash-shaft\"\n{keys}")), &[])
+}
+
+#[test]
+fn the_default_bench_stands_for_the_experiment_of_the_paper() {
+    let scenario = with("").expect("a good scenario");
+    let plant = scenario.plant;
+    let bench = plant.bench.expect("a bench");
+    let paper = ShaftParameters::paper();
+    assert_eq!(plant.substeps, 16);
+    assert_eq!(plant.load_coulomb_nm, None);
+    assert_eq!(bench.shaft_damping_nm_s_rad, paper.shaft_damping_nm_s_rad);
+    let load = [bench.load_coulomb_nm, bench.load_stiction_nm, bench.load_stribeck_rad_s];
+    assert_eq!(load, [paper.load.coulomb_nm, paper.load.stiction_nm, paper.load.velocity_rad_s]);
+    let motor = [bench.motor_coulomb_nm, bench.motor_stiction_nm, bench.motor_stribeck_rad_s];
+    assert_eq!(motor, [paper.motor.coulomb_nm, paper.motor.stiction_nm, paper.motor.velocity_rad_s]);
+    assert_eq!((bench.current_lag_ms, bench.torque_delay_us), (0.5, 1000));
+    assert_eq!(bench.torque_saturation_nm, paper.torque_saturation_nm);
+    assert_eq!((bench.load_friction, bench.bristles), (LoadFrictionModel::Stribeck, None));
+    assert_eq!((bench.load_torque.at_nm(1.0), bench.wear.at_rad(1.0)), (0.0, 0.0));
+}
+
+#[test]
+fn a_bench_that_was_read_can_be_printed_and_read_again() {
+    for keys in ["", "load_friction = \"lugre\"\n[plant.wear]\ngrowth_rad = 0.1\nfrom_s = 0.5"] {
+        let scenario = with(keys).expect("a good scenario");
+        let printed = scenario.to_toml().expect("TOML");
+        assert_eq!(read(&printed, &[]).expect("a good scenario").plant, scenario.plant, "{printed}");
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_bench_is_said_key_by_key() {
+    let faults = [
+        "load_stiction_nm = 3.0",
+        "motor_coulomb_nm = 0.03",
+        "bristle_stiffness_nm_rad = 1e4",
+        "load_friction = \"dahl\"",
+        "load_friction_asymmetry = 1.5",
+        "torque_delay_ms = 1",
+        "[plant.load_torque]\ntorque_nm = 1\nfrom_s = 3\nuntil_s = 2",
+        "[plant.wear]\ngrowth_rad = -0.1",
+    ];
+    let said = faults.map(|keys| format!("| {keys}\n{}\n", with(keys).expect_err(keys)));
+    let elsewhere = BENCH.replace("\"bench\"", "\"smooth\"\nshaft_damping_nm_s_rad = 0.1");
+    let said =
+        format!("{}| on the smooth plant\n{}", said.concat(), read(&elsewhere, &[]).expect_err("no shaft"));
+    insta::assert_snapshot!(said);
+}
+
+#[test]
+fn wear_grows_evenly_between_its_times_and_a_load_acts_between_its_own() {
+    let keys = "[plant.wear]\ngrowth_rad = 0.2\nfrom_s = 1\nuntil_s = 3\n\
+                [plant.load_torque]\ntorque_nm = -4\nfrom_s = 1\nuntil_s = 3";
+    let bench = with(keys).expect("a good scenario").plant.bench.expect("a bench");
+    assert_eq!([0.0, 1.0, 2.0, 3.0, 9.0].map(|time_s| bench.wear.at_rad(time_s)), [0.0, 0.0, 0.1, 0.2, 0.2]);
+    assert_eq!([0.0, 1.0, 2.9, 3.0].map(|time_s| bench.load_torque.at_nm(time_s)), [0.0, -4.0, -4.0, 0.0]);
+}
+
+#[test]
+fn every_scenario_of_the_bench_is_right_and_expects_something() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    let mut seen = 0;
+    for entry in std::fs::read_dir(folder).expect("the scenarios") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_name().and_then(|name| name.to_str()).expect("a name");
+        if !name.starts_with("bench-") || !name.ends_with(".toml") {
+            continue;
+        }
+        let scenario = Scenario::from_file(&path, &[]).unwrap_or_else(|errors| panic!("{errors}"));
+        assert!(scenario.plant.bench.is_some(), "{name}");
+        assert!(!scenario.expectations.is_empty(), "{name}");
+        assert_eq!(scenario.encoders.load_counts_per_rev, 4000, "{name}");
+        seen += 1;
+    }
+    assert!(seen >= 8, "{seen} scenarios");
+}

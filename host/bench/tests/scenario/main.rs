@@ -1,0 +1,34 @@
+//! Scenarios as a user meets them: files that are right, and what is said about those that aren't.
+
+mod backlash_shaft;
+mod fault;
+mod hostile;
+mod messages;
+mod overrides;
+mod paper;
+mod values;
+
+use lashloop_bench::scenario::{Override, Scenario};
+
+/// The shortest scenario there is: everything else has a default.
+const SHORTEST: &str = r#"title = "a run"
+[run]
+duration_s = 2.0
+[plant]
+model = "smooth"
+[controller]
+name = "pd"
+[reference]
+profile = "constant"
+position_rad = 0.0
+"#;
+
+/// Reads a text as the file `x.toml`.
+fn read(text: &str, overrides: &[Override]) -> Result<Scenario, String> {
+    Scenario::from_str("x.toml", text, overrides).map_err(|errors| errors.to_string())
+}
+
+/// `--set` with each of these.
+fn set<const N: usize>(assignments: [&str; N]) -> [Override; N] {
+    assignments.map(|assignment| Override::Set(assignment.to_owned()))
+}

@@ -1,0 +1,131 @@
+//! Dry friction: Stribeck's curve, and LuGre's bristles.
+
+use crate::backlash_shaft::parameters::{BristleParameters, StribeckParameters};
+use crate::exponential::decay;
+use crate::truth::DryFriction;
+
+/// F_c + (F_s - F_c) exp(-(v / v_s)^2), worked out as far as it goes. It is larger forwards and smaller backwards by its
+/// asymmetry.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stribeck {
+    coulomb_nm: f64,
+    excess_nm: f64,
+    per_velocity_s_rad: f64,
+    /// (v / v_s)^2 from which on the exponential is lost in the rounding of F_c.
+    vanishes_at: f64,
+    asymmetry: f64,
+    /// Stiction against a drive backwards, and against one forwards.
+    limits_nm: [f64; 2],
+}
+
+impl Stribeck {
+    pub(super) fn new(parameters: StribeckParameters, asymmetry: f64) -> Self {
+        let StribeckParameters { coulomb_nm, stiction_nm, velocity_rad_s } = parameters;
+        let excess_nm = stiction_nm - coulomb_nm;
+        // Half an ulp of F_c is at least 2^-54 F_c.
+        let half_ulps = libm::log(excess_nm / coulomb_nm) + 54.0 * core::f64::consts::LN_2;
+        let vanishes_at = if half_ulps.is_nan() { 0.0 } else { half_ulps.clamp(0.0, 746.0) };
+        Self {
+            coulomb_nm,
+            excess_nm,
+            per_velocity_s_rad: 1.0 / velocity_rad_s,
+            vanishes_at,
+            asymmetry,
+            limits_nm: [stiction_nm * (1.0 - asymmetry), stiction_nm * (1.0 + asymmetry)],
+        }
+    }
+
+    /// Friction of a mass that slips in the direction `sign`, before its sign, in N m.
+    #[inline(always)]
+    pub(super) fn magnitude_nm(&self, velocity_rad_s: f64, sign: f64) -> f64 {
+        let ratio = velocity_rad_s * self.per_velocity_s_rad;
+        let squared = ratio * ratio;
+        let symmetric = if squared >= self.vanishes_at {
+            self.coulomb_nm
+        } else {
+            self.coulomb_nm + self.excess_nm * decay(squared)
+        };
+        symmetric * (1.0 + sign * self.asymmetry)
+    }
+
+    /// Smallest friction in motion in N m.
+    pub(super) fn least_nm(&self) -> f64 {
+        self.coulomb_nm * (1.0 - self.asymmetry.abs())
+    }
+
+    /// State of a mass at rest.
+    pub(super) fn at_rest(&self, drive_nm: f64) -> DryFriction {
+        DryFriction::at_rest(drive_nm, self.limits_nm)
+    }
+
+    /// State of a mass released with this velocity.
+    pub(super) fn released(&self, velocity_rad_s: f64, drive_nm: f64) -> DryFriction {
+        DryFriction::of(velocity_rad_s, drive_nm, self.limits_nm)
+    }
+
+    /// Not negative while `state` holds.
+    #[inline]
+    pub(super) fn guard(&self, state: DryFriction, velocity_rad_s: f64, drive_nm: f64) -> f64 {
+        match state {
+            DryFriction::SlipPositive => velocity_rad_s,
+            DryFriction::SlipNegative => -velocity_rad_s,
+            DryFriction::Stick => {
+                let [backwards, forwards] = self.limits_nm;
+                if drive_nm < 0.0 { backwards + drive_nm } else { forwards - drive_nm }
+            }
+        }
+    }
+
+    /// State after the end of `state`, the velocity being nought.
+    pub(super) fn after(&self, state: DryFriction, drive_nm: f64) -> DryFriction {
+        match state {
+            DryFriction::Stick if drive_nm < 0.0 => DryFriction::SlipNegative,
+            DryFriction::Stick => DryFriction::SlipPositive,
+            _ => self.at_rest(drive_nm),
+        }
+    }
+
+    /// Friction in N m, against positive motion.
+    pub(super) fn torque_nm(&self, state: DryFriction, velocity_rad_s: f64, drive_nm: f64) -> f64 {
+        match state {
+            DryFriction::Stick => drive_nm,
+            slip => slip.sign() * self.magnitude_nm(velocity_rad_s, slip.sign()),
+        }
+    }
+}
+
+/// Friction of the load: the same curve, reached by switching or by bending bristles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LoadFriction {
+    pub(super) curve: Stribeck,
+    pub(super) bristles: Option<BristleParameters>,
+}
+
+/// LuGre friction at an instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Bristles {
+    pub(super) torque_nm: f64,
+    /// Rate of the deflection in rad/s.
+    pub(super) bending_rad_s: f64,
+    /// Power that is not stored in the deflection, in W.
+    pub(super) dissipated_w: f64,
+}
+
+impl LoadFriction {
+    /// dx/dt = v - sigma_0 |v| x / g(v), F = sigma_0 x + sigma_1 dx/dt, with g the Stribeck curve.
+    #[inline]
+    pub(super) fn bristles(
+        &self,
+        of: BristleParameters,
+        velocity_rad_s: f64,
+        deflection_rad: f64,
+    ) -> Bristles {
+        let sign = if velocity_rad_s < 0.0 { -1.0 } else { 1.0 };
+        let elastic_nm = of.stiffness_nm_rad * deflection_rad;
+        let slides_at_nm = self.curve.magnitude_nm(velocity_rad_s, sign);
+        let bending_rad_s = velocity_rad_s - libm::fabs(velocity_rad_s) * elastic_nm / slides_at_nm;
+        let torque_nm = elastic_nm + of.damping_nm_s_rad * bending_rad_s;
+        let dissipated_w = torque_nm * velocity_rad_s - elastic_nm * bending_rad_s;
+        Bristles { torque_nm, bending_rad_s, dissipated_w }
+    }
+}

@@ -1,0 +1,87 @@
+//! What the bench plant has besides its two masses and its spring.
+
+use crate::ParameterError;
+use crate::error::within;
+
+/// Parameters of the bench profile. The defaults stand for the paper's experiment: with them the cascaded PD law stops at
+/// 0.3204 rad, the paper's static error, when its sensors are ideal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShaftParameters {
+    /// Damping c of the shaft in N m s/rad, in parallel to its spring; 3.1e-3 is 5 % of critical. Without any the gap is
+    /// that of the hard-coulomb profile.
+    pub shaft_damping_nm_s_rad: f64,
+    /// Friction on the load.
+    pub load: StribeckParameters,
+    /// Share by which friction on the load is larger forwards and smaller backwards.
+    pub load_asymmetry: f64,
+    /// Stiffness and damping of the bristles, which make the load's friction LuGre's.
+    pub load_bristles: Option<BristleParameters>,
+    /// Friction on the motor.
+    pub motor: StribeckParameters,
+    /// Lag T_i of the current loop in s; nought for an ideal one.
+    pub current_lag_s: f64,
+    /// Largest torque U_max of the motor in N m.
+    pub torque_saturation_nm: f64,
+}
+
+/// Friction that falls from F_s at rest to F_c in motion: F_c + (F_s - F_c) exp(-(v / v_s)^2).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StribeckParameters {
+    /// Coulomb friction F_c in N m.
+    pub coulomb_nm: f64,
+    /// Stiction F_s in N m, at least F_c.
+    pub stiction_nm: f64,
+    /// Stribeck velocity v_s in rad/s.
+    pub velocity_rad_s: f64,
+}
+
+/// Bristles between load and ground (Canudas de Wit, Olsson, Astrom, Lischinsky 1995).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BristleParameters {
+    /// sigma_0 in N m/rad.
+    pub stiffness_nm_rad: f64,
+    /// sigma_1 in N m s/rad.
+    pub damping_nm_s_rad: f64,
+}
+
+impl ShaftParameters {
+    /// The values that stand for the paper's experiment.
+    pub fn paper() -> Self {
+        Self {
+            shaft_damping_nm_s_rad: 3.1e-3,
+            load: StribeckParameters { coulomb_nm: 3.40, stiction_nm: 3.82, velocity_rad_s: 0.03 },
+            load_asymmetry: 0.0,
+            load_bristles: None,
+            motor: StribeckParameters { coulomb_nm: 0.02, stiction_nm: 0.025, velocity_rad_s: 0.2 },
+            current_lag_s: 5e-4,
+            torque_saturation_nm: 20.0,
+        }
+    }
+
+    /// Checks every parameter.
+    ///
+    /// # Errors
+    /// Names the first parameter outside its range.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        within("shaft_damping_nm_s_rad", self.shaft_damping_nm_s_rad, 0.0, 1e6)?;
+        self.load.validate(["load_coulomb_nm", "load_stiction_nm", "load_stribeck_rad_s"])?;
+        within("load_friction_asymmetry", self.load_asymmetry, -0.9, 0.9)?;
+        if let Some(bristles) = self.load_bristles {
+            within("bristle_stiffness_nm_rad", bristles.stiffness_nm_rad, 1e-3, 1e12)?;
+            within("bristle_damping_nm_s_rad", bristles.damping_nm_s_rad, 0.0, 1e9)?;
+            // Bristles slide at Coulomb friction; with none of it they would have no length to slide at.
+            within("load_coulomb_nm", self.load.coulomb_nm, 1e-6, 1e6)?;
+        }
+        self.motor.validate(["motor_coulomb_nm", "motor_stiction_nm", "motor_stribeck_rad_s"])?;
+        within("current_lag_s", self.current_lag_s, 0.0, 10.0)?;
+        within("torque_saturation_nm", self.torque_saturation_nm, 1e-6, 1e6)
+    }
+}
+
+impl StribeckParameters {
+    fn validate(&self, [coulomb, stiction, velocity]: [&'static str; 3]) -> Result<(), ParameterError> {
+        within(coulomb, self.coulomb_nm, 0.0, 1e6)?;
+        within(stiction, self.stiction_nm, self.coulomb_nm, 1e6)?;
+        within(velocity, self.velocity_rad_s, 1e-6, 1e3)
+    }
+}

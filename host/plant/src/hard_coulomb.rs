@@ -1,0 +1,204 @@
+//! A hard gap and dry friction on the load: the bench of the paper as its static error shows it.
+//!
+//! C = K (z - j0) in positive contact, K (z + j0) in negative contact, nought in the gap; the contact never pulls.
+//! The load carries Coulomb friction F_c besides its viscous one and sticks while |N0 C| <= F_c. With F_c = 3.84 N m the
+//! proportional-derivative cascade stops at (3 F_c / N0 + 2 j0) / 13 = 0.3200 rad, the paper's experiment.
+
+use nalgebra::Vector6;
+
+use crate::error::within;
+use crate::integrator::{self, HybridSystem, runge_kutta};
+use crate::mechanics::{LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION};
+use crate::truth::{Contact, DryFriction, Truth};
+use crate::{Mechanics, ParameterError, Plant, PlantError, Start};
+
+/// The plant with a hard gap and dry friction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HardCoulomb {
+    mechanics: Mechanics,
+    load_coulomb_nm: f64,
+    substeps: u32,
+}
+
+/// Which right-hand side holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct HardCoulombMode {
+    contact: Contact,
+    load_friction: DryFriction,
+}
+
+/// Coordinates and mode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HardCoulombState {
+    x: Vector6<f64>,
+    mode: HardCoulombMode,
+    torque_nm: f64,
+}
+
+/// Mode function: the lower flank of the gap, or the one in contact.
+const LOWER_FLANK: usize = 0;
+/// Mode function: the upper flank of the gap, or the one in contact.
+const UPPER_FLANK: usize = 1;
+/// Mode function: dry friction.
+const FRICTION: usize = 2;
+
+impl HardCoulomb {
+    /// A plant with `load_coulomb_nm` of dry friction F_c on the load, integrated in `substeps` steps per call.
+    ///
+    /// # Errors
+    /// Names the first parameter outside its range.
+    pub fn new(mechanics: Mechanics, load_coulomb_nm: f64, substeps: u32) -> Result<Self, ParameterError> {
+        mechanics.validate()?;
+        within("load_coulomb_nm", load_coulomb_nm, 0.0, 1e6)?;
+        within("substeps", f64::from(substeps), 1.0, 4096.0)?;
+        Ok(Self { mechanics, load_coulomb_nm, substeps })
+    }
+
+    fn transmitted_torque_nm(&self, x: &Vector6<f64>, contact: Contact) -> f64 {
+        match contact {
+            Contact::Gap => 0.0,
+            side => {
+                self.mechanics.stiffness_nm_rad
+                    * (self.mechanics.twist_rad(x) - side.sign() * self.mechanics.dead_zone_rad)
+            }
+        }
+    }
+
+    fn contact(&self, x: &Vector6<f64>) -> Contact {
+        let twist = self.mechanics.twist_rad(x);
+        if twist > self.mechanics.dead_zone_rad {
+            Contact::Positive
+        } else if twist < -self.mechanics.dead_zone_rad {
+            Contact::Negative
+        } else {
+            Contact::Gap
+        }
+    }
+
+    /// Friction of a load at rest.
+    fn friction_at_rest(&self, x: &Vector6<f64>, contact: Contact) -> DryFriction {
+        DryFriction::at_rest(self.drive_nm(x, contact), [self.load_coulomb_nm; 2])
+    }
+
+    /// What drives the load, N0 C in N m.
+    fn drive_nm(&self, x: &Vector6<f64>, contact: Contact) -> f64 {
+        self.mechanics.ratio * self.transmitted_torque_nm(x, contact)
+    }
+
+    #[inline]
+    fn rates(&self, x: &Vector6<f64>, mode: HardCoulombMode, torque_nm: f64) -> Vector6<f64> {
+        let transmitted = self.transmitted_torque_nm(x, mode.contact);
+        let dry = mode.load_friction.sign() * self.load_coulomb_nm;
+        let mut rates = self.mechanics.rates(x, transmitted, torque_nm, dry);
+        if mode.load_friction == DryFriction::Stick {
+            rates[LOAD_POSITION] = 0.0;
+            rates[LOAD_VELOCITY] = 0.0;
+        }
+        rates
+    }
+}
+
+impl HybridSystem for HardCoulomb {
+    type State = Vector6<f64>;
+    type Mode = HardCoulombMode;
+    type Stride = f64;
+    const GUARDS: usize = 3;
+
+    fn stride(&self, h_s: f64) -> f64 {
+        h_s
+    }
+
+    #[inline]
+    fn flow(&self, x: &Vector6<f64>, mode: HardCoulombMode, torque_nm: f64, h_s: f64) -> Vector6<f64> {
+        runge_kutta(x, h_s, &|x: &Vector6<f64>, _| self.rates(x, mode, torque_nm))
+    }
+
+    fn guard(&self, guard: usize, x: &Vector6<f64>, mode: HardCoulombMode, _torque_nm: f64) -> f64 {
+        let twist = self.mechanics.twist_rad(x);
+        let half_gap = self.mechanics.dead_zone_rad;
+        match (guard, mode.contact) {
+            (LOWER_FLANK, Contact::Gap) => twist + half_gap,
+            (LOWER_FLANK, Contact::Negative) => -half_gap - twist,
+            (UPPER_FLANK, Contact::Gap) => half_gap - twist,
+            (UPPER_FLANK, Contact::Positive) => twist - half_gap,
+            // The flank on the far side of the gap is reached only by way of the gap.
+            (LOWER_FLANK | UPPER_FLANK, _) => half_gap,
+            _ => match mode.load_friction {
+                DryFriction::SlipPositive => x[LOAD_VELOCITY],
+                DryFriction::SlipNegative => -x[LOAD_VELOCITY],
+                DryFriction::Stick => self.load_coulomb_nm - libm::fabs(self.drive_nm(x, mode.contact)),
+            },
+        }
+    }
+
+    fn switch(
+        &self,
+        guard: usize,
+        x: &mut Vector6<f64>,
+        mode: HardCoulombMode,
+        _torque_nm: f64,
+    ) -> HardCoulombMode {
+        if guard == FRICTION {
+            let load_friction = match (mode.load_friction, mode.contact) {
+                (DryFriction::Stick, Contact::Negative) => DryFriction::SlipNegative,
+                (DryFriction::Stick, _) => DryFriction::SlipPositive,
+                _ => self.friction_at_rest(x, mode.contact),
+            };
+            x[LOAD_VELOCITY] = 0.0;
+            return HardCoulombMode { load_friction, ..mode };
+        }
+        let side = if guard == UPPER_FLANK { Contact::Positive } else { Contact::Negative };
+        x[MOTOR_POSITION] =
+            self.mechanics.ratio * x[LOAD_POSITION] + side.sign() * self.mechanics.dead_zone_rad;
+        let contact = if mode.contact == Contact::Gap { side } else { Contact::Gap };
+        HardCoulombMode { contact, ..mode }
+    }
+
+    fn settle(&self, x: &mut Vector6<f64>, mode: HardCoulombMode, _torque_nm: f64) -> HardCoulombMode {
+        if x[LOAD_VELOCITY] == 0.0 {
+            HardCoulombMode { load_friction: self.friction_at_rest(x, mode.contact), ..mode }
+        } else {
+            mode
+        }
+    }
+
+    fn is_finite(&self, x: &Vector6<f64>) -> bool {
+        x.iter().all(|coordinate| coordinate.is_finite())
+    }
+}
+
+impl Plant for HardCoulomb {
+    type State = HardCoulombState;
+
+    fn initial_state(&self, start: Start) -> HardCoulombState {
+        let x = start.coordinates();
+        let contact = self.contact(&x);
+        let load_friction =
+            DryFriction::of(x[LOAD_VELOCITY], self.drive_nm(&x, contact), [self.load_coulomb_nm; 2]);
+        HardCoulombState { x, mode: HardCoulombMode { contact, load_friction }, torque_nm: 0.0 }
+    }
+
+    fn step(&self, state: &mut HardCoulombState, torque_nm: f64, dt_s: f64) -> Result<(), PlantError> {
+        integrator::advance(self, &mut state.x, &mut state.mode, torque_nm, dt_s, self.substeps)?;
+        state.torque_nm = torque_nm;
+        Ok(())
+    }
+
+    fn truth(&self, state: &HardCoulombState) -> Truth {
+        // Right at a flank rounding may leave the twist an ulp inside the gap; the contact doesn't pull for that.
+        let side = state.mode.contact.sign();
+        let transmitted =
+            side * libm::fmax(side * self.transmitted_torque_nm(&state.x, state.mode.contact), 0.0);
+        let elastic = 0.5 * transmitted * transmitted / self.mechanics.stiffness_nm_rad;
+        let load_friction = state.mode.load_friction;
+        let load_dry_friction_nm = match load_friction {
+            DryFriction::Stick => self.mechanics.ratio * transmitted,
+            slip => slip.sign() * self.load_coulomb_nm,
+        };
+        Truth {
+            load_friction,
+            load_dry_friction_nm,
+            ..self.mechanics.truth(&state.x, state.torque_nm, transmitted, elastic, state.mode.contact)
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! What all profiles share: the two masses, and the order of their coordinates.
+
+use nalgebra::Vector6;
+
+use crate::ParameterError;
+use crate::error::within;
+use crate::truth::{Contact, DryFriction, Truth};
+
+/// Index of the load position in a state vector.
+pub(crate) const LOAD_POSITION: usize = 0;
+/// Index of the load velocity in a state vector.
+pub(crate) const LOAD_VELOCITY: usize = 1;
+/// Index of the motor position in a state vector.
+pub(crate) const MOTOR_POSITION: usize = 2;
+/// Index of the motor velocity in a state vector.
+pub(crate) const MOTOR_VELOCITY: usize = 3;
+
+/// Index of the energy supplied so far in a state vector.
+pub(crate) const SUPPLIED: usize = 4;
+/// Index of the energy dissipated so far in a state vector.
+pub(crate) const DISSIPATED: usize = 5;
+
+/// True parameters of motor, reducer and load.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mechanics {
+    /// Motor inertia J_m in kg m^2.
+    pub motor_inertia_kg_m2: f64,
+    /// Viscous friction of the motor f_m in N m s/rad.
+    pub motor_friction_nm_s_rad: f64,
+    /// Load inertia J_s in kg m^2.
+    pub load_inertia_kg_m2: f64,
+    /// Viscous friction of the load f_s in N m s/rad.
+    pub load_friction_nm_s_rad: f64,
+    /// Reduction ratio N0.
+    pub ratio: f64,
+    /// Stiffness K in N m/rad, seen at the motor.
+    pub stiffness_nm_rad: f64,
+    /// Dead-zone amplitude j0 in rad, half the gap.
+    pub dead_zone_rad: f64,
+}
+
+/// Where a plant is released, and how fast it moves then.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Start {
+    /// Load position theta_s in rad.
+    pub load_position_rad: f64,
+    /// Load velocity in rad/s.
+    pub load_velocity_rad_s: f64,
+    /// Motor position theta_e in rad.
+    pub motor_position_rad: f64,
+    /// Motor velocity in rad/s.
+    pub motor_velocity_rad_s: f64,
+}
+
+impl Start {
+    /// Released without a push.
+    pub const fn at_rest(load_position_rad: f64, motor_position_rad: f64) -> Self {
+        Self { load_position_rad, load_velocity_rad_s: 0.0, motor_position_rad, motor_velocity_rad_s: 0.0 }
+    }
+
+    /// The coordinates of it, and no energy supplied or dissipated yet.
+    pub(crate) fn coordinates(&self) -> Vector6<f64> {
+        let Self { load_position_rad, load_velocity_rad_s, motor_position_rad, motor_velocity_rad_s } = *self;
+        Vector6::new(
+            load_position_rad,
+            load_velocity_rad_s,
+            motor_position_rad,
+            motor_velocity_rad_s,
+            0.0,
+            0.0,
+        )
+    }
+}
+
+impl Mechanics {
+    /// Table 1 of the paper (Control Engineering Practice 13 (2005) 973-983).
+    pub fn paper() -> Self {
+        Self {
+            motor_inertia_kg_m2: 9.72e-4,
+            motor_friction_nm_s_rad: 4.3e-4,
+            load_inertia_kg_m2: 7.5,
+            load_friction_nm_s_rad: 16.0,
+            ratio: 3.0,
+            stiffness_nm_rad: 1.0,
+            dead_zone_rad: 0.16,
+        }
+    }
+
+    /// Checks every parameter.
+    ///
+    /// # Errors
+    /// Names the first parameter outside its range.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        within("motor_inertia_kg_m2", self.motor_inertia_kg_m2, 1e-9, 1e3)?;
+        within("motor_friction_nm_s_rad", self.motor_friction_nm_s_rad, 0.0, 1e4)?;
+        within("load_inertia_kg_m2", self.load_inertia_kg_m2, 1e-9, 1e6)?;
+        within("load_friction_nm_s_rad", self.load_friction_nm_s_rad, 0.0, 1e6)?;
+        within("ratio", self.ratio, 1e-3, 1e4)?;
+        within("stiffness_nm_rad", self.stiffness_nm_rad, 1e-6, 1e9)?;
+        within("dead_zone_rad", self.dead_zone_rad, 1e-6, 10.0)
+    }
+
+    /// Twist z in rad.
+    pub(crate) fn twist_rad(&self, x: &Vector6<f64>) -> f64 {
+        self.twist_of(x[LOAD_POSITION], x[MOTOR_POSITION])
+    }
+
+    /// Twist z in rad of these positions.
+    #[inline]
+    pub(crate) fn twist_of(&self, load_position_rad: f64, motor_position_rad: f64) -> f64 {
+        motor_position_rad - self.ratio * load_position_rad
+    }
+
+    /// Rates of change when the load moves freely, equation (6), with dry friction as a given torque on the load; the
+    /// last two are the power supplied and the power dissipated.
+    #[inline]
+    pub(crate) fn rates(
+        &self,
+        x: &Vector6<f64>,
+        transmitted_nm: f64,
+        torque_nm: f64,
+        dry_nm: f64,
+    ) -> Vector6<f64> {
+        let load = self.ratio * transmitted_nm - self.load_friction_nm_s_rad * x[LOAD_VELOCITY] - dry_nm;
+        let motor = torque_nm - transmitted_nm - self.motor_friction_nm_s_rad * x[MOTOR_VELOCITY];
+        let dissipated_w = (self.load_friction_nm_s_rad * x[LOAD_VELOCITY] + dry_nm) * x[LOAD_VELOCITY]
+            + self.motor_friction_nm_s_rad * x[MOTOR_VELOCITY] * x[MOTOR_VELOCITY];
+        Vector6::new(
+            x[LOAD_VELOCITY],
+            load / self.load_inertia_kg_m2,
+            x[MOTOR_VELOCITY],
+            motor / self.motor_inertia_kg_m2,
+            torque_nm * x[MOTOR_VELOCITY],
+            dissipated_w,
+        )
+    }
+
+    /// Kinetic energy of both masses in J.
+    pub(crate) fn kinetic_energy_j(&self, load_velocity_rad_s: f64, motor_velocity_rad_s: f64) -> f64 {
+        0.5 * (self.load_inertia_kg_m2 * load_velocity_rad_s * load_velocity_rad_s
+            + self.motor_inertia_kg_m2 * motor_velocity_rad_s * motor_velocity_rad_s)
+    }
+
+    /// Everything about a state that carries `transmitted_torque_nm` with `elastic_energy_j` in its spring and has no
+    /// dry friction.
+    pub(crate) fn truth(
+        &self,
+        x: &Vector6<f64>,
+        motor_torque_nm: f64,
+        transmitted_torque_nm: f64,
+        elastic_energy_j: f64,
+        contact: Contact,
+    ) -> Truth {
+        let twist_rad = self.twist_rad(x);
+        Truth {
+            load_position_rad: x[LOAD_POSITION],
+            load_velocity_rad_s: x[LOAD_VELOCITY],
+            motor_position_rad: x[MOTOR_POSITION],
+            motor_velocity_rad_s: x[MOTOR_VELOCITY],
+            motor_torque_nm,
+            load_torque_nm: 0.0,
+            twist_rad,
+            transmitted_torque_nm,
+            disturbing_torque_nm: transmitted_torque_nm - self.stiffness_nm_rad * twist_rad,
+            gap_position_rad: twist_rad - transmitted_torque_nm / self.stiffness_nm_rad,
+            contact,
+            load_friction: DryFriction::SlipPositive,
+            motor_friction: DryFriction::SlipPositive,
+            load_dry_friction_nm: 0.0,
+            motor_dry_friction_nm: 0.0,
+            kinetic_energy_j: self.kinetic_energy_j(x[LOAD_VELOCITY], x[MOTOR_VELOCITY]),
+            elastic_energy_j,
+            supplied_energy_j: x[SUPPLIED],
+            dissipated_energy_j: x[DISSIPATED],
+            dead_zone_rad: self.dead_zone_rad,
+        }
+    }
+}

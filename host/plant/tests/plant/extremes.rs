@@ -1,0 +1,198 @@
+//! Whatever the parameters and the torques: numbers or an error, never a panic, never a silent NaN.
+
+use lashloop_plant::backlash_shaft::{
+    BacklashShaft, BristleParameters, Environment, ShaftParameters, StribeckParameters,
+};
+use lashloop_plant::hard_coulomb::HardCoulomb;
+use lashloop_plant::smooth::Smooth;
+use lashloop_plant::{Mechanics, Plant, PlantError, Start, Truth};
+use proptest::prelude::*;
+
+/// Any size between the bounds alike, the bounds themselves now and then.
+fn size(low: f64, high: f64) -> impl Strategy<Value = f64> {
+    prop_oneof![
+        8 => (low.ln()..=high.ln()).prop_map(move |exponent| exponent.exp().clamp(low, high)),
+        1 => Just(low),
+        1 => Just(high),
+    ]
+}
+
+/// As [`size`], or nought.
+fn size_or_nought(low: f64, high: f64) -> impl Strategy<Value = f64> {
+    prop_oneof![4 => size(low, high), 1 => Just(0.0)]
+}
+
+fn signed(low: f64, high: f64) -> impl Strategy<Value = f64> {
+    (size_or_nought(low, high), any::<bool>())
+        .prop_map(|(size, negative)| if negative { -size } else { size })
+}
+
+prop_compose! {
+    fn mechanics()(
+        motor_inertia_kg_m2 in size(1e-9, 1e3),
+        motor_friction_nm_s_rad in size_or_nought(1e-9, 1e4),
+        load_inertia_kg_m2 in size(1e-9, 1e6),
+        load_friction_nm_s_rad in size_or_nought(1e-9, 1e6),
+        ratio in size(1e-3, 1e4),
+        stiffness_nm_rad in size(1e-6, 1e9),
+        dead_zone_rad in size(1e-6, 10.0),
+    ) -> Mechanics {
+        Mechanics {
+            motor_inertia_kg_m2, motor_friction_nm_s_rad, load_inertia_kg_m2, load_friction_nm_s_rad, ratio,
+            stiffness_nm_rad, dead_zone_rad,
+        }
+    }
+}
+
+prop_compose! {
+    fn stribeck()(
+        coulomb_nm in size_or_nought(1e-6, 1e5),
+        more in prop_oneof![Just(1.0), 1.0..10.0],
+        velocity_rad_s in size(1e-6, 1e3),
+    ) -> StribeckParameters {
+        StribeckParameters { coulomb_nm, stiction_nm: coulomb_nm * more, velocity_rad_s }
+    }
+}
+
+prop_compose! {
+    fn parameters()(
+        shaft_damping_nm_s_rad in size_or_nought(1e-12, 1e6),
+        load in stribeck(),
+        load_asymmetry in -0.9..=0.9,
+        stiffness_nm_rad in size(1e-3, 1e12),
+        damping_nm_s_rad in size_or_nought(1e-6, 1e9),
+        bends in any::<bool>(),
+        motor in stribeck(),
+        current_lag_s in size_or_nought(1e-9, 10.0),
+        torque_saturation_nm in size(1e-6, 1e6),
+    ) -> ShaftParameters {
+        let load_bristles = (bends && load.coulomb_nm > 0.0)
+            .then_some(BristleParameters { stiffness_nm_rad, damping_nm_s_rad });
+        ShaftParameters {
+            shaft_damping_nm_s_rad, load, load_asymmetry, load_bristles, motor, current_lag_s,
+            torque_saturation_nm,
+        }
+    }
+}
+
+prop_compose! {
+    fn start()(
+        load_position_rad in signed(1e-6, 1e4),
+        load_velocity_rad_s in signed(1e-6, 1e4),
+        twist in signed(1e-6, 1e2),
+        motor_velocity_rad_s in signed(1e-6, 1e4),
+    ) -> Start {
+        Start {
+            load_position_rad, load_velocity_rad_s, motor_position_rad: 3.0 * load_position_rad + twist,
+            motor_velocity_rad_s,
+        }
+    }
+}
+
+fn all_finite(truth: &Truth) -> bool {
+    [
+        truth.load_position_rad,
+        truth.load_velocity_rad_s,
+        truth.motor_position_rad,
+        truth.motor_velocity_rad_s,
+        truth.motor_torque_nm,
+        truth.twist_rad,
+        truth.transmitted_torque_nm,
+        truth.gap_position_rad,
+        truth.load_dry_friction_nm,
+        truth.motor_dry_friction_nm,
+        truth.supplied_energy_j,
+        truth.dissipated_energy_j,
+    ]
+    .iter()
+    .all(|number| number.is_finite())
+}
+
+/// Runs a plant until the torques end or it refuses; every state on the way is finite.
+fn run<P: Plant>(plant: &P, start: Start, torques: &[f64], dt_s: f64) -> Result<(), TestCaseError> {
+    let mut state = plant.initial_state(start);
+    for &torque_nm in torques {
+        match plant.step(&mut state, torque_nm, dt_s) {
+            Ok(()) => prop_assert!(all_finite(&plant.truth(&state)), "{:?}", plant.truth(&state)),
+            Err(
+                PlantError::NotFinite { .. } | PlantError::TooStiff { .. } | PlantError::Chattering { .. },
+            ) => break,
+            Err(error) => prop_assert!(false, "{error}"),
+        }
+    }
+    Ok(())
+}
+
+fn torques() -> impl Strategy<Value = Vec<f64>> {
+    prop::collection::vec(signed(1e-6, 1e6), 1..20)
+}
+
+proptest! {
+    #[test]
+    fn bench_gives_numbers_or_an_error(
+        mechanics in mechanics(), parameters in parameters(), start in start(), torques in torques(),
+        dt_s in size(1e-5, 1e-2), substeps in 1_u32..32,
+    ) {
+        let plant = BacklashShaft::new(mechanics, parameters, substeps).expect("every value is in its range");
+        run(&plant, start, &torques, dt_s)?;
+    }
+
+    #[test]
+    fn plants_without_a_drive_give_numbers_or_an_error(
+        mechanics in mechanics(), coulomb_nm in size_or_nought(1e-6, 1e6), start in start(), torques in torques(),
+        dt_s in size(1e-5, 1e-2), substeps in 1_u32..32,
+    ) {
+        run(&Smooth::new(mechanics, substeps).expect("in range"), start, &torques, dt_s)?;
+        run(&HardCoulomb::new(mechanics, coulomb_nm, substeps).expect("in range"), start, &torques, dt_s)?;
+    }
+
+    /// Within a factor of three of the paper's experiment the bench never gives up and always obeys conservation of energy.
+    #[test]
+    fn bench_near_the_paper_never_gives_up(
+        scale in prop::array::uniform10(0.33_f64..3.0), torques in prop::collection::vec(-10.0..10.0, 200),
+        bends in any::<bool>(), asymmetry in -0.5..0.5, wear in 0.0..1e-3, load_torque_nm in -5.0..5.0,
+    ) {
+        let [a, b, c, d, e, f, g, h, i, j] = scale;
+        let paper = Mechanics::paper();
+        let mechanics = Mechanics {
+            motor_inertia_kg_m2: a * paper.motor_inertia_kg_m2,
+            load_inertia_kg_m2: b * paper.load_inertia_kg_m2,
+            stiffness_nm_rad: c * paper.stiffness_nm_rad,
+            dead_zone_rad: d * paper.dead_zone_rad,
+            ..paper
+        };
+        let paper = ShaftParameters::paper();
+        let stribeck = |of: StribeckParameters, size: f64, more: f64, velocity: f64| StribeckParameters {
+            coulomb_nm: of.coulomb_nm * size,
+            stiction_nm: of.coulomb_nm * size * (1.0 + 0.3 * more),
+            velocity_rad_s: of.velocity_rad_s * velocity,
+        };
+        let parameters = ShaftParameters {
+            shaft_damping_nm_s_rad: e * paper.shaft_damping_nm_s_rad,
+            load: stribeck(paper.load, f, g, h),
+            load_asymmetry: asymmetry,
+            load_bristles: bends.then_some(BristleParameters { stiffness_nm_rad: 3.4e4 * i, damping_nm_s_rad: 300.0 }),
+            motor: stribeck(paper.motor, g, h, i),
+            current_lag_s: j * paper.current_lag_s,
+            ..paper
+        };
+        let plant = BacklashShaft::new(mechanics, parameters, 16).expect("in range");
+        let mut state = plant.initial_state(Start::at_rest(0.0, 0.0));
+        let mut turned_over_j = 1.0;
+        for (k, torque_nm) in torques.into_iter().enumerate() {
+            let surroundings = Environment { dead_zone_rad: mechanics.dead_zone_rad + wear * k as f64, load_torque_nm };
+            plant.surround(&mut state, surroundings).expect("in range");
+            let before_j = plant.truth(&state).supplied_energy_j;
+            // Five milliseconds of each torque.
+            for _ in 0..5 {
+                plant.step(&mut state, torque_nm, 1e-3).expect("never gives up");
+            }
+            let truth = plant.truth(&state);
+            turned_over_j += (truth.supplied_energy_j - before_j).abs();
+            let imbalance_j = truth.energy_j() - truth.supplied_energy_j + truth.dissipated_energy_j;
+            prop_assert!(imbalance_j.abs() < 1e-5 * turned_over_j, "{imbalance_j} of {turned_over_j} J");
+            prop_assert!(truth.gap_position_rad.abs() <= truth.dead_zone_rad + 1e-9, "{truth:?}");
+            prop_assert!(truth.contact.sign() * truth.transmitted_torque_nm >= -1e-9, "{truth:?}");
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! The paper's figures, drawn from runs made up for them.
+
+use std::f64::consts::FRAC_PI_2;
+
+use roxmltree::Document;
+
+use super::hysteresis::thickness;
+use super::{Laws, Run, Runs, Table, figures, page, tables};
+use lashloop_bench::record::trace::TraceRow;
+use lashloop_bench::run::simulator::Bench;
+use lashloop_bench::scenario::Scenario;
+use lashloop_plant::metrics::{Estimates, Measured, Measurement, Sample};
+
+const PERIOD_S: f64 = 0.001;
+
+/// A load that decays from pi/2 to `rest_rad`, with a twist of three times the error. The drive tells every tenth step.
+fn run(seconds: f64, rest_rad: f64) -> Run {
+    let text = include_str!("../../../../scenarios/smooth-before.toml");
+    let scenario = Scenario::from_str("smooth-before.toml", text, &[]).expect("a scenario");
+    let (_, at_rest) = Bench::new(&scenario).expect("a bench").observe(0).expect("a state");
+    let mut measurement = Measurement::new(PERIOD_S);
+    let mut rows = Vec::new();
+    for step in 0..(seconds / PERIOD_S).round() as u32 {
+        let time_s = f64::from(step) * PERIOD_S;
+        let load_position_rad = rest_rad + (FRAC_PI_2 - rest_rad) * (-time_s).exp();
+        let told_s = f64::from(step - step % 10) * PERIOD_S;
+        rows.push(TraceRow {
+            time_s,
+            load_position_rad,
+            twist_rad: 3.0 * load_position_rad,
+            transmitted_torque_nm: 2.0 * load_position_rad,
+            disturbing_torque_nm: -load_position_rad,
+            disturbing_torque_estimate_nm: 0.0,
+            torque_nm: -1.0,
+            motor_error_rad: load_position_rad,
+            estimate_time_s: told_s,
+            ..at_rest
+        });
+        measurement.push(&Sample {
+            time_s,
+            reference_rad: 0.0,
+            load_position_rad,
+            torque_nm: -1.0,
+            estimates: (step % 10 == 0)
+                .then_some(Estimates { dead_zone_rad: 0.16, disturbing_torque_nm: 0.0 }),
+            dead_zone_rad: 0.16,
+            disturbing_torque_nm: -load_position_rad,
+        });
+    }
+    Run { rows, metrics: measurement.metrics() }
+}
+
+fn runs(seconds: f64) -> Runs {
+    let laws = |rests: [f64; 3]| {
+        let [before, after, beyond] = rests.map(|rest_rad| run(seconds, rest_rad));
+        Laws { before, after, beyond }
+    };
+    let gap = run(seconds, 0.0).rows;
+    Runs {
+        smooth: laws([0.03, 0.0, 0.002]),
+        friction: laws([0.32, -0.0087, 0.0019]),
+        bench: laws([0.32, -0.0079, 0.0014]),
+        sine: laws([0.3, 0.0, 0.0]),
+        smooth_gap: gap.clone(),
+        hard_gap: gap,
+        ratio: 3.0,
+    }
+}
+
+#[test]
+fn each_figure_of_the_paper_is_drawn_with_every_law_and_says_what_comes_out() {
+    let figures = figures(&runs(25.0));
+    let numbers: Vec<u8> = figures.iter().map(|(number, _)| *number).collect();
+    assert_eq!(numbers, [5, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17]);
+    for (number, figure) in &figures {
+        assert!(figure.title.starts_with(&format!("Figure {number}: ")), "{}", figure.title);
+        assert!(
+            figure.caption.starts_with("The paper: ") && figure.caption.contains("\nHere: "),
+            "figure {number}: {}",
+            figure.caption
+        );
+        for panel in &figure.panels {
+            let drawn = panel.series.iter().filter(|series| series.y.iter().any(|y| y.is_finite()));
+            assert!(drawn.count() >= 3, "figure {number}, {}", panel.title);
+            assert!(!panel.y_axis.unit.is_empty() && !panel.x_axis.unit.is_empty(), "figure {number}");
+        }
+        let svg = figure.to_svg();
+        Document::parse(&svg).unwrap_or_else(|error| panic!("figure {number}: {error}"));
+        assert!(svg.len() < 100_000, "figure {number}: {} bytes", svg.len());
+    }
+}
+
+#[test]
+fn what_the_drive_tells_is_drawn_where_it_told_it() {
+    let figures = figures(&runs(2.0));
+    let (_, made_linear) = figures.iter().find(|(number, _)| *number == 14).expect("figure 14");
+    let over_twist = &made_linear.panels[0].series[0];
+    assert_eq!(over_twist.x.len(), 200, "a point for every tenth of 2000 steps");
+    assert!(over_twist.x.iter().zip(&over_twist.y).all(|(z, c)| (c - 2.0 / 3.0 * z).abs() < 1e-12));
+    let line = made_linear.panels[0].series.last().expect("C0");
+    assert!(line.x.iter().zip(&line.y).all(|(z, c0)| (c0 - z).abs() < 1e-12), "{line:?}");
+}
+
+#[test]
+fn runs_that_ended_before_their_first_step_are_still_pictures_and_tables() {
+    let mut nothing = runs(0.0);
+    (nothing.smooth_gap, nothing.hard_gap) = (Vec::new(), Vec::new());
+    for (number, figure) in figures(&nothing) {
+        let svg = figure.to_svg();
+        Document::parse(&svg).unwrap_or_else(|error| panic!("figure {number}: {error}"));
+        assert!(!svg.contains("NaN") && !svg.contains("inf "), "figure {number}");
+    }
+    let text = tables(&nothing).map(|table| table.to_string()).join("\n");
+    assert!(text.contains("run too short") && !text.contains("NaN"), "{text}");
+}
+
+#[test]
+fn the_thickness_of_a_loop_is_the_range_of_the_twist_seen_at_the_load() {
+    let mut run = run(1.0, 0.0);
+    for (row, twist_rad) in run.rows.iter_mut().zip([0.5, -1.0].into_iter().cycle()) {
+        row.twist_rad = twist_rad;
+    }
+    assert_eq!(thickness(&run, 3.0), Measured::Value(0.5));
+}
+
+#[test]
+fn a_table_lines_up_under_its_columns() {
+    let row = |what: &str, cells: [&str; 2]| (what.to_owned(), cells.map(str::to_owned).to_vec());
+    let table = Table {
+        title: "numbers",
+        columns: vec!["paper", "here"],
+        rows: vec![row("time (s)", ["about 13", "12.90"]), row("error (rad)", ["-", "-0.0087"])],
+    };
+    insta::assert_snapshot!(table.to_string(), @r"
+    numbers
+                    paper     here
+    time (s)     about 13    12.90
+    error (rad)         -  -0.0087
+    ");
+}
+
+#[test]
+fn the_page_holds_every_figure_once_and_nothing_from_elsewhere() {
+    let runs = runs(1.0);
+    let figures = figures(&runs);
+    let page = page(&figures, &tables(&runs), "drawn on <dev> & more");
+    assert!(page.contains("drawn on &lt;dev&gt; &amp; more"));
+    for (number, figure) in &figures {
+        assert_eq!(page.matches(&figure.to_svg()).count(), 1, "figure {number}");
+        assert!(page.contains(&format!("href=\"#figure-{number:02}\"")), "figure {number}");
+        assert!(page.contains(&format!("href=\"figure-{number:02}.svg\"")), "figure {number}");
+    }
+    assert!(!page.contains("src=") && !page.contains("<script") && !page.contains("@import"));
+}

@@ -1,0 +1,48 @@
+use super::*;
+use crate::campaign::plan::CaseId;
+
+fn result(part: Part, row: u32, law: Law, settle_time: &str, end: &str) -> CaseResult {
+    let other = if settle_time.starts_with('"') { settle_time } else { "-0.001" };
+    let scores = format!(
+        r#"{{"settle_time_s":{settle_time},"static_error_rad":{other},"hunting_rad":{other},
+        "dead_zone_error_rad":{other},"effort_nm2s":{other},"torque_total_variation_nm":{other}}}"#
+    );
+    CaseResult {
+        case: CaseId { part, row, law },
+        end: end.to_owned(),
+        scores: serde_json::from_str(&scores).expect("scores"),
+        torque_sha256: String::new(),
+    }
+}
+
+/// Twenty plants, of which so many diverge.
+fn report(diverged: u32) -> Report {
+    let settings = Settings { seed: 1, plants: 20, laws: vec![Law::Pd, Law::BacklashInverse], sweeps: true };
+    let mut results = Vec::new();
+    for row in 0..20 {
+        results.push(result(Part::RandomPlants, row, Law::Pd, "\"never\"", "complete"));
+        let (time, end) = if row < diverged { ("\"not finite\"", "it blew up") } else { ("2.5", "complete") };
+        results.push(result(Part::RandomPlants, row, Law::BacklashInverse, time, end));
+    }
+    results.push(result(Part::TorqueDelay, 5, Law::Pd, "\"cut short\"", "the drive latched it"));
+    Report::new(&settings, results.iter())
+}
+
+#[test]
+fn one_run_that_diverges_fails_the_battery_and_is_in_the_tables() {
+    assert_eq!(report(0).verdict, Verdict::Pass);
+    let report = report(1);
+    assert_eq!(report.verdict, Verdict::Fail);
+    let met: Vec<_> = report.limits.iter().map(|finding| finding.met).collect();
+    assert_eq!(met, [true, false, false, true], "the 19th of 20 is the 95 % quantile");
+    insta::assert_snapshot!(report);
+}
+
+#[test]
+fn without_the_law_that_has_limits_nothing_is_judged_and_that_is_said() {
+    let settings = Settings { seed: 1, plants: 1, laws: vec![Law::Pd], sweeps: false };
+    let results = [result(Part::RandomPlants, 0, Law::Pd, "\"never\"", "complete")];
+    let report = Report::new(&settings, results.iter());
+    assert!(report.limits.is_empty());
+    assert!(report.to_string().ends_with("no limits: they are those of backlash_inverse"), "{report}");
+}

@@ -1,0 +1,197 @@
+//! Makes the runs: the very drive of the firmware in process, as many at a time as there are jobs.
+//!
+//! Every run has a drive and a plant of its own and shares nothing, so what comes out doesn't depend on the number of jobs. Only
+//! the order does in which runs end.
+
+use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
+
+use serde::{Deserialize, Serialize};
+
+use super::BatteryError;
+use super::plan::{Case, CaseId};
+use super::score::Scores;
+use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::run::{self, Clock, End, RunError, Step, Watcher};
+use lashloop_bench::supervisor::Supervisor;
+
+/// What came of one run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CaseResult {
+    /// Where it belongs.
+    pub case: CaseId,
+    /// How it ended.
+    pub end: String,
+    /// Its figures.
+    pub scores: Scores,
+    /// Digest of the torque stream, see [`TorqueDigest`](lashloop_bench::record::digest::TorqueDigest).
+    pub torque_sha256: String,
+}
+
+/// How a battery ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ended {
+    /// Every run was made.
+    Complete,
+    /// The user asked to stop. Runs that were under way have left nothing.
+    Interrupted,
+}
+
+/// Makes the runs, and hands over each result on this thread as it comes.
+///
+/// # Errors
+/// A run could not be made or its result not be kept; then no further run is begun.
+pub fn run_all(
+    cases: &[&Case],
+    jobs: NonZeroUsize,
+    supervisor: &Supervisor,
+    mut keep: impl FnMut(CaseResult) -> Result<(), BatteryError>,
+) -> Result<Ended, BatteryError> {
+    let next = AtomicUsize::new(0);
+    let stop = Stop { failed: AtomicBool::new(false), supervisor };
+    let mut count = 0;
+    let kept = thread::scope(|scope| {
+        let (results, ended) = mpsc::channel();
+        for _ in 0..jobs.get().min(cases.len()) {
+            let (results, next, stop) = (results.clone(), &next, &stop);
+            scope.spawn(move || {
+                while !stop.asked() {
+                    let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
+                    let Some(result) = run_one(case, stop).transpose() else { break };
+                    if results.send(result).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(results);
+        // Ends when the last worker has, or returns at once with the first error and leaves the others nobody to tell.
+        let kept = ended.into_iter().try_for_each(|result| {
+            count += 1;
+            keep(result?)
+        });
+        stop.failed.store(kept.is_err(), Ordering::Relaxed);
+        kept
+    });
+    kept?;
+    Ok(if count == cases.len() { Ended::Complete } else { Ended::Interrupted })
+}
+
+/// `None` if it was asked to stop.
+fn run_one(case: &Case, stop: &Stop<'_>) -> Result<Option<CaseResult>, BatteryError> {
+    let failed = |source: RunError| BatteryError::Run { case: case.id, source: Box::new(source) };
+    let mut device = Device::open(&DeviceChoice::InProcess, case.scenario.link.baud, stop.supervisor)
+        .map_err(|source| failed(source.into()))?;
+    let mut watcher = stop;
+    let outcome = run::run(&case.scenario, &mut device, Clock::Lockstep, &mut watcher).map_err(failed)?;
+    if outcome.end == End::Interrupted {
+        return Ok(None);
+    }
+    Ok(Some(CaseResult {
+        case: case.id,
+        end: outcome.end.to_string(),
+        scores: Scores::of(&outcome),
+        torque_sha256: outcome.torque_sha256,
+    }))
+}
+
+/// Why to begin no further run, and to end those under way.
+struct Stop<'a> {
+    failed: AtomicBool,
+    supervisor: &'a Supervisor,
+}
+
+impl Stop<'_> {
+    fn asked(&self) -> bool {
+        self.failed.load(Ordering::Relaxed) || self.supervisor.interrupted()
+    }
+}
+
+impl Watcher for &Stop<'_> {
+    fn step(&mut self, _step: &Step) -> Result<(), WriteError> {
+        Ok(())
+    }
+
+    fn stop_asked(&self) -> bool {
+        self.asked()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::campaign::plan::{self, Law, Part, Settings};
+    use crate::campaign::score::{Figure, MissingReason, Score};
+    use lashloop_bench::scenario::{Override, Scenario};
+
+    fn case(settings: &[&str]) -> Case {
+        let text = include_str!("../../../scenarios/shaft-pd.toml");
+        let overrides: Vec<_> = settings.iter().map(|it| Override::Set((*it).to_owned())).collect();
+        let id = CaseId { part: Part::DeadZone, row: settings.len() as u32, law: Law::Pd };
+        let scenario = Scenario::from_str("shaft-pd.toml", text, &overrides).expect("a scenario");
+        Case { id, settings: Vec::new(), scenario }
+    }
+
+    fn results_of(cases: &[Case], jobs: usize) -> Vec<CaseResult> {
+        let supervisor = Supervisor::start(std::path::PathBuf::new()).expect("a supervisor");
+        let cases: Vec<_> = cases.iter().collect();
+        let jobs = NonZeroUsize::new(jobs).expect("a job");
+        let mut results = Vec::new();
+        let ended = run_all(&cases, jobs, &supervisor, |result| {
+            results.push(result);
+            Ok(())
+        });
+        assert_eq!(ended.expect("runs"), Ended::Complete);
+        results.sort_by_key(|result| result.case);
+        results
+    }
+
+    #[test]
+    fn a_run_that_diverges_or_latches_a_fault_scores_nothing() {
+        let stiff = ["plant.load_friction=lugre", "plant.bristle_stiffness_nm_rad=1e8"];
+        let jump = ["controller.parameters.motor_speed_limit_rad_s=2"];
+        let results = results_of(&[case(&jump), case(&stiff)], 1);
+        let lacks = [
+            (MissingReason::CutShort, "the drive latched MotorEncoderJump"),
+            (MissingReason::NotFinite, "the plant can't be followed any further"),
+        ];
+        for (result, (lack, end)) in results.iter().zip(lacks) {
+            assert!(result.end.starts_with(end), "{result:?}");
+            assert_eq!(Figure::ALL.map(|it| result.scores.get(it)), [Score::Without(lack); 6], "{result:?}");
+        }
+    }
+
+    #[test]
+    fn results_are_the_same_bits_whatever_the_number_of_jobs() {
+        let settings = Settings { seed: 5, plants: 2, laws: Law::ALL.to_vec(), sweeps: false };
+        let mut cases = plan::cases(&settings).expect("cases");
+        for case in &mut cases {
+            case.scenario.run.duration_s = 12.0;
+        }
+        let one = results_of(&cases, 1);
+        assert_eq!(one.len(), 6);
+        assert_eq!(one, results_of(&cases, 4));
+    }
+
+    #[test]
+    fn the_first_result_that_cannot_be_kept_ends_the_battery() {
+        let supervisor = Supervisor::start(std::path::PathBuf::new()).expect("a supervisor");
+        let mut case = case(&[]);
+        // Longer than any test: only a stop ends the others.
+        let short = case.clone();
+        case.scenario.run.duration_s = 1e5;
+        let mut count = 0;
+        let jobs = NonZeroUsize::new(2).expect("a job");
+        let ended = run_all(&[&case, &short, &case, &case], jobs, &supervisor, |_| {
+            count += 1;
+            let path = "runs.jsonl".into();
+            Err(crate::campaign::journal::JournalError::InUse { path }.into())
+        });
+        assert!(matches!(ended, Err(BatteryError::Journal(_))), "{ended:?}");
+        assert_eq!(count, 1);
+    }
+}

@@ -1,0 +1,84 @@
+use lashloop_protocol::enums::FaultCode;
+use lashloop_protocol::message::FaultReport;
+use rand_pcg::Pcg64;
+use rand_pcg::rand_core::{Rng, SeedableRng};
+
+use super::*;
+use lashloop_bench::session::AtStep;
+use lashloop_plant::PlantError;
+use lashloop_plant::metrics::{Estimates, Measurement, Sample};
+
+/// Metrics of a run that lies on its reference from beginning to end.
+fn perfect() -> Metrics {
+    let mut measurement = Measurement::new(0.5);
+    for step in 0..40 {
+        measurement.push(&Sample {
+            time_s: f64::from(step) * 0.5,
+            reference_rad: 0.0,
+            load_position_rad: 0.0,
+            torque_nm: 0.0,
+            estimates: Some(Estimates { dead_zone_rad: 0.16, disturbing_torque_nm: 0.0 }),
+            dead_zone_rad: 0.16,
+            disturbing_torque_nm: 0.0,
+        });
+    }
+    measurement.metrics()
+}
+
+#[test]
+fn a_run_that_did_not_reach_its_end_never_scores_well() {
+    let metrics = perfect();
+    let of = |end: &End, verdict| {
+        let scores = Scores::judged(end, verdict, &metrics);
+        Figure::ALL.map(|figure| scores.get(figure))
+    };
+    assert_eq!(of(&End::Complete, Verdict::Fail), [Score::Value(0.0); 6]);
+    let fault =
+        FaultReport { code: FaultCode::MotorEncoderJump, sequence: 40, value: 1.0, limit: 1.0, detail: 0 };
+    let fault = AtStep { step: 40, message: fault };
+    let chattering = End::Diverged(PlantError::Chattering { substep_s: 1e-3 });
+    let away = End::Diverged(PlantError::NotFinite { torque_nm: 1e300 });
+    for (end, verdict, lack) in [
+        (chattering, Verdict::Invalid, MissingReason::NotFinite),
+        (away, Verdict::Fail, MissingReason::NotFinite),
+        (End::DriveFault(fault), Verdict::Fail, MissingReason::CutShort),
+        (End::DriveRestarted, Verdict::Invalid, MissingReason::CutShort),
+        (End::Complete, Verdict::Invalid, MissingReason::CutShort),
+    ] {
+        assert_eq!(of(&end, verdict), [Score::Without(lack); 6], "{end:?}");
+    }
+}
+
+#[test]
+fn nothing_without_a_finite_number_ranks_before_a_number() {
+    let huge = Score::Value(f64::MAX);
+    for worse in [
+        Score::Value(f64::NAN),
+        Score::Value(-f64::NAN),
+        Score::Value(f64::INFINITY),
+        Score::Value(f64::NEG_INFINITY),
+        Score::Without(MissingReason::Unmeasured),
+        Score::Without(MissingReason::Never),
+        Score::Without(MissingReason::CutShort),
+        Score::Without(MissingReason::NotFinite),
+    ] {
+        assert_eq!(huge.order(&worse), Ordering::Less, "{worse:?}");
+        assert_eq!(worse.order(&huge), Ordering::Greater, "{worse:?}");
+    }
+}
+
+#[test]
+fn a_score_reads_back_to_the_same_bits() {
+    // A reader that is merely fast is one bit off for some percent of all numbers.
+    let mut random = Pcg64::seed_from_u64(1);
+    let values = (0..10_000).map(|_| f64::from_bits(random.next_u64())).filter(|value| value.is_finite());
+    let lacks =
+        [MissingReason::Unmeasured, MissingReason::Never, MissingReason::CutShort, MissingReason::NotFinite]
+            .map(Score::Without);
+    for score in values.chain([-0.0, 5e-324]).map(Score::Value).chain(lacks) {
+        let text = serde_json::to_string(&score).expect("a score is JSON");
+        let read: Score = serde_json::from_str(&text).expect("what was written is read");
+        assert_eq!(read, score, "{text}");
+        assert_eq!(read.value().map(f64::to_bits), score.value().map(f64::to_bits), "{text}");
+    }
+}

@@ -1,0 +1,77 @@
+//! A thread that sleeps until the next period and does next to nothing then. Timed by the same histograms as the loop.
+
+use std::hint;
+use std::io;
+use std::thread;
+use std::time::Duration;
+
+use lashloop_bench::run::real_time::{RealTime, obtain};
+use lashloop_bench::timing::{ClockName, RoundTrip, StepOutcome, StepTiming, TimingReport, Timings};
+use rustix::io::Errno;
+use rustix::thread::{ClockId, clock_nanosleep_absolute};
+use rustix::time::{Timespec, clock_gettime};
+
+use super::{PERIOD, WARM_UP};
+
+const PERIOD_NS: i64 = PERIOD.as_nanos() as i64;
+
+/// Calls `work` once in every period. It tells how long what it did took, if that is to be counted.
+///
+/// # Errors
+/// The system can't sleep, or what `work` said.
+pub(super) fn paced(
+    steps: u32,
+    options: &RealTime,
+    mut work: impl FnMut() -> io::Result<Option<Duration>> + Send,
+) -> io::Result<TimingReport> {
+    let mut timings = Timings::new(ClockName::RealTime, PERIOD.as_micros() as u32, WARM_UP.into());
+    let looped = || -> io::Result<TimingReport> {
+        let refused = obtain(options);
+        let spin_ns = options.spin.as_nanos() as i64;
+        let started_ns = now_ns();
+        let mut step = 0;
+        while step < i64::from(steps) {
+            let due_ns = started_ns + step * PERIOD_NS;
+            sleep_until(due_ns - spin_ns)?;
+            while now_ns() < due_ns {
+                hint::spin_loop();
+            }
+            let late_ns = now_ns() - due_ns;
+            let trip = work()?.map(|time| RoundTrip {
+                send: Duration::ZERO,
+                line_and_device: time,
+                compute: Duration::ZERO,
+                receive: Duration::ZERO,
+            });
+            let lateness = Duration::from_nanos(late_ns.unsigned_abs());
+            timings.push(&StepTiming { lateness, outcome: StepOutcome::Answered, round_trip: trip });
+            // What was slept through is left out, as the loop does.
+            let slept_through = late_ns / PERIOD_NS;
+            for _ in 0..slept_through {
+                timings.push(&StepTiming { lateness, outcome: StepOutcome::Missed, round_trip: None });
+            }
+            step += 1 + slept_through;
+        }
+        Ok(timings.report(refused))
+    };
+    thread::scope(|scope| {
+        let thread = thread::Builder::new().name("bare".to_owned()).spawn_scoped(scope, looped)?;
+        thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })
+}
+
+fn now_ns() -> i64 {
+    let Timespec { tv_sec, tv_nsec } = clock_gettime(ClockId::Monotonic);
+    tv_sec * 1_000_000_000 + tv_nsec
+}
+
+fn sleep_until(moment_ns: i64) -> io::Result<()> {
+    let moment = Timespec { tv_sec: moment_ns / 1_000_000_000, tv_nsec: moment_ns % 1_000_000_000 };
+    loop {
+        match clock_nanosleep_absolute(ClockId::Monotonic, &moment) {
+            Ok(()) => return Ok(()),
+            Err(Errno::INTR) => {}
+            Err(error) => return Err(error.into()),
+        }
+    }
+}

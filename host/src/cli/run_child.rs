@@ -1,0 +1,43 @@
+//! `lashloop tied`: become another program, one that dies with the bench that started it.
+
+use std::ffi::OsString;
+use std::io;
+use std::os::unix::process::CommandExt;
+use std::process::Command;
+
+use clap::Args;
+use lashloop_bench::verdict::Exit;
+use rustix::process::{Signal, set_parent_process_death_signal};
+use rustix::thread::{CpuSet, sched_setaffinity};
+
+use super::error::CliError;
+
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// The core to stay on
+    #[arg(long)]
+    core: Option<usize>,
+
+    /// The program and its arguments
+    #[arg(required = true, last = true)]
+    program: Vec<OsString>,
+}
+
+impl Arguments {
+    pub(crate) fn run(self) -> Result<Exit, CliError> {
+        let failed = |what| move |source: io::Error| CliError::System { what, source };
+        // A wedged emulator ignores everything but a kill.
+        set_parent_process_death_signal(Some(Signal::KILL))
+            .map_err(|error| failed("tie a program to the bench")(error.into()))?;
+        if let Some(core) = self.core {
+            let mut cores = CpuSet::new();
+            cores.set(core);
+            sched_setaffinity(None, &cores).map_err(|error| failed("keep to one core")(error.into()))?;
+        }
+        let source = match self.program.split_first() {
+            Some((program, arguments)) => Command::new(program).args(arguments).exec(),
+            None => io::ErrorKind::InvalidInput.into(),
+        };
+        Err(CliError::System { what: "run the program", source })
+    }
+}

@@ -1,0 +1,121 @@
+//! Memory and descriptors of a process, as `/proc` shows them.
+
+use std::fs;
+use std::io;
+
+/// What a process holds.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Usage {
+    /// Resident memory (`VmRSS`).
+    pub rss_kib: u64,
+    /// Open descriptors.
+    pub descriptors: u64,
+}
+
+/// Looks at a process; `None` is this one.
+///
+/// # Errors
+/// It is gone, or is another user's.
+pub fn look(process: Option<u32>) -> io::Result<Usage> {
+    let folder = process.map_or_else(|| "/proc/self".to_owned(), |id| format!("/proc/{id}"));
+    let status = fs::read_to_string(format!("{folder}/status"))?;
+    let rss = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    let rss_kib = rss.and_then(|rss| rss.trim().strip_suffix("kB")).and_then(|rss| rss.trim().parse().ok());
+    Ok(Usage {
+        rss_kib: rss_kib.ok_or_else(|| io::Error::other(format!("{folder}/status has no VmRSS")))?,
+        descriptors: fs::read_dir(format!("{folder}/fd"))?.count() as u64,
+    })
+}
+
+/// How much more a process may come to hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limit(pub Usage);
+
+/// Of the bench, from the end of the first round of levels on.
+pub const BENCH: Limit = Limit(Usage { rss_kib: 8 * 1024, descriptors: 4 });
+/// Of a drive's process, within a run. An emulator keeps what it has translated.
+pub const DRIVE: Limit = Limit(Usage { rss_kib: 8 * 1024, descriptors: 2 });
+
+/// The growth of a process.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Growth {
+    /// What it held first.
+    pub first: Option<Usage>,
+    /// The most it held since.
+    pub most: Usage,
+}
+
+impl Growth {
+    /// Takes what the process holds now.
+    pub fn push(&mut self, held: Usage) {
+        self.first.get_or_insert(held);
+        self.most = Usage {
+            rss_kib: self.most.rss_kib.max(held.rss_kib),
+            descriptors: self.most.descriptors.max(held.descriptors),
+        };
+    }
+
+    /// How much more it is than at first.
+    #[must_use]
+    pub fn so_far(&self) -> Usage {
+        let first = self.first.unwrap_or(self.most);
+        Usage {
+            rss_kib: self.most.rss_kib.saturating_sub(first.rss_kib),
+            descriptors: self.most.descriptors.saturating_sub(first.descriptors),
+        }
+    }
+
+    /// What has grown beyond a limit.
+    #[must_use]
+    pub fn beyond(&self, Limit(limit): Limit) -> Option<String> {
+        let grown = self.so_far();
+        if grown.rss_kib > limit.rss_kib {
+            return Some(format!("memory grew by {} KiB, more than {} KiB", grown.rss_kib, limit.rss_kib));
+        }
+        let (more, allowed) = (grown.descriptors, limit.descriptors);
+        (more > allowed).then(|| format!("{more} descriptors more are open, more than {allowed}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMIT: Limit = Limit(Usage { rss_kib: 100, descriptors: 2 });
+
+    fn grown(held: &[(u64, u64)]) -> Option<String> {
+        let mut growth = Growth::default();
+        held.iter().for_each(|&(rss_kib, descriptors)| growth.push(Usage { rss_kib, descriptors }));
+        growth.beyond(LIMIT)
+    }
+
+    #[test]
+    fn a_process_may_grow_to_its_limit_and_no_further() {
+        assert_eq!(grown(&[(1000, 10), (1100, 12), (900, 8)]), None);
+        assert!(grown(&[(1000, 10), (1101, 10)]).is_some_and(|why| why.contains("memory grew by 101 KiB")));
+        assert!(grown(&[(1000, 10), (1000, 13)]).is_some_and(|why| why.contains("3 descriptors more")));
+    }
+
+    #[test]
+    fn growth_that_was_given_back_counts_as_well() {
+        assert!(grown(&[(1000, 10), (2000, 10), (1000, 10)]).is_some());
+    }
+
+    #[test]
+    fn memory_and_descriptors_of_this_process_are_seen_to_grow() {
+        let before = look(None).expect("this process");
+        let files: Vec<_> = (0..400).map(|_| fs::File::open("/proc/self/status").expect("a file")).collect();
+        // A block that nobody could look at would not be made.
+        let block = std::hint::black_box(vec![1_u8; 256 << 20]);
+        let after = look(None).expect("this process");
+        // Half of it, because other tests of this program run beside this one and give back what they had.
+        assert!(after.descriptors >= before.descriptors + 200, "{before:?}, {after:?}");
+        assert!(after.rss_kib > before.rss_kib + 128 * 1024, "{before:?}, {after:?}");
+        assert_eq!((files.len(), block[7]), (400, 1));
+    }
+
+    #[test]
+    fn a_process_that_is_gone_is_an_error() {
+        assert!(look(Some(u32::MAX)).is_err());
+    }
+}

@@ -1,0 +1,143 @@
+//! What is left of a record when the bench is killed, its disk is full, or nobody reads what it says.
+
+use std::fs;
+use std::os::unix::fs::symlink;
+use std::process::{Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use rustix::process::Signal;
+use tests::bench::Bench;
+use tests::paper::RUNS;
+use tests::records::Records;
+use tests::relay::{Relay, StepOutcome};
+use tests::twin::Twin;
+use tests::{program, wait, workspace};
+
+/// A relay that counts the torques that have passed.
+fn counting_relay(twin: &Twin) -> (Relay, Arc<AtomicU32>) {
+    let answered = Arc::new(AtomicU32::new(0));
+    let seen = Arc::clone(&answered);
+    let relay = Relay::start(twin.path(), move |frame| {
+        if let Some(torque) = frame.torque() {
+            seen.fetch_max(u32::from(torque.sequence) + 1, Ordering::Relaxed);
+        }
+        StepOutcome::Pass
+    });
+    (relay, answered)
+}
+
+#[test]
+fn a_killed_bench_leaves_every_row_up_to_the_last_whole_chunk() {
+    const CHUNK: usize = 64;
+    let twin = Twin::start();
+    let (relay, answered) = counting_relay(&twin);
+    let records = Records::new();
+    let (out, flush) = (records.out(), format!("record.flush_rows={CHUNK}"));
+    let arguments = ["run", "scenarios/smooth-after.toml", "--device", relay.device(), "--out", &out];
+    let bench =
+        Bench::start(arguments.into_iter().chain(["--set", "run.duration_s=100000", "--set", &flush]));
+    wait::until("a few chunks", || (answered.load(Ordering::Relaxed) > 1_000).then_some(()));
+    bench.signal(Signal::KILL);
+    assert_eq!(bench.wait().code, None);
+    let answered = answered.load(Ordering::Relaxed) as usize;
+    for rows in [records.trace().len(), records.timing().len()] {
+        assert_eq!(rows % CHUNK, 0, "chunks are whole");
+        // The last answer may not have been read, and a row is complete with the next step.
+        assert!(
+            (answered.saturating_sub(CHUNK + 2)..=answered).contains(&rows),
+            "{rows} rows of {answered} steps"
+        );
+    }
+    assert_eq!(records.summary_text(), None, "a run without a verdict leaves no summary");
+}
+
+/// A bench whose files can't become longer than this: what a full disk is to it, in the middle of its run.
+fn with_files_up_to(blocks: u32, records: &Records, settings: &[&str]) -> (Option<i32>, String) {
+    // Without the signal a write that is too long fails.
+    let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
+    let output = Command::new("sh")
+        .args(["-c", &script])
+        .arg(program::lashloop())
+        .args(["run", "scenarios/smooth-after.toml", "--device", "native", "--out", &records.out()])
+        .args(settings.iter().flat_map(|setting| ["--set", setting]))
+        .current_dir(workspace())
+        .output()
+        .expect("sh starts");
+    (output.status.code(), String::from_utf8(output.stderr).expect("UTF-8"))
+}
+
+#[test]
+fn a_disk_that_fills_up_ends_the_run_and_leaves_whole_rows() {
+    for flush_rows in ["record.flush_rows=1", "record.flush_rows=100", "record.flush_rows=1000"] {
+        let records = Records::new();
+        fs::write(records.path("summary.json"), "{}\n").expect("the summary of an earlier run");
+        let (code, stderr) = with_files_up_to(400, &records, &[flush_rows]);
+        assert_eq!(code, Some(2), "{stderr}");
+        assert!(stderr.contains("trace.csv: cannot be written: ") && stderr.lines().count() == 1, "{stderr}");
+        let rows = records.trace().len();
+        assert!(
+            (1..25_000).contains(&rows) || flush_rows.ends_with("=1000"),
+            "{rows} rows with {flush_rows}"
+        );
+        assert!(records.timing().len() <= rows + 1_000);
+        assert_eq!(records.summary_text(), None, "the old summary does not stand beside the new trace");
+    }
+}
+
+#[test]
+fn a_full_disk_at_the_start_is_named_before_anything_runs() {
+    let records = Records::new();
+    symlink("/dev/full", records.path("trace.csv")).expect("a link");
+    let (code, stderr) = with_files_up_to(1_000_000, &records, &[]);
+    assert_eq!(code, Some(2), "{stderr}");
+    assert!(stderr.contains("trace.csv: cannot be written: No space left on device"), "{stderr}");
+}
+
+#[test]
+fn a_summary_that_does_not_fit_leaves_none_and_the_trace_is_whole() {
+    // The tables of a few steps fit, and a summary of several kilobytes does not.
+    let records = Records::new();
+    let (code, stderr) = with_files_up_to(2, &records, &["run.duration_s=0.002"]);
+    assert_eq!(code, Some(2), "{stderr}");
+    assert!(stderr.contains("summary.json: cannot be written: "), "{stderr}");
+    assert_eq!((records.trace().len(), records.summary_text()), (2, None));
+    let left: Vec<_> =
+        fs::read_dir(records.out()).expect("the folder").flatten().map(|it| it.file_name()).collect();
+    assert_eq!(left.len(), 2, "nothing but the tables: {left:?}");
+}
+
+#[test]
+fn a_reader_that_has_gone_away_changes_neither_verdict_nor_record() {
+    let records = Records::new();
+    let mut bench = Command::new(program::lashloop())
+        .args(["run", &RUNS[2].scenario(), "--device", "native", "--out", &records.out()])
+        .current_dir(workspace())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("lashloop starts");
+    drop((bench.stdout.take(), bench.stderr.take()));
+    let status = wait::until("the end of the run", || bench.try_wait().expect("it can be waited for"));
+    assert_eq!(status.code(), Some(0));
+    assert_eq!((&records.summary()["verdict"], records.trace().len()), (&"PASS".into(), 25_000));
+}
+
+#[test]
+fn an_interrupted_run_with_large_chunks_loses_no_row() {
+    for signal in [Signal::INT, Signal::TERM] {
+        let twin = Twin::start();
+        let (relay, answered) = counting_relay(&twin);
+        let records = Records::new();
+        let out = records.out();
+        let arguments = ["run", "scenarios/smooth-after.toml", "--device", relay.device(), "--out", &out];
+        let never = ["--set", "run.duration_s=100000", "--set", "record.flush_rows=1000000"];
+        let bench = Bench::start(arguments.into_iter().chain(never));
+        wait::until("some steps", || (answered.load(Ordering::Relaxed) > 500).then_some(()));
+        bench.signal(signal);
+        let _ = bench.wait().with_code(3);
+        let rows = records.trace().len();
+        assert_eq!((rows, records.timing().len()), (answered.load(Ordering::Relaxed) as usize, rows));
+        assert_eq!(records.summary()["steps"].as_u64(), Some(rows as u64));
+    }
+}

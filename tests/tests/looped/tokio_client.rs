@@ -1,0 +1,106 @@
+//! A drive driven by a foreign bench: tokio, tokio-util's `Framed` and the protocol's codec, and nothing of ours beside.
+
+use std::fs::File;
+use std::time::Duration;
+
+use futures_util::{SinkExt, StreamExt};
+use lashloop_protocol::codec::Codec;
+use lashloop_protocol::enums::{Outcome, State};
+use lashloop_protocol::message::{Arm, EncoderSample, Hello, Start, Stop};
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION};
+use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
+use tests::terminal::open_near_end;
+use tests::twin::Twin;
+use tests::wait::SOON;
+use tokio::io::{AsyncRead, AsyncWrite};
+use tokio::net::unix::pipe::{Receiver, Sender};
+use tokio_util::codec::Framed;
+
+const SESSION: u32 = 0x1a5_4100;
+
+/// A terminal as tokio reads and writes it: to the reactor it is a pipe in either direction.
+fn asynchronous(terminal: File) -> impl AsyncRead + AsyncWrite + Unpin {
+    let flags = fcntl_getfl(&terminal).expect("flags of the terminal");
+    fcntl_setfl(&terminal, flags | OFlags::NONBLOCK).expect("a terminal that doesn't block");
+    let reader = terminal.try_clone().expect("a second handle");
+    let reader = Receiver::from_file_unchecked(reader).expect("a terminal to read");
+    let writer = Sender::from_file_unchecked(terminal).expect("a terminal to write");
+    tokio::io::join(reader, writer)
+}
+
+struct Line<Io>(Framed<Io, Codec<DriveMessage, HostMessage>>);
+
+impl<Io: AsyncRead + AsyncWrite + Unpin> Line<Io> {
+    async fn ask(&mut self, request: impl Into<HostMessage>) -> DriveMessage {
+        self.0.send(request.into()).await.expect("the line takes a frame");
+        self.hear().await
+    }
+
+    async fn hear(&mut self) -> DriveMessage {
+        let item = tokio::time::timeout(SOON, self.0.next()).await.expect("the drive answers in time");
+        item.expect("the line stays up").expect("the line can be read").expect("a good frame")
+    }
+
+    async fn command(&mut self, request: impl Into<HostMessage>) -> State {
+        match self.ask(request).await {
+            DriveMessage::CommandResult(result) => {
+                assert_eq!(result.outcome, Outcome::Accepted, "{result:?}");
+                result.state
+            }
+            other => panic!("a result was expected, not {other:?}"),
+        }
+    }
+}
+
+async fn converse(terminal: File) -> Vec<f32> {
+    let mut line = Line(Framed::new(asynchronous(terminal), Codec::default()));
+    let hello = Hello { protocol_version: PROTOCOL_VERSION, session: SESSION };
+    let DriveMessage::Identity(identity) = line.ask(hello).await else { panic!("an identity was expected") };
+    assert_eq!((identity.protocol_version, identity.session), (PROTOCOL_VERSION, SESSION));
+    assert_eq!((identity.board.as_str(), identity.state), ("native-twin", State::Idle));
+    assert_eq!(line.command(Arm { session: SESSION }).await, State::Armed);
+    assert_eq!(line.command(Start { session: SESSION }).await, State::Running);
+    let mut torques_nm = Vec::new();
+    let [motor_counts, load_counts] = [301, 100].map(EncoderCounts::wrapping);
+    for sequence in 0..10 {
+        // Off the reference at rest and, read at the middles of the counts, without twist: 301.5 = 3 * 100.5.
+        let sample = EncoderSample { sequence, motor_counts, load_counts, reference_rad: 0.0 };
+        let DriveMessage::TorqueAnswer(answer) = line.ask(sample).await else {
+            panic!("a torque was expected")
+        };
+        assert_eq!((answer.sequence, answer.status.state), (sequence, State::Running));
+        torques_nm.push(answer.torque_nm);
+        // By default telemetry follows every tenth torque.
+        if sequence == 0 {
+            let DriveMessage::Telemetry(telemetry) = line.hear().await else {
+                panic!("telemetry was expected")
+            };
+            assert_eq!((telemetry.sequence, telemetry.requested_torque_nm), (0, answer.torque_nm));
+        }
+    }
+    let DriveMessage::LineReport(report) = line.ask(Stop {}).await else {
+        panic!("a line report was expected")
+    };
+    // The ten samples and the stop itself.
+    assert_eq!((report.messages, report.damaged, report.refused, report.overruns), (11, 0, 0, 0));
+    let DriveMessage::CommandResult(stopped) = line.hear().await else { panic!("a result was expected") };
+    assert_eq!((stopped.outcome, stopped.state), (Outcome::Accepted, State::Idle));
+    let counters = line.0.codec().counters();
+    assert_eq!((counters.damaged(), counters.refused), (0, 0));
+    torques_nm
+}
+
+#[test]
+fn a_foreign_bench_on_tokio_runs_the_twin() {
+    let twin = Twin::start();
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+    let terminal = open_near_end(twin.path());
+    let conversation = async { tokio::time::timeout(Duration::from_secs(60), converse(terminal)).await };
+    let torques_nm = runtime.block_on(conversation).expect("the conversation ends in time");
+    // By default the drive is the plain cascade. At rest and without twist it gives -(k_p2 + N0) k_p1 theta_s.
+    let want_nm = -13.0 * 100.5 * std::f32::consts::TAU / 131_072.0;
+    assert_eq!(torques_nm.len(), 10);
+    for have_nm in torques_nm {
+        assert!((have_nm - want_nm).abs() <= 1e-6, "have {have_nm} N m, want {want_nm} N m");
+    }
+}
