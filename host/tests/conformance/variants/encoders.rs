@@ -5,7 +5,7 @@ use lashloop_protocol::message::{Arm, EncoderSample, TorqueAnswer};
 use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage};
 
 use super::{answering, each, hears, is_result_of, says, torques};
-use crate::altered::{Past, Variant};
+use crate::mutants::{Past, Variant};
 
 const WRAPS: &str = "an encoder that wraps around goes on where it was";
 const FAR: &str = "an encoder may go further than half its range from its first reading";

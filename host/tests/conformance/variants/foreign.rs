@@ -6,7 +6,7 @@ use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSI
 
 use super::encoders::is_fast;
 use super::{describing, torques};
-use crate::altered::{Past, Variant};
+use crate::mutants::{Past, Variant};
 
 const PERIOD: u8 = 1;
 /// `motor_counts_per_rev` and `load_counts_per_rev`.

@@ -7,7 +7,7 @@ use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
 
 use super::{each, hears, says};
-use crate::altered::Variant;
+use crate::mutants::Variant;
 
 pub const VARIANTS: &[Variant] = &[
     hears("stays in Boot", "Hello ends Boot", |_, request| match request {

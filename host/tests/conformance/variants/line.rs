@@ -8,7 +8,7 @@ use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
 use super::{each, says};
-use crate::altered::Variant;
+use crate::mutants::Variant;
 
 pub const VARIANTS: &[Variant] = &[
     says("answers damaged frames", "a frame with a flipped bit is not answered", |past, mut answers| {

@@ -16,7 +16,7 @@ use lashloop_protocol::message::{
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
-use crate::altered::{Past, Variant};
+use crate::mutants::{Past, Variant};
 pub use foreign::{FINE, FIXED, FIXED_CREDULOUS, SLOW};
 
 /// All of them, in the order of the battery.

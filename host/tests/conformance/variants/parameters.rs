@@ -6,7 +6,7 @@ use lashloop_protocol::text::Text;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
 use super::{describing, each, hears, reporting, says};
-use crate::altered::Variant;
+use crate::mutants::Variant;
 
 pub const VARIANTS: &[Variant] = &[
     says("has lost its watchdog", "the drive has the parameters that every bench sets", |_, answers| {

@@ -5,7 +5,7 @@ use lashloop_protocol::message::{ClearFault, EncoderSample, SetParameter};
 use lashloop_protocol::{DriveMessage, HostMessage};
 
 use super::{each, hears, says, torques};
-use crate::altered::Variant;
+use crate::mutants::Variant;
 
 pub const VARIANTS: &[Variant] = &[
     says("keeps its torque after a fault", "a sample gets torque zero in Faulted", |past, answers| {

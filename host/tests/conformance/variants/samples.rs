@@ -5,7 +5,7 @@ use lashloop_protocol::message::{EncoderSample, SetParameter, TorqueAnswer};
 use lashloop_protocol::{DriveMessage, HostMessage};
 
 use super::{answering, each, hears, is_result_of, says, telemetry, torques};
-use crate::altered::Variant;
+use crate::mutants::Variant;
 
 pub const VARIANTS: &[Variant] = &[
     says(

@@ -6,7 +6,7 @@ use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
 use super::{each, hears, is_result_of, says};
-use crate::altered::Variant;
+use crate::mutants::Variant;
 
 pub const VARIANTS: &[Variant] = &[
     hears("arms for any session", "Arm of another session is refused", |past, request| match request {
