@@ -1,6 +1,6 @@
 //! A million damaged frames. `cargo run --release -p tests --example residual_error` offers more.
 
-use crate::residual::{Damage, Table, run};
+use crate::undetected_errors::{Damage, Table, run};
 
 #[test]
 fn of_a_million_damaged_frames_none_becomes_a_message() {

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 #[path = "../tests/robustness/undetected_errors.rs"]
-mod residual;
+mod undetected_errors;
 
 const USAGE: &str = "usage: residual_error [--frames N] [--seed N]";
 
@@ -25,8 +25,8 @@ fn main() -> ExitCode {
         }
     }
     let started = Instant::now();
-    let tallies = residual::run(frames, seed);
-    print!("{}", residual::Table(&tallies));
+    let tallies = undetected_errors::run(frames, seed);
+    print!("{}", undetected_errors::Table(&tallies));
     let wrong: u64 = tallies.iter().map(|(_, tally)| tally.wrong).sum();
     println!("{wrong} wrong messages, seed {seed}, {:.0} s", started.elapsed().as_secs_f64());
     ExitCode::SUCCESS
