@@ -1,5 +1,5 @@
 //! Counts how many damaged frames pass for good ones:
-//! `cargo run --release -p tests --example residual_error -- --frames 100000000 --seed 1`.
+//! `cargo run --release -p tests --example undetected_errors -- --frames 100000000 --seed 1`.
 
 use std::env;
 use std::process::ExitCode;
@@ -8,7 +8,7 @@ use std::time::Instant;
 #[path = "../tests/robustness/undetected_errors.rs"]
 mod undetected_errors;
 
-const USAGE: &str = "usage: residual_error [--frames N] [--seed N]";
+const USAGE: &str = "usage: undetected_errors [--frames N] [--seed N]";
 
 fn main() -> ExitCode {
     let (mut frames, mut seed) = (100_000_000, 1);

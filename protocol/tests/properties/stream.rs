@@ -100,7 +100,7 @@ proptest! {
         prop_assert!(read.ends_with(&frames));
     }
 
-    /// CRC-32C lets one in 2^32 random damages through; among these cases is none. `residual_error` counts them.
+    /// CRC-32C lets one in 2^32 random damages through; among these cases is none. `undetected_errors` counts them.
     #[test]
     fn flipped_bits_make_no_other_message(body in body_of::<HostMessage>(), bits in vec(any::<Index>(), 1..40)) {
         let good = frame_around(&body);

@@ -1,4 +1,4 @@
-//! A million damaged frames. `cargo run --release -p tests --example residual_error` offers more.
+//! A million damaged frames. `cargo run --release -p tests --example undetected_errors` offers more.
 
 use crate::undetected_errors::{Damage, Table, run};
 
