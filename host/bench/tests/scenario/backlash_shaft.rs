@@ -28,7 +28,7 @@ fn with(keys: &str) -> Result<Scenario, String> {
 fn the_default_bench_stands_for_the_experiment_of_the_paper() {
     let scenario = with("").expect("a good scenario");
     let plant = scenario.plant;
-    let bench = plant.bench.expect("a bench");
+    let bench = plant.backlash_shaft.expect("a bench");
     let paper = ShaftParameters::paper();
     assert_eq!(plant.substeps, 16);
     assert_eq!(plant.load_coulomb_nm, None);
@@ -75,7 +75,7 @@ fn what_is_wrong_with_a_bench_is_said_key_by_key() {
 fn wear_grows_evenly_between_its_times_and_a_load_acts_between_its_own() {
     let keys = "[plant.wear]\ngrowth_rad = 0.2\nfrom_s = 1\nuntil_s = 3\n\
                 [plant.load_torque]\ntorque_nm = -4\nfrom_s = 1\nuntil_s = 3";
-    let bench = with(keys).expect("a good scenario").plant.bench.expect("a bench");
+    let bench = with(keys).expect("a good scenario").plant.backlash_shaft.expect("a bench");
     assert_eq!([0.0, 1.0, 2.0, 3.0, 9.0].map(|time_s| bench.wear.at_rad(time_s)), [0.0, 0.0, 0.1, 0.2, 0.2]);
     assert_eq!([0.0, 1.0, 2.9, 3.0].map(|time_s| bench.load_torque.at_nm(time_s)), [0.0, -4.0, -4.0, 0.0]);
 }
@@ -91,7 +91,7 @@ fn every_scenario_of_the_bench_is_right_and_expects_something() {
             continue;
         }
         let scenario = Scenario::from_file(&path, &[]).unwrap_or_else(|errors| panic!("{errors}"));
-        assert!(scenario.plant.bench.is_some(), "{name}");
+        assert!(scenario.plant.backlash_shaft.is_some(), "{name}");
         assert!(!scenario.expectations.is_empty(), "{name}");
         assert_eq!(scenario.encoders.load_counts_per_rev, 4000, "{name}");
         seen += 1;

@@ -23,7 +23,7 @@ fn the_default_plant_is_table_1_of_the_paper() {
         stiffness_nm_rad: 1.0,
         dead_zone_rad: 0.16,
         load_coulomb_nm: None,
-        bench: None,
+        backlash_shaft: None,
         initial: InitialState {
             load_position_rad: FRAC_PI_2,
             load_velocity_rad_s: 0.0,
