@@ -6,9 +6,9 @@ mod variants;
 use std::collections::BTreeSet;
 use std::thread;
 
-use altered::{Altered, Variant};
 use lashloop::conformance::{DeviceTime, Finding, Outcome, Watcher, run};
 use lashloop_bench::link::in_process::InProcess;
+use mutants::{Altered, Variant};
 
 #[derive(Default)]
 struct Findings(Vec<Finding>);
