@@ -7,7 +7,7 @@ use roxmltree::Document;
 use super::hysteresis::thickness;
 use super::{Laws, Run, Runs, Table, figures, page, tables};
 use lashloop_bench::record::trace::TraceRow;
-use lashloop_bench::run::simulator::Bench;
+use lashloop_bench::run::simulator::Simulator;
 use lashloop_bench::scenario::Scenario;
 use lashloop_plant::metrics::{Estimates, Measured, Measurement, Sample};
 
@@ -17,7 +17,7 @@ const PERIOD_S: f64 = 0.001;
 fn run(seconds: f64, rest_rad: f64) -> Run {
     let text = include_str!("../../../../scenarios/smooth-before.toml");
     let scenario = Scenario::from_str("smooth-before.toml", text, &[]).expect("a scenario");
-    let (_, at_rest) = Bench::new(&scenario).expect("a bench").observe(0).expect("a state");
+    let (_, at_rest) = Simulator::new(&scenario).expect("a bench").observe(0).expect("a state");
     let mut measurement = Measurement::new(PERIOD_S);
     let mut rows = Vec::new();
     for step in 0..(seconds / PERIOD_S).round() as u32 {
