@@ -163,7 +163,7 @@ fn c_type(field: &FieldLayout) -> String {
 }
 
 /// `EncoderSample` as `ENCODER_SAMPLE`.
-fn screaming(name: &str) -> String {
+pub(crate) fn screaming(name: &str) -> String {
     let mut out = String::new();
     let mut after_lower_case = false;
     for letter in name.chars() {

@@ -4,6 +4,7 @@ mod arm_toolchain;
 mod checks;
 mod codec_size;
 mod command;
+mod dissector;
 mod fuzz;
 mod header;
 mod image;
@@ -30,7 +31,8 @@ enum Chore {
     Image,
     /// Print the size of the Arm image and fail if it is beyond its limits
     Size,
-    /// Write the C header of the wire contract, protocol/include/lashloop.h, from the layouts of the messages
+    /// Write the C header of the wire contract, protocol/include/lashloop.h, and the tables of the Wireshark dissector, from the
+    /// layouts of the messages
     Header,
     /// Install what the tests need and is missing here: QEMU, tshark, a core library for Arm, and the Python package into
     /// target/python
@@ -49,7 +51,7 @@ fn main() -> ExitCode {
     let outcome = match Arguments::parse().chore {
         Chore::Image => image::build().and_then(|()| size::print().map(drop)),
         Chore::Size => size::check(),
-        Chore::Header => header::write(),
+        Chore::Header => header::write().and_then(|()| dissector::write()),
         Chore::Setup => setup::install_missing(),
         Chore::Fuzz { seconds } => fuzz::run(seconds),
         Chore::Test => return checks::run_all(),
