@@ -1,4 +1,4 @@
-//! From one encoder sample to what the controller asks for: sensing and law, built from the parameters.
+//! Encoder sample to requested torque: wraparound, sensing and control law.
 
 use core::f32::consts::TAU;
 
@@ -8,21 +8,19 @@ use lashloop_protocol::sequence::LONGEST_GAP;
 
 use super::law_from_parameters::{law, sensing_config};
 use super::parameters::Parameters;
-use crate::control::law::{Law, LawState};
-use crate::control::parameter::within;
-use crate::control::sensing::{Sample, Sensing, SensingState};
-use crate::control::{ControlOutput, Controller, ParameterError};
+use crate::control::law::Law;
+use crate::control::parameter_error::at_most;
+use crate::control::sensing::{Sample, Sensing};
+use crate::control::{ControlOutput, ParameterError};
 
-/// Most counts that a difference of two readings tells apart from a whole turn of their range, either way, but for one:
-/// an encoder may show one count more than it has turned.
-const COUNTS_TOLD_APART: f32 = (EncoderCounts::MAX.get() - 1) as f32;
+/// Largest move in counts, either way, that the difference of two readings shows without wraparound. One count is
+/// reserved: an encoder may show one count more than it has turned.
+const LARGEST_MOVE_COUNTS: f32 = (EncoderCounts::MAX.get() - 1) as f32;
 
 pub(super) struct ControlLoop {
     sensing: Sensing<f32>,
-    sensing_state: SensingState<f32>,
     law: Law<f32>,
-    law_state: LawState<f32>,
-    /// Counters of motor and load: the readings without their wraps.
+    /// Counters of motor and load: the readings without wraparound. `None` before the first sample.
     previous_counts: Option<(i32, i32)>,
     longest_gap: u16,
     motor_rad_s_per_count: f32,
@@ -30,8 +28,10 @@ pub(super) struct ControlLoop {
 }
 
 impl ControlLoop {
+    /// Sensing and law before the first sample.
+    ///
     /// # Errors
-    /// Names the parameter that does not go with the others.
+    /// If the parameters, each in its range, don't go together.
     pub(super) fn new(parameters: &Parameters) -> Result<Self, ParameterError> {
         let period_s = parameters.period_us as f32 * 1e-6;
         let sensing = Sensing::new(sensing_config(parameters, period_s))?;
@@ -44,14 +44,12 @@ impl ControlLoop {
             ("motor_speed_limit_rad_s", parameters.motor_speed_limit_rad_s, motor_rad_s_per_count),
             ("load_speed_limit_rad_s", parameters.load_speed_limit_rad_s, load_rad_s_per_count),
         ] {
-            let fastest_rad_s = COUNTS_TOLD_APART * rad_s_per_count;
-            within(name, limit_rad_s, 0.0, fastest_rad_s)?;
+            let fastest_rad_s = LARGEST_MOVE_COUNTS * rad_s_per_count;
+            at_most(name, limit_rad_s, fastest_rad_s, "half the range of a reading over the control period")?;
             longest_gap = longest_gap.min((fastest_rad_s / limit_rad_s) as u16);
         }
         Ok(Self {
-            sensing_state: sensing.initial_state(),
             sensing,
-            law_state: law.initial_state(),
             law,
             previous_counts: None,
             longest_gap,
@@ -60,13 +58,13 @@ impl ControlLoop {
         })
     }
 
-    /// Periods after which a sample is still taken.
+    /// Most periods between two samples of a run.
     pub(super) fn longest_gap(&self) -> u16 {
         self.longest_gap
     }
 
-    /// How fast motor and load must have turned at least since the last sample, in rad/s, either way; zero for the first
-    /// one. A count is taken off: an encoder that shows one count more may have turned hardly at all.
+    /// Least speeds of motor and load since the last sample, in rad/s, either way; zero at the first sample. One count
+    /// is subtracted, because an encoder at the border of two counts may show one without a motion.
     pub(super) fn speeds(&self, sample: &EncoderSample, periods: u32) -> (f32, f32) {
         let Some((motor, load)) = self.previous_counts else { return (0.0, 0.0) };
         let speed = |reading, counter, scale: f32| {
@@ -78,7 +76,7 @@ impl ControlLoop {
         )
     }
 
-    /// One control step. `applied_torque_nm` is what the motor has been given since the last one.
+    /// One control step. `applied_torque_nm` is the torque held since the last one.
     pub(super) fn step(
         &mut self,
         sample: &EncoderSample,
@@ -93,21 +91,18 @@ impl ControlLoop {
             ),
         };
         self.previous_counts = Some((motor_counts, load_counts));
-        let measurement = self.sensing.step(
-            &mut self.sensing_state,
-            &Sample {
-                motor_counts,
-                load_counts,
-                reference_rad: sample.reference_rad,
-                applied_torque_nm,
-                elapsed_periods: periods,
-            },
-        );
-        self.law.step(&mut self.law_state, &measurement)
+        let measurement = self.sensing.step(&Sample {
+            motor_counts,
+            load_counts,
+            reference_rad: sample.reference_rad,
+            applied_torque_nm,
+            elapsed_periods: periods,
+        });
+        self.law.step(&measurement)
     }
 }
 
-/// Counts that an encoder has moved from where its counter stood to this reading.
+/// Counts from a counter to a reading.
 fn moved(reading: EncoderCounts, counter: i32) -> i32 {
     reading.wrapping_sub(EncoderCounts::wrapping(counter.into()))
 }

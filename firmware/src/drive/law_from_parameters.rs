@@ -53,22 +53,15 @@ pub(super) fn law(parameters: &Parameters, period_s: f32) -> Result<Law<f32>, Pa
         load_error_gain: parameters.k_21,
         elastic_error_gain: parameters.k_22,
         initial_rad: parameters.dead_zone_initial_rad,
-        min_rad: 0.0,
         max_rad: parameters.dead_zone_max_rad,
     };
-    // A byte without a name can't get past the parameter's range; the plain cascade is the harmless reading.
-    let id = u8::try_from(parameters.controller).ok().and_then(ControllerId::from_byte);
-    Ok(match id.unwrap_or(ControllerId::Pd) {
-        ControllerId::Pd => Law::Pd(Pd::new(&model, gains)?),
-        ControllerId::MerzoukiAsPrinted => {
-            Law::MerzoukiAsPrinted(MerzoukiAsPrinted::new(&model, gains, observer, period_s)?)
-        }
+    Ok(match choice("controller", parameters.controller, ControllerId::ALL)? {
+        ControllerId::Pd => Pd::new(&model, gains).into(),
+        ControllerId::MerzoukiAsPrinted => MerzoukiAsPrinted::new(&model, gains, observer, period_s)?.into(),
         ControllerId::Merzouki => {
-            Law::Merzouki(Merzouki::new(&model, gains, observer, source(parameters), period_s)?)
+            Merzouki::new(&model, gains, observer, source(parameters)?, period_s)?.into()
         }
-        ControllerId::BacklashInverse => {
-            Law::BacklashInverse(backlash_inverse(parameters, &model, period_s)?)
-        }
+        ControllerId::BacklashInverse => backlash_inverse(parameters, &model, period_s)?.into(),
     })
 }
 
@@ -103,10 +96,23 @@ fn backlash_inverse(
     BacklashInverse::new(model, gains, setting)
 }
 
-fn source(parameters: &Parameters) -> merzouki::DisturbingTorqueSource<f32> {
-    if parameters.disturbing_torque_source == DisturbingTorqueSource::Model as u32 {
-        merzouki::DisturbingTorqueSource::NominalModel
-    } else {
-        merzouki::DisturbingTorqueSource::Observed { pole_rad_s: parameters.momentum_observer_rad_s }
-    }
+fn source(parameters: &Parameters) -> Result<merzouki::DisturbingTorqueSource<f32>, ParameterError> {
+    let source = parameters.disturbing_torque_source;
+    Ok(match choice("disturbing_torque_source", source, DisturbingTorqueSource::ALL)? {
+        DisturbingTorqueSource::Model => merzouki::DisturbingTorqueSource::NominalModel,
+        DisturbingTorqueSource::Observed => {
+            merzouki::DisturbingTorqueSource::Observed { pole_rad_s: parameters.momentum_observer_rad_s }
+        }
+    })
+}
+
+/// The value of this number in a list of the protocol, whose numbers begin at 1.
+fn choice<T: Copy>(name: &'static str, number: u32, list: &[T]) -> Result<T, ParameterError> {
+    let index = (number as usize).wrapping_sub(1);
+    list.get(index).copied().ok_or(ParameterError {
+        name,
+        value: number as f32,
+        max: list.len() as f32,
+        given_by: "the protocol's list of values",
+    })
 }
