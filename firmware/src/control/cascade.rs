@@ -5,16 +5,7 @@
 
 use crate::control::feed_forward::FeedForward;
 use crate::control::nominal_model::NominalModel;
-use crate::control::parameter::{GAIN_MAX, Limits, all_within};
-use crate::control::{ControlOutput, Measurement, ParameterError, Real};
-
-const LIMITS: [Limits; 5] = [
-    ("motor_position", 0.0, GAIN_MAX),
-    ("motor_velocity", 0.0, GAIN_MAX),
-    ("load_position", 0.0, GAIN_MAX),
-    ("load_velocity", 0.0, GAIN_MAX),
-    ("elastic", 0.0, GAIN_MAX),
-];
+use crate::control::{ControlOutput, Measurement, Real};
 
 /// Gains of the cascade.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,17 +33,6 @@ impl<F: Real> CascadeGains<F> {
             elastic: F::ONE,
         }
     }
-
-    /// Checks every gain.
-    ///
-    /// # Errors
-    /// Names the first gain outside its range.
-    pub fn validate(&self) -> Result<(), ParameterError> {
-        all_within(
-            &LIMITS,
-            [self.motor_position, self.motor_velocity, self.load_position, self.load_velocity, self.elastic],
-        )
-    }
 }
 
 /// What is added to the bare cascade.
@@ -79,18 +59,13 @@ pub struct Cascade<F> {
 
 impl<F: Real> Cascade<F> {
     /// The cascade for the mechanics of `model`.
-    ///
-    /// # Errors
-    /// Names the parameter outside its range.
-    pub fn new(model: &NominalModel<F>, gains: CascadeGains<F>) -> Result<Self, ParameterError> {
-        model.validate()?;
-        gains.validate()?;
-        Ok(Self {
+    pub fn new(model: &NominalModel<F>, gains: CascadeGains<F>) -> Self {
+        Self {
             gains,
             ratio: model.ratio,
             stiffness_nm_rad: model.stiffness_nm_rad,
             feed_forward: FeedForward::new(model),
-        })
+        }
     }
 
     /// Torque and errors at one sample.

@@ -53,7 +53,8 @@ pub struct Merzouki<F> {
 pub struct MerzoukiState<F> {
     /// Dead-zone amplitude j_hat in rad, for the next torque.
     pub dead_zone_estimate_rad: F,
-    momentum: Option<MomentumObserverState<F>>,
+    /// At its initial value unless the law observes the disturbing torque.
+    momentum: MomentumObserverState<F>,
 }
 
 impl<F: Real> Merzouki<F> {
@@ -68,15 +69,15 @@ impl<F: Real> Merzouki<F> {
         source: DisturbingTorqueSource<F>,
         period_s: F,
     ) -> Result<Self, ParameterError> {
-        observer.validate(period_s)?;
+        observer.validate()?;
         let source = match source {
             DisturbingTorqueSource::NominalModel => Source::NominalModel,
             DisturbingTorqueSource::Observed { pole_rad_s } => {
-                Source::Observed(MomentumObserver::new(model, pole_rad_s, period_s)?)
+                Source::Observed(MomentumObserver::new(model, pole_rad_s, period_s))
             }
         };
         Ok(Self {
-            cascade: Cascade::new(model, gains)?,
+            cascade: Cascade::new(model, gains),
             feed_forward: FeedForward::new(model),
             dead_zone: DeadZone::new(model),
             nominal_dead_zone_rad: model.dead_zone_rad,
@@ -94,10 +95,7 @@ impl<F: Real> Controller<F> for Merzouki<F> {
     fn initial_state(&self) -> Self::State {
         MerzoukiState {
             dead_zone_estimate_rad: self.observer.initial_rad,
-            momentum: match &self.source {
-                Source::NominalModel => None,
-                Source::Observed(observer) => Some(observer.initial_state()),
-            },
+            momentum: MomentumObserverState::at_rest(),
         }
     }
 
@@ -106,8 +104,7 @@ impl<F: Real> Controller<F> for Merzouki<F> {
         let disturbing_torque = match &self.source {
             Source::NominalModel => self.dead_zone.disturbing_torque_nm(self.nominal_dead_zone_rad, twist),
             Source::Observed(observer) => {
-                let momentum = state.momentum.get_or_insert_with(|| observer.initial_state());
-                observer.step(momentum, measurement) - self.stiffness_nm_rad * twist
+                observer.step(&mut state.momentum, measurement) - self.stiffness_nm_rad * twist
             }
         };
         let estimate = state.dead_zone_estimate_rad;

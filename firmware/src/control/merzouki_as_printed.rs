@@ -36,9 +36,8 @@ impl<F: Real> MerzoukiAsPrinted<F> {
         observer: DeadZoneObserver<F>,
         period_s: F,
     ) -> Result<Self, ParameterError> {
-        observer.validate(period_s)?;
-        let cascade = Cascade::new(model, gains)?;
-        Ok(Self { cascade, dead_zone: DeadZone::new(model), observer, period_s })
+        observer.validate()?;
+        Ok(Self { cascade: Cascade::new(model, gains), dead_zone: DeadZone::new(model), observer, period_s })
     }
 }
 

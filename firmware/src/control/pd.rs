@@ -5,7 +5,7 @@
 
 use crate::control::cascade::{Cascade, CascadeGains, Compensation};
 use crate::control::nominal_model::NominalModel;
-use crate::control::{ControlOutput, Controller, Measurement, ParameterError, Real};
+use crate::control::{ControlOutput, Controller, Measurement, Real};
 
 /// The two loops alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,11 +16,8 @@ pub struct Pd<F> {
 
 impl<F: Real> Pd<F> {
     /// The law for the mechanics of `model`.
-    ///
-    /// # Errors
-    /// Names the parameter outside its range.
-    pub fn new(model: &NominalModel<F>, gains: CascadeGains<F>) -> Result<Self, ParameterError> {
-        Ok(Self { cascade: Cascade::new(model, gains)?, nominal_dead_zone_rad: model.dead_zone_rad })
+    pub fn new(model: &NominalModel<F>, gains: CascadeGains<F>) -> Self {
+        Self { cascade: Cascade::new(model, gains), nominal_dead_zone_rad: model.dead_zone_rad }
     }
 }
 

@@ -2,7 +2,14 @@
 //!
 //! The index on the wire is the place in [`TABLE`]. Defaults are table 1 of Merzouki and Cadiou.
 
-use lashloop_protocol::enums::{Outcome, ParameterValue};
+use lashloop_protocol::EncoderCounts;
+use lashloop_protocol::enums::{ControllerId, DisturbingTorqueSource, Outcome, ParameterValue};
+
+/// Finest encoder in counts per revolution: one revolution takes the whole range of a reading.
+pub const COUNTS_PER_REV_MAX: u32 = 1 << EncoderCounts::BITS;
+
+const CONTROLLER_MAX: u32 = ControllerId::ALL.len() as u32;
+const DISTURBING_TORQUE_SOURCE_MAX: u32 = DisturbingTorqueSource::ALL.len() as u32;
 
 /// One parameter, as the host may learn it.
 pub struct Entry {
@@ -57,7 +64,7 @@ fn put<T: PartialOrd>(place: &mut T, value: T, min: T, max: T) -> Outcome {
 }
 
 macro_rules! parameters {
-    ($( $(#[doc = $doc:expr])+ $name:ident: $ty:ident = $default:literal in $min:literal..=$max:literal $unit:literal $($live:ident)?; )+) => {
+    ($( $(#[doc = $doc:expr])+ $name:ident: $ty:ident = $default:literal in $min:tt..=$max:tt $unit:literal $($live:ident)?; )+) => {
         /// The values in force.
         #[derive(Clone, Debug, PartialEq)]
         pub struct Parameters { $( $(#[doc = $doc])+ pub $name: wire!($ty), )+ }
@@ -102,13 +109,13 @@ macro_rules! is_live {
 
 parameters! {
     /// Control law: a [`ControllerId`](lashloop_protocol::enums::ControllerId).
-    controller: U32 = 1 in 1..=4 "";
+    controller: U32 = 1 in 1..=CONTROLLER_MAX "";
     /// Control period.
     period_us: U32 = 1000 in 100..=100_000 "us";
     /// Resolution of the motor encoder, after quadrature.
-    motor_counts_per_rev: U32 = 131_072 in 4..=16_777_216 "counts/rev";
+    motor_counts_per_rev: U32 = 131_072 in 4..=COUNTS_PER_REV_MAX "counts/rev";
     /// Resolution of the load encoder, after quadrature.
-    load_counts_per_rev: U32 = 131_072 in 4..=16_777_216 "counts/rev";
+    load_counts_per_rev: U32 = 131_072 in 4..=COUNTS_PER_REV_MAX "counts/rev";
 
     /// Largest torque given, either way.
     torque_limit_nm: F32 = 20.0 in 0.0..=1000.0 "N m";
@@ -146,7 +153,7 @@ parameters! {
     dead_zone_max_rad: F32 = 3.0 in 0.0..=100.0 "rad";
     /// Where the disturbing torque comes from: a
     /// [`DisturbingTorqueSource`](lashloop_protocol::enums::DisturbingTorqueSource).
-    disturbing_torque_source: U32 = 2 in 1..=2 "";
+    disturbing_torque_source: U32 = 2 in 1..=DISTURBING_TORQUE_SOURCE_MAX "";
     /// Pole of the momentum observer.
     momentum_observer_rad_s: F32 = 60.0 in 0.1..=10_000.0 "rad/s";
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use lashloop_firmware::drive::{Drive, ManualClock};
+use lashloop_firmware::drive::{Clock, Drive, ManualClock};
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
     Arm, CommandResult, EncoderSample, FaultReport, Hello, Identity, ParameterReport, SetParameter, Start,
@@ -41,8 +41,8 @@ impl Host {
     }
 
     pub fn pass(&mut self, time: Duration) {
-        self.clock.0 += time;
-        self.drive.tick(self.clock.0);
+        self.clock.advance(time);
+        self.drive.tick(self.clock.now());
     }
 
     /// Sends bytes and returns everything the drive has to say, what a tick made it say included.

@@ -51,15 +51,33 @@ fn names_and_units_reach_the_host_uncut_and_defaults_are_in_range() {
 }
 
 #[test]
-fn a_value_out_of_range_changes_nothing_and_the_old_one_is_read_back() {
+fn a_value_outside_its_range_is_rejected_and_changes_nothing() {
     let mut host = Host::idle();
-    for value in [-1.0, 1000.1, f32::NAN, f32::INFINITY] {
-        let report = host.set("torque_limit_nm", ParameterValue::F32(value));
-        assert_eq!(
-            (report.outcome, report.value),
-            (Outcome::OutOfRange, ParameterValue::F32(20.0)),
-            "{value}"
-        );
+    for entry in TABLE {
+        for value in outside(entry.min, entry.max) {
+            let report = host.set(entry.name, value);
+            assert_eq!(
+                (report.outcome, report.value),
+                (Outcome::OutOfRange, entry.default),
+                "{} = {value:?}",
+                entry.name
+            );
+        }
+    }
+}
+
+/// The nearest values outside a range, and those that are in no range.
+fn outside(min: ParameterValue, max: ParameterValue) -> Vec<ParameterValue> {
+    match (min, max) {
+        (ParameterValue::U32(min), ParameterValue::U32(max)) => {
+            [min.checked_sub(1), max.checked_add(1)].into_iter().flatten().map(ParameterValue::U32).collect()
+        }
+        (ParameterValue::F32(min), ParameterValue::F32(max)) => {
+            [min.next_down(), max.next_up(), f32::NAN, f32::INFINITY, f32::NEG_INFINITY]
+                .map(ParameterValue::F32)
+                .to_vec()
+        }
+        other => panic!("{other:?}"),
     }
 }
 

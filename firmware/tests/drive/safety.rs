@@ -35,7 +35,7 @@ fn missing_samples_trip_the_watchdog_and_the_torque_goes_to_zero() {
 #[test]
 fn a_sample_after_the_watchdog_s_time_is_too_late_even_without_a_tick() {
     let mut host = pushing();
-    host.clock.0 += Duration::from_millis(21);
+    host.clock.advance(Duration::from_millis(21));
     let answers = host.sample(1, MOTOR, LOAD);
     assert_eq!(host.drive.torque_nm(), 0.0);
     assert_eq!(fault(&answers).code, FaultCode::Watchdog);
@@ -82,7 +82,7 @@ fn the_first_fault_is_the_one_that_is_told_again() {
 #[test]
 fn a_late_sample_is_answered_before_its_fault_is_told() {
     let mut host = pushing();
-    host.clock.0 += Duration::from_secs(1);
+    host.clock.advance(Duration::from_secs(1));
     let answers = host.sample(1, MOTOR, LOAD);
     assert_eq!((torque(&answers).torque_nm, torque(&answers).status.state), (0.0, State::Faulted));
     assert!(matches!(answers[1], DriveMessage::FaultReport(_)), "{answers:?}");

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use lashloop_firmware::drive::parameters::{Parameters, TABLE};
-use lashloop_firmware::drive::{Drive, ManualClock};
+use lashloop_firmware::drive::{Clock, Drive, ManualClock};
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::message::{CommandResult, EncoderSample, FaultReport, ParameterReport, Reset};
 use lashloop_protocol::wire::Payload;
@@ -120,10 +120,10 @@ impl Watched {
     fn pass(&mut self, time: Duration) {
         let (before, due) = (self.drive.state(), self.drive.next_tick());
         assert_eq!(due.is_some(), before == State::Running, "ticks are asked for while running");
-        self.clock.0 += time;
-        self.drive.tick(self.clock.0);
+        self.clock.advance(time);
+        self.drive.tick(self.clock.now());
         self.look(before, &Cause::Nothing);
-        if due.is_some_and(|due| self.clock.0 > due) {
+        if due.is_some_and(|due| self.clock.now() > due) {
             assert_eq!(self.drive.state(), State::Faulted, "the watchdog trips");
         }
     }

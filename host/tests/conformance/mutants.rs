@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use lashloop_bench::link::{Link, LinkError};
-use lashloop_firmware::drive::{Drive, ManualClock};
+use lashloop_firmware::drive::{Clock, Drive, ManualClock};
 use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 
@@ -77,7 +77,7 @@ impl Altered {
 
     fn hear(&mut self, frame: &[u8]) {
         if !self.variant.timeless {
-            self.clock.0 += REQUEST;
+            self.clock.advance(REQUEST);
         }
         let request = Decoder::new().next::<HostMessage>(&mut &*frame);
         self.past.damaged = matches!(request, Some(Err(_)));
@@ -133,10 +133,10 @@ impl Link for Altered {
             && !self.variant.timeless
         {
             let bearable = deadline.saturating_duration_since(Instant::now());
-            let wait = (due + PAST).saturating_sub(self.clock.0).min(bearable);
+            let wait = (due + PAST).saturating_sub(self.clock.now()).min(bearable);
             std::thread::sleep(wait);
-            self.clock.0 += wait;
-            self.drive.tick(self.clock.0);
+            self.clock.advance(wait);
+            self.drive.tick(self.clock.now());
             (self.past.request, self.past.damaged) = (None, false);
             let answers = self.listen();
             self.say(answers);

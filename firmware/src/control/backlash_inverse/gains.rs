@@ -1,22 +1,7 @@
 //! What may be tuned in the backlash inverse.
 
-use crate::control::parameter::{GAIN_MAX, Limits, all_within, within};
+use crate::control::parameter_error::at_most;
 use crate::control::{ParameterError, Real};
-
-/// What each of them may be, but for the two that depend on the period.
-const LIMITS: [Limits; 11] = [
-    ("approach_rate_1_s", 0.0, GAIN_MAX),
-    ("approach_speed_rad_s", 0.0, GAIN_MAX),
-    ("load_velocity_gain_nm_s_rad", 0.0, GAIN_MAX),
-    ("load_integral_gain_nm_rad", 0.0, GAIN_MAX),
-    ("load_integral_limit_nm", 0.0, GAIN_MAX),
-    ("transmitted_limit_nm", 0.0, GAIN_MAX),
-    ("gap_crossing_nm", 1e-6, GAIN_MAX),
-    ("twist_gain_nm_rad", 0.0, GAIN_MAX),
-    ("identification_min_nm", 0.0, GAIN_MAX),
-    ("arrival_band_rad", 0.0, 1.0),
-    ("hold_fraction", 0.0, 1.0),
-];
 
 /// Gains and limits of the backlash inverse.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,32 +54,24 @@ impl<F: Real> BacklashInverseGains<F> {
         }
     }
 
-    /// Checks every gain, and those that the period and the motor's inertia set a limit to.
+    /// Checks the gains that the period and the motor's inertia limit.
     ///
     /// # Errors
-    /// Names the first gain outside its range.
+    /// Names the first gain beyond its limit.
     pub fn validate(&self, motor_inertia_kg_m2: F, period_s: F) -> Result<(), ParameterError> {
-        all_within(
-            &LIMITS,
-            [
-                self.approach_rate_1_s,
-                self.approach_speed_rad_s,
-                self.load_velocity_gain_nm_s_rad,
-                self.load_integral_gain_nm_rad,
-                self.load_integral_limit_nm,
-                self.transmitted_limit_nm,
-                self.gap_crossing_nm,
-                self.twist_gain_nm_rad,
-                self.identification_min_nm,
-                self.arrival_band_rad,
-                self.hold_fraction,
-            ],
+        // A held torque damps the motor within one period at most; a larger gain reverses the motion every period.
+        at_most(
+            "twist_damping_nm_s_rad",
+            self.twist_damping_nm_s_rad,
+            motor_inertia_kg_m2 / period_s,
+            "motor_inertia_kg_m2 over the control period",
         )?;
-        // A held torque damps the motor within one period at most; beyond that it drives it to and fro.
-        let damping_max = (motor_inertia_kg_m2 / period_s).to_f64() as f32;
-        within("twist_damping_nm_s_rad", self.twist_damping_nm_s_rad, 0.0, damping_max)?;
-        // The observer is advanced by Euler's rule, which is unstable beyond 2 / period and coarse long before.
-        let pole_max = (F::from_f64(0.5) / period_s).to_f64() as f32;
-        within("load_observer_rad_s", self.load_observer_rad_s, 0.1, pole_max)
+        // Euler's rule advances the observer: it is unstable beyond 2 / period and coarse long before.
+        at_most(
+            "load_observer_rad_s",
+            self.load_observer_rad_s,
+            F::from_f64(0.5) / period_s,
+            "half of 1 over the control period",
+        )
     }
 }

@@ -37,7 +37,7 @@ use motor_friction::MotorFriction;
 
 use crate::control::momentum_observer::{MomentumObserver, MomentumObserverState};
 use crate::control::nominal_model::NominalModel;
-use crate::control::parameter::within;
+use crate::control::parameter_error::at_most;
 use crate::control::real::alpha;
 use crate::control::{ControlOutput, Controller, Measurement, ParameterError, Real};
 
@@ -114,11 +114,9 @@ impl<F: Real> BacklashInverse<F> {
         setting: BacklashInverseSetting<F>,
     ) -> Result<Self, ParameterError> {
         let BacklashInverseSetting { momentum_observer_rad_s, period_s, .. } = setting;
-        let momentum = MomentumObserver::new(model, momentum_observer_rad_s, period_s)?;
         gains.validate(model.motor_inertia_kg_m2, period_s)?;
-        within("dead_zone_max_rad", setting.dead_zone_max_rad, 0.0, 100.0)?;
-        let max_rad = setting.dead_zone_max_rad.to_f64() as f32;
-        within("dead_zone_initial_rad", setting.dead_zone_initial_rad, 0.0, max_rad)?;
+        let (initial_rad, max_rad) = (setting.dead_zone_initial_rad, setting.dead_zone_max_rad);
+        at_most("dead_zone_initial_rad", initial_rad, max_rad, "dead_zone_max_rad")?;
         let gains = BacklashInverseGains {
             transmitted_limit_nm: gains
                 .transmitted_limit_nm
@@ -127,12 +125,12 @@ impl<F: Real> BacklashInverse<F> {
         };
         Ok(Self {
             load_loop: LoadLoop::new(model, gains, setting.load_resolution_rad, period_s),
-            momentum,
+            momentum: MomentumObserver::new(model, momentum_observer_rad_s, period_s),
             load_observer: LoadObserver::new(model, gains.load_observer_rad_s, period_s),
             identification: Identification {
                 nominal_rad_nm: F::ONE / model.stiffness_nm_rad,
-                initial_rad: setting.dead_zone_initial_rad,
-                max_rad: setting.dead_zone_max_rad,
+                initial_rad,
+                max_rad,
                 min_torque_nm: gains.identification_min_nm,
                 wander_rad2: F::from_f64(GAP_WANDER_RAD2),
             },
@@ -155,7 +153,7 @@ impl<F: Real> Controller<F> for BacklashInverse<F> {
         BacklashInverseState {
             estimate: self.identification.initial_estimate(),
             load_loop: LoadLoop::initial_state(),
-            momentum: self.momentum.initial_state(),
+            momentum: MomentumObserverState::at_rest(),
             observers: None,
         }
     }

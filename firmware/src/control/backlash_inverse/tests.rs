@@ -149,14 +149,20 @@ fn parameters_that_do_not_go_together_are_refused_by_name() {
     let slow = BacklashInverseSetting { period_s: 0.01, ..setting() };
     assert_eq!(
         refused(damped, slow),
-        "control parameter twist_damping_nm_s_rad is 0.1, allowed is 0 to 0.0972"
+        "control parameter twist_damping_nm_s_rad is 0.1, allowed is at most 0.0972, \
+         given by motor_inertia_kg_m2 over the control period"
     );
     let fast = BacklashInverseGains { load_observer_rad_s: 51.0, ..gains };
-    assert_eq!(refused(fast, slow), "control parameter load_observer_rad_s is 51, allowed is 0.1 to 50");
-    let unbounded = BacklashInverseGains { hold_fraction: 1.5, ..gains };
-    assert_eq!(refused(unbounded, setting()), "control parameter hold_fraction is 1.5, allowed is 0 to 1");
+    assert_eq!(
+        refused(fast, slow),
+        "control parameter load_observer_rad_s is 51, allowed is at most 50, \
+         given by half of 1 over the control period"
+    );
     let wide = BacklashInverseSetting { dead_zone_initial_rad: 3.5, ..setting() };
-    assert_eq!(refused(gains, wide), "control parameter dead_zone_initial_rad is 3.5, allowed is 0 to 3");
-    let missing = BacklashInverseGains { gap_crossing_nm: f64::NAN, ..gains };
-    assert!(refused(missing, setting()).starts_with("control parameter gap_crossing_nm is NaN"));
+    assert_eq!(
+        refused(gains, wide),
+        "control parameter dead_zone_initial_rad is 3.5, allowed is at most 3, given by dead_zone_max_rad"
+    );
+    let missing = BacklashInverseGains { load_observer_rad_s: f64::NAN, ..gains };
+    assert!(refused(missing, setting()).starts_with("control parameter load_observer_rad_s is NaN"));
 }
