@@ -56,7 +56,7 @@ fn uncounted(outcome: &Outcome) -> Option<String> {
 mod tests {
     use super::*;
     use crate::soak::scenario_with as scenario;
-    use lashloop_bench::fault::timeline::FaultRecord;
+    use lashloop_bench::fault::log::FaultRecord;
     use lashloop_bench::timing::{ClockName, Timings};
     use lashloop_bench::verdict::Judgement;
     use lashloop_plant::metrics::Measurement;

@@ -1,7 +1,7 @@
 //! The scenario of each run.
 
 use lashloop_bench::scenario::Scenario;
-use lashloop_bench::scenario::fault::{Fault, FaultKind, Side, Way};
+use lashloop_bench::scenario::fault::{EncoderFault, FaultKind, FrameFault, InjectedFault, Side, Way};
 
 /// Share of frames that are hit, level by level. Level 0 is the scenario itself.
 pub const SHARES: [f64; 6] = [0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2];
@@ -34,34 +34,28 @@ pub fn scenario(of_the_user: &Scenario, run: u64) -> Scenario {
     scenario
 }
 
-fn faults(scenario: &Scenario, level: usize) -> Vec<Fault> {
+fn faults(scenario: &Scenario, level: usize) -> Vec<InjectedFault> {
     let (run, share, level) = (&scenario.run, SHARES[level], level as u32);
     let (way, duration_s, period_s) = (Way::Both, run.duration_s, run.control_period_s());
     // Two frames in a step. All of it is over before the end, so the counts of both sides are complete.
     let for_s = (HITS / (2.0 * share) * period_s).min(0.8 * duration_s);
-    let fault = |at: f64, for_s: f64, name, kind| Fault {
+    let fault = |at: f64, for_s: f64, kind| InjectedFault {
         at_s: at * duration_s,
         for_s: Some(for_s.min((0.95 - at) * duration_s)),
-        name,
         kind,
     };
+    let frame = |fault| FaultKind::Frame { fault, way };
     let steps = |count: u32| f64::from(count) * period_s;
     vec![
-        fault(0.1, for_s, "link-bit-flip", FaultKind::LinkBitFlip { way, share }),
-        fault(0.1, for_s, "link-byte-loss", FaultKind::LinkByteLoss { way, share }),
-        fault(0.1, for_s, "link-duplicate", FaultKind::LinkDuplicate { way, share: 10.0 * share }),
-        fault(
-            0.5,
-            steps(20),
-            "link-delay",
-            FaultKind::LinkDelay { way, delay_ms: 0.2 * f64::from(level), jitter_ms: 0.5 },
-        ),
-        fault(0.6, steps(level), "link-stall", FaultKind::LinkStall { way }),
+        fault(0.1, for_s, frame(FrameFault::BitFlip { share })),
+        fault(0.1, for_s, frame(FrameFault::ByteLoss { share })),
+        fault(0.1, for_s, frame(FrameFault::Duplicate { share: 10.0 * share })),
+        fault(0.5, steps(20), frame(FrameFault::Delay { delay_ms: 0.2 * f64::from(level), jitter_ms: 0.5 })),
+        fault(0.6, steps(level), frame(FrameFault::Stall {})),
         fault(
             0.3,
             0.3 * duration_s,
-            "encoder-noise",
-            FaultKind::EncoderNoise { side: Side::Load, counts: level },
+            FaultKind::Encoder { fault: EncoderFault::Noise { counts: level }, side: Side::Load },
         ),
     ]
 }
@@ -87,7 +81,7 @@ mod tests {
         let shares = (0..7).map(|run| {
             let scenario = scenario(&of_the_user(&[]), run);
             scenario.faults.iter().find_map(|fault| match fault.kind {
-                FaultKind::LinkBitFlip { share, .. } => Some(share),
+                FaultKind::Frame { fault: FrameFault::BitFlip { share }, .. } => Some(share),
                 _ => None,
             })
         });

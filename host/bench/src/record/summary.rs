@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::atomic_file::WriteError;
 use crate::atomic_file::write_whole;
-use crate::fault::timeline::FaultRecord;
+use crate::fault::log::FaultRecord;
 use crate::timing::TimingReport;
 use crate::verdict::{Finding, LinkCounts, Verdict};
 use lashloop_plant::metrics::Metrics;

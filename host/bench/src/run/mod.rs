@@ -24,6 +24,7 @@ mod step_sink;
 
 use crate::atomic_file::WriteError;
 use crate::device::DeviceError;
+use crate::fault::timeline::UnsupportedFault;
 use crate::scenario::ScenarioError;
 use lashloop_plant::{ParameterError, PlantError};
 
@@ -71,15 +72,8 @@ pub enum RunError {
     #[error(transparent)]
     Record(#[from] WriteError),
     /// A fault of the scenario can't be applied.
-    #[error("fault {kind} at {at_s} s can't be applied here: {reason}")]
-    Fault {
-        /// What it is.
-        kind: &'static str,
-        /// When it should have been.
-        at_s: f64,
-        /// Why, and what to do.
-        reason: &'static str,
-    },
+    #[error(transparent)]
+    Fault(#[from] UnsupportedFault),
     /// The record is slower than the run.
     #[error("{steps} steps wait to be recorded: write to a faster disk, or leave --out and --capture away")]
     RecordBehind {

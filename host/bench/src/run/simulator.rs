@@ -7,9 +7,9 @@ use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::of_step;
 
 use super::{RunError, plant_from_scenario};
-use crate::fault::actuator::ActuatorFaults;
-use crate::fault::plant::GearFaults;
-use crate::fault::sensor::SensorFaults;
+use crate::fault::encoder::EncoderFaults;
+use crate::fault::motor::MotorFaults;
+use crate::fault::plant::PlantFaults;
 use crate::record::trace::TraceRow;
 use crate::scenario::Scenario;
 use crate::scenario::plant::PlantSettings;
@@ -32,9 +32,9 @@ pub struct Simulator {
     settings: PlantSettings,
     delay: TransportDelay,
     period_s: f64,
-    sensors: SensorFaults,
-    actuator: ActuatorFaults,
-    gears: GearFaults,
+    sensors: EncoderFaults,
+    actuator: MotorFaults,
+    gears: PlantFaults,
     /// The plants that faults make of this one, and from which step on.
     next_plants: VecDeque<(u32, AnyPlant)>,
 }
@@ -47,9 +47,8 @@ impl Simulator {
     pub fn new(scenario: &Scenario) -> Result<Self, RunError> {
         let period_s = scenario.run.control_period_s();
         let plant = plant_from_scenario::profile(&scenario.plant, period_s)?;
-        let gears = GearFaults::new(scenario);
-        let next_plants = gears.changes().into_iter().map(|step| {
-            let settings = gears.settings(step, &scenario.plant);
+        let gears = PlantFaults::new(scenario);
+        let next_plants = gears.changes(&scenario.plant).into_iter().map(|(step, settings)| {
             plant_from_scenario::profile(&settings, period_s).map(|plant| (step, plant))
         });
         let initial = &scenario.plant.initial;
@@ -71,8 +70,8 @@ impl Simulator {
             counts: [0; 2],
             reference: scenario.reference.clone(),
             settings: scenario.plant.clone(),
-            sensors: SensorFaults::new(scenario),
-            actuator: ActuatorFaults::new(scenario),
+            sensors: EncoderFaults::new(scenario),
+            actuator: MotorFaults::new(scenario),
             next_plants: next_plants.collect::<Result<_, _>>()?,
             gears,
             delay: TransportDelay::new(
@@ -95,8 +94,9 @@ impl Simulator {
             self.plant = plant;
         }
         if let Some(mut surroundings) = plant_from_scenario::surroundings(&self.settings, time_s) {
-            surroundings.dead_zone_rad += self.gears.growth_rad(step);
-            surroundings.load_torque_nm += self.gears.load_torque_nm(step);
+            let faulty = self.gears.at(step, &self.settings);
+            surroundings.dead_zone_rad += faulty.growth_rad;
+            surroundings.load_torque_nm += faulty.load_torque_nm;
             self.plant.surround(&mut self.state, surroundings)?;
         }
         let truth = self.plant.truth(&self.state)?;

@@ -44,7 +44,7 @@ pub use self::overrides::Override;
 use self::controller::ControllerSettings;
 use self::error::Origin;
 use self::expectation::Expectation;
-use self::fault::Fault;
+use self::fault::InjectedFault;
 use self::plant::PlantSettings;
 use self::reader::Section;
 use self::sections::{
@@ -83,7 +83,7 @@ pub struct Scenario {
     pub record: RecordSettings,
     /// What goes wrong, and when.
     #[serde(rename = "fault", skip_serializing_if = "Vec::is_empty")]
-    pub faults: Vec<Fault>,
+    pub faults: Vec<InjectedFault>,
     /// What has to come out.
     #[serde(rename = "expect")]
     pub expectations: Vec<Expectation>,

@@ -1,52 +1,27 @@
-//! Faults of the line, as a middleware between the bench and any link.
-//!
-//! Frames are hit as wholes: whether one is hit, and where, is drawn once for it, whatever pieces it comes in. Held frames
-//! wait in queues of fixed size; a line that would have to hold more loses the oldest.
+//! The middleware: impairments of both directions, and cuts of the connection.
 
-mod impairment;
-
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::at_place;
+use super::impairment::Impairment;
+use super::link_faults::LinkFaults;
+use crate::fault::schedule::scheduled;
 use crate::link::{Link, LinkError};
 use crate::scenario::Scenario;
-use crate::scenario::fault::{FaultKind, Place};
-use impairment::Impairment;
-
-/// No step is under way.
-const NONE: u32 = u32::MAX;
-
-/// What loop and line share.
-#[derive(Clone)]
-pub struct LinkFaults(Arc<Shared>);
-
-struct Shared {
-    step: AtomicU32,
-    /// Frames hit, by the number of the fault in the scenario.
-    hits: Vec<AtomicU64>,
-}
+use crate::scenario::fault::{FaultKind, LinkFault};
 
 impl LinkFaults {
-    /// For the faults of a scenario; `None` if none is on the line.
-    #[must_use]
-    pub fn new(scenario: &Scenario) -> Option<Self> {
-        at_place(scenario, Place::Link).next()?;
-        let hits = scenario.faults.iter().map(|_| AtomicU64::new(0)).collect();
-        Some(Self(Arc::new(Shared { step: AtomicU32::new(NONE), hits })))
-    }
-
-    /// Puts the faults on a line.
+    /// Puts the faults of a scenario on a link.
     #[must_use]
     pub fn wrap(&self, link: Box<dyn Link>, scenario: &Scenario) -> Box<dyn Link> {
-        let cuts = at_place(scenario, Place::Link).filter(|(_, _, kind)| *kind == FaultKind::LinkCut {});
-        let cuts = cuts.map(|(number, schedule, _)| {
-            let for_s = scenario.faults[number].for_s.unwrap_or_default();
-            Cut { number, from: schedule.from, lasts: Duration::from_secs_f64(for_s), over_at: None }
+        let connection = |kind| if let FaultKind::Link(fault) = kind { Some(fault) } else { None };
+        let cuts = scheduled(scenario, connection).map(|(index, schedule, fault)| match fault {
+            LinkFault::Cut {} => {
+                let for_s = scenario.faults[index].for_s.unwrap_or_default();
+                Cut { index, from: schedule.from, lasts: Duration::from_secs_f64(for_s), over_at: None }
+            }
         });
-        Box::new(Faulty {
+        Box::new(FaultyLink {
             link,
             shared: self.clone(),
             to_drive: Impairment::new(scenario, true),
@@ -55,36 +30,19 @@ impl LinkFaults {
             inbox: Box::new([0; 4096]),
         })
     }
-
-    pub(in crate::fault) fn set_step(&self, step: Option<u32>) {
-        self.0.step.store(step.unwrap_or(NONE), Ordering::Relaxed);
-    }
-
-    /// Frames that a fault has hit, by its number in the scenario.
-    #[must_use]
-    pub fn hits(&self, fault: usize) -> u64 {
-        self.0.hits[fault].load(Ordering::Relaxed)
-    }
-
-    fn step(&self) -> Option<u32> {
-        Some(self.0.step.load(Ordering::Relaxed)).filter(|step| *step != NONE)
-    }
-
-    fn count(&self, fault: usize) {
-        self.0.hits[fault].fetch_add(1, Ordering::Relaxed);
-    }
 }
 
 struct Cut {
-    number: usize,
+    index: usize,
     from: u32,
-    /// By the clock on the wall: while the line is cut there may be no steps.
+    /// Wall-clock time, since there may be no steps during the cut.
     lasts: Duration,
+    /// When the cut ends; `None` before it begins.
     over_at: Option<Instant>,
 }
 
-/// A link that things go wrong on.
-struct Faulty {
+/// A link with faults on it.
+struct FaultyLink {
     link: Box<dyn Link>,
     shared: LinkFaults,
     to_drive: Impairment,
@@ -93,13 +51,13 @@ struct Faulty {
     inbox: Box<[u8; 4096]>,
 }
 
-impl Faulty {
+impl FaultyLink {
     fn check_cuts(&mut self) -> Result<(), LinkError> {
         let (step, now) = (self.shared.step(), Instant::now());
         for cut in &mut self.cuts {
             if cut.over_at.is_none() && step.is_some_and(|step| step >= cut.from) {
                 cut.over_at = Some(now + cut.lasts);
-                self.shared.count(cut.number);
+                self.shared.count_hit(cut.index);
                 self.to_drive.clear();
                 self.to_bench.clear();
             }
@@ -119,7 +77,7 @@ impl Faulty {
     }
 }
 
-impl Link for Faulty {
+impl Link for FaultyLink {
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         self.check_cuts()?;
         self.to_drive.admit(bytes, &self.shared, Instant::now());
@@ -141,14 +99,14 @@ impl Link for Faulty {
             self.to_bench.admit(&self.inbox[..count], &self.shared, Instant::now());
             if count == 0 {
                 if self.to_drive.is_empty() && self.to_bench.is_empty() {
-                    // The link has waited as long as it is going to.
+                    // The link itself has waited up to the deadline.
                     return Ok(0);
                 }
                 let now = Instant::now();
                 if now >= deadline {
                     return Ok(0);
                 }
-                // A drive in process has nothing to wait for.
+                // An in-process drive's link never waits.
                 thread::sleep(until.saturating_duration_since(now));
             }
         }

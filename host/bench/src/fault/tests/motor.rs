@@ -1,11 +1,11 @@
 //! Faults of the motor.
 
 use super::scenario;
-use crate::fault::actuator::ActuatorFaults;
+use crate::fault::motor::MotorFaults;
 
 /// What the motor makes of the torques 1, 2, 3 and so on.
 fn given(faults: &[&str]) -> Vec<f32> {
-    let mut faults = ActuatorFaults::new(&scenario(faults));
+    let mut faults = MotorFaults::new(&scenario(faults));
     (0..6_u8).map(|step| faults.apply(step.into(), f32::from(step) + 1.0)).collect()
 }
 
@@ -19,7 +19,7 @@ fn one(fault: &str) -> Vec<f32> {
 fn saturation_limits_either_way() {
     assert_eq!(one("kind = \"torque-saturation\"\nlimit_nm = 3.5"), [1.0, 2.0, 3.0, 3.5, 3.5, 6.0]);
     let scenario = scenario(&["kind = \"torque-saturation\"\nlimit_nm = 3.5\nat_s = 0"]);
-    assert_eq!(ActuatorFaults::new(&scenario).apply(0, -9.0), -3.5);
+    assert_eq!(MotorFaults::new(&scenario).apply(0, -9.0), -3.5);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::message::EncoderSample;
 
 use super::{scenario, seeded};
-use crate::fault::sensor::SensorFaults;
+use crate::fault::encoder::EncoderFaults;
 use crate::scenario::Scenario;
 
 fn sample(motor_counts: i32) -> EncoderSample {
@@ -14,7 +14,7 @@ fn sample(motor_counts: i32) -> EncoderSample {
 
 /// What the drive sees of an encoder of the motor that counts these.
 fn seen_in(scenario: &Scenario, counts: impl IntoIterator<Item = i32>) -> Vec<i32> {
-    let mut faults = SensorFaults::new(scenario);
+    let mut faults = EncoderFaults::new(scenario);
     let mut step = 0;
     let see = |motor_counts| {
         let mut sample = sample(motor_counts);
@@ -98,7 +98,7 @@ fn a_reversed_encoder_counts_the_wrong_way_from_where_it_was() {
 
 #[test]
 fn faults_of_both_encoders_keep_to_their_side() {
-    let faults = SensorFaults::new(&scenario(&["kind = \"encoder-dead\"\nside = \"load\"\nat_s = 0"]));
+    let faults = EncoderFaults::new(&scenario(&["kind = \"encoder-dead\"\nside = \"load\"\nat_s = 0"]));
     let mut sample = sample(5);
     { faults }.apply(0, &mut sample);
     assert_eq!((sample.motor_counts.get(), sample.load_counts.get()), (5, 0));
