@@ -42,10 +42,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 OTHER = SESSION ^ 1
-ORDER_OF_ANSWERS = (
-    "A drive answers every whole request at once, in the order of arrival, "
-    "with the messages of this table in this order:"
-)
+ORDER_OF_ANSWERS = "### Answers"
 HELLO = Hello(PROTOCOL_VERSION, SESSION)
 ENTER: dict[str, Callable[[], Bench]] = {
     "Boot": Bench,
