@@ -21,8 +21,7 @@ pub mod timeline;
 #[cfg(test)]
 pub(crate) mod tests;
 
-use rand_pcg::Pcg64Mcg;
-use rand_pcg::rand_core::{Rng, SeedableRng};
+use lashloop_plant::random::{Pcg64Mcg, SeedableRng, uniform as draw};
 
 use crate::scenario::Scenario;
 use crate::scenario::fault::{Fault, FaultKind, Place};
@@ -68,11 +67,6 @@ fn at_place(scenario: &Scenario, place: Place) -> impl Iterator<Item = (usize, S
 fn random_stream(scenario: &Scenario, fault: usize, way: u64) -> Pcg64Mcg {
     const STREAM: u64 = 0xd1b5_4a32_d192_ed03;
     Pcg64Mcg::seed_from_u64(scenario.run.seed ^ STREAM.wrapping_mul(2 * fault as u64 + way + 1))
-}
-
-/// Evenly in [0, 1).
-fn draw(random: &mut Pcg64Mcg) -> f64 {
-    (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }
 
 /// Evenly below `end`, which is far below 2^32.
