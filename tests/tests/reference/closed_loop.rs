@@ -6,7 +6,7 @@
 use lashloop_firmware::control::law::Law;
 use lashloop_firmware::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig};
 use lashloop_firmware::control::{Measurement, Real};
-use lashloop_plant::encoder::{Encoder, EncoderState};
+use lashloop_plant::encoder::Encoder;
 use lashloop_plant::{Plant, Start, Truth};
 
 /// One sample of a trajectory.
@@ -71,8 +71,7 @@ impl<F: Real> Sensors<F> for Ideal {
 
 /// Two encoders and the drive's own sensing.
 pub(crate) struct Quantised<F> {
-    encoder: Encoder,
-    encoder_states: [EncoderState; 2],
+    encoders: [Encoder; 2],
     sensing: Sensing<F>,
 }
 
@@ -83,7 +82,7 @@ impl<F: Real> Quantised<F> {
         load_bandwidth_rad_s: f64,
         period_s: f64,
     ) -> Self {
-        let encoder = Encoder::new(counts, 0.0).expect("valid encoder");
+        let encoders = [1, 2].map(|seed| Encoder::new(counts, 0.0, seed).expect("valid encoder"));
         let channel = |bandwidth| EncoderConfig {
             counts_per_revolution: counts,
             velocity_bandwidth_rad_s: F::from_f64(bandwidth),
@@ -95,16 +94,16 @@ impl<F: Real> Quantised<F> {
             period_s: F::from_f64(period_s),
         })
         .expect("valid sensing");
-        Self { encoder, encoder_states: [encoder.initial_state(1), encoder.initial_state(2)], sensing }
+        Self { encoders, sensing }
     }
 }
 
 impl<F: Real> Sensors<F> for Quantised<F> {
     fn measure(&mut self, truth: &Truth, reference: Reference, applied_torque_nm: f64) -> Measurement<F> {
-        let [motor, load] = &mut self.encoder_states;
+        let [motor, load] = &mut self.encoders;
         let sample = Sample {
-            motor_counts: self.encoder.step(motor, truth.motor_position_rad) as i32,
-            load_counts: self.encoder.step(load, truth.load_position_rad) as i32,
+            motor_counts: motor.read(truth.motor_position_rad) as i32,
+            load_counts: load.read(truth.load_position_rad) as i32,
             reference_rad: F::from_f64(reference.position_rad),
             applied_torque_nm: F::from_f64(applied_torque_nm),
             elapsed_periods: 1,

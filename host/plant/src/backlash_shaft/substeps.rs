@@ -1,33 +1,31 @@
-//! How many substeps the explicit method needs to stay stable.
+//! The number of substeps that keeps the explicit method stable.
 //!
-//! The current loop and the relaxing shaft are taken from their closed forms and need none. What is left are the shaft in
-//! contact and LuGre's bristles, which slide off the faster the faster the load moves.
+//! Current loop and relaxing shaft come from their closed forms and need none. The shaft in contact does, and so do LuGre's
+//! bristles, which slide off faster as the load moves faster.
 
-use super::BacklashShaft;
+use super::shaft::BacklashShaft;
 use crate::PlantError;
+use crate::limits::MAX_SUBSTEPS;
 
-/// Largest number of substeps in a step.
-pub const MAX_SUBSTEPS: u32 = 4096;
-
-/// Largest product of fastest rate and substep. Runge-Kutta of fourth order is stable up to 2.78; what is left is for a
-/// load that gains speed within the step.
+/// Largest product of fastest rate and substep. Runge-Kutta of fourth order is stable up to 2.78; the margin is for
+/// a load that accelerates within the step.
 const STABLE: f64 = 1.8;
 
 impl BacklashShaft {
-    /// Substeps for a step of `dt_s` from a load velocity on: those that were asked for, or more if stability needs them.
+    /// Substeps for a step of `dt_s` that begins at a load velocity: as configured, or more if stability needs more.
     ///
     /// # Errors
-    /// It would need more than [`MAX_SUBSTEPS`].
+    /// Stability needs more than [`MAX_SUBSTEPS`].
     pub fn substeps(&self, dt_s: f64, load_velocity_rad_s: f64) -> Result<u32, PlantError> {
         let needed = libm::ceil(self.fastest_rate_per_s(load_velocity_rad_s) * dt_s / STABLE);
         if needed > f64::from(MAX_SUBSTEPS) {
             return Err(PlantError::TooStiff { needed, dt_s });
         }
-        // A duration or velocity that isn't a number is refused by the step itself.
+        // The step itself rejects a duration or velocity that is NaN.
         Ok((needed as u32).max(self.substeps))
     }
 
-    /// A bound on the eigenvalues of the motion in contact, in 1/s.
+    /// A bound on the eigenvalues in contact, in 1/s.
     fn fastest_rate_per_s(&self, load_velocity_rad_s: f64) -> f64 {
         let m = &self.mechanics;
         let compliance = 1.0 / m.motor_inertia_kg_m2 + m.ratio * m.ratio / m.load_inertia_kg_m2;
@@ -48,7 +46,8 @@ impl BacklashShaft {
     }
 }
 
-/// Largest root of s^2 = damping s + stiffness: no root of s^2 + damping s + stiffness = 0 is larger in size.
+/// Largest root of s^2 = damping s + stiffness: an upper bound on the magnitude of the roots of
+/// s^2 + damping s + stiffness = 0.
 fn second_order(damping: f64, stiffness: f64) -> f64 {
     0.5 * (damping + libm::sqrt(damping * damping + 4.0 * stiffness))
 }

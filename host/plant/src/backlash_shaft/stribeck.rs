@@ -1,20 +1,20 @@
-//! Dry friction: Stribeck's curve, and LuGre's bristles.
+//! Stribeck friction: the curve and the changes between stick and slip.
 
-use crate::backlash_shaft::parameters::{BristleParameters, StribeckParameters};
-use crate::exponential::decay;
-use crate::truth::DryFriction;
+use super::parameters::StribeckParameters;
+use crate::exponential_decay::decay;
+use crate::mode::DryFriction;
 
-/// F_c + (F_s - F_c) exp(-(v / v_s)^2), worked out as far as it goes. It is larger forwards and smaller backwards by its
-/// asymmetry.
+/// F_c + (F_s - F_c) exp(-(v / v_s)^2), with its constants computed once. The asymmetry makes friction larger forwards and
+/// smaller backwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Stribeck {
     coulomb_nm: f64,
     excess_nm: f64,
     per_velocity_s_rad: f64,
-    /// (v / v_s)^2 from which on the exponential is lost in the rounding of F_c.
+    /// (v / v_s)^2 above which the exponential is lost in the rounding of F_c.
     vanishes_at: f64,
     asymmetry: f64,
-    /// Stiction against a drive backwards, and against one forwards.
+    /// Stiction against a negative and against a positive driving torque, in N m.
     limits_nm: [f64; 2],
 }
 
@@ -35,7 +35,7 @@ impl Stribeck {
         }
     }
 
-    /// Friction of a mass that slips in the direction `sign`, before its sign, in N m.
+    /// Magnitude of the friction on a mass that slips in the direction `sign`, in N m.
     #[inline(always)]
     pub(super) fn magnitude_nm(&self, velocity_rad_s: f64, sign: f64) -> f64 {
         let ratio = velocity_rad_s * self.per_velocity_s_rad;
@@ -58,12 +58,12 @@ impl Stribeck {
         DryFriction::at_rest(drive_nm, self.limits_nm)
     }
 
-    /// State of a mass released with this velocity.
+    /// State of a mass that is released with this velocity under this driving torque.
     pub(super) fn released(&self, velocity_rad_s: f64, drive_nm: f64) -> DryFriction {
-        DryFriction::of(velocity_rad_s, drive_nm, self.limits_nm)
+        DryFriction::released(velocity_rad_s, drive_nm, self.limits_nm)
     }
 
-    /// Not negative while `state` holds.
+    /// Guard of a friction state: not negative while `state` holds.
     #[inline]
     pub(super) fn guard(&self, state: DryFriction, velocity_rad_s: f64, drive_nm: f64) -> f64 {
         match state {
@@ -76,7 +76,7 @@ impl Stribeck {
         }
     }
 
-    /// State after the end of `state`, the velocity being nought.
+    /// State that follows `state`, at zero velocity.
     pub(super) fn after(&self, state: DryFriction, drive_nm: f64) -> DryFriction {
         match state {
             DryFriction::Stick if drive_nm < 0.0 => DryFriction::SlipNegative,
@@ -91,41 +91,5 @@ impl Stribeck {
             DryFriction::Stick => drive_nm,
             slip => slip.sign() * self.magnitude_nm(velocity_rad_s, slip.sign()),
         }
-    }
-}
-
-/// Friction of the load: the same curve, reached by switching or by bending bristles.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct LoadFriction {
-    pub(super) curve: Stribeck,
-    pub(super) bristles: Option<BristleParameters>,
-}
-
-/// LuGre friction at an instant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Bristles {
-    pub(super) torque_nm: f64,
-    /// Rate of the deflection in rad/s.
-    pub(super) bending_rad_s: f64,
-    /// Power that is not stored in the deflection, in W.
-    pub(super) dissipated_w: f64,
-}
-
-impl LoadFriction {
-    /// dx/dt = v - sigma_0 |v| x / g(v), F = sigma_0 x + sigma_1 dx/dt, with g the Stribeck curve.
-    #[inline]
-    pub(super) fn bristles(
-        &self,
-        of: BristleParameters,
-        velocity_rad_s: f64,
-        deflection_rad: f64,
-    ) -> Bristles {
-        let sign = if velocity_rad_s < 0.0 { -1.0 } else { 1.0 };
-        let elastic_nm = of.stiffness_nm_rad * deflection_rad;
-        let slides_at_nm = self.curve.magnitude_nm(velocity_rad_s, sign);
-        let bending_rad_s = velocity_rad_s - libm::fabs(velocity_rad_s) * elastic_nm / slides_at_nm;
-        let torque_nm = elastic_nm + of.damping_nm_s_rad * bending_rad_s;
-        let dissipated_w = torque_nm * velocity_rad_s - elastic_nm * bending_rad_s;
-        Bristles { torque_nm, bending_rad_s, dissipated_w }
     }
 }

@@ -1,40 +1,32 @@
-//! The drive's estimates against the truth, scored while they are made.
+//! Scores of the drive's estimates against the truth, sample by sample.
 
 use std::collections::VecDeque;
 
+use super::measured::Measured;
+use super::sample::Sample;
 use super::settling::Settling;
-use super::{Measured, Sample};
 
-/// The band of `dead_zone_settle_time_s`: an eighth of the paper's half gap, and more than motor friction and lag make a good
-/// estimate wrong by.
+/// The band of `dead_zone_settle_time_s`: an eighth of the paper's half gap, above the error that motor friction and lag
+/// leave in a good estimate.
 const SETTLED_RAD: f64 = 0.02;
 /// The window of `dead_zone_bias_rad`.
 pub(super) const BIAS_WINDOW_S: f64 = 5.0;
 
-/// What the drive estimated at one sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimates {
-    /// Of j0, half the gap.
-    pub dead_zone_rad: f64,
-    /// Of the disturbing torque w = C - K z.
-    pub disturbing_torque_nm: f64,
-}
-
 /// The scores of the estimates so far.
 #[derive(Debug, Clone)]
 pub(super) struct EstimatorScore {
-    /// Samples so far, with an estimate or without.
+    /// Number of samples, with or without an estimate.
     samples: usize,
     bias_window: usize,
     dead_zone_rad: f64,
     dead_zone_error_rad: f64,
-    /// Sticky, because comparisons drop NaN.
+    /// Latched, because comparisons drop NaN.
     dead_zone_is_finite: bool,
     settling: Settling,
     largest_error_rad: Option<f64>,
-    /// Errors of the last window, oldest first, each with the number of its sample.
+    /// Errors in the window, oldest first, each with the number of its sample.
     recent_rad: VecDeque<(usize, f64)>,
-    told: f64,
+    estimates: f64,
     sum_nm: f64,
     sum_of_squares_nm2: f64,
 }
@@ -51,7 +43,7 @@ impl EstimatorScore {
             settling: Settling::new(SETTLED_RAD),
             largest_error_rad: None,
             recent_rad: VecDeque::new(),
-            told: 0.0,
+            estimates: 0.0,
             sum_nm: 0.0,
             sum_of_squares_nm2: 0.0,
         }
@@ -59,7 +51,7 @@ impl EstimatorScore {
 
     pub(super) fn push(&mut self, sample: &Sample) {
         if let Some(estimates) = sample.estimates {
-            self.told += 1.0;
+            self.estimates += 1.0;
             self.dead_zone_rad = estimates.dead_zone_rad;
             self.push_dead_zone(sample.time_s, estimates.dead_zone_rad - sample.dead_zone_rad);
             let error_nm = estimates.disturbing_torque_nm - sample.disturbing_torque_nm;
@@ -84,11 +76,11 @@ impl EstimatorScore {
     }
 
     pub(super) fn dead_zone(&self) -> Measured {
-        self.if_told(|| Measured::finite(self.dead_zone_rad))
+        self.if_estimated(|| Measured::finite(self.dead_zone_rad))
     }
 
     pub(super) fn dead_zone_error(&self) -> Measured {
-        self.if_told(|| Measured::finite(self.dead_zone_error_rad))
+        self.if_estimated(|| Measured::finite(self.dead_zone_error_rad))
     }
 
     pub(super) fn dead_zone_settle_time(&self) -> Measured {
@@ -113,19 +105,19 @@ impl EstimatorScore {
     }
 
     pub(super) fn disturbing_torque_rms_error(&self) -> Measured {
-        self.if_told(|| Measured::finite((self.sum_of_squares_nm2 / self.told).sqrt()))
+        self.if_estimated(|| Measured::finite((self.sum_of_squares_nm2 / self.estimates).sqrt()))
     }
 
     pub(super) fn disturbing_torque_bias(&self) -> Measured {
-        self.if_told(|| Measured::finite(self.sum_nm / self.told))
+        self.if_estimated(|| Measured::finite(self.sum_nm / self.estimates))
     }
 
-    fn if_told(&self, measure: impl FnOnce() -> Measured) -> Measured {
-        if self.told > 0.0 { measure() } else { Measured::NoEstimate }
+    fn if_estimated(&self, measure: impl FnOnce() -> Measured) -> Measured {
+        if self.estimates > 0.0 { measure() } else { Measured::NoEstimate }
     }
 
     fn if_dead_zone_is_finite(&self, measure: impl FnOnce() -> Measured) -> Measured {
-        self.if_told(|| if self.dead_zone_is_finite { measure() } else { Measured::NotFinite })
+        self.if_estimated(|| if self.dead_zone_is_finite { measure() } else { Measured::NotFinite })
     }
 }
 

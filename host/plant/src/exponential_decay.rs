@@ -1,9 +1,9 @@
-//! e^(-x) for x >= 0, the one function in the inner loop of the plants.
+//! The exponential decay e^(-x), x >= 0: the one transcendental function in the inner loop of the plants.
 //!
-//! libm's answers for any argument and to the last bit; this one is right to 2 ulp, takes half the time, and has the same
-//! bits on every machine as well: it adds and multiplies, and nothing fuses the two.
+//! libm's `exp` takes any argument and is correct to the last bit. This one is correct to 2 ulp and takes half the time.
+//! It only adds and multiplies, without fused operations, so its bits are the same on every machine.
 
-/// 1 / n! for n = 0 to 13: on +-ln 2 / 2 what is left out is below 5e-18.
+/// 1 / n! for n = 0 to 13: on +-ln 2 / 2 the truncation error is below 5e-18.
 const TAYLOR: [f64; 14] = [
     1.0,
     1.0,
@@ -24,13 +24,13 @@ const TAYLOR: [f64; 14] = [
 /// ln 2 in two parts: the first has 21 zeros at its end, so that a multiple of it is exact.
 const LN_2: [f64; 2] = [f64::from_bits(0x3fe6_2e42_fee0_0000), f64::from_bits(0x3dea_39ef_3579_3c76)];
 
-/// Added and taken away again it rounds to a whole number.
+/// 1.5 * 2^52: added and subtracted again, it rounds to an integer.
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
 
-/// From here on the result is below the normal numbers, and given as nought.
+/// From here on the result would be subnormal and is flushed to zero.
 const VANISHES_AT: f64 = 708.0;
 
-/// e^(-x). Below nought and for NaN the result has no meaning, but is a number or NaN.
+/// e^(-x). For negative x the result is meaningless; for NaN it is NaN.
 #[inline(always)]
 pub(crate) fn decay(x: f64) -> f64 {
     if x >= VANISHES_AT {
@@ -39,14 +39,14 @@ pub(crate) fn decay(x: f64) -> f64 {
     let shifted = x * -core::f64::consts::LOG2_E + ROUNDING;
     let power = shifted - ROUNDING;
     let r = -x - power * LN_2[0] - power * LN_2[1];
-    // Estrin's scheme: pairs first, so that one product needn't wait for the other.
+    // Estrin's scheme: the pairs are independent, so their products overlap.
     let t = &TAYLOR;
     let (r2, pair) = (r * r, |n: usize| t[n] + t[n + 1] * r);
     let r4 = r2 * r2;
     let r8 = r4 * r4;
     let low = (pair(0) + pair(2) * r2) + (pair(4) + pair(6) * r2) * r4;
     let high = (pair(8) + pair(10) * r2) + pair(12) * r4;
-    // The low bits of the shifted number are the power of two.
+    // The low bits of the shifted number are the exponent.
     let scale = f64::from_bits(shifted.to_bits().wrapping_add(1023) << 52);
     (low + high * r8) * scale
 }
@@ -56,10 +56,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn decay_is_right_to_two_units_in_the_last_place() {
+    fn decay_is_correct_to_two_ulp() {
         let mut worst = 0;
         for k in 0..2_000_000_u32 {
-            // Dense near nought, up to the end of the range.
+            // Dense near zero, up to the end of the range.
             let x = f64::from(k) * f64::from(k) * 1.77e-10;
             let (have, want) = (decay(x), libm::exp(-x));
             worst = worst.max(have.to_bits().abs_diff(want.to_bits()));
@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn decay_begins_at_one_and_ends_at_nought() {
+    fn decay_is_exact_at_both_ends_of_its_range() {
         assert_eq!(decay(0.0), 1.0);
         assert_eq!(decay(f64::MIN_POSITIVE), 1.0);
         assert_eq!(decay(708.0), 0.0);
