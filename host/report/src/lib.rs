@@ -22,6 +22,7 @@ pub mod demo;
 pub mod paper;
 pub mod plot;
 pub mod runs;
+mod xml;
 
 #[cfg(test)]
 mod tests;

@@ -10,7 +10,7 @@ mod placement;
 mod render;
 mod scale;
 mod span;
-pub(crate) mod svg;
+mod svg;
 mod text;
 mod theme;
 mod ticks;
