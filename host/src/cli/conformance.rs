@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use clap::Args;
-use lashloop::conformance::{self, DeviceTime, Finding, Outcome, Watcher, junit};
+use lashloop::conformance::{self, CheckResult, CheckStatus, DeviceTime, Reporter, junit};
 use lashloop_bench::device::{Connection, DeviceChoice, session_number};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
@@ -44,23 +44,23 @@ impl Arguments {
         let mut printer = Printer {
             connection: &connection,
             device: self.device.to_string(),
-            findings: Vec::new(),
+            results: Vec::new(),
             supervisor: &supervisor,
         };
-        let heed = supervisor.heed_signals();
+        let signals = supervisor.heed_signals();
         let ended = conformance::run(link, session_number(), time, &mut printer);
-        drop(heed);
-        let Printer { device, findings, .. } = printer;
-        let (passed, failed, left_out) = counts(&findings);
+        drop(signals);
+        let Printer { device, results, .. } = printer;
         if let Some(path) = &self.junit {
-            let xml = junit::report(&device, &findings).map_err(|error| CliError::System {
-                what: "write the findings as XML",
+            let xml = junit::report(&device, &results).map_err(|error| CliError::System {
+                what: "write the results as XML",
                 source: std::io::Error::other(error),
             })?;
             fs::write(path, xml).map_err(|source| CliError::Report { path: path.clone(), source })?;
         }
         ended.map_err(|source| connection.explain(source))?;
-        say!("{passed} passed, {failed} failed, {left_out} left out");
+        let [passed, failed, skipped] = counts(&results);
+        say!("{passed} passed, {failed} failed, {skipped} skipped");
         Ok(match failed {
             _ if supervisor.interrupted() => Exit::Invalid,
             0 => Exit::Pass,
@@ -69,43 +69,43 @@ impl Arguments {
     }
 }
 
-fn counts(findings: &[Finding]) -> (usize, usize, usize) {
-    let count = |wanted: fn(&Outcome) -> bool| findings.iter().filter(|it| wanted(&it.outcome)).count();
-    (
-        count(|outcome| matches!(outcome, Outcome::Passed)),
-        count(|outcome| matches!(outcome, Outcome::Failed { .. })),
-        count(|outcome| matches!(outcome, Outcome::LeftOut { .. })),
-    )
+/// Numbers of checks passed, failed and skipped.
+fn counts(results: &[CheckResult]) -> [usize; 3] {
+    results.iter().fold([0; 3], |[passed, failed, skipped], result| match result.status {
+        CheckStatus::Passed => [passed + 1, failed, skipped],
+        CheckStatus::Failed { .. } => [passed, failed + 1, skipped],
+        CheckStatus::Skipped { .. } => [passed, failed, skipped + 1],
+    })
 }
 
 struct Printer<'a> {
     connection: &'a Connection,
-    /// Who is tested, in words.
+    /// Description of the drive under test.
     device: String,
-    findings: Vec<Finding>,
+    results: Vec<CheckResult>,
     supervisor: &'a Supervisor,
 }
 
-impl Watcher for Printer<'_> {
-    fn greeted(&mut self, identity: &Identity) {
+impl Reporter for Printer<'_> {
+    fn connected(&mut self, identity: &Identity) {
         self.device = self.connection.description(identity);
         say!("{}", self.device);
     }
 
-    fn found(&mut self, finding: &Finding) {
-        let Finding { group, name, outcome, note, .. } = finding;
+    fn checked(&mut self, result: &CheckResult) {
+        let CheckResult { group, name, status, note, .. } = result;
         let note = if note.is_empty() { String::new() } else { format!(" ({note})") };
-        match outcome {
-            Outcome::Passed => say!("PASS      {group}: {name}{note}"),
-            Outcome::Failed { expected, came } => {
-                say!("FAIL      {group}: {name}{note}; expected {expected}, got {came}");
+        match status {
+            CheckStatus::Passed => say!("PASS     {group}: {name}{note}"),
+            CheckStatus::Failed { expected, came } => {
+                say!("FAIL     {group}: {name}{note}; expected {expected}, got {came}");
             }
-            Outcome::LeftOut { reason } => say!("LEFT OUT  {group}: {name}; {reason}"),
+            CheckStatus::Skipped { reason } => say!("SKIPPED  {group}: {name}; {reason}"),
         }
-        self.findings.push(finding.clone());
+        self.results.push(result.clone());
     }
 
-    fn stop_asked(&self) -> bool {
+    fn is_interrupted(&self) -> bool {
         self.supervisor.interrupted()
     }
 }
