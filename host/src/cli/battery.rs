@@ -8,9 +8,10 @@ use std::thread;
 
 use clap::Args;
 use lashloop::campaign::journal::{Header, Journal};
-use lashloop::campaign::plan::{Law, Settings};
+use lashloop::campaign::law::Law;
+use lashloop::campaign::plan::Settings;
 use lashloop::campaign::runs::Ended;
-use lashloop::campaign::{Battery, BatteryError, table};
+use lashloop::campaign::{Campaign, CampaignError, table};
 use lashloop_bench::atomic_file::write_whole;
 use lashloop_bench::record::digest;
 use lashloop_bench::verdict::Exit;
@@ -64,18 +65,18 @@ impl Arguments {
         laws.sort_unstable();
         laws.dedup();
         let settings = Settings { seed: self.seed, plants: self.plants, laws, sweeps: !self.no_sweeps };
-        let mut battery = Battery::new(settings.clone())?;
+        let mut campaign = Campaign::new(settings.clone())?;
         let mut journal = match &self.out {
-            Some(folder) => Some(prepare(folder, self.resume, settings, &mut battery)?),
+            Some(folder) => Some(prepare(folder, self.resume, settings, &mut campaign)?),
             None => None,
         };
         let jobs = self.jobs.or_else(|| thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
         let supervisor = start_supervisor()?;
-        let progress = Progress::over(format!("{} runs", battery.len()), battery.len() as u64);
-        let mut done = battery.done() as u64;
+        let progress = Progress::over(format!("{} runs", campaign.len()), campaign.len() as u64);
+        let mut done = campaign.done() as u64;
         progress.show(done);
         let heed = supervisor.heed_signals();
-        let ended = battery.run(jobs, &supervisor, |result| {
+        let ended = campaign.run(jobs, &supervisor, |result| {
             done += 1;
             progress.show(done);
             journal.as_mut().map_or(Ok(()), |journal| journal.append(result))
@@ -83,7 +84,7 @@ impl Arguments {
         drop(heed);
         drop(progress);
         if ended? == Ended::Interrupted {
-            let (done, all) = (battery.done(), battery.len());
+            let (done, all) = (campaign.done(), campaign.len());
             let kept = match &self.out {
                 Some(folder) => {
                     format!("kept in {}; --resume goes on with them", folder.join(JOURNAL).display())
@@ -93,9 +94,9 @@ impl Arguments {
             say!("interrupted: {done} of {all} runs have been made and are {kept}");
             return Ok(Exit::Invalid);
         }
-        let report = battery.report();
+        let report = campaign.report();
         if let Some(folder) = &self.out {
-            write_whole(&folder.join(TABLE), ".runs-", |file| table::write(file, battery.results()))?;
+            write_whole(&folder.join(TABLE), ".runs-", |file| table::write(file, campaign.results()))?;
             write_whole(&folder.join(REPORT), ".battery-", |file| {
                 serde_json::to_writer_pretty(&mut *file, &report)?;
                 file.write_all(b"\n")
@@ -112,7 +113,7 @@ fn prepare(
     folder: &Path,
     resume: bool,
     settings: Settings,
-    battery: &mut Battery,
+    campaign: &mut Campaign,
 ) -> Result<Journal, CliError> {
     let failed = |source| CliError::Output { path: folder.to_owned(), source };
     fs::create_dir_all(folder).map_err(failed)?;
@@ -124,16 +125,16 @@ fn prepare(
     };
     let path = folder.join(JOURNAL);
     let journal = if resume {
-        let journal = Journal::resume(&path, &header, |result| battery.take(result));
-        let journal = journal.map_err(BatteryError::from)?;
+        let journal = Journal::resume(&path, &header, |result| campaign.take(result));
+        let journal = journal.map_err(CampaignError::from)?;
         output::error_line(format_args!(
             "{} of {} runs have been made before",
-            battery.done(),
-            battery.len()
+            campaign.done(),
+            campaign.len()
         ));
         journal
     } else {
-        Journal::create(&path, &header).map_err(BatteryError::from)?
+        Journal::create(&path, &header).map_err(CampaignError::from)?
     };
     for name in [TABLE, REPORT] {
         match fs::remove_file(folder.join(name)) {

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use lashloop::campaign::BatteryError;
+use lashloop::campaign::CampaignError;
 use lashloop::parameter_set::SettingsError;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceError;
@@ -31,7 +31,7 @@ pub(crate) enum CliError {
     #[error("{}: can't be read: {source}", path.display())]
     Input { path: PathBuf, source: io::Error },
     #[error(transparent)]
-    Battery(#[from] BatteryError),
+    Campaign(#[from] CampaignError),
     #[error(transparent)]
     Record(#[from] ReadError),
     #[error(transparent)]
@@ -45,7 +45,7 @@ pub(crate) enum CliError {
 impl CliError {
     pub(crate) fn exit(&self) -> Exit {
         match self {
-            Self::Battery(BatteryError::Run { source, .. }) if matches!(**source, RunError::Device(_)) => {
+            Self::Campaign(CampaignError::Run { source, .. }) if matches!(**source, RunError::Device(_)) => {
                 Exit::DeviceOrLink
             }
             Self::Run(RunError::Device(_))
@@ -54,7 +54,7 @@ impl CliError {
             Self::RealTimeAlone { .. }
             | Self::Scenario(_)
             | Self::Run(_)
-            | Self::Battery(_)
+            | Self::Campaign(_)
             | Self::Settings(_)
             | Self::Output { .. }
             | Self::Report { .. }
