@@ -28,10 +28,10 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
-        let patient = LineUnderTest { terminal: &self.terminal, baud: self.baud, rounds: self.rounds };
-        let examination = doctor::examine(&patient);
-        for finding in &examination.findings {
-            say!("{finding}");
+        let line = LineUnderTest { terminal: &self.terminal, baud: self.baud, rounds: self.rounds };
+        let examination = doctor::examine(&line);
+        for diagnosis in &examination.diagnoses {
+            say!("{diagnosis}");
         }
         Ok(match (examination.reached, examination.is_healthy()) {
             (false, _) => Exit::DeviceOrLink,
