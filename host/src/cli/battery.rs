@@ -17,8 +17,9 @@ use lashloop_bench::record::digest;
 use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
+use super::output::{self, outln};
 use super::progress::Progress;
-use super::{output, start_supervisor};
+use super::supervision::start_supervisor;
 
 /// Run control laws on many bench plants they were not tuned for, in process and in parallel.
 ///
@@ -91,7 +92,7 @@ impl Arguments {
                 }
                 None => "lost; with --out they would be kept".to_owned(),
             };
-            say!("interrupted: {done} of {all} runs have been made and are {kept}");
+            outln!("interrupted: {done} of {all} runs have been made and are {kept}");
             return Ok(Exit::Invalid);
         }
         let report = campaign.report();
@@ -102,7 +103,7 @@ impl Arguments {
                 file.write_all(b"\n")
             })?;
         }
-        say!("{report}");
+        outln!("{report}");
         Ok(report.verdict.into())
     }
 }

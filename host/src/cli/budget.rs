@@ -8,8 +8,9 @@ use lashloop::budget::{Budget, Cycle, Report};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::verdict::Exit;
 
-use super::DEFAULT_BAUD;
+use super::device_options::DEFAULT_BAUD;
 use super::error::CliError;
+use super::output::outln;
 
 /// Work out what a serial line leaves of a control period, and how fast a loop over it can be.
 ///
@@ -45,7 +46,7 @@ impl Arguments {
             period: Duration::from_micros(self.period_us.unwrap_or(said.1).into()),
             telemetry_every: self.telemetry_every.unwrap_or(said.2),
         };
-        say!("{}", Report(budget));
+        outln!("{}", Report(budget));
         Ok(if budget.holds(Cycle::Worst) { Exit::Pass } else { Exit::Fail })
     }
 }

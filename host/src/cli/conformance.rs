@@ -10,8 +10,10 @@ use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
 use lashloop_protocol::message::Identity;
 
+use super::device_options::{BaudOption, DeviceOption};
 use super::error::CliError;
-use super::{DEFAULT_BAUD, start_supervisor};
+use super::output::outln;
+use super::supervision::start_supervisor;
 
 /// Check whether a drive keeps to the protocol, rule by rule.
 ///
@@ -20,13 +22,11 @@ use super::{DEFAULT_BAUD, start_supervisor};
 /// fails.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The drive, as for `run`
-    #[arg(long, default_value = "native", value_name = "DEVICE")]
-    device: DeviceChoice,
+    #[command(flatten)]
+    drive: DeviceOption,
 
-    /// Bits a second, for a serial port
-    #[arg(long, default_value_t = DEFAULT_BAUD, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
-    baud: u32,
+    #[command(flatten)]
+    line: BaudOption,
 
     /// Write the findings as JUnit XML into this file, too
     #[arg(long, value_name = "FILE")]
@@ -36,14 +36,14 @@ pub(crate) struct Arguments {
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
         let supervisor = start_supervisor()?;
-        let (link, connection) = Connection::open(&self.device, self.baud, &supervisor)?;
-        let time = match self.device {
+        let (link, connection) = Connection::open(&self.drive.device, self.line.baud, &supervisor)?;
+        let time = match self.drive.device {
             DeviceChoice::InProcess => DeviceTime::StandsStill,
             _ => DeviceTime::Passes,
         };
         let mut printer = Printer {
             connection: &connection,
-            device: self.device.to_string(),
+            device: self.drive.device.to_string(),
             results: Vec::new(),
             supervisor: &supervisor,
         };
@@ -60,7 +60,7 @@ impl Arguments {
         }
         ended.map_err(|source| connection.explain(source))?;
         let [passed, failed, skipped] = counts(&results);
-        say!("{passed} passed, {failed} failed, {skipped} skipped");
+        outln!("{passed} passed, {failed} failed, {skipped} skipped");
         Ok(match failed {
             _ if supervisor.interrupted() => Exit::Invalid,
             0 => Exit::Pass,
@@ -89,18 +89,18 @@ struct Printer<'a> {
 impl Reporter for Printer<'_> {
     fn connected(&mut self, identity: &Identity) {
         self.device = self.connection.description(identity);
-        say!("{}", self.device);
+        outln!("{}", self.device);
     }
 
     fn checked(&mut self, result: &CheckResult) {
         let CheckResult { group, name, status, note, .. } = result;
         let note = if note.is_empty() { String::new() } else { format!(" ({note})") };
         match status {
-            CheckStatus::Passed => say!("PASS     {group}: {name}{note}"),
+            CheckStatus::Passed => outln!("PASS     {group}: {name}{note}"),
             CheckStatus::Failed { expected, came } => {
-                say!("FAIL     {group}: {name}{note}; expected {expected}, got {came}");
+                outln!("FAIL     {group}: {name}{note}; expected {expected}, got {came}");
             }
-            CheckStatus::Skipped { reason } => say!("SKIPPED  {group}: {name}; {reason}"),
+            CheckStatus::Skipped { reason } => outln!("SKIPPED  {group}: {name}; {reason}"),
         }
         self.results.push(result.clone());
     }

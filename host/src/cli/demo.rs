@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::device::Device;
 use lashloop_bench::record::trace::TraceRow;
 use lashloop_bench::run::{self, Clock, Outcome, Step, Watcher};
 use lashloop_bench::scenario::Scenario;
@@ -15,17 +15,12 @@ use lashloop_bench::verdict::{Exit, Verdict};
 use lashloop_plant::metrics::{Measured, Metric};
 use lashloop_report::demo::{DemoRun, DemoRuns, PlantRuns, before_after};
 
+use super::device_options::DeviceOption;
 use super::error::CliError;
+use super::output::outln;
+use super::paper_scenarios::SCENARIOS;
 use super::progress::Progress;
-use super::start_supervisor;
-
-/// The paper's scenarios, within the program, so that the demo runs anywhere.
-pub(super) const SCENARIOS: [(&str, &str); 4] = [
-    ("scenarios/smooth-before.toml", include_str!("../../../scenarios/smooth-before.toml")),
-    ("scenarios/smooth-after.toml", include_str!("../../../scenarios/smooth-after.toml")),
-    ("scenarios/friction-before.toml", include_str!("../../../scenarios/friction-before.toml")),
-    ("scenarios/friction-after.toml", include_str!("../../../scenarios/friction-after.toml")),
-];
+use super::supervision::start_supervisor;
 
 /// What the paper says to each scenario, and the metric that answers it.
 const PAPER: [(&str, Metric, &str); 4] = [
@@ -40,9 +35,8 @@ const PICTURE: &str = "demo.svg";
 /// Run the paper's four scenarios: a table and a picture of before and after.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The drive, as for `run`
-    #[arg(long, default_value = "native", value_name = "DEVICE")]
-    device: DeviceChoice,
+    #[command(flatten)]
+    drive: DeviceOption,
 
     /// Folder for the picture, demo.svg
     #[arg(long, default_value = "out", value_name = "DIR")]
@@ -72,7 +66,7 @@ impl Arguments {
             let verdict = outcome.judgement.verdict;
             dead_zone_rad = scenario.plant.dead_zone_rad;
             runs.push(history.into_run(&outcome));
-            say!("{what:<38} {paper:>12} {here:>12}  {verdict}");
+            outln!("{what:<38} {paper:>12} {here:>12}  {verdict}");
             worst = worst.max(verdict);
             if supervisor.interrupted() {
                 return Ok(worst.into());
@@ -88,14 +82,14 @@ impl Arguments {
         let path = self.out.join(PICTURE);
         fs::write(&path, figure.to_svg())
             .map_err(|source| CliError::Output { path: path.clone(), source })?;
-        say!("picture: {}", path.display());
+        outln!("picture: {}", path.display());
         Ok(worst.into())
     }
 
     fn open(&self, link: &LinkSettings, supervisor: &Supervisor) -> Result<Device, CliError> {
-        let device = Device::open(&self.device, link, supervisor)?;
-        say!("{}", device.description());
-        say!("{:<38} {:>12} {:>12}  verdict", "", "paper", "here");
+        let device = Device::open(&self.drive.device, link, supervisor)?;
+        outln!("{}", device.description());
+        outln!("{:<38} {:>12} {:>12}  verdict", "", "paper", "here");
         Ok(device)
     }
 }

@@ -6,7 +6,9 @@ use clap::Args;
 use lashloop::doctor::{self, LineUnderTest};
 use lashloop_bench::verdict::Exit;
 
+use super::device_options::BaudOption;
 use super::error::CliError;
+use super::output::outln;
 
 /// Examine a terminal with a drive: open, greet, measure the round trip, and say what to mend.
 ///
@@ -17,9 +19,8 @@ pub(crate) struct Arguments {
     /// The terminal, like /dev/ttyACM0 or /dev/pts/3
     terminal: PathBuf,
 
-    /// Speed of a serial port, in bits a second, as link.baud in a scenario
-    #[arg(long, default_value_t = 921_600, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
-    baud: u32,
+    #[command(flatten)]
+    line: BaudOption,
 
     /// Samples to measure with
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
@@ -28,10 +29,10 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
-        let line = LineUnderTest { terminal: &self.terminal, baud: self.baud, rounds: self.rounds };
+        let line = LineUnderTest { terminal: &self.terminal, baud: self.line.baud, rounds: self.rounds };
         let examination = doctor::examine(&line);
         for diagnosis in &examination.diagnoses {
-            say!("{diagnosis}");
+            outln!("{diagnosis}");
         }
         Ok(match (examination.reached, examination.is_healthy()) {
             (false, _) => Exit::DeviceOrLink,

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::device::Device;
 use lashloop_bench::record::trace::TraceRow;
 use lashloop_bench::run::simulator::Simulator;
 use lashloop_bench::run::{self, Clock, RunError, Step, Watcher};
@@ -15,10 +15,12 @@ use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::{Exit, Verdict};
 use lashloop_report::paper::{Laws, Run, Runs, figures, file_name, page, tables};
 
-use super::demo::SCENARIOS;
+use super::device_options::DeviceOption;
 use super::error::CliError;
+use super::output::outln;
+use super::paper_scenarios::SCENARIOS;
 use super::progress::Progress;
-use super::start_supervisor;
+use super::supervision::start_supervisor;
 
 const BENCH: [(&str, &str); 5] = [
     ("scenarios/shaft-pd.toml", include_str!("../../../scenarios/shaft-pd.toml")),
@@ -63,9 +65,8 @@ const INDEX: &str = "index.html";
 /// index.html with all of them.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The drive, as for `run`
-    #[arg(long, default_value = "native", value_name = "DEVICE")]
-    device: DeviceChoice,
+    #[command(flatten)]
+    drive: DeviceOption,
 
     /// Folder for the figures and index.html
     #[arg(long, default_value = "out/paper", value_name = "DIR")]
@@ -88,7 +89,7 @@ impl Arguments {
                     None => device.insert(self.open(&scenario, &supervisor)?),
                 };
                 let (run, verdict) = make(&scenario, device, &supervisor)?;
-                say!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name.as_str());
+                outln!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name.as_str());
                 laws.push(run);
                 worst = worst.max(verdict);
                 if supervisor.interrupted() {
@@ -109,8 +110,8 @@ impl Arguments {
     }
 
     fn open(&self, scenario: &Scenario, supervisor: &Supervisor) -> Result<Device, CliError> {
-        let device = Device::open(&self.device, scenario.link.baud, supervisor)?;
-        say!("{}", device.description());
+        let device = Device::open(&self.drive.device, scenario.link.baud, supervisor)?;
+        outln!("{}", device.description());
         Ok(device)
     }
 
@@ -118,7 +119,7 @@ impl Arguments {
     fn report(&self, runs: &Runs, device: &str) -> Result<(), CliError> {
         let tables = tables(runs);
         for table in &tables {
-            say!("\n{table}");
+            outln!("\n{table}");
         }
         let figures = figures(runs);
         for (number, figure) in &figures {
@@ -130,7 +131,7 @@ impl Arguments {
             &index,
             &page(&figures, &tables, &format!("Drawn by lashloop {version} from runs on {device}.")),
         )?;
-        say!("\nfigures: {}", index.display());
+        outln!("\nfigures: {}", index.display());
         Ok(())
     }
 }

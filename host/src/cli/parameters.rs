@@ -4,11 +4,13 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use lashloop::parameter_set::{ParameterSet, Settings, SettingsError, spell};
-use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::device::Device;
 use lashloop_bench::verdict::Exit;
 
+use super::device_options::{BaudOption, DeviceOption};
 use super::error::CliError;
-use super::{DEFAULT_BAUD, start_supervisor};
+use super::output::outln;
+use super::supervision::start_supervisor;
 
 /// List, keep, set and compare the parameters of a drive.
 ///
@@ -17,13 +19,11 @@ use super::{DEFAULT_BAUD, start_supervisor};
 /// `native` and `qemu` are new drives each time: to set something now and read it later, use the path of a terminal.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The drive, as for `run`
-    #[arg(long, global = true, default_value = "native", value_name = "DEVICE")]
-    device: DeviceChoice,
+    #[command(flatten)]
+    drive: DeviceOption,
 
-    /// Bits a second, for a serial port
-    #[arg(long, global = true, default_value_t = DEFAULT_BAUD, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
-    baud: u32,
+    #[command(flatten)]
+    line: BaudOption,
 
     #[command(subcommand)]
     verb: Verb,
@@ -62,7 +62,7 @@ impl Arguments {
             Verb::List | Verb::Dump | Verb::Hash => Settings::default(),
         };
         let supervisor = start_supervisor()?;
-        let mut device = Device::open(&self.device, self.baud, &supervisor)?;
+        let mut device = Device::open(&self.drive.device, self.line.baud, &supervisor)?;
         let in_force = settings.apply(&mut device.session).map_err(|error| match error {
             SettingsError::Session(source) => CliError::from(device.explain(source)),
             other => CliError::Settings(other),
@@ -71,29 +71,29 @@ impl Arguments {
             Verb::List => list(&in_force),
             Verb::Dump => dump(&device, &in_force),
             Verb::Set { .. } | Verb::Restore { .. } => confirm(&in_force, &settings),
-            Verb::Hash => say!("{}", in_force.sha256()),
+            Verb::Hash => outln!("{}", in_force.sha256()),
         }
         Ok(Exit::Pass)
     }
 }
 
 fn list(in_force: &ParameterSet) {
-    say!("{:<28} {:>12} {:>12}  {:<4} allowed", "name", "value", "default", "live");
+    outln!("{:<28} {:>12} {:>12}  {:<4} allowed", "name", "value", "default", "live");
     for (it, value) in in_force.iter() {
         let live = if it.live { "yes" } else { "no" };
         let (value, default) = (spell(*value), spell(it.default));
-        say!("{:<28} {value:>12} {default:>12}  {live:<4} {}", it.name, it.range());
+        outln!("{:<28} {value:>12} {default:>12}  {live:<4} {}", it.name, it.range());
     }
 }
 
 fn dump(device: &Device, in_force: &ParameterSet) {
-    say!("# {}", device.description());
-    say!("# sha256 {}", in_force.sha256());
-    say!("{}", in_force.to_toml().trim_end());
+    outln!("# {}", device.description());
+    outln!("# sha256 {}", in_force.sha256());
+    outln!("{}", in_force.to_toml().trim_end());
 }
 
 fn confirm(in_force: &ParameterSet, settings: &Settings) {
     for (it, value) in in_force.iter().filter(|(it, _)| settings.contains(&it.name)) {
-        say!("{} = {}", it.name, spell(*value));
+        outln!("{} = {}", it.name, spell(*value));
     }
 }

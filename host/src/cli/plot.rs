@@ -9,6 +9,7 @@ use lashloop_bench::verdict::Exit;
 use lashloop_report::runs::figure;
 
 use super::error::CliError;
+use super::output::outln;
 
 const PICTURE: &str = "record.svg";
 
@@ -48,7 +49,7 @@ impl Arguments {
         let picture = figure(&runs, &(from..=until))?.to_svg();
         let path = self.out.unwrap_or_else(|| self.records[0].join(PICTURE));
         fs::write(&path, picture).map_err(|source| CliError::Output { path: path.clone(), source })?;
-        say!("picture: {}", path.display());
+        outln!("picture: {}", path.display());
         Ok(Exit::Pass)
     }
 

@@ -22,7 +22,8 @@ use lashloop_protocol::PROTOCOL_VERSION;
 use super::clock_options::Pace;
 use super::error::CliError;
 use super::progress::Progress;
-use super::{report, start_supervisor};
+use super::run_report;
+use super::supervision::start_supervisor;
 
 /// Run a scenario on a drive and judge it.
 #[derive(Args)]
@@ -97,7 +98,7 @@ impl Arguments {
         }
         // Until here a signal would have cost the record its end.
         drop(heed);
-        report::print(&scenario, &summary, &outcome);
+        run_report::print(&scenario, &summary, &outcome);
         Ok(summary.verdict.into())
     }
 }

@@ -7,6 +7,7 @@ use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
+use super::output::outln;
 
 /// Check a scenario and print it with every default spelled out.
 #[derive(Args)]
@@ -27,7 +28,7 @@ impl Arguments {
             what: "spell the scenario as TOML",
             source: std::io::Error::other(error),
         })?;
-        say!("{}", text.trim_end());
+        outln!("{}", text.trim_end());
         Ok(Exit::Pass)
     }
 }

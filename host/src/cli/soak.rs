@@ -17,8 +17,10 @@ use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
 
+use super::device_options::DeviceOption;
 use super::error::CliError;
-use super::{output, start_supervisor};
+use super::output::{self, outln};
+use super::supervision::start_supervisor;
 
 /// A run that makes no step for so long hangs.
 const HANG_LIMIT: Duration = Duration::from_secs(60);
@@ -39,9 +41,8 @@ pub(crate) struct Arguments {
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     lasts: Duration,
 
-    /// The drive, as for `run`
-    #[arg(long, default_value = "native", value_name = "DEVICE")]
-    device: DeviceChoice,
+    #[command(flatten)]
+    drive: DeviceOption,
 
     /// Another value for a key, as for `run`
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
@@ -68,7 +69,7 @@ impl Arguments {
                 step: 0,
             };
             let begun = Instant::now();
-            let result = one_run(&plan, &self.device, &supervisor, &mut watcher);
+            let result = one_run(&plan, &self.drive.device, &supervisor, &mut watcher);
             let drive = watcher.growth;
             let bench = resource_usage::look(None)
                 .map_err(|source| CliError::System { what: "look at /proc", source })?;
@@ -76,7 +77,7 @@ impl Arguments {
             let before = tally.problems.len();
             tally.push(&plan, &result, bench, &drive);
             tally.took = started.elapsed();
-            say!(
+            outln!(
                 "run {number:<5} level {} seed {:<6} {} in {:.2} s; bench {} KiB, {} descriptors",
                 plan::level(number),
                 plan.run.seed,
@@ -86,12 +87,12 @@ impl Arguments {
                 bench.descriptors
             );
             for problem in &tally.problems[before..] {
-                say!("WRONG {problem}");
+                outln!("WRONG {problem}");
             }
         }
         let tally = shared.tally();
-        say!("");
-        say!("{tally}");
+        outln!("");
+        outln!("{tally}");
         Ok(if tally.problems.is_empty() { Exit::Pass } else { Exit::Fail })
     }
 }

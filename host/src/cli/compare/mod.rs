@@ -25,19 +25,17 @@ use rustix::io::Errno;
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 use rustix::time::Timespec;
 
-use super::demo::SCENARIOS;
 use super::error::CliError;
+use super::output::outln;
+use super::paper_scenarios::SCENARIOS;
 use super::ping_pong::NearEnd;
-use super::start_supervisor;
+use super::supervision::start_supervisor;
 use goals::{Goals, median};
+use sleep_baseline::{PERIOD, WARM_UP};
 
-/// Control period of everything here that is paced; that of the scenarios.
-const PERIOD: Duration = Duration::from_millis(1);
 /// How long an answer is waited for in such a period, by both sides.
 const REPLY_LIMIT: Timespec =
     Timespec { tv_sec: 0, tv_nsec: (PERIOD.as_nanos() - PERIOD.as_nanos() / PERIOD_MARGIN as u128) as i64 };
-/// Steps at the start of a round that are not looked at.
-const WARM_UP: u32 = 100;
 
 /// Measure the loop against the bare minimum: a sleeping thread, and a ping-pong of the same bytes.
 ///
@@ -92,7 +90,7 @@ impl Arguments {
         stay(&anywhere)?;
         self.real_time(&mut device, &mut line, &mut goals)?;
         drop(far_end);
-        say!("{goals}");
+        outln!("{goals}");
         Ok(if goals.all_met() { Exit::Pass } else { Exit::Fail })
     }
 
@@ -149,7 +147,7 @@ impl Arguments {
             .flat_map(|report| &report.refused)
             .collect::<BTreeSet<_>>()
         {
-            say!("not granted: {refusal}");
+            outln!("not granted: {refusal}");
         }
         goals.note("1 kHz: round trip p50, bare: no deadline, us", of(&blocking, trip), of(&loops, trip));
         // A sleeper that does nothing is woken sooner on a busy machine than one that works.

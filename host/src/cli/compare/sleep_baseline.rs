@@ -11,8 +11,10 @@ use rustix::io::Errno;
 use rustix::thread::{ClockId, clock_nanosleep_absolute};
 use rustix::time::{Timespec, clock_gettime};
 
-use super::{PERIOD, WARM_UP};
-
+/// Control period of both sides, which is that of the scenarios.
+pub(super) const PERIOD: Duration = Duration::from_millis(1);
+/// Steps at the start of a round that do not count.
+pub(super) const WARM_UP: u32 = 100;
 const PERIOD_NS: i64 = PERIOD.as_nanos() as i64;
 
 /// Calls `work` once in every period. It tells how long what it did took, if that is to be counted.
