@@ -1,4 +1,4 @@
-//! `lashloop battery`: how control laws fare on plants they were not tuned for.
+//! `lashloop battery`: control laws on plants outside their tuning.
 
 use std::fs;
 use std::io::{self, Write};
@@ -21,37 +21,37 @@ use super::output::{self, outln};
 use super::progress::Progress;
 use super::supervision::start_supervisor;
 
-/// Run control laws on many bench plants they were not tuned for, in process and in parallel.
+/// Run control laws on random and varied plants, in process and in parallel
 ///
-/// Random plants, with every parameter up to 30 % from its nominal value, then the nominal plant with one thing varied at a
-/// time. Ends with 1 if the backlash inverse misses one of its limits on the random plants.
+/// First random plants, with every parameter within 30 % of its nominal value, then the nominal plant with one quantity
+/// varied at a time. Exit code 1 if backlash-inverse misses one of its limits on the random plants.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Number of random plants
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     plants: u32,
 
-    /// Starts every random stream: the same seed gives the same plants and the same tables
+    /// Seed of every random stream; equal seeds give equal plants and tables
     #[arg(long, default_value_t = 1)]
     seed: u64,
 
-    /// Control laws, separated by commas
+    /// Control laws under test, separated by commas
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "pd,merzouki,backlash-inverse")]
     controller: Vec<Law>,
 
-    /// Leave the sweeps out
+    /// Omit the runs with one quantity varied
     #[arg(long)]
     no_sweeps: bool,
 
-    /// Runs at a time; as many as there are cores by default
+    /// Runs in parallel [default: number of cores]
     #[arg(long)]
     jobs: Option<NonZeroUsize>,
 
-    /// Keep the results in this folder: runs.jsonl as they come, then runs.csv and battery.json
+    /// Folder for the results: runs.jsonl during the battery, runs.csv and battery.json at its end
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// Go on with what is in runs.jsonl
+    /// Resume the battery in runs.jsonl
     #[arg(long, requires = "out")]
     resume: bool,
 }
@@ -76,23 +76,23 @@ impl Arguments {
         let progress = Progress::over(format!("{} runs", campaign.len()), campaign.len() as u64);
         let mut done = campaign.done() as u64;
         progress.show(done);
-        let heed = supervisor.heed_signals();
+        let signals = supervisor.heed_signals();
         let ended = campaign.run(jobs, &supervisor, |result| {
             done += 1;
             progress.show(done);
             journal.as_mut().map_or(Ok(()), |journal| journal.append(result))
         });
-        drop(heed);
+        drop(signals);
         drop(progress);
         if ended? == Ended::Interrupted {
             let (done, all) = (campaign.done(), campaign.len());
             let kept = match &self.out {
                 Some(folder) => {
-                    format!("kept in {}; --resume goes on with them", folder.join(JOURNAL).display())
+                    format!("kept in {}; resume with --resume", folder.join(JOURNAL).display())
                 }
-                None => "lost; with --out they would be kept".to_owned(),
+                None => "lost; --out keeps them".to_owned(),
             };
-            outln!("interrupted: {done} of {all} runs have been made and are {kept}");
+            outln!("interrupted: {done} of {all} runs are complete and {kept}");
             return Ok(Exit::Invalid);
         }
         let report = campaign.report();
@@ -108,8 +108,8 @@ impl Arguments {
     }
 }
 
-/// Makes the folder and opens the journal. Tables of an earlier time go first: if this battery is cut short, they must not
-/// stand beside its journal.
+/// Creates the folder and opens the journal. Removes the tables of an earlier battery first: next to the journal of an
+/// interrupted one they would be wrong.
 fn prepare(
     folder: &Path,
     resume: bool,
@@ -129,7 +129,7 @@ fn prepare(
         let journal = Journal::resume(&path, &header, |result| campaign.take(result));
         let journal = journal.map_err(CampaignError::from)?;
         output::error_line(format_args!(
-            "{} of {} runs have been made before",
+            "{} of {} runs restored from the journal",
             campaign.done(),
             campaign.len()
         ));
@@ -146,7 +146,7 @@ fn prepare(
     Ok(journal)
 }
 
-/// Plant and drive are both in the file of this program, so results of another one may be others.
+/// Plant and drive are part of this program, so another build may give other results.
 fn program_sha256() -> io::Result<String> {
     std::env::current_exe().and_then(fs::read).map(|bytes| digest::sha256(&bytes))
 }

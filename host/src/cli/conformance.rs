@@ -1,4 +1,4 @@
-//! `lashloop conformance`: whether a drive keeps to the protocol.
+//! `lashloop conformance`: whether a drive conforms to the protocol.
 
 use std::fs;
 use std::path::PathBuf;
@@ -15,11 +15,11 @@ use super::error::CliError;
 use super::output::outln;
 use super::supervision::start_supervisor;
 
-/// Check whether a drive keeps to the protocol, rule by rule.
+/// Check a drive against the protocol, rule by rule
 ///
-/// The drive is reset before every check and at the end: what was set in it is gone. Nothing may be attached to it that
-/// a torque can move. Ends with 0 if every rule is kept, 1 if one is broken, 3 if interrupted, 4 if the drive or the line
-/// fails.
+/// Resets the drive before every check and at the end, so its parameters return to their defaults. Run it without
+/// mechanics: some checks produce torque. Exit code 1 if the drive breaks a rule, 3 if interrupted, 4 if the drive or the
+/// line fails.
 #[derive(Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     line: BaudOption,
 
-    /// Write the findings as JUnit XML into this file, too
+    /// File for the results as JUnit XML
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
 }

@@ -1,4 +1,4 @@
-//! `lashloop demo`: the paper's four runs, a table and a picture.
+//! `lashloop demo`: the paper's four runs as a table and a figure.
 
 use std::fs;
 use std::path::PathBuf;
@@ -22,7 +22,7 @@ use super::paper_scenarios::SCENARIOS;
 use super::progress::Progress;
 use super::supervision::start_supervisor;
 
-/// What the paper says to each scenario, and the metric that answers it.
+/// The paper's result for each scenario, and the metric to compare it with.
 const PAPER: [(&str, Metric, &str); 4] = [
     ("smooth plant, before: into 0.05 rad", Metric::SettleTime, "about 13 s"),
     ("smooth plant, after: into 0.05 rad", Metric::SettleTime, "about 5.2 s"),
@@ -30,15 +30,15 @@ const PAPER: [(&str, Metric, &str); 4] = [
     ("with friction, after: static error", Metric::StaticError, "eliminated"),
 ];
 
-const PICTURE: &str = "demo.svg";
+const FIGURE_FILE: &str = "demo.svg";
 
-/// Run the paper's four scenarios: a table and a picture of before and after.
+/// Run the paper's four scenarios: a table and a figure, before and after compensation
 #[derive(Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
     drive: DeviceOption,
 
-    /// Folder for the picture, demo.svg
+    /// Folder for the figure, demo.svg
     #[arg(long, default_value = "out", value_name = "DIR")]
     out: PathBuf,
 }
@@ -60,7 +60,7 @@ impl Arguments {
                 None => device.insert(self.open(&scenario.link, &supervisor)?),
             };
             let mut history = History::new(&scenario, &supervisor);
-            let _heed = supervisor.heed_signals();
+            let _signals = supervisor.heed_signals();
             let outcome = run::run(&scenario, device, Clock::Lockstep, &mut history)?;
             let here = here(outcome.metrics.get(metric), metric);
             let verdict = outcome.judgement.verdict;
@@ -79,10 +79,10 @@ impl Arguments {
             friction: PlantRuns { before: friction_before, after: friction_after },
             dead_zone_rad,
         });
-        let path = self.out.join(PICTURE);
+        let path = self.out.join(FIGURE_FILE);
         fs::write(&path, figure.to_svg())
             .map_err(|source| CliError::Output { path: path.clone(), source })?;
-        outln!("picture: {}", path.display());
+        outln!("figure: {}", path.display());
         Ok(worst.into())
     }
 
@@ -102,7 +102,7 @@ fn here(measured: Measured, metric: Metric) -> String {
     }
 }
 
-/// Keeps what the picture shows.
+/// The traces that the figure shows.
 struct History<'a> {
     rows: Vec<TraceRow>,
     progress: Progress,

@@ -1,4 +1,4 @@
-//! `lashloop doctor`: is a terminal fit for a bench?
+//! `lashloop doctor`: whether a terminal is fit for a bench.
 
 use std::path::PathBuf;
 
@@ -10,19 +10,19 @@ use super::device_options::BaudOption;
 use super::error::CliError;
 use super::output::outln;
 
-/// Examine a terminal with a drive: open, greet, measure the round trip, and say what to mend.
+/// Diagnose a terminal with a drive: open, handshake, round trip
 ///
-/// The drive is not armed and gives no torque. Exit code 1 says that there is something to mend, 4 that there is no
-/// conversation with a drive.
+/// The drive stays disarmed and produces no torque. Exit code 1 if a property needs a remedy, 4 if no drive completes the
+/// handshake.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The terminal, like /dev/ttyACM0 or /dev/pts/3
+    /// Terminal, such as /dev/ttyACM0 or /dev/pts/3
     terminal: PathBuf,
 
     #[command(flatten)]
     line: BaudOption,
 
-    /// Samples to measure with
+    /// Samples of the round-trip measurement
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     rounds: u32,
 }

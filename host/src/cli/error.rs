@@ -1,4 +1,4 @@
-//! What ends a command early, and with which exit code.
+//! The errors of commands and their exit codes.
 
 use std::io;
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ use lashloop_report::runs::DrawError;
 /// An error of a command: one sentence for the user.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CliError {
-    #[error("{option} is for --clock real-time; in lockstep nothing is due at any time")]
+    #[error("{option} needs --clock real-time; lockstep has no deadlines")]
     RealTimeAlone { option: &'static str },
     #[error(transparent)]
     Scenario(#[from] ScenarioErrors),
@@ -36,7 +36,7 @@ pub(crate) enum CliError {
     Record(#[from] ReadError),
     #[error(transparent)]
     Draw(#[from] DrawError),
-    #[error("--from {from} --until {until} leaves nothing to show; --until must be the later")]
+    #[error("--from {from} --until {until} is an empty range; --until must be later than --from")]
     Nothing { from: f64, until: f64 },
     #[error("can't {what}: {source}")]
     System { what: &'static str, source: io::Error },

@@ -57,20 +57,19 @@ Exit codes: 0 PASS, 1 FAIL, 2 bad usage, scenario or output folder, 3 INVALID, 4
 const LONG_HELP: &str = "\
 Exit codes:
   0  PASS     every expectation of the scenario is met
-  1  FAIL     an expectation or a limit is missed, the drive latched a fault or broke a rule of the protocol, or
-              the line is too slow
+  1  FAIL     an expectation, a limit or a rule of the protocol is missed, or the drive latched a fault
   2           bad usage, a bad scenario, or an output folder that can't be written
   3  INVALID  link or timing exceeded what the scenario allows, or the run was interrupted
   4           the device or the link failed; there is no verdict
 
 First steps:
-  lashloop demo                                        the paper's four runs, as a table and a figure
-  lashloop paper                                       the paper's figures and numbers next to ours
-  lashloop run scenarios/smooth-after.toml             one run on the native twin
-  lashloop show scenarios/smooth-after.toml            every key of the scenario with its value
+  lashloop demo                               the paper's four runs, as a table and a figure
+  lashloop paper                              the paper's figures and numbers next to ours
+  lashloop show scenarios/smooth-after.toml   every key of the scenario with its value
+  lashloop run scenarios/smooth-after.toml    one run on the native twin
   lashloop run scenarios/smooth-after.toml --device qemu --out out/qemu
-  lashloop plot out/qemu                               the record of that run as a figure
-  lashloop device                                      a drive on a pseudo-terminal; in a second shell:
+  lashloop plot out/qemu                      the record of that run as a figure
+  lashloop device                             a drive on a pseudo-terminal; in a second shell:
   lashloop run scenarios/smooth-after.toml --device /dev/pts/N";
 
 /// Parses the command line, runs the command and prints its error, if any, as one sentence.

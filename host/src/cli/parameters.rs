@@ -1,4 +1,4 @@
-//! `lashloop parameters`: what a drive has in force, kept and brought back.
+//! `lashloop parameters`: the parameters of a drive, listed, saved and restored.
 
 use std::path::PathBuf;
 
@@ -12,11 +12,11 @@ use super::error::CliError;
 use super::output::outln;
 use super::supervision::start_supervisor;
 
-/// List, keep, set and compare the parameters of a drive.
+/// List, save, set and compare the parameters of a drive
 ///
-/// Parameters live in the drive until it is reset or loses power. Every `lashloop run` resets the drive before it sets
-/// what its scenario says, so nothing set here reaches a run; a scenario's [controller] section does. And `inproc`,
-/// `native` and `qemu` are new drives each time: to set something now and read it later, use the path of a terminal.
+/// The drive keeps parameters until it is reset or loses power. Every `lashloop run` resets the drive and then applies the
+/// scenario's [controller] section, so parameters set here do not reach a run. inproc, native and qemu start a new drive
+/// for each command; only a drive at the path of a terminal keeps its parameters between commands.
 #[derive(Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -31,31 +31,31 @@ pub(crate) struct Arguments {
 
 #[derive(Subcommand)]
 enum Verb {
-    /// Print every parameter with value, default, range and unit
+    /// Print every parameter with its value, default, range and unit
     List,
-    /// Print every value in force as TOML, for `restore`
+    /// Print every value as TOML, for `restore`
     Dump,
-    /// Set parameters by name and read them back
+    /// Set parameters and read them back
     Set {
-        /// What to set: torque_limit_nm=5
+        /// Parameter and value, such as torque_limit_nm=5
         #[arg(required = true, value_name = "NAME=VALUE")]
         settings: Vec<String>,
     },
-    /// Set what a file of `dump` holds, all of it or a part, and read it back
+    /// Set the parameters in a file of `dump` and read them back
     Restore {
-        /// The file
+        /// File with some or all lines of a `dump`
         file: PathBuf,
     },
-    /// Print a SHA-256 over all values in force
+    /// Print a SHA-256 over all parameters
     ///
-    /// Over all parameters in the order of their index: the name in UTF-8, a zero byte, the type's byte (1 for a u32,
-    /// 2 for an f32), the four bytes of the value, little endian.
+    /// Input of the hash, in the order of the index: the name in UTF-8, a zero byte, the type (1 for u32, 2 for f32), and
+    /// the four bytes of the value, little endian.
     Hash,
 }
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
-        // Before a drive is started, so that a slip of the pen costs no time.
+        // Before the drive starts, so that a typing error costs no time.
         let settings = match &self.verb {
             Verb::Set { settings } => Settings::from_words(settings).map_err(CliError::Settings)?,
             Verb::Restore { file } => Settings::from_file(file).map_err(CliError::Settings)?,

@@ -1,4 +1,4 @@
-//! `lashloop ports`: where a board may be.
+//! `lashloop ports`: the serial ports of this machine.
 
 use clap::Args;
 use lashloop::ports;
@@ -7,7 +7,7 @@ use lashloop_bench::verdict::Exit;
 use super::error::CliError;
 use super::output::outln;
 
-/// List the serial ports, with what USB says of them and names that stay.
+/// List the serial ports with their USB identity and stable names
 #[derive(Args)]
 pub(crate) struct Arguments {}
 

@@ -1,4 +1,4 @@
-//! A run on the terminal: who, what, how well, and the verdict last.
+//! The report of a run on standard output; the verdict is its last line.
 
 use lashloop_bench::record::summary::Summary;
 use lashloop_bench::run::{End, Outcome};
@@ -39,7 +39,7 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
     }
     outln!("torque      sha256 {}", summary.torque_sha256);
     for line in &outcome.logs {
-        outln!("drive says  {line}");
+        outln!("drive log   {line}");
     }
     outln!("");
     for (metric, value) in summary.metrics.iter() {
