@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use lashloop::decode::message::AnyMessage;
 use lashloop::decode::value::Value;
-use lashloop::decode::{Found, StreamReader};
+use lashloop::decode::{DecodedMessage, StreamReader};
 use lashloop_bench::capture::pcapng;
 use lashloop_protocol::Message;
 use lashloop_protocol::enums::ParameterValue;
@@ -137,9 +137,9 @@ fn number(shown: &str) -> u16 {
     u16::from_str_radix(shown.trim_start_matches("0x"), 16).unwrap()
 }
 
-fn found(frame: &[u8]) -> Found {
+fn found(frame: &[u8]) -> DecodedMessage {
     let mut found = None;
-    StreamReader::default().push(frame, |entry| found = entry.outcome.ok());
+    StreamReader::default().push(frame, |entry| found = entry.message.ok());
     found.expect("a whole frame")
 }
 

@@ -1,11 +1,11 @@
 //! What was seen means what? Each judgement is a function of figures, so that it can be tried without a board.
 
-use std::fmt;
 use std::time::Duration;
 
 use lashloop_protocol::enums::State;
 use lashloop_protocol::message::Identity;
 
+use super::diagnosis::Diagnosis;
 use super::latency_timer::LatencyTimer;
 use super::round_trip::{BYTES, Timing};
 use lashloop_bench::device::DeviceError;
@@ -16,67 +16,14 @@ const LONG: Duration = Duration::from_millis(3);
 /// Beyond this it smells of a latency timer of 16 ms.
 const TIMER_LIKE: Duration = Duration::from_millis(10);
 
-/// One thing that was looked at.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Finding {
-    /// What was looked at.
-    pub about: &'static str,
-    /// How it is.
-    pub health: Health,
-    /// What was seen, and what to do where something is to be done.
-    pub text: String,
-}
-
-/// How something is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Health {
-    /// As it should be.
-    Fine,
-    /// There is no such thing on this terminal.
-    NotApplicable,
-    /// To be mended.
-    Wrong,
-}
-
-impl Finding {
-    pub(super) fn wrong(about: &'static str, text: impl Into<String>) -> Self {
-        Self { about, health: Health::Wrong, text: text.into() }
-    }
-
-    fn fine(about: &'static str, text: impl Into<String>) -> Self {
-        Self { about, health: Health::Fine, text: text.into() }
-    }
-
-    fn not_applicable(about: &'static str, text: impl Into<String>) -> Self {
-        Self { about, health: Health::NotApplicable, text: text.into() }
-    }
-
-    /// Whether it is to be mended.
-    #[must_use]
-    pub fn is_wrong(&self) -> bool {
-        self.health == Health::Wrong
-    }
-}
-
-impl fmt::Display for Finding {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let health = match self.health {
-            Health::Fine => "ok",
-            Health::NotApplicable => "n/a",
-            Health::Wrong => "WRONG",
-        };
-        write!(out, "{health:<6} {:<14} {}", self.about, self.text)
-    }
-}
-
-pub(super) fn not_opened(error: &DeviceError, holders: &[String]) -> Finding {
+pub(super) fn not_opened(error: &DeviceError, holders: &[String]) -> Diagnosis {
     let holders =
         if holders.is_empty() { String::new() } else { format!("; it is open in {}", holders.join(", ")) };
-    Finding::wrong("open", format!("{error}{holders}"))
+    Diagnosis::wrong("open", format!("{error}{holders}"))
 }
 
-pub(super) fn opened(baud: Option<u32>) -> Finding {
-    Finding::fine(
+pub(super) fn opened(baud: Option<u32>) -> Diagnosis {
+    Diagnosis::fine(
         "open",
         match baud {
             Some(baud) => {
@@ -87,30 +34,30 @@ pub(super) fn opened(baud: Option<u32>) -> Finding {
     )
 }
 
-pub(super) fn dtr(is_pty: bool) -> Finding {
+pub(super) fn dtr(is_pty: bool) -> Diagnosis {
     if is_pty {
-        return Finding::not_applicable("DTR", "a pseudo-terminal has no modem lines");
+        return Diagnosis::not_applicable("DTR", "a pseudo-terminal has no modem lines");
     }
-    Finding::fine(
+    Diagnosis::fine(
         "DTR",
         "left as the driver sets it at open, which is on; a board that resets by DTR has just been reset",
     )
 }
 
 /// `None` stands for a pseudo-terminal.
-pub(super) fn latency_timer(timer: Option<&LatencyTimer>) -> Finding {
+pub(super) fn latency_timer(timer: Option<&LatencyTimer>) -> Diagnosis {
     let about = "latency timer";
     match timer {
-        None => Finding::not_applicable(about, "a pseudo-terminal keeps no bytes to itself"),
-        Some(LatencyTimer::None) => Finding::not_applicable(about, "this driver has none"),
-        Some(LatencyTimer::Short) => Finding::fine(about, "1 ms, the shortest"),
-        Some(LatencyTimer::Shortened { from_ms }) => Finding::fine(
+        None => Diagnosis::not_applicable(about, "a pseudo-terminal keeps no bytes to itself"),
+        Some(LatencyTimer::None) => Diagnosis::not_applicable(about, "this driver has none"),
+        Some(LatencyTimer::Short) => Diagnosis::fine(about, "1 ms, the shortest"),
+        Some(LatencyTimer::Shortened { from_ms }) => Diagnosis::fine(
             about,
             format!(
                 "was {from_ms} ms, set to 1 ms until the adapter is unplugged; a udev rule makes it last"
             ),
         ),
-        Some(LatencyTimer::Long { ms, file, reason }) => Finding::wrong(
+        Some(LatencyTimer::Long { ms, file, reason }) => Diagnosis::wrong(
             about,
             format!(
                 "{ms} ms and can't be shortened ({reason}): echo 1 | sudo tee {}, or add a udev rule that does it",
@@ -121,43 +68,43 @@ pub(super) fn latency_timer(timer: Option<&LatencyTimer>) -> Finding {
 }
 
 /// What the greeting begins with, whoever is at the far end.
-pub(super) fn drained() -> Finding {
-    Finding::fine(
+pub(super) fn drained() -> Diagnosis {
+    Diagnosis::fine(
         "drain",
         "what is on the line is thrown away, and a delimiter ends a half frame at the drive",
     )
 }
 
-pub(super) fn greeted(identity: &Identity) -> Finding {
+pub(super) fn handshake(identity: &Identity) -> Diagnosis {
     let Identity { protocol_version, firmware, build_id, state, board, .. } = identity;
     let who = format!(
         "{board}, firmware {firmware}, build {build_id:08x}, protocol version {protocol_version}, state {state:?}"
     );
     match state {
-        State::Idle => Finding::fine("greeting", who),
-        State::Faulted => Finding::wrong(
-            "greeting",
+        State::Idle => Diagnosis::fine("handshake", who),
+        State::Faulted => Diagnosis::wrong(
+            "handshake",
             format!("{who}: a fault is latched; `lashloop run` resets the drive first"),
         ),
-        _ => Finding::wrong(
-            "greeting",
+        _ => Diagnosis::wrong(
+            "handshake",
             format!("{who}: after a greeting a drive is Idle; power it off and on"),
         ),
     }
 }
 
-pub(super) fn round_trip(timing: &Timing) -> Finding {
+pub(super) fn round_trip(timing: &Timing) -> Diagnosis {
     let Timing { answered, p50, p99, max, .. } = *timing;
     let [p50, p99, max] = [p50, p99, max].map(in_us);
-    Finding::fine("round trip", format!("{answered} samples answered: p50 {p50}, p99 {p99}, max {max}"))
+    Diagnosis::fine("round trip", format!("{answered} samples answered: p50 {p50}, p99 {p99}, max {max}"))
 }
 
-pub(super) fn losses(timing: &Timing, damaged: u64) -> Option<Finding> {
+pub(super) fn losses(timing: &Timing, damaged: u64) -> Option<Diagnosis> {
     let Timing { answered, lost, .. } = *timing;
     if lost == 0 && damaged == 0 {
         return None;
     }
-    Some(Finding::wrong(
+    Some(Diagnosis::wrong(
         "losses",
         format!(
             "{lost} of {} samples without an answer, {damaged} damaged frames: check ground and cable, or take a lower \
@@ -168,13 +115,13 @@ pub(super) fn losses(timing: &Timing, damaged: u64) -> Option<Finding> {
 }
 
 /// Compares with what the line allows; `wire` is `None` for a pseudo-terminal.
-pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&LatencyTimer>) -> Finding {
+pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&LatencyTimer>) -> Diagnosis {
     let about = "speed";
     let Some(wire) = wire else {
-        return Finding::not_applicable(about, "a pseudo-terminal has no baud rate to compare with");
+        return Diagnosis::not_applicable(about, "a pseudo-terminal has no baud rate to compare with");
     };
     let Some(above) = timing.p50.checked_sub(wire) else {
-        return Finding::fine(
+        return Diagnosis::fine(
             about,
             format!(
                 "faster than the {} that {BYTES} bytes take at this baud rate: the port has none, as USB CDC",
@@ -188,7 +135,7 @@ pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&Late
         in_us(wire)
     );
     if above < LONG {
-        return Finding::fine(about, sum);
+        return Diagnosis::fine(about, sum);
     }
     let cause = match timer {
         Some(LatencyTimer::Long { ms, .. }) => format!("the adapter's latency timer of {ms} ms"),
@@ -198,7 +145,7 @@ pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&Late
         _ => "something on the way keeps bytes to itself: a hub, the adapter, or firmware that answers late"
             .to_owned(),
     };
-    Finding::wrong(about, format!("{sum}: {cause}"))
+    Diagnosis::wrong(about, format!("{sum}: {cause}"))
 }
 
 fn in_us(time: Duration) -> String {
@@ -228,9 +175,9 @@ mod tests {
     #[test]
     fn a_latency_timer_that_can_t_be_shortened_is_named_as_the_cause() {
         let timer = long_timer();
-        let findings =
+        let diagnoses =
             [latency_timer(Some(&timer)), speed(&timing(16_400), Some(wire_time(921_600)), Some(&timer))];
-        insta::assert_snapshot!(findings.map(|finding| finding.to_string()).join("\n"), @r"
+        insta::assert_snapshot!(diagnoses.map(|diagnosis| diagnosis.to_string()).join("\n"), @r"
         WRONG  latency timer  16 ms and can't be shortened (permission denied): echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer, or add a udev rule that does it
         WRONG  speed          p50 is 16020.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each: the adapter's latency timer of 16 ms
         ");
@@ -240,8 +187,8 @@ mod tests {
     fn each_speed_has_its_cause() {
         let none = LatencyTimer::None;
         let wire = Some(wire_time(921_600));
-        let findings = [100, 900, 4_500, 16_000].map(|p50_us| speed(&timing(p50_us), wire, Some(&none)));
-        let text = findings.map(|finding| finding.to_string()).join("\n");
+        let diagnoses = [100, 900, 4_500, 16_000].map(|p50_us| speed(&timing(p50_us), wire, Some(&none)));
+        let text = diagnoses.map(|diagnosis| diagnosis.to_string()).join("\n");
         insta::assert_snapshot!(text, @r"
         ok     speed          faster than the 379.8 us that 35 bytes take at this baud rate: the port has none, as USB CDC
         ok     speed          p50 is 520.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each
@@ -273,7 +220,7 @@ mod tests {
             controllers: lashloop_protocol::enums::Controllers::PD,
             parameter_count: 27,
         };
-        assert!(!greeted(&identity(State::Idle)).is_wrong());
-        assert!(greeted(&identity(State::Faulted)).is_wrong());
+        assert!(!handshake(&identity(State::Idle)).is_wrong());
+        assert!(handshake(&identity(State::Faulted)).is_wrong());
     }
 }

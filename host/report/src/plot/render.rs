@@ -1,9 +1,10 @@
-//! The grid: how large each part of a figure is and where it stands.
+//! The document: the size and position of every panel in the grid, then title, panels and caption.
 //!
-//! Plots of one row share their upper edge and plots of one column their left edge, whatever the length of titles,
-//! legends and tick labels; so curves in neighbouring panels can be compared by eye.
+//! Plots of one row share their upper edge and plots of one column their left edge, independent of the length of titles,
+//! legends and tick labels, so that curves in neighbouring panels can be compared by eye.
 
 use super::figure::Figure;
+use super::frame::Frame;
 use super::panel::Prepared;
 use super::svg::{Label, Svg};
 use super::text::wrap;
@@ -12,25 +13,21 @@ use super::theme::{self, CAPTION_PX, TITLE_PX};
 const MARGIN_PX: f64 = 24.0;
 const COLUMN_GAP_PX: f64 = 28.0;
 const ROW_GAP_PX: f64 = 20.0;
-/// Width of a panel with its labels, and height of its plot without them: alone in its row, and beside others.
+/// Width of a panel with its labels, and height of its plot without them: alone in its row, and next to others.
 const ALONE_PX: (f64, f64) = (780.0, 320.0);
-const BESIDE_PX: (f64, f64) = (476.0, 216.0);
+const SIDE_BY_SIDE_PX: (f64, f64) = (476.0, 216.0);
 
-/// Where a panel stands, in pixels of the figure.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Frame {
-    pub(super) left: f64,
-    pub(super) top: f64,
-    pub(super) plot_left: f64,
-    pub(super) plot_top: f64,
-    pub(super) plot_right: f64,
-    pub(super) plot_bottom: f64,
+impl Figure {
+    /// The figure as a stand-alone SVG document.
+    #[must_use]
+    pub fn to_svg(&self) -> String {
+        render(self)
+    }
 }
 
-/// Draws the figure.
-pub(super) fn draw(figure: &Figure) -> String {
+fn render(figure: &Figure) -> String {
     let columns = figure.columns.clamp(1, figure.panels.len().max(1));
-    let (panel_width, plot_height) = if columns == 1 { ALONE_PX } else { BESIDE_PX };
+    let (panel_width, plot_height) = if columns == 1 { ALONE_PX } else { SIDE_BY_SIDE_PX };
     let inner_width = columns as f64 * (panel_width + COLUMN_GAP_PX) - COLUMN_GAP_PX;
 
     let is_lettered = (2..=26).contains(&figure.panels.len());

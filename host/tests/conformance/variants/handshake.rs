@@ -6,15 +6,15 @@ use lashloop_protocol::text::Text;
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
 
-use super::{each, hears, says};
+use super::{alters_answers, alters_requests, each};
 use crate::mutants::Variant;
 
 pub const VARIANTS: &[Variant] = &[
-    hears("stays in Boot", "Hello ends Boot", |_, request| match request {
+    alters_requests("stays in Boot", "Hello ends Boot", |_, request| match request {
         HostMessage::Hello(hello) => vec![Hello { protocol_version: 0, ..hello }.into()],
         other => vec![other],
     }),
-    says("has no board", "the identity has every field filled in", |_, answers| {
+    alters_answers("has no board", "the identity has every field filled in", |_, answers| {
         each(answers, |answer| {
             if let DriveMessage::Identity(it) = answer {
                 it.board = Text::EMPTY;
@@ -22,43 +22,47 @@ pub const VARIANTS: &[Variant] = &[
             }
         })
     }),
-    says(
+    alters_answers(
         "tells the first session for ever",
         "the identity carries the session of its Hello",
-        |past, answers| {
+        |memory, answers| {
             each(answers, |answer| {
                 if let DriveMessage::Identity(it) = answer {
-                    if past.number == 0 {
-                        past.number = it.session;
+                    if memory.number == 0 {
+                        memory.number = it.session;
                     }
-                    it.session = past.number;
+                    it.session = memory.number;
                 }
             })
         },
     ),
     Variant {
-        hear: |past, request| match request {
+        on_request: |memory, request| match request {
             HostMessage::Hello(hello)
-                if std::mem::replace(&mut past.number, hello.session) == hello.session =>
+                if std::mem::replace(&mut memory.number, hello.session) == hello.session =>
             {
                 vec![Stop {}.into(), request]
             }
             other => vec![other],
         },
-        ..says("stops at every Hello", "the same session again leaves Running", |past, mut answers| {
-            if matches!(past.request, Some(HostMessage::Hello(_))) {
-                answers.retain(|answer| {
+        ..alters_answers(
+            "stops at every Hello",
+            "the same session again leaves Running",
+            |memory, mut answers| {
+                if matches!(memory.request, Some(HostMessage::Hello(_))) {
+                    answers.retain(|answer| {
                     let to_stop =
                         matches!(answer, DriveMessage::CommandResult(it) if it.request == Stop::LAYOUT.kind);
                     !to_stop && !matches!(answer, DriveMessage::LineReport(_))
                 });
-            }
-            answers
-        })
+                }
+                answers
+            },
+        )
     },
     Variant {
         // One session for all.
-        hear: |_, request| {
+        on_request: |_, request| {
             vec![match request {
                 HostMessage::Hello(hello) => Hello { session: 1, ..hello }.into(),
                 HostMessage::Arm(_) => Arm { session: 1 }.into(),
@@ -66,39 +70,42 @@ pub const VARIANTS: &[Variant] = &[
                 other => other,
             }]
         },
-        ..says("knows no sessions", "a new session disarms from Running", |past, answers| {
+        ..alters_answers("knows no sessions", "a new session disarms from Running", |memory, answers| {
             each(answers, |answer| {
-                if let (DriveMessage::Identity(it), Some(HostMessage::Hello(hello))) = (answer, past.request)
+                if let (DriveMessage::Identity(it), Some(HostMessage::Hello(hello))) =
+                    (answer, memory.request)
                 {
                     it.session = hello.session;
                 }
             })
         })
     },
-    says(
+    alters_answers(
         "keeps a latched fault to itself",
-        "a new session leaves a latched fault and is told of it",
-        |past, mut answers| {
-            if matches!(past.request, Some(HostMessage::Hello(_))) {
+        "a new session keeps a latched fault and receives its report",
+        |memory, mut answers| {
+            if matches!(memory.request, Some(HostMessage::Hello(_))) {
                 answers.retain(|answer| !matches!(answer, DriveMessage::FaultReport(_)));
             }
             answers
         },
     ),
-    hears(
+    alters_requests(
         "takes every version for its own",
-        "another version is refused, with the drive's own version in the identity",
+        "another version is refused, and the identity carries the drive's own",
         |_, request| match request {
             HostMessage::Hello(hello) => vec![Hello { protocol_version: PROTOCOL_VERSION, ..hello }.into()],
             other => vec![other],
         },
     ),
-    hears("opens a session for any version", "a Hello of another version opens no session", |_, request| {
-        match request {
+    alters_requests(
+        "opens a session for any version",
+        "a Hello of another version opens no session",
+        |_, request| match request {
             HostMessage::Hello(hello) => {
                 vec![Hello { protocol_version: PROTOCOL_VERSION, ..hello }.into(), request]
             }
             other => vec![other],
-        }
-    }),
+        },
+    ),
 ];
