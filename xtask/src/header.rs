@@ -7,6 +7,7 @@
 use std::fmt::Write;
 use std::fs;
 
+use crate::paths;
 use anyhow::{Context, Result, ensure};
 use crc::CRC_32_ISCSI;
 use lashloop_protocol::enums::{
@@ -58,7 +59,7 @@ const FLAGS: [(&str, FieldType); 2] =
 /// # Errors
 /// It can't be written, or the layouts hold something that the header has no name for.
 pub(crate) fn write() -> Result<()> {
-    let path = crate::root().join(PATH);
+    let path = paths::root().join(PATH);
     fs::write(&path, text()?).with_context(|| format!("{} cannot be written", path.display()))
 }
 
@@ -221,7 +222,7 @@ mod tests {
 
     #[test]
     fn the_committed_header_is_what_the_layouts_give() {
-        let committed = fs::read_to_string(crate::root().join(PATH)).expect("the header is committed");
+        let committed = fs::read_to_string(paths::root().join(PATH)).expect("the header is committed");
         let generated = text().expect("everything has a name in C");
         let differing = committed.lines().zip(generated.lines()).find(|(have, want)| have != want);
         assert_eq!(

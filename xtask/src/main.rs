@@ -4,15 +4,18 @@ mod arm_toolchain;
 mod checks;
 mod codec_size;
 mod command;
+mod directions;
 mod fuzz;
 mod header;
 mod image;
+mod metadata;
+mod paths;
+mod production;
 mod python;
 mod setup;
 mod size;
 mod test_counts;
 
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -41,6 +44,8 @@ enum Chore {
         #[arg(long, default_value_t = 20)]
         seconds: u32,
     },
+    /// Check the directions of dependencies between crates and between files
+    Directions,
     /// Run every check and every test; the last line is the sum
     Test,
 }
@@ -52,6 +57,7 @@ fn main() -> ExitCode {
         Chore::Header => header::write(),
         Chore::Setup => setup::install_missing(),
         Chore::Fuzz { seconds } => fuzz::run(seconds),
+        Chore::Directions => directions::check(),
         Chore::Test => return checks::run_all(),
     };
     match outcome {
@@ -61,14 +67,4 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
-}
-
-/// The workspace.
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the package is a folder of the workspace")
-}
-
-/// Where everybody finds the Arm image of a program.
-fn image_path(program: &str) -> PathBuf {
-    root().join("target").join(program).with_extension("elf")
 }
