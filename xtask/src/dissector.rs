@@ -22,7 +22,7 @@ const END: &str = "-- END generated\n";
 /// # Errors
 /// The dissector can't be read or written, or has lost its markers.
 pub(crate) fn write() -> Result<()> {
-    let path = crate::root().join(PATH);
+    let path = crate::paths::root().join(PATH);
     let script = fs::read_to_string(&path).with_context(|| format!("{} can't be read", path.display()))?;
     fs::write(&path, with_tables(&script)?).with_context(|| format!("{} can't be written", path.display()))
 }
@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn the_committed_tables_are_those_of_the_layouts() {
-        let committed = fs::read_to_string(crate::root().join(PATH)).expect("the dissector is committed");
+        let committed = fs::read_to_string(crate::paths::root().join(PATH)).expect("the dissector is committed");
         let generated = with_tables(&committed).expect("markers in the dissector");
         assert!(committed == generated, "{PATH} is out of date: run `cargo xtask header`");
     }

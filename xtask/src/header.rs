@@ -6,6 +6,7 @@
 use std::fmt::Write;
 use std::fs;
 
+use crate::paths;
 use anyhow::{Context, Result, ensure};
 use crc::CRC_32_ISCSI;
 use lashloop_protocol::enums::{FLAG_SETS, ParameterType, TorqueStatus, VALUE_LISTS};
@@ -36,7 +37,7 @@ const BEGINNING: &str = "\
 /// # Errors
 /// The file can't be written, or frames no longer carry the CRC that the header declares.
 pub(crate) fn write() -> Result<()> {
-    let path = crate::root().join(PATH);
+    let path = paths::root().join(PATH);
     fs::write(&path, text()?).with_context(|| format!("{} cannot be written", path.display()))
 }
 
@@ -187,7 +188,7 @@ mod tests {
 
     #[test]
     fn the_committed_header_is_that_of_the_layouts() {
-        let committed = fs::read_to_string(crate::root().join(PATH)).expect("the header is committed");
+        let committed = fs::read_to_string(paths::root().join(PATH)).expect("the header is committed");
         let generated = text().expect("a valid header");
         let differing = committed.lines().zip(generated.lines()).find(|(have, want)| have != want);
         assert_eq!(
