@@ -49,7 +49,8 @@ fn main() -> ! {
     // A round more than asked for, of two instructions each, and a few to align the loop.
     let known = instructions(|| cortex_m::asm::delay(1000));
     let _ = writeln!(out, "loop-of-2002 {known}");
-    // The second cycle of the conversation in the protocol's document; then the bytes that are the extremes of stuffing.
+    // The second cycle of the conversation in the protocol's document; then the bytes that are the extremes of
+    // stuffing.
     report(&mut out, "sample", &sample(1, [98_104, 32_766], 0));
     report(&mut out, "sample-zeros", &sample(0, [0; 2], 0));
     report(&mut out, "sample-no-zeros", &sample(u16::MAX, [-1; 2], u32::MAX));

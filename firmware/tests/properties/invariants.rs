@@ -1,4 +1,5 @@
-//! A drive under watch: after everything that happens to it, all it promises is checked. Property tests and fuzzer share it.
+//! A drive under watch: after everything that happens to it, all it promises is checked. Property tests and fuzzer
+//! share it.
 
 use std::time::Duration;
 
