@@ -5,7 +5,7 @@ use lashloop_protocol::message::{FaultReport, Log};
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{DriveMessage, Frame, MAX_FRAME, Message};
 
-/// Most bytes that one received frame causes: a sample a torque, telemetry and, with a tick, a fault report.
+/// Reserve for the answers to one received frame: at most three frames.
 const LONGEST_ANSWER: usize = 3 * MAX_FRAME;
 const CAPACITY: usize = 2 * LONGEST_ANSWER;
 
