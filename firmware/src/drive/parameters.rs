@@ -108,7 +108,7 @@ macro_rules! is_live {
 }
 
 parameters! {
-    /// Control law: a [`ControllerId`](lashloop_protocol::enums::ControllerId).
+    /// Control law: a [`ControllerId`].
     controller: U32 = 1 in 1..=CONTROLLER_MAX "";
     /// Control period.
     period_us: U32 = 1000 in 100..=100_000 "us";
@@ -151,8 +151,7 @@ parameters! {
     dead_zone_initial_rad: F32 = 0.16 in 0.0..=3.0 "rad";
     /// Largest dead-zone estimate. The paper's transient passes 1.7 rad; a bound below 2 rad distorts it.
     dead_zone_max_rad: F32 = 3.0 in 0.0..=100.0 "rad";
-    /// Source of the disturbing torque: a
-    /// [`DisturbingTorqueSource`](lashloop_protocol::enums::DisturbingTorqueSource).
+    /// Source of the disturbing torque: a [`DisturbingTorqueSource`].
     disturbing_torque_source: U32 = 2 in 1..=DISTURBING_TORQUE_SOURCE_MAX "";
     /// Pole of the momentum observer.
     momentum_observer_rad_s: F32 = 60.0 in 0.1..=10_000.0 "rad/s";
