@@ -1,7 +1,7 @@
 //! The two cascaded loops, equations (16) and (17).
 //!
-//! C2 turns the load error into a wanted motor position, C1 turns the motor error and the elastic torque error into a
-//! torque. Before compensation, after it and as printed differ only in the [`Compensation`] they hand to the cascade.
+//! C2 turns the load error into a wanted motor position; C1 turns the motor error and the elastic torque error into a
+//! torque. The laws of the paper differ only in the [`Compensation`] they add to the cascade.
 
 use crate::control::feed_forward::FeedForward;
 use crate::control::nominal_model::NominalModel;
@@ -35,20 +35,20 @@ impl<F: Real> CascadeGains<F> {
     }
 }
 
-/// What is added to the bare cascade.
+/// The terms that a law adds to the cascade.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Compensation<F> {
-    /// Amplitude j_hat in rad the estimate below was made with.
+    /// Amplitude j_hat in rad behind the estimate below.
     pub dead_zone_estimate_rad: F,
     /// Estimated disturbing torque w_hat in N m, equation (19).
     pub disturbing_torque_nm: F,
-    /// How far the motor is sent ahead of the load in rad.
+    /// Lead of the motor over the load in rad.
     pub lead_rad: F,
     /// The free control u of equation (16) in N m.
     pub free_torque_nm: F,
 }
 
-/// The cascade with its gains and the mechanics it needs.
+/// The cascade with its gains and the nominal mechanics.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cascade<F> {
     gains: CascadeGains<F>,
@@ -82,7 +82,7 @@ impl<F: Real> Cascade<F> {
             - self.gains.load_position * load_error
             + compensation.lead_rad;
         let motor_error = m.motor_position_rad - motor_reference;
-        // Of the rate of theta_e_d only the reference's own part is known without another derivative.
+        // Of the rate of theta_e_d only the reference's part is available without another derivative.
         let motor_error_rate = m.motor_velocity_rad_s - self.ratio * m.reference_velocity_rad_s;
         // (15), (16)
         let torque = self.feed_forward.motor_torque_nm(m)

@@ -1,8 +1,8 @@
 //! The estimate of the dead-zone amplitude, equation (19).
 //!
-//! d(j_hat)/dt = (k21 e_s + k22 e_zeta) sign(z). The paper prints the other sign: it writes the law for the side
-//! z < 0, from which it approaches, and extends it by symmetry. The estimate is projected onto a range; an upper bound
-//! below 2 rad spoils the paper's transient, in which the estimate passes through 1.7 rad.
+//! d(j_hat)/dt = (k21 e_s + k22 e_zeta) sign(z). The paper prints the other sign: it states the law for the side z < 0,
+//! from which it approaches, and extends it by symmetry. The estimate is clamped from zero to an upper bound. A bound
+//! below 2 rad distorts the paper's transient, in which the estimate passes through 1.7 rad.
 
 use crate::control::parameter_error::at_most;
 use crate::control::{ParameterError, Real};
@@ -14,14 +14,14 @@ pub struct DeadZoneObserver<F> {
     pub load_error_gain: F,
     /// Gain k22 on the elastic torque error, rad/(N m s).
     pub elastic_error_gain: F,
-    /// Estimate at the first sample in rad.
+    /// Initial estimate in rad.
     pub initial_rad: F,
     /// Largest estimate in rad.
     pub max_rad: F,
 }
 
 impl<F: Real> DeadZoneObserver<F> {
-    /// Table 1 of the paper, starting from its j0, projected onto 0 to 3 rad.
+    /// Table 1 of the paper, from its j0, with an upper bound of 3 rad.
     pub fn paper() -> Self {
         Self {
             load_error_gain: F::from_f64(0.01),
@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn estimate_grows_on_either_side_when_the_spring_is_wound_too_far() {
+    fn estimate_grows_on_either_side_with_a_positive_elastic_error() {
         let observer = DeadZoneObserver::<f64>::paper();
         for side in [1.0, -1.0] {
             let mut estimate = 0.16;
@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn estimate_stands_still_at_no_twist_and_stays_in_its_bounds() {
+    fn estimate_rests_at_zero_twist_and_stays_in_its_bounds() {
         let observer = DeadZoneObserver::<f64>::paper();
         let mut estimate = 0.16;
         observer.step(&mut estimate, 1e-3, 1.0, 2.0, 0.0);

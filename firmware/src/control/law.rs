@@ -67,18 +67,12 @@ mod tests {
     use crate::control::merzouki::DisturbingTorqueSource;
     use crate::control::nominal_model::NominalModel;
 
-    /// The paper's start: at rest at pi/2, the motor at 3 pi/2.
+    /// The paper's start: at rest, the load at pi/2 and the motor at 3 pi/2.
     fn start() -> Measurement<f64> {
         Measurement {
             motor_position_rad: 3.0 * FRAC_PI_2,
-            motor_velocity_rad_s: 0.0,
             load_position_rad: FRAC_PI_2,
-            load_velocity_rad_s: 0.0,
-            twist_rad: 0.0,
-            reference_position_rad: 0.0,
-            reference_velocity_rad_s: 0.0,
-            reference_acceleration_rad_s2: 0.0,
-            applied_torque_nm: 0.0,
+            ..Measurement::at_rest()
         }
     }
 
@@ -108,10 +102,10 @@ mod tests {
     }
 
     #[test]
-    fn first_torque_is_the_same_in_every_law_of_the_paper() {
+    fn without_twist_every_law_of_the_paper_gives_one_torque() {
         for mut law in laws() {
             let output = law.step(&start());
-            // Without twist there is nothing to compensate: -(theta_e + 10 theta_s).
+            // Without twist the compensation is zero: -(theta_e + 10 theta_s).
             assert!((output.torque_nm + 13.0 * FRAC_PI_2).abs() < 1e-9, "have {} N m", output.torque_nm);
             assert_eq!(output.dead_zone_estimate_rad, 0.16);
         }
@@ -123,7 +117,7 @@ mod tests {
         let [pd, merzouki, as_printed] = laws().map(|mut law| law.step(&wound).torque_nm);
         let w_hat = -0.64 * libm::tanh(2.0 / 0.64);
         assert!((as_printed - (pd - w_hat)).abs() < 1e-12, "merzouki-as-printed: have {as_printed}, pd {pd}");
-        // Lead -w_hat, and w - w_hat with nothing observed yet: C_obs = 0, w = -K z.
+        // Lead -w_hat, and w - w_hat before any observation: C_obs = 0, w = -K z.
         assert!(
             (merzouki - (pd - w_hat - w_hat - 2.0 - w_hat)).abs() < 1e-12,
             "merzouki: have {merzouki}, pd {pd}"
@@ -143,9 +137,9 @@ mod tests {
     }
 
     #[test]
-    fn perfect_tracking_asks_for_the_torque_of_the_rigid_mechanics() {
-        // On the reference in position and velocity, the spring wound by exactly zeta_d and the motor where (17) wants
-        // it, nothing but the feed-forward is left.
+    fn perfect_tracking_needs_the_torque_of_the_rigid_mechanics() {
+        // On the reference in position and velocity, the spring wound by exactly zeta_d and the motor at the position
+        // of (17), only the feed-forward remains.
         let moving = Measurement {
             motor_position_rad: 3.0,
             motor_velocity_rad_s: 1.5,
@@ -164,10 +158,10 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_is_none_shows_in_the_output() {
+    fn a_measurement_of_nan_makes_the_output_non_finite() {
         for mut law in laws().into_iter().chain([backlash_inverse()]) {
-            let blind = Measurement { load_position_rad: f64::NAN, ..start() };
-            assert!(!law.step(&blind).is_finite());
+            let invalid = Measurement { load_position_rad: f64::NAN, ..start() };
+            assert!(!law.step(&invalid).is_finite());
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The transmitted torque, observed on the motor side.
 //!
-//! From J_m dd(theta_e) = U - f - C the transmitted torque C follows without differentiating the velocity: the
-//! observer compares the motor's momentum with the torque that went in, and what is missing went through the
+//! From J_m dd(theta_e) = U - f - C the transmitted torque C follows without differentiating the velocity: the observer
+//! compares the motor's momentum with the integral of the applied torque; the difference passed through the
 //! transmission. With q = y - a J_m d(theta_e), dy/dt = a (U - f - q), the output C_obs = q follows U - f - J_m
 //! dd(theta_e) with the first-order lag of the pole a. The lag is advanced exactly for a torque held over the period.
 
@@ -9,10 +9,10 @@ use crate::control::nominal_model::NominalModel;
 use crate::control::real::alpha;
 use crate::control::{Measurement, Real};
 
-/// Velocity in rad/s over which the motor's Coulomb friction turns over.
+/// Velocity in rad/s over which the motor's Coulomb friction changes sign.
 const COULOMB_WIDTH_RAD_S: f64 = 0.1;
 
-/// Parameters of the observer, worked out once.
+/// The observer with its constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MomentumObserver<F> {
     pole_times_inertia: F,
@@ -21,7 +21,7 @@ pub struct MomentumObserver<F> {
     coulomb_nm: F,
 }
 
-/// What the observer remembers: its filtered momentum balance y in N m.
+/// State of the observer: its filtered momentum balance y in N m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MomentumObserverState<F> {
     balance_nm: F,
@@ -35,8 +35,8 @@ impl<F: Real> MomentumObserverState<F> {
 }
 
 impl<F: Real> MomentumObserver<F> {
-    /// An observer with its pole in rad/s, run every `period_s` seconds. 60 rad/s suits the paper's bench; at 300 the
-    /// merzouki law oscillates from 3 ms of delay.
+    /// An observer with its pole in rad/s, run every `period_s` seconds. 60 rad/s suits the paper's machine; at 300
+    /// rad/s the law `merzouki` oscillates from 3 ms of delay.
     pub fn new(model: &NominalModel<F>, pole_rad_s: F, period_s: F) -> Self {
         Self {
             pole_times_inertia: pole_rad_s * model.motor_inertia_kg_m2,
@@ -46,13 +46,13 @@ impl<F: Real> MomentumObserver<F> {
         }
     }
 
-    /// The observed transmitted torque C_obs in N m, from the torque applied since the last sample.
+    /// The observed transmitted torque C_obs in N m, with dry friction from the velocity.
     pub fn step(&self, state: &mut MomentumObserverState<F>, measurement: &Measurement<F>) -> F {
         let turnover = measurement.motor_velocity_rad_s / F::from_f64(COULOMB_WIDTH_RAD_S);
         self.step_against(state, measurement, self.coulomb_nm * turnover.tanh())
     }
 
-    /// The same against a dry friction in N m that the caller knows better than from the velocity.
+    /// The observed transmitted torque C_obs in N m, with a dry friction in N m from the caller.
     pub fn step_against(
         &self,
         state: &mut MomentumObserverState<F>,
@@ -73,21 +73,11 @@ mod tests {
     use super::*;
 
     fn at_velocity(motor_velocity_rad_s: f64, applied_torque_nm: f64) -> Measurement<f64> {
-        Measurement {
-            motor_position_rad: 0.0,
-            motor_velocity_rad_s,
-            load_position_rad: 0.0,
-            load_velocity_rad_s: 0.0,
-            twist_rad: 0.0,
-            reference_position_rad: 0.0,
-            reference_velocity_rad_s: 0.0,
-            reference_acceleration_rad_s2: 0.0,
-            applied_torque_nm,
-        }
+        Measurement { motor_velocity_rad_s, applied_torque_nm, ..Measurement::at_rest() }
     }
 
     #[test]
-    fn blocked_motor_shows_the_applied_torque_after_its_lag() {
+    fn blocked_motor_transmits_the_applied_torque_after_the_lag() {
         let observer = MomentumObserver::new(&NominalModel::paper(), 60.0, 1e-3);
         let mut state = MomentumObserverState::at_rest();
         let observed = (0..50).map(|_| observer.step(&mut state, &at_velocity(0.0, 2.0))).last();
@@ -97,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn free_motor_under_torque_shows_no_transmitted_torque() {
+    fn free_motor_under_torque_transmits_none() {
         let model = NominalModel { motor_friction_nm_s_rad: 0.0, ..NominalModel::paper() };
         let observer = MomentumObserver::new(&model, 60.0, 1e-3);
         let mut state = MomentumObserverState::at_rest();
@@ -106,17 +96,17 @@ mod tests {
             // Constant torque: the velocity is a ramp.
             observed = observer.step(&mut state, &at_velocity(0.5 * 1e-3 * f64::from(k) / 9.72e-4, 0.5));
         }
-        // The lag is exact for a held input while the velocity enters as a ramp: half a sample of the pole is left.
+        // The lag is exact for a held input, but the velocity is a ramp: an error of half a sample of the pole remains.
         assert!(observed.abs() < 0.5 * 60.0 * 1e-3, "have {observed}");
     }
 
     #[test]
-    fn motor_coulomb_friction_is_not_taken_for_transmitted_torque() {
+    fn motor_coulomb_friction_is_no_transmitted_torque() {
         let model =
             NominalModel { motor_coulomb_nm: 0.02, motor_friction_nm_s_rad: 0.0, ..NominalModel::paper() };
         let observer = MomentumObserver::new(&model, 60.0, 1e-3);
         let mut state = MomentumObserverState::at_rest();
-        // Started at speed the momentum is new to the observer; the lag forgets it within a second.
+        // The initial momentum decays with the lag within a second.
         let observed = (0..1000).map(|_| observer.step(&mut state, &at_velocity(5.0, 0.02))).last();
         assert!(observed.expect("stepped").abs() < 1e-12, "have {observed:?}");
     }

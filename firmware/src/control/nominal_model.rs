@@ -1,8 +1,8 @@
-//! The mechanics the laws believe in.
+//! The nominal mechanics.
 
 use crate::control::Real;
 
-/// Nominal parameters of motor, reducer and load; the true plant may differ.
+/// Nominal parameters of motor, reducer and load; the plant may differ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NominalModel<F> {
     /// Motor inertia J_m in kg m^2.
@@ -19,7 +19,7 @@ pub struct NominalModel<F> {
     pub stiffness_nm_rad: F,
     /// Dead-zone amplitude j0 in rad, half the gap; it fixes the steepness gamma = 1 / (2 j0) of equation (5).
     pub dead_zone_rad: F,
-    /// Coulomb friction of the motor F_cM in N m, which the momentum observer takes off.
+    /// Coulomb friction of the motor F_cM in N m, which the momentum observer subtracts.
     pub motor_coulomb_nm: F,
 }
 

@@ -1,7 +1,7 @@
 //! Parameters that don't go together.
 //!
-//! The range of a single parameter belongs to the drive's [parameter table](crate::drive::parameters). A law checks only
-//! what one parameter demands of another.
+//! The range of a single parameter belongs to the drive's parameter table. Constructors of laws check only the limit
+//! that one parameter sets to another.
 
 use crate::control::Real;
 

@@ -1,7 +1,7 @@
 //! The cascade before compensation: "only a PD controller".
 //!
-//! No estimate of the disturbing torque, no lead, no free control. The elastic feedback k1 stays: without it neither
-//! the paper's 13 s nor its static error of 0.32 rad comes out.
+//! No estimate of the disturbing torque, no lead, no free control. The elastic feedback k1 stays: only with it do the
+//! paper's 13 s and its static error of 0.32 rad result.
 
 use crate::control::cascade::{Cascade, CascadeGains, Compensation};
 use crate::control::nominal_model::NominalModel;
@@ -27,12 +27,12 @@ impl<F: Real> Controller<F> for Pd<F> {
     fn initial_state(&self) -> Self::State {}
 
     fn step(&self, (): &mut Self::State, measurement: &Measurement<F>) -> ControlOutput<F> {
-        let nothing = Compensation {
+        let none = Compensation {
             dead_zone_estimate_rad: self.nominal_dead_zone_rad,
             disturbing_torque_nm: F::ZERO,
             lead_rad: F::ZERO,
             free_torque_nm: F::ZERO,
         };
-        self.cascade.output(measurement, &nothing)
+        self.cascade.output(measurement, &none)
     }
 }

@@ -1,7 +1,6 @@
 //! The states of the drive, each with what only it has.
 //!
-//! A state that gives no torque owns no controller, and only a running drive owns a [`Run`]. Leaving a state drops what
-//! it owned.
+//! Only `Running` owns a [`Run`], and with it a held torque. Leaving a state drops what the state owned.
 
 use core::time::Duration;
 

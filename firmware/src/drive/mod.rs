@@ -14,7 +14,7 @@
 //! ```
 //!
 //! Only `Running` gives torque. In HIL the encoder sample is the tick of the control loop: no timer is in its path, so
-//! the torque depends on the frames alone.
+//! the torque depends on the frames only.
 //!
 //! | module | concept |
 //! |---|---|

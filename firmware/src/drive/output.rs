@@ -5,7 +5,7 @@ use lashloop_protocol::message::{FaultReport, Log};
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{DriveMessage, Frame, MAX_FRAME, Message};
 
-/// Most bytes that one received frame causes: a sample a torque, telemetry and, with a tick, a fault report.
+/// Reserve for the answers to one received frame: at most three frames.
 const LONGEST_ANSWER: usize = 3 * MAX_FRAME;
 const CAPACITY: usize = 2 * LONGEST_ANSWER;
 
@@ -30,7 +30,12 @@ impl Output {
     /// Appends a whole frame. A frame that does not fit is omitted, never cut; the reserve that
     /// [`Self::fits_an_answer`] checks guarantees that answers fit.
     pub(super) fn send(&mut self, message: impl Into<DriveMessage>) {
-        let _ = self.bytes.extend_from_slice(&message.into().frame());
+        self.append(&message.into());
+    }
+
+    /// One function for all messages: an encoder per message type would cost the image a kilobyte.
+    fn append(&mut self, message: &DriveMessage) {
+        let _ = self.bytes.extend_from_slice(&message.frame());
     }
 
     /// Appends a log line, unless it would displace an answer.

@@ -2,7 +2,7 @@
 //!
 //! | rule | reaction |
 //! |---|---|
-//! | disarmed at boot; `Arm`, then `Start`, of the present session | torque is zero in every other [state](super::lifecycle) |
+//! | disarmed at boot; `Arm`, then `Start`, of the present session | torque is zero in every other state |
 //! | no new sample for `watchdog_us` while running | fault `Watchdog` |
 //! | encoder faster than `motor_speed_limit_rad_s` / `load_speed_limit_rad_s` | fault, before the controller steps |
 //! | reference or torque not finite | fault |

@@ -1,14 +1,14 @@
-//! What may be tuned in the backlash inverse.
+//! Gains and limits of the backlash inverse.
 
 use crate::control::parameter_error::at_most;
 use crate::control::{ParameterError, Real};
 
-/// Gains and limits of the backlash inverse.
+/// Gains and limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BacklashInverseGains<F> {
     /// Load error to wanted load velocity, 1/s.
     pub approach_rate_1_s: F,
-    /// Fastest wanted load velocity beyond the reference's own, in rad/s.
+    /// Largest wanted load velocity relative to the reference, in rad/s.
     pub approach_speed_rad_s: F,
     /// Load velocity error to torque at the load, N m s/rad.
     pub load_velocity_gain_nm_s_rad: F,
@@ -16,9 +16,9 @@ pub struct BacklashInverseGains<F> {
     pub load_integral_gain_nm_rad: F,
     /// Largest torque of that integral at the load in N m.
     pub load_integral_limit_nm: F,
-    /// Largest torque asked of the transmission, at the motor's side, in N m.
+    /// Largest requested transmitted torque at the motor's side in N m.
     pub transmitted_limit_nm: F,
-    /// Transmitted torque in N m within which the motor is sent from one side of the gap to the other.
+    /// Transmitted torque in N m within which the motor crosses the gap.
     pub gap_crossing_nm: F,
     /// Twist error to torque, N m/rad.
     pub twist_gain_nm_rad: F,
@@ -28,9 +28,9 @@ pub struct BacklashInverseGains<F> {
     pub load_observer_rad_s: F,
     /// Smallest transmitted torque in N m at which the gap is identified.
     pub identification_min_nm: F,
-    /// Load error in rad that counts as arrived, if the load encoder can tell it.
+    /// Load error in rad that counts as arrived; at least 1.05 counts of the load encoder are used.
     pub arrival_band_rad: F,
-    /// Share of the integral that is kept on arrival.
+    /// Fraction of the integral kept on arrival.
     pub hold_fraction: F,
 }
 

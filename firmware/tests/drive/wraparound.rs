@@ -1,4 +1,4 @@
-//! Runs that are longer than the numbers on the wire: sequences of 16 bits, counts of 24.
+//! Runs beyond the range of the numbers on the wire: sequences of 16 bits, counts of 24.
 
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags};
@@ -6,11 +6,11 @@ use lashloop_protocol::message::Arm;
 
 use crate::host::{Host, SESSION, torque};
 
-/// Counts after which a reading is the same again.
+/// Counts after which a reading repeats.
 const RANGE: i64 = 1 << 24;
 
-/// A run whose last sample taken was 65535.
-fn at_the_wrap(settings: &[(&str, ParameterValue)]) -> Host {
+/// A run whose last sample was number 65535.
+fn at_the_last_number(settings: &[(&str, ParameterValue)]) -> Host {
     let mut host = Host::running(settings);
     for sequence in 0..=u16::MAX {
         assert_eq!(flags(&host.sample(sequence, 0, 0)), TorqueFlags::empty(), "sequence {sequence}");
@@ -22,7 +22,7 @@ fn flags(answers: &[DriveMessage]) -> TorqueFlags {
     torque(answers).status.flags
 }
 
-fn is_refused(answers: &[DriveMessage]) -> bool {
+fn is_rejected(answers: &[DriveMessage]) -> bool {
     matches!(answers, [DriveMessage::CommandResult(result)] if result.outcome == Outcome::OutOfSequence)
 }
 
@@ -31,25 +31,25 @@ fn motor_limit(rad_s: f32) -> (&'static str, ParameterValue) {
 }
 
 #[test]
-fn after_sequence_65535_comes_0_and_the_run_goes_on() {
-    let mut host = at_the_wrap(&[]);
+fn sequence_0_follows_65535() {
+    let mut host = at_the_last_number(&[]);
     let answers = host.sample(0, 0, 0);
     assert_eq!((torque(&answers).sequence, flags(&answers)), (0, TorqueFlags::empty()));
     assert!(matches!(answers[1], DriveMessage::Telemetry(it) if it.sequence == 0), "0 is a multiple of 10");
     assert_eq!(flags(&host.sample(0, 0, 0)), TorqueFlags::REPEATED);
-    assert!(is_refused(&host.sample(u16::MAX, 0, 0)), "the one before is past");
+    assert!(is_rejected(&host.sample(u16::MAX, 0, 0)), "an old number");
     assert_eq!(flags(&host.sample(1, 0, 0)), TorqueFlags::empty());
 }
 
 #[test]
-fn the_longest_gap_may_cross_the_wrap() {
+fn the_longest_gap_may_cross_the_wraparound() {
     let slow = [motor_limit(100.0)];
-    assert!(is_refused(&at_the_wrap(&slow).sample(1000, 0, 0)), "1001 periods on");
-    assert_eq!(flags(&at_the_wrap(&slow).sample(999, 0, 0)), TorqueFlags::GAP);
+    assert!(is_rejected(&at_the_last_number(&slow).sample(1000, 0, 0)), "1001 periods on");
+    assert_eq!(flags(&at_the_last_number(&slow).sample(999, 0, 0)), TorqueFlags::GAP);
 }
 
 #[test]
-fn a_gap_is_no_longer_than_positions_can_be_told_apart() {
+fn the_speed_limit_bounds_the_longest_gap() {
     // 1000 rad/s are 20,861 counts in a millisecond, of 2^23.
     let cases = [
         (vec![], 402),
@@ -61,13 +61,13 @@ fn a_gap_is_no_longer_than_positions_can_be_told_apart() {
     for (settings, longest) in cases {
         let mut host = Host::running(&settings);
         host.sample(0, 0, 0);
-        assert!(is_refused(&host.sample(longest + 1, 0, 0)), "{settings:?}");
+        assert!(is_rejected(&host.sample(longest + 1, 0, 0)), "{settings:?}");
         assert_eq!(flags(&host.sample(longest, 0, 0)), TorqueFlags::GAP, "{settings:?}");
     }
 }
 
 #[test]
-fn at_the_speed_limit_the_longest_gap_is_not_taken_for_a_turn_the_other_way() {
+fn the_longest_gap_at_the_speed_limit_keeps_its_direction() {
     let mut host = Host::running(&[("torque_limit_nm", ParameterValue::F32(1000.0))]);
     host.sample(0, 0, 0);
     let far = torque(&host.sample(402, 402 * 20_860, 0));
@@ -76,7 +76,7 @@ fn at_the_speed_limit_the_longest_gap_is_not_taken_for_a_turn_the_other_way() {
 }
 
 #[test]
-fn encoders_that_no_period_tells_apart_are_refused_when_arming() {
+fn a_speed_of_half_the_range_per_period_is_inconsistent() {
     for (limit, counts) in [
         ("motor_speed_limit_rad_s", "motor_counts_per_rev"),
         ("load_speed_limit_rad_s", "load_counts_per_rev"),
@@ -85,7 +85,7 @@ fn encoders_that_no_period_tells_apart_are_refused_when_arming() {
         host.set(counts, ParameterValue::U32(1 << 24));
         // 3142 rad/s are half a revolution in a millisecond, and half a revolution is 2^23 counts.
         host.set(limit, ParameterValue::F32(3142.0));
-        let answers = host.say(Arm { session: SESSION });
+        let answers = host.send(Arm { session: SESSION });
         let [DriveMessage::Log(log), DriveMessage::CommandResult(result)] = answers[..] else {
             panic!("{answers:?}")
         };
@@ -96,11 +96,11 @@ fn encoders_that_no_period_tells_apart_are_refused_when_arming() {
     }
 }
 
-/// Both encoders turn on and on; the finer one's readings wrap, the coarser one's do not.
+/// Both runs make the same motion; only the readings of the finer encoders wrap.
 #[test]
-fn positions_go_on_where_readings_wrap() {
+fn positions_continue_across_the_wraparound() {
     const COARSER: i64 = 16;
-    for way in [1, -1] {
+    for direction in [1, -1] {
         let run = |counts_per_rev: u32, counts_per_step: i64| {
             let mut host = Host::running(&[
                 ("torque_limit_nm", ParameterValue::F32(1000.0)),
@@ -113,7 +113,7 @@ fn positions_go_on_where_readings_wrap() {
             ]);
             let torques: Vec<f32> = (0..3000_u16)
                 .map(|step| {
-                    let counts = i64::from(step) * counts_per_step * way;
+                    let counts = i64::from(step) * counts_per_step * direction;
                     torque(&host.sample(step, counts, counts / 3)).torque_nm
                 })
                 .collect();
@@ -128,15 +128,15 @@ fn positions_go_on_where_readings_wrap() {
 }
 
 #[test]
-fn a_whole_turn_of_the_range_later_the_drive_knows_it_is_not_where_it_was() {
+fn a_reading_that_repeats_is_not_the_same_position() {
     let mut host = Host::running(&[("torque_limit_nm", ParameterValue::F32(1000.0))]);
     let first = torque(&host.sample(0, 0, 0)).torque_nm;
     // 20,000 counts are 959 rad/s.
     let steps = RANGE / 20_000 + 1;
     (1..=steps).for_each(|step| drop(host.sample(step as u16, RANGE.min(step * 20_000), 0)));
-    // The filter of the velocity forgets within 10 ms.
+    // The velocity filter settles within 10 ms.
     let last = (1..100).map(|step| torque(&host.sample((steps + step) as u16, RANGE, 0)).torque_nm).last();
     let moved_nm = last.expect("samples") - first;
-    // K_P1 is 1 N m/rad, and 2^24 counts are 128 revolutions. The rest is the spring's torque fed back.
+    // K_P1 is 1 N m/rad, and 2^24 counts are 128 revolutions. The remainder is the elastic feedback.
     assert!(moved_nm < -128.0 * std::f32::consts::TAU * 0.999, "{moved_nm} N m");
 }
