@@ -1,4 +1,4 @@
-//! The invariants of the drive on any history; `action` decodes the history.
+//! The invariants of the drive hold in any history. `action` converts bytes to a history.
 
 #![no_main]
 
@@ -6,7 +6,7 @@ use libfuzzer_sys::fuzz_target;
 
 #[path = "../../firmware/tests/properties/action.rs"]
 mod action;
-#[allow(dead_code, reason = "the coverage of a history is for the property tests")]
+#[allow(dead_code, reason = "only the property tests read the coverage of a history")]
 #[path = "../../firmware/tests/properties/invariants.rs"]
 mod invariants;
 #[path = "../../firmware/tests/properties/transitions.rs"]

@@ -1,8 +1,8 @@
 """The drive's state machine, sections 6 to 10 of `docs/protocol.md`.
 
-It does no I/O: its owner hands it the bytes that arrived, sends the bytes it gives back, calls `tick` when
-`time_left_s` has passed, and gives `torque_nm` to the motor if there is one. Device time comes from a clock that is
-given to it. In HIL the encoder sample is the tick of the control loop: no timer is in its path.
+The drive does no I/O. Its owner passes received bytes, sends the returned bytes, calls `tick` when `time_left_s` has
+elapsed, and applies `torque_nm` to the motor, if any. The owner also provides the clock of device time. In HIL the
+encoder sample is the tick of the control loop: no timer is in its path.
 """
 
 from __future__ import annotations
@@ -16,6 +16,16 @@ from lashloop.drive.answers import Nameplate, description, line_report, log, tel
 from lashloop.drive.parameters import COMMON_PARAMETERS, Parameters, ParameterSpec, u32
 from lashloop.drive.run import Next, Repeated, Run
 from lashloop.drive.safety import FaultError, Safety
+from lashloop.enums import (
+    LogLevel,
+    Outcome,
+    ParameterValue,
+    State,
+    TorqueFlags,
+    TorqueStatus,
+    Version,
+    single,
+)
 from lashloop.frames import FROM_HOST, FrameError, encode
 from lashloop.messages import (
     PROTOCOL_VERSION,
@@ -37,28 +47,18 @@ from lashloop.messages import (
     Stop,
     TorqueAnswer,
 )
-from lashloop.enums import (
-    LogLevel,
-    Outcome,
-    ParameterValue,
-    State,
-    TorqueFlags,
-    TorqueStatus,
-    Version,
-    single,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
 FIRMWARE_VERSION = Version(0, 1, 0)
-"""Version of this drive, that of the package."""
+"""Version of this drive and of the package."""
 _LARGEST_LAW = 15
 _U16_MAX = 2**16 - 1
 
 
 class Drive:
-    """A drive that has just been powered: disarmed, with default parameters."""
+    """A drive, initially as after power-up: disarmed, with default parameters."""
 
     def __init__(
         self,
@@ -72,7 +72,7 @@ class Drive:
         """Offer these control laws. `clock_ns` is device time; `board` is a name of at most 16 bytes."""
         self._laws = {law.number: law for law in laws}
         if not self._laws or not all(1 <= number <= _LARGEST_LAW for number in self._laws):
-            raise ValueError(f"a drive needs at least one control law, of a number from 1 to {_LARGEST_LAW}")
+            raise ValueError(f"a drive needs at least one control law, with a number from 1 to {_LARGEST_LAW}")
         self._nameplate = Nameplate(board, firmware, build_id, tuple(self._laws))
         self._clock_ns = clock_ns
         self.parameters = Parameters(_table(self._laws))
@@ -87,30 +87,30 @@ class Drive:
 
     @property
     def state(self) -> State:
-        """Where the drive is in its life."""
+        """State of the drive."""
         return self._safety.state
 
     @property
     def torque_nm(self) -> float:
-        """The torque the motor is to give now. Zero unless running."""
+        """Torque for the motor. Zero unless running."""
         return self._safety.torque_nm
 
     @property
     def time_left_s(self) -> float | None:
-        """Device time from now after which `tick` is needed; None while nothing can trip."""
+        """Device time until `tick` is due; None while no watchdog can trip."""
         deadline_ns = self._safety.watchdog_deadline_ns
         return None if deadline_ns is None else max(deadline_ns - self._clock_ns(), 0) * 1e-9
 
     def receive(self, data: bytes) -> bytes:
-        """Take bytes from the line and give the bytes to be sent."""
+        """Process received bytes and return the bytes to send."""
         for message in self._decoder.feed(data):
-            # A damaged frame is nothing but a missing one: the decoder counts it, and the host notices the silence.
+            # A damaged frame counts as missing: the decoder counts it, and the host detects the missing answer.
             if not isinstance(message, FrameError):
                 self._handle(message)
         return self._take_output()
 
     def tick(self) -> bytes:
-        """Let time pass, for the watchdog, and give the bytes to be sent."""
+        """Check the watchdog and return the bytes to send."""
         try:
             self._safety.check_watchdog(self._clock_ns())
         except FaultError as fault:
@@ -118,7 +118,7 @@ class Drive:
         return self._take_output()
 
     def note_overruns(self, count: int) -> None:
-        """Count bytes that the hardware lost before they got here. The host hears of them at the stop."""
+        """Count bytes lost in the hardware, for the `LineReport` at the stop."""
         self._overruns += count
 
     def _take_output(self) -> bytes:
@@ -134,7 +134,7 @@ class Drive:
             case EncoderSample():
                 self._answer_sample(message)
             case Hello():
-                self._greet(message)
+                self._handshake(message)
             case DescribeParameter(index):
                 self._describe(index)
             case GetParameter(index):
@@ -155,8 +155,8 @@ class Drive:
                 self._latch(self._safety.emergency_stop())
                 self._conclude(message, Outcome.ACCEPTED)
             case ClearFault():
-                greeted = self._session is not None
-                self._conclude(message, self._safety.clear_fault(greeted=greeted))
+                has_session = self._session is not None
+                self._conclude(message, self._safety.clear_fault(has_session=has_session))
             case Reset():
                 self._safety = Safety()
                 self.parameters.restore_defaults()
@@ -167,7 +167,7 @@ class Drive:
         self._send(CommandResult(request.KIND, outcome, self.state))
 
     def _latch(self, fault: FaultReport) -> None:
-        """Torque to zero first, then the report."""
+        """Set the torque to zero first, then send the report."""
         self._disarm_with(fault)
         self._send(fault)
 
@@ -175,17 +175,17 @@ class Drive:
         self._safety.latch(fault)
         self._run = None
 
-    def _greet(self, hello: Hello) -> None:
-        understood = hello.protocol_version == PROTOCOL_VERSION
-        if understood and hello.session != self._session:
+    def _handshake(self, hello: Hello) -> None:
+        same_version = hello.protocol_version == PROTOCOL_VERSION
+        if same_version and hello.session != self._session:
             self._session = hello.session
             self._run = None
-            self._safety.greet()
-        # An identity goes out in any case: a host of another version has to learn whom it met.
+            self._safety.open_session()
+        # An identity is always sent, so that a host of another version can report the mismatch.
         self._send(self._nameplate.identity(hello.session, self.state, self.parameters))
         if self._safety.fault is not None:
             self._send(self._safety.fault)
-        if not understood:
+        if not same_version:
             self._conclude(hello, Outcome.VERSION_MISMATCH)
 
     def _spec(self, index: int) -> ParameterSpec | None:
@@ -217,14 +217,14 @@ class Drive:
         return request() if session == self._session else Outcome.WRONG_SESSION
 
     def _arm(self) -> Outcome:
-        """Build the controller now, so that parameters which don't go together are found before the start."""
+        """Build the controller now, so that contradictory parameters are rejected before the start."""
         if self.state is not State.IDLE:
             return Outcome.WRONG_STATE
         try:
             law = self._laws.get(int(self.parameters["controller"]))
             if law is None:
                 raise InconsistentError("controller")
-            # A copy: what is live is asked for at each sample, all else holds for the run.
+            # A copy: live parameters are read at each sample, all others hold for the run.
             parameters = dict(self.parameters)
             self._run = Run(law.build(parameters), parameters)
         except InconsistentError as error:
@@ -246,7 +246,7 @@ class Drive:
         arrived_ns = self._clock_ns()
         tripped = None
         try:
-            # A sample that comes after the watchdog's time is too late, even if nobody called `tick` in between.
+            # A sample after the watchdog time is too late, even without a call of `tick` in between.
             self._safety.check_watchdog(arrived_ns)
         except FaultError as fault:
             tripped = fault.report
@@ -257,14 +257,14 @@ class Drive:
         elif self.state is not State.RUNNING or run is None:
             self._answer(sample, TorqueFlags(0), arrived_ns)
         else:
-            match run.place(sample.sequence, self._safety.last_sequence):
+            match run.classify(sample.sequence, self._safety.last_sequence):
                 case Next(periods):
                     self._step(run, sample, periods, arrived_ns)
                 case Repeated(answer):
                     self._send(answer)
                 case _:
                     self._conclude(sample, Outcome.OUT_OF_SEQUENCE)
-        # The torque comes first.
+        # After the torque.
         if tripped is not None:
             self._send(tripped)
 
@@ -275,8 +275,8 @@ class Drive:
         try:
             safety.check_reference(sample.reference_rad)
             safety.check_speeds(*run.speeds(sample, periods))
-            opinion = run.step(sample, periods, safety.torque_nm)
-            if safety.allow(single(opinion.torque_nm)):
+            output = run.step(sample, periods, safety.torque_nm)
+            if safety.allow(single(output.torque_nm)):
                 flags |= TorqueFlags.SATURATED
         except FaultError as fault:
             self._disarm_with(fault.report)
@@ -286,7 +286,7 @@ class Drive:
         run.last_answer = self._answer(sample, flags, arrived_ns)
         every = int(self.parameters["telemetry_every"])
         if every > 0 and sample.sequence % every == 0:
-            self._send(telemetry(sample.sequence, opinion))
+            self._send(telemetry(sample.sequence, output))
 
     def _answer(self, sample: EncoderSample, flags: TorqueFlags, arrived_ns: int) -> TorqueAnswer:
         compute_tenths_us = min(max(self._clock_ns() - arrived_ns, 0) // 100, _U16_MAX)
@@ -297,11 +297,11 @@ class Drive:
 
 
 def _table(laws: dict[int, ControlLaw]) -> list[ParameterSpec]:
-    """Give all parameters; what several laws need they share."""
+    """Return all parameters; laws may share parameters."""
     controller = u32("controller", "", min(laws), min(laws), max(laws))
     specs = {spec.name: spec for spec in (controller, *COMMON_PARAMETERS)}
     for law in laws.values():
         for spec in law.parameters:
             if specs.setdefault(spec.name, spec) != spec:
-                raise ValueError(f"two declarations of the parameter {spec.name} that are not the same")
+                raise ValueError(f"two declarations of the parameter {spec.name} differ")
     return list(specs.values())

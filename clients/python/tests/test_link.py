@@ -14,11 +14,11 @@ import pytest
 from lashloop.control import ControlInput, ControlLaw, ControlOutput
 from lashloop.control.cascade import PD
 from lashloop.drive import Drive, serve
+from lashloop.enums import FaultCode, State
 from lashloop.frames import encode
 from lashloop.host import DriveFaultError, Host
-from lashloop.lines import DescriptorLine, LineError, open_port, send_all
+from lashloop.link import DescriptorLink, LinkError, open_port, send_all
 from lashloop.messages import Hello
-from lashloop.enums import FaultCode, State
 from support import SOON_S, python_drive
 
 if TYPE_CHECKING:
@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 
 
 class Served:
-    """A drive on a pseudo-terminal, in a thread of its own. Leaving the block hangs up, which ends it."""
+    """A drive on a pseudo-terminal, in a thread. Leaving the block closes the terminal, which ends the thread."""
 
     def __init__(self, *laws: ControlLaw) -> None:
-        """Begin to serve."""
+        """Start the thread."""
         far_end, self._near_end = os.openpty()
         tty.setraw(self._near_end)
         self.path = os.ttyname(self._near_end)
-        self._line = DescriptorLine(far_end, self.path)
+        self._line = DescriptorLink(far_end, self.path)
         self.drive = Drive(laws)
         self.error: Exception | None = None
         self._thread = threading.Thread(target=self._run)
@@ -42,15 +42,15 @@ class Served:
     def _run(self) -> None:
         try:
             serve(self._line, self.drive)
-        except (LineError, ZeroDivisionError) as error:
+        except (LinkError, ZeroDivisionError) as error:
             self.error = error
 
     def __enter__(self) -> Served:
-        """Give the drive itself."""
+        """Return the drive itself."""
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Hang up."""
+        """Close the terminal."""
         os.close(self._near_end)
         self._thread.join(SOON_S)
         assert not self._thread.is_alive()
@@ -59,13 +59,13 @@ class Served:
 
 @pytest.fixture
 def served() -> Iterator[Served]:
-    """The drive that the package ships."""
+    """The drive of the package."""
     with Served(PD) as served:
         yield served
-    assert isinstance(served.error, LineError)
+    assert isinstance(served.error, LinkError)
 
 
-def test_a_run_over_a_terminal_has_no_losses(served: Served) -> None:
+def test_a_run_over_a_pseudo_terminal_has_no_losses(served: Served) -> None:
     with Host.open(served.path) as host:
         host.set("watchdog_us", 5_000_000)
         host.arm()
@@ -77,18 +77,18 @@ def test_a_run_over_a_terminal_has_no_losses(served: Served) -> None:
         assert (host.lost, host.counters.damaged, host.counters.refused) == (0, 0, 0)
 
 
-def test_hosts_may_come_one_after_the_other(served: Served) -> None:
+def test_hosts_may_connect_one_after_the_other(served: Served) -> None:
     for _ in range(3):
         with Host.open(served.path) as host:
             assert host.identity.state is State.IDLE
 
 
-def test_a_port_that_somebody_has_is_refused(served: Served) -> None:
-    with Host.open(served.path), pytest.raises(LineError, match=f"the port {served.path} can't be opened"):
+def test_a_port_in_use_is_rejected(served: Served) -> None:
+    with Host.open(served.path), pytest.raises(LinkError, match=f"the port {served.path} can't be opened"):
         open_port(served.path)
 
 
-def test_a_half_frame_of_an_earlier_host_does_not_swallow_the_greeting(served: Served) -> None:
+def test_a_partial_frame_of_an_earlier_host_does_no_harm(served: Served) -> None:
     line = open_port(served.path)
     send_all(line, encode(Hello(1, 1))[:-1], SOON_S)
     line.close()
@@ -96,7 +96,7 @@ def test_a_half_frame_of_an_earlier_host_does_not_swallow_the_greeting(served: S
         assert host.identity.session != 1
 
 
-def test_without_samples_the_watchdog_trips_by_itself_and_is_told_at_once(served: Served) -> None:
+def test_without_samples_the_watchdog_trips_and_is_reported(served: Served) -> None:
     with Host.open(served.path) as host:
         host.set("watchdog_us", 100_000)
         host.arm()
@@ -117,9 +117,9 @@ def test_a_host_that_does_not_read_can_t_keep_the_watchdog_from_tripping(served:
         host.set("watchdog_us", 200_000)
         host.arm()
         host.start()
-        # Far more questions than a terminal holds answers of.
+        # Far more requests than the buffer of a terminal holds answers.
         greeting = encode(Hello(1, host.identity.session)) * 100
-        line = host._talk._line
+        line = host._line._link
         deadline = time.monotonic() + SOON_S
         while served.drive.state is State.RUNNING and time.monotonic() < deadline:
             line.write(greeting, 0.01)
@@ -128,14 +128,14 @@ def test_a_host_that_does_not_read_can_t_keep_the_watchdog_from_tripping(served:
 
 
 class Broken:
-    """A law with a mistake."""
+    """A law with an error."""
 
     def step(self, sample: ControlInput) -> ControlOutput:
         """Divide by zero at the third sample."""
         return ControlOutput(1.0 / (2 - sample.motor_counts))
 
 
-def test_a_law_that_raises_ends_the_drive_with_last_words() -> None:
+def test_a_law_that_raises_ends_the_drive_with_a_panic_report() -> None:
     with Served(ControlLaw(1, (), lambda _: Broken())) as served, Host.open(served.path) as host:
         host.set("watchdog_us", 5_000_000)
         host.arm()
@@ -149,16 +149,16 @@ def test_a_law_that_raises_ends_the_drive_with_last_words() -> None:
     assert it.value.fault.message.detail == line
 
 
-def test_a_drive_whose_line_is_gone_ends_with_a_sentence() -> None:
+def test_a_drive_on_a_failed_link_ends_with_an_error() -> None:
     far_end, near_end = os.openpty()
-    line = DescriptorLine(far_end, "the terminal")
+    line = DescriptorLink(far_end, "the terminal")
     os.close(near_end)
-    with pytest.raises(LineError, match="the line the terminal is gone"):
+    with pytest.raises(LinkError, match="the link the terminal has failed"):
         serve(line, Drive([PD]))
     line.close()
 
 
-def test_a_drive_that_is_killed_in_mid_run_is_told_of() -> None:
+def test_a_killed_drive_is_a_link_error() -> None:
     with python_drive() as program, Host.open(program.path) as host:
         host.set("watchdog_us", 5_000_000)
         host.arm()
@@ -166,16 +166,16 @@ def test_a_drive_that_is_killed_in_mid_run_is_told_of() -> None:
         host.torque(motor_counts=0, load_counts=0, reference_rad=1.0)
         program.signal(signal.SIGKILL)
         program.ended()
-        with pytest.raises(LineError, match=f"the line {program.path} is gone"):
+        with pytest.raises(LinkError, match=f"the link {program.path} has failed"):
             host.torque(motor_counts=0, load_counts=0, reference_rad=1.0)
 
 
-def test_a_drive_answers_more_than_a_thousand_samples_in_a_second() -> None:
+def test_a_drive_answers_more_than_1000_samples_per_second() -> None:
     with python_drive() as program, Host.open(program.path) as host:
         host.set("watchdog_us", 5_000_000)
         host.arm()
         host.start()
-        # The best of some, because everything else a machine does only adds.
+        # The best of several, because other load only adds time.
         times_s = []
         for _ in range(5):
             start = time.monotonic()

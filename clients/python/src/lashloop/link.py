@@ -1,7 +1,6 @@
-"""Lines: what carries the bytes. POSIX only, as the bench itself.
+"""Links: carriers of bytes in both directions. POSIX only, as is the bench.
 
-A serial port is opened by pyserial; bytes then pass through its file descriptor, the same way as on a
-pseudo-terminal.
+Pyserial opens a serial port; bytes then pass through its file descriptor, as on a pseudo-terminal.
 """
 
 from __future__ import annotations
@@ -23,31 +22,31 @@ DEFAULT_BAUD = 921_600
 _AT_ONCE = 4096
 
 
-class LineError(LashloopError):
-    """The line can't be opened, or is gone."""
+class LinkError(LashloopError):
+    """The link can't be opened, or has failed."""
 
 
-class Line(Protocol):
-    """A stream of bytes both ways."""
+class Link(Protocol):
+    """A stream of bytes in both directions."""
 
     def read(self, timeout_s: float) -> bytes:
-        """Give what has come, waiting for it at most this long; nothing if nothing came. `LineError` at its end."""
+        """Return received bytes, or none after the timeout. `LinkError` if the link has failed."""
 
     def write(self, data: bytes, timeout_s: float) -> int:
-        """Send what the line takes, waiting at most this long for room, and give how many bytes these were."""
+        """Send as many bytes as the link accepts within the timeout and return their number."""
 
     def discard_input(self) -> None:
-        """Forget what has come and was not read."""
+        """Discard received bytes that were not read."""
 
     def close(self) -> None:
-        """Let go of it."""
+        """Close the link."""
 
 
-class DescriptorLine:
-    """A line over a file descriptor: a port, a pseudo-terminal, a socket, a pipe. It is set to not block."""
+class DescriptorLink:
+    """A link over a file descriptor (port, pseudo-terminal, socket, pipe), set to non-blocking."""
 
     def __init__(self, descriptor: int, name: str, close: Callable[[], None] | None = None) -> None:
-        """Use an open descriptor. `close` is what ends it, by default closing the descriptor."""
+        """Use an open descriptor. `close` replaces closing the descriptor."""
         self.name = name
         self._descriptor = descriptor
         self._close = close or (lambda: os.close(descriptor))
@@ -56,7 +55,7 @@ class DescriptorLine:
         os.set_blocking(descriptor, False)
 
     def read(self, timeout_s: float) -> bytes:
-        """See `Line`."""
+        """See `Link`."""
         if not self._readable.poll(_milliseconds(timeout_s)):
             return b""
         try:
@@ -64,14 +63,14 @@ class DescriptorLine:
         except BlockingIOError:
             return b""
         except OSError as error:
-            raise LineError(f"the line {self.name} is gone: {error.strerror}") from error
+            raise LinkError(f"the link {self.name} has failed: {error.strerror}") from error
         if not data:
-            # Readable with nothing to read: the far end has closed.
-            raise LineError(f"the line {self.name} is gone: its far end has closed")
+            # Readable without data: the far end has closed.
+            raise LinkError(f"the link {self.name} has failed: its far end has closed")
         return data
 
     def write(self, data: bytes, timeout_s: float) -> int:
-        """See `Line`."""
+        """See `Link`."""
         try:
             try:
                 return os.write(self._descriptor, data)
@@ -80,33 +79,33 @@ class DescriptorLine:
                 if not events:
                     return 0
                 if events[0][1] & (select.POLLHUP | select.POLLERR):
-                    # It would be told so again and again, with never any room.
-                    raise LineError(f"the line {self.name} is gone: its far end has closed") from None
+                    # Poll would report the hang-up forever, without buffer space.
+                    raise LinkError(f"the link {self.name} has failed: its far end has closed") from None
                 return os.write(self._descriptor, data)
         except BlockingIOError:
             return 0
         except OSError as error:
-            raise LineError(f"the line {self.name} is gone: {error.strerror}") from error
+            raise LinkError(f"the link {self.name} has failed: {error.strerror}") from error
 
     def discard_input(self) -> None:
-        """See `Line`."""
+        """See `Link`."""
         while self.read(0.0):
             pass
 
     def close(self) -> None:
-        """See `Line`."""
+        """See `Link`."""
         self._close()
 
 
-class PseudoTerminal(DescriptorLine):
-    """The far end of a new pseudo-terminal in raw mode: where a drive sits. It stays up while no host is there."""
+class PseudoTerminal(DescriptorLink):
+    """The drive's end of a new pseudo-terminal in raw mode. It stays open without a host."""
 
     def __init__(self) -> None:
-        """Open one; `path` is where a host finds it."""
+        """Open the pseudo-terminal; `path` is its end for the host."""
         try:
             far_end, near_end = os.openpty()
         except OSError as error:
-            raise LineError(f"the system has no pseudo-terminal for the drive: {error.strerror}") from error
+            raise LinkError(f"the system has no pseudo-terminal for the drive: {error.strerror}") from error
         tty.setraw(near_end)
         self.path = os.ttyname(near_end)
 
@@ -117,24 +116,24 @@ class PseudoTerminal(DescriptorLine):
         super().__init__(far_end, self.path, close)
 
 
-def open_port(path: str, baud: int = DEFAULT_BAUD) -> DescriptorLine:
-    """Open a serial port or the near end of a pseudo-terminal, raw, 8N1, and for nobody else."""
+def open_port(path: str, baud: int = DEFAULT_BAUD) -> DescriptorLink:
+    """Open a serial port or the host's end of a pseudo-terminal, raw, 8N1, exclusive."""
     try:
         port = serial.Serial(path, baud, exclusive=True)
     except (serial.SerialException, ValueError, OSError) as error:
-        raise LineError(f"the port {path} can't be opened: {error}") from error
-    return DescriptorLine(port.fileno(), path, port.close)
+        raise LinkError(f"the port {path} can't be opened: {error}") from error
+    return DescriptorLink(port.fileno(), path, port.close)
 
 
-def send_all(line: Line, data: bytes, limit_s: float, clock: Callable[[], float] = time.monotonic) -> None:
-    """Send all of it within this time; `LineError` if the far end does not take it."""
+def send_all(link: Link, data: bytes, limit_s: float, clock: Callable[[], float] = time.monotonic) -> None:
+    """Send all bytes within this time; `LinkError` if the far end does not accept them."""
     deadline = clock() + limit_s
     rest = data
     while rest:
         left_s = max(deadline - clock(), 0.0)
-        rest = rest[line.write(rest, left_s) :]
+        rest = rest[link.write(rest, left_s) :]
         if rest and left_s == 0.0:
-            raise LineError(f"the far end took {len(data) - len(rest)} of {len(data)} bytes in {limit_s:g} s")
+            raise LinkError(f"the far end accepted {len(data) - len(rest)} of {len(data)} bytes in {limit_s:g} s")
 
 
 def _poll(descriptor: int, event: int) -> select.poll:
@@ -144,5 +143,5 @@ def _poll(descriptor: int, event: int) -> select.poll:
 
 
 def _milliseconds(timeout_s: float) -> float:
-    # Rounded up: a wait that ends before its time would be another round for nothing.
+    # Rounded up: a wait that ends early would repeat the loop without effect.
     return max(int(timeout_s * 1e3 + 0.999), 0)

@@ -1,4 +1,4 @@
-"""A line between a host and a drive in the same process that can lose what is sent, with a clock of its own."""
+"""A link between a host and a drive in one process, with a virtual clock, that can lose messages."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from lashloop.frames import FROM_DRIVE, FROM_HOST, decode, encode
 from lashloop.host import Host, TimeLimits
-from support import Bench
+from support import DriveUnderTest
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from lashloop.messages import DriveMessage, HostMessage
 
 
-class Wire:
-    """A line to a drive. Time passes only while the host waits for what does not come."""
+class SimulatedLink:
+    """A link to a drive. Time advances only while the host waits."""
 
     def __init__(self) -> None:
-        """Power a drive and connect it."""
-        self.bench = Bench()
+        """Power up a drive and connect it."""
+        self.bench = DriveUnderTest()
         self.now_s = 0.0
         self.sent: list[HostMessage] = []
         self.closed = False
@@ -35,7 +35,7 @@ class Wire:
         return self.now_s
 
     def write(self, data: bytes, timeout_s: float) -> int:
-        """Let the drive answer, unless this is lost."""
+        """Pass the bytes to the drive, unless they are lost."""
         del timeout_s
         for frame in data.split(b"\0")[:-1]:
             if frame:
@@ -55,7 +55,7 @@ class Wire:
             self._coming += self._under_way.popleft()[1]
 
     def read(self, timeout_s: float) -> bytes:
-        """Give what has come, or let the time pass for both until something may."""
+        """Return received bytes, or advance the time of both sides."""
         self._arrive()
         if not self._coming:
             left_s = self.bench.drive.time_left_s
@@ -70,27 +70,27 @@ class Wire:
         return data
 
     def discard_input(self) -> None:
-        """Forget what has come."""
+        """Discard received bytes."""
         self._arrive()
         self._coming.clear()
 
     def close(self) -> None:
-        """Note it."""
+        """Record the call."""
         self.closed = True
 
     def count(self, kind: type[HostMessage]) -> int:
-        """How many of a kind were sent."""
+        """Number of messages of a kind sent."""
         return Counter(map(type, self.sent))[kind]
 
 
-def greeted(wire: Wire, limits: TimeLimits | None = None) -> Host:
-    """A host of a session of ours."""
-    return Host(wire, session=7, limits=limits, clock=wire.clock)
+def opened(link: SimulatedLink, limits: TimeLimits | None = None) -> Host:
+    """A host with a fixed session number."""
+    return Host(link, session=7, limits=limits, clock=link.clock)
 
 
-def running(wire: Wire, limits: TimeLimits | None = None) -> Host:
-    """A host in a run, with a watchdog longer than its patience."""
-    host = greeted(wire, limits)
+def running(link: SimulatedLink, limits: TimeLimits | None = None) -> Host:
+    """A host in a run, with a watchdog longer than the host's timeouts."""
+    host = opened(link, limits)
     host.set("watchdog_us", 10_000_000)
     host.arm()
     host.start()
@@ -98,5 +98,5 @@ def running(wire: Wire, limits: TimeLimits | None = None) -> Host:
 
 
 def step(host: Host) -> float:
-    """A sample with the mechanics at rest off the reference."""
+    """A sample of mechanics at rest, away from the reference."""
     return host.torque(motor_counts=0, load_counts=0, reference_rad=1.0)

@@ -1,4 +1,4 @@
-"""Requests and answers on a line: deadlines, and what comes in between."""
+"""Requests and answers on a link, with deadlines; other messages in between are recorded."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, TypeVar
 
 from lashloop.decoder import Counters, Decoder
 from lashloop.frames import DELIMITER, FROM_DRIVE, FrameError, encode
+from lashloop.host.at_step import AtStep, FaultAtStep
 from lashloop.host.errors import SilenceError
-from lashloop.host.placed import Placed, PlacedFault
-from lashloop.lines import send_all
+from lashloop.link import send_all
 from lashloop.messages import DriveMessage, EncoderSample, FaultReport, HostMessage, Log, Telemetry, TorqueAnswer
 from lashloop.sequence import nearest_step
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from lashloop.lines import Line
+    from lashloop.link import Link
 
 T = TypeVar("T")
 
@@ -27,37 +27,37 @@ _LOGS_KEPT = 100
 
 @dataclass(frozen=True, slots=True)
 class TimeLimits:
-    """How long a host waits, section 11 of `docs/protocol.md`. Wall time.
+    """Timeouts of a host in wall-clock time, section 11 of `docs/protocol.md`.
 
-    The Lashloop bench, of which that section tells, sends a request again every 500 ms; this host sends each of them
-    once and waits for its answer. Only a `Hello` and the first sample of a run are sent again.
+    The Lashloop bench retransmits a request every 500 ms. This host retransmits only `Hello` and the first sample of a
+    run; it sends any other request once.
     """
 
-    greeting_s: float = 2.5
-    """For an `Identity`."""
+    handshake_s: float = 2.5
+    """Until the `Identity`."""
     hello_every_s: float = 0.1
-    """Between two greetings."""
+    """Between two `Hello` messages."""
     request_s: float = 2.0
-    """For the answer to any other request, and for the far end to take it."""
+    """Until the answer to any other request, and until the far end accepts it."""
     answer_s: float = 1.0
-    """For a torque; then the last one is held."""
+    """Until a torque; then the previous torque is held."""
     silence_s: float = 2.5
-    """For the first torque after one that is missing."""
+    """Without any torque in time; then the run fails."""
 
 
-class Conversation:
-    """A line with a drive at its far end."""
+class DriveLine:
+    """A link to a drive, with the last messages received."""
 
-    def __init__(self, line: Line, limits: TimeLimits, clock: Callable[[], float] = time.monotonic) -> None:
-        """Use an open line; nothing is sent yet."""
+    def __init__(self, link: Link, limits: TimeLimits, clock: Callable[[], float] = time.monotonic) -> None:
+        """Use an open link; nothing is sent yet."""
         self.limits = limits
         self.clock = clock
-        self.telemetry: Placed[Telemetry] | None = None
-        self.fault: PlacedFault | None = None
+        self.telemetry: AtStep[Telemetry] | None = None
+        self.fault: FaultAtStep | None = None
         self.logs: deque[Log] = deque(maxlen=_LOGS_KEPT)
         self.last_torque: int | None = None
-        """The control period of the last torque of the run that came at all, in time or late."""
-        self._line = line
+        """Control period of the last torque of the run, in time or late."""
+        self._link = link
         self._decoder = Decoder(FROM_DRIVE)
         self._inbox: deque[DriveMessage] = deque()
         self._last_sent: int | None = None
@@ -65,72 +65,72 @@ class Conversation:
 
     @property
     def counters(self) -> Counters:
-        """What this end's receiver has seen."""
+        """Receive statistics of the host."""
         return self._decoder.counters
 
     def begin_run(self) -> None:
-        """Count the samples anew, and forget what was told of the run before."""
+        """Restart the count of samples and discard the data of the previous run."""
         self.telemetry = self._last_sent = self.last_torque = None
 
     def clear(self) -> None:
-        """Begin anew: forget what has come, and end whatever half frame an earlier host left with the drive."""
-        self._line.discard_input()
+        """Discard received bytes, and end a partial frame that an earlier host left in the drive's receiver."""
+        self._link.discard_input()
         self._decoder = Decoder(FROM_DRIVE)
         self._inbox.clear()
-        send_all(self._line, DELIMITER, self.limits.request_s, self.clock)
+        send_all(self._link, DELIMITER, self.limits.request_s, self.clock)
 
     def send(self, message: HostMessage) -> None:
-        """Send a message and wait for nothing."""
-        send_all(self._line, encode(message), self.limits.request_s, self.clock)
+        """Send a message without waiting for an answer."""
+        send_all(self._link, encode(message), self.limits.request_s, self.clock)
         if isinstance(message, EncoderSample):
             self._last_sent = nearest_step(message.sequence, self._last_sent or 0)
 
     def wait(self, wanted: Callable[[DriveMessage], T | None], limit_s: float) -> T | None:
-        """Give what `wanted` recognises, or None once the time is over. Everything else is kept or passed over."""
+        """Return the first result of `wanted`, or None after the timeout. Other messages are recorded."""
         deadline = self.clock() + limit_s
-        over = False
+        expired = False
         while True:
             while self._inbox:
                 message = self._inbox.popleft()
-                self._note(message)
+                self._record(message)
                 answer = wanted(message)
                 if answer is not None:
                     return answer
-            if over:
+            if expired:
                 return None
             left_s = deadline - self.clock()
-            # What is there already is still read after the deadline, once.
-            over = left_s <= 0
-            data = self._line.read(max(left_s, 0.0))
+            # Bytes already received are read once more after the deadline.
+            expired = left_s <= 0
+            data = self._link.read(max(left_s, 0.0))
             self._inbox.extend(it for it in self._decoder.feed(data) if not isinstance(it, FrameError))
 
-    def ask(self, request: HostMessage, wanted: Callable[[DriveMessage], T | None]) -> T:
-        """Send a request once and wait for its answer; `SilenceError` if none comes."""
-        self.send(request)
+    def request(self, message: HostMessage, wanted: Callable[[DriveMessage], T | None]) -> T:
+        """Send a request once and return its answer; `SilenceError` after the timeout."""
+        self.send(message)
         answer = self.wait(wanted, self.limits.request_s)
         if answer is None:
-            raise self.silence(type(request).__name__, self.limits.request_s)
+            raise self.silence(type(message).__name__, self.limits.request_s)
         return answer
 
     def silence(self, waiting_for: str, limit_s: float) -> SilenceError:
-        """Give the error for an answer that did not come."""
+        """Return the error for a missing answer."""
         return SilenceError(waiting_for, limit_s, self._last_seen())
 
     def close(self) -> None:
-        """Let go of the line."""
-        self._line.close()
+        """Close the link."""
+        self._link.close()
 
-    def _note(self, message: DriveMessage) -> None:
+    def _record(self, message: DriveMessage) -> None:
         self._last_message = type(message).__name__
         match message:
             case Log():
                 self.logs.append(message)
             case FaultReport():
-                self.fault = PlacedFault.near(self._last_sent, message)
+                self.fault = FaultAtStep.near(self._last_sent, message)
             case Telemetry():
-                self.telemetry = Placed.near(self._last_sent or 0, message)
+                self.telemetry = AtStep.near(self._last_sent or 0, message)
             case TorqueAnswer():
-                self.last_torque = Placed.near(self._last_sent or 0, message).step
+                self.last_torque = AtStep.near(self._last_sent or 0, message).step
 
     def _last_seen(self) -> str:
         if not self._last_message:
