@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
 
 use crate::{command, paths};
 
@@ -56,13 +56,19 @@ impl ArmToolchain {
         command
     }
 
-    /// `cargo clippy` of the same; `None` where this compiler has no clippy.
-    pub(crate) fn clippy(&self) -> Option<Command> {
+    /// `cargo clippy` of the drive for the board.
+    ///
+    /// # Errors
+    /// This compiler has no clippy.
+    pub(crate) fn clippy(&self) -> Result<Command> {
         let mut command = match self {
             Self::WithCore => command::cargo(),
-            Self::CoreFromSource { .. } if !Path::new(DEBIAN_CARGO_CLIPPY).exists() => return None,
-            // Called by its path: `cargo clippy` would find the one of rustup's compiler.
             Self::CoreFromSource { .. } => {
+                ensure!(
+                    Path::new(DEBIAN_CARGO_CLIPPY).exists(),
+                    "Debian's compiler has no clippy here: install rust-web-clippy"
+                );
+                // Called by its path: `cargo clippy` would find the one of rustup's compiler.
                 let mut command = Command::new(DEBIAN_CARGO_CLIPPY);
                 command.current_dir(paths::root());
                 command
@@ -71,7 +77,7 @@ impl ArmToolchain {
         command.arg("clippy");
         self.describe(DRIVE, &mut command);
         command.args(["--", "-D", "warnings"]);
-        Some(command)
+        Ok(command)
     }
 
     fn describe(&self, program: &str, command: &mut Command) {
@@ -92,7 +98,7 @@ impl ArmToolchain {
 fn core_is_installed() -> bool {
     // The path is printed whether it exists or not.
     let libraries =
-        command::first_line(Command::new("rustc").args(["--print", "target-libdir", "--target", TARGET]));
+        command::first_line(command::rustc().args(["--print", "target-libdir", "--target", TARGET]));
     libraries.is_some_and(|folder| {
         files_in(Path::new(&folder)).any(|name| name.starts_with("libcore-") && name.ends_with(".rlib"))
     })

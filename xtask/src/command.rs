@@ -17,6 +17,27 @@ pub(crate) fn cargo() -> Command {
     command
 }
 
+/// The compiler that builds the workspace.
+pub(crate) fn rustc() -> Command {
+    in_workspace("rustc")
+}
+
+/// The rustup that manages that compiler.
+pub(crate) fn rustup() -> Command {
+    in_workspace("rustup")
+}
+
+pub(crate) fn git() -> Command {
+    in_workspace("git")
+}
+
+/// rustup's proxies read `rust-toolchain.toml` from their working directory.
+fn in_workspace(program: &str) -> Command {
+    let mut command = Command::new(program);
+    command.current_dir(paths::root());
+    command
+}
+
 /// Runs `command` with our output and no input.
 pub(crate) fn run(command: &mut Command) -> Result<()> {
     let status = command.stdin(Stdio::null()).status().with_context(|| cannot_start(command))?;

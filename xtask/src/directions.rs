@@ -10,14 +10,11 @@ mod source_tree;
 #[cfg(test)]
 mod tests;
 
-use std::fs;
-use std::path::Path;
-
 use anyhow::{Result, ensure};
 
-use crate::{metadata, paths};
+use crate::metadata;
 use file_graph::FileGraph;
-use source_tree::SourceTree;
+pub(crate) use source_tree::SourceTree;
 
 /// Prints every wrong-way dependency and every cycle.
 ///
@@ -31,7 +28,7 @@ pub(crate) fn check() -> Result<()> {
     }
     let mut cycle_count = 0;
     for root in metadata::production_roots(&metadata)? {
-        let graph = FileGraph::of(&SourceTree::load(&root, &read)?);
+        let graph = FileGraph::of(&SourceTree::read(&root)?);
         for cycle in graph.cycles() {
             println!("cycle of {} files:\n{}", cycle.len(), graph.describe(&cycle));
             cycle_count += 1;
@@ -43,9 +40,4 @@ pub(crate) fn check() -> Result<()> {
         wrong_ways.len()
     );
     Ok(())
-}
-
-/// The text of a file of the workspace.
-fn read(path: &Path) -> Option<String> {
-    fs::read_to_string(paths::root().join(path)).ok()
 }

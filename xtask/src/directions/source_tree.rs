@@ -1,12 +1,13 @@
 //! The modules of one crate, read from its root file.
 
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use syn::Item;
 
-use crate::production;
+use crate::{paths, production};
 
 /// Index of a module in its tree.
 pub(crate) type ModuleId = usize;
@@ -28,6 +29,18 @@ pub(crate) struct Module {
 }
 
 impl SourceTree {
+    /// Reads the tree below a root file of the workspace, given by its path in it.
+    ///
+    /// # Errors
+    /// A file is missing or isn't Rust.
+    pub(crate) fn read(root: &Path) -> Result<Self> {
+        Self::load(root, &|path| fs::read_to_string(paths::root().join(path)).ok())
+    }
+
+    pub(crate) fn files(&self) -> impl Iterator<Item = PathBuf> {
+        self.modules.iter().map(|module| module.file.clone())
+    }
+
     /// Reads the tree below `root`. `read` returns a file's text, or `None` if the file doesn't exist.
     ///
     /// # Errors
