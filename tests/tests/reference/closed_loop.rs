@@ -1,7 +1,8 @@
-//! A drive and a plant in one loop, without frames and without a drive's life cycle around the law.
+//! A control law and a plant in one loop, without frames and without the drive's state machine.
 //!
-//! Row `k` holds the state at `k` periods and the torque applied from there on; the dead-zone estimate is the one used
-//! in that torque.
+//! Row `k` holds the state at `k` periods, the torque applied from then on, and the dead-zone estimate in that torque.
+
+use core::f64::consts::TAU;
 
 use lashloop_firmware::control::law::Law;
 use lashloop_firmware::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig};
@@ -9,16 +10,9 @@ use lashloop_firmware::control::{Measurement, Real};
 use lashloop_plant::encoder::Encoder;
 use lashloop_plant::{Plant, Start, Truth};
 
-/// One sample of a trajectory.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Row {
-    pub(crate) time_s: f64,
-    pub(crate) truth: Truth,
-    pub(crate) torque_nm: f64,
-    pub(crate) dead_zone_estimate_rad: f64,
-}
+use crate::trajectory::Row;
 
-/// How long, how often and how strong.
+/// Control period, length of the run and torque limit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Timing {
     pub(crate) period_s: f64,
@@ -27,12 +21,12 @@ pub(crate) struct Timing {
 }
 
 impl Timing {
-    /// 25 s at 1 kHz without a limit, as the recorded trajectories.
+    /// 25 s at 1 kHz without a limit, as in the recorded trajectories.
     pub(crate) const RECORDED: Self =
         Self { period_s: 1e-3, periods: 25_000, torque_limit_nm: f64::INFINITY };
 }
 
-/// Where the load should be, and how that moves.
+/// Reference of the load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Reference {
     pub(crate) position_rad: f64,
@@ -40,12 +34,22 @@ pub(crate) struct Reference {
     pub(crate) acceleration_rad_s2: f64,
 }
 
-/// The paper's reference: nought from the first instant.
-pub(crate) fn regulate_to_nought(_time_s: f64) -> Reference {
+/// The paper's reference: zero from the first instant.
+pub(crate) fn regulate_to_zero(_time_s: f64) -> Reference {
     Reference { position_rad: 0.0, velocity_rad_s: 0.0, acceleration_rad_s2: 0.0 }
 }
 
-/// What lies between the plant's truth and the law.
+/// 0.5 rad at 0.05 Hz, for lost motion.
+pub(crate) fn slow_sine(time_s: f64) -> Reference {
+    let omega = TAU * 0.05;
+    Reference {
+        position_rad: 0.5 * (omega * time_s).sin(),
+        velocity_rad_s: 0.5 * omega * (omega * time_s).cos(),
+        acceleration_rad_s2: -0.5 * omega * omega * (omega * time_s).sin(),
+    }
+}
+
+/// Sensors between the plant's truth and the law.
 pub(crate) trait Sensors<F> {
     fn measure(&mut self, truth: &Truth, reference: Reference, applied_torque_nm: f64) -> Measurement<F>;
 }
@@ -69,7 +73,7 @@ impl<F: Real> Sensors<F> for Ideal {
     }
 }
 
-/// Two encoders and the drive's own sensing.
+/// Two encoders and the drive's sensing.
 pub(crate) struct Quantised<F> {
     encoders: [Encoder; 2],
     sensing: Sensing<F>,
@@ -112,7 +116,7 @@ impl<F: Real> Sensors<F> for Quantised<F> {
     }
 }
 
-/// Runs the loop; the first row is the start, the last the state after `timing.periods`.
+/// Runs the loop. The first row is the start, the last one the state after `timing.periods`.
 pub(crate) fn run<F: Real, P: Plant>(
     plant: &P,
     start: Start,

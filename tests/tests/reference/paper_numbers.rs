@@ -1,14 +1,15 @@
-//! The paper's numbers, with ideal sensors in double precision and with encoders in the drive's single precision.
+//! The paper's numbers: with ideal sensors in double precision, and with encoders in the drive's single precision.
 
 use core::fmt::Write;
 
 use lashloop_firmware::control::Real;
 
 use crate::closed_loop::{Ideal, Quantised};
-use crate::paper_loops::{Loop, Measures, TORQUE_LIMIT_NM, load_distance_rad};
+use crate::paper_loops::{Loop, Measures, TORQUE_LIMIT_NM};
+use crate::trajectory::load_distance_rad;
 
-/// Encoders and bandwidths that bring the paper's numbers through quantised sensors, with the widest margin. Half the
-/// bandwidth at the load halves the noise of the torque and still meets them.
+/// Encoders and bandwidths that reproduce the paper's numbers with the widest margin. Half the bandwidth at the load
+/// halves the noise of the torque and still reproduces them.
 const COUNTS: u32 = 16_384;
 const MOTOR_BANDWIDTH_RAD_S: f64 = 400.0;
 const LOAD_BANDWIDTH_RAD_S: f64 = 200.0;
@@ -34,11 +35,11 @@ fn row(table: &mut String, sensors: &str, measures: &Measures, single_to_double_
 #[test]
 fn four_loops_of_the_paper() {
     let mut table = String::new();
-    for bench in Loop::ALL {
+    for closed in Loop::ALL {
         writeln!(
             table,
             "\n{}\n{:<12} {:>9} {:>10} {:>8} {:>8} {:>9} {:>12}",
-            bench.name(),
+            closed.name(),
             "sensors",
             "settle s",
             "at 25 s",
@@ -48,13 +49,13 @@ fn four_loops_of_the_paper() {
             "f32 to f64"
         )
         .expect("writing to a string");
-        let double = bench.run::<f64>(Ideal);
+        let double = closed.run::<f64>(Ideal);
         row(&mut table, "ideal, f64", &Measures::of(&double), None);
-        let single = bench.run::<f32>(Ideal);
+        let single = closed.run::<f32>(Ideal);
         row(&mut table, "ideal, f32", &Measures::of(&single), Some(load_distance_rad(&single, &double)));
         for counts in [1_000, 4_000, 10_000, COUNTS, 1 << 17, 1 << 20] {
-            let single = bench.run(quantised::<f32>(counts));
-            let double = bench.run(quantised::<f64>(counts));
+            let single = closed.run(quantised::<f32>(counts));
+            let double = closed.run(quantised::<f64>(counts));
             let distance = load_distance_rad(&single, &double);
             row(&mut table, &format!("{counts}, f32"), &Measures::of(&single), Some(distance));
         }
@@ -67,9 +68,9 @@ fn quantised<F: Real>(counts: u32) -> Quantised<F> {
 }
 
 #[test]
-fn drive_with_fine_encoders_meets_the_paper() {
-    let of = |bench: Loop| Measures::of(&bench.run(quantised::<f32>(COUNTS)));
-    let settle = |bench: Loop| of(bench).settle_s.expect("settles");
+fn drive_with_fine_encoders_reproduces_the_paper() {
+    let of = |closed: Loop| Measures::of(&closed.run(quantised::<f32>(COUNTS)));
+    let settle = |closed: Loop| of(closed).settle_s.expect("settles");
     let near = |what: &str, have: f64, want: f64, tolerance: f64| {
         assert!((have - want).abs() <= tolerance, "{what}: have {have}, want {want} +- {tolerance}");
     };
@@ -77,9 +78,9 @@ fn drive_with_fine_encoders_meets_the_paper() {
     near("smooth merzouki settles, s", settle(Loop::SmoothMerzouki), 5.14, 0.1);
     near("hard-coulomb pd ends, rad", of(Loop::HardCoulombPd).final_error_rad, 0.32, 0.002);
     near("hard-coulomb merzouki ends, rad", of(Loop::HardCoulombMerzouki).final_error_rad, 0.0, 0.015);
-    for bench in Loop::ALL {
-        let largest = of(bench).largest_torque_nm;
-        assert!(largest < TORQUE_LIMIT_NM, "{}: {largest} N m touches the limit", bench.name());
+    for closed in Loop::ALL {
+        let largest = of(closed).largest_torque_nm;
+        assert!(largest < TORQUE_LIMIT_NM, "{}: {largest} N m touches the limit", closed.name());
     }
 }
 
@@ -107,7 +108,8 @@ fn bandwidths_and_counts_that_meet_the_paper() {
             (200.0, 200.0),
             (1000.0, 1000.0),
         ] {
-            let of = |bench: Loop| Measures::of(&bench.run(Quantised::<f32>::new(counts, motor, load, 1e-3)));
+            let of =
+                |closed: Loop| Measures::of(&closed.run(Quantised::<f32>::new(counts, motor, load, 1e-3)));
             let [pd, merzouki, hard_pd, hard_merzouki] = Loop::ALL.map(of);
             let near = |have: Option<f64>, want: f64, tolerance: f64| {
                 have.is_some_and(|have| (have - want).abs() <= tolerance)

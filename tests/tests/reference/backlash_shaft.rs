@@ -1,4 +1,4 @@
-//! What physical backlash with friction and a real drive has to obey.
+//! Physical laws on the backlash shaft.
 
 use core::f64::consts::TAU;
 
@@ -6,11 +6,12 @@ use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters, StribeckPar
 use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::{Contact, DryFriction, Mechanics, Plant, Start, Truth};
 
-use crate::closed_loop::{Ideal, Row, Timing, regulate_to_nought, run};
+use crate::closed_loop::{Ideal, Timing, regulate_to_zero, run};
 use crate::open_loop::{push_nm, pushed};
 use crate::paper;
+use crate::trajectory::Row;
 
-/// Largest imbalance of the energies that the record has, as a share of the energy supplied and taken back.
+/// Largest imbalance of the recorded energies, as a fraction of the energy supplied and taken back.
 pub(crate) fn recorded_imbalance(truths: &[Truth]) -> f64 {
     let first = truths[0];
     let turned_over_j: f64 =
@@ -28,14 +29,14 @@ pub(crate) fn truths<P: Plant>(plant: &P, dt_s: f64, steps: usize) -> Vec<Truth>
 }
 
 fn pd_rows(plant: &BacklashShaft, start: Start) -> Vec<Row> {
-    run(plant, start, &paper::pd::<f64>(), Ideal, regulate_to_nought, Timing::RECORDED)
+    run(plant, start, &paper::pd::<f64>(), Ideal, regulate_to_zero, Timing::RECORDED)
 }
 
 fn pd_truths() -> Vec<Truth> {
-    pd_rows(&paper::bench(16), paper::START).iter().map(|row| row.truth).collect()
+    pd_rows(&paper::backlash_shaft(16), paper::START).iter().map(|row| row.truth).collect()
 }
 
-/// No lag, no friction on the motor, stiction as large as Coulomb friction.
+/// No lag, no dry friction on the motor, stiction equal to Coulomb friction.
 fn plain() -> ShaftParameters {
     let coulomb =
         |coulomb_nm| StribeckParameters { coulomb_nm, stiction_nm: coulomb_nm, velocity_rad_s: 1.0 };
@@ -48,27 +49,28 @@ fn plain() -> ShaftParameters {
 }
 
 #[test]
-fn energy_that_the_record_has_balances() {
+fn recorded_energy_balances() {
     for (name, truths, bound) in [
         ("smooth", truths(&paper::smooth(4), 1e-3, 8_000), 1e-11),
         ("hard-coulomb", truths(&paper::hard_coulomb(4), 1e-3, 8_000), 1e-11),
-        ("bench", truths(&paper::bench(16), 1e-3, 8_000), 3e-11),
-        ("bench under a law", pd_truths(), 1e-8),
-        ("bench, finely", truths(&paper::bench(64), 1e-3, 8_000), 1e-13),
+        ("backlash shaft", truths(&paper::backlash_shaft(16), 1e-3, 8_000), 3e-11),
+        ("backlash shaft under a law", pd_truths(), 1e-8),
+        ("backlash shaft, finely", truths(&paper::backlash_shaft(64), 1e-3, 8_000), 1e-13),
     ] {
         let imbalance = recorded_imbalance(&truths);
         assert!(imbalance < bound, "{name}: have {imbalance:e} of the work, want below {bound:e}");
         let last = truths.last().expect("truths");
-        assert!(last.dissipated_energy_j > 1.0, "{name}: something was dissipated: {last:?}");
+        assert!(last.dissipated_energy_j > 1.0, "{name}: dissipates energy: {last:?}");
     }
 }
 
 #[test]
 fn energy_supplied_is_the_work_of_the_held_torque() {
-    // Without lag the torque at the motor is the one that was asked for, and its work is exact from positions.
-    for truths in
-        [truths(&paper::bench_with(plain(), 16), 1e-3, 8_000), truths(&paper::hard_coulomb(4), 1e-3, 8_000)]
-    {
+    // Without lag the torque at the motor is the commanded one, and its work is exact from positions.
+    for truths in [
+        truths(&paper::backlash_shaft_with(plain(), 16), 1e-3, 8_000),
+        truths(&paper::hard_coulomb(4), 1e-3, 8_000),
+    ] {
         let work = |(k, pair): (usize, &[Truth])| {
             push_nm((k as f64 + 0.5) * 1e-3) * (pair[1].motor_position_rad - pair[0].motor_position_rad)
         };
@@ -79,8 +81,10 @@ fn energy_supplied_is_the_work_of_the_held_torque() {
 }
 
 #[test]
-fn energy_is_never_given_by_friction_or_damping() {
-    for truths in [truths(&paper::bench(16), 1e-3, 8_000), truths(&paper::hard_coulomb(4), 1e-3, 8_000)] {
+fn friction_and_damping_never_supply_energy() {
+    for truths in
+        [truths(&paper::backlash_shaft(16), 1e-3, 8_000), truths(&paper::hard_coulomb(4), 1e-3, 8_000)]
+    {
         for pair in truths.windows(2) {
             assert!(pair[1].dissipated_energy_j >= pair[0].dissipated_energy_j, "{pair:?}");
         }
@@ -88,9 +92,9 @@ fn energy_is_never_given_by_friction_or_damping() {
 }
 
 #[test]
-fn bench_contact_never_pulls_and_its_gap_carries_nothing() {
+fn contact_never_pulls_and_the_gap_carries_nothing() {
     let mut seen = [0_u32; 3];
-    for truth in truths(&paper::bench(16), 1e-3, 8_000) {
+    for truth in truths(&paper::backlash_shaft(16), 1e-3, 8_000) {
         let side = truth.contact.sign();
         seen[(side + 1.0) as usize] += 1;
         assert!(truth.gap_position_rad.abs() <= truth.dead_zone_rad + 1e-12, "{truth:?}");
@@ -102,7 +106,7 @@ fn bench_contact_never_pulls_and_its_gap_carries_nothing() {
             }
         }
     }
-    assert!(seen.iter().all(|&rows| rows > 100), "both sides and the gap are visited: {seen:?}");
+    assert!(seen.iter().all(|&rows| rows > 100), "both flanks and the gap occur: {seen:?}");
 }
 
 /// Largest distance between motor positions in rad.
@@ -112,20 +116,20 @@ fn motor_distance_rad(one: &[Truth], other: &[Truth]) -> f64 {
 }
 
 #[test]
-fn without_damping_the_bench_is_the_hard_gap() {
+fn without_damping_the_backlash_shaft_is_the_hard_gap() {
     let undamped = ShaftParameters { shaft_damping_nm_s_rad: 0.0, ..plain() };
-    let bench = truths(&paper::bench_with(undamped, 16), 1e-3, 8_000);
+    let shaft = truths(&paper::backlash_shaft_with(undamped, 16), 1e-3, 8_000);
     let hard = HardCoulomb::new(Mechanics::paper(), paper::LOAD_COULOMB_NM, 16).expect("valid plant");
-    let distance_rad = motor_distance_rad(&bench, &truths(&hard, 1e-3, 8_000));
+    let distance_rad = motor_distance_rad(&shaft, &truths(&hard, 1e-3, 8_000));
     assert!(distance_rad < 1e-9, "have {distance_rad:e} rad");
 }
 
 #[test]
-fn vanishing_damping_leads_to_the_hard_gap_in_proportion() {
+fn distance_to_the_hard_gap_is_proportional_to_damping() {
     let with = |shaft_damping_nm_s_rad| {
         let parameters = ShaftParameters { shaft_damping_nm_s_rad, ..plain() };
-        // Before the first stick: which instant of the push finds the load at rest is not continuous in the damping.
-        truths(&paper::bench_with(parameters, 16), 1e-3, 700)
+        // Only up to the first sticking: its instant is not continuous in the damping.
+        truths(&paper::backlash_shaft_with(parameters, 16), 1e-3, 700)
     };
     let hard = with(0.0);
     let distances = [3.1e-5, 3.1e-6, 3.1e-7, 3.1e-8].map(|damping| motor_distance_rad(&with(damping), &hard));
@@ -136,8 +140,8 @@ fn vanishing_damping_leads_to_the_hard_gap_in_proportion() {
 }
 
 #[test]
-fn pd_stops_the_bench_at_the_static_error_of_the_closed_form() {
-    // Creeping on, load and motor carry their stiction: 3 C = -F_s, U = C - F_sM, z = C / K - j0; the cascade has
+fn pd_stops_at_the_static_error_of_the_closed_form() {
+    // While they creep, load and motor carry their stiction: 3 C = -F_s, U = C - F_sM, z = C / K - j0; the cascade has
     // U = -2 K z - 13 K theta_s.
     let last = *pd_truths().last().expect("truths");
     let parameters = ShaftParameters::paper();
@@ -148,9 +152,9 @@ fn pd_stops_the_bench_at_the_static_error_of_the_closed_form() {
 }
 
 #[test]
-fn mirrored_start_gives_the_mirrored_bench() {
+fn mirrored_start_gives_the_mirrored_trajectory() {
     let mirror = Start::at_rest(-paper::START.load_position_rad, -paper::START.motor_position_rad);
-    let plant = paper::bench(16);
+    let plant = paper::backlash_shaft(16);
     for (row, mirrored) in pd_rows(&plant, paper::START).iter().zip(pd_rows(&plant, mirror)) {
         assert_eq!(row.truth.load_position_rad, -mirrored.truth.load_position_rad, "at {} s", row.time_s);
         assert_eq!(row.truth.motor_position_rad, -mirrored.truth.motor_position_rad, "at {} s", row.time_s);
@@ -159,13 +163,13 @@ fn mirrored_start_gives_the_mirrored_bench() {
 }
 
 #[test]
-fn mass_that_sticks_has_no_velocity_and_its_friction_holds_what_drives_it() {
+fn sticking_mass_is_held_by_friction_within_its_limit() {
     let limits = ShaftParameters::paper();
-    let plant = paper::bench(16);
+    let plant = paper::backlash_shaft(16);
     let mut state = plant.initial_state(Start::at_rest(0.0, 0.0));
     let (mut stuck, mut released) = ([0_u32; 2], [0_u32; 2]);
     for k in 0..20_000 {
-        // Slowly enough to stop at either end.
+        // Slowly enough for the masses to stop at both ends.
         plant.step(&mut state, 2.0 * (0.1 * TAU * f64::from(k) * 1e-3).sin(), 1e-3).expect("the plant steps");
         let truth = plant.truth(&state);
         released[0] += u32::from(truth.load_velocity_rad_s != 0.0);

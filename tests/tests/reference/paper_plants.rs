@@ -1,23 +1,22 @@
-//! What any bench with a gap has to obey, whatever the law.
-
-use core::f64::consts::TAU;
+//! Physical laws on the paper's plants: the smooth gap, and the hard gap with Coulomb friction.
 
 use lashloop_plant::{Contact, DryFriction, Mechanics, Plant, Start, Truth};
 
-use crate::closed_loop::{Ideal, Reference, Row, Timing, regulate_to_nought, run};
+use crate::closed_loop::{Ideal, Timing, regulate_to_zero, run, slow_sine};
 use crate::open_loop::pushed;
 use crate::paper;
+use crate::trajectory::{Row, lost_motion_rad};
 
 fn hard_coulomb_rows(merzouki: bool, start: Start) -> Vec<Row> {
     let law = if merzouki { paper::merzouki_observed::<f64>(1e-3) } else { paper::pd() };
-    run(&paper::hard_coulomb(4), start, &law, Ideal, regulate_to_nought, Timing::RECORDED)
+    run(&paper::hard_coulomb(4), start, &law, Ideal, regulate_to_zero, Timing::RECORDED)
 }
 
 fn mirrored(start: Start) -> Start {
     Start::at_rest(-start.load_position_rad, -start.motor_position_rad)
 }
 
-/// Largest imbalance between work, stored and dissipated energy along an open-loop run, as a share of the work turned
+/// Largest imbalance between work, stored and dissipated energy along an open-loop run, as a fraction of the work turned
 /// over. The work of a held torque and of dry friction is exact from positions; viscous losses by Simpson's rule.
 fn energy_imbalance<P: Plant>(plant: &P, load_coulomb_nm: f64) -> f64 {
     let mechanics = Mechanics::paper();
@@ -66,11 +65,11 @@ fn contact_never_pulls_and_the_gap_carries_nothing() {
         }
         assert!(truth.gap_position_rad.abs() <= half_gap + 1e-12, "{truth:?}");
     }
-    assert!(seen.iter().all(|&rows| rows > 100), "both sides and the gap are visited: {seen:?}");
+    assert!(seen.iter().all(|&rows| rows > 100), "both flanks and the gap occur: {seen:?}");
 }
 
 #[test]
-fn smooth_dead_zone_has_no_torque_and_no_slope_in_its_middle() {
+fn smooth_dead_zone_has_neither_torque_nor_slope_at_zero() {
     // (5): C = K (z - 4 j0 tanh(z / 4 j0)) = K z^3 / (3 (4 j0)^2) + O(z^5).
     let plant = paper::smooth(4);
     let transmitted = |twist_rad: f64| {
@@ -90,19 +89,19 @@ fn pd_stops_at_the_static_error_of_the_closed_form() {
     let want = (3.0 * paper::LOAD_COULOMB_NM / 3.0 + 2.0 * 0.16) / 13.0;
     let rows = hard_coulomb_rows(false, paper::START);
     let have = rows.last().expect("rows").truth.load_position_rad;
-    // The load creeps up to the point where friction holds it; half a microradian is left after 25 s.
+    // The load creeps to the point where friction holds it; after 25 s half a microradian remains.
     assert!((have - want).abs() < 1e-6, "have {have}, want {want} rad");
     assert!((want - 0.32).abs() < 1e-12);
 }
 
 #[test]
-fn sticking_load_has_no_velocity_at_all() {
+fn sticking_load_has_exactly_zero_velocity() {
     let rows = pushed(&paper::hard_coulomb(4), 1e-3, 8_000);
     let (stuck, moving): (Vec<_>, Vec<_>) =
         rows.iter().partition(|(truth, _)| truth.load_friction == DryFriction::Stick);
     assert!(stuck.len() > 100 && moving.len() > 100, "{} stuck, {} moving", stuck.len(), moving.len());
     assert!(stuck.iter().all(|(truth, _)| truth.load_velocity_rad_s == 0.0));
-    // And it is held: friction carries what the spring asks, up to its limit.
+    // Friction balances the spring, up to its limit.
     let held = |truth: &Truth| 3.0 * truth.transmitted_torque_nm.abs() <= paper::LOAD_COULOMB_NM;
     assert!(stuck.iter().all(|(truth, _)| held(truth)));
 }
@@ -120,24 +119,19 @@ fn mirrored_start_gives_the_mirrored_trajectory() {
     }
 }
 
-/// Lost motion under 0.5 rad at 0.05 Hz: how far apart the load passes the middle of the reference's two ways.
-fn lost_motion_rad(merzouki: bool) -> f64 {
-    let omega = TAU * 0.05;
-    let sine = |time_s: f64| Reference {
-        position_rad: 0.5 * (omega * time_s).sin(),
-        velocity_rad_s: 0.5 * omega * (omega * time_s).cos(),
-        acceleration_rad_s2: -0.5 * omega * omega * (omega * time_s).sin(),
-    };
-    let law = if merzouki { paper::merzouki_observed::<f64>(1e-3) } else { paper::pd() };
-    let middle = Start::at_rest(0.0, 0.0);
-    let timing = Timing { periods: 80_000, ..Timing::RECORDED };
-    let rows = run(&paper::hard_coulomb(4), middle, &law, Ideal, sine, timing);
-    (rows[80_000].truth.load_position_rad - rows[70_000].truth.load_position_rad).abs()
-}
-
 #[test]
-fn compensation_takes_the_lost_motion_out_of_a_slow_sine() {
-    let [before, after] = [false, true].map(lost_motion_rad);
+fn compensation_removes_lost_motion_under_a_slow_sine() {
+    let [before, after] = [paper::pd::<f64>(), paper::merzouki_observed(1e-3)].map(|law| {
+        let timing = Timing { periods: 80_000, ..Timing::RECORDED };
+        lost_motion_rad(&run(
+            &paper::hard_coulomb(4),
+            Start::at_rest(0.0, 0.0),
+            &law,
+            Ideal,
+            slow_sine,
+            timing,
+        ))
+    });
     assert!((0.30..0.35).contains(&before), "before: have {before} rad");
     assert!(after < 0.02, "after: have {after} rad");
 }

@@ -1,4 +1,4 @@
-//! A bench as it might be built, the law that is to run it, and how well that went.
+//! A backlash shaft with encoders, delay and torque limit, its control law, and the figures of a run.
 
 use std::fmt;
 
@@ -11,10 +11,11 @@ use lashloop_firmware::control::nominal_model::NominalModel;
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::{Mechanics, Plant, PlantError, Start, TransportDelay, Truth};
 
-use crate::closed_loop::{Quantised, Reference, Row, Timing, run};
+use crate::closed_loop::{Quantised, Reference, Sensors, Timing, regulate_to_zero, run, slow_sine};
 use crate::paper;
+use crate::trajectory::{Row, lost_motion_rad, settle_s, torque_variation_nm};
 
-/// A plant behind a delay.
+/// A plant behind a transport delay.
 struct Delayed<P> {
     plant: P,
     delay_us: u32,
@@ -36,19 +37,19 @@ impl<P: Plant> Plant for Delayed<P> {
     }
 }
 
-/// Everything a run depends on but the law.
+/// Everything that a run depends on except its law.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Machine {
+pub(crate) struct DriveTrain {
     pub(crate) mechanics: Mechanics,
     pub(crate) parameters: ShaftParameters,
     pub(crate) counts: u32,
     pub(crate) delay_us: u32,
-    /// The drive's own limit.
+    /// The drive's torque limit.
     pub(crate) torque_limit_nm: f64,
 }
 
-impl Machine {
-    /// The paper's experiment behind encoders of 4000 counts, a millisecond late.
+impl DriveTrain {
+    /// The paper's experiment with encoders of 4000 counts and a delay of one millisecond.
     pub(crate) fn paper() -> Self {
         Self {
             mechanics: Mechanics::paper(),
@@ -59,8 +60,8 @@ impl Machine {
         }
     }
 
-    /// The backlash inverse with its default gains. Of the plant it knows table 1 and the motor's dry friction; the gap
-    /// is its own to find.
+    /// The backlash inverse with its default gains. Its model holds table 1 and the motor's dry friction; it identifies
+    /// the gap itself.
     pub(crate) fn backlash_inverse<F: Real>(&self) -> Law<F> {
         let model = NominalModel { motor_coulomb_nm: F::from_f64(0.02), ..NominalModel::paper() };
         let setting = BacklashInverseSetting {
@@ -74,20 +75,20 @@ impl Machine {
         BacklashInverse::new(&model, BacklashInverseGains::paper(), setting).expect("valid law").into()
     }
 
-    /// What the drive's encoders and velocity filters make of it.
+    /// The drive's encoders and velocity filters.
     pub(crate) fn sensors<F: Real>(&self) -> Quantised<F> {
         Quantised::new(self.counts, 400.0, 200.0, 1e-3)
     }
 
     /// 25 s from the paper's start.
     pub(crate) fn regulate<F: Real>(&self, law: &Law<F>) -> Vec<Row> {
-        self.follow(law, self.sensors(), paper::START, 25_000, crate::closed_loop::regulate_to_nought)
+        self.follow(law, self.sensors(), paper::START, 25_000, regulate_to_zero)
     }
 
     pub(crate) fn follow<F: Real>(
         &self,
         law: &Law<F>,
-        sensors: impl crate::closed_loop::Sensors<F>,
+        sensors: impl Sensors<F>,
         start: Start,
         periods: usize,
         reference: impl Fn(f64) -> Reference,
@@ -97,23 +98,16 @@ impl Machine {
         run(&Delayed { plant, delay_us: self.delay_us }, start, law, sensors, reference, timing)
     }
 
-    /// Under 0.5 rad at 0.05 Hz: how far apart the load passes the middle of the reference's two ways.
+    /// Lost motion under a slow sine.
     pub(crate) fn lost_motion_rad<F: Real>(&self, law: &Law<F>) -> f64 {
-        let omega = core::f64::consts::TAU * 0.05;
-        let sine = |time_s: f64| Reference {
-            position_rad: 0.5 * (omega * time_s).sin(),
-            velocity_rad_s: 0.5 * omega * (omega * time_s).cos(),
-            acceleration_rad_s2: -0.5 * omega * omega * (omega * time_s).sin(),
-        };
-        let rows = self.follow(law, self.sensors(), Start::at_rest(0.0, 0.0), 80_000, sine);
-        (rows[80_000].truth.load_position_rad - rows[70_000].truth.load_position_rad).abs()
+        let start = Start::at_rest(0.0, 0.0);
+        lost_motion_rad(&self.follow(law, self.sensors(), start, 80_000, slow_sine))
     }
 }
 
-/// What a run is judged by, towards a reference of nought.
+/// Figures of a run with the reference zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Figures {
-    /// First sample after the last one beyond 0.05 rad; None if the last is.
     pub(crate) settle_s: Option<f64>,
     /// Mean of the last second.
     pub(crate) static_error_rad: f64,
@@ -127,19 +121,15 @@ impl Figures {
     pub(crate) fn of(rows: &[Row]) -> Self {
         let load = |row: &Row| row.truth.load_position_rad;
         let last = rows.last().expect("a trajectory has rows");
-        let outside = rows.iter().rposition(|row| load(row).abs() > 0.05);
         let second = &rows[rows.len() - 1000..];
         let ten_seconds = &rows[rows.len() - 10_000..];
         let highest = ten_seconds.iter().map(load).fold(f64::MIN, f64::max);
         let lowest = ten_seconds.iter().map(load).fold(f64::MAX, f64::min);
         Self {
-            settle_s: rows.get(outside.map_or(0, |k| k + 1)).map(|row| row.time_s),
+            settle_s: settle_s(rows),
             static_error_rad: second.iter().map(load).sum::<f64>() / 1000.0,
             hunting_rad: highest - lowest,
-            torque_variation_nm: rows
-                .windows(2)
-                .map(|pair| (pair[1].torque_nm - pair[0].torque_nm).abs())
-                .sum(),
+            torque_variation_nm: torque_variation_nm(rows),
             dead_zone_error_rad: last.dead_zone_estimate_rad - last.truth.dead_zone_rad,
         }
     }
@@ -159,5 +149,5 @@ impl fmt::Display for Figures {
     }
 }
 
-/// The head of a table of [`Figures`].
-pub(crate) const HEAD: &str = "settle s static mrad hunting mrad variation N m gap err mrad";
+/// Header of a table of [`Figures`].
+pub(crate) const HEADER: &str = "settle s static mrad hunting mrad variation N m gap err mrad";

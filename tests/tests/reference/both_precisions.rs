@@ -1,8 +1,8 @@
 //! Both precisions of a law on the same counts.
 //!
-//! In a closed loop a difference of one rounding moves the instant at which a count flips, and the quantiser makes a
-//! whole count of it; that is a property of the encoder. So the loop is closed in double precision, and single precision
-//! listens.
+//! In a closed loop a difference of one rounding moves the instant at which a count changes, and the quantiser turns it
+//! into a whole count: a property of the encoder. So double precision closes the loop, and single precision computes its
+//! torque from the same counts without applying it.
 
 use lashloop_firmware::control::law::Law;
 use lashloop_firmware::control::{Measurement, Real};
@@ -10,17 +10,17 @@ use lashloop_plant::Truth;
 
 use crate::closed_loop::{Quantised, Reference, Sensors};
 
-/// Reads for the loop in double precision and lets the drive's single precision listen.
-pub struct Listener<'a> {
+/// Sensors in double precision that also feed the drive's single precision.
+pub(crate) struct BothPrecisions<'a> {
     double: Quantised<f64>,
     single: Quantised<f32>,
     laws: (Law<f64>, Law<f32>),
     largest_nm: &'a mut f64,
 }
 
-impl<'a> Listener<'a> {
-    /// Keeps in `largest_nm` by how much the torques have differed, in N m.
-    pub fn new(
+impl<'a> BothPrecisions<'a> {
+    /// Writes the largest difference of the torques to `largest_nm`, in N m.
+    pub(crate) fn new(
         (double, single): (Quantised<f64>, Quantised<f32>),
         laws: (Law<f64>, Law<f32>),
         largest_nm: &'a mut f64,
@@ -29,7 +29,7 @@ impl<'a> Listener<'a> {
     }
 }
 
-impl Sensors<f64> for Listener<'_> {
+impl Sensors<f64> for BothPrecisions<'_> {
     fn measure(&mut self, truth: &Truth, reference: Reference, applied_torque_nm: f64) -> Measurement<f64> {
         let double = self.double.measure(truth, reference, applied_torque_nm);
         let single = self.single.measure(truth, reference, applied_torque_nm);
