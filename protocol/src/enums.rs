@@ -33,6 +33,36 @@ wire_enum! {
     }
 }
 
+impl ControllerId {
+    /// Name of the law in scenarios, records and on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Pd => "pd",
+            Self::Merzouki => "merzouki",
+            Self::MerzoukiAsPrinted => "merzouki-as-printed",
+            Self::BacklashInverse => "backlash-inverse",
+        }
+    }
+
+    /// The law with this name, former names included; `None` for any other text.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "faithful" => Some(Self::Merzouki),
+            "literal" => Some(Self::MerzoukiAsPrinted),
+            "compensating" => Some(Self::BacklashInverse),
+            name => Self::ALL.iter().copied().find(|law| law.name() == name),
+        }
+    }
+}
+
+impl core::fmt::Display for ControllerId {
+    fn fmt(&self, out: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        out.pad(self.name())
+    }
+}
+
 wire_enum! {
     /// Where the compensation takes the disturbing torque from: values of the parameter `disturbing_torque_source`.
     pub enum DisturbingTorqueSource {

@@ -132,26 +132,23 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Stands for a figure that a run had nothing to give.
-const UNMEASURED: u64 = u64::MAX;
-
-/// A count of the link beyond what the scenario allows.
+/// A count of the link or a figure of timing beyond what the scenario allows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Breach {
     /// The key of `[allow]`.
     pub what: &'static str,
-    /// What was counted.
-    pub counted: u64,
-    /// What is allowed.
+    /// The run's figure; `None` if the run has none, which meets no limit.
+    pub counted: Option<u64>,
+    /// The limit.
     pub allowed: u64,
 }
 
 impl fmt::Display for Breach {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { what, counted, allowed } = self;
-        match *counted {
-            UNMEASURED => write!(f, "{what}: nothing to measure, allow.{what} is {allowed}"),
-            counted => write!(f, "{what}: {counted} counted, allow.{what} is {allowed}"),
+        match counted {
+            None => write!(f, "{what}: nothing to measure, allow.{what} is {allowed}"),
+            Some(counted) => write!(f, "{what}: {counted} counted, allow.{what} is {allowed}"),
         }
     }
 }
@@ -201,26 +198,26 @@ impl Judgement {
 }
 
 fn breaches(allow: &Allowance, counts: &LinkCounts, timing: &TimingReport) -> Vec<Breach> {
-    // What was never measured meets no limit.
-    let p99_us =
-        |quantiles: Option<Quantiles>| quantiles.map_or(UNMEASURED, |quantiles| quantiles.p99.ceil() as u64);
-    let lateness_p99_us = if timing.clock == ClockName::RealTime { p99_us(timing.lateness_us) } else { 0 };
-    let real_time = timing.clock == ClockName::RealTime;
-    // An answer that is not there in time is late in real time, whether it comes or not.
-    let (lost, late) = if real_time { (0, timing.late()) } else { (counts.lost, counts.late) };
-    let late_in_a_row = if real_time { timing.longest_run_of_late } else { 0 };
+    let p99_us = |quantiles: Option<Quantiles>| quantiles.map(|quantiles| quantiles.p99.ceil() as u64);
+    // In real time, an answer that doesn't arrive in its period is late, whether it arrives at all or not.
+    let (lost, late, late_in_a_row, lateness_p99_us) = match timing.clock {
+        ClockName::RealTime => {
+            (0, timing.late(), timing.longest_run_of_late, p99_us(timing.lateness_us))
+        }
+        ClockName::Lockstep => (counts.lost, counts.late, 0, Some(0)),
+    };
     [
-        ("lost", lost, Some(allow.lost)),
-        ("late", late, Some(allow.late)),
-        ("late_in_a_row", late_in_a_row, allow.late_in_a_row),
-        ("crc_errors", counts.crc_errors, Some(allow.crc_errors)),
-        ("resumes", counts.resumes, Some(allow.resumes)),
+        ("lost", Some(lost), Some(allow.lost)),
+        ("late", Some(late), Some(allow.late)),
+        ("late_in_a_row", Some(late_in_a_row), allow.late_in_a_row),
+        ("crc_errors", Some(counts.crc_errors), Some(allow.crc_errors)),
+        ("resumes", Some(counts.resumes), Some(allow.resumes)),
         ("lateness_p99_us", lateness_p99_us, allow.lateness_p99_us),
         ("round_trip_p99_us", p99_us(timing.round_trip_us), allow.round_trip_p99_us),
     ]
     .into_iter()
     .filter_map(|(what, counted, allowed)| allowed.map(|allowed| Breach { what, counted, allowed }))
-    .filter(|breach| breach.counted > breach.allowed)
+    .filter(|breach| breach.counted.is_none_or(|counted| counted > breach.allowed))
     .collect()
 }
 

@@ -88,7 +88,7 @@ impl Arguments {
                     None => device.insert(self.open(&scenario, &supervisor)?),
                 };
                 let (run, verdict) = make(&scenario, device, &supervisor)?;
-                say!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name.as_str());
+                say!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name.name());
                 laws.push(run);
                 worst = worst.max(verdict);
                 if supervisor.interrupted() {

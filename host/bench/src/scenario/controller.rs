@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use lashloop_protocol::enums::ControllerId;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
@@ -9,47 +10,12 @@ use super::error::{Fault, Origin, spell_key, spell_text};
 use super::reader::Section;
 use super::tree::{Node, Value};
 
-/// The control laws a drive offers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ControllerName {
-    /// The paper's cascade before compensation.
-    Pd,
-    /// The paper's cascade with compensation, in the reading that meets its numbers.
-    Merzouki,
-    /// The paper's equations (16) to (19) to the letter, kept as an ablation.
-    MerzoukiAsPrinted,
-    /// The gap inverted in the torque domain and identified by least squares; not the paper's.
-    BacklashInverse,
-}
-
-impl ControllerName {
-    /// Every law, in the order in which they are told.
-    pub const ALL: [Self; 4] = [Self::Pd, Self::Merzouki, Self::MerzoukiAsPrinted, Self::BacklashInverse];
-
-    /// The name in a scenario and in a summary.
-    #[must_use]
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::Pd => "pd",
-            Self::Merzouki => "merzouki",
-            Self::MerzoukiAsPrinted => "merzouki-as-printed",
-            Self::BacklashInverse => "backlash-inverse",
-        }
-    }
-}
-
-impl fmt::Display for ControllerName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.as_str())
-    }
-}
-
 /// The law and what is set on the drive before the run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ControllerSettings {
     /// The law.
-    pub name: ControllerName,
+    #[serde(serialize_with = "serialize_name")]
+    pub name: ControllerId,
     /// `[controller.parameters]` in the order of the file.
     #[serde(serialize_with = "serialize_parameters")]
     pub parameters: Vec<ParameterSetting>,
@@ -90,9 +56,9 @@ impl fmt::Display for ParameterValue {
 }
 
 pub(super) fn read(controller: &mut Section<'_>) -> ControllerSettings {
-    let choices = ControllerName::ALL.map(|name| (name.as_str(), name));
+    let choices: Vec<_> = ControllerId::ALL.iter().map(|law| (law.name(), *law)).collect();
     ControllerSettings {
-        name: controller.choice("name", None, &choices).unwrap_or(ControllerName::Pd),
+        name: controller.choice("name", None, &choices).unwrap_or(ControllerId::Pd),
         parameters: controller.section("parameters", read_parameters),
     }
 }
@@ -126,6 +92,12 @@ fn read_value(node: &Node) -> Result<ParameterValue, Fault> {
             allowed: "a number, a boolean or a text".to_owned(),
         }),
     }
+}
+
+// serde passes a reference.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn serialize_name<S: Serializer>(law: &ControllerId, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(law.name())
 }
 
 fn serialize_parameters<S: Serializer>(

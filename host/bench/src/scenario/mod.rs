@@ -23,6 +23,7 @@ pub mod controller;
 pub mod error;
 pub mod expectation;
 pub mod fault;
+mod former_names;
 mod overrides;
 pub mod plant;
 mod range;
@@ -110,6 +111,7 @@ impl Scenario {
         let mut tree = tree::parse_file(&file, text)?;
         let mut errors: Vec<_> =
             overrides.iter().filter_map(|option| option.apply(&mut tree).err()).collect();
+        former_names::replace(&mut tree);
         let directory = Path::new(name).parent().unwrap_or(Path::new(""));
         let start = Origin::File { file, line: 1 };
         match reader::read_document(&tree, start, |root| read(root, name, directory)) {

@@ -9,8 +9,14 @@ use super::range::{positive, within};
 use super::reader::Section;
 use super::unit;
 
-/// TOML integers end here.
+/// Largest TOML integer.
 const LARGEST: u64 = i64::MAX as u64;
+/// Smallest number of encoder counts per revolution, after quadrature: one line.
+const MIN_COUNTS_PER_REV: u32 = 4;
+/// Largest number of encoder counts per revolution: the count on the wire has 24 bits.
+const MAX_COUNTS_PER_REV: u32 = 1 << 24;
+/// Largest amplitude of encoder noise.
+const MAX_NOISE_COUNTS: f64 = 1000.0;
 
 /// `[run]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -77,16 +83,16 @@ pub struct EncoderSettings {
     pub motor_counts_per_rev: u32,
     /// Counts per turn of the load.
     pub load_counts_per_rev: u32,
-    /// Standard deviation of the noise added before counting.
+    /// Amplitude of the noise added before counting, 0 to 1000 counts; uniform within +- this.
     pub noise_counts: f64,
 }
 
 pub(super) fn read_encoders(encoders: &mut Section<'_>) -> EncoderSettings {
-    let (per_rev, resolution) = (unit::COUNT_PER_REVOLUTION, 4..=16_777_216);
+    let (per_rev, resolution) = (unit::COUNT_PER_REVOLUTION, MIN_COUNTS_PER_REV..=MAX_COUNTS_PER_REV);
     EncoderSettings {
         motor_counts_per_rev: encoders.integer("motor_counts_per_rev", per_rev, 131_072, resolution.clone()),
         load_counts_per_rev: encoders.integer("load_counts_per_rev", per_rev, 131_072, resolution),
-        noise_counts: encoders.number("noise_counts", unit::COUNT, 0.0, within(0.0, 1e6)),
+        noise_counts: encoders.number("noise_counts", unit::COUNT, 0.0, within(0.0, MAX_NOISE_COUNTS)),
     }
 }
 

@@ -48,6 +48,25 @@ impl Table {
         self.0.iter_mut().find(|(name, _)| name == key).map(|(_, node)| node)
     }
 
+    /// The section with this key.
+    pub(super) fn section_mut(&mut self, key: &str) -> Option<&mut Table> {
+        if let Some(Node { value: Value::Table(table), .. }) = self.get_mut(key) { Some(table) } else { None }
+    }
+
+    /// The text with this key.
+    pub(super) fn text_mut(&mut self, key: &str) -> Option<&mut String> {
+        if let Some(Node { value: Value::Text(text), .. }) = self.get_mut(key) { Some(text) } else { None }
+    }
+
+    /// Renames a key, unless the new name is taken.
+    pub(super) fn rename(&mut self, from: &str, to: &str) {
+        if self.get(to).is_none()
+            && let Some((name, _)) = self.0.iter_mut().find(|(name, _)| name == from)
+        {
+            to.clone_into(name);
+        }
+    }
+
     /// Replaces the value of `key`, or adds the key.
     pub(super) fn insert(&mut self, key: &str, node: Node) {
         match self.get_mut(key) {
