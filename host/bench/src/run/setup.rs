@@ -114,11 +114,8 @@ pub(super) fn refused_start(device: &Device, source: SessionError) -> RunError {
 
 fn not_offered(device: &Device, wanted: ControllerId) -> DeviceError {
     let offered = device.session.identity().controllers;
-    let mut laws: Vec<_> = ControllerId::ALL
-        .iter()
-        .filter(|law| offered.offers(**law))
-        .map(|law| law.name())
-        .collect();
+    let mut laws: Vec<_> =
+        ControllerId::ALL.iter().filter(|law| offered.offers(**law)).map(|law| law.name()).collect();
     if laws.is_empty() {
         laws.push("none that a scenario can name");
     }

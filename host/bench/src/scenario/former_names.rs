@@ -35,7 +35,8 @@ mod tests {
     use crate::scenario::{Override, Scenario};
 
     fn read(text: &str, options: &[Override]) -> String {
-        let scenario = Scenario::from_str("x.toml", text, options).unwrap_or_else(|errors| panic!("{errors}"));
+        let scenario =
+            Scenario::from_str("x.toml", text, options).unwrap_or_else(|errors| panic!("{errors}"));
         scenario.to_toml().expect("TOML")
     }
 
@@ -55,10 +56,8 @@ mod tests {
         ] {
             let present = text("backlash-shaft", now, "hold_fraction");
             assert_eq!(read(&text("bench", former, "hold_share"), &[]), read(&present, &[]));
-            let options = [
-                Override::Set("plant.model=bench".to_owned()),
-                Override::Controller(former.to_owned()),
-            ];
+            let options =
+                [Override::Set("plant.model=bench".to_owned()), Override::Controller(former.to_owned())];
             assert_eq!(read(&text("smooth", "pd", "hold_fraction"), &options), read(&present, &[]));
         }
     }
@@ -67,6 +66,9 @@ mod tests {
     fn a_former_name_next_to_the_present_one_is_kept_for_the_drive_to_reject() {
         let both = text("smooth", "pd", "hold_share = 0.5\nparameters.hold_fraction");
         let printed = read(&both, &[]);
-        assert!(printed.contains("hold_share = 0.5") && printed.contains("hold_fraction = 0.25"), "{printed}");
+        assert!(
+            printed.contains("hold_share = 0.5") && printed.contains("hold_fraction = 0.25"),
+            "{printed}"
+        );
     }
 }

@@ -1,112 +1,34 @@
-//! PASS, FAIL or INVALID: what a run says, and the exit codes of the tool.
-//!
-//! FAIL means that the drive did not do what the scenario expects. INVALID means that the run says nothing
-//! about the drive, because the link or the timing broke what the scenario allows; it outranks FAIL, since
-//! what such a run measured can't be held against the drive.
+//! Judging a run by its scenario.
 
 use std::fmt;
-use std::process::ExitCode;
 
 use serde::Serialize;
 
+use super::exit::Verdict;
+use super::link_counts::LinkCounts;
 use crate::scenario::expectation::Expectation;
 use crate::scenario::sections::Allowance;
 use crate::timing::{ClockName, Quantiles, TimingReport};
 use lashloop_plant::metrics::{Measured, Metric, Metrics};
 
-/// What a run says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "UPPERCASE")]
-pub enum Verdict {
-    /// Every expectation is met.
-    Pass,
-    /// An expectation isn't met, or the run left the finite numbers.
-    Fail,
-    /// The link broke what the scenario allows.
-    Invalid,
-}
-
-impl fmt::Display for Verdict {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Pass => "PASS",
-            Self::Fail => "FAIL",
-            Self::Invalid => "INVALID",
-        })
-    }
-}
-
-/// How the tool ends, for scripts and CI.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Exit {
-    /// The verdict is PASS, or there was nothing to judge.
-    Pass = 0,
-    /// The verdict is FAIL.
-    Fail = 1,
-    /// The command line or the scenario is wrong; nothing ran.
-    UsageOrScenario = 2,
-    /// The verdict is INVALID.
-    Invalid = 3,
-    /// The device or the link failed; there is no verdict.
-    DeviceOrLink = 4,
-}
-
-impl From<Verdict> for Exit {
-    fn from(verdict: Verdict) -> Self {
-        match verdict {
-            Verdict::Pass => Self::Pass,
-            Verdict::Fail => Self::Fail,
-            Verdict::Invalid => Self::Invalid,
-        }
-    }
-}
-
-impl From<Exit> for ExitCode {
-    fn from(exit: Exit) -> Self {
-        Self::from(exit as u8)
-    }
-}
-
-/// What the link counted during a run.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-pub struct LinkCounts {
-    /// Frames to the drive.
-    pub frames_sent: u64,
-    /// Good frames from the drive.
-    pub frames_received: u64,
-    /// Frames refused for their checksum.
-    pub crc_errors: u64,
-    /// Steps without an answer.
-    pub lost: u64,
-    /// Steps whose answer came too late.
-    pub late: u64,
-    /// Times that the drive was lost and came back.
-    pub resumes: u64,
-    /// Frames that reached the drive damaged, as the drive counted them.
-    pub damaged_at_drive: u64,
-    /// Bytes the drive's receiver lost, as the drive counted them.
-    pub overruns_at_drive: u64,
-}
-
-/// One expectation held against its metric.
+/// An expectation and what its metric came out as.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Finding {
-    /// What was measured.
+pub struct JudgedExpectation {
+    /// The metric.
     pub metric: Metric,
-    /// What came out; null in a summary if it has no value, and then never `ok`.
+    /// Its value; null in a summary if the metric has none, and then never `ok`.
     pub value: Measured,
     /// The metric's unit.
     pub unit: &'static str,
-    /// The least value that passes.
+    /// Smallest value that passes.
     pub min: Option<f64>,
-    /// The greatest value that passes.
+    /// Largest value that passes.
     pub max: Option<f64>,
-    /// Whether the value is there and within its bounds.
+    /// Whether the metric has a value, within the bounds.
     pub ok: bool,
 }
 
-impl Finding {
+impl JudgedExpectation {
     fn new(expectation: &Expectation, metrics: &Metrics) -> Self {
         let &Expectation { metric, unit, min, max, .. } = expectation;
         let value = metrics.get(metric);
@@ -115,7 +37,7 @@ impl Finding {
     }
 }
 
-impl fmt::Display for Finding {
+impl fmt::Display for JudgedExpectation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { metric, value, unit, min, max, ok } = self;
         write!(f, "{metric}: {value}")?;
@@ -153,20 +75,19 @@ impl fmt::Display for Breach {
     }
 }
 
-/// The verdict with its reasons.
+/// The verdict of a run with its reasons.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judgement {
-    /// What the run says.
+    /// The verdict.
     pub verdict: Verdict,
     /// Every expectation, in the order of the scenario.
-    pub findings: Vec<Finding>,
+    pub expectations: Vec<JudgedExpectation>,
     /// Why the verdict is INVALID; empty otherwise.
     pub breaches: Vec<Breach>,
 }
 
 impl Judgement {
-    /// Holds a run against its scenario. A run that left the finite numbers fails even if nothing was expected
-    /// of it.
+    /// Judges a run by its scenario. A run with a metric that isn't finite fails, even without expectations.
     #[must_use]
     pub fn new(
         expectations: &[Expectation],
@@ -175,21 +96,20 @@ impl Judgement {
         counts: &LinkCounts,
         timing: &TimingReport,
     ) -> Self {
-        let findings: Vec<_> =
-            expectations.iter().map(|expectation| Finding::new(expectation, metrics)).collect();
+        let expectations: Vec<_> =
+            expectations.iter().map(|expectation| JudgedExpectation::new(expectation, metrics)).collect();
         let breaches = breaches(allow, counts, timing);
         let verdict = if !breaches.is_empty() {
             Verdict::Invalid
-        } else if metrics.run_was_finite() && findings.iter().all(|finding| finding.ok) {
+        } else if metrics.run_was_finite() && expectations.iter().all(|judged| judged.ok) {
             Verdict::Pass
         } else {
             Verdict::Fail
         };
-        Self { verdict, findings, breaches }
+        Self { verdict, expectations, breaches }
     }
 
-    /// Lowers the verdict to what the end of the run leaves possible: from PASS to FAIL or INVALID, and from FAIL to
-    /// INVALID, never the other way.
+    /// Lowers the verdict to `ceiling`, for a run that ended early: PASS to FAIL or INVALID, FAIL to INVALID, never upwards.
     pub fn cap(&mut self, ceiling: Option<Verdict>) {
         if let Some(ceiling) = ceiling {
             self.verdict = self.verdict.max(ceiling);
@@ -201,9 +121,7 @@ fn breaches(allow: &Allowance, counts: &LinkCounts, timing: &TimingReport) -> Ve
     let p99_us = |quantiles: Option<Quantiles>| quantiles.map(|quantiles| quantiles.p99.ceil() as u64);
     // In real time, an answer that doesn't arrive in its period is late, whether it arrives at all or not.
     let (lost, late, late_in_a_row, lateness_p99_us) = match timing.clock {
-        ClockName::RealTime => {
-            (0, timing.late(), timing.longest_run_of_late, p99_us(timing.lateness_us))
-        }
+        ClockName::RealTime => (0, timing.late(), timing.longest_run_of_late, p99_us(timing.lateness_us)),
         ClockName::Lockstep => (counts.lost, counts.late, 0, Some(0)),
     };
     [
@@ -220,6 +138,3 @@ fn breaches(allow: &Allowance, counts: &LinkCounts, timing: &TimingReport) -> Ve
     .filter(|breach| breach.counted.is_none_or(|counted| counted > breach.allowed))
     .collect()
 }
-
-#[cfg(test)]
-mod tests;
