@@ -6,8 +6,11 @@ use lashloop_protocol::enums::ControllerId;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
-use super::error::{Fault, Origin, spell_key, spell_text};
+use super::error::ScenarioError;
+use super::key_error::KeyError;
+use super::origin::Origin;
 use super::reader::Section;
+use super::spelling::{spell_key, spell_text};
 use super::tree::{Node, Value};
 
 /// The law and what is set on the drive before the run.
@@ -31,6 +34,20 @@ pub struct ParameterSetting {
     pub value: ParameterValue,
     /// Where the scenario sets it.
     pub origin: Origin,
+}
+
+impl ScenarioError {
+    /// The error for a parameter that the drive rejects, which shows only after connecting, because the drive describes its
+    /// parameters itself. `reason` continues the sentence after the value, for instance
+    /// `is out of range; it must be >= 0 and <= 50 N m`.
+    #[must_use]
+    pub fn parameter(setting: &ParameterSetting, reason: impl Into<String>) -> Self {
+        Self::Key {
+            origin: setting.origin.clone(),
+            key: format!("controller.parameters.{}", spell_key(&setting.name)),
+            error: Box::new(KeyError::Rejected { found: setting.value.to_string(), reason: reason.into() }),
+        }
+    }
 }
 
 /// The value of a drive parameter.
@@ -70,23 +87,23 @@ fn read_parameters(parameters: &mut Section<'_>) -> Vec<ParameterSetting> {
             Ok(value) => {
                 settings.push(ParameterSetting { name: name.to_owned(), value, origin: node.origin.clone() });
             }
-            Err(fault) => parameters.fault(&spell_key(name), node, fault),
+            Err(error) => parameters.error(&spell_key(name), node, error),
         }
     }
     settings
 }
 
-fn read_value(node: &Node) -> Result<ParameterValue, Fault> {
+fn read_value(node: &Node) -> Result<ParameterValue, KeyError> {
     match &node.value {
         // Exact up to 2^53; drives compute in f32.
         Value::Integer(number) => Ok(ParameterValue::Number(*number as f64)),
         Value::Float(number) if number.is_finite() => Ok(ParameterValue::Number(*number)),
         Value::Float(_) => {
-            Err(Fault::OutOfRange { found: node.value.to_string(), allowed: "a finite number".to_owned() })
+            Err(KeyError::OutOfRange { found: node.value.to_string(), allowed: "a finite number".to_owned() })
         }
         Value::Boolean(boolean) => Ok(ParameterValue::Boolean(*boolean)),
         Value::Text(text) => Ok(ParameterValue::Text(text.clone())),
-        Value::Date(_) | Value::Array(_) | Value::Table(_) => Err(Fault::WrongType {
+        Value::Date(_) | Value::Array(_) | Value::Table(_) => Err(KeyError::WrongType {
             found: node.value.to_string(),
             kind: node.value.kind(),
             allowed: "a number, a boolean or a text".to_owned(),

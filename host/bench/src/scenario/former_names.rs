@@ -10,7 +10,7 @@
 
 use lashloop_protocol::enums::ControllerId;
 
-use super::tree::{Table, Value};
+use super::tree::Table;
 
 /// Replaces former names by present ones.
 pub(super) fn replace(root: &mut Table) {

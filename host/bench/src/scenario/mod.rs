@@ -20,17 +20,19 @@
 
 pub mod backlash_shaft;
 pub mod controller;
-pub mod error;
+mod error;
 pub mod expectation;
 pub mod fault;
 mod former_names;
+mod key_error;
+mod origin;
 mod overrides;
 pub mod plant;
 mod range;
 mod reader;
 mod reference;
-mod schema;
 pub mod sections;
+mod spelling;
 mod tree;
 mod unit;
 
@@ -40,10 +42,11 @@ use std::sync::Arc;
 use serde::Serialize;
 
 pub use self::error::{ScenarioError, ScenarioErrors};
+pub use self::key_error::KeyError;
+pub use self::origin::Origin;
 pub use self::overrides::Override;
 
 use self::controller::ControllerSettings;
-use self::error::Origin;
 use self::expectation::Expectation;
 use self::fault::InjectedFault;
 use self::plant::PlantSettings;
@@ -117,8 +120,8 @@ impl Scenario {
         match reader::read_document(&tree, start, |root| read(root, name, directory)) {
             Ok(scenario) if errors.is_empty() => Ok(scenario),
             Ok(_) => Err(ScenarioErrors::new(errors)),
-            Err(faults) => {
-                errors.extend(faults);
+            Err(found) => {
+                errors.extend(found);
                 Err(ScenarioErrors::new(errors))
             }
         }

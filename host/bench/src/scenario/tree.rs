@@ -9,8 +9,9 @@ use std::sync::Arc;
 
 use toml_edit::{Document, Item, TableLike, TomlError};
 
-use super::error::{Origin, ScenarioError, spell_text};
-use super::range::spell_number;
+use super::error::ScenarioError;
+use super::origin::Origin;
+use super::spelling::{spell_number, spell_text};
 
 /// A value and where it was written.
 #[derive(Debug, Clone)]
