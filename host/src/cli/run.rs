@@ -140,7 +140,7 @@ pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -
         simulated_s: outcome.simulated_s,
         wall_s: outcome.wall_s,
         metrics: outcome.metrics.clone(),
-        expectations: outcome.judgement.findings.clone(),
+        expectations: outcome.judgement.expectations.clone(),
         link: outcome.link,
         timing: outcome.timing.clone(),
         faults: outcome.faults.clone(),

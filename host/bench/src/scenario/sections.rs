@@ -10,8 +10,14 @@ use super::range::{positive, within};
 use super::reader::Section;
 use super::unit;
 
-/// TOML integers end here.
+/// Largest TOML integer.
 const LARGEST: u64 = i64::MAX as u64;
+/// Smallest number of encoder counts per revolution, after quadrature: one line.
+const MIN_COUNTS_PER_REV: u32 = 4;
+/// Largest number of encoder counts per revolution: the count on the wire has 24 bits.
+const MAX_COUNTS_PER_REV: u32 = 1 << 24;
+/// Largest amplitude of encoder noise.
+const MAX_NOISE_COUNTS: f64 = 1000.0;
 
 /// `[run]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -78,7 +84,11 @@ pub struct EncoderSettings {
     pub motor_counts_per_rev: u32,
     /// Counts per turn of the load.
     pub load_counts_per_rev: u32,
+<<<<<<< HEAD
     /// Amplitude of the noise added before counting, uniform in +- this.
+=======
+    /// Amplitude of the noise added before counting, 0 to 1000 counts; uniform within +- this.
+>>>>>>> w-data
     pub noise_counts: f64,
 }
 

@@ -1,9 +1,10 @@
 //! The command line has the last word, and answers for it.
 
 use lashloop_bench::scenario::Override;
-use lashloop_bench::scenario::controller::{ControllerName, ParameterValue};
+use lashloop_bench::scenario::controller::ParameterValue;
 use lashloop_bench::scenario::plant::PlantModel;
 use lashloop_plant::reference::Reference;
+use lashloop_protocol::enums::ControllerId;
 
 use crate::{SHORTEST, read, set};
 
@@ -42,7 +43,7 @@ fn a_scenario_can_be_completed_by_the_command_line() {
 #[test]
 fn the_controller_option_names_the_law() {
     let scenario = read(SHORTEST, &[Override::Controller("merzouki".to_owned())]).expect("a good scenario");
-    assert_eq!(scenario.controller.name, ControllerName::Merzouki);
+    assert_eq!(scenario.controller.name, ControllerId::Merzouki);
 }
 
 #[test]
