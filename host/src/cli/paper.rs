@@ -89,11 +89,7 @@ impl Arguments {
                     None => device.insert(self.open(&scenario, &supervisor)?),
                 };
                 let (run, verdict) = make(&scenario, device, &supervisor)?;
-<<<<<<< HEAD
-                outln!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name.as_str());
-=======
-                say!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name.name());
->>>>>>> w-data
+                outln!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name.name());
                 laws.push(run);
                 worst = worst.max(verdict);
                 if supervisor.interrupted() {

@@ -84,11 +84,7 @@ pub struct EncoderSettings {
     pub motor_counts_per_rev: u32,
     /// Counts per turn of the load.
     pub load_counts_per_rev: u32,
-<<<<<<< HEAD
-    /// Amplitude of the noise added before counting, uniform in +- this.
-=======
     /// Amplitude of the noise added before counting, 0 to 1000 counts; uniform within +- this.
->>>>>>> w-data
     pub noise_counts: f64,
 }
 
