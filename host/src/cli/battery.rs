@@ -74,7 +74,7 @@ impl Arguments {
         let progress = Progress::over(format!("{} runs", battery.len()), battery.len() as u64);
         let mut done = battery.done() as u64;
         progress.show(done);
-        let heed = supervisor.heed_signals();
+        let heed = supervisor.guard_signals();
         let ended = battery.run(jobs, &supervisor, |result| {
             done += 1;
             progress.show(done);

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use clap::Args;
-use lashloop::conformance::{self, DeviceTime, Finding, Outcome, Watcher, junit};
+use lashloop::conformance::{self, Finding, Outcome, Watcher, junit};
 use lashloop_bench::device::{Connection, DeviceChoice, session_number};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
@@ -37,18 +37,14 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
         let supervisor = start_supervisor()?;
         let (link, connection) = Connection::open(&self.device, self.baud, &supervisor)?;
-        let time = match self.device {
-            DeviceChoice::InProcess => DeviceTime::StandsStill,
-            _ => DeviceTime::Passes,
-        };
         let mut printer = Printer {
             connection: &connection,
             device: self.device.to_string(),
             findings: Vec::new(),
             supervisor: &supervisor,
         };
-        let heed = supervisor.heed_signals();
-        let ended = conformance::run(link, session_number(), time, &mut printer);
+        let heed = supervisor.guard_signals();
+        let ended = conformance::run(link, session_number(), &mut printer);
         drop(heed);
         let Printer { device, findings, .. } = printer;
         let (passed, failed, left_out) = counts(&findings);

@@ -9,7 +9,7 @@ use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
 
 use super::check::{Check, Failure, expect};
 use super::client::{Client, sample};
-use lashloop_bench::session::line::REQUEST_LIMIT;
+use lashloop_bench::session::request::REQUEST_LIMIT;
 
 /// Longest time for an answer. A drive needs some 100 us; this is for an emulator on a machine that is busy with
 /// something else, so only a drive that hangs is beyond it.

@@ -13,8 +13,9 @@ use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, Message, PROTO
 
 use super::check::{Checked, Failure, equal, find};
 use lashloop_bench::link::Link;
-use lashloop_bench::session::line::{Line, REQUEST_LIMIT};
-use lashloop_bench::session::{Parameter, SessionError, greeting, parameters};
+use lashloop_bench::session::line::Line;
+use lashloop_bench::session::request::REQUEST_LIMIT;
+use lashloop_bench::session::{Parameter, SessionError, handshake, parameters};
 
 /// No drive has a parameter of this index, since a count of parameters is a byte. So a question for it changes nothing
 /// in any state, and its answer ends the answers to what was asked before.
@@ -38,8 +39,8 @@ impl Client {
     pub(super) fn open(link: Box<dyn Link>, session: u32) -> Result<Self, SessionError> {
         let mut line = Line::new(link);
         line.clear()?;
-        let identity = greeting::greet(&mut line, session)?;
-        let parameters = parameters::learn(&mut line, identity.parameter_count)?;
+        let identity = handshake::shake_hands(&mut line, session)?;
+        let parameters = parameters::read_all(&mut line, identity.parameter_count)?;
         Ok(Self { line, session, identity, parameters, state: identity.state, note: String::new() })
     }
 
@@ -106,13 +107,19 @@ impl Client {
         self.line.send_bytes(bytes).map_err(Failure::Session)
     }
 
+    /// The link's present time.
+    pub(super) fn now(&mut self) -> Instant {
+        self.line.now()
+    }
+
     /// What comes unasked, until `wanted` recognises it or the limit has passed.
     pub(super) fn listen<T>(
         &mut self,
         limit: Duration,
         wanted: impl FnMut(&DriveMessage) -> Option<T>,
     ) -> Result<Option<T>, Failure> {
-        self.line.wait(Instant::now() + limit, wanted).map_err(Failure::Session)
+        let deadline = self.line.now() + limit;
+        self.line.wait(deadline, wanted).map_err(Failure::Session)
     }
 
     /// Sends a request that has no answer of its own and returns what became of it.

@@ -42,15 +42,6 @@ use client::Client;
 use lashloop_bench::link::Link;
 use lashloop_bench::session::SessionError;
 
-/// Whether time passes for the drive while the bench waits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DeviceTime {
-    /// It does: a board, an emulator, a process.
-    Passes,
-    /// It does not: a drive called in process. Checks that wait for it are left out, and counted as left out.
-    StandsStill,
-}
-
 /// What came of a check.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Outcome {
@@ -105,12 +96,7 @@ pub trait Watcher {
 /// # Errors
 /// Nobody answers, what answers speaks another version, or the line breaks. A single answer that stays out is not an
 /// error but a finding.
-pub fn run(
-    link: Box<dyn Link>,
-    session: u32,
-    time: DeviceTime,
-    watcher: &mut dyn Watcher,
-) -> Result<(), SessionError> {
+pub fn run(link: Box<dyn Link>, session: u32, watcher: &mut dyn Watcher) -> Result<(), SessionError> {
     let mut client = Client::open(link, session)?;
     watcher.greeted(client.identity());
     for check in battery() {
@@ -118,16 +104,11 @@ pub fn run(
             break;
         }
         let started = Instant::now();
-        let outcome = match time {
-            DeviceTime::StandsStill if check.waits => {
-                Outcome::LeftOut { reason: "not run: in process no device time passes" }
-            }
-            _ => match client.fresh().and_then(|()| (check.run)(&mut client)) {
-                Ok(()) => Outcome::Passed,
-                Err(Failure::Rule { expected, came }) => Outcome::Failed { expected, came },
-                Err(Failure::LeftOut { reason }) => Outcome::LeftOut { reason },
-                Err(Failure::Session(error)) => return Err(error),
-            },
+        let outcome = match client.fresh().and_then(|()| (check.run)(&mut client)) {
+            Ok(()) => Outcome::Passed,
+            Err(Failure::Rule { expected, came }) => Outcome::Failed { expected, came },
+            Err(Failure::LeftOut { reason }) => Outcome::LeftOut { reason },
+            Err(Failure::Session(error)) => return Err(error),
         };
         watcher.found(&Finding {
             group: check.group,

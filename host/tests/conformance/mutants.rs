@@ -115,6 +115,10 @@ impl Altered {
 }
 
 impl Link for Altered {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        None
+    }
+
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         for &byte in bytes {
             self.partial.push(byte);

@@ -7,7 +7,6 @@ mod impairment;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
-use std::thread;
 use std::time::{Duration, Instant};
 
 use super::at_place;
@@ -78,7 +77,7 @@ impl LinkFaults {
 struct Cut {
     number: usize,
     from: u32,
-    /// By the clock on the wall: while the line is cut there may be no steps.
+    /// In the link's time: while the line is cut there may be no steps.
     lasts: Duration,
     over_at: Option<Instant>,
 }
@@ -95,7 +94,7 @@ struct Faulty {
 
 impl Faulty {
     fn check_cuts(&mut self) -> Result<(), LinkError> {
-        let (step, now) = (self.shared.step(), Instant::now());
+        let (step, now) = (self.shared.step(), self.link.now());
         for cut in &mut self.cuts {
             if cut.over_at.is_none() && step.is_some_and(|step| step >= cut.from) {
                 cut.over_at = Some(now + cut.lasts);
@@ -111,7 +110,7 @@ impl Faulty {
     }
 
     fn pass_on(&mut self) -> Result<(), LinkError> {
-        let (step, now) = (self.shared.step(), Instant::now());
+        let (step, now) = (self.shared.step(), self.link.now());
         while let Some(frame) = self.to_drive.next_due(step, now) {
             self.link.send(&frame)?;
         }
@@ -120,9 +119,14 @@ impl Faulty {
 }
 
 impl Link for Faulty {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        Some(self.link.as_mut())
+    }
+
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         self.check_cuts()?;
-        self.to_drive.admit(bytes, &self.shared, Instant::now());
+        let now = self.link.now();
+        self.to_drive.admit(bytes, &self.shared, now);
         self.pass_on()
     }
 
@@ -130,7 +134,7 @@ impl Link for Faulty {
         loop {
             self.check_cuts()?;
             self.pass_on()?;
-            let (step, now) = (self.shared.step(), Instant::now());
+            let (step, now) = (self.shared.step(), self.link.now());
             if let Some(frame) = self.to_bench.next_due(step, now) {
                 buffer[..frame.len()].copy_from_slice(&frame);
                 return Ok(frame.len());
@@ -138,18 +142,10 @@ impl Link for Faulty {
             let releases = [self.to_drive.next_release(step, now), self.to_bench.next_release(step, now)];
             let until = releases.into_iter().flatten().fold(deadline, Instant::min);
             let count = self.link.receive(&mut self.inbox[..], until)?;
-            self.to_bench.admit(&self.inbox[..count], &self.shared, Instant::now());
-            if count == 0 {
-                if self.to_drive.is_empty() && self.to_bench.is_empty() {
-                    // The link has waited as long as it is going to.
-                    return Ok(0);
-                }
-                let now = Instant::now();
-                if now >= deadline {
-                    return Ok(0);
-                }
-                // A drive in process has nothing to wait for.
-                thread::sleep(until.saturating_duration_since(now));
+            let now = self.link.now();
+            self.to_bench.admit(&self.inbox[..count], &self.shared, now);
+            if count == 0 && now >= deadline {
+                return Ok(0);
             }
         }
     }

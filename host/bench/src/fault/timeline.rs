@@ -2,16 +2,26 @@
 
 use std::time::{Duration, Instant};
 
-use rustix::process::{Pid, Signal, kill_process};
 use serde::Serialize;
 
 use super::Schedule;
 use super::link::LinkFaults;
-use crate::device::{Device, DeviceChoice};
-use crate::run::RunError;
+use crate::device::Device;
 use crate::scenario::Scenario;
 use crate::scenario::fault::{Fault, FaultKind, Place};
 use crate::session::SessionError;
+
+/// A fault that can't be injected on this device.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("fault {kind} at {at_s} s can't be applied here: {reason}")]
+pub struct UnsupportedFault {
+    /// Name of its kind.
+    pub kind: &'static str,
+    /// When it was to begin.
+    pub at_s: f64,
+    /// Why, and what to do.
+    pub reason: &'static str,
+}
 
 /// A fault that has been there.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -66,18 +76,22 @@ impl Timeline {
     /// The timeline of a scenario, on a device on which all of it can happen.
     ///
     /// # Errors
-    /// [`RunError::Fault`] names a fault that can't be applied there.
-    pub fn new(scenario: &Scenario, device: &Device) -> Result<Self, RunError> {
+    /// The device does not support one of the faults.
+    pub fn new(
+        scenario: &Scenario,
+        device: &Device,
+        link: Option<LinkFaults>,
+    ) -> Result<Self, UnsupportedFault> {
         for fault in &scenario.faults {
-            if let Some(reason) = impossible(&fault.kind, device) {
-                return Err(RunError::Fault { kind: fault.name, at_s: fault.at_s, reason });
+            if let Some(reason) = unsupported(&fault.kind, device, link.as_ref()) {
+                return Err(UnsupportedFault { kind: fault.name, at_s: fault.at_s, reason });
             }
         }
         let planned = |fault| Planned::new(fault, Schedule::of(fault, &scenario.run));
         Ok(Self {
             faults: scenario.faults.iter().map(planned).collect(),
             next: if scenario.faults.is_empty() { u32::MAX } else { 0 },
-            link: device.link_faults().cloned(),
+            link,
         })
     }
 
@@ -98,10 +112,10 @@ impl Timeline {
                 fault.fired = Some(FaultRecord { kind: fault.name, step, until_step: None, frames: None });
                 match fault.kind {
                     FaultKind::DeviceReset {} => device.session.reset_by_surprise()?,
-                    FaultKind::DeviceHang {} => signal(device, Signal::STOP),
+                    FaultKind::DeviceHang {} => device.host().suspend(),
                     _ => {}
                 }
-                fault.over_at = fault.lasts.map(|lasts| Instant::now() + lasts);
+                fault.over_at = fault.lasts.map(|lasts| device.session.now() + lasts);
             }
             if fault.is_over(step)
                 && let Some(fired) = &mut fault.fired
@@ -117,11 +131,11 @@ impl Timeline {
     }
 
     /// Lets a drive go on that has hung for its time. Asked in every step, and while a lost drive is waited for.
-    pub fn revive(&mut self, device: &Device) {
+    pub fn revive(&mut self, device: &mut Device) {
         for fault in self.faults.iter_mut().filter(|fault| fault.over_at.is_some()) {
             let hangs = fault.hangs();
-            if fault.over_at.take_if(|over_at| *over_at <= Instant::now()).is_some() && hangs {
-                signal(device, Signal::CONT);
+            if fault.over_at.take_if(|over_at| *over_at <= device.session.now()).is_some() && hangs {
+                device.host().resume();
             }
         }
     }
@@ -137,7 +151,7 @@ impl Timeline {
     pub fn end(&mut self, device: &Device) -> Vec<FaultRecord> {
         self.pause();
         if self.faults.iter().any(Planned::hangs) {
-            signal(device, Signal::CONT);
+            device.host().resume();
         }
         let fired = self.faults.iter().enumerate().filter_map(|(number, fault)| {
             let on_link = fault.kind.place() == Place::Link;
@@ -148,25 +162,14 @@ impl Timeline {
     }
 }
 
-fn impossible(kind: &FaultKind, device: &Device) -> Option<&'static str> {
+fn unsupported(kind: &FaultKind, device: &Device, link: Option<&LinkFaults>) -> Option<&'static str> {
     match kind.place() {
-        Place::Link if device.link_faults().is_none() => {
+        Place::Link if link.is_none() => {
             Some("this line was opened without faults on it: open the device with the scenario's faults")
         }
-        Place::Device if *kind == (FaultKind::DeviceHang {}) && device.process().is_none() => {
-            Some(if *device.choice() == DeviceChoice::InProcess {
-                "the drive is in the bench's own process, which would hang as well: use --device native or qemu"
-            } else {
-                "only a process that the bench started can be stopped: use --device native or qemu, or link-stall"
-            })
-        }
+        Place::Device if *kind == (FaultKind::DeviceHang {}) && !device.host().can_suspend() => Some(
+            "only a drive that the bench runs can be suspended: use --device inproc, native or qemu, or link-stall",
+        ),
         _ => None,
-    }
-}
-
-fn signal(device: &Device, signal: Signal) {
-    if let Some(pid) = device.process().and_then(|process| Pid::from_raw(process.id().cast_signed())) {
-        // It may have ended by itself, which the line is about to tell.
-        let _ = kill_process(pid, signal);
     }
 }

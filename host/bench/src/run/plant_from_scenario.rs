@@ -1,4 +1,4 @@
-//! From the words of a scenario to the plant they describe.
+//! The plant that a scenario describes.
 
 use crate::scenario::backlash_shaft::BacklashShaftSettings;
 use crate::scenario::plant::{PlantModel, PlantSettings};
@@ -9,13 +9,13 @@ use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;
 use lashloop_plant::{AnyPlant, Mechanics};
 
-use super::RunError;
+use super::error::RunError;
 
-/// The plant of a scenario.
+/// Builds the plant of a scenario. `period_s` is the control period.
 ///
 /// # Errors
 /// A parameter is outside its range, or the plant is too stiff for the control period.
-pub(super) fn profile(settings: &PlantSettings, period_s: f64) -> Result<AnyPlant, RunError> {
+pub(super) fn build(settings: &PlantSettings, period_s: f64) -> Result<AnyPlant, RunError> {
     let mechanics = Mechanics {
         motor_inertia_kg_m2: settings.motor_inertia_kg_m2,
         motor_friction_nm_s_rad: settings.motor_friction_nm_s_rad,
@@ -26,11 +26,11 @@ pub(super) fn profile(settings: &PlantSettings, period_s: f64) -> Result<AnyPlan
         dead_zone_rad: settings.dead_zone_rad,
     };
     Ok(match (settings.model, &settings.backlash_shaft) {
-        (PlantModel::BacklashShaft, Some(bench)) => {
-            let plant = BacklashShaft::new(mechanics, parameters(bench), settings.substeps)?;
-            // Bristles that can't be followed at the Stribeck velocity can't be followed anywhere. Others may turn out too
-            // stiff when the load gets faster; the run ends there.
-            let velocity_rad_s = settings.initial.load_velocity_rad_s.abs().max(bench.load_stribeck_rad_s);
+        (PlantModel::BacklashShaft, Some(shaft)) => {
+            let plant = BacklashShaft::new(mechanics, parameters(shaft), settings.substeps)?;
+            // Bristles too stiff at the Stribeck velocity are too stiff at any. Others may prove too stiff when the load gets
+            // faster, and the run ends there.
+            let velocity_rad_s = settings.initial.load_velocity_rad_s.abs().max(shaft.load_stribeck_rad_s);
             plant.substeps(period_s, velocity_rad_s)?;
             AnyPlant::BacklashShaft(plant)
         }
@@ -42,33 +42,33 @@ pub(super) fn profile(settings: &PlantSettings, period_s: f64) -> Result<AnyPlan
     })
 }
 
-fn parameters(bench: &BacklashShaftSettings) -> ShaftParameters {
+fn parameters(shaft: &BacklashShaftSettings) -> ShaftParameters {
     ShaftParameters {
-        shaft_damping_nm_s_rad: bench.shaft_damping_nm_s_rad,
+        shaft_damping_nm_s_rad: shaft.shaft_damping_nm_s_rad,
         load: StribeckParameters {
-            coulomb_nm: bench.load_coulomb_nm,
-            stiction_nm: bench.load_stiction_nm,
-            velocity_rad_s: bench.load_stribeck_rad_s,
+            coulomb_nm: shaft.load_coulomb_nm,
+            stiction_nm: shaft.load_stiction_nm,
+            velocity_rad_s: shaft.load_stribeck_rad_s,
         },
-        load_asymmetry: bench.load_friction_asymmetry,
-        load_bristles: bench.bristles.as_ref().map(|bristles| BristleParameters {
+        load_asymmetry: shaft.load_friction_asymmetry,
+        load_bristles: shaft.bristles.as_ref().map(|bristles| BristleParameters {
             stiffness_nm_rad: bristles.bristle_stiffness_nm_rad,
             damping_nm_s_rad: bristles.bristle_damping_nm_s_rad,
         }),
         motor: StribeckParameters {
-            coulomb_nm: bench.motor_coulomb_nm,
-            stiction_nm: bench.motor_stiction_nm,
-            velocity_rad_s: bench.motor_stribeck_rad_s,
+            coulomb_nm: shaft.motor_coulomb_nm,
+            stiction_nm: shaft.motor_stiction_nm,
+            velocity_rad_s: shaft.motor_stribeck_rad_s,
         },
-        current_lag_s: bench.current_lag_ms / 1e3,
-        torque_saturation_nm: bench.torque_saturation_nm,
+        current_lag_s: shaft.current_lag_ms / 1e3,
+        torque_saturation_nm: shaft.torque_saturation_nm,
     }
 }
 
-/// What is around the plant at a time of the run; `None` where it never changes.
-pub(super) fn surroundings(settings: &PlantSettings, time_s: f64) -> Option<Environment> {
-    settings.backlash_shaft.as_ref().map(|bench| Environment {
-        dead_zone_rad: settings.dead_zone_rad + bench.wear.at_rad(time_s),
-        load_torque_nm: bench.load_torque.at_nm(time_s),
+/// The plant's environment at a time of the run; `None` if it never changes.
+pub(super) fn environment(settings: &PlantSettings, time_s: f64) -> Option<Environment> {
+    settings.backlash_shaft.as_ref().map(|shaft| Environment {
+        dead_zone_rad: settings.dead_zone_rad + shaft.wear.at_rad(time_s),
+        load_torque_nm: shaft.load_torque.at_nm(time_s),
     })
 }

@@ -1,4 +1,4 @@
-//! The simulated side of the loop: what the scenario says of plant, encoders and reference, ready to be stepped.
+//! The simulated side of the loop: plant, encoders and reference of a scenario.
 
 use std::collections::VecDeque;
 
@@ -6,7 +6,8 @@ use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::of_step;
 
-use super::{RunError, plant_from_scenario};
+use super::error::RunError;
+use super::plant_from_scenario;
 use crate::fault::actuator::ActuatorFaults;
 use crate::fault::plant::GearFaults;
 use crate::fault::sensor::SensorFaults;
@@ -17,7 +18,7 @@ use lashloop_plant::encoder::{Encoder, EncoderState};
 use lashloop_plant::reference::Reference;
 use lashloop_plant::{AnyPlant, AnyPlantState, DryFriction, PlantError, Start, TransportDelay, Truth};
 
-/// Apart, so that the noise of one encoder is not that of the other.
+/// Separates the noise of the load encoder from that of the motor encoder.
 const LOAD_ENCODER_STREAM: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Plant, encoders and reference of a scenario, with their state.
@@ -26,7 +27,7 @@ pub struct Simulator {
     state: AnyPlantState,
     motor_encoder: (Encoder, EncoderState),
     load_encoder: (Encoder, EncoderState),
-    /// Where the encoders of motor and load stood when they were read last.
+    /// The latest positions of the motor and load encoders, in counts.
     counts: [i64; 2],
     reference: Reference,
     settings: PlantSettings,
@@ -35,22 +36,22 @@ pub struct Simulator {
     sensors: SensorFaults,
     actuator: ActuatorFaults,
     gears: GearFaults,
-    /// The plants that faults make of this one, and from which step on.
+    /// The plants that faults switch to, each with its first step.
     next_plants: VecDeque<(u32, AnyPlant)>,
 }
 
 impl Simulator {
-    /// The bench of a scenario at the start of its run.
+    /// The simulator of a scenario at the start of its run.
     ///
     /// # Errors
     /// A parameter of the plant or of an encoder is outside its range.
     pub fn new(scenario: &Scenario) -> Result<Self, RunError> {
         let period_s = scenario.run.control_period_s();
-        let plant = plant_from_scenario::profile(&scenario.plant, period_s)?;
+        let plant = plant_from_scenario::build(&scenario.plant, period_s)?;
         let gears = GearFaults::new(scenario);
         let next_plants = gears.changes().into_iter().map(|step| {
             let settings = gears.settings(step, &scenario.plant);
-            plant_from_scenario::profile(&settings, period_s).map(|plant| (step, plant))
+            plant_from_scenario::build(&settings, period_s).map(|plant| (step, plant))
         });
         let initial = &scenario.plant.initial;
         let encoders = &scenario.encoders;
@@ -83,8 +84,8 @@ impl Simulator {
         })
     }
 
-    /// What the encoders read now, and what the record is to know. The torque of the row is still zero and the
-    /// estimates still unknown: the drive has not been asked.
+    /// Reads the encoders and the plant's true state. The row has no torque and no estimates yet: they follow from the
+    /// exchange.
     ///
     /// # Errors
     /// As [`AnyPlant::truth`] and [`AnyPlant::surround`].
@@ -94,10 +95,10 @@ impl Simulator {
             plant.take_over(&self.plant, &mut self.state)?;
             self.plant = plant;
         }
-        if let Some(mut surroundings) = plant_from_scenario::surroundings(&self.settings, time_s) {
-            surroundings.dead_zone_rad += self.gears.growth_rad(step);
-            surroundings.load_torque_nm += self.gears.load_torque_nm(step);
-            self.plant.surround(&mut self.state, surroundings)?;
+        if let Some(mut environment) = plant_from_scenario::environment(&self.settings, time_s) {
+            environment.dead_zone_rad += self.gears.growth_rad(step);
+            environment.load_torque_nm += self.gears.load_torque_nm(step);
+            self.plant.surround(&mut self.state, environment)?;
         }
         let truth = self.plant.truth(&self.state)?;
         let reference_rad = self.reference.position_rad(time_s);
@@ -115,11 +116,11 @@ impl Simulator {
         Ok((sample, row(&truth, time_s, reference_rad)))
     }
 
-    /// Whether a drive can be started with this sample, the last one observed: what it reads is all that the drive gets to
-    /// know of where the encoders stand.
+    /// Checks that a drive can start with this sample, the last one observed: its readings must be the encoders' positions,
+    /// without a wraparound.
     ///
     /// # Errors
-    /// Which encoder has turned too far for that, faults of encoders included.
+    /// The encoder that has turned too far, faults of encoders included.
     pub fn check_start(&self, sample: &EncoderSample) -> Result<(), RunError> {
         let readings = [sample.motor_counts, sample.load_counts];
         for ((encoder, count), reading) in ["motor", "load"].into_iter().zip(self.counts).zip(readings) {
@@ -132,10 +133,10 @@ impl Simulator {
         Ok(())
     }
 
-    /// Lets a control period pass. The torque is held for one, beginning after its delay.
+    /// Advances the plant by a control period. The torque is held for one, beginning after its delay.
     ///
     /// # Errors
-    /// As [`AnyPlant::step`]: the state left the range of numbers, above all.
+    /// As [`AnyPlant::step`]; as a rule the state overflowed.
     pub fn step(&mut self, step: u32, torque_nm: f32) -> Result<(), PlantError> {
         let torque_nm = self.actuator.apply(step, torque_nm);
         for (held_nm, held_s) in self.delay.step(torque_nm.into()) {
