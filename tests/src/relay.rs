@@ -14,7 +14,7 @@ use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 use rustix::event::{PollFd, PollFlags, poll};
 
-use crate::terminal::{Terminal, open_near_end};
+use crate::terminal::{self, open_near_end};
 use crate::wait::SOON;
 
 /// Who sent a frame.
@@ -96,14 +96,15 @@ impl Relay {
     /// # Panics
     /// The terminal is not there.
     pub fn start(drive: &Path, tamper: impl FnMut(&Passing) -> StepOutcome + Send + 'static) -> Self {
-        let terminal = Terminal::open();
-        let device = terminal.device();
+        let terminal = terminal::open();
+        let device = terminal::device(&terminal);
+        let far_end = File::from(terminal.far_end.try_clone().expect("a handle"));
         let drive = open_near_end(drive);
         let (stopped, stop) = io::pipe().expect("a pipe");
         let (tell, pulled) = mpsc::channel();
         let thread = thread::spawn(move || {
-            if carry(&terminal.far_end, &drive, &stopped, tamper).expect("the relay's terminals work") {
-                drop(terminal);
+            if carry(&far_end, &drive, &stopped, tamper).expect("the relay's terminals work") {
+                drop((far_end, terminal));
                 let _ = tell.send(Instant::now());
             }
         });

@@ -1,66 +1,32 @@
-//! Pseudo-terminals in raw mode.
+//! Pseudo-terminals for drives and relays of tests.
 
 use std::fs::File;
-use std::os::fd::OwnedFd;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use rustix::fs::{Mode, OFlags};
-use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+pub use lashloop_bench::link::terminal::Terminal;
+use lashloop_bench::link::terminal::{self, set_raw};
 
-/// A pseudo-terminal. Dropping it pulls the line: whoever has opened its path sees the far end gone.
-pub struct Terminal {
-    /// Where a drive sits.
-    pub far_end: File,
-    path: PathBuf,
-    /// Held open, so that the line is up before and between hosts.
-    _near_end: File,
-}
-
-impl Terminal {
-    /// A new one.
-    ///
-    /// # Panics
-    /// The system has none left.
-    #[must_use]
-    pub fn open() -> Self {
-        let opened = || -> rustix::io::Result<(OwnedFd, PathBuf)> {
-            let far_end = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
-            grantpt(&far_end)?;
-            unlockpt(&far_end)?;
-            let path = ptsname(&far_end, [])?.to_string_lossy().into_owned().into();
-            Ok((far_end, path))
-        };
-        let (far_end, path) = opened().expect("a pseudo-terminal");
-        let near_end = open_near_end(&path);
-        Self { far_end: far_end.into(), path, _near_end: near_end }
-    }
-
-    /// Where a host finds it.
-    #[must_use]
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// The terminal as `--device` takes it.
-    #[must_use]
-    pub fn device(&self) -> String {
-        self.path.display().to_string()
-    }
-}
-
-/// Opens the near end of a terminal as a host does, without locking it.
+/// Opens a pseudo-terminal. Dropping it disconnects the line.
 ///
 /// # Panics
-/// It is not there.
+/// The system has none left.
+#[must_use]
+pub fn open() -> Terminal {
+    Terminal::open().expect("a pseudo-terminal")
+}
+
+/// The terminal as `--device` takes it.
+#[must_use]
+pub fn device(terminal: &Terminal) -> String {
+    terminal.path.display().to_string()
+}
+
+/// Opens the near end of a terminal in raw mode, as a host does, without locking it.
+///
+/// # Panics
+/// The path is missing.
 #[must_use]
 pub fn open_near_end(path: &Path) -> File {
-    let opened = || -> rustix::io::Result<OwnedFd> {
-        let end = rustix::fs::open(path, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?;
-        let mut settings = tcgetattr(&end)?;
-        settings.make_raw();
-        tcsetattr(&end, OptionalActions::Now, &settings)?;
-        Ok(end)
-    };
-    opened().unwrap_or_else(|error| panic!("{}: {error}", path.display())).into()
+    let near_end = terminal::open_near_end(path).and_then(|end| set_raw(&end, 1, 0).map(|()| end));
+    near_end.unwrap_or_else(|error| panic!("{}: {error}", path.display())).into()
 }

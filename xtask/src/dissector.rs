@@ -106,7 +106,8 @@ mod tests {
 
     #[test]
     fn the_committed_tables_are_those_of_the_layouts() {
-        let committed = fs::read_to_string(crate::paths::root().join(PATH)).expect("the dissector is committed");
+        let committed =
+            fs::read_to_string(crate::paths::root().join(PATH)).expect("the dissector is committed");
         let generated = with_tables(&committed).expect("markers in the dissector");
         assert!(committed == generated, "{PATH} is out of date: run `cargo xtask header`");
     }

@@ -17,7 +17,7 @@ use lashloop_protocol::layout::MessageLayout;
 use lashloop_protocol::message::{EncoderSample, Telemetry, TorqueAnswer};
 use lashloop_protocol::wire::Payload;
 
-use lashloop_bench::link::uart_model::time_of;
+use lashloop_bench::link::uart_model::transmission_time;
 use lashloop_bench::run::real_time::PERIOD_MARGIN;
 
 /// Goes out in every period.
@@ -57,7 +57,7 @@ impl Budget {
     /// Time of a frame on the wire.
     #[must_use]
     pub fn frame(&self, layout: &MessageLayout) -> Duration {
-        time_of(layout.frame_len() as u64, self.baud)
+        transmission_time(layout.frame_len() as u64, self.baud)
     }
 
     /// Share of torques that telemetry follows, 0 to 1.

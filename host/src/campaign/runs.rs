@@ -14,8 +14,9 @@ use super::case::{Case, CaseId};
 use super::error::CampaignError;
 use super::score::Scores;
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::device::{Device, DeviceChoice};
-use lashloop_bench::run::{self, Clock, End, RunError, Step, Watcher};
+use lashloop_bench::device::Device;
+use lashloop_bench::device::kinds::in_process::InProcessDrive;
+use lashloop_bench::run::{self, Clock, End, RunError, Step, StepObserver};
 use lashloop_bench::supervisor::Supervisor;
 
 /// What came of one run.
@@ -84,8 +85,9 @@ pub fn run_all(
 /// `None` if it was asked to stop.
 fn run_one(case: &Case, stop: &Stop<'_>) -> Result<Option<CaseResult>, CampaignError> {
     let failed = |source: RunError| CampaignError::Run { case: case.id, source: Box::new(source) };
-    let mut device = Device::open(&DeviceChoice::InProcess, case.scenario.link.baud, stop.supervisor)
+    let device = Device::open(&InProcessDrive.into(), case.scenario.link.baud, stop.supervisor)
         .map_err(|source| failed(source.into()))?;
+    let mut device = device.into();
     let mut watcher = stop;
     let outcome = run::run(&case.scenario, &mut device, Clock::Lockstep, &mut watcher).map_err(failed)?;
     if outcome.end == End::Interrupted {
@@ -111,7 +113,7 @@ impl Stop<'_> {
     }
 }
 
-impl Watcher for &Stop<'_> {
+impl StepObserver for &Stop<'_> {
     fn step(&mut self, _step: &Step) -> Result<(), WriteError> {
         Ok(())
     }

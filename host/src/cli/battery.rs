@@ -76,7 +76,7 @@ impl Arguments {
         let progress = Progress::over(format!("{} runs", campaign.len()), campaign.len() as u64);
         let mut done = campaign.done() as u64;
         progress.show(done);
-        let signals = supervisor.heed_signals();
+        let signals = supervisor.guard_signals();
         let ended = campaign.run(jobs, &supervisor, |result| {
             done += 1;
             progress.show(done);

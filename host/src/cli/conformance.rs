@@ -4,8 +4,8 @@ use std::fs;
 use std::path::PathBuf;
 
 use clap::Args;
-use lashloop::conformance::{self, CheckResult, CheckStatus, DeviceTime, Reporter, junit};
-use lashloop_bench::device::{Connection, DeviceChoice, session_number};
+use lashloop::conformance::{self, CheckResult, CheckStatus, Reporter, junit};
+use lashloop_bench::device::{Connection, session_number};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
 use lashloop_protocol::message::Identity;
@@ -37,18 +37,14 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
         let supervisor = start_supervisor()?;
         let (link, connection) = Connection::open(&self.drive.device, self.line.baud, &supervisor)?;
-        let time = match self.drive.device {
-            DeviceChoice::InProcess => DeviceTime::StandsStill,
-            _ => DeviceTime::Passes,
-        };
         let mut printer = Printer {
             connection: &connection,
             device: self.drive.device.to_string(),
             results: Vec::new(),
             supervisor: &supervisor,
         };
-        let signals = supervisor.heed_signals();
-        let ended = conformance::run(link, session_number(), time, &mut printer);
+        let signals = supervisor.guard_signals();
+        let ended = conformance::run(link, session_number(), &mut printer);
         drop(signals);
         let Printer { device, results, .. } = printer;
         if let Some(path) = &self.junit {

@@ -7,7 +7,8 @@ use clap::Args;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::Device;
 use lashloop_bench::record::trace::TraceRow;
-use lashloop_bench::run::{self, Clock, Outcome, Step, Watcher};
+use lashloop_bench::run::DeviceUnderTest;
+use lashloop_bench::run::{self, Clock, Outcome, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::scenario::sections::LinkSettings;
 use lashloop_bench::supervisor::Supervisor;
@@ -49,7 +50,7 @@ impl Arguments {
         fs::create_dir_all(&self.out).map_err(failed)?;
         let scenarios = SCENARIOS.map(|(name, text)| Scenario::from_str(name, text, &[]));
         let supervisor = start_supervisor()?;
-        let mut device: Option<Device> = None;
+        let mut device: Option<DeviceUnderTest> = None;
         let mut worst = Verdict::Pass;
         let mut runs = Vec::new();
         let mut dead_zone_rad = f64::NAN;
@@ -60,7 +61,7 @@ impl Arguments {
                 None => device.insert(self.open(&scenario.link, &supervisor)?),
             };
             let mut history = History::new(&scenario, &supervisor);
-            let _signals = supervisor.heed_signals();
+            let _signals = supervisor.guard_signals();
             let outcome = run::run(&scenario, device, Clock::Lockstep, &mut history)?;
             let here = here(outcome.metrics.get(metric), metric);
             let verdict = outcome.judgement.verdict;
@@ -86,11 +87,11 @@ impl Arguments {
         Ok(worst.into())
     }
 
-    fn open(&self, link: &LinkSettings, supervisor: &Supervisor) -> Result<Device, CliError> {
+    fn open(&self, link: &LinkSettings, supervisor: &Supervisor) -> Result<DeviceUnderTest, CliError> {
         let device = Device::open(&self.drive.device, link, supervisor)?;
         outln!("{}", device.description());
         outln!("{:<38} {:>12} {:>12}  verdict", "", "paper", "here");
-        Ok(device)
+        Ok(device.into())
     }
 }
 
@@ -127,7 +128,7 @@ impl<'a> History<'a> {
     }
 }
 
-impl Watcher for History<'_> {
+impl StepObserver for History<'_> {
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
         self.progress.step();
         self.rows.push(step.row);

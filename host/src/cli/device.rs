@@ -8,7 +8,7 @@ use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
 
-/// Be a drive on a pseudo-terminal until killed.
+/// Run a drive on a pseudo-terminal until killed.
 ///
 /// Prints the terminal's path on standard output. Reach it from another shell with
 /// `lashloop run SCENARIO --device PATH`.
@@ -21,10 +21,11 @@ impl Arguments {
         let twin = Twin::open().map_err(failed("open a pseudo-terminal"))?;
         let path = twin.path().display();
         let mut stdout = io::stdout();
-        // Whoever started this waits for the line, so it must not stay in a buffer.
+        // Flushed, because the parent process waits for the line.
         writeln!(stdout, "{path}").and_then(|()| stdout.flush()).map_err(failed("print the path"))?;
         if io::stderr().is_terminal() {
-            let hint = "A drive listens there. In another shell: lashloop run SCENARIO.toml --device";
+            let hint =
+                "The drive serves this terminal. In another shell: lashloop run SCENARIO.toml --device";
             super::output::error_line(format_args!("{hint} {path}"));
         }
         twin.serve().map_err(failed("serve the drive any longer"))?;

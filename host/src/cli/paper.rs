@@ -8,8 +8,9 @@ use clap::Args;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::Device;
 use lashloop_bench::record::trace::TraceRow;
+use lashloop_bench::run::DeviceUnderTest;
 use lashloop_bench::run::simulator::Simulator;
-use lashloop_bench::run::{self, Clock, RunError, Step, Watcher};
+use lashloop_bench::run::{self, Clock, RunError, Step, StepObserver};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::{Exit, Verdict};
@@ -77,7 +78,7 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
         let supervisor = start_supervisor()?;
         prepare(&self.out)?;
-        let mut device = None;
+        let mut device: Option<DeviceUnderTest> = None;
         let mut worst = Verdict::Pass;
         let mut all = Vec::new();
         for plan in PLANS {
@@ -104,15 +105,15 @@ impl Arguments {
         let ratio = scenario(SCENARIOS[0], None)?.plant.reduction_ratio;
         let (smooth_gap, hard_gap) = (twisted(SCENARIOS[0])?, twisted(BENCH[0])?);
         let runs = Runs { smooth, friction, bench, sine, smooth_gap, hard_gap, ratio };
-        let device = device.map_or_else(String::new, |device| device.description());
+        let device = device.map_or_else(String::new, |under_test| under_test.device.description());
         self.report(&runs, &device)?;
         Ok(worst.into())
     }
 
-    fn open(&self, scenario: &Scenario, supervisor: &Supervisor) -> Result<Device, CliError> {
+    fn open(&self, scenario: &Scenario, supervisor: &Supervisor) -> Result<DeviceUnderTest, CliError> {
         let device = Device::open(&self.drive.device, scenario.link.baud, supervisor)?;
         outln!("{}", device.description());
-        Ok(device)
+        Ok(device.into())
     }
 
     /// Prints the tables and writes the figures, the page that shows them last.
@@ -158,7 +159,7 @@ fn scenario((name, text): (&str, &str), law: Option<&str>) -> Result<Scenario, C
 
 fn make(
     scenario: &Scenario,
-    device: &mut Device,
+    device: &mut DeviceUnderTest,
     supervisor: &Supervisor,
 ) -> Result<(Run, Verdict), CliError> {
     let shown_from_s = match scenario.reference.middle_rad() {
@@ -167,7 +168,7 @@ fn make(
     };
     let progress = Progress::of(scenario);
     let mut history = History { rows: Vec::new(), shown_from_s, progress, supervisor };
-    let _signals = supervisor.heed_signals();
+    let _signals = supervisor.guard_signals();
     let outcome = run::run(scenario, device, Clock::Lockstep, &mut history)?;
     Ok((Run { rows: history.rows, metrics: outcome.metrics }, outcome.judgement.verdict))
 }
@@ -192,7 +193,7 @@ struct History<'a> {
     supervisor: &'a Supervisor,
 }
 
-impl Watcher for History<'_> {
+impl StepObserver for History<'_> {
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
         self.progress.step();
         if step.row.time_s >= self.shown_from_s {

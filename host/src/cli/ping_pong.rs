@@ -1,28 +1,26 @@
-//! What the loop is compared with: the bytes of a control cycle to and fro over a pseudo-terminal, and nothing else.
-//! Reads and writes, one process at either end, no frames, no drive, no plant.
+//! The baseline of the loop: the bytes of a control cycle there and back over a pseudo-terminal, by plain reads and writes.
+//! One process at either end, no frames, no drive, no plant.
 
 use std::io::{self, Write};
 use std::os::fd::OwnedFd;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use lashloop_bench::device::twin::Terminal;
-use lashloop_bench::link::pty::set_raw;
+use lashloop_bench::link::terminal::{Terminal, open_near_end, set_raw};
 use lashloop_bench::verdict::Exit;
 use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
 use lashloop_protocol::wire::Payload;
 use rustix::event::{PollFd, PollFlags, poll};
-use rustix::fs::{Mode, OFlags};
 use rustix::time::Timespec;
 
 use super::error::CliError;
 
 const OUT: usize = EncoderSample::LAYOUT.frame_len();
 const BACK: usize = TorqueAnswer::LAYOUT.frame_len();
-/// Tenths of a second after which a far end that does not answer is given up.
-const PATIENCE_TENTHS: u8 = 20;
+/// Timeout of an answer, in tenths of a second.
+const TIMEOUT_TENTHS_S: u8 = 20;
 
-/// The far end: opens the pseudo-terminal, prints its path, answers until the line closes.
+/// The far end: opens a pseudo-terminal, prints its path, answers until the line closes.
 pub(super) fn answer() -> Result<Exit, CliError> {
     let failed = |source: io::Error| CliError::System { what: "answer the ping-pong", source };
     let serve = || -> io::Result<()> {
@@ -30,8 +28,8 @@ pub(super) fn answer() -> Result<Exit, CliError> {
         writeln!(io::stdout(), "{}", terminal.path.display())?;
         let mut bytes = [0; OUT];
         loop {
-            read_exactly(&terminal.line, &mut bytes)?;
-            write_all(&terminal.line, &[1; BACK])?;
+            read_exactly(&terminal.far_end, &mut bytes)?;
+            write_all(&terminal.far_end, &[1; BACK])?;
         }
     };
     serve().map_err(failed)?;
@@ -44,12 +42,12 @@ pub(super) struct NearEnd(OwnedFd);
 impl NearEnd {
     /// Opens the pseudo-terminal of the far end.
     pub(super) fn open(path: &Path) -> io::Result<Self> {
-        let line = rustix::fs::open(path, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?;
-        set_raw(&line, 0, PATIENCE_TENTHS)?;
+        let line = open_near_end(path)?;
+        set_raw(&line, 0, TIMEOUT_TENTHS_S)?;
         Ok(Self(line))
     }
 
-    /// The bytes of a control cycle there and back, and the time they took. Waits for them as long as it takes.
+    /// Sends the bytes of a control cycle there and back, and returns the time they took.
     pub(super) fn round_trip(&mut self) -> io::Result<Duration> {
         let started = Instant::now();
         write_all(&self.0, &[1; OUT])?;
@@ -57,8 +55,8 @@ impl NearEnd {
         Ok(started.elapsed())
     }
 
-    /// The same by somebody who has a next period to keep: he has to be able to give up, and a read alone knows no time
-    /// shorter than a tenth of a second. Bytes that come after `limit` are waited for all the same.
+    /// As [`Self::round_trip`], with the poll that a deadline costs: the timeout of a read is at least a tenth of a second.
+    /// Bytes after `limit` are read all the same.
     pub(super) fn round_trip_with_a_deadline(&mut self, limit: Timespec) -> io::Result<Duration> {
         let started = Instant::now();
         write_all(&self.0, &[1; OUT])?;

@@ -12,7 +12,8 @@ use lashloop_bench::link::Link;
 use lashloop_bench::record::summary::{Summary, Versions};
 use lashloop_bench::record::timing::TimingWriter;
 use lashloop_bench::record::trace::TraceWriter;
-use lashloop_bench::run::{self, Outcome, Step, Watcher};
+use lashloop_bench::run::DeviceUnderTest;
+use lashloop_bench::run::{self, Outcome, Step, StepObserver};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
@@ -74,12 +75,12 @@ impl Arguments {
             Some(recorder) => Box::new(Captured::new(link, recorder)) as Box<dyn Link>,
             None => link,
         };
-        let mut device = Device::open_for(&scenario, &self.device, &supervisor, listen)?;
+        let mut device = DeviceUnderTest::open(&scenario, &self.device, &supervisor, listen)?;
         // Only once a drive is open: a failed start keeps the old record.
         let tables = self.out.as_deref().map(|folder| prepare(folder, &scenario)).transpose()?;
         let progress = Progress::of(&scenario);
         let mut watcher = RunWatcher { tables, capture, supervisor: &supervisor, progress };
-        let signals = supervisor.heed_signals();
+        let signals = supervisor.guard_signals();
         let outcome = run::run(&scenario, &mut device, clock, &mut watcher)?;
         let RunWatcher { tables, capture, progress, .. } = watcher;
         drop(progress);
@@ -87,7 +88,7 @@ impl Arguments {
             trace.finish()?;
             timing.finish()?;
         }
-        let summary = summary(&scenario, &device, &outcome);
+        let summary = summary(&scenario, &device.device, &outcome);
         // Closes the link, and with it the sending end of the capture.
         drop(device);
         if let Some(capture) = capture {
@@ -160,7 +161,7 @@ struct RunWatcher<'a> {
     progress: Progress,
 }
 
-impl Watcher for RunWatcher<'_> {
+impl StepObserver for RunWatcher<'_> {
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
         self.progress.step();
         if let Some(capture) = &self.capture {

@@ -11,8 +11,9 @@ use lashloop::soak::plan;
 use lashloop::soak::resource_usage::{self, Growth};
 use lashloop::soak::tally::Tally;
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::device::{Device, DeviceChoice};
-use lashloop_bench::run::{self, Clock, Outcome, RunError, Step, Watcher};
+use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::run::DeviceUnderTest;
+use lashloop_bench::run::{self, Clock, Outcome, RunError, Step, StepObserver};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
@@ -54,7 +55,7 @@ impl Arguments {
         let overrides: Vec<_> = self.set.into_iter().map(Override::Set).collect();
         let scenario = Scenario::from_file(&self.scenario, &overrides)?;
         let supervisor = start_supervisor()?;
-        let _signals = supervisor.heed_signals();
+        let _signals = supervisor.guard_signals();
         let shared = Arc::new(Shared::default());
         watch_for_hangs(Arc::clone(&shared));
         let started = Instant::now();
@@ -103,8 +104,8 @@ fn one_run(
     supervisor: &Supervisor,
     watcher: &mut SoakWatcher<'_>,
 ) -> Result<Outcome, RunError> {
-    let mut device = Device::open_for(scenario, choice, supervisor, |link| link)?;
-    watcher.process = device.process().map(lashloop_bench::supervisor::Process::id);
+    let mut device = DeviceUnderTest::open(scenario, choice, supervisor, |link| link)?;
+    watcher.process = device.device.process().map(lashloop_bench::supervisor::Process::id);
     run::run(scenario, &mut device, Clock::Lockstep, watcher)
 }
 
@@ -169,7 +170,7 @@ struct SoakWatcher<'a> {
 /// Steps between two readings of the drive's resources, and before the first: it has allocated what it needs by then.
 const STRIDE: u32 = 500;
 
-impl Watcher for SoakWatcher<'_> {
+impl StepObserver for SoakWatcher<'_> {
     fn step(&mut self, _: &Step) -> Result<(), WriteError> {
         self.shared.beats.fetch_add(1, Ordering::Relaxed);
         self.step += 1;

@@ -10,8 +10,6 @@ use super::client::Client;
 pub(super) struct Check {
     pub(super) group: &'static str,
     pub(super) name: String,
-    /// Whether device time has to pass for it.
-    pub(super) waits: bool,
     pub(super) run: Arc<dyn Fn(&mut Client) -> RuleResult>,
 }
 
@@ -21,11 +19,6 @@ impl Check {
         name: impl Into<String>,
         run: impl Fn(&mut Client) -> RuleResult + 'static,
     ) -> Self {
-        Self { group, name: name.into(), waits: false, run: Arc::new(run) }
-    }
-
-    /// The same check, marked as one for which device time has to pass.
-    pub(super) fn waiting(self) -> Self {
-        Self { waits: true, ..self }
+        Self { group, name: name.into(), run: Arc::new(run) }
     }
 }

@@ -10,8 +10,9 @@ use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
 
 use lashloop_bench::link::Link;
-use lashloop_bench::session::line::{Line, REQUEST_LIMIT};
-use lashloop_bench::session::{Parameter, SessionError, greeting, parameters};
+use lashloop_bench::session::line::Line;
+use lashloop_bench::session::request::REQUEST_LIMIT;
+use lashloop_bench::session::{Parameter, SessionError, handshake, parameters};
 
 use super::answers::{identity, report, sample, torque};
 use super::assertion::{Failure, RuleResult, equal, find};
@@ -35,8 +36,8 @@ impl Client {
     pub(super) fn open(link: Box<dyn Link>, session: u32) -> Result<Self, SessionError> {
         let mut line = Line::new(link);
         line.clear()?;
-        let identity = greeting::greet(&mut line, session)?;
-        let parameters = parameters::learn(&mut line, identity.parameter_count)?;
+        let identity = handshake::shake_hands(&mut line, session)?;
+        let parameters = parameters::read_all(&mut line, identity.parameter_count)?;
         Ok(Self { line, session, identity, parameters, state: identity.state, note: String::new() })
     }
 
@@ -103,13 +104,19 @@ impl Client {
         self.line.send_bytes(bytes).map_err(Failure::Session)
     }
 
+    /// The link's present time.
+    pub(super) fn now(&mut self) -> Instant {
+        self.line.now()
+    }
+
     /// What comes unasked, until `wanted` recognises it or the limit has passed.
     pub(super) fn wait_for<T>(
         &mut self,
         limit: Duration,
         wanted: impl FnMut(&DriveMessage) -> Option<T>,
     ) -> Result<Option<T>, Failure> {
-        self.line.wait(Instant::now() + limit, wanted).map_err(Failure::Session)
+        let deadline = self.line.now() + limit;
+        self.line.wait(deadline, wanted).map_err(Failure::Session)
     }
 
     /// Sends a request that has no answer of its own and returns what became of it.

@@ -7,7 +7,7 @@ use lashloop_protocol::sequence::of_step;
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
 
-use lashloop_bench::session::line::REQUEST_LIMIT;
+use lashloop_bench::session::request::REQUEST_LIMIT;
 
 use super::answers::sample;
 use super::assertion::{Failure, expect};

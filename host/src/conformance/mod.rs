@@ -50,15 +50,6 @@ use client::Client;
 use lashloop_bench::link::Link;
 use lashloop_bench::session::SessionError;
 
-/// Whether time passes for the drive while the bench waits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum DeviceTime {
-    /// It does: a board, an emulator, a process.
-    Passes,
-    /// It does not: a drive called in process. Checks that wait for it are left out, and counted as left out.
-    StandsStill,
-}
-
 /// Receives the results while the checks run.
 pub trait Reporter {
     /// The handshake is complete.
@@ -79,12 +70,7 @@ pub trait Reporter {
 /// # Errors
 /// Nobody answers, what answers speaks another version, or the line breaks. A single answer that stays out is not an
 /// error but a finding.
-pub fn run(
-    link: Box<dyn Link>,
-    session: u32,
-    time: DeviceTime,
-    reporter: &mut dyn Reporter,
-) -> Result<(), SessionError> {
+pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Result<(), SessionError> {
     let mut client = Client::open(link, session)?;
     reporter.connected(client.identity());
     for check in all_checks() {
@@ -92,16 +78,11 @@ pub fn run(
             break;
         }
         let started = Instant::now();
-        let status = match time {
-            DeviceTime::StandsStill if check.waits => {
-                CheckStatus::Skipped { reason: "not run: in process no device time passes" }
-            }
-            _ => match client.reset().and_then(|()| (check.run)(&mut client)) {
-                Ok(()) => CheckStatus::Passed,
-                Err(Failure::Rule { expected, came }) => CheckStatus::Failed { expected, came },
-                Err(Failure::Skipped { reason }) => CheckStatus::Skipped { reason },
-                Err(Failure::Session(error)) => return Err(error),
-            },
+        let status = match client.reset().and_then(|()| (check.run)(&mut client)) {
+            Ok(()) => CheckStatus::Passed,
+            Err(Failure::Rule { expected, came }) => CheckStatus::Failed { expected, came },
+            Err(Failure::Skipped { reason }) => CheckStatus::Skipped { reason },
+            Err(Failure::Session(error)) => return Err(error),
         };
         reporter.checked(&CheckResult {
             group: check.group,

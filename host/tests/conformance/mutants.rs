@@ -115,6 +115,10 @@ impl Mutant {
 }
 
 impl Link for Mutant {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        None
+    }
+
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         for &byte in bytes {
             self.partial.push(byte);

@@ -9,8 +9,8 @@ use lashloop::doctor::diagnosis::Health;
 use lashloop::doctor::{Examination, LineUnderTest, examine};
 use lashloop_bench::device::twin::Twin;
 use lashloop_bench::link::pty::Pty;
+use lashloop_bench::link::terminal::Terminal;
 use lashloop_protocol::{DriveMessage, Message};
-use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
 use crate::examples;
 use crate::support::{lashloop, text};
@@ -76,12 +76,8 @@ fn a_silent_far_end_is_told() {
 
 #[test]
 fn a_drive_of_another_protocol_version_is_told_with_the_remedy() {
-    let far_end = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
-    grantpt(&far_end).unwrap();
-    unlockpt(&far_end).unwrap();
-    let path = PathBuf::from(ptsname(&far_end, []).unwrap().into_string().unwrap());
-    // Open in two places, or the line hangs up before the doctor has come.
-    let _near_end = File::options().read(true).write(true).open(&path).unwrap();
+    let terminal = Terminal::open().unwrap();
+    let far_end = terminal.far_end.try_clone().unwrap();
     thread::spawn(move || {
         let Some(DriveMessage::Identity(mut identity)) = examples::from_drive().into_iter().next() else {
             unreachable!("the first message of a drive is its identity");
@@ -92,7 +88,7 @@ fn a_drive_of_another_protocol_version_is_told_with_the_remedy() {
             far_end.write_all(&DriveMessage::from(identity).frame()).unwrap();
         }
     });
-    let said = wrong(&line(&path));
+    let said = wrong(&line(&terminal.path));
     assert!(said.contains("speaks protocol version 2, this bench speaks version 1: flash"), "{said}");
 }
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use tests::bench::{self, Bench};
 use tests::paper::RUNS;
 use tests::processes;
-use tests::terminal::Terminal;
+use tests::terminal;
 use tests::twin::Twin;
 
 /// How long somebody is watched.
@@ -66,13 +66,13 @@ fn a_drive_that_waits_for_a_host_is_idle_before_and_after_a_run_in_real_time() {
 #[test]
 fn a_bench_that_waits_for_a_drive_is_idle() {
     // Nobody answers there; the bench greets for 2.5 s before it gives up.
-    let silent = Terminal::open();
+    let silent = terminal::open();
     for clock in ["lockstep", "real-time"] {
         let bench = Bench::start([
             "run",
             "scenarios/smooth-after.toml",
             "--device",
-            &silent.device(),
+            &terminal::device(&silent),
             "--clock",
             clock,
         ]);

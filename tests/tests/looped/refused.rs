@@ -8,7 +8,7 @@ use tests::bench::{self, Ended};
 use tests::loss::run_in_its_midst;
 use tests::paper::RUNS;
 use tests::relay::{Relay, StepOutcome};
-use tests::terminal::Terminal;
+use tests::terminal;
 use tests::twin::Twin;
 
 fn run_on(device: &str) -> Ended {
@@ -36,12 +36,12 @@ fn a_drive_of_another_protocol_version_is_refused_by_both_versions() {
 
 #[test]
 fn a_silent_terminal_is_given_up_in_time_with_advice() {
-    let terminal = Terminal::open();
+    let terminal = terminal::open();
     let started = Instant::now();
-    let ended = run_on(&terminal.device());
+    let ended = run_on(&terminal::device(&terminal));
     let took = ended.at - started;
     assert!(took <= Duration::from_secs(4), "took {took:?}");
-    insta::assert_snapshot!(sentence(&ended, &terminal.device()));
+    insta::assert_snapshot!(sentence(&ended, &terminal::device(&terminal)));
 }
 
 #[test]

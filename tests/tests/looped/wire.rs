@@ -93,7 +93,7 @@ fn a_serial_port_has_a_wire_of_its_own() {
     let ended = bench::run(arguments.into_iter().chain(["--set", "link.modelled_baud=9600"])).with_code(4);
     assert_eq!(
         ended.stderr,
-        "lashloop: /dev/null: a serial port has a wire of its own, at link.baud = 921600; link.modelled_baud is for \
+        "lashloop: /dev/null: a serial port has a UART of its own, at link.baud = 921600; link.modelled_baud is for \
          drives without one, so leave it 0 here\n"
     );
 }

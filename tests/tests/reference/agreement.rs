@@ -38,7 +38,8 @@ fn assert_within(have: Difference, bound: Difference) {
 #[test]
 fn held_pd_on_the_smooth_plant_agrees() {
     let law = paper::pd::<f64>();
-    let rows = run::<f64, _>(&paper::smooth(4), paper::START, &law, Ideal, regulate_to_zero, Timing::RECORDED);
+    let rows =
+        run::<f64, _>(&paper::smooth(4), paper::START, &law, Ideal, regulate_to_zero, Timing::RECORDED);
     assert_within(difference(&rows, &read("zoh_smooth_pd"), SPACING_S), STATED);
 }
 

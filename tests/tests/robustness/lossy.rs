@@ -8,10 +8,11 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::device::Device;
+use lashloop_bench::device::kinds::in_process::InProcessDrive;
 use lashloop_bench::fault::link::LinkFaults;
 use lashloop_bench::link::{Link, LinkError};
-use lashloop_bench::run::{self, Clock, End, Outcome, Step, Watcher};
+use lashloop_bench::run::{self, Clock, End, Outcome, Step, StepObserver};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::StepOutcome;
@@ -94,6 +95,10 @@ struct Tap {
 }
 
 impl Link for Tap {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        Some(self.link.as_mut())
+    }
+
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         self.heard.lock().expect("no tap has failed").send(bytes);
         self.link.send(bytes)
@@ -114,7 +119,7 @@ impl Link for Tap {
 #[derive(Default)]
 struct Rows(Vec<(f32, bool)>);
 
-impl Watcher for Rows {
+impl StepObserver for Rows {
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
         self.0.push((step.row.torque_nm as f32, step.timing.outcome == StepOutcome::Answered));
         Ok(())
@@ -141,8 +146,9 @@ fn run_with(fault: &str, duration_s: f64, seed: u32) -> Run {
     let tap =
         |link, heard: &Arc<Mutex<Heard>>| Box::new(Tap { link, heard: Arc::clone(heard) }) as Box<dyn Link>;
     let around = |link| tap(faults.wrap(tap(link, &at_drive), &scenario), &at_bench);
-    let device = Device::open_through(&DeviceChoice::InProcess, 0, &supervisor, around);
-    let mut device = device.expect("a drive in process").with_link_faults(Some(faults.clone()));
+    let device = Device::open_through(&InProcessDrive.into(), 0, &supervisor, around);
+    let device = device.expect("a drive in process");
+    let mut device = run::DeviceUnderTest { device, link_faults: Some(faults.clone()) };
     let mut rows = Rows::default();
     let started = Instant::now();
     let outcome = run::run(&scenario, &mut device, Clock::Lockstep, &mut rows).expect("a run to its end");

@@ -31,6 +31,10 @@ impl Captured {
 }
 
 impl Link for Captured {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        Some(self.link.as_mut())
+    }
+
     /// What can't be sent is captured too: it is what the failure was about.
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         let Self { link, capture, sent, .. } = self;
@@ -43,10 +47,6 @@ impl Link for Captured {
         let count = link.receive(buffer, deadline)?;
         received.push(&buffer[..count], |piece| capture.push(Direction::DriveToHost, piece));
         Ok(count)
-    }
-
-    fn idle(&mut self, until: Instant) -> Result<(), LinkError> {
-        self.link.idle(until)
     }
 
     /// What is thrown away here has never been read, so it is not in the capture.
@@ -74,6 +74,10 @@ mod tests {
     struct Torn(Vec<&'static [u8]>);
 
     impl Link for Torn {
+        fn inner(&mut self) -> Option<&mut dyn Link> {
+            None
+        }
+
         fn send(&mut self, _bytes: &[u8]) -> Result<(), LinkError> {
             Err(LinkError::Disconnected)
         }
@@ -115,6 +119,10 @@ mod tests {
     fn what_a_drive_that_hangs_was_asked_is_in_the_file_while_the_bench_waits() {
         struct Looking(std::path::PathBuf);
         impl Link for Looking {
+            fn inner(&mut self) -> Option<&mut dyn Link> {
+                None
+            }
+
             fn send(&mut self, _bytes: &[u8]) -> Result<(), LinkError> {
                 Ok(())
             }

@@ -1,4 +1,4 @@
-//! Why there is no drive to talk to, or no longer one.
+//! Why a drive can't be reached or was lost.
 
 use std::io;
 use std::path::PathBuf;
@@ -7,9 +7,8 @@ use std::process::ExitStatus;
 use lashloop_protocol::enums::State;
 
 use crate::session::SessionError;
-use crate::supervisor::Process;
 
-/// A device that can't be reached or was lost. Each says which side, and what to do where something can be done.
+/// Why a drive can't be reached or was lost: which side failed, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum DeviceError {
     /// The terminal can't be opened.
@@ -17,27 +16,27 @@ pub enum DeviceError {
     Open {
         /// Its path.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
-    /// A wire is to be modelled on a line that has a real one.
+    /// A UART is to be modelled on a line that has one.
     #[error(
-        "{}: a serial port has a wire of its own, at link.baud = {baud}; link.modelled_baud is for drives without one, so leave it 0 here",
+        "{}: a serial port has a UART of its own, at link.baud = {baud}; link.modelled_baud is for drives without one, so leave it 0 here",
         path.display()
     )]
-    HasWire {
+    HasUart {
         /// Its path.
         path: PathBuf,
-        /// Its speed.
+        /// Its speed in bits per second.
         baud: u32,
     },
-    /// There is no image to run.
+    /// The firmware image is missing.
     #[error("no image of the firmware at {}: build it with `cargo xtask image`", path.display())]
     NoImage {
-        /// Where it was looked for.
+        /// The path that was tried.
         path: PathBuf,
     },
-    /// There is no emulator.
+    /// The emulator is not installed.
     #[error(
         "qemu-system-arm is not installed: `cargo xtask setup` installs it, or on Debian `apt-get install qemu-system-arm`"
     )]
@@ -45,39 +44,39 @@ pub enum DeviceError {
     /// A program can't be started.
     #[error("the {name} can't be started: {source}; is the machine out of processes, memory or terminals?")]
     Spawn {
-        /// What it is.
+        /// What the program is.
         name: &'static str,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
-    /// A program was started and did not come up.
+    /// A program was started and did not come up in time.
     #[error(
         "the {name} did not come up{}; for the emulator `cargo xtask image` builds an image it can boot",
-        tail(said)
+        quoted(stderr)
     )]
     NotUp {
-        /// What it is.
+        /// What the program is.
         name: &'static str,
-        /// What it wrote to standard error.
-        said: String,
+        /// The first lines of its standard error.
+        stderr: String,
     },
     /// The process behind the drive ended.
     #[error(
-        "the drive side ended while the bench was talking to {device}: the {name} (process {id}), {status}{}: {source}",
-        tail(said)
+        "the drive side ended during the session with {device}: the {name} (process {id}), {status}{}: {source}",
+        quoted(stderr)
     )]
     Ended {
         /// The device as it was chosen.
         device: String,
-        /// What ended.
+        /// What the process was.
         name: &'static str,
         /// Its process number.
         id: u32,
-        /// How.
+        /// How it ended.
         status: ExitStatus,
-        /// What it wrote to standard error.
-        said: String,
-        /// How far the conversation had got.
+        /// The first lines of its standard error.
+        stderr: String,
+        /// How far the session got.
         source: Box<SessionError>,
     },
     /// The drive keeps to the protocol but can't serve this bench.
@@ -85,38 +84,32 @@ pub enum DeviceError {
     Unfit {
         /// The device as it was chosen.
         device: String,
-        /// What is wrong with it.
+        /// What does not fit.
         problem: String,
     },
-    /// The conversation broke or was refused.
+    /// The session failed.
     #[error("drive on {device}: {source}{}", remedy(source))]
     Session {
         /// The device as it was chosen.
         device: String,
-        /// What happened.
+        /// Why.
         source: SessionError,
     },
 }
 
 impl DeviceError {
-    /// Whether a drive that is gone may still come back: what has ended does not, and another firmware stays another.
+    /// Whether a lost drive may still come back. A process that ended does not, and another firmware stays another.
     #[must_use]
-    pub fn may_pass(&self) -> bool {
+    pub fn is_transient(&self) -> bool {
         match self {
             Self::Session { source, .. } => !matches!(source, SessionError::Version { .. }),
             _ => false,
         }
     }
-
-    pub(super) fn not_up(process: &Process) -> Self {
-        // Whatever it has to say, it has said when it has ended.
-        let _ = process.ended_within(std::time::Duration::from_millis(200));
-        Self::NotUp { name: process.name(), said: process.said() }
-    }
 }
 
-fn tail(said: &str) -> String {
-    if said.is_empty() { String::new() } else { format!(", saying \"{said}\"") }
+fn quoted(stderr: &str) -> String {
+    if stderr.is_empty() { String::new() } else { format!(", standard error \"{stderr}\"") }
 }
 
 fn open_reason(source: &io::Error) -> String {
@@ -126,11 +119,11 @@ fn open_reason(source: &io::Error) -> String {
             "not allowed; on most systems the group `dialout` may open serial ports".to_owned()
         }
         io::ErrorKind::WouldBlock | io::ErrorKind::ResourceBusy => {
-            "another program holds it; a drive talks to one host at a time".to_owned()
+            "another program holds it; a drive serves one host at a time".to_owned()
         }
-        // ENOTTY, of which the serialport crate keeps only the words.
+        // ENOTTY, of which the serialport crate keeps only the text.
         _ if source.raw_os_error() == Some(25) || source.to_string() == "Not a typewriter" => {
-            "this is no terminal; a drive sits on one".to_owned()
+            "this is no terminal, and a drive needs one".to_owned()
         }
         _ => source.to_string(),
     }

@@ -1,56 +1,23 @@
 //! The native twin: the drive as a process on a pseudo-terminal.
 //!
-//! It runs the same [`Drive`] as the image. Two threads share it: one waits for bytes, the other for the moment the
-//! watchdog would trip, so that nobody has to poll and an idle twin costs nothing. As in the image, sending never holds
-//! the drive: a host that does not read can't keep the watchdog from tripping.
+//! The process runs the same [`Drive`] as the image. Two threads share the drive: one waits for bytes, the other for the
+//! next tick of the watchdog, so an idle twin takes no processor time. As in the image, sending never locks the drive: a
+//! host that does not read can't keep the watchdog from tripping.
 
-use std::io::{self, Write};
 use std::os::fd::{AsFd, OwnedFd};
-use std::panic;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
-use std::{process, thread};
-
-use lashloop_protocol::enums::FaultCode;
-use rustix::fs::{Mode, OFlags};
-use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
+use std::{io, panic, process, thread};
 
 use lashloop_firmware::drive::{Clock, Drive, fault_frame};
+use lashloop_protocol::enums::FaultCode;
+
+use crate::link::terminal::Terminal;
 
 /// Name of the board in the twin's identity.
 pub const BOARD: &str = "native-twin";
-
-/// A pseudo-terminal in raw mode that stays up while nobody is connected, as a real line does.
-pub struct Terminal {
-    /// The end that a drive reads and writes.
-    pub line: OwnedFd,
-    /// Where a host finds the other end.
-    pub path: PathBuf,
-    _near_end: OwnedFd,
-}
-
-impl Terminal {
-    /// Opens one.
-    ///
-    /// # Errors
-    /// If the system has no pseudo-terminal left or none at all.
-    pub fn open() -> io::Result<Self> {
-        let line = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
-        grantpt(&line)?;
-        unlockpt(&line)?;
-        let name = ptsname(&line, [])?;
-        let path = PathBuf::from(name.to_string_lossy().into_owned());
-        let near_end =
-            rustix::fs::open(&path, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?;
-        let mut settings = tcgetattr(&near_end)?;
-        settings.make_raw();
-        tcsetattr(&near_end, OptionalActions::Now, &settings)?;
-        Ok(Self { line, path, _near_end: near_end })
-    }
-}
 
 /// A pseudo-terminal with a drive at its far end.
 pub struct Twin {
@@ -66,20 +33,20 @@ impl Twin {
         Ok(Self { terminal: Terminal::open()? })
     }
 
-    /// Where a host finds the drive.
+    /// Path of the terminal, for a host to open.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.terminal.path
     }
 
-    /// Runs the drive until the line breaks. A panic ends the process, as it ends the image: torque is gone, and the last
-    /// frame on the line says why.
+    /// Runs the drive until the line breaks. A panic ends the process, as it ends the image: the torque is zero, and the
+    /// last frame on the line is the fault report.
     ///
     /// # Errors
-    /// What broke the line.
+    /// Why the line broke.
     pub fn serve(&self) -> io::Result<()> {
-        let line = &self.terminal.line;
-        die_loudly(line.try_clone()?);
+        let line = &self.terminal.far_end;
+        report_panics(line.try_clone()?);
         let shared = Shared {
             drive: Mutex::new(Drive::new(BOARD)),
             changed: Condvar::new(),
@@ -88,10 +55,10 @@ impl Twin {
             clock: BootClock(Instant::now()),
         };
         thread::scope(|scope| {
-            scope.spawn(|| shared.watch(line));
-            let error = shared.answer(line);
+            scope.spawn(|| shared.serve_watchdog(line));
+            let error = shared.serve_requests(line);
             shared.ended.store(true, Ordering::Relaxed);
-            // Under the lock, or the other thread could look just before and wait just after.
+            // Under the lock: else the other thread could check just before and wait just after.
             let _drive = shared.drive();
             shared.changed.notify_all();
             Err(error)
@@ -99,18 +66,8 @@ impl Twin {
     }
 }
 
-/// What `main` of the twin does: open, print the path, serve.
-///
-/// # Errors
-/// A sentence that says what the twin could not do.
-pub fn main() -> Result<(), String> {
-    let twin = Twin::open().map_err(|error| format!("no pseudo-terminal for the drive: {error}"))?;
-    writeln!(io::stdout(), "{}", twin.path().display())
-        .map_err(|error| format!("can't print the path: {error}"))?;
-    twin.serve().map_err(|error| format!("the line of the drive broke: {error}"))
-}
-
-fn die_loudly(line: OwnedFd) {
+/// Sends a fault report for a panic, then ends the process.
+fn report_panics(line: OwnedFd) {
     let report = panic::take_hook();
     panic::set_hook(Box::new(move |info| {
         let at = info.location().map_or(0, panic::Location::line);
@@ -130,11 +87,11 @@ impl Clock for BootClock {
 
 struct Shared {
     drive: Mutex<Drive>,
-    /// Told when the drive needs a tick earlier than it did before.
+    /// Notified when the next tick becomes earlier, and at the end.
     changed: Condvar,
-    /// The line is gone.
+    /// Whether the line broke.
     ended: AtomicBool,
-    /// Held by whoever sends, so that frames stay in order; what is in it is on its way.
+    /// Bytes being sent. The lock keeps frames in order.
     sending: Mutex<Vec<u8>>,
     clock: BootClock,
 }
@@ -145,7 +102,7 @@ impl Shared {
     }
 
     /// Reads and answers until the line breaks.
-    fn answer(&self, line: &OwnedFd) -> io::Error {
+    fn serve_requests(&self, line: &OwnedFd) -> io::Error {
         let mut buffer = [0; 4096];
         loop {
             let mut bytes = match rustix::io::read(line, &mut buffer) {
@@ -170,14 +127,14 @@ impl Shared {
         }
     }
 
-    /// Ticks when it is time to.
-    fn watch(&self, line: &OwnedFd) {
+    /// Ticks the drive whenever a tick is due.
+    fn serve_watchdog(&self, line: &OwnedFd) {
         while !self.ended.load(Ordering::Relaxed) {
             let mut drive = self.drive();
             drive.tick(self.clock.now());
             if !drive.output().is_empty() {
                 drop(drive);
-                // A line that breaks here breaks in the other thread too, which then reports it.
+                // A broken line fails in the other thread too, and that thread reports it.
                 if self.send(line).is_err() {
                     return;
                 }
@@ -186,7 +143,7 @@ impl Shared {
             match drive.next_tick() {
                 None => drop(self.changed.wait(drive)),
                 Some(due) => {
-                    // A moment past the deadline, because the watchdog lets the limit itself pass.
+                    // Past the deadline, because the watchdog trips after its limit, not at it.
                     let wait = due.saturating_sub(self.clock.now()) + Duration::from_micros(100);
                     drop(self.changed.wait_timeout(drive, wait));
                 }

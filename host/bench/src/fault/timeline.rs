@@ -2,12 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use rustix::process::{Pid, Signal, kill_process};
-
 use super::link::LinkFaults;
 use super::log::FaultRecord;
 use super::schedule::Schedule;
-use crate::device::{Device, DeviceChoice};
+use crate::device::Device;
 use crate::scenario::Scenario;
 use crate::scenario::fault::{DeviceFault, FaultDuration, FaultKind, InjectedFault};
 use crate::session::SessionError;
@@ -72,7 +70,7 @@ impl TimedFault {
             Progress::Pending if self.schedule.contains(step) => {
                 self.progress = Progress::Active { since: step, over_at: None };
                 strike(self.kind, device)?;
-                let over_at = self.lasts.map(|lasts| Instant::now() + lasts);
+                let over_at = self.lasts.map(|lasts| device.session.now() + lasts);
                 self.progress = Progress::Active { since: step, over_at };
             }
             Progress::Active { since, over_at: None }
@@ -103,9 +101,13 @@ impl Timeline {
     ///
     /// # Errors
     /// The device doesn't support one of the faults.
-    pub fn new(scenario: &Scenario, device: &Device) -> Result<Self, UnsupportedFault> {
+    pub fn new(
+        scenario: &Scenario,
+        device: &Device,
+        link: Option<LinkFaults>,
+    ) -> Result<Self, UnsupportedFault> {
         for fault in &scenario.faults {
-            if let Some(reason) = unsupported(fault.kind, device) {
+            if let Some(reason) = unsupported(fault.kind, device, link.as_ref()) {
                 return Err(UnsupportedFault { kind: fault.kind.name(), at_s: fault.at_s, reason });
             }
         }
@@ -113,7 +115,7 @@ impl Timeline {
         Ok(Self {
             faults: scenario.faults.iter().map(timed).collect(),
             next: (!scenario.faults.is_empty()).then_some(0),
-            link: device.link_faults().cloned(),
+            link,
         })
     }
 
@@ -139,11 +141,11 @@ impl Timeline {
         Ok(())
     }
 
-    /// Ends faults whose wall-clock time is over. To be called in every step, and while a lost drive is awaited.
-    pub fn revive(&mut self, device: &Device) {
+    /// Ends faults whose time is over. To be called in every step, and while a lost drive is awaited.
+    pub fn revive(&mut self, device: &mut Device) {
         for fault in &mut self.faults {
             if let Progress::Active { since, over_at: Some(over_at) } = fault.progress
-                && over_at <= Instant::now()
+                && over_at <= device.session.now()
             {
                 fault.progress = Progress::Over { since, until: None };
                 heal(fault.kind, device);
@@ -178,7 +180,7 @@ fn strike(kind: FaultKind, device: &mut Device) -> Result<(), SessionError> {
     match kind {
         FaultKind::Device(DeviceFault::Reset {}) => device.session.reset_by_surprise(),
         FaultKind::Device(DeviceFault::Hang {}) => {
-            signal(device, Signal::STOP);
+            device.host().suspend();
             Ok(())
         }
         FaultKind::Frame { .. }
@@ -189,39 +191,24 @@ fn strike(kind: FaultKind, device: &mut Device) -> Result<(), SessionError> {
     }
 }
 
-/// Ends a fault of the drive that lasts in wall-clock time.
+/// Ends a fault of the drive that lasts in the link's time.
 fn heal(kind: FaultKind, device: &Device) {
     if kind == FaultKind::Device(DeviceFault::Hang {}) {
-        signal(device, Signal::CONT);
+        device.host().resume();
     }
 }
 
-fn unsupported(kind: FaultKind, device: &Device) -> Option<&'static str> {
+fn unsupported(kind: FaultKind, device: &Device, link: Option<&LinkFaults>) -> Option<&'static str> {
     match kind {
-        FaultKind::Frame { .. } | FaultKind::Link(_) => device
-            .link_faults()
+        FaultKind::Frame { .. } | FaultKind::Link(_) => link
             .is_none()
             .then_some("this link was opened without fault injection: open the device for this scenario"),
-        FaultKind::Device(DeviceFault::Hang {}) => match device.choice() {
-            DeviceChoice::InProcess => {
-                Some("the drive runs in the bench's own process, which would hang too: use --device native or qemu")
-            }
-            DeviceChoice::Native | DeviceChoice::Qemu(_) | DeviceChoice::Terminal(_) => {
-                device.process().is_none().then_some(
-                    "only a process that the bench started can be stopped: use --device native or qemu, or link-stall",
-                )
-            }
-        },
+        FaultKind::Device(DeviceFault::Hang {}) => (!device.host().can_suspend()).then_some(
+            "only a drive that the bench runs can be suspended: use --device inproc, native or qemu, or link-stall",
+        ),
         FaultKind::Device(DeviceFault::Reset {})
         | FaultKind::Encoder { .. }
         | FaultKind::Motor(_)
         | FaultKind::Plant(_) => None,
-    }
-}
-
-fn signal(device: &Device, signal: Signal) {
-    if let Some(pid) = device.process().and_then(|process| Pid::from_raw(process.id().cast_signed())) {
-        // A process that has exited closes its link, which reports the loss.
-        let _ = kill_process(pid, signal);
     }
 }

@@ -1,49 +1,204 @@
-//! The drive in this process: frames go through the same encoder, decoder and state machine, but no line.
+//! The drive in this process: its frames pass the same encoder, decoder and state machine as anywhere, but no line.
 //!
-//! Its device time stands still. In lockstep the drive has all the time it wants, and nobody can pull the line.
+//! Device time is the link's time. By default it is virtual: it stands still while bench and drive compute and advances at
+//! once while the bench waits, from one tick of the drive to the next. So a run repeats bit for bit, a lost frame costs no
+//! wall-clock time, and the watchdog trips exactly at its limit. A real-time run follows the wall clock instead.
 
-use std::time::Instant;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
 
-use lashloop_firmware::drive::{Drive, ManualClock};
+use lashloop_firmware::drive::{Clock, Drive};
 
-use super::{Link, LinkError};
+use super::{Link, LinkError, TimeBase};
 
 /// Name of the board in the identity of a drive in process.
 pub const BOARD: &str = "in-process";
 
-/// A drive, and what it said and nobody has read yet.
+/// Bytes that wait for a suspended drive at most, as many as a terminal of Linux keeps.
+const CAPACITY: usize = 4096;
+
+/// The watchdog trips after its limit, not at it.
+const PAST_LIMIT: Duration = Duration::from_nanos(1);
+
+/// Suspends and resumes a drive in process from outside its link, as `SIGSTOP` and `SIGCONT` do with a process.
+#[derive(Debug, Clone, Default)]
+pub struct Suspension(Arc<AtomicBool>);
+
+impl Suspension {
+    /// Suspends the drive: it takes no byte and no tick, and its time goes on.
+    pub fn suspend(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Resumes the drive. Its watchdog sees the time that has passed before the drive takes the bytes that wait.
+    pub fn resume(&self) {
+        self.0.store(false, Ordering::Relaxed);
+    }
+
+    fn is_active(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// Device time.
+enum DeviceClock {
+    Virtual { now: Duration },
+    WallClock { at_start: Duration, start: Instant },
+}
+
+impl Clock for DeviceClock {
+    fn now(&self) -> Duration {
+        match self {
+            Self::Virtual { now } => *now,
+            Self::WallClock { at_start, start } => *at_start + start.elapsed(),
+        }
+    }
+}
+
+/// A link to a drive in this process.
 pub struct InProcess {
     drive: Drive,
-    said: Vec<u8>,
+    /// The instant at device time zero.
+    boot: Instant,
+    clock: DeviceClock,
+    suspension: Suspension,
+    /// Sent to the drive while it was suspended.
+    to_drive: Vec<u8>,
+    /// Sent by the drive and not read yet.
+    from_drive: Vec<u8>,
 }
 
 impl Default for InProcess {
     fn default() -> Self {
-        Self { drive: Drive::new(BOARD), said: Vec::new() }
+        Self {
+            drive: Drive::new(BOARD),
+            boot: Instant::now(),
+            clock: DeviceClock::Virtual { now: Duration::ZERO },
+            suspension: Suspension::default(),
+            to_drive: Vec::with_capacity(CAPACITY),
+            from_drive: Vec::with_capacity(CAPACITY),
+        }
+    }
+}
+
+impl InProcess {
+    /// The switch that suspends this drive.
+    #[must_use]
+    pub fn suspension(&self) -> Suspension {
+        self.suspension.clone()
+    }
+
+    fn instant(&self, device_time: Duration) -> Instant {
+        self.boot + device_time
+    }
+
+    /// Brings the drive to the present time, unless it is suspended: the watchdog first, then the bytes that wait.
+    fn catch_up(&mut self) {
+        if self.suspension.is_active() {
+            return;
+        }
+        let now = self.clock.now();
+        self.drive.tick(now);
+        self.take_output();
+        if !self.to_drive.is_empty() {
+            let waiting = std::mem::take(&mut self.to_drive);
+            self.feed(&waiting);
+            self.to_drive = waiting;
+            self.to_drive.clear();
+        }
+    }
+
+    fn feed(&mut self, mut bytes: &[u8]) {
+        while !bytes.is_empty() {
+            let used = self.drive.receive(bytes, &self.clock);
+            bytes = &bytes[used..];
+            self.take_output();
+        }
+    }
+
+    fn take_output(&mut self) {
+        self.from_drive.extend_from_slice(self.drive.output());
+        self.drive.clear_output();
+    }
+
+    /// Lets time pass until the drive's next tick, `until` at most.
+    fn advance(&mut self, until: Instant) {
+        let now = self.clock.now();
+        let until = until.saturating_duration_since(self.boot);
+        // A tick that is due and changed nothing is not waited for again.
+        let tick = self.drive.next_tick().map(|due| due + PAST_LIMIT).filter(|due| *due > now);
+        let next = match tick {
+            Some(tick) if !self.suspension.is_active() => tick.min(until),
+            _ => until,
+        };
+        match &mut self.clock {
+            DeviceClock::Virtual { now } => *now = next.max(*now),
+            DeviceClock::WallClock { .. } => thread::sleep(next.saturating_sub(now)),
+        }
+        self.catch_up();
     }
 }
 
 impl Link for InProcess {
-    fn send(&mut self, mut bytes: &[u8]) -> Result<(), LinkError> {
-        while !bytes.is_empty() {
-            let used = self.drive.receive(bytes, &ManualClock::default());
-            bytes = &bytes[used..];
-            self.said.extend_from_slice(self.drive.output());
-            self.drive.clear_output();
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        None
+    }
+
+    fn now(&mut self) -> Instant {
+        self.instant(self.clock.now())
+    }
+
+    fn wait_until(&mut self, until: Instant) -> Result<(), LinkError> {
+        self.catch_up();
+        while self.now() < until {
+            self.advance(until);
         }
         Ok(())
     }
 
-    /// Never waits: a drive in process has said what it has to say when [`Link::send`] returns.
-    fn receive(&mut self, buffer: &mut [u8], _deadline: Instant) -> Result<usize, LinkError> {
-        let count = self.said.len().min(buffer.len());
-        buffer[..count].copy_from_slice(&self.said[..count]);
-        self.said.drain(..count);
+    fn set_time_base(&mut self, time_base: TimeBase) {
+        let now = self.clock.now();
+        self.clock = match time_base {
+            TimeBase::Virtual => DeviceClock::Virtual { now },
+            TimeBase::WallClock => {
+                // From here on the link's time is the wall clock's, and device time goes on from where it is.
+                let start = Instant::now();
+                self.boot = start.checked_sub(now).unwrap_or(start);
+                DeviceClock::WallClock { at_start: now, start }
+            }
+        };
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        self.catch_up();
+        if !self.suspension.is_active() {
+            self.feed(bytes);
+            return Ok(());
+        }
+        if self.to_drive.len() + bytes.len() > CAPACITY {
+            let give_up = self.now() + super::error::WRITE_LIMIT;
+            self.wait_until(give_up)?;
+            return Err(LinkError::Stuck);
+        }
+        self.to_drive.extend_from_slice(bytes);
+        Ok(())
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
+        self.catch_up();
+        while self.from_drive.is_empty() && self.now() < deadline {
+            self.advance(deadline);
+        }
+        let count = self.from_drive.len().min(buffer.len());
+        buffer[..count].copy_from_slice(&self.from_drive[..count]);
+        self.from_drive.drain(..count);
         Ok(count)
     }
 
     fn discard_input(&mut self) -> Result<(), LinkError> {
-        self.said.clear();
+        self.from_drive.clear();
         Ok(())
     }
 }

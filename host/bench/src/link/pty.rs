@@ -1,31 +1,34 @@
 //! A pseudo-terminal, opened by the path of its near end.
 //!
 //! The terminal driver does the waiting: with `VMIN` 0 and `VTIME` 1 a read returns with the first byte or after a
-//! tenth of a second, so a round trip costs one write and one read and no poll. A deadline that is nearer than that is
-//! waited for by poll, which knows nanoseconds. Writes go through a second description of
-//! the same terminal, one that never waits, because a drive that does not read would hold the bench for ever.
+//! tenth of a second, so a round trip costs one write and one read and no poll. A nearer deadline is waited for by poll,
+//! which resolves nanoseconds. Writes go through a second, non-blocking description of the same terminal, because a
+//! drive that does not read would block the bench for ever.
 
 use std::io;
-use std::os::fd::{AsFd, OwnedFd};
+use std::os::fd::OwnedFd;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{FlockOperation, Mode, OFlags, flock};
 use rustix::io::Errno;
-use rustix::termios::{
-    OptionalActions, QueueSelector, SpecialCodeIndex, Termios, tcflush, tcgetattr, tcsetattr, ttyname,
-};
+use rustix::termios::{OptionalActions, QueueSelector, Termios, tcflush, tcgetattr, tcsetattr, ttyname};
 
-use super::{Link, LinkError, WRITE_LIMIT, readable_by, remaining};
+use super::deadline::{readable_by, remaining};
+use super::error::WRITE_LIMIT;
+use super::terminal::set_raw;
+use super::{Link, LinkError};
 
 /// Where the system keeps pseudo-terminals. They have no speed, no modem lines and no latency timer.
 pub const DIRECTORY: &str = "/dev/pts";
 
-/// How long a read waits for its first byte: `VTIME` counts in tenths of a second.
+/// Timeout of a read.
 const READ_LIMIT: Duration = Duration::from_millis(100);
+/// The same in the unit of `VTIME`.
+const READ_LIMIT_TENTHS_S: u8 = 1;
 
-/// The near end of a pseudo-terminal. Dropping it gives the terminal its settings back.
+/// The near end of a pseudo-terminal. Dropping it restores the terminal's settings.
 pub struct Pty {
     reader: OwnedFd,
     writer: OwnedFd,
@@ -33,11 +36,11 @@ pub struct Pty {
 }
 
 impl Pty {
-    /// Opens it in raw mode and for nobody else.
+    /// Opens the near end in raw mode and locks it.
     ///
     /// # Errors
-    /// It is not there, not a terminal, the one the bench itself was started from (`InvalidInput`), or another bench holds
-    /// it (`WouldBlock`).
+    /// `path` is missing, is no terminal, is the terminal that the bench was started from (`InvalidInput`), or another
+    /// bench holds it (`WouldBlock`).
     pub fn open(path: &Path) -> io::Result<Self> {
         if is_own_terminal(path) {
             let reason = "this is the terminal the bench was started from; a drive has another";
@@ -48,35 +51,22 @@ impl Pty {
         flock(&reader, FlockOperation::NonBlockingLockExclusive)?;
         let writer = rustix::fs::open(path, flags | OFlags::NONBLOCK, Mode::empty())?;
         let settings_before = tcgetattr(&reader)?;
-        set_raw(&reader, 0, 1)?;
+        set_raw(&reader, 0, READ_LIMIT_TENTHS_S)?;
         Ok(Self { reader, writer, settings_before })
     }
 
-    /// Whether a read of nothing meant the end of the line rather than a tenth of a second of silence.
+    /// Whether a read of zero bytes was the end of the line rather than a timeout.
     fn hung_up(&self) -> Result<bool, LinkError> {
         let mut fds = [PollFd::new(&self.reader, PollFlags::IN)];
         poll(&mut fds, Some(&Timespec { tv_sec: 0, tv_nsec: 0 }))?;
         Ok(fds[0].revents().intersects(PollFlags::HUP | PollFlags::ERR))
     }
 
-    /// Waits until the terminal takes bytes again.
-    fn wait_for_room(&self) -> Result<(), LinkError> {
+    fn wait_until_writable(&self) -> Result<(), LinkError> {
         let mut fds = [PollFd::new(&self.writer, PollFlags::OUT)];
         let limit = Timespec { tv_sec: WRITE_LIMIT.as_secs() as i64, tv_nsec: 0 };
         if poll(&mut fds, Some(&limit))? == 0 { Err(LinkError::Stuck) } else { Ok(()) }
     }
-}
-
-/// Puts a terminal into raw mode, its reads returning with `minimum` bytes or after `tenths` of a second.
-///
-/// # Errors
-/// It is not a terminal, or gone.
-pub fn set_raw(terminal: impl AsFd, minimum: u8, tenths: u8) -> io::Result<()> {
-    let mut settings = tcgetattr(&terminal)?;
-    settings.make_raw();
-    settings.special_codes[SpecialCodeIndex::VMIN] = minimum;
-    settings.special_codes[SpecialCodeIndex::VTIME] = tenths;
-    Ok(tcsetattr(&terminal, OptionalActions::Now, &settings)?)
 }
 
 fn is_own_terminal(path: &Path) -> bool {
@@ -90,18 +80,22 @@ fn is_own_terminal(path: &Path) -> bool {
 
 impl Drop for Pty {
     fn drop(&mut self) {
-        // Of no use if the far end is gone, and then of no need.
+        // Fails only on a disconnected terminal, which has no settings to restore.
         let _ = tcsetattr(&self.reader, OptionalActions::Now, &self.settings_before);
     }
 }
 
 impl Link for Pty {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        None
+    }
+
     fn send(&mut self, mut bytes: &[u8]) -> Result<(), LinkError> {
         while !bytes.is_empty() {
             match rustix::io::write(&self.writer, bytes) {
                 Ok(count) => bytes = &bytes[count..],
                 Err(Errno::INTR) => {}
-                Err(Errno::AGAIN) => self.wait_for_room()?,
+                Err(Errno::AGAIN) => self.wait_until_writable()?,
                 Err(error) => return Err(error.into()),
             }
         }

@@ -1,15 +1,15 @@
-//! A terminal that may go and come back: unplugged and plugged in again, or closed and opened by another drive.
+//! A terminal that is opened again after it was disconnected: unplugged and plugged in, or closed and opened by a drive.
 
 use std::path::PathBuf;
 use std::time::Instant;
 
 use super::{Link, LinkError};
 
-/// Opens a link by its path.
+/// Opens the link at a path.
 pub type Open = Box<dyn FnMut(&PathBuf) -> std::io::Result<Box<dyn Link>> + Send>;
 
-/// A link that is opened again, by the name it was opened by, when its input is to be discarded and it is gone: that is
-/// how a conversation begins. Until then a link that is gone stays gone, so nobody talks to another drive unawares.
+/// A link that is opened again, by the same path, when it is disconnected and its input is to be discarded: every session
+/// begins with that. Until then it stays disconnected, so that no request reaches another drive unnoticed.
 pub struct Reopening {
     path: PathBuf,
     open: Open,
@@ -17,10 +17,10 @@ pub struct Reopening {
 }
 
 impl Reopening {
-    /// Opens it for the first time.
+    /// Opens the link for the first time.
     ///
     /// # Errors
-    /// It can't be opened.
+    /// `open` fails.
     pub fn new(path: PathBuf, mut open: Open) -> std::io::Result<Self> {
         let link = Some(open(&path)?);
         Ok(Self { path, open, link })
@@ -37,6 +37,10 @@ impl Reopening {
 }
 
 impl Link for Reopening {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        self.link.as_deref_mut().map(|link| link as &mut dyn Link)
+    }
+
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         self.with(|link| link.send(bytes))
     }

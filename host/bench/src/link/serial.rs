@@ -6,29 +6,31 @@ use std::time::{Duration, Instant};
 
 use serialport::{ClearBuffer, SerialPort, TTYPort};
 
-use super::{Link, LinkError, WRITE_LIMIT, remaining, stuck};
+use super::deadline::remaining;
+use super::error::WRITE_LIMIT;
+use super::{Link, LinkError};
 
-/// A serial port.
+/// An open serial port.
 pub struct Serial {
     port: TTYPort,
-    /// What the port waits at most, so that it is told only when it changes.
+    /// The timeout in force. Setting it is a system call, so it is set only when it changes.
     timeout: Duration,
 }
 
 impl Serial {
-    /// Opens a port at `baud` bits a second.
+    /// Opens a port at `baud` bits per second.
     ///
-    /// DTR is left as the driver sets it: on boards that reset by DTR the open is a reset, and the greeting waits for
-    /// the drive to come up.
+    /// DTR is left as the driver sets it: a board that resets by DTR resets on opening, and the handshake is repeated until
+    /// the drive is up.
     ///
     /// # Errors
-    /// It is not there, not a serial port, or another program holds it.
+    /// `path` is missing, is no serial port, or another program holds it.
     pub fn open(path: &Path, baud: u32) -> Result<Self, io::Error> {
         let port = serialport::new(path.to_string_lossy(), baud).timeout(WRITE_LIMIT).open_native()?;
         Ok(Self { port, timeout: WRITE_LIMIT })
     }
 
-    fn wait_at_most(&mut self, timeout: Duration) -> Result<(), LinkError> {
+    fn set_timeout(&mut self, timeout: Duration) -> Result<(), LinkError> {
         if self.timeout != timeout {
             self.port.set_timeout(timeout).map_err(io::Error::from)?;
             self.timeout = timeout;
@@ -38,18 +40,22 @@ impl Serial {
 }
 
 impl Link for Serial {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        None
+    }
+
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
-        self.wait_at_most(WRITE_LIMIT)?;
-        self.port.write_all(bytes).map_err(stuck)
+        self.set_timeout(WRITE_LIMIT)?;
+        self.port.write_all(bytes).map_err(LinkError::of_write)
     }
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
         loop {
-            // What is there already is read even after the deadline.
+            // What has arrived is read even after the deadline.
             let left = remaining(deadline);
-            self.wait_at_most(left.unwrap_or_default().min(WRITE_LIMIT))?;
+            self.set_timeout(left.unwrap_or_default().min(WRITE_LIMIT))?;
             match self.port.read(buffer) {
-                // A terminal that is readable and has nothing to read is one whose device is gone.
+                // A terminal is readable without a byte when its device is disconnected.
                 Ok(0) => return Err(LinkError::Disconnected),
                 Ok(count) => return Ok(count),
                 Err(error)
@@ -64,7 +70,7 @@ impl Link for Serial {
     }
 
     fn discard_input(&mut self) -> Result<(), LinkError> {
-        // The crate keeps the system's reason to itself, and there is one reason only: the port is gone.
+        // The crate drops the system's error code, and only a disconnected port fails here.
         self.port.clear(ClearBuffer::Input).map_err(|_| LinkError::Disconnected)
     }
 }

@@ -1,13 +1,15 @@
-//! A Unix socket: how the emulator's UART is reached without the delays of its pseudo-terminal.
+//! A Unix socket: the emulator's UART without the delays of its pseudo-terminal.
 
 use std::io::{self, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant};
 
-use super::{Link, LinkError, WRITE_LIMIT, readable_by, remaining, stuck};
+use super::deadline::{readable_by, remaining};
+use super::error::WRITE_LIMIT;
+use super::{Link, LinkError};
 
-/// The kernel does the waiting, in slices of this length, so that no call is needed to change a timeout. A deadline that is
-/// nearer is waited for by poll.
+/// The kernel does the waiting, in slices of this length: changing a timeout would cost a system call. A nearer deadline is
+/// waited for by poll.
 const SLICE: Duration = Duration::from_millis(50);
 
 /// A connected socket.
@@ -29,8 +31,12 @@ impl Socket {
 }
 
 impl Link for Socket {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        None
+    }
+
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
-        self.stream.write_all(bytes).map_err(stuck)
+        self.stream.write_all(bytes).map_err(LinkError::of_write)
     }
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
@@ -55,7 +61,7 @@ impl Link for Socket {
     }
 
     fn discard_input(&mut self) -> Result<(), LinkError> {
-        // As much as a socket holds at most: one that has more than that to say goes on saying it.
+        // As much as a socket holds at most. A drive that fills it goes on sending, and the rest is no older.
         let mut rest = vec![0; 1 << 18];
         self.stream.set_nonblocking(true)?;
         let drained = match self.stream.read(&mut rest) {

@@ -1,30 +1,32 @@
-//! Lockstep: the plant waits for the drive, the drive waits for the plant, and no clock has a say.
+//! Lockstep: the plant waits for the drive, the drive waits for the plant, and no clock paces them.
 //!
-//! So a run is the same bit for bit whatever carries the bytes and however busy the machine is, and as fast as the link
-//! allows.
+//! So a run is the same bit for bit on every link and on a busy machine, and as fast as the link allows.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use super::control_loop::{ControlLoop, Sink};
-use super::{End, RunError};
+use super::control_loop::ControlLoop;
+use super::error::RunError;
+use super::outcome::End;
+use super::step_sink::StepSink;
 use crate::device::Device;
 use crate::scenario::Scenario;
 
 /// Closes the loop for the duration of the scenario.
 ///
 /// # Errors
-/// Device, link or record failed.
-pub(super) fn close<S: Sink>(
+/// The device, its link or the record failed.
+pub(super) fn close<S: StepSink>(
     control: &mut ControlLoop<'_, S>,
     scenario: &Scenario,
     device: &mut Device,
 ) -> Result<End, RunError> {
     let answer_timeout = scenario.link.answer_timeout();
-    for sequence in 0..scenario.run.steps() {
+    for step in 0..scenario.run.steps() {
         if control.stop_asked() {
             return Ok(End::Interrupted);
         }
-        match control.step(sequence, Instant::now() + answer_timeout, Duration::ZERO, device) {
+        let deadline = device.session.now() + answer_timeout;
+        match control.step(step, deadline, Duration::ZERO, device) {
             Ok(None) => {}
             Ok(Some(end)) => return Ok(end),
             Err(error) => return error.end(),

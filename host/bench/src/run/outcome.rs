@@ -1,4 +1,4 @@
-//! What came of a run.
+//! The end of a run and its results.
 
 use std::fmt;
 
@@ -19,16 +19,16 @@ pub enum End {
     Complete,
     /// The drive latched a fault.
     DriveFault(AtStep<FaultReport>),
-    /// The drive started anew in the middle of the run.
+    /// The drive restarted in the middle of the run.
     DriveRestarted,
-    /// The plant could not be followed any further: its state left the range of numbers, above all.
+    /// The plant could not be integrated any further; as a rule its state overflowed.
     Diverged(PlantError),
     /// The user asked the bench to stop.
     Interrupted,
 }
 
 impl End {
-    /// Whether the drive is still there, in the session that the run was made in.
+    /// Whether the drive is still in the session of the run.
     #[must_use]
     pub fn leaves_a_session(&self) -> bool {
         match self {
@@ -38,8 +38,8 @@ impl End {
         }
     }
 
-    /// The verdict a run can't rise above because of its end. A watchdog that trips tells of the host or of the line,
-    /// and an integration that can't go on of the plant, not of the controller.
+    /// The best verdict that a run with this end can have; `None` for no limit. A watchdog trips because of the host or the
+    /// line, and an integration fails because of the plant: neither judges the controller.
     #[must_use]
     pub fn verdict(&self) -> Option<Verdict> {
         match self {
@@ -91,23 +91,23 @@ pub struct Outcome {
     pub judgement: Judgement,
     /// How it ended.
     pub end: End,
-    /// What was measured.
+    /// The control metrics.
     pub metrics: Metrics,
-    /// What the link counted.
+    /// The counts of the link.
     pub link: LinkCounts,
-    /// How the steps went in time.
+    /// The timing of the steps.
     pub timing: TimingReport,
-    /// The faults of the scenario that have been there, in its order.
+    /// The faults that were injected, in the scenario's order.
     pub faults: Vec<FaultRecord>,
     /// Control steps made.
     pub steps: u64,
-    /// Time of the plant.
+    /// Simulated time in seconds.
     pub simulated_s: f64,
-    /// Time on the wall, from the start of the controller to the last answer.
+    /// Wall-clock time in seconds, from the start of the drive to the last answer.
     pub wall_s: f64,
-    /// Digest of the torque stream.
+    /// SHA-256 of the torque stream.
     pub torque_sha256: String,
-    /// What the drive said in words.
+    /// The drive's log texts.
     pub logs: Vec<String>,
 }
 
@@ -116,12 +116,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_plant_that_cannot_be_followed_says_nothing_of_the_drive_unless_the_drive_drove_it_away() {
+    fn an_integration_failure_is_invalid_unless_the_torque_caused_it() {
         let chattering = PlantError::Chattering { substep_s: 1e-3 };
         let too_stiff = PlantError::TooStiff { needed: 1e6, dt_s: 1e-3 };
-        let away = PlantError::NotFinite { torque_nm: 1e300 };
+        let overflow = PlantError::NotFinite { torque_nm: 1e300 };
         assert_eq!(End::Diverged(chattering).verdict(), Some(Verdict::Invalid));
         assert_eq!(End::Diverged(too_stiff).verdict(), Some(Verdict::Invalid));
-        assert_eq!(End::Diverged(away).verdict(), Some(Verdict::Fail));
+        assert_eq!(End::Diverged(overflow).verdict(), Some(Verdict::Fail));
     }
 }

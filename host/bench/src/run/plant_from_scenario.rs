@@ -1,4 +1,4 @@
-//! From the words of a scenario to the plant they describe.
+//! The plant that a scenario describes.
 
 use crate::scenario::backlash_shaft::BacklashShaftSettings;
 use crate::scenario::plant::{PlantModel, PlantSettings};
@@ -9,7 +9,7 @@ use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;
 use lashloop_plant::{AnyPlant, Mechanics, PlantError, RunningPlant, Start};
 
-use super::RunError;
+use super::error::RunError;
 
 /// The plant of a scenario, released at `start`.
 ///
@@ -59,33 +59,33 @@ fn mechanics(settings: &PlantSettings) -> Mechanics {
     }
 }
 
-fn parameters(bench: &BacklashShaftSettings) -> ShaftParameters {
+fn parameters(shaft: &BacklashShaftSettings) -> ShaftParameters {
     ShaftParameters {
-        shaft_damping_nm_s_rad: bench.shaft_damping_nm_s_rad,
+        shaft_damping_nm_s_rad: shaft.shaft_damping_nm_s_rad,
         load: StribeckParameters {
-            coulomb_nm: bench.load_coulomb_nm,
-            stiction_nm: bench.load_stiction_nm,
-            velocity_rad_s: bench.load_stribeck_rad_s,
+            coulomb_nm: shaft.load_coulomb_nm,
+            stiction_nm: shaft.load_stiction_nm,
+            velocity_rad_s: shaft.load_stribeck_rad_s,
         },
-        load_asymmetry: bench.load_friction_asymmetry,
-        load_bristles: bench.bristles.as_ref().map(|bristles| BristleParameters {
+        load_asymmetry: shaft.load_friction_asymmetry,
+        load_bristles: shaft.bristles.as_ref().map(|bristles| BristleParameters {
             stiffness_nm_rad: bristles.bristle_stiffness_nm_rad,
             damping_nm_s_rad: bristles.bristle_damping_nm_s_rad,
         }),
         motor: StribeckParameters {
-            coulomb_nm: bench.motor_coulomb_nm,
-            stiction_nm: bench.motor_stiction_nm,
-            velocity_rad_s: bench.motor_stribeck_rad_s,
+            coulomb_nm: shaft.motor_coulomb_nm,
+            stiction_nm: shaft.motor_stiction_nm,
+            velocity_rad_s: shaft.motor_stribeck_rad_s,
         },
-        current_lag_s: bench.current_lag_ms / 1e3,
-        torque_saturation_nm: bench.torque_saturation_nm,
+        current_lag_s: shaft.current_lag_ms / 1e3,
+        torque_saturation_nm: shaft.torque_saturation_nm,
     }
 }
 
 /// Gap and load torque at a time of the run; `None` for a plant with a fixed environment.
 pub(super) fn environment(settings: &PlantSettings, time_s: f64) -> Option<Environment> {
-    settings.backlash_shaft.as_ref().map(|bench| Environment {
-        dead_zone_rad: settings.dead_zone_rad + bench.wear.at_rad(time_s),
-        load_torque_nm: bench.load_torque.at_nm(time_s),
+    settings.backlash_shaft.as_ref().map(|shaft| Environment {
+        dead_zone_rad: settings.dead_zone_rad + shaft.wear.at_rad(time_s),
+        load_torque_nm: shaft.load_torque.at_nm(time_s),
     })
 }

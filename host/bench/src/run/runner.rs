@@ -3,14 +3,19 @@
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use super::control_loop::{ControlLoop, Sink};
+use super::control_loop::{ControlLoop, Counts};
+use super::device_under_test::DeviceUnderTest;
+use super::error::RunError;
+use super::outcome::{End, Outcome};
 use super::real_time::{self, RealTime, Ring};
 use super::simulator::Simulator;
-use super::step_sink::{StepRecorder, Watcher};
-use super::{End, Outcome, RunError, lockstep, setup};
+use super::step_recorder::StepRecorder;
+use super::step_sink::{StepObserver, StepSink};
+use super::{lockstep, setup};
 use crate::device::Device;
 use crate::fault::log::FaultRecord;
 use crate::fault::timeline::Timeline;
+use crate::link::TimeBase;
 use crate::scenario::Scenario;
 use crate::session::{Session, Traffic};
 use crate::timing::ClockName;
@@ -22,12 +27,12 @@ pub enum Clock {
     /// The plant waits for the drive and the drive for the plant.
     #[default]
     Lockstep,
-    /// The clock on the wall.
+    /// The wall clock.
     RealTime(RealTime),
 }
 
 impl Clock {
-    /// Which of them.
+    /// Its name, without the options.
     #[must_use]
     pub fn name(&self) -> ClockName {
         match self {
@@ -40,43 +45,48 @@ impl Clock {
 /// Runs a scenario on a device and judges it.
 ///
 /// # Errors
-/// The scenario does not fit the drive, the device or the link failed, or the record could not be written. The watcher
-/// has seen every row up to then.
+/// The scenario does not fit the drive, the device or the link failed, or the record could not be written. The observer
+/// has received every step up to then.
 pub fn run(
     scenario: &Scenario,
-    device: &mut Device,
+    under_test: &mut DeviceUnderTest,
     clock: Clock,
-    watcher: &mut dyn Watcher,
+    observer: &mut dyn StepObserver,
 ) -> Result<Outcome, RunError> {
     let simulator = Simulator::new(scenario)?;
-    let timeline = Timeline::new(scenario, device)?;
+    let DeviceUnderTest { device, link_faults } = under_test;
+    let timeline = Timeline::new(scenario, device, link_faults.clone())?;
+    device.session.set_time_base(match clock {
+        Clock::Lockstep => TimeBase::Virtual,
+        Clock::RealTime(_) => TimeBase::WallClock,
+    });
     setup::set_up(device, scenario, clock.name())?;
     let watchdog = match clock {
         Clock::Lockstep => None,
         Clock::RealTime(_) => Some(setup::watchdog(device)?),
     };
     let before = device.session.traffic();
-    let mut keeper = StepRecorder::new(scenario, clock.name(), watcher);
+    let mut recorder = StepRecorder::new(scenario, clock.name(), observer);
     let (closed, refused) = match clock {
         Clock::Lockstep => {
             let control =
-                ControlLoop::new(scenario, simulator, timeline, clock.name(), watchdog, &mut keeper);
+                ControlLoop::new(scenario, simulator, timeline, clock.name(), watchdog, &mut recorder);
             (
-                to_the_end(control, device, |control, device| lockstep::close(control, scenario, device))?,
+                run_to_end(control, device, |control, device| lockstep::close(control, scenario, device))?,
                 Vec::new(),
             )
         }
         Clock::RealTime(options) => {
-            in_real_time(scenario, simulator, timeline, watchdog, device, &options, &mut keeper)?
+            in_real_time(scenario, simulator, timeline, watchdog, device, &options, &mut recorder)?
         }
     };
-    let Closed { end, steps, unanswered, resumes, wall_s, faults } = closed;
+    let Closed { end, counts: Counts { steps, unanswered, resumes }, wall_s, faults } = closed;
     if matches!(end, End::Diverged(_)) {
-        keeper.measurement.diverged();
+        recorder.measurement.diverged();
     }
     let link = LinkCounts { resumes, ..link_counts(unanswered, before, &device.session, clock.name()) };
-    let timing = keeper.timings.report(refused);
-    let metrics = keeper.measurement.metrics();
+    let timing = recorder.timings.report(refused);
+    let metrics = recorder.measurement.metrics();
     let mut judgement = Judgement::new(&scenario.expectations, &metrics, &scenario.allow, &link, &timing);
     judgement.cap(end.verdict());
     Ok(Outcome {
@@ -89,22 +99,20 @@ pub fn run(
         steps,
         simulated_s: steps as f64 * scenario.run.control_period_s(),
         wall_s,
-        torque_sha256: keeper.digest.finish(),
+        torque_sha256: recorder.digest.finish(),
         logs: device.session.take_logs(),
     })
 }
 
-/// A loop that has ended, and a drive that has been stopped.
+/// A loop that has ended, with its drive stopped.
 struct Closed {
     end: End,
-    steps: u64,
-    unanswered: u64,
-    resumes: u64,
+    counts: Counts,
     wall_s: f64,
     faults: Vec<FaultRecord>,
 }
 
-/// The loop on its own thread, the keeper on this one.
+/// Runs the loop on its own thread and the recorder on this one.
 fn in_real_time(
     scenario: &Scenario,
     simulator: Simulator,
@@ -112,39 +120,40 @@ fn in_real_time(
     watchdog: Option<Duration>,
     device: &mut Device,
     options: &RealTime,
-    keeper: &mut StepRecorder<'_>,
+    recorder: &mut StepRecorder<'_>,
 ) -> Result<(Closed, Vec<String>), RunError> {
     let stop = AtomicBool::new(false);
     let (ring, mut steps) = Ring::new(&stop);
-    let mut kept = Ok(());
-    let mut keeper = keeper;
+    let mut recorded = Ok(());
+    let mut recorder = recorder;
     let work = || {
         let refused = real_time::obtain(options);
         let control = ControlLoop::new(scenario, simulator, timeline, ClockName::RealTime, watchdog, ring);
-        let closed = to_the_end(control, device, |control, device| {
+        let closed = run_to_end(control, device, |control, device| {
             real_time::close(control, scenario, device, options.spin)
         });
         (closed, refused)
     };
-    let look = || {
-        if kept.is_ok() {
-            kept = real_time::drain(&mut steps, &mut keeper, &stop);
+    let drain = || {
+        if recorded.is_ok() {
+            recorded = real_time::drain(&mut steps, &mut recorder, &stop);
         }
     };
-    let (closed, refused) = real_time::run_with_drain(work, look)?;
-    // What could not be kept is why the loop was stopped.
-    kept?;
+    let (closed, refused) = real_time::run_with_drain(work, drain)?;
+    // A failed recorder is why the loop was stopped, so its error comes first.
+    recorded?;
     Ok((closed?, refused))
 }
 
-fn to_the_end<'a, S: Sink>(
+/// Starts the drive, closes the loop and stops the drive.
+fn run_to_end<'a, S: StepSink>(
     mut control: ControlLoop<'a, S>,
     device: &mut Device,
     close: impl FnOnce(&mut ControlLoop<'a, S>, &mut Device) -> Result<End, RunError>,
 ) -> Result<Closed, RunError> {
     // Last of all, because the drive's watchdog runs from here on.
     if let Err(source) = device.session.start() {
-        // It may be armed, or even running if only its answer was lost.
+        // The drive may be armed, or even running if only its answer was lost.
         device.session.abandon();
         return Err(setup::refused_start(device, source));
     }
@@ -155,8 +164,8 @@ fn to_the_end<'a, S: Sink>(
     // The last telemetry comes before the answer to the stop, and the last row waits for it.
     let stopped = match &end {
         Ok(end) if end.leaves_a_session() => {
-            // On a line that has lost samples a half frame may stand before the stop.
-            let cleared = if control.unanswered() > 0 { device.session.end_frame() } else { Ok(()) };
+            // On a line that lost samples a partial frame may precede the stop.
+            let cleared = if control.counts().unanswered > 0 { device.session.end_frame() } else { Ok(()) };
             let stopped = cleared.and_then(|()| device.session.stop());
             stopped.map_err(|source| device.explain(source))
         }
@@ -170,12 +179,11 @@ fn to_the_end<'a, S: Sink>(
     }
     control.finish(device)?;
     let end = end?;
-    // A run that was cut short says so, whether the drive could still be told or not.
+    // The end of a run that was cut short matters more than a stop that failed after it.
     if end == End::Complete {
         stopped?;
     }
-    let (steps, unanswered, resumes) = (control.steps(), control.unanswered(), control.resumes());
-    Ok(Closed { end, steps, unanswered, resumes, wall_s, faults })
+    Ok(Closed { end, counts: control.counts(), wall_s, faults })
 }
 
 fn link_counts(unanswered: u64, before: Traffic, session: &Session, clock: ClockName) -> LinkCounts {
@@ -186,7 +194,7 @@ fn link_counts(unanswered: u64, before: Traffic, session: &Session, clock: Clock
         frames_sent: after.frames_sent - before.frames_sent,
         frames_received: after.frames_received - before.frames_received,
         crc_errors: after.damaged - before.damaged,
-        // In lockstep an answer is waited for so long that one which comes after all is worth a count of its own.
+        // A late answer in lockstep exceeded a long timeout, so it counts as both lost and late.
         lost: match clock {
             ClockName::Lockstep => unanswered,
             ClockName::RealTime => unanswered.saturating_sub(late),

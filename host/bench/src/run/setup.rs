@@ -1,13 +1,13 @@
-//! Tells the drive what the scenario says.
+//! Applies the scenario's settings to the drive.
 //!
-//! A drive on a bench remembers what the last host set. It is reset first, so that a run depends on its scenario alone.
+//! The drive is reset first, because it keeps the settings of the last host: a run depends on its scenario alone.
 
 use std::time::Duration;
 
 use lashloop_protocol::enums::{ControllerId, DisturbingTorqueSource, Outcome, ParameterValue};
 use lashloop_protocol::message::Identity;
 
-use super::RunError;
+use super::error::RunError;
 use crate::device::{Device, DeviceError};
 use crate::scenario::controller::{self, ParameterSetting};
 use crate::scenario::{Scenario, ScenarioError};
@@ -23,20 +23,20 @@ const SET_ELSEWHERE: [(&str, &str); 5] = [
     ("telemetry_every", "telemetry.every_steps"),
 ];
 
-/// Resets the drive and sets everything the scenario has to say about it.
+/// Resets the drive and applies all settings of the scenario.
 ///
 /// # Errors
-/// The drive does not offer the controller or does not take a parameter, with the place in the scenario; or the
-/// conversation broke.
+/// The drive does not offer the control law or does not take a parameter, with the place in the scenario; or the session
+/// failed.
 pub fn set_up(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
     device.session.reset().map_err(|source| device.explain(source))?;
     configure(device, scenario, clock)
 }
 
-/// Sets everything the scenario has to say about a drive that has just been reset.
+/// Applies all settings to a drive that was just reset.
 fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
     let controller = scenario.controller.name;
-    // Its parameter would refuse it too, but by a number.
+    // Setting the parameter would fail too, but with a number instead of a name.
     if !device.session.identity().controllers.offers(controller) {
         return Err(not_offered(device, scenario.controller.name).into());
     }
@@ -51,9 +51,8 @@ fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Resu
         device.session.set(name, number).map_err(|error| required(device, name, number, error))?;
     }
     if clock == ClockName::Lockstep {
-        // The plant waits for the drive and the drive for the plant, so the watchdog has to bear a bench that is slow,
-        // though not one that is gone: it waits as long for the bench as the bench does for it. In real time it stays
-        // what it is on a real bench.
+        // The watchdog must tolerate a slow bench but not a dead one: it waits as long for the bench as the bench does for
+        // the drive. In real time it stays as on a real bench.
         let (name, watchdog_us) = ("watchdog_us", 1e3 * f64::from(scenario.link.silence_limit_ms));
         device.session.set(name, watchdog_us).map_err(|error| required(device, name, watchdog_us, error))?;
     }
@@ -63,10 +62,10 @@ fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Resu
     Ok(())
 }
 
-/// How long the drive gives torque without a new sample, as it has it in force.
+/// Reads how long the drive gives torque without a new sample.
 ///
 /// # Errors
-/// It has no such parameter, or the conversation broke.
+/// The drive has no such parameter, or the session failed.
 pub(super) fn watchdog(device: &mut Device) -> Result<Duration, RunError> {
     let Some(index) = device.session.parameter("watchdog_us").map(|parameter| parameter.index) else {
         return Err(device
@@ -80,8 +79,8 @@ pub(super) fn watchdog(device: &mut Device) -> Result<Duration, RunError> {
     }
 }
 
-/// Sets up a drive that was lost, up to its start. What comes back has to be what was lost: parameters are set by indices that
-/// were learned from it, and a run has one drive.
+/// Sets up a drive that was lost, up to its start. It must be the same firmware: parameters are set by the indices read from
+/// it, and a run has one drive.
 pub(super) fn resume(
     device: &mut Device,
     scenario: &Scenario,
@@ -104,10 +103,10 @@ pub(super) fn resume(
     configure(device, scenario, clock)
 }
 
-/// The error for a drive that does not start. Parameters that don't go together are the scenario's fault.
+/// The error for a drive that does not start. Parameters that contradict each other are the scenario's error.
 pub(super) fn refused_start(device: &Device, source: SessionError) -> RunError {
     match source {
-        SessionError::Refused { outcome: Outcome::Inconsistent, said, .. } => RunError::Inconsistent { said },
+        SessionError::Refused { outcome: Outcome::Inconsistent, log, .. } => RunError::Inconsistent { log },
         source => device.explain(source).into(),
     }
 }
@@ -151,7 +150,7 @@ fn number_of(setting: &ParameterSetting) -> Result<f64, ScenarioError> {
     }
 }
 
-/// A parameter every drive must have was refused.
+/// The error for a drive that rejects a parameter which every drive must have.
 fn required(device: &Device, name: &str, number: f64, error: SetError) -> RunError {
     match error {
         SetError::Session(source) => device.explain(source).into(),

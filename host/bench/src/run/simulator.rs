@@ -1,4 +1,4 @@
-//! The simulated side of the loop: what the scenario says of plant, encoders and reference, ready to be stepped.
+//! The simulated side of the loop: plant, encoders and reference of a scenario.
 
 use std::collections::VecDeque;
 
@@ -6,7 +6,8 @@ use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::of_step;
 
-use super::{RunError, plant_from_scenario};
+use super::error::RunError;
+use super::plant_from_scenario;
 use crate::fault::encoder::EncoderFaults;
 use crate::fault::motor::MotorFaults;
 use crate::fault::plant::PlantFaults;
@@ -18,7 +19,7 @@ use lashloop_plant::encoder::Encoder;
 use lashloop_plant::reference::Reference;
 use lashloop_plant::{AnyPlant, DryFriction, PlantError, Start, TransportDelay, Truth};
 
-/// Apart, so that the noise of one encoder is not that of the other.
+/// Separates the noise of the load encoder from that of the motor encoder.
 const LOAD_ENCODER_STREAM: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Plant, encoders and reference of a scenario, with their state.
@@ -26,28 +27,28 @@ pub struct Simulator {
     plant: AnyPlant,
     motor_encoder: Encoder,
     load_encoder: Encoder,
-    /// Where the encoders of motor and load stood when they were read last.
+    /// The latest positions of the motor and load encoders, in counts.
     counts: [i64; 2],
     reference: Reference,
     settings: PlantSettings,
     delay: TransportDelay,
     period_s: f64,
-    sensors: EncoderFaults,
-    actuator: MotorFaults,
-    gears: PlantFaults,
+    encoder_faults: EncoderFaults,
+    motor_faults: MotorFaults,
+    plant_faults: PlantFaults,
     /// The parameters after each fault of the plant, with the first step they apply to.
     next_parameters: VecDeque<(u32, BacklashShaft)>,
 }
 
 impl Simulator {
-    /// The bench of a scenario at the start of its run.
+    /// The simulator of a scenario at the start of its run.
     ///
     /// # Errors
     /// A parameter of the plant or of an encoder is outside its range.
     pub fn new(scenario: &Scenario) -> Result<Self, RunError> {
         let period_s = scenario.run.control_period_s();
-        let gears = PlantFaults::new(scenario);
-        let next_parameters = gears.changes(&scenario.plant).into_iter().map(|(step, settings)| {
+        let plant_faults = PlantFaults::new(scenario);
+        let next_parameters = plant_faults.changes(&scenario.plant).into_iter().map(|(step, settings)| {
             plant_from_scenario::changed(&settings, period_s).map(|parameters| (step, parameters))
         });
         let initial = &scenario.plant.initial;
@@ -68,10 +69,10 @@ impl Simulator {
             counts: [0; 2],
             reference: scenario.reference.clone(),
             settings: scenario.plant.clone(),
-            sensors: EncoderFaults::new(scenario),
-            actuator: MotorFaults::new(scenario),
+            encoder_faults: EncoderFaults::new(scenario),
+            motor_faults: MotorFaults::new(scenario),
             next_parameters: next_parameters.collect::<Result<_, _>>()?,
-            gears,
+            plant_faults,
             delay: TransportDelay::new(
                 scenario.plant.backlash_shaft.as_ref().map_or(0, |bench| bench.torque_delay_us),
                 scenario.run.control_period_us,
@@ -80,8 +81,8 @@ impl Simulator {
         })
     }
 
-    /// What the encoders read now, and what the record is to know. The torque of the row is still zero and the
-    /// estimates still unknown: the drive has not been asked.
+    /// Reads the encoders and the plant's true state. The row has no torque and no estimates yet: they follow from the
+    /// exchange.
     ///
     /// # Errors
     /// As [`AnyPlant::set_environment`] and [`AnyPlant::change_parameters`].
@@ -91,7 +92,7 @@ impl Simulator {
             self.plant.change_parameters(parameters)?;
         }
         if let Some(mut environment) = plant_from_scenario::environment(&self.settings, time_s) {
-            let faulty = self.gears.at(step, &self.settings);
+            let faulty = self.plant_faults.at(step, &self.settings);
             environment.dead_zone_rad += faulty.growth_rad;
             environment.load_torque_nm += faulty.load_torque_nm;
             self.plant.set_environment(environment)?;
@@ -108,15 +109,15 @@ impl Simulator {
             load_counts: EncoderCounts::wrapping(self.counts[1]),
             reference_rad: reference_rad as f32,
         };
-        self.sensors.apply(step, &mut sample);
+        self.encoder_faults.apply(step, &mut sample);
         Ok((sample, row(&truth, time_s, reference_rad)))
     }
 
-    /// Whether a drive can be started with this sample, the last one observed: what it reads is all that the drive gets to
-    /// know of where the encoders stand.
+    /// Checks that a drive can start with this sample, the last one observed: its readings must be the encoders' positions,
+    /// without a wraparound.
     ///
     /// # Errors
-    /// Which encoder has turned too far for that, faults of encoders included.
+    /// The encoder that has turned too far, faults of encoders included.
     pub fn check_start(&self, sample: &EncoderSample) -> Result<(), RunError> {
         let readings = [sample.motor_counts, sample.load_counts];
         for ((encoder, count), reading) in ["motor", "load"].into_iter().zip(self.counts).zip(readings) {
@@ -129,12 +130,12 @@ impl Simulator {
         Ok(())
     }
 
-    /// Lets a control period pass. The torque is held for one, beginning after its delay.
+    /// Advances the plant by a control period. The torque is held for one, beginning after its delay.
     ///
     /// # Errors
-    /// As [`AnyPlant::step`]: the state left the range of numbers, above all.
+    /// As [`AnyPlant::step`]; as a rule the state overflowed.
     pub fn step(&mut self, step: u32, torque_nm: f32) -> Result<(), PlantError> {
-        let torque_nm = self.actuator.apply(step, torque_nm);
+        let torque_nm = self.motor_faults.apply(step, torque_nm);
         for (held_nm, held_s) in self.delay.step(torque_nm.into()) {
             self.plant.step(held_nm, held_s)?;
         }

@@ -1,4 +1,4 @@
-//! What can go wrong in a conversation, in sentences that say which side and how far it got.
+//! Why a session fails: which side, and how far the session got.
 
 use std::fmt;
 use std::time::Duration;
@@ -11,14 +11,14 @@ use lashloop_protocol::{DriveMessage, Message, PROTOCOL_VERSION};
 
 use crate::link::LinkError;
 
-/// How far the conversation had got.
+/// How far a session got.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct LastSeen {
     /// Control period of the last sample sent, from 0 at the start; `None` before the first.
     pub sample_sent: Option<u32>,
-    /// Name of the last good frame received.
+    /// Name of the last good frame received; `None` before the first.
     pub frame: Option<&'static str>,
-    /// Control period of the latest torque received.
+    /// Control period of the latest torque received; `None` before the first.
     pub torque: Option<u32>,
 }
 
@@ -28,7 +28,7 @@ impl LastSeen {
         if let DriveMessage::TorqueAnswer(answer) = message
             && answer.status.state == State::Running
         {
-            // A line that doubles answers or changes their order takes nothing back.
+            // A line may duplicate or reorder answers, so the latest step counts.
             self.torque = nearest_step(answer.sequence, self.sample_sent.unwrap_or(0)).max(self.torque);
         }
     }
@@ -50,69 +50,69 @@ impl fmt::Display for LastSeen {
     }
 }
 
-/// What can go wrong in a conversation.
+/// Why a session fails.
 #[derive(Debug, thiserror::Error)]
 pub enum SessionError {
-    /// The line is gone.
+    /// The line broke.
     #[error("{source} ({last_seen})")]
     Broken {
-        /// What the line said.
+        /// Why.
         source: LinkError,
-        /// How far it had got.
+        /// How far the session got.
         last_seen: LastSeen,
     },
     /// The drive did not answer in time.
     #[error("the drive was silent for {:.1} s after {waiting_for} ({last_seen})", limit.as_secs_f64())]
     Silent {
-        /// What it should have answered.
+        /// The message it left unanswered.
         waiting_for: &'static str,
-        /// How long it was waited for.
+        /// The timeout.
         limit: Duration,
-        /// How far it had got.
+        /// How far the session got.
         last_seen: LastSeen,
     },
-    /// The drive has answered nothing for so many control periods that it takes no sample any more.
+    /// The drive has left more control periods unanswered than a drive bridges, so it rejects every further sample.
     #[error(
         "the drive has answered nothing for {periods} control periods and takes no sample after that ({last_seen})"
     )]
     TooLongAGap {
         /// Control periods since the last answer.
         periods: u32,
-        /// How far it had got.
+        /// How far the session got.
         last_seen: LastSeen,
     },
-    /// The drive speaks another version of the protocol.
+    /// The drive has another version of the protocol.
     #[error(
         "the drive speaks protocol version {drive}, this bench speaks version {}: flash the firmware that came with \
          this bench, or use the bench that came with that firmware",
         PROTOCOL_VERSION
     )]
     Version {
-        /// Version of the drive.
+        /// The drive's version.
         drive: u8,
     },
-    /// The drive refused a request.
-    #[error("the drive refused {request} in state {state:?}: {outcome:?}{} ({last_seen})", in_words(said))]
+    /// The drive rejected a request.
+    #[error("the drive refused {request} in state {state:?}: {outcome:?}{} ({last_seen})", quoted(log))]
     Refused {
-        /// The request.
+        /// Name of the request.
         request: &'static str,
         /// Why.
         outcome: Outcome,
-        /// In which state.
+        /// State of the drive.
         state: State,
-        /// What it said about it.
-        said: String,
-        /// How far the conversation had got.
+        /// The drive's log texts since the request; empty if it sent none.
+        log: String,
+        /// How far the session got.
         last_seen: LastSeen,
     },
 }
 
-fn in_words(said: &str) -> String {
-    if said.is_empty() { String::new() } else { format!(", saying \"{said}\"") }
+fn quoted(log: &str) -> String {
+    if log.is_empty() { String::new() } else { format!(", log \"{log}\"") }
 }
 
 impl SessionError {
-    /// Whether the drive is not there any more as it was: gone, silent, or started anew.
+    /// Whether the drive is lost: disconnected, silent or restarted.
     #[must_use]
     pub fn is_loss(&self) -> bool {
         match self {

@@ -1,4 +1,4 @@
-//! A sample for a torque: what is sent in every control period, and what may come for it.
+//! The exchange of a control period: a sample for a torque.
 
 use std::time::Instant;
 
@@ -8,26 +8,27 @@ use lashloop_protocol::sequence::{LONGEST_GAP, of_step};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
-use super::{AtStep, Session, SessionError};
+use super::at_step::AtStep;
+use super::client::Session;
+use super::error::SessionError;
 
-/// What came of a sample.
+/// The outcome of a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Exchange {
     /// The drive's torque for it.
     Answered(TorqueAnswer),
-    /// The drive has latched a fault, or died, without answering it.
+    /// The drive latched a fault or its firmware panicked before the answer.
     Faulted(AtStep<FaultReport>),
-    /// No answer within the time given.
+    /// No answer by the deadline.
     Unanswered,
 }
 
 impl Session {
-    /// Sends the sample of a control period, counted from the start, and waits for its torque until the deadline. What the
-    /// sample has for a sequence is left out of account.
+    /// Sends the sample of a control period, counted from the start of the drive, and waits for its torque until the
+    /// deadline. The sequence number of `sample` is ignored.
     ///
     /// # Errors
-    /// The line broke, the drive refused the sample, or it would, because it has answered nothing for longer than
-    /// [`LONGEST_GAP`].
+    /// The line broke, or the drive rejected the sample, or it would: it has answered none for longer than [`LONGEST_GAP`].
     pub fn exchange(
         &mut self,
         step: u32,
@@ -35,8 +36,8 @@ impl Session {
         deadline: Instant,
     ) -> Result<Exchange, SessionError> {
         if self.gap(step) > LONGEST_GAP.into() {
-            // Nobody has listened meanwhile, so what the drive has said is still on the line.
-            if let Some(fault) = self.overheard()? {
+            // The bench has not read meanwhile, so answers of the drive may still be on the line.
+            if let Some(fault) = self.read_pending()? {
                 return Ok(Exchange::Faulted(fault));
             }
             let periods = self.gap(step);
@@ -49,7 +50,7 @@ impl Session {
         self.line.send(&HostMessage::EncoderSample(EncoderSample { sequence, ..*sample }))?;
         self.timestamps.sent = Instant::now();
         self.line.last_seen.sample_sent = Some(step);
-        let said_before = self.line.logs.mark();
+        let log_mark = self.line.logs.mark();
         let answered = self.answered;
         let mut late = 0;
         let answer = self.line.wait(deadline, |message| match message {
@@ -60,11 +61,11 @@ impl Session {
                 late += u64::from(is_late(answer, answered));
                 None
             }
-            // It will not answer any more: its watchdog has tripped, or these are its last words.
+            // No answer will follow: the watchdog has tripped or the firmware has panicked.
             DriveMessage::FaultReport(fault) => {
                 Some(Ok(Exchange::Faulted(AtStep::near(step, fault.sequence, *fault))))
             }
-            // The line brought samples in another order, and this is about an older one: the drive runs on.
+            // The line reordered samples, and this rejects an older one: the drive runs on.
             DriveMessage::CommandResult(result)
                 if result.request == EncoderSample::LAYOUT.kind
                     && (result.outcome, result.state) == (Outcome::OutOfSequence, State::Running) =>
@@ -86,21 +87,21 @@ impl Session {
                 }
                 Ok(exchange)
             }
-            Some(Err((outcome, state))) => Err(self.refused::<EncoderSample>(outcome, state, said_before)),
+            Some(Err((outcome, state))) => Err(self.refused::<EncoderSample>(outcome, state, log_mark)),
             None => Ok(Exchange::Unanswered),
         }
     }
 
-    /// Control periods from the last sample that the drive is known to have taken, because it has answered it, in time or
-    /// late, to this one.
+    /// Control periods from the last sample that the drive has answered, in time or late, to `step`.
     fn gap(&self, step: u32) -> u32 {
         step.saturating_sub(self.line.last_seen.torque.unwrap_or(0))
     }
 
-    /// Reads what has arrived while nobody listened. Returns the fault, if it tells of one.
-    fn overheard(&mut self) -> Result<Option<AtStep<FaultReport>>, SessionError> {
+    /// Reads what has arrived between two exchanges. Returns the fault, if one was reported.
+    fn read_pending(&mut self) -> Result<Option<AtStep<FaultReport>>, SessionError> {
         let (answered, mut late) = (self.answered, 0);
-        let fault = self.line.wait(Instant::now(), |message| match message {
+        let now = self.line.now();
+        let fault = self.line.wait(now, |message| match message {
             DriveMessage::FaultReport(_) => Some(()),
             DriveMessage::TorqueAnswer(answer) => {
                 late += u64::from(is_late(answer, answered));
@@ -113,8 +114,7 @@ impl Session {
     }
 }
 
-/// Whether this is the answer to a sample that has been given up. It is not if the line doubled a sample, whose answer came
-/// in time, or an answer, which has been used.
+/// Whether this answers a sample after its deadline. A duplicate of a sample or of an answer does not count.
 fn is_late(answer: &TorqueAnswer, answered: Option<u16>) -> bool {
     !answer.status.flags.contains(TorqueFlags::REPEATED) && Some(answer.sequence) != answered
 }
@@ -128,7 +128,7 @@ mod tests {
     use super::*;
     use crate::link::in_process::InProcess;
 
-    /// A drive that has just been started, with encoders so coarse that no gap is too long for them.
+    /// A started drive with encoders so coarse that their speed limits the gap nowhere.
     fn started() -> Session {
         let mut session = Session::open(Box::new(InProcess::default()), 1).expect("a drive");
         for parameter in ["motor_counts_per_rev", "load_counts_per_rev"] {
@@ -141,11 +141,12 @@ mod tests {
     fn at(session: &mut Session, step: u32) -> Result<Exchange, SessionError> {
         let [motor_counts, load_counts] = [EncoderCounts::default(); 2];
         let sample = EncoderSample { sequence: 0, motor_counts, load_counts, reference_rad: 0.0 };
-        session.exchange(step, &sample, Instant::now() + Duration::from_secs(5))
+        let deadline = session.now() + Duration::from_secs(5);
+        session.exchange(step, &sample, deadline)
     }
 
     #[test]
-    fn a_gap_is_gone_over_as_long_as_a_drive_follows_and_no_longer() {
+    fn the_longest_gap_is_bridged_and_no_longer_one() {
         let longest = u32::from(LONGEST_GAP);
         let mut session = started();
         for step in [0, 1, 1 + longest, 1 + 2 * longest] {

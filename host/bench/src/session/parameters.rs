@@ -1,41 +1,41 @@
 //! The drive's parameters, as the drive describes them.
 
+use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, ParameterType, ParameterValue};
-use lashloop_protocol::message::{DescribeParameter, GetParameter, ParameterReport, SetParameter};
-use lashloop_protocol::{DriveMessage, HostMessage};
+use lashloop_protocol::message::DescribeParameter;
 
+use super::error::SessionError;
 use super::line::Line;
-use super::{Session, SessionError};
 
-/// One parameter.
+/// A parameter of the drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
     /// Index on the wire.
     pub index: u8,
-    /// Name, with the unit at its end.
+    /// Name; its ending is the unit.
     pub name: String,
     /// Unit; empty for a pure number.
     pub unit: String,
     /// Value after power-up.
     pub default: ParameterValue,
-    /// Smallest value taken.
+    /// Smallest value accepted.
     pub min: ParameterValue,
-    /// Largest value taken.
+    /// Largest value accepted.
     pub max: ParameterValue,
-    /// Whether it may be set while running.
+    /// Whether it may be set while the drive runs.
     pub live: bool,
 }
 
 impl Parameter {
-    /// Range and unit in words.
+    /// Range and unit as text, for example `0 to 1000 N m`.
     #[must_use]
     pub fn range(&self) -> String {
         let whole = if self.default.ty() == ParameterType::U32 { "a whole number, " } else { "" };
         format!("{whole}{} to {} {}", self.min, self.max, self.unit).trim_end().to_owned()
     }
 
-    /// A number as this parameter's type, if it is in range.
-    fn value(&self, number: f64) -> Option<ParameterValue> {
+    /// `number` as a value of this parameter's type; `None` outside its range.
+    pub(super) fn value(&self, number: f64) -> Option<ParameterValue> {
         match (self.min, self.max) {
             (ParameterValue::U32(min), ParameterValue::U32(max)) => {
                 let whole = number.fract() == 0.0 && (f64::from(min)..=f64::from(max)).contains(&number);
@@ -50,38 +50,41 @@ impl Parameter {
     }
 }
 
-/// Why a parameter could not be set.
+/// Why a parameter can't be set.
 #[derive(Debug, thiserror::Error)]
 pub enum SetError {
     /// The drive has no such parameter.
     #[error("the drive has no such parameter; did you mean {nearest}? It has {known}")]
     Unknown {
-        /// The name most like it.
+        /// The most similar name.
         nearest: String,
-        /// The names it has.
+        /// All names of the drive, separated by commas.
         known: String,
     },
-    /// The value is not in the range that the drive gave.
+    /// The value is outside the drive's range.
     #[error("the drive takes {range}")]
     OutOfRange {
-        /// Range and unit in words.
+        /// Range and unit as text.
         range: String,
     },
-    /// The drive refused, or reads back something else.
+    /// The drive rejected the value or reads back another.
     #[error("the drive answered {outcome:?} and has {in_force} in force")]
     Refused {
-        /// What it said.
+        /// The drive's answer.
         outcome: Outcome,
-        /// What is in force.
+        /// The value in force.
         in_force: ParameterValue,
     },
-    /// The conversation broke.
+    /// The session failed.
     #[error(transparent)]
     Session(#[from] SessionError),
 }
 
-/// Asks the drive for all its parameters.
-pub fn learn(line: &mut Line, count: u8) -> Result<Vec<Parameter>, SessionError> {
+/// Reads the descriptions of all `count` parameters, in the order of their index.
+///
+/// # Errors
+/// The drive is silent, or the line broke.
+pub fn read_all(line: &mut Line, count: u8) -> Result<Vec<Parameter>, SessionError> {
     (0..count)
         .map(|index| {
             let described = line.request(&DescribeParameter { index }.into(), |answer| match answer {
@@ -99,71 +102,4 @@ pub fn learn(line: &mut Line, count: u8) -> Result<Vec<Parameter>, SessionError>
             described.map(|answered| answered.with)
         })
         .collect()
-}
-
-impl Session {
-    /// The drive's parameters, in the order of their index.
-    #[must_use]
-    pub fn parameters(&self) -> &[Parameter] {
-        &self.parameters
-    }
-
-    /// The parameter of this name.
-    #[must_use]
-    pub fn parameter(&self, name: &str) -> Option<&Parameter> {
-        self.parameters.iter().find(|parameter| parameter.name == name)
-    }
-
-    /// Whether the drive has a parameter of this name and takes this number, by what it says of itself.
-    ///
-    /// # Errors
-    /// Unknown name, or value out of the drive's range.
-    pub fn fits(&self, name: &str, number: f64) -> Result<(), SetError> {
-        self.placed(name, number).map(drop)
-    }
-
-    /// Sets a parameter and checks what is read back.
-    ///
-    /// # Errors
-    /// Unknown name, value out of the drive's range, a drive that refuses, or a broken conversation.
-    pub fn set(&mut self, name: &str, number: f64) -> Result<(), SetError> {
-        let (index, value) = self.placed(name, number)?;
-        let report = self.report_of(index, &SetParameter { index, value }.into())?;
-        if report.outcome == Outcome::Accepted && report.value == value {
-            Ok(())
-        } else {
-            Err(SetError::Refused { outcome: report.outcome, in_force: report.value })
-        }
-    }
-
-    /// The value in force of the parameter with this index.
-    ///
-    /// # Errors
-    /// The conversation broke.
-    pub fn get(&mut self, index: u8) -> Result<ParameterValue, SessionError> {
-        Ok(self.report_of(index, &GetParameter { index }.into())?.value)
-    }
-
-    /// Index and value on the wire.
-    fn placed(&self, name: &str, number: f64) -> Result<(u8, ParameterValue), SetError> {
-        let parameter = self.parameter(name).ok_or_else(|| self.unknown(name))?;
-        let value =
-            parameter.value(number).ok_or_else(|| SetError::OutOfRange { range: parameter.range() })?;
-        Ok((parameter.index, value))
-    }
-
-    fn unknown(&self, name: &str) -> SetError {
-        let known: Vec<_> = self.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-        let likeness = |known: &&&str| strsim::jaro_winkler(known, name);
-        let nearest = known.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b))).copied();
-        SetError::Unknown { nearest: nearest.unwrap_or_default().to_owned(), known: known.join(", ") }
-    }
-
-    fn report_of(&mut self, index: u8, request: &HostMessage) -> Result<ParameterReport, SessionError> {
-        let reported = self.line.request(request, |answer| match answer {
-            DriveMessage::ParameterReport(report) if report.index == index => Some(*report),
-            _ => None,
-        });
-        reported.map(|answered| answered.with)
-    }
 }

@@ -14,9 +14,11 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::device::{Device, DeviceChoice, DeviceError};
+use lashloop_bench::device::kinds::native::NativeTwin;
+use lashloop_bench::device::{Device, DeviceError};
+use lashloop_bench::run::DeviceUnderTest;
 use lashloop_bench::run::real_time::{PERIOD_MARGIN, RealTime};
-use lashloop_bench::run::{self, Clock, Step, Watcher};
+use lashloop_bench::run::{self, Clock, Step, StepObserver};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::{Process, Program, Supervisor};
 use lashloop_bench::timing::TimingReport;
@@ -81,7 +83,7 @@ impl Arguments {
         let stay = |cores: &CpuSet| sched_setaffinity(None, cores).map_err(placing_failed);
         stay(&here)?;
         let supervisor = start_supervisor()?;
-        let mut device = Device::open(&DeviceChoice::Native, 0, &supervisor)?;
+        let mut device = Device::open(&NativeTwin.into(), 0, &supervisor)?.into();
         let (far_end, path) = far_end(&supervisor)?;
         let mut line = NearEnd::open(&path).map_err(ping_pong_failed)?;
         let mut goals = Goals::default();
@@ -94,7 +96,12 @@ impl Arguments {
         Ok(if goals.all_met() { Exit::Pass } else { Exit::Fail })
     }
 
-    fn lockstep(&self, device: &mut Device, line: &mut NearEnd, goals: &mut Goals) -> Result<(), CliError> {
+    fn lockstep(
+        &self,
+        device: &mut DeviceUnderTest,
+        line: &mut NearEnd,
+        goals: &mut Goals,
+    ) -> Result<(), CliError> {
         let scenario = scenario(f64::from(self.steps) * PERIOD.as_secs_f64())?;
         let (mut baseline, mut loops) = (Vec::new(), Vec::new());
         for _ in 0..self.rounds {
@@ -110,7 +117,12 @@ impl Arguments {
         Ok(())
     }
 
-    fn real_time(&self, device: &mut Device, line: &mut NearEnd, goals: &mut Goals) -> Result<(), CliError> {
+    fn real_time(
+        &self,
+        device: &mut DeviceUnderTest,
+        line: &mut NearEnd,
+        goals: &mut Goals,
+    ) -> Result<(), CliError> {
         let spin = Duration::from_micros(self.spin_us.into());
         let options = RealTime { spin, core: self.core, fifo_priority: self.fifo, ..RealTime::default() };
         let scenario = scenario(self.seconds.into())?;
@@ -188,7 +200,7 @@ fn far_end(supervisor: &Supervisor) -> Result<(Process, PathBuf), CliError> {
     let process = supervisor.spawn(&program).map_err(spawn_failed)?;
     let path = process
         .next_line(Instant::now() + Duration::from_secs(5))
-        .ok_or_else(|| DeviceError::NotUp { name: process.name(), said: process.said() })?;
+        .ok_or_else(|| DeviceError::NotUp { name: process.name(), stderr: process.stderr_head() })?;
     Ok((process, path.into()))
 }
 
@@ -206,7 +218,7 @@ fn placing_failed(error: Errno) -> CliError {
 
 struct NoOutput;
 
-impl Watcher for NoOutput {
+impl StepObserver for NoOutput {
     fn step(&mut self, _step: &Step) -> Result<(), WriteError> {
         Ok(())
     }

@@ -1,6 +1,5 @@
 //! The middleware: impairments of both directions, and cuts of the connection.
 
-use std::thread;
 use std::time::{Duration, Instant};
 
 use super::impairment::Impairment;
@@ -35,7 +34,7 @@ impl LinkFaults {
 struct Cut {
     index: usize,
     from: u32,
-    /// Wall-clock time, since there may be no steps during the cut.
+    /// In the link's time: while the link is cut there may be no steps.
     lasts: Duration,
     /// When the cut ends; `None` before it begins.
     over_at: Option<Instant>,
@@ -53,7 +52,7 @@ struct FaultyLink {
 
 impl FaultyLink {
     fn check_cuts(&mut self) -> Result<(), LinkError> {
-        let (step, now) = (self.shared.step(), Instant::now());
+        let (step, now) = (self.shared.step(), self.link.now());
         for cut in &mut self.cuts {
             if cut.over_at.is_none() && step.is_some_and(|step| step >= cut.from) {
                 cut.over_at = Some(now + cut.lasts);
@@ -69,7 +68,7 @@ impl FaultyLink {
     }
 
     fn pass_on(&mut self) -> Result<(), LinkError> {
-        let (step, now) = (self.shared.step(), Instant::now());
+        let (step, now) = (self.shared.step(), self.link.now());
         while let Some(frame) = self.to_drive.next_due(step, now) {
             self.link.send(&frame)?;
         }
@@ -78,9 +77,14 @@ impl FaultyLink {
 }
 
 impl Link for FaultyLink {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        Some(self.link.as_mut())
+    }
+
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         self.check_cuts()?;
-        self.to_drive.admit(bytes, &self.shared, Instant::now());
+        let now = self.link.now();
+        self.to_drive.admit(bytes, &self.shared, now);
         self.pass_on()
     }
 
@@ -88,7 +92,7 @@ impl Link for FaultyLink {
         loop {
             self.check_cuts()?;
             self.pass_on()?;
-            let (step, now) = (self.shared.step(), Instant::now());
+            let (step, now) = (self.shared.step(), self.link.now());
             if let Some(frame) = self.to_bench.next_due(step, now) {
                 buffer[..frame.len()].copy_from_slice(&frame);
                 return Ok(frame.len());
@@ -96,18 +100,10 @@ impl Link for FaultyLink {
             let releases = [self.to_drive.next_release(step, now), self.to_bench.next_release(step, now)];
             let until = releases.into_iter().flatten().fold(deadline, Instant::min);
             let count = self.link.receive(&mut self.inbox[..], until)?;
-            self.to_bench.admit(&self.inbox[..count], &self.shared, Instant::now());
-            if count == 0 {
-                if self.to_drive.is_empty() && self.to_bench.is_empty() {
-                    // The link itself has waited up to the deadline.
-                    return Ok(0);
-                }
-                let now = Instant::now();
-                if now >= deadline {
-                    return Ok(0);
-                }
-                // An in-process drive's link never waits.
-                thread::sleep(until.saturating_duration_since(now));
+            let now = self.link.now();
+            self.to_bench.admit(&self.inbox[..count], &self.shared, now);
+            if count == 0 && now >= deadline {
+                return Ok(0);
             }
         }
     }

@@ -79,6 +79,7 @@ impl Impairment {
         self.overtaken = None;
     }
 
+    #[cfg(test)]
     pub(super) fn is_empty(&self) -> bool {
         self.held.is_empty()
     }

@@ -1,4 +1,4 @@
-//! One direction of a wire: bytes that are on their way, and when each has passed.
+//! One direction of a UART: bytes on their way, and when each has passed.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -8,25 +8,25 @@ use lashloop_protocol::frame::DELIMITER;
 /// Start bit, 8 data bits, stop bit.
 const BITS_PER_BYTE: u64 = 10;
 
-/// Bytes that are on their way at most, as many as a terminal of Linux keeps.
-const ROOM: usize = 4096;
+/// Bytes on their way at most, as many as a terminal of Linux keeps.
+const CAPACITY: usize = 4096;
 
-/// How long `bytes` take on a wire of `baud` bits a second, one behind the other. Rounded down to whole nanoseconds.
+/// Transmission time of `bytes` at `baud` bits per second, rounded down to whole nanoseconds.
 #[must_use]
-pub const fn time_of(bytes: u64, baud: u32) -> Duration {
+pub const fn transmission_time(bytes: u64, baud: u32) -> Duration {
     Duration::from_nanos(bytes * BITS_PER_BYTE * 1_000_000_000 / baud as u64)
 }
 
-/// Bytes that were given to the wire together, and the first of which waited for those before them alone.
+/// Bytes that were queued together, so that only the first can have waited for those before them.
 #[derive(Debug, Clone, Copy)]
 struct Flight {
     began: Instant,
     len: usize,
-    /// Bytes of it that have been taken.
+    /// Bytes taken so far.
     taken: usize,
 }
 
-/// Bytes on their way, first in, first out. Takes no memory after its creation.
+/// Bytes on their way, first in, first out. Allocates only on creation.
 #[derive(Debug)]
 pub(super) struct Direction {
     baud: u32,
@@ -36,19 +36,19 @@ pub(super) struct Direction {
 
 impl Direction {
     pub(super) fn new(baud: u32) -> Self {
-        Self { baud, bytes: VecDeque::with_capacity(ROOM), flights: VecDeque::with_capacity(ROOM) }
+        Self { baud, bytes: VecDeque::with_capacity(CAPACITY), flights: VecDeque::with_capacity(CAPACITY) }
     }
 
-    /// Bytes that can be given at present.
-    pub(super) fn room(&self) -> usize {
-        ROOM - self.bytes.len()
+    /// Bytes that [`Self::put`] takes at present.
+    pub(super) fn free(&self) -> usize {
+        CAPACITY - self.bytes.len()
     }
 
     pub(super) fn is_empty(&self) -> bool {
         self.bytes.is_empty()
     }
 
-    /// Gives bytes to the wire, at most as many as there is [`room`](Self::room) for. They follow what is on it.
+    /// Queues bytes, at most [`Self::free`] of them, behind those on their way.
     pub(super) fn put(&mut self, bytes: &[u8], now: Instant) {
         if bytes.is_empty() {
             return;
@@ -58,17 +58,17 @@ impl Direction {
         self.flights.push_back(Flight { began: now.max(free_at), len: bytes.len(), taken: 0 });
     }
 
-    /// When the bytes that were given first have all passed.
+    /// When the whole of the first flight has passed.
     pub(super) fn first_whole_at(&self) -> Option<Instant> {
         self.flights.front().map(|flight| self.passed(flight, flight.len))
     }
 
-    /// Takes the bytes that were given first, once all of them have passed; none before.
+    /// Takes the first flight once the whole of it has passed; nothing before.
     pub(super) fn take_whole(&mut self, now: Instant, buffer: &mut [u8]) -> usize {
         if self.first_whole_at().is_some_and(|at| at <= now) { self.take(now, buffer) } else { 0 }
     }
 
-    /// When it is worth reading: a frame has passed, or everything there is has.
+    /// When a read is worth while: a whole frame has passed, or all bytes have.
     pub(super) fn worth_reading_at(&self) -> Option<Instant> {
         let delimiter = self.bytes.iter().position(|&byte| byte == DELIMITER);
         let mut left = delimiter.map_or(self.bytes.len(), |at| at + 1);
@@ -82,7 +82,7 @@ impl Direction {
         None
     }
 
-    /// Takes bytes that have passed, of one flight.
+    /// Takes bytes of the first flight that have passed.
     pub(super) fn take(&mut self, now: Instant, buffer: &mut [u8]) -> usize {
         let Some(mut flight) = self.flights.front().copied() else { return 0 };
         let mut count = 0;
@@ -104,7 +104,7 @@ impl Direction {
         count
     }
 
-    /// Forgets everything that is on its way.
+    /// Drops all bytes on their way.
     pub(super) fn clear(&mut self) {
         self.bytes.clear();
         self.flights.clear();
@@ -112,7 +112,7 @@ impl Direction {
 
     /// When the first `count` bytes of a flight have passed.
     fn passed(&self, flight: &Flight, count: usize) -> Instant {
-        flight.began + time_of(count as u64, self.baud)
+        flight.began + transmission_time(count as u64, self.baud)
     }
 }
 
@@ -140,8 +140,8 @@ mod tests {
 
     #[test]
     fn a_byte_is_ten_bits() {
-        assert_eq!(time_of(42, 115_200), Duration::from_nanos(3_645_833));
-        assert_eq!(time_of(1, 12_000_000), Duration::from_nanos(833));
+        assert_eq!(transmission_time(42, 115_200), Duration::from_nanos(3_645_833));
+        assert_eq!(transmission_time(1, 12_000_000), Duration::from_nanos(833));
     }
 
     #[test]
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn the_wire_is_taken_until_the_last_byte_has_passed_even_if_it_has_been_read_since() {
+    fn a_line_is_busy_until_its_last_byte_has_passed() {
         let (mut direction, start) = (Direction::new(BAUD), Instant::now());
         direction.put(&[1, 2, 3, 4], start);
         assert_eq!(all_taken(&mut direction, start + us(20)), [1, 2]);
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wire_that_has_been_idle_starts_at_once() {
+    fn an_idle_line_starts_at_once() {
         let (mut direction, start) = (Direction::new(BAUD), Instant::now());
         direction.put(&[1], start);
         assert_eq!(all_taken(&mut direction, start + us(500)), [1]);
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_given_together_can_be_taken_together() {
+    fn bytes_queued_together_are_taken_together() {
         let (mut direction, start) = (Direction::new(BAUD), Instant::now());
         let mut buffer = [9; 8];
         direction.put(&[1, 2, 3], start);

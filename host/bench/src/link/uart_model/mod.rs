@@ -1,43 +1,46 @@
-//! The time a wire would take, for lines that have none: a pseudo-terminal, a socket or a call passes bytes at once
-//! whatever baud rate it is told.
+//! The transmission time of a UART, for links without one: a pseudo-terminal, a socket and a call pass bytes at once,
+//! at any baud rate.
 //!
-//! A byte takes ten bits, and each direction has its own wire. What the bench sends reaches the drive when the last byte
-//! has passed. What the drive sends passes byte by byte, each behind the one before: telemetry that is on the wire delays the
-//! torque that follows it.
+//! A byte takes ten bits, and the two directions are independent. A piece that the bench sends reaches the drive when its
+//! last byte has passed. Bytes of the drive pass one after the other: telemetry delays the torque behind it.
 //!
-//! Nothing runs beside the loop for this. Bytes move while the bench receives or [idles](Link::idle), and a byte of the
-//! drive begins its way when the bench has it from the line below, some microseconds after the drive has sent it.
+//! The model needs no thread. Bytes move while the bench receives or [idles](Link::idle). A byte of the drive starts when
+//! the bench has read it from the link below, some microseconds after the drive has sent it. The model follows the wall
+//! clock, and so does the link below.
 
 mod direction;
 
 use std::thread;
 use std::time::{Duration, Instant};
 
-pub use direction::time_of;
+pub use direction::transmission_time;
 
 use self::direction::Direction;
-use super::{Link, LinkError, WRITE_LIMIT, remaining};
+use super::deadline::remaining;
+use super::error::WRITE_LIMIT;
+use super::{Link, LinkError, TimeBase};
 
-/// What is sent in one piece reaches the drive in one piece up to this length; no frame is longer.
+/// Bytes sent together reach the drive together up to this length; no frame is longer.
 const PIECE: usize = 256;
 
-/// A link behind a modelled wire.
+/// A link behind a modelled UART.
 pub struct UartModel {
     link: Box<dyn Link>,
     to_drive: Direction,
     from_drive: Direction,
-    /// Why the line below gives nothing more. What it gave before is still on its way.
+    /// Why the link below failed. Bytes it received before are still on their way.
     broken: Option<LinkError>,
 }
 
 impl UartModel {
-    /// Puts a wire of `baud` bits a second before `link`.
+    /// Puts a UART of `baud` bits per second before `link`.
     #[must_use]
-    pub fn new(link: Box<dyn Link>, baud: u32) -> Self {
+    pub fn new(mut link: Box<dyn Link>, baud: u32) -> Self {
+        link.set_time_base(TimeBase::WallClock);
         Self { link, to_drive: Direction::new(baud), from_drive: Direction::new(baud), broken: None }
     }
 
-    /// Gives the drive what has passed.
+    /// Sends on what has passed to the drive.
     fn deliver(&mut self, now: Instant) -> Result<(), LinkError> {
         let mut piece = [0; PIECE];
         loop {
@@ -48,24 +51,24 @@ impl UartModel {
         }
     }
 
-    /// Waits for what the drive sends, until a moment at most.
+    /// Waits for bytes of the drive until `until`.
     fn listen(&mut self, until: Instant) {
         let mut buffer = [0; PIECE];
-        let room = self.from_drive.room().min(PIECE);
-        if room > 0 && self.broken.is_none() {
-            match self.link.receive(&mut buffer[..room], until) {
+        let free = self.from_drive.free().min(PIECE);
+        if free > 0 && self.broken.is_none() {
+            match self.link.receive(&mut buffer[..free], until) {
                 Ok(0) => {}
                 Ok(count) => return self.from_drive.put(&buffer[..count], Instant::now()),
                 Err(error) => return self.broken = Some(error),
             }
         }
-        // A drive in this process has said all it has to say and never waits.
+        // The queue is full or the link below has failed: only time helps.
         if let Some(left) = remaining(until) {
             thread::sleep(left);
         }
     }
 
-    /// Lets the wire work until a moment or until what has passed is worth reading.
+    /// Moves bytes until `until` or until what has passed is worth reading.
     fn work(&mut self, until: Instant, reads: bool) -> Result<(), LinkError> {
         loop {
             let now = Instant::now();
@@ -82,10 +85,25 @@ impl UartModel {
 }
 
 impl Link for UartModel {
-    /// Returns when the wire has taken the bytes, not when they have passed. A wire that is full to the brim is waited for.
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        Some(self.link.as_mut())
+    }
+
+    fn now(&mut self) -> Instant {
+        Instant::now()
+    }
+
+    fn wait_until(&mut self, until: Instant) -> Result<(), LinkError> {
+        self.work(until, false)
+    }
+
+    /// A modelled UART takes wall-clock time.
+    fn set_time_base(&mut self, _time_base: TimeBase) {}
+
+    /// Returns when the queue has taken the bytes, not when they have passed. Waits while the queue is full.
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         for piece in bytes.chunks(PIECE) {
-            while self.to_drive.room() < piece.len() {
+            while self.to_drive.free() < piece.len() {
                 let Some(next) = self.to_drive.first_whole_at() else { break };
                 self.work(next, false)?;
             }
@@ -96,7 +114,7 @@ impl Link for UartModel {
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
         self.work(deadline, true)?;
-        // What the line below has by now begins its way, even for a bench that asks after its deadline.
+        // What the link below has by now starts on its way, even after the deadline.
         let now = Instant::now();
         if now >= deadline {
             self.listen(now);
@@ -119,7 +137,7 @@ impl Link for UartModel {
 }
 
 impl Drop for UartModel {
-    /// What was sent last, an emergency stop above all, still has to pass.
+    /// The bytes sent last still have to pass, an emergency stop above all.
     fn drop(&mut self) {
         let give_up = Instant::now() + WRITE_LIMIT;
         while let Some(at) = self.to_drive.first_whole_at().filter(|at| *at <= give_up) {

@@ -1,4 +1,4 @@
-//! The wire with a drive below it that answers at once. Times have lower bounds, which hold however busy a machine is.
+//! The UART model with a drive below it that answers at once. All times have lower bounds, which hold on a busy machine.
 
 use std::collections::VecDeque;
 use std::sync::mpsc;
@@ -9,24 +9,28 @@ use super::*;
 const BAUD: u32 = 100_000;
 const BYTE: Duration = Duration::from_micros(100);
 
-/// Says what it is told to whenever something reaches it, and tells when that was.
+/// Sends `answer` for every piece it receives, and reports when that was.
 struct Answering {
     answer: &'static [u8],
-    said: VecDeque<u8>,
+    pending: VecDeque<u8>,
     reached: mpsc::Sender<(Instant, Vec<u8>)>,
     ends: bool,
 }
 
 impl Link for Answering {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        None
+    }
+
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
-        self.said.extend(self.answer);
+        self.pending.extend(self.answer);
         let _ = self.reached.send((Instant::now(), bytes.to_vec()));
         Ok(())
     }
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
-        let count = self.said.len().min(buffer.len());
-        for (place, byte) in buffer.iter_mut().zip(self.said.drain(..count)) {
+        let count = self.pending.len().min(buffer.len());
+        for (place, byte) in buffer.iter_mut().zip(self.pending.drain(..count)) {
             *place = byte;
         }
         if count == 0 && self.ends {
@@ -39,7 +43,7 @@ impl Link for Answering {
     }
 
     fn discard_input(&mut self) -> Result<(), LinkError> {
-        self.said.clear();
+        self.pending.clear();
         Ok(())
     }
 }
@@ -47,11 +51,14 @@ impl Link for Answering {
 type Reached = mpsc::Receiver<(Instant, Vec<u8>)>;
 
 fn wire(answer: &'static [u8]) -> (UartModel, Reached) {
-    let (reached, told) = mpsc::channel();
-    (UartModel::new(Box::new(Answering { answer, said: VecDeque::new(), reached, ends: false }), BAUD), told)
+    let (reached, arrivals) = mpsc::channel();
+    (
+        UartModel::new(Box::new(Answering { answer, pending: VecDeque::new(), reached, ends: false }), BAUD),
+        arrivals,
+    )
 }
 
-/// Reads until nothing has come for long.
+/// Reads `count` pieces, each with the time of its arrival.
 fn frames(wire: &mut UartModel, count: usize) -> Vec<(Instant, Vec<u8>)> {
     let mut buffer = [0; 64];
     (0..count)
@@ -90,7 +97,7 @@ fn two_frames_sent_back_to_back_arrive_one_behind_the_other() {
 }
 
 #[test]
-fn telemetry_on_the_wire_delays_the_answer_behind_it() {
+fn telemetry_delays_the_answer_behind_it() {
     let (mut wire, reached) = wire(&[9, 9, 0, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 5, 0]);
     // The torque is read; the telemetry that follows it is still on the wire when the next sample is sent.
     wire.send(&[7]).expect("a line");
@@ -119,9 +126,9 @@ fn the_directions_do_not_wait_for_each_other() {
 }
 
 #[test]
-fn the_last_words_of_a_line_arrive_before_its_end() {
-    let (reached, _told) = mpsc::channel();
-    let below = Answering { answer: &[4, 0], said: VecDeque::from([1, 2, 0]), reached, ends: true };
+fn the_last_bytes_of_a_line_arrive_before_its_end() {
+    let (reached, _arrivals) = mpsc::channel();
+    let below = Answering { answer: &[4, 0], pending: VecDeque::from([1, 2, 0]), reached, ends: true };
     let mut wire = UartModel::new(Box::new(below), BAUD);
     assert_eq!(frames(&mut wire, 1)[0].1, [1, 2, 0]);
     let asked = Instant::now();
@@ -139,7 +146,7 @@ fn silence_ends_at_the_deadline() {
 }
 
 #[test]
-fn a_line_that_is_put_down_still_delivers_what_was_sent() {
+fn a_dropped_line_still_delivers_what_was_sent() {
     let (mut wire, reached) = wire(&[]);
     let sent = Instant::now();
     wire.send(&[7; 10]).expect("a line");
@@ -149,13 +156,13 @@ fn a_line_that_is_put_down_still_delivers_what_was_sent() {
 }
 
 #[test]
-fn more_than_the_wire_holds_is_sent_in_time_and_nothing_is_lost() {
-    let (reached, told) = mpsc::channel();
-    let below = Answering { answer: &[], said: VecDeque::new(), reached, ends: false };
+fn more_than_the_queue_holds_arrives_complete() {
+    let (reached, arrivals) = mpsc::channel();
+    let below = Answering { answer: &[], pending: VecDeque::new(), reached, ends: false };
     let mut wire = UartModel::new(Box::new(below), 12_000_000);
     let bytes: Vec<u8> = (0..10_000_u32).map(|at| at as u8).collect();
     wire.send(&bytes).expect("a line");
     drop(wire);
-    let arrived: Vec<u8> = told.try_iter().flat_map(|(_, piece)| piece).collect();
+    let arrived: Vec<u8> = arrivals.try_iter().flat_map(|(_, piece)| piece).collect();
     assert_eq!(arrived, bytes);
 }

@@ -1,24 +1,26 @@
-//! The loop's thread takes no memory once it runs: counted by an allocator, step by step, on every kind of link that has
-//! something to keep. The counter counts the thread that asks, so drive, keeper and capture may do as they like.
+//! The loop's thread does not allocate: counted by an allocator, on every kind of link that buffers something. The counter
+//! counts its own thread only, so drive, recorder and capture may allocate.
 
 use std::sync::atomic::AtomicBool;
 use std::thread;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use crate::device::twin::Terminal;
 use allocation_counter::AllocationInfo;
 use lashloop_firmware::drive::{Clock, Drive};
 
 use super::*;
 use crate::capture::link::Captured;
 use crate::capture::{WhenFull, create};
-use crate::device::DeviceChoice;
+use crate::device::kinds::terminal::TerminalDrive;
+use crate::device::{Device, DeviceChoice};
 use crate::fault::timeline::Timeline;
 use crate::link::Link;
-use crate::run::setup;
+use crate::link::terminal::Terminal;
+use crate::run::control_loop::ControlLoop;
 use crate::run::simulator::Simulator;
-use crate::run::step_sink::Step;
-use crate::scenario::Override;
+use crate::run::step_sink::{Step, StepSink};
+use crate::run::{End, RunError, setup};
+use crate::scenario::{Override, Scenario};
 use crate::supervisor::Supervisor;
 use crate::timing::{ClockName, StepOutcome};
 
@@ -61,13 +63,13 @@ fn drive(line: &std::os::fd::OwnedFd) {
     }
 }
 
-/// Takes one box for every step it is given, if it is told to.
+/// Allocates a box per step if `wastes` is set.
 struct Counting<'a> {
     ring: Ring<'a>,
     wastes: bool,
 }
 
-impl Sink for Counting<'_> {
+impl StepSink for Counting<'_> {
     fn take(&mut self, step: Step) -> Result<(), RunError> {
         if self.wastes {
             drop(std::hint::black_box(Box::new(step)));
@@ -80,8 +82,8 @@ impl Sink for Counting<'_> {
     }
 }
 
-/// Runs the loop on a terminal and counts. Returns the steps that were answered as well: a loop that does nothing takes
-/// nothing.
+/// Runs the loop on a terminal and counts allocations. Also returns the answered steps: an idle loop allocates nothing
+/// either.
 fn counted(
     text: &str,
     more: &[&str],
@@ -92,12 +94,12 @@ fn counted(
         SETTINGS.iter().chain(more).map(|setting| Override::Set((*setting).to_owned())).collect();
     let scenario = Scenario::from_str("of the test", text, &settings).expect("a scenario");
     let terminal = Terminal::open().expect("a terminal");
-    let choice = DeviceChoice::Terminal(terminal.path.clone());
-    let line = terminal.line.try_clone().expect("a handle");
+    let choice = DeviceChoice::from(TerminalDrive { path: terminal.path.clone() });
+    let line = terminal.far_end.try_clone().expect("a handle");
     let twin = thread::spawn(move || drive(&line));
     let supervisor = Supervisor::start(std::env::current_exe().expect("a path")).expect("a supervisor");
     let mut device = Device::open_through(&choice, &scenario.link, &supervisor, middleware).expect("a drive");
-    let timeline = Timeline::new(&scenario, &device).expect("no faults");
+    let timeline = Timeline::new(&scenario, &device, None).expect("no faults");
     setup::set_up(&mut device, &scenario, ClockName::RealTime).expect("a drive that takes the scenario");
     let watchdog = Some(setup::watchdog(&mut device).expect("a watchdog"));
     device.session.start().expect("a drive that starts");
@@ -114,22 +116,22 @@ fn counted(
         let closing = || end = Some(close(&mut control, &scenario, &mut device, Duration::ZERO));
         info = allocation_counter::measure(closing);
     };
-    let look = || {
+    let drain_steps = || {
         while let Ok(step) = steps.pop() {
             answered += u64::from(step.timing.outcome == StepOutcome::Answered);
         }
     };
-    run_with_drain(work, look).expect("a thread");
+    run_with_drain(work, drain_steps).expect("a thread");
     assert_eq!(end.expect("the loop has run").expect("a run"), End::Complete);
     device.session.stop().expect("a drive that stops");
     drop((device, terminal));
-    // Nobody holds the near end any more, so the read of the drive fails.
+    // The near end is closed, so the drive's read fails.
     twin.join().expect("a drive");
     (info, answered)
 }
 
 #[test]
-fn the_loop_takes_no_memory() {
+fn the_loop_does_not_allocate() {
     for text in [SMOOTH, FRICTION, BENCH] {
         let (info, answered) = counted(text, &[], false, |link| link);
         assert_eq!((info.count_total, info.bytes_total), (0, 0), "{info:?}");
@@ -138,7 +140,7 @@ fn the_loop_takes_no_memory() {
 }
 
 #[test]
-fn the_loop_takes_no_memory_for_a_capture_or_a_modelled_wire() {
+fn a_capture_and_a_modelled_uart_do_not_allocate() {
     let folder = tempfile::tempdir().expect("a folder");
     let (recorder, capture) = create(&folder.path().join("line.pcapng"), WhenFull::Fail).expect("a capture");
     let (info, answered) = counted(SMOOTH, &["link.modelled_baud=4000000"], false, |link| {
@@ -150,7 +152,7 @@ fn the_loop_takes_no_memory_for_a_capture_or_a_modelled_wire() {
 }
 
 #[test]
-fn memory_that_is_taken_in_the_loop_is_seen() {
+fn an_allocation_in_the_loop_is_counted() {
     let (info, _) = counted(SMOOTH, &[], true, |link| link);
     assert!(info.count_total >= STEPS - 1, "{info:?}");
 }

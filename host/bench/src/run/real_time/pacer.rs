@@ -1,4 +1,4 @@
-//! Waking at absolute times.
+//! Wakes the loop at absolute times.
 
 use std::hint;
 use std::io;
@@ -8,10 +8,10 @@ use rustix::io::Errno;
 use rustix::thread::{ClockId, clock_nanosleep_absolute};
 use rustix::time::{Timespec, clock_gettime};
 
-/// A clock that ticks once in a period, from its start on.
+/// A grid of due times, one per period.
 pub(super) struct Pacer {
     epoch: Instant,
-    /// The same moment as the system tells it: [`Instant`] is the monotonic clock, but keeps its number to itself.
+    /// `epoch` as the system counts it: [`Instant`] is the monotonic clock but does not give its value.
     epoch_on_clock: Duration,
     period: Duration,
     spin: Duration,
@@ -20,7 +20,7 @@ pub(super) struct Pacer {
 impl Pacer {
     /// Starts now: step 0 is due.
     pub(super) fn start(period: Duration, spin: Duration) -> Self {
-        let (epoch, epoch_on_clock) = one_moment();
+        let (epoch, epoch_on_clock) = now_on_both_clocks();
         Self { epoch, epoch_on_clock, period, spin }
     }
 
@@ -29,13 +29,13 @@ impl Pacer {
         self.epoch + self.period * step
     }
 
-    /// The step whose period a moment is in.
-    pub(super) fn step_at(&self, moment: Instant) -> u32 {
-        let periods = moment.saturating_duration_since(self.epoch).as_nanos() / self.period.as_nanos();
+    /// The step whose period contains an instant.
+    pub(super) fn step_at(&self, at: Instant) -> u32 {
+        let periods = at.saturating_duration_since(self.epoch).as_nanos() / self.period.as_nanos();
         u32::try_from(periods).unwrap_or(u32::MAX)
     }
 
-    /// Waits until a moment and returns the time then. Returns at once if it has passed.
+    /// Waits until `due` and returns the time after that; at once if it has passed.
     ///
     /// # Errors
     /// The system can't sleep.
@@ -61,8 +61,8 @@ impl Pacer {
     }
 }
 
-/// Now, on both clocks. Read again if something came between: what they differed by, every step would be early or late.
-fn one_moment() -> (Instant, Duration) {
+/// Now, on both clocks. Read again after an interruption: every step would be early or late by the difference.
+fn now_on_both_clocks() -> (Instant, Duration) {
     const CLOSE: Duration = Duration::from_micros(5);
     loop {
         let before = Instant::now();
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_wakes_early() {
+    fn no_step_begins_early() {
         for spin in [Duration::ZERO, PERIOD / 4, 10 * PERIOD] {
             let pacer = Pacer::start(PERIOD, spin);
             for step in 1..20 {
@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_past_is_not_waited_for() {
+    fn a_due_time_in_the_past_is_not_waited_for() {
         let pacer = Pacer::start(PERIOD, Duration::ZERO);
         std::thread::sleep(5 * PERIOD);
         let woke = pacer.wait_for(pacer.due(1)).expect("a clock");
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn a_moment_belongs_to_the_step_that_is_due_last() {
+    fn an_instant_is_in_the_period_of_the_step_due_last() {
         let pacer = Pacer::start(PERIOD, Duration::ZERO);
         assert_eq!(pacer.step_at(pacer.due(7)), 7);
         assert_eq!(pacer.step_at(pacer.due(8) - Duration::from_nanos(1)), 7);

@@ -1,15 +1,14 @@
-//! Finished steps on their way from the loop's thread to the caller's, without a lock.
+//! A lock-free ring for finished steps, from the loop's thread to the caller's.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rtrb::{Consumer, Producer, RingBuffer};
 
-use crate::run::RunError;
-use crate::run::control_loop::Sink;
-use crate::run::step_sink::Step;
+use crate::run::error::RunError;
+use crate::run::step_sink::{Step, StepSink};
 
-/// Steps that may wait to be recorded: 16 s at 1 kHz, and no disk is silent for longer.
-const ROOM: usize = 1 << 14;
+/// Steps that may wait to be recorded: 16 s at 1 kHz, longer than a disk stalls.
+const CAPACITY: usize = 1 << 14;
 
 /// The loop's end of the ring.
 pub(in crate::run) struct Ring<'a> {
@@ -18,16 +17,16 @@ pub(in crate::run) struct Ring<'a> {
 }
 
 impl<'a> Ring<'a> {
-    /// A ring and its other end. `stop` asks the loop to end.
+    /// Both ends of a ring. `stop` ends the loop early.
     pub(in crate::run) fn new(stop: &'a AtomicBool) -> (Self, Consumer<Step>) {
-        let (steps, taken) = RingBuffer::new(ROOM);
+        let (steps, taken) = RingBuffer::new(CAPACITY);
         (Self { steps, stop }, taken)
     }
 }
 
-impl Sink for Ring<'_> {
+impl StepSink for Ring<'_> {
     fn take(&mut self, step: Step) -> Result<(), RunError> {
-        self.steps.push(step).map_err(|_| RunError::RecordBehind { steps: ROOM })
+        self.steps.push(step).map_err(|_| RunError::RecordBehind { steps: CAPACITY })
     }
 
     fn stop_asked(&self) -> bool {
@@ -35,13 +34,13 @@ impl Sink for Ring<'_> {
     }
 }
 
-/// Hands everything that has arrived to another sink. If that fails or is asked to stop, so is the loop.
+/// Passes all waiting steps to another sink. Stops the loop if the sink fails or is asked to stop.
 ///
 /// # Errors
-/// What the other sink said.
+/// The sink failed.
 pub(in crate::run) fn drain(
     steps: &mut Consumer<Step>,
-    to: &mut impl Sink,
+    to: &mut impl StepSink,
     stop: &AtomicBool,
 ) -> Result<(), RunError> {
     let result = std::iter::from_fn(|| steps.pop().ok()).try_for_each(|step| to.take(step));

@@ -1,30 +1,34 @@
-//! How a conversation begins.
+//! The handshake: `Hello` until the drive's `Identity` for this session.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use lashloop_protocol::message::{Hello, Identity};
 use lashloop_protocol::{DriveMessage, PROTOCOL_VERSION};
 
-use super::SessionError;
+use super::error::SessionError;
 use super::line::Line;
 
-/// A drive may be starting, or be reset by the opening of the port; an emulator's terminal drops what comes in its first
-/// second. So the greeting is repeated until it is answered or this has passed.
+/// Time for all attempts. A drive may be booting or be reset by the opening of the port, and an emulator's terminal drops
+/// the bytes of its first second.
 const LIMIT: Duration = Duration::from_millis(2500);
-/// Time between two greetings.
+/// Time between two attempts.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// Greets until the drive has answered this very session.
-pub fn greet(line: &mut Line, session: u32) -> Result<Identity, SessionError> {
+/// Repeats `Hello` until the drive has sent its identity for `session`.
+///
+/// # Errors
+/// The drive stays silent, has another protocol version, or the line broke.
+pub fn shake_hands(line: &mut Line, session: u32) -> Result<Identity, SessionError> {
     let hello = Hello { protocol_version: PROTOCOL_VERSION, session };
-    let give_up = Instant::now() + LIMIT;
-    while Instant::now() < give_up {
+    let give_up = line.now() + LIMIT;
+    while line.now() < give_up {
         line.send(&hello.into())?;
-        let identity = line.wait(Instant::now() + INTERVAL, |message| match message {
+        let deadline = line.now() + INTERVAL;
+        let identity = line.wait(deadline, |message| match message {
             DriveMessage::Identity(identity) if identity.protocol_version != PROTOCOL_VERSION => {
                 Some(*identity)
             }
-            // Another session's was said to an earlier host and is still on the line.
+            // The identity of another session answered an earlier host and is still on the line.
             DriveMessage::Identity(identity) if identity.session == session => Some(*identity),
             _ => None,
         })?;

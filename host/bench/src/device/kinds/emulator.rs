@@ -1,13 +1,16 @@
-//! The Cortex-M image in QEMU's model of an STM32F405 board.
+//! `qemu`: the Cortex-M image in QEMU's model of an STM32F405 board.
 
 use std::os::linux::net::SocketAddrExt;
 use std::os::unix::net::{SocketAddr, UnixListener};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
-use std::{env, io, thread};
+use std::{env, fmt, io, thread};
 
-use super::{DeviceError, START_LIMIT, Started, spawn};
+use crate::device::drive_host::DriveHost;
+use crate::device::error::DeviceError;
+use crate::device::kind::{DeviceKind, Opened, Syntax};
+use crate::device::process::{START_LIMIT, not_up, spawn};
 use crate::link::socket::Socket;
 use crate::supervisor::{Process, Program, Supervisor};
 
@@ -16,15 +19,50 @@ const PROGRAM: &str = "qemu-system-arm";
 /// Where `cargo xtask image` puts the image, below the target directory.
 const IMAGE: &str = "lashloop-firmware.elf";
 
-/// Tells the sockets of one bench apart.
+/// Makes the names of this bench's sockets unique.
 static SOCKETS: AtomicU32 = AtomicU32::new(0);
 
-/// Starts QEMU with `image`, its second UART on a socket of ours.
+const NAME: &str = "qemu";
+
+pub(in crate::device) const SYNTAX: Syntax = Syntax { form: "qemu, qemu:ELF", parse };
+
+fn parse(text: &str) -> Option<Result<Box<dyn DeviceKind>, String>> {
+    let kind = |image| Ok(Box::new(Emulator { image }) as Box<dyn DeviceKind>);
+    match text.split_once(':') {
+        None if text == NAME => Some(kind(None)),
+        Some((NAME, "")) => Some(Err("qemu: needs the path of an image after the colon".to_owned())),
+        Some((NAME, image)) => Some(kind(Some(image.into()))),
+        _ => None,
+    }
+}
+
+/// The emulator, started by the bench.
+#[derive(Debug, Clone)]
+pub struct Emulator {
+    /// The image to run; `None` for the one that `cargo xtask image` built.
+    pub image: Option<PathBuf>,
+}
+
+impl fmt::Display for Emulator {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.image {
+            None => write!(out, "{NAME}"),
+            Some(image) => write!(out, "{NAME}:{}", image.display()),
+        }
+    }
+}
+
+impl DeviceKind for Emulator {
+    fn open(&self, _baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
+        start(self.image.as_deref(), supervisor)
+    }
+}
+
+/// Starts QEMU with `image`, its second UART on a socket of the bench.
 ///
-/// A socket, because QEMU looks at a pseudo-terminal only every second. One core, because the emulated processor and the
-/// emulator's event loop hand the work to and fro: on two cores each hand-over is a wake-up, and a round trip takes
-/// about twice as long.
-pub(super) fn start(image: Option<&Path>, supervisor: &Supervisor) -> Result<Started, DeviceError> {
+/// A socket, because QEMU polls a pseudo-terminal only once a second. One core, because the emulated processor and the
+/// emulator's event loop alternate: on two cores each change is a wake-up, and a round trip takes about twice as long.
+fn start(image: Option<&Path>, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
     let image = image.map_or_else(built_image, Path::to_owned);
     if !image.is_file() {
         return Err(DeviceError::NoImage { path: image });
@@ -34,26 +72,26 @@ pub(super) fn start(image: Option<&Path>, supervisor: &Supervisor) -> Result<Sta
         return Err(DeviceError::NoEmulator);
     }
     let failed = |source| DeviceError::Spawn { name: "emulator", source };
-    // In the abstract namespace: no file that a killed bench would leave behind.
+    // In the abstract namespace, because a killed bench would leave a file behind.
     let socket = format!("lashloop-{}-{}", std::process::id(), SOCKETS.fetch_add(1, Ordering::Relaxed));
     let address = SocketAddr::from_abstract_name(&socket).map_err(failed)?;
     let listener = UnixListener::bind_addr(&address).map_err(failed)?;
     listener.set_nonblocking(true).map_err(failed)?;
     let process = spawn(supervisor, &program(&image, &socket))?;
     let link = accept(&listener, &process)?;
-    Ok(Started { link: Box::new(link), process: Some(process) })
+    Ok(Opened { link: Box::new(link), host: DriveHost::Process(process) })
 }
 
 fn program(image: &Path, socket: &str) -> Program {
     let uart = format!("socket,id=uart,path={socket},abstract=on");
-    let words =
+    let options =
         ["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-serial", "null", "-chardev"];
-    let mut arguments: Vec<_> = words.map(Into::into).to_vec();
+    let mut arguments: Vec<_> = options.map(Into::into).to_vec();
     arguments.extend([uart.into(), "-serial".into(), "chardev:uart".into(), "-kernel".into(), image.into()]);
     Program { name: "emulator", program: PROGRAM.into(), arguments, core: last_core() }
 }
 
-/// The last core this process may use: the first ones get most of a machine's other work.
+/// The last core that this process may use: the first ones carry most of a machine's other load.
 fn last_core() -> Option<usize> {
     let allowed = rustix::thread::sched_getaffinity(None).ok()?;
     (0..rustix::thread::CpuSet::MAX_CPU).rev().find(|&core| allowed.is_set(core))
@@ -71,17 +109,17 @@ fn accept(listener: &UnixListener, process: &Process) -> Result<Socket, DeviceEr
                 return Err(DeviceError::Spawn { name: process.name(), source: error });
             }
             Err(_) if Instant::now() > deadline || process.ended_within(Duration::ZERO).is_some() => {
-                return Err(DeviceError::not_up(process));
+                return Err(not_up(process));
             }
             Err(_) => thread::sleep(Duration::from_millis(2)),
         }
     }
 }
 
-/// Beside the bench's own program if it stands in a target directory, else in the present one.
+/// The image that the build puts next to the bench's program; in the present `target` if there is none.
 fn built_image() -> PathBuf {
-    let beside = env::current_exe().ok().and_then(|program| {
+    let built = env::current_exe().ok().and_then(|program| {
         program.ancestors().skip(1).take(3).map(|folder| folder.join(IMAGE)).find(|image| image.is_file())
     });
-    beside.unwrap_or_else(|| Path::new("target").join(IMAGE))
+    built.unwrap_or_else(|| Path::new("target").join(IMAGE))
 }

@@ -1,0 +1,123 @@
+//! What is behind a link.
+
+use std::time::Duration;
+
+use lashloop_protocol::message::Identity;
+
+use super::choice::DeviceChoice;
+use super::drive_host::DriveHost;
+use super::error::DeviceError;
+use super::kind::Opened;
+use crate::link::uart_model::UartModel;
+use crate::link::{Link, LinkError};
+use crate::scenario::sections::LinkSettings;
+use crate::session::{SessionError, printable};
+use crate::supervisor::Supervisor;
+
+/// A line that closes is often the first sign of a process that ends; the end itself follows within this time.
+const END_LIMIT: Duration = Duration::from_millis(500);
+
+/// The speed of a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LineSpeed {
+    /// Bits per second of a serial port; any other line ignores it.
+    pub baud: u32,
+    /// Bits per second of a UART to be modelled on a line without one; `None` for no model.
+    pub modelled_baud: Option<u32>,
+}
+
+impl From<u32> for LineSpeed {
+    /// `baud` bits per second, without a modelled UART.
+    fn from(baud: u32) -> Self {
+        Self { baud, modelled_baud: None }
+    }
+}
+
+impl From<&LinkSettings> for LineSpeed {
+    fn from(link: &LinkSettings) -> Self {
+        Self { baud: link.baud, modelled_baud: link.modelled_baud() }
+    }
+}
+
+/// What is behind a link: the drive that was chosen and what runs it.
+pub struct Connection {
+    choice: DeviceChoice,
+    host: DriveHost,
+    modelled_baud: Option<u32>,
+}
+
+impl Connection {
+    /// Starts what has to be started and opens the link. Nothing is sent to the drive.
+    ///
+    /// # Errors
+    /// What can't be started or opened, and what to do; or a UART is to be modelled on a line that has one.
+    pub fn open(
+        choice: &DeviceChoice,
+        speed: impl Into<LineSpeed>,
+        supervisor: &Supervisor,
+    ) -> Result<(Box<dyn Link>, Self), DeviceError> {
+        let LineSpeed { baud, modelled_baud } = speed.into();
+        if modelled_baud.is_some() {
+            choice.kind().check_modelled_uart(baud)?;
+        }
+        let Opened { link, host } = choice.kind().open(baud, supervisor)?;
+        let link = match modelled_baud {
+            Some(baud) => Box::new(UartModel::new(link, baud)),
+            None => link,
+        };
+        Ok((link, Self { choice: choice.clone(), host, modelled_baud }))
+    }
+
+    /// The drive that was chosen.
+    #[must_use]
+    pub fn choice(&self) -> &DeviceChoice {
+        &self.choice
+    }
+
+    /// What runs the drive.
+    #[must_use]
+    pub fn host(&self) -> &DriveHost {
+        &self.host
+    }
+
+    /// The choice, the drive's identity and the modelled UART as one line of text.
+    #[must_use]
+    pub fn description(&self, identity: &Identity) -> String {
+        let uart =
+            self.modelled_baud.map_or_else(String::new, |baud| format!(", wire modelled at {baud} Bd"));
+        format!(
+            "{} ({}, firmware {}, build {:08x}){uart}",
+            self.choice,
+            printable(identity.board.as_str()),
+            identity.firmware,
+            identity.build_id
+        )
+    }
+
+    /// An error of the session as an error of this device: with its name, and with the end of its process.
+    #[must_use]
+    pub fn explain(&self, source: SessionError) -> DeviceError {
+        let patience = match source {
+            SessionError::Broken { source: LinkError::Disconnected, .. } => Some(END_LIMIT),
+            // The timeout of a silent drive was long enough.
+            SessionError::Silent { .. } | SessionError::TooLongAGap { .. } => Some(Duration::ZERO),
+            _ => None,
+        };
+        let ended =
+            self.host.process().zip(patience).and_then(|(process, patience)| {
+                process.ended_within(patience).map(|status| (process, status))
+            });
+        let device = self.choice.to_string();
+        match ended {
+            Some((process, status)) => DeviceError::Ended {
+                device,
+                name: process.name(),
+                id: process.id(),
+                status,
+                stderr: process.stderr_head(),
+                source: Box::new(source),
+            },
+            None => DeviceError::Session { device, source },
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! What runs a drive.
+
+use rustix::process::{Pid, Signal, kill_process};
+
+use crate::link::in_process::Suspension;
+use crate::supervisor::Process;
+
+/// What runs a drive.
+pub enum DriveHost {
+    /// This process.
+    InProcess(Suspension),
+    /// A process that the bench started.
+    Process(Process),
+    /// Something that the bench has no hold of: a board, or a process of another program.
+    External,
+}
+
+impl DriveHost {
+    /// The process behind the drive, if the bench started one.
+    #[must_use]
+    pub fn process(&self) -> Option<&Process> {
+        match self {
+            Self::Process(process) => Some(process),
+            Self::InProcess(_) | Self::External => None,
+        }
+    }
+
+    /// Whether [`Self::suspend`] has an effect.
+    #[must_use]
+    pub fn can_suspend(&self) -> bool {
+        match self {
+            Self::Process(_) | Self::InProcess(_) => true,
+            Self::External => false,
+        }
+    }
+
+    /// Suspends the drive: it takes no byte and no tick, and its time goes on.
+    pub fn suspend(&self) {
+        match self {
+            Self::InProcess(suspension) => suspension.suspend(),
+            Self::Process(process) => signal(process, Signal::STOP),
+            Self::External => {}
+        }
+    }
+
+    /// Resumes a suspended drive.
+    pub fn resume(&self) {
+        match self {
+            Self::InProcess(suspension) => suspension.resume(),
+            Self::Process(process) => signal(process, Signal::CONT),
+            Self::External => {}
+        }
+    }
+}
+
+fn signal(process: &Process, signal: Signal) {
+    if let Some(pid) = Pid::from_raw(process.id().cast_signed()) {
+        // A process that has ended can't be signalled; the link reports its end.
+        let _ = kill_process(pid, signal);
+    }
+}

@@ -1,0 +1,85 @@
+//! A drive with an open session.
+
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use super::choice::DeviceChoice;
+use super::connection::{Connection, LineSpeed};
+use super::drive_host::DriveHost;
+use super::error::DeviceError;
+use crate::link::Link;
+use crate::session::{Session, SessionError};
+use crate::supervisor::{Process, Supervisor};
+
+/// A drive with an open session. Dropping it ends the process behind the drive, if the bench started one.
+pub struct Device {
+    /// The session.
+    pub session: Session,
+    connection: Connection,
+}
+
+impl Device {
+    /// Starts what has to be started, opens the link and shakes hands.
+    ///
+    /// # Errors
+    /// What could not be reached, and what to do.
+    pub fn open(
+        choice: &DeviceChoice,
+        speed: impl Into<LineSpeed>,
+        supervisor: &Supervisor,
+    ) -> Result<Self, DeviceError> {
+        Self::open_through(choice, speed, supervisor, |link| link)
+    }
+
+    /// As [`Self::open`], with a middleware around the link from its first byte on.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn open_through(
+        choice: &DeviceChoice,
+        speed: impl Into<LineSpeed>,
+        supervisor: &Supervisor,
+        middleware: impl FnOnce(Box<dyn Link>) -> Box<dyn Link>,
+    ) -> Result<Self, DeviceError> {
+        let (link, connection) = Connection::open(choice, speed, supervisor)?;
+        let session =
+            Session::open(middleware(link), session_number()).map_err(|source| connection.explain(source))?;
+        Ok(Self { session, connection })
+    }
+
+    /// The device as one line of text for the record, see [`Connection::description`].
+    #[must_use]
+    pub fn description(&self) -> String {
+        self.connection.description(self.session.identity())
+    }
+
+    /// What runs the drive.
+    #[must_use]
+    pub fn host(&self) -> &DriveHost {
+        self.connection.host()
+    }
+
+    /// The process behind the drive, if the bench started one.
+    #[must_use]
+    pub fn process(&self) -> Option<&Process> {
+        self.host().process()
+    }
+
+    /// An error of the session as an error of this device, see [`Connection::explain`].
+    #[must_use]
+    pub fn explain(&self, source: SessionError) -> DeviceError {
+        self.connection.explain(source)
+    }
+
+    /// The error for a drive that keeps to the protocol but does not fit this bench.
+    #[must_use]
+    pub fn unfit(&self, problem: String) -> DeviceError {
+        DeviceError::Unfit { device: self.connection.choice().to_string(), problem }
+    }
+}
+
+/// A session number that no earlier session on this machine had, up to chance.
+#[must_use]
+pub fn session_number() -> u32 {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    (now.as_nanos() as u32) ^ std::process::id().rotate_left(16)
+}

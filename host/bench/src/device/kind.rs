@@ -1,0 +1,46 @@
+//! One way to reach a drive.
+
+use std::fmt;
+
+use super::drive_host::DriveHost;
+use super::error::DeviceError;
+use crate::link::Link;
+use crate::supervisor::Supervisor;
+
+/// One way to reach a drive. Its `Display` is the text that a user names it by.
+pub trait DeviceKind: fmt::Debug + fmt::Display + Send + Sync {
+    /// Starts what has to be started and opens the link. Nothing is sent to the drive. `baud` is in bits per second and
+    /// is for serial ports alone.
+    ///
+    /// # Errors
+    /// What can't be started or opened, and what to do.
+    fn open(&self, baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError>;
+
+    /// Checks that a UART may be modelled on this link: that it has none of its own. `baud` is the speed it has otherwise.
+    ///
+    /// # Errors
+    /// The link has a UART of its own.
+    fn check_modelled_uart(&self, baud: u32) -> Result<(), DeviceError> {
+        let _ = baud;
+        Ok(())
+    }
+}
+
+/// An open link to a drive that has received nothing yet.
+pub struct Opened {
+    /// The link.
+    pub link: Box<dyn Link>,
+    /// What runs the drive.
+    pub host: DriveHost,
+}
+
+/// How a user names a kind of device.
+pub struct Syntax {
+    /// What to write, for error messages.
+    pub form: &'static str,
+    /// Parses a name; `None` if it is of another kind.
+    ///
+    /// # Errors
+    /// The name is of this kind and incomplete.
+    pub parse: fn(&str) -> Option<Result<Box<dyn DeviceKind>, String>>,
+}

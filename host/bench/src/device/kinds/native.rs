@@ -1,0 +1,47 @@
+//! `native`: the native twin, a process of its own on a pseudo-terminal.
+
+use std::fmt;
+use std::path::Path;
+use std::time::Instant;
+
+use super::terminal::open_terminal;
+use crate::device::drive_host::DriveHost;
+use crate::device::error::DeviceError;
+use crate::device::kind::{DeviceKind, Opened, Syntax};
+use crate::device::process::{START_LIMIT, not_up, spawn};
+use crate::supervisor::{Program, Supervisor};
+
+const NAME: &str = "native";
+
+pub(in crate::device) const SYNTAX: Syntax = Syntax {
+    form: NAME,
+    parse: |text| (text == NAME).then(|| Ok(Box::new(NativeTwin) as Box<dyn DeviceKind>)),
+};
+
+/// The native twin, started by the bench.
+#[derive(Debug, Clone, Copy)]
+pub struct NativeTwin;
+
+impl fmt::Display for NativeTwin {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{NAME}")
+    }
+}
+
+impl DeviceKind for NativeTwin {
+    fn open(&self, _baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
+        let program = Program {
+            name: "native twin",
+            program: supervisor.bench(),
+            arguments: vec!["device".into()],
+            core: None,
+        };
+        let process = spawn(supervisor, &program)?;
+        let Some(path) = process.next_line(Instant::now() + START_LIMIT) else {
+            return Err(not_up(&process));
+        };
+        // A pseudo-terminal has no baud rate.
+        let link = open_terminal(Path::new(&path), 0)?;
+        Ok(Opened { link, host: DriveHost::Process(process) })
+    }
+}

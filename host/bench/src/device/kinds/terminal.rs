@@ -1,0 +1,75 @@
+//! A path: the drive on a serial port or a pseudo-terminal that somebody else serves.
+
+use std::path::{Path, PathBuf};
+use std::{fmt, io};
+
+use crate::device::drive_host::DriveHost;
+use crate::device::error::DeviceError;
+use crate::device::kind::{DeviceKind, Opened, Syntax};
+use crate::link::Link;
+use crate::link::pty::{self, Pty};
+use crate::link::reopening::Reopening;
+use crate::link::serial::Serial;
+use crate::supervisor::Supervisor;
+
+pub(in crate::device) const SYNTAX: Syntax = Syntax {
+    form: "the path of a terminal like /dev/ttyACM0",
+    parse: |text| {
+        let kind = || Ok(Box::new(TerminalDrive { path: text.into() }) as Box<dyn DeviceKind>);
+        text.contains('/').then(kind)
+    },
+};
+
+/// The drive on a terminal.
+#[derive(Debug, Clone)]
+pub struct TerminalDrive {
+    /// Path of the terminal.
+    pub path: PathBuf,
+}
+
+impl fmt::Display for TerminalDrive {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}", self.path.display())
+    }
+}
+
+impl DeviceKind for TerminalDrive {
+    fn open(&self, baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
+        Ok(Opened { link: open_terminal(&self.path, baud)?, host: DriveHost::External })
+    }
+
+    fn check_modelled_uart(&self, baud: u32) -> Result<(), DeviceError> {
+        let path = &self.path;
+        let resolved =
+            path.canonicalize().map_err(|source| DeviceError::Open { path: path.clone(), source })?;
+        if is_pseudo_terminal(&resolved) {
+            Ok(())
+        } else {
+            Err(DeviceError::HasUart { path: path.clone(), baud })
+        }
+    }
+}
+
+/// Opens and locks a pseudo-terminal or a serial port. `baud` is in bits per second and is for serial ports alone.
+///
+/// # Errors
+/// `path` is missing, is no terminal, or another program holds it.
+pub fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, DeviceError> {
+    let open = move |path: &PathBuf| -> io::Result<Box<dyn Link>> {
+        // Resolved on every opening: a name under /dev/serial/by-id may point to another file after a reconnect.
+        let path = path.canonicalize()?;
+        if is_pseudo_terminal(&path) {
+            Ok(Box::new(Pty::open(&path)?))
+        } else {
+            Ok(Box::new(Serial::open(&path, baud)?))
+        }
+    };
+    match Reopening::new(path.to_owned(), Box::new(open)) {
+        Ok(link) => Ok(Box::new(link)),
+        Err(source) => Err(DeviceError::Open { path: path.to_owned(), source }),
+    }
+}
+
+fn is_pseudo_terminal(resolved: &Path) -> bool {
+    resolved.starts_with(pty::DIRECTORY)
+}

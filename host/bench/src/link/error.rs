@@ -1,0 +1,53 @@
+//! Why a link fails.
+
+use std::io;
+use std::time::Duration;
+
+/// A write that takes longer goes to a line that takes no bytes any more.
+pub(super) const WRITE_LIMIT: Duration = Duration::from_secs(1);
+
+/// `EIO`, `ENXIO` and `ENODEV`: the far end of a terminal is closed or unplugged.
+const DISCONNECTED: [i32; 3] = [5, 6, 19];
+
+/// Why a link fails.
+#[derive(Debug, thiserror::Error)]
+pub enum LinkError {
+    /// The far end is disconnected: unplugged, closed or killed.
+    #[error("the far end closed the line")]
+    Disconnected,
+    /// The line took no byte for as long as a write may take.
+    #[error("the line took no bytes for {} s: the drive does not read", WRITE_LIMIT.as_secs())]
+    Stuck,
+    /// The operating system refused.
+    #[error("{0}")]
+    Io(io::Error),
+}
+
+impl LinkError {
+    /// The error of a write with a time limit.
+    pub(super) fn of_write(error: io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock => Self::Stuck,
+            _ => error.into(),
+        }
+    }
+}
+
+impl From<io::Error> for LinkError {
+    fn from(error: io::Error) -> Self {
+        use io::ErrorKind::{BrokenPipe, ConnectionReset, NotConnected, UnexpectedEof};
+        let disconnected = error.raw_os_error().is_some_and(|code| DISCONNECTED.contains(&code));
+        if disconnected || matches!(error.kind(), BrokenPipe | ConnectionReset | NotConnected | UnexpectedEof)
+        {
+            Self::Disconnected
+        } else {
+            Self::Io(error)
+        }
+    }
+}
+
+impl From<rustix::io::Errno> for LinkError {
+    fn from(error: rustix::io::Errno) -> Self {
+        io::Error::from(error).into()
+    }
+}

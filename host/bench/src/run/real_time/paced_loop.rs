@@ -1,0 +1,54 @@
+//! The loop in real time: one step in every control period.
+
+use std::time::Duration;
+
+use super::pacer::Pacer;
+use crate::device::Device;
+use crate::run::control_loop::ControlLoop;
+use crate::run::error::RunError;
+use crate::run::outcome::End;
+use crate::run::step_sink::StepSink;
+use crate::scenario::Scenario;
+
+/// Fraction of a period that is kept free for everything but the exchange: one part in this many.
+pub const PERIOD_MARGIN: u32 = 20;
+
+/// Closes the loop for the duration of the scenario.
+///
+/// # Errors
+/// The device, its link or the record failed.
+pub(in crate::run) fn close<S: StepSink>(
+    control: &mut ControlLoop<'_, S>,
+    scenario: &Scenario,
+    device: &mut Device,
+    spin: Duration,
+) -> Result<End, RunError> {
+    let steps = scenario.run.steps();
+    let period = Duration::from_micros(scenario.run.control_period_us.into());
+    let pacer = Pacer::start(period, spin);
+    let mut step = 0;
+    while step < steps {
+        if control.stop_asked() {
+            return Ok(End::Interrupted);
+        }
+        let due = pacer.due(step);
+        match device.session.idle(due - (spin + period / PERIOD_MARGIN)) {
+            // The exchange of the step finds the loss and handles it.
+            Err(source) if !source.is_loss() => return Err(device.explain(source).into()),
+            _ => {}
+        }
+        let woke = pacer.wait_for(due)?;
+        let present = pacer.step_at(woke).min(steps);
+        let outcome = if step < present {
+            control.miss(step, device).map(|()| None)
+        } else {
+            control.step(step, due + period - period / PERIOD_MARGIN, woke - due, device)
+        };
+        match outcome {
+            Ok(None) => step += 1,
+            Ok(Some(end)) => return Ok(end),
+            Err(error) => return error.end(),
+        }
+    }
+    Ok(End::Complete)
+}

@@ -1,0 +1,78 @@
+//! A request and its answer, over a line that may lose either.
+
+use std::time::Duration;
+
+use lashloop_protocol::{DriveMessage, HostMessage, Message};
+
+use super::error::SessionError;
+use super::handshake::shake_hands;
+use super::line::Line;
+
+/// Time for all attempts at a request. A drive answers at once; the rest is for a line that loses frames and for an
+/// emulator on a busy machine.
+pub const REQUEST_LIMIT: Duration = Duration::from_secs(2);
+/// Time for an attempt. After it the request is retransmitted, because the request or its answer may be lost.
+const ATTEMPT_LIMIT: Duration = Duration::from_millis(500);
+
+/// The answer to a request.
+pub struct Answered<T> {
+    /// The answer.
+    pub with: T,
+    /// The request was retransmitted, so an earlier copy may have taken effect before this answer.
+    pub repeated: bool,
+}
+
+impl Line {
+    /// Sends a request, again after a timeout, and waits for the answer that `wanted` recognises.
+    ///
+    /// The request must be repeatable: the drive executes every copy that reaches it.
+    ///
+    /// # Errors
+    /// No answer within [`REQUEST_LIMIT`], or the line broke.
+    pub fn request<T>(
+        &mut self,
+        request: &HostMessage,
+        mut wanted: impl FnMut(&DriveMessage) -> Option<T>,
+    ) -> Result<Answered<T>, SessionError> {
+        let give_up = self.now() + REQUEST_LIMIT;
+        let mut repeated = false;
+        loop {
+            if let Some(with) = self.attempt(request, ATTEMPT_LIMIT, &mut wanted)? {
+                if repeated {
+                    self.flush_answers()?;
+                }
+                return Ok(Answered { with, repeated });
+            }
+            if self.now() >= give_up {
+                return Err(self.silent(request.layout().name, REQUEST_LIMIT));
+            }
+            repeated = true;
+        }
+    }
+
+    /// Sends a request once and waits for its answer, `limit` at most.
+    ///
+    /// # Errors
+    /// The line broke.
+    pub fn attempt<T>(
+        &mut self,
+        request: &HostMessage,
+        limit: Duration,
+        wanted: impl FnMut(&DriveMessage) -> Option<T>,
+    ) -> Result<Option<T>, SessionError> {
+        self.send(request)?;
+        let deadline = self.now() + limit;
+        let answer = self.wait(deadline, wanted)?;
+        if answer.is_none() {
+            // Part of a damaged frame in the drive's decoder must not swallow the next frame.
+            self.end_frame()?;
+        }
+        Ok(answer)
+    }
+
+    /// Waits until the answers to earlier copies of a request have arrived, so that none is taken for the answer to a later
+    /// request of its kind. Answers keep their order: none is left after a handshake.
+    fn flush_answers(&mut self) -> Result<(), SessionError> {
+        shake_hands(self, self.session).map(drop)
+    }
+}

@@ -1,0 +1,123 @@
+//! The thread that starts children and receives signals.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::sync::{Arc, mpsc};
+use std::{io, thread};
+
+use tokio::signal::unix::{SignalKind, signal};
+use tokio::sync::mpsc as channel;
+
+use super::process::{Process, Program};
+use super::signals::Signals;
+
+/// Starts child processes and receives signals, on a thread with a tokio runtime. The thread ends with it.
+pub struct Supervisor {
+    tie: PathBuf,
+    orders: channel::UnboundedSender<Order>,
+    signals: Arc<Signals>,
+}
+
+/// While it lives, a signal only sets [`Supervisor::interrupted`].
+pub struct SignalGuard<'a>(&'a Signals);
+
+impl Drop for SignalGuard<'_> {
+    fn drop(&mut self) {
+        self.0.set_guarded(false);
+    }
+}
+
+struct Order {
+    command: Command,
+    name: &'static str,
+    reply: mpsc::Sender<io::Result<Process>>,
+}
+
+impl Supervisor {
+    /// Starts the thread. `tie` is the `lashloop` program, whose hidden command `tied` runs a program that the kernel ends
+    /// with the bench: a killed bench leaves no emulator behind.
+    ///
+    /// # Errors
+    /// The system refused a thread, a runtime or the signal handlers.
+    pub fn start(tie: PathBuf) -> io::Result<Self> {
+        let signals = Arc::new(Signals::default());
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        let (orders, inbox) = channel::unbounded_channel();
+        let (ready, started) = mpsc::channel();
+        let shared = Arc::clone(&signals);
+        thread::Builder::new()
+            .name("supervisor".to_owned())
+            .spawn(move || runtime.block_on(supervise(inbox, shared, ready)))?;
+        started.recv().map_err(io::Error::other)??;
+        Ok(Self { tie, orders, signals })
+    }
+
+    /// Leaves signals to the caller, who must poll [`Self::interrupted`]. Without a guard, and at the second signal, a
+    /// signal ends the process.
+    #[must_use]
+    pub fn guard_signals(&self) -> SignalGuard<'_> {
+        self.signals.set_guarded(true);
+        SignalGuard(&self.signals)
+    }
+
+    /// Whether SIGINT or SIGTERM has arrived.
+    #[must_use]
+    pub fn interrupted(&self) -> bool {
+        self.signals.is_requested()
+    }
+
+    /// Path of the `lashloop` program itself.
+    #[must_use]
+    pub fn bench(&self) -> OsString {
+        self.tie.clone().into()
+    }
+
+    /// Runs a program until it ends by itself or its [`Process`] is dropped.
+    ///
+    /// # Errors
+    /// The program can't be started.
+    pub fn spawn(&self, program: &Program) -> io::Result<Process> {
+        use std::os::unix::process::CommandExt;
+        let mut command = Command::new(&self.tie);
+        command.arg("tied");
+        if let Some(core) = program.core {
+            command.arg("--core").arg(core.to_string());
+        }
+        command.arg("--").arg(&program.program).args(&program.arguments);
+        // In a process group of its own: Ctrl-C reaches the bench alone, which then ends the child.
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).process_group(0);
+        let (reply, answer) = mpsc::channel();
+        let order = Order { command, name: program.name, reply };
+        self.orders.send(order).map_err(io::Error::other)?;
+        answer.recv().map_err(io::Error::other)?
+    }
+}
+
+async fn supervise(
+    mut orders: channel::UnboundedReceiver<Order>,
+    shared: Arc<Signals>,
+    ready: mpsc::Sender<io::Result<()>>,
+) {
+    let signals = signal(SignalKind::interrupt()).and_then(|i| Ok((i, signal(SignalKind::terminate())?)));
+    let (mut interrupt, mut terminate) = match signals {
+        Ok(signals) => {
+            let _ = ready.send(Ok(()));
+            signals
+        }
+        Err(error) => {
+            let _ = ready.send(Err(error));
+            return;
+        }
+    };
+    loop {
+        tokio::select! {
+            _ = interrupt.recv() => shared.arrived(),
+            _ = terminate.recv() => shared.arrived(),
+            order = orders.recv() => match order {
+                Some(order) => { let _ = order.reply.send(Process::start(order.command, order.name)); }
+                None => return,
+            },
+        }
+    }
+}
