@@ -1,16 +1,15 @@
-//! One rule of the protocol, and how a drive can break it.
+//! One rule of the protocol and the code that checks it.
 
 use std::sync::Arc;
 
 use super::assertion::RuleResult;
 use super::client::Client;
 
-/// A rule and the code that tries it.
 #[derive(Clone)]
 pub(super) struct Check {
     pub(super) group: &'static str,
     pub(super) name: String,
-    /// Whether device time has to pass for it.
+    /// Whether the check needs device time to pass.
     pub(super) waits: bool,
     pub(super) run: Arc<dyn Fn(&mut Client) -> RuleResult>,
 }
@@ -24,7 +23,7 @@ impl Check {
         Self { group, name: name.into(), waits: false, run: Arc::new(run) }
     }
 
-    /// The same check, marked as one for which device time has to pass.
+    /// Marks a check that needs device time to pass.
     pub(super) fn waiting(self) -> Self {
         Self { waits: true, ..self }
     }
