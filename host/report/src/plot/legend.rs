@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn entries_that_do_not_fit_go_to_the_next_row() {
         let axis = || Axis::new("time", "s");
-        let names = ["pd", "merzouki", "lash-backlash-inverse", "merzouki-as-printed"];
+        let names = ["pd", "merzouki", "backlash-inverse", "linear"];
         let panel = names.iter().fold(Panel::new("laws", axis(), axis()), |panel, name| {
             panel.series(Series::new(*name, Role::After, vec![], vec![]))
         });
