@@ -3,14 +3,13 @@
 //! The file is TOML, with a line per parameter in the order of the index, and unit and range as comments. Real numbers have
 //! enough digits to restore the same bits.
 
-use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use lashloop_protocol::enums::ParameterValue;
-use sha2::{Digest, Sha256};
 use toml_edit::{Document, Item, Value};
 
+use lashloop_bench::record::digest;
 use lashloop_bench::session::{Parameter, Session, SessionError, SetError};
 
 /// All parameters of a drive with their values, in the order of the index.
@@ -46,20 +45,16 @@ impl ParameterSet {
     /// fingerprints mean equal parameters, bit for bit.
     #[must_use]
     pub fn sha256(&self) -> String {
-        let mut hash = Sha256::new();
+        let mut bytes = Vec::new();
         for (it, value) in &self.0 {
-            hash.update(it.name.as_bytes());
-            hash.update([0, value.ty() as u8]);
-            hash.update(match value {
+            bytes.extend_from_slice(it.name.as_bytes());
+            bytes.extend_from_slice(&[0, value.ty() as u8]);
+            bytes.extend_from_slice(&match value {
                 ParameterValue::U32(value) => value.to_le_bytes(),
                 ParameterValue::F32(value) => value.to_le_bytes(),
             });
         }
-        hash.finalize().iter().fold(String::with_capacity(64), |mut hex, byte| {
-            // Writing to a String can't fail.
-            let _ = write!(hex, "{byte:02x}");
-            hex
-        })
+        digest::sha256(&bytes)
     }
 }
 

@@ -5,7 +5,7 @@
 //! | [`law`], [`case`] | the laws under test, and one run |
 //! | [`plants`], [`sweeps`] | random plants, and the nominal one with one quantity varied |
 //! | [`plan`] | all cases of a campaign |
-//! | [`runs`] | runs the cases |
+//! | [`runs`], [`result`] | runs the cases |
 //! | [`journal`] | keeps each result as it arrives |
 //! | [`score`], [`quantiles`] | criteria of a run, and quantiles over runs |
 //! | [`limits`] | limits on the random plants |
@@ -23,6 +23,7 @@ pub mod plan;
 pub mod plants;
 pub mod quantiles;
 pub mod report;
+pub mod result;
 pub mod runs;
 pub mod score;
 pub mod sweeps;
@@ -39,7 +40,8 @@ pub use error::CampaignError;
 use journal::JournalError;
 use plan::Settings;
 use report::Report;
-use runs::{CaseResult, Ended};
+use result::CaseResult;
+use runs::Ended;
 
 /// The cases of a campaign and their results so far.
 #[derive(Debug)]

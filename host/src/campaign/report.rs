@@ -9,7 +9,7 @@ use super::law::Law;
 use super::limits::{self, LIMITS, LimitResult};
 use super::plan::Settings;
 use super::quantiles::{Quantile, Quantiles};
-use super::runs::CaseResult;
+use super::result::CaseResult;
 use super::score::{Criterion, MissingReason, Score, Scores};
 use super::sweeps::{SWEEPS, Sweep};
 use lashloop_bench::run::End;

@@ -8,25 +8,14 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
-use serde::{Deserialize, Serialize};
-
-use super::case::{Case, CaseId};
+use super::case::Case;
 use super::error::CampaignError;
+use super::result::CaseResult;
 use super::score::Scores;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::{Device, DeviceChoice};
 use lashloop_bench::run::{self, Clock, End, RunError, Step, Watcher};
 use lashloop_bench::supervisor::Supervisor;
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CaseResult {
-    pub case: CaseId,
-    pub end: String,
-    pub scores: Scores,
-    /// Digest of the torque stream, see [`TorqueDigest`](lashloop_bench::record::digest::TorqueDigest).
-    pub torque_sha256: String,
-}
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ended {
@@ -118,7 +107,7 @@ impl Watcher for &Stop<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::campaign::case::Part;
+    use crate::campaign::case::{CaseId, Part};
     use crate::campaign::law::Law;
     use crate::campaign::plan::{self, Settings};
     use crate::campaign::score::{Criterion, MissingReason, Score};

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::case::Case;
-use super::runs::CaseResult;
+use super::result::CaseResult;
 use super::score::Criterion;
 
 /// Writes the rows in the given order. Numbers have the fewest digits that restore the same bits.

@@ -41,10 +41,10 @@ impl Message for AnyMessage {
         }
     }
 
-    fn write_frame<'room>(&self, room: &'room mut [u8; MAX_FRAME]) -> &'room [u8] {
+    fn write_frame<'buffer>(&self, buffer: &'buffer mut [u8; MAX_FRAME]) -> &'buffer [u8] {
         match self {
-            Self::Host(message) => message.write_frame(room),
-            Self::Drive(message) => message.write_frame(room),
+            Self::Host(message) => message.write_frame(buffer),
+            Self::Drive(message) => message.write_frame(buffer),
         }
     }
 }

@@ -136,7 +136,7 @@ fn results_of_another_battery_are_refused_and_kept() {
     let records = Records::new();
     let _ = run(&records, ONE).with_code(0);
     let before = left(&records);
-    for (rest, says) in [
+    for (rest, expected) in [
         (format!("{ONE} --resume --seed 2"), "its seed is 1, here it is 2"),
         ("--plants 1 --controller pd --no-sweeps --resume".to_owned(), "its list of controllers is"),
         (ONE.replace("--plants 1", "--plants 2 --resume"), "its number of plants is 1, here it is 2"),
@@ -144,7 +144,7 @@ fn results_of_another_battery_are_refused_and_kept() {
         (ONE.to_owned(), "already holds results: resume with --resume"),
     ] {
         let ended = run(&records, &rest).with_code(2);
-        assert!(ended.stderr.contains(says), "{says}: {}", ended.stderr);
+        assert!(ended.stderr.contains(expected), "{expected}: {}", ended.stderr);
         assert_eq!(ended.stdout, "");
         assert_eq!(left(&records), before, "a refusal changes nothing");
     }
@@ -174,7 +174,7 @@ fn diverged_run_is_counted_and_fails_the_battery() {
 
 #[test]
 fn wrong_options_of_a_battery_are_refused_with_the_alternative() {
-    for (arguments, says) in [
+    for (arguments, expected) in [
         ("battery --controller lqr", "expected pd, merzouki or backlash-inverse"),
         ("battery --plants 0", "0 is not in 1..=100000"),
         ("battery --jobs 0", "number would be zero"),
@@ -182,7 +182,7 @@ fn wrong_options_of_a_battery_are_refused_with_the_alternative() {
         ("battery --out Cargo.toml/out", "choose another folder with --out"),
     ] {
         let ended = bench::run(arguments.split(' ')).with_code(2);
-        assert!(ended.stderr.contains(says), "{arguments}: {}", ended.stderr);
+        assert!(ended.stderr.contains(expected), "{arguments}: {}", ended.stderr);
         assert_eq!(ended.stdout, "", "{arguments}");
     }
 }

@@ -80,7 +80,7 @@ fn results_of_another_battery_are_refused_by_the_difference() {
             .to_string()
             .replace(&*path.to_string_lossy(), "F")
     };
-    for (message, says) in [
+    for (message, difference) in [
         (with(|it| it.lashloop = "0.2.0".to_owned()), "its version is 0.1.0, here it is 0.2.0"),
         (with(|it| it.settings.seed = 2), "its seed is 1, here it is 2"),
         (with(|it| it.settings.plants = 3), "its number of plants is 2, here it is 3"),
@@ -91,7 +91,7 @@ fn results_of_another_battery_are_refused_by_the_difference() {
         (with(|it| it.settings.sweeps = false), "its choice of sweeps is with, here it is without"),
         (with(|it| it.program_sha256 = "11".repeat(32)), "its program's SHA-256 is 0000"),
     ] {
-        assert!(message.starts_with(&format!("F can't be resumed: {says}")), "{message}");
+        assert!(message.starts_with(&format!("F can't be resumed: {difference}")), "{message}");
     }
     assert_eq!(fs::read(&path).expect("the file"), before, "a refusal changes nothing");
 }

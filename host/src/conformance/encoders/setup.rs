@@ -18,7 +18,8 @@ use crate::conformance::range::{holds, nearest_real, nearest_whole};
 const PERIOD_US: u32 = 1_000;
 /// Coarse enough that the largest distance of a period fits the counter, fine enough that one count is a small part of it.
 const COUNTS_PER_REV: u32 = 65_536;
-/// Speed limit in counts per period: few enough for gaps of 1000 periods, so many that one count is a small part.
+/// Speed limit in counts per period: few enough for gaps of 1000 periods, and many
+/// enough that one count is a small part.
 const COUNTS_PER_PERIOD: f64 = 500.0;
 /// Largest unambiguous difference of two readings in either direction, less one count of quantisation.
 pub(super) const UNAMBIGUOUS_COUNTS: f64 = (EncoderCounts::MAX.get() - 1) as f64;
