@@ -29,7 +29,7 @@ impl StreamReader {
             *offset += piece.len() as u64;
             match decode(decoder, piece) {
                 Some(message) => {
-                    take(Entry { location: Location::Offset(start), bytes: piece.to_vec(), message })
+                    take(Entry { location: Location::Offset(start), bytes: piece.to_vec(), message });
                 }
                 None if piece.last() != Some(&frame::DELIMITER) => *began = Some(start),
                 None => {}
