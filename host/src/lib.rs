@@ -1,16 +1,19 @@
-//! The lab around the bench loop: what the command line offers beyond a single run.
+//! The lab around the bench loop: everything that the command line offers beyond a single run.
 //!
 //! | module | is |
 //! |---|---|
-//! | [`budget`] | what a line of a given speed leaves of a control period |
-//! | [`decode`] | the frames of a capture or a raw stream, readable |
-//! | [`conformance`] | whether a drive keeps to the protocol, rule by rule |
+//! | [`budget`] | the time budget of a control period on a serial line |
+//! | [`campaign`] | control laws on plants outside their tuning: cases, limits, tables |
+//! | [`conformance`] | checks of a drive against the protocol, rule by rule |
+//! | [`decode`] | the frames of a capture or of a raw stream as text |
 //! | [`parameter_set`] | the parameters of a drive as a file and as a fingerprint |
-//! | [`ports`], [`doctor`] | which serial ports there are, and whether one is fit for a bench |
-//! | [`soak`] | a scenario repeated while its faults rise |
-//! | [`campaign`] | a controller on plants it was not tuned for |
+//! | [`ports`], [`doctor`] | the serial ports of this machine, and the diagnosis of one |
+//! | [`soak`] | a scenario repeated under rising faults |
 
 #![forbid(unsafe_code)]
+// This crate is the command line and its tests: no other crate links against it. A comment stands where it gives a
+// meaning, a unit or a reason.
+#![allow(missing_docs)]
 
 pub mod budget;
 pub mod campaign;

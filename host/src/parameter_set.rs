@@ -1,151 +1,99 @@
-//! The parameters of a drive as a file, to be kept and brought back, and as a fingerprint.
+//! The parameters of a drive as a file and as a fingerprint.
 //!
-//! The file is TOML, a line per parameter in the order of the wire's indices, with unit and range as comments. Real numbers
-//! are written with as many digits as bring back the same bits.
+//! The file is TOML, with a line per parameter in the order of the index, and unit and range as comments. Real numbers have
+//! enough digits to restore the same bits.
 
-use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use lashloop_protocol::enums::ParameterValue;
-use sha2::{Digest, Sha256};
 use toml_edit::{Document, Item, Value};
 
+use lashloop_bench::record::digest;
 use lashloop_bench::session::{Parameter, Session, SessionError, SetError};
 
-/// All parameters of a drive with the values in force, in the order of their index.
+/// All parameters of a drive with their values, in the order of the index.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterSet(Vec<(Parameter, ParameterValue)>);
 
 impl ParameterSet {
-    /// Asks the drive for every value in force.
+    /// Reads every value from the drive.
     ///
     /// # Errors
-    /// The conversation broke.
+    /// The session fails.
     pub fn read(session: &mut Session) -> Result<Self, SessionError> {
         let parameters = session.parameters().to_vec();
         let valued = parameters.into_iter().map(|it| session.get(it.index).map(|value| (it, value)));
         valued.collect::<Result<_, _>>().map(Self)
     }
 
-    /// Each parameter with its value.
     pub fn iter(&self) -> impl Iterator<Item = &(Parameter, ParameterValue)> {
         self.0.iter()
     }
 
-    /// The file, as [`Settings::from_file`] reads it.
+    /// The file format of [`Settings::from_file`].
     #[must_use]
     pub fn to_toml(&self) -> String {
         let line = |(it, value): &(Parameter, ParameterValue)| {
-            format!("{:<36} # {}", format!("{} = {}", it.name, spell(*value)), it.range())
+            format!("{:<36} # {}", format!("{} = {}", it.name, to_toml_value(*value)), it.range())
         };
         self.0.iter().map(line).fold(String::new(), |text, line| text + &line + "\n")
     }
 
-    /// SHA-256 in lower-case hexadecimal over all parameters in the order of their index, each as its name in UTF-8, a
-    /// zero byte, the byte of its type on the wire (1 for a u32, 2 for an f32), and the four bytes of its value, little
-    /// endian. Two drives with the same fingerprint have the same parameters in force, bit by bit.
+    /// SHA-256 in lower-case hexadecimal over all parameters in the order of the index. Each contributes its name in UTF-8, a
+    /// zero byte, its type on the wire (1 for u32, 2 for f32), and the four bytes of its value, little endian. Equal
+    /// fingerprints mean equal parameters, bit for bit.
     #[must_use]
     pub fn sha256(&self) -> String {
-        let mut hash = Sha256::new();
+        let mut bytes = Vec::new();
         for (it, value) in &self.0 {
-            hash.update(it.name.as_bytes());
-            hash.update([0, value.ty() as u8]);
-            hash.update(match value {
+            bytes.extend_from_slice(it.name.as_bytes());
+            bytes.extend_from_slice(&[0, value.ty() as u8]);
+            bytes.extend_from_slice(&match value {
                 ParameterValue::U32(value) => value.to_le_bytes(),
                 ParameterValue::F32(value) => value.to_le_bytes(),
             });
         }
-        hash.finalize().iter().fold(String::with_capacity(64), |mut hex, byte| {
-            // Writing to a String can't fail.
-            let _ = write!(hex, "{byte:02x}");
-            hex
-        })
+        digest::sha256(&bytes)
     }
 }
 
-/// A value as TOML has it: a real number keeps its point, so that it is read as one.
+/// A value in TOML. A real number keeps its decimal point, so that it is read back as one.
 #[must_use]
-pub fn spell(value: ParameterValue) -> String {
+pub fn to_toml_value(value: ParameterValue) -> String {
     match value {
         ParameterValue::U32(value) => value.to_string(),
         ParameterValue::F32(value) => format!("{value:?}"),
     }
 }
 
-/// Why settings could not be read or not be brought to the drive. Each starts with the place to correct.
+/// Why settings can't be read or applied. Each message starts with the place to correct.
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {
-    /// The file can't be read.
     #[error("{}: can't be read: {source}", path.display())]
-    Unreadable {
-        /// Its path.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// The file is no TOML.
+    Unreadable { path: PathBuf, source: std::io::Error },
     #[error("{}:{line}: {problem}", path.display())]
     Syntax {
-        /// Its path.
         path: PathBuf,
-        /// The line, from 1.
+        /// From 1.
         line: usize,
-        /// What TOML says to it.
         problem: String,
     },
-    /// A word or a line that is no setting.
     #[error("{place}: {found}; it must be {wanted}")]
-    Malformed {
-        /// Where it was written.
-        place: String,
-        /// What was written.
-        found: String,
-        /// What may stand there.
-        wanted: &'static str,
-    },
-    /// A name that is set twice.
+    Malformed { place: String, found: String, wanted: &'static str },
     #[error("{place}: {name} is set already, by {before}")]
-    Twice {
-        /// Where it was written.
-        place: String,
-        /// The name.
-        name: String,
-        /// Where it was written before.
-        before: String,
-    },
-    /// The drive has no such parameter or does not take the value. Nothing has been set.
+    Twice { place: String, name: String, before: String },
+    /// The drive lacks the parameter, or the value is out of its range. Detected before any parameter is set.
     #[error("{place}: {name} = {number}: {source}; nothing has been set")]
-    Unfit {
-        /// Where it was written.
-        place: String,
-        /// The parameter.
-        name: String,
-        /// The number.
-        number: f64,
-        /// What is wrong with it.
-        source: Box<SetError>,
-    },
-    /// The drive refused a value that is within the range it gave.
+    Unfit { place: String, name: String, number: f64, source: Box<SetError> },
+    /// The drive refused a value within its own range.
     #[error("{place}: {name} = {number}: {source}; {done} parameters before it have been set")]
-    Refused {
-        /// Where it was written.
-        place: String,
-        /// The parameter.
-        name: String,
-        /// The number.
-        number: f64,
-        /// Parameters set before it.
-        done: usize,
-        /// What it said.
-        source: Box<SetError>,
-    },
-    /// The conversation broke.
+    Refused { place: String, name: String, number: f64, done: usize, source: Box<SetError> },
     #[error(transparent)]
     Session(SessionError),
 }
 
-/// Parameters somebody wants set, in the order in which they were written.
+/// Parameters to set, in order.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Settings(Vec<Setting>);
 
@@ -157,10 +105,10 @@ struct Setting {
 }
 
 impl Settings {
-    /// Reads a file as [`ParameterSet::to_toml`] writes it. It need not hold every parameter.
+    /// Reads a file of [`ParameterSet::to_toml`], which may hold a part of the parameters.
     ///
     /// # Errors
-    /// It can't be read, is no TOML, or holds something else than numbers.
+    /// The file can't be read, is not TOML, or holds values other than numbers.
     pub fn from_file(path: &Path) -> Result<Self, SettingsError> {
         let text = fs::read_to_string(path)
             .map_err(|source| SettingsError::Unreadable { path: path.to_owned(), source })?;
@@ -186,10 +134,10 @@ impl Settings {
         Ok(settings)
     }
 
-    /// Reads words as the command line has them, each `NAME=VALUE`.
+    /// Parses arguments of the form `NAME=VALUE`.
     ///
     /// # Errors
-    /// One of them is no such word, or a name comes twice.
+    /// An argument has another form, or repeats a name.
     pub fn from_words(words: &[String]) -> Result<Self, SettingsError> {
         let mut settings = Self::default();
         for word in words {
@@ -205,11 +153,11 @@ impl Settings {
         Ok(settings)
     }
 
-    /// Brings all of them to the drive and checks each by what is read back. Names and ranges are looked at before the
-    /// first one is set. Returns what is in force now.
+    /// Sets all parameters and verifies each by reading it back. Names and ranges are checked before the first one is set.
+    /// Returns all parameters of the drive.
     ///
     /// # Errors
-    /// The drive has no such parameter, does not take a value, or the conversation broke.
+    /// The drive lacks a parameter or refuses a value, or the session fails.
     pub fn apply(&self, session: &mut Session) -> Result<ParameterSet, SettingsError> {
         for Setting { place, name, number } in &self.0 {
             session.fits(name, *number).map_err(|source| SettingsError::Unfit {
@@ -234,7 +182,6 @@ impl Settings {
         ParameterSet::read(session).map_err(SettingsError::Session)
     }
 
-    /// Whether a parameter of this name is among them.
     #[must_use]
     pub fn contains(&self, name: &str) -> bool {
         self.0.iter().any(|setting| setting.name == name)

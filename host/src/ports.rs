@@ -1,4 +1,4 @@
-//! The serial ports of this machine, with who made what is plugged into them.
+//! The serial ports of this machine and the USB identity of their adapters.
 
 use std::fmt::Write;
 use std::fs;
@@ -7,57 +7,44 @@ use std::path::{Path, PathBuf};
 
 use serialport::{SerialPortInfo, SerialPortType, UsbPortInfo};
 
-/// Where udev keeps names that stay with an adapter, whatever port of the machine it is plugged into.
+/// udev's names that stay with an adapter on any USB port of the machine.
 const BY_ID: &str = "/dev/serial/by-id";
 
-/// A serial port.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Port {
-    /// What to open.
     pub path: PathBuf,
-    /// What it hangs on.
     pub bus: Bus,
-    /// Names that stay with the adapter.
     pub stable_names: Vec<PathBuf>,
 }
 
-/// What a serial port hangs on.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Bus {
-    /// USB, with what the device says of itself.
     Usb(UsbIdentity),
-    /// A card in the machine.
     Pci,
-    /// Bluetooth.
     Bluetooth,
-    /// The system does not say: often a port on the mainboard.
+    /// Not reported by the system; often a port on the mainboard.
     Unknown,
 }
 
-/// What a USB device says of itself; texts that it doesn't give are empty.
+/// The descriptors of a USB device. A missing text is empty.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct UsbIdentity {
-    /// Vendor.
     pub vendor_id: u16,
-    /// Product of this vendor.
     pub product_id: u16,
-    /// Name of the vendor.
     pub manufacturer: String,
-    /// Name of the product.
     pub product: String,
-    /// Serial number.
     pub serial_number: String,
 }
 
-/// The ports that are here now, in the order of their names.
+/// The present ports, sorted by name.
 ///
 /// # Errors
-/// The system does not tell.
+/// The system can't list them.
 pub fn list() -> io::Result<Vec<Port>> {
     Ok(known(serialport::available_ports()?, &stable_names(Path::new(BY_ID))))
 }
 
-/// Pairs of a stable name and what it stands for. Without udev, or without ports, there is no such folder.
+/// Pairs of a stable name and its target. Empty without udev or without ports, when the folder is missing.
 fn stable_names(folder: &Path) -> Vec<(PathBuf, PathBuf)> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     entries.filter_map(|entry| Some((entry.path(), entry.path().canonicalize().ok()?))).collect()
@@ -94,12 +81,12 @@ impl From<UsbPortInfo> for UsbIdentity {
     }
 }
 
-/// The ports as text for people.
+/// The ports as text.
 #[must_use]
 pub fn describe(ports: &[Port]) -> String {
     if ports.is_empty() {
-        return "No serial port here. A board that is plugged in and not listed may have a cable without data wires, \
-                or wait in its boot loader.\nWithout a board: `lashloop run SCENARIO` uses the native twin."
+        return "No serial port found. A board that is plugged in and not listed may have a cable without data wires, \
+                or run its boot loader.\nWithout a board: `lashloop run SCENARIO` uses the native twin."
             .to_owned();
     }
     let mut text = String::new();
@@ -166,15 +153,15 @@ mod tests {
     }
 
     #[test]
-    fn a_machine_without_ports_gets_advice() {
+    fn machine_without_ports_gets_advice() {
         insta::assert_snapshot!(describe(&[]), @r"
-        No serial port here. A board that is plugged in and not listed may have a cable without data wires, or wait in its boot loader.
+        No serial port found. A board that is plugged in and not listed may have a cable without data wires, or run its boot loader.
         Without a board: `lashloop run SCENARIO` uses the native twin.
         ");
     }
 
     #[test]
-    fn stable_names_lead_to_the_port_itself() {
+    fn stable_names_resolve_to_the_port() {
         let folder = tempfile::tempdir().unwrap();
         let port = folder.path().join("ttyUSB0");
         fs::write(&port, "").unwrap();

@@ -1,12 +1,12 @@
-//! The picture of `lashloop demo`: what the compensation changes, on the paper's smooth plant and with friction.
+//! The figure of `lashloop demo`: the effect of compensation on the paper's smooth plant and with friction.
 //!
-//! It answers figures 7, 15 and 17 of Merzouki and Cadiou (Control Engineering Practice 13, 2005, 973-983) and
-//! sets our measured numbers beside theirs, also where ours say something else.
+//! It corresponds to figures 7, 15 and 17 of Merzouki and Cadiou (Control Engineering Practice 13, 2005, 973-983) and gives
+//! our numbers next to the paper's, also where they differ.
 
 use crate::plot::{Axis, Figure, Panel, Role, Series};
 
-/// The band around the target within which the load counts as settled, in rad. The paper names none; with this one the
-/// uncompensated transient lasts its 13 s.
+/// Settling band around the target, in rad. The paper states none; with this one the uncompensated transient lasts the
+/// paper's 13 s.
 const SETTLED_RAD: f64 = 0.05;
 
 /// One run of the demo; the vectors hold one value per sample.
@@ -83,7 +83,7 @@ fn position(title: &str, plant: &PlantRuns) -> Panel {
     )
 }
 
-/// Marks where the run settles, with the paper's time beside ours; a run that never does is marked at its end.
+/// Marks the settling time next to the paper's. A run that never settles is marked at its end.
 fn settle_mark(panel: Panel, role: Role, run: &DemoRun, paper: &str) -> Panel {
     let Some(settle_s) = run.settle_time_s else {
         return end_mark(panel, role, run, format!("never settles (paper: {paper})"));
@@ -95,7 +95,7 @@ fn settle_mark(panel: Panel, role: Role, run: &DemoRun, paper: &str) -> Panel {
     panel.mark(format!("{settle_s:.1} s (paper: {paper})"), role, settle_s, settled_rad)
 }
 
-/// Marks the end of the run with its static error, and the paper's beside it.
+/// Marks the end of the run with its static error next to the paper's.
 fn static_mark(panel: Panel, role: Role, run: &DemoRun, paper: &str) -> Panel {
     end_mark(panel, role, run, format!("{} (paper: {paper})", radians(run.static_error_rad)))
 }
@@ -146,7 +146,7 @@ fn seconds(time_s: Option<f64>) -> String {
 }
 
 fn radians(angle_rad: f64) -> String {
-    // Rounded first, so that a tiny negative angle doesn't read "-0.000".
+    // Rounded first, so that a tiny negative angle does not become "-0.000".
     let angle_rad = (angle_rad * 1000.0).round() / 1000.0 + 0.0;
     format!("{angle_rad:.3} rad").replace('-', "\u{2212}")
 }

@@ -1,24 +1,24 @@
-//! The picture of `lashloop plot`: what one run or several side by side did, from their records.
+//! The figure of `lashloop plot`: the records of one or several runs.
 
 use std::ops::RangeInclusive;
 
 use crate::plot::{Axis, Figure, Panel, Role, Series};
 use lashloop_bench::record::reader::{ReadError, Record, Table};
 
-/// Why records can't be drawn.
+/// Why records can't be plotted.
 #[derive(Debug, thiserror::Error)]
 pub enum DrawError {
     /// A record can't be used.
     #[error(transparent)]
     Record(#[from] ReadError),
-    /// No run has a step in the part of its time that is to be shown.
-    #[error("there is nothing from {from_s} s {}; the records end at {end_s} s", to(*until_s))]
+    /// No run has a step in the selected range.
+    #[error("no step lies in the range from {from_s} s {}; the records end at {end_s} s", to(*until_s))]
     Nothing {
-        /// Beginning of the part.
+        /// Start of the range, in s.
         from_s: f64,
-        /// End of the part.
+        /// End of the range, in s.
         until_s: f64,
-        /// Time of the last step of all runs.
+        /// Time of the last step of all runs, in s.
         end_s: f64,
     },
 }
@@ -27,13 +27,13 @@ fn to(until_s: f64) -> String {
     if until_s.is_finite() { format!("to {until_s} s") } else { "on".to_owned() }
 }
 
-/// Faults that are marked; more would hide the curves.
+/// Largest number of marked faults; more would hide the curves.
 const MARKED: usize = 6;
 
-/// Position, its error, torque, gap, estimate and timing of some runs, each with its name, over a part of their time in s.
+/// Position, position error, torque, gap, estimate and timing of named runs, over a range of time in s.
 ///
 /// # Errors
-/// A record lacks a column, or none has a step in that part.
+/// A record lacks a column, or none has a step in the range.
 pub fn figure(runs: &[(String, Record)], shown_s: &RangeInclusive<f64>) -> Result<Figure, DrawError> {
     let runs = runs
         .iter()
@@ -74,7 +74,7 @@ pub fn figure(runs: &[(String, Record)], shown_s: &RangeInclusive<f64>) -> Resul
     Ok(figure)
 }
 
-/// One run and the part of it that is shown.
+/// One run and its rows in the range.
 struct Run<'a> {
     role: Role,
     name: &'a str,
@@ -94,7 +94,7 @@ impl<'a> Run<'a> {
         let from = time_s.partition_point(|time_s| time_s < shown_s.start());
         let until = time_s.partition_point(|time_s| time_s <= shown_s.end());
         let rows = from..until.max(from);
-        // The two that are easiest to tell apart, then all others.
+        // The two most distinct colours first.
         let role = match number {
             0 => Role::After,
             1 => Role::Before,
@@ -107,8 +107,8 @@ impl<'a> Run<'a> {
         Ok(self.record.trace.column(column)?[self.rows.clone()].to_vec())
     }
 
-    /// A column of the timing, as long as the trace. The two files are written in turn, so that of a run that was killed may
-    /// be shorter.
+    /// A column of the timing. After a killed run it may be shorter than the trace, because the two files are written in
+    /// turn.
     fn timing(&self, column: &str) -> Result<Vec<f64>, ReadError> {
         let Some(timing) = &self.record.timing else { return Ok(Vec::new()) };
         let values = timing.column(column)?;
@@ -134,11 +134,11 @@ impl<'a> Run<'a> {
         };
         text += &format!(" {} steps", trace.len());
         match timing.as_ref().map(|timing| timing.column("answered").unwrap_or_default()) {
-            None => text += "; there is no timing.csv.",
+            None => text += "; timing.csv is missing.",
             Some(answered) => {
                 let known = answered.len();
                 if known < trace.len() {
-                    text += &format!("; timing.csv tells of {known} of them");
+                    text += &format!("; timing.csv covers {known} of them");
                 }
                 match answered.iter().filter(|flag| **flag == 0.0).count() {
                     0 if known == 0 => text += ".",
@@ -148,7 +148,7 @@ impl<'a> Run<'a> {
             }
         }
         if trace.is_torn() || timing.as_ref().is_some_and(Table::is_torn) {
-            text += " The record ends within a row, which is left out.";
+            text += " The last row of the record is incomplete and ignored.";
         }
         text
     }
@@ -165,8 +165,8 @@ fn of_all(
     runs.iter().try_fold(panel, |panel, run| Ok(panel.series(run.series(values(run)?))))
 }
 
-/// Adds curves that may be the same for several runs; those are drawn once.
-fn each_once(panel: Panel, curves: Vec<Series>) -> Panel {
+/// Adds curves, and of equal ones only the first.
+fn distinct(panel: Panel, curves: Vec<Series>) -> Panel {
     let same =
         |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.total_cmp(b).is_eq());
     let mut drawn: Vec<Series> = Vec::new();
@@ -178,20 +178,20 @@ fn each_once(panel: Panel, curves: Vec<Series>) -> Panel {
     drawn.into_iter().fold(panel, Panel::series)
 }
 
-fn beside(
+fn with_common_curve(
     panel: Panel,
     runs: &[Run<'_>],
     (label, role): (&str, Role),
     column: &str,
 ) -> Result<Panel, ReadError> {
     let curve = |run: &Run<'_>| Ok(Series::new(label, role, run.time_s.to_vec(), run.trace(column)?));
-    Ok(each_once(panel, runs.iter().map(curve).collect::<Result<_, _>>()?))
+    Ok(distinct(panel, runs.iter().map(curve).collect::<Result<_, _>>()?))
 }
 
-/// The load and where it is wanted, with the faults of the scenario.
+/// Load position and reference, with the faults of the scenario.
 fn position(runs: &[Run<'_>]) -> Result<Panel, ReadError> {
     let panel = Panel::new("Load position", Axis::new("time", "s"), Axis::new("load position", "rad"));
-    let mut panel = beside(panel, runs, ("reference", Role::Reference), "reference_rad")?;
+    let mut panel = with_common_curve(panel, runs, ("reference", Role::Reference), "reference_rad")?;
     for run in runs {
         let load_rad = run.trace("load_position_rad")?;
         let faults = run.record.summary.iter().flat_map(|summary| &summary.faults);
@@ -210,24 +210,24 @@ fn position(runs: &[Run<'_>]) -> Result<Panel, ReadError> {
     Ok(panel)
 }
 
-/// Motor position less the reduced one of the load: outside the edges of the gap the motor drives the load.
+/// Twist, the motor position less the reduced load position: outside the edges of the gap the motor drives the load.
 fn gap(runs: &[Run<'_>]) -> Result<Panel, ReadError> {
     let panel = of_all(runs, "Twist and the gap", ("twist", "rad"), |run| run.trace("twist_rad"))?;
     let mut edges: Vec<Series> = Vec::new();
     for run in runs {
         let dead_zone_rad = run.trace("dead_zone_rad")?;
         let other_side = dead_zone_rad.iter().map(|dead_zone_rad| -dead_zone_rad);
-        // One curve for both sides; what is no number parts them.
+        // One curve for both edges; the NaN separates them.
         let x = [run.time_s, &[f64::NAN], run.time_s].concat();
         let y = dead_zone_rad.iter().copied().chain([f64::NAN]).chain(other_side).collect();
         edges.push(Series::new("edges of the gap", Role::Limit, x, y));
     }
-    Ok(each_once(panel, edges))
+    Ok(distinct(panel, edges))
 }
 
 fn estimate(runs: &[Run<'_>]) -> Result<Panel, ReadError> {
     let panel = of_all(runs, "Dead-zone estimate", ("dead-zone amplitude", "rad"), |run| {
         run.trace("dead_zone_estimate_rad")
     })?;
-    beside(panel, runs, ("true", Role::Reference), "dead_zone_rad")
+    with_common_curve(panel, runs, ("true", Role::Reference), "dead_zone_rad")
 }

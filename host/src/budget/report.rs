@@ -1,4 +1,4 @@
-//! A budget in words: where the time goes, and what to change.
+//! The budget as text, with advice.
 
 use std::fmt;
 use std::time::Duration;
@@ -7,7 +7,6 @@ use lashloop_protocol::layout::MessageLayout;
 
 use super::wire_time::{Budget, Cycle, SAMPLE, TELEMETRY, TORQUE, USUAL_BAUD};
 
-/// A budget as several lines of text.
 #[derive(Debug, Clone, Copy)]
 pub struct Report(pub Budget);
 

@@ -1,15 +1,15 @@
 //! The time that frames take on a serial line, per control cycle.
 //!
-//! Ten bits a byte, each direction for itself, nothing ever waits for a computer: what is found here is the best that a
-//! wire can do. In a cycle the sample goes out, then the torque comes back, and after every n-th torque telemetry follows it.
-//! Telemetry that is still on the wire when the next torque is ready delays it:
+//! Ten bits per byte, full duplex, and no time for computation: these times are the lower bound for the line. In a cycle the
+//! sample goes out, the torque comes back, and telemetry follows every n-th torque. Telemetry still on the wire when the
+//! next torque is ready delays it:
 //!
 //! ```text
 //! out   |sample|                      |sample|
 //! back         |torque|    telemetry         |torque|
 //! ```
 //!
-//! Lengths of frames are those of the protocol's own layouts.
+//! Frame lengths come from the protocol's layouts.
 
 use std::time::Duration;
 
@@ -20,36 +20,35 @@ use lashloop_protocol::wire::Payload;
 use lashloop_bench::link::uart_model::transmission_time;
 use lashloop_bench::run::real_time::PERIOD_MARGIN;
 
-/// Goes out in every period.
+/// Host to drive, in every period.
 pub const SAMPLE: &MessageLayout = &EncoderSample::LAYOUT;
-/// Comes back in every period.
+/// Drive to host, in every period.
 pub const TORQUE: &MessageLayout = &TorqueAnswer::LAYOUT;
-/// Comes back in some.
+/// Drive to host, after every n-th torque.
 pub const TELEMETRY: &MessageLayout = &Telemetry::LAYOUT;
 
-/// Speeds that adapters offer, in bits a second.
+/// Speeds of common adapters, in bit/s.
 pub const USUAL_BAUD: [u32; 11] = [
     115_200, 230_400, 460_800, 921_600, 1_000_000, 1_500_000, 2_000_000, 3_000_000, 4_000_000, 6_000_000,
     12_000_000,
 ];
 
-/// A line and what is asked of it.
+/// A line and its load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Budget {
-    /// Bits a second.
+    /// In bit/s.
     pub baud: u32,
-    /// The control period.
+    /// Control period.
     pub period: Duration,
-    /// Telemetry follows every so many torques; 0 for never.
+    /// Torques per telemetry frame; 0 for no telemetry.
     pub telemetry_every: u16,
 }
 
-/// Which cycles are meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cycle {
-    /// All of them on average.
+    /// The average over all cycles.
     Mean,
-    /// The one with telemetry, and the torque that comes behind it.
+    /// The cycle with telemetry, and the torque after it.
     Worst,
 }
 
@@ -60,22 +59,22 @@ impl Budget {
         transmission_time(layout.frame_len() as u64, self.baud)
     }
 
-    /// Share of torques that telemetry follows, 0 to 1.
-    fn telemetry_share(&self) -> f64 {
+    /// Telemetry frames per torque, 0 to 1.
+    fn telemetry_rate(&self) -> f64 {
         if self.telemetry_every == 0 { 0.0 } else { 1.0 / f64::from(self.telemetry_every) }
     }
 
-    /// Bytes back in a cycle. Out it is always one sample.
+    /// Bytes from drive to host in a cycle. The other direction carries one sample.
     #[must_use]
     pub fn bytes_back(&self, cycle: Cycle) -> f64 {
-        let share = match cycle {
-            Cycle::Mean => self.telemetry_share(),
-            Cycle::Worst => self.telemetry_share().ceil(),
+        let rate = match cycle {
+            Cycle::Mean => self.telemetry_rate(),
+            Cycle::Worst => self.telemetry_rate().ceil(),
         };
-        TORQUE.frame_len() as f64 + share * TELEMETRY.frame_len() as f64
+        TORQUE.frame_len() as f64 + rate * TELEMETRY.frame_len() as f64
     }
 
-    /// How long a torque waits for telemetry that is still on the wire when it is ready.
+    /// Delay of a torque by telemetry still on the wire.
     fn wait_behind_telemetry(&self, period: Duration) -> Duration {
         match self.telemetry_every {
             0 => Duration::ZERO,
@@ -83,35 +82,35 @@ impl Budget {
         }
     }
 
-    /// From the first bit of a sample to the last of its torque, with a drive that needs no time.
+    /// Time from the first bit of a sample to the last bit of its torque, without computation in the drive.
     #[must_use]
     pub fn answer(&self, cycle: Cycle) -> Duration {
         let undisturbed = self.frame(SAMPLE) + self.frame(TORQUE);
         match cycle {
             Cycle::Mean => {
-                undisturbed + self.wait_behind_telemetry(self.period).mul_f64(self.telemetry_share())
+                undisturbed + self.wait_behind_telemetry(self.period).mul_f64(self.telemetry_rate())
             }
             Cycle::Worst => undisturbed + self.wait_behind_telemetry(self.period),
         }
     }
 
-    /// What a period has for an answer: the loop keeps the rest for itself, see [`PERIOD_MARGIN`].
+    /// Time for an answer within a period; the loop reserves the rest, see [`PERIOD_MARGIN`].
     #[must_use]
     pub fn deadline(&self) -> Duration {
         self.period - self.period / PERIOD_MARGIN
     }
 
-    /// Whether the torque is there in time in these cycles, and nothing piles up on the wire.
+    /// Whether the torque meets its deadline in these cycles, and neither direction is overloaded.
     #[must_use]
     pub fn holds(&self, cycle: Cycle) -> bool {
         let back = Duration::from_secs_f64(10.0 * self.bytes_back(Cycle::Mean) / f64::from(self.baud));
         self.answer(cycle) <= self.deadline() && self.frame(SAMPLE) <= self.period && back <= self.period
     }
 
-    /// The shortest period that [`holds`](Self::holds), to a microsecond.
+    /// The shortest period that [`holds`](Self::holds), in steps of 1 us.
     #[must_use]
     pub fn shortest_period(&self, cycle: Cycle) -> Duration {
-        // Longer periods never hold less, and no cycle takes longer than this.
+        // `holds` is monotonic in the period, and no cycle takes longer than the upper bound.
         let (mut short_us, mut long_us) = (0, 1 + 2_000_000_000 / u64::from(self.baud));
         while long_us - short_us > 1 {
             let middle_us = u64::midpoint(short_us, long_us);
@@ -140,19 +139,19 @@ mod tests {
     }
 
     #[test]
-    fn a_cycle_is_made_of_the_protocol_s_frames() {
+    fn cycle_consists_of_the_protocol_s_frames() {
         let budget = at(1_000_000, 1_000, 10);
         assert_eq!([SAMPLE, TORQUE, TELEMETRY].map(MessageLayout::frame_len), [19, 16, 33]);
         assert!((budget.bytes_back(Cycle::Mean) - 19.3).abs() < 1e-9);
         assert_eq!(budget.bytes_back(Cycle::Worst), 49.0);
         assert_eq!(at(1_000_000, 1_000, 0).bytes_back(Cycle::Worst), 16.0);
-        // Ten microseconds a byte, and the wire back is idle again when the next torque comes.
+        // 10 us per byte, and the line is idle again before the next torque.
         assert_eq!(budget.answer(Cycle::Worst), Duration::from_micros(350));
     }
 
     #[test]
-    fn telemetry_that_is_longer_than_the_rest_of_the_period_delays_the_next_torque() {
-        // The wire back is taken for 490 us after the first bit of a torque, 40 us into the next one.
+    fn telemetry_beyond_the_period_delays_the_next_torque() {
+        // Torque and telemetry occupy the line for 490 us, 40 us into the next torque.
         let budget = at(1_000_000, 450, 10);
         assert_eq!(budget.answer(Cycle::Worst), Duration::from_micros(390));
         assert_eq!(budget.answer(Cycle::Mean), Duration::from_micros(354));
@@ -162,8 +161,8 @@ mod tests {
     }
 
     #[test]
-    fn telemetry_in_every_cycle_must_not_pile_up() {
-        // Each answer alone would be in time: 35 bytes and a wait that has not grown yet.
+    fn telemetry_in_every_cycle_must_fit_the_period() {
+        // A single answer would meet its deadline: 35 bytes, and a delay that has not accumulated yet.
         let budget = at(1_000_000, 485, 1);
         assert!(budget.answer(Cycle::Worst) < budget.deadline());
         assert!(!budget.holds(Cycle::Worst));
@@ -184,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn one_kilohertz_needs_460_800_bd_and_more_with_telemetry_in_every_cycle() {
+    fn one_kilohertz_needs_460_800_bd_or_more() {
         assert!(!at(115_200, 1_000, 10).holds(Cycle::Mean));
         assert!(!at(230_400, 1_000, 0).holds(Cycle::Worst));
         assert!(at(460_800, 1_000, 10).holds(Cycle::Worst));

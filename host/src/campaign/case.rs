@@ -1,4 +1,4 @@
-//! One run of a campaign and its place in the tables.
+//! One run of a campaign and its position in the tables.
 
 use std::fmt;
 
@@ -7,24 +7,24 @@ use serde::{Deserialize, Serialize};
 
 use super::law::Law;
 
-/// A part of the battery: a table.
+/// A table of the campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Part {
-    /// Plants nobody tuned a controller for.
+    /// Plants with random parameters.
     RandomPlants,
-    /// The nominal plant with another gap.
+    /// The nominal plant, dead zone varied.
     DeadZone,
-    /// The nominal plant behind other encoders.
+    /// The nominal plant, encoder resolution varied.
     EncoderCounts,
-    /// The nominal plant with another limit of the drive's torque.
+    /// The nominal plant, torque limit varied.
     TorqueLimit,
-    /// The nominal plant with another delay of the torque.
+    /// The nominal plant, torque delay varied.
     TorqueDelay,
 }
 
 impl Part {
-    /// The name in records.
+    /// Name in records.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -37,26 +37,21 @@ impl Part {
     }
 }
 
-/// Where a run belongs: the table, its row from 0, and the law.
+/// Position of a run in the tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CaseId {
-    /// The table.
     pub part: Part,
-    /// The number of the plant or of the value.
+    /// Number of the plant or of the varied value, from 0.
     pub row: u32,
-    /// The law.
     pub law: Law,
 }
 
-/// One run to be made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
-    /// Where it belongs.
     pub id: CaseId,
-    /// What is other than in the law's scenario, as `--set` takes it.
+    /// Changes to the law's scenario, in the form of `--set`.
     pub settings: Vec<String>,
-    /// The run.
     pub scenario: Scenario,
 }
 

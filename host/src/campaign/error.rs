@@ -7,15 +7,8 @@ use super::journal::JournalError;
 
 #[derive(Debug, thiserror::Error)]
 pub enum CampaignError {
-    /// A run could not be made.
     #[error("{case}: {source}")]
-    Run {
-        /// Which.
-        case: CaseId,
-        /// Why.
-        source: Box<RunError>,
-    },
-    /// A result could not be kept.
+    Run { case: CaseId, source: Box<RunError> },
     #[error(transparent)]
     Journal(#[from] JournalError),
 }

@@ -1,7 +1,7 @@
-//! The results of a battery as they come: one line of JSON each, so that a battery that was cut off can go on.
+//! The journal of a campaign: one line of JSON per result, so that an interrupted campaign can resume.
 //!
-//! The first line says what the results belong to. A line reaches the file whole, and half a line that a power failure left at
-//! the end is dropped: its run is made again.
+//! The first line identifies the campaign. Each line is one write. A partial line at the end, after a power failure, is
+//! discarded and its run is repeated.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read, Write};
@@ -12,76 +12,44 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::plan::Settings;
-use super::runs::CaseResult;
+use super::result::CaseResult;
 
-/// What the results of a file belong to.
+/// The campaign that a journal belongs to.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Header {
-    /// Version of Lashloop.
     pub lashloop: String,
-    /// The program that made the runs, plant and drive and all: SHA-256 of its file.
+    /// SHA-256 of the program's file, which holds plant and drive.
     pub program_sha256: String,
-    /// Which runs.
     pub settings: Settings,
 }
 
-/// Why results can't be kept or not be gone on with.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// The system refused.
     #[error("{}: can't be {action}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// `opened`, `read` or `written`.
-        action: &'static str,
-        /// Its reason.
-        source: io::Error,
-    },
-    /// There are results already.
-    #[error("{} holds results already: go on with --resume, or choose another folder with --out", path.display())]
-    Exists {
-        /// The file.
-        path: PathBuf,
-    },
-    /// Another battery writes to it.
+    Io { path: PathBuf, action: &'static str, source: io::Error },
+    #[error("{} already holds results: resume with --resume, or choose another folder with --out", path.display())]
+    Exists { path: PathBuf },
     #[error("{} is being written by another lashloop: wait for its end, or choose another folder with --out", path.display())]
-    InUse {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The results are those of another battery.
+    InUse { path: PathBuf },
     #[error(
-        "{} can't be gone on with: its {what} is {there}, here it is {here}; make them the same, or choose another folder with --out",
+        "{} can't be resumed: its {what} is {there}, here it is {here}; make them the same, or choose another folder with --out",
         path.display()
     )]
-    Other {
-        /// The file.
-        path: PathBuf,
-        /// What differs.
-        what: &'static str,
-        /// What the file says.
-        there: String,
-        /// What was asked for.
-        here: String,
-    },
-    /// A line is no result.
+    Other { path: PathBuf, what: &'static str, there: String, here: String },
     #[error("{}:{line}: {problem}; choose another folder with --out, or remove the line", path.display())]
     Malformed {
-        /// The file.
         path: PathBuf,
-        /// The line, from 1.
+        /// From 1.
         line: usize,
-        /// What is wrong with it.
         problem: String,
     },
 }
 
-/// How long a lock of somebody else is waited for.
-const LOCK_PATIENCE: Duration = Duration::from_millis(500);
+/// Timeout for the lock of another process.
+const LOCK_TIMEOUT: Duration = Duration::from_millis(500);
 
-/// An open file of results, locked for this process.
+/// An open journal, locked for this process.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
@@ -91,10 +59,10 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Begins a new file.
+    /// Creates a journal.
     ///
     /// # Errors
-    /// There is one already, or the system refuses.
+    /// The file exists, or the system refuses it.
     pub fn create(path: &Path, header: &Header) -> Result<Self, JournalError> {
         let file = OpenOptions::new().append(true).create_new(true).open(path);
         let file = file.map_err(|source| match source.kind() {
@@ -106,11 +74,11 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Goes on with a file and hands over what is in it; begins one if there is none. `take` says what is wrong with a result
-    /// that it does not want.
+    /// Opens a journal and passes its results to `take`; creates one if none exists. `take` refuses a result with the
+    /// reason.
     ///
     /// # Errors
-    /// The file belongs to another battery, is in use, or holds a line that is none of its results.
+    /// The journal belongs to another campaign, is in use, or holds a malformed or refused line.
     pub fn resume(
         path: &Path,
         header: &Header,
@@ -138,23 +106,23 @@ impl Journal {
         Ok(journal)
     }
 
-    /// Keeps a result.
+    /// Appends a result.
     ///
     /// # Errors
-    /// The file can't take it; what is in it stays whole.
+    /// The write fails; the lines before it stay intact.
     pub fn append(&mut self, result: &CaseResult) -> Result<(), JournalError> {
         self.write(result)
     }
 
-    /// A process that is just being started holds copies of all locks of its parent until it runs its own program. So a
-    /// lock that has been given back may be taken for a moment longer.
+    /// A new child process holds copies of its parent's locks until it executes its own program. A released lock can
+    /// therefore stay taken for a moment.
     fn lock(path: &Path, file: File) -> Result<Self, JournalError> {
-        let give_up = Instant::now() + LOCK_PATIENCE;
+        let deadline = Instant::now() + LOCK_TIMEOUT;
         loop {
             match file.try_lock() {
                 Ok(()) => return Ok(Self { path: path.to_owned(), file, written: 0 }),
-                Err(TryLockError::WouldBlock) if Instant::now() < give_up => {
-                    thread::sleep(LOCK_PATIENCE / 50);
+                Err(TryLockError::WouldBlock) if Instant::now() < deadline => {
+                    thread::sleep(LOCK_TIMEOUT / 50);
                 }
                 Err(TryLockError::WouldBlock) => return Err(JournalError::InUse { path: path.to_owned() }),
                 Err(TryLockError::Error(source)) => return Err(io_error(path, "opened")(source)),
@@ -173,7 +141,7 @@ impl Journal {
                 Ok(())
             }
             Err(source) => {
-                // A full disk may have taken half a line. If this fails as well, the first error says enough.
+                // A full disk may leave a partial line. If the truncation fails too, the first error suffices.
                 let _ = self.file.set_len(self.written);
                 Err(io_error(&self.path, "written")(source))
             }
@@ -184,13 +152,12 @@ impl Journal {
         serde_json::from_str(text).map_err(|error| self.malformed(line, error.to_string()))
     }
 
-    /// The error for a line that is none of this battery's.
     fn malformed(&self, line: usize, problem: String) -> JournalError {
         JournalError::Malformed { path: self.path.clone(), line, problem }
     }
 
     fn compare(&self, there: &Header, here: &Header) -> Result<(), JournalError> {
-        let spell = |header: &Header| {
+        let fields = |header: &Header| {
             let Header { lashloop, program_sha256, settings } = header;
             let laws: Vec<_> = settings.laws.iter().map(|law| law.name()).collect();
             [
@@ -202,7 +169,7 @@ impl Journal {
                 ("program's SHA-256", program_sha256.clone()),
             ]
         };
-        let differs = spell(there).into_iter().zip(spell(here)).find(|(there, here)| there != here);
+        let differs = fields(there).into_iter().zip(fields(here)).find(|(there, here)| there != here);
         match differs {
             None => Ok(()),
             Some(((what, there), (_, here))) => {

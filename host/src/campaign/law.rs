@@ -5,23 +5,22 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// A control law that is put to the test.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Law {
-    /// The paper's cascade before compensation.
+    /// The paper's PD cascade.
     Pd,
-    /// The paper's cascade with compensation.
+    /// The paper's cascade with dead-zone compensation.
     Merzouki,
-    /// The gap inverted in the torque domain and identified.
+    /// Identification of the gap and its inversion in the torque domain.
     BacklashInverse,
 }
 
 impl Law {
-    /// Every law, in the order of the tables.
+    /// In the order of the tables.
     pub const ALL: [Self; 3] = [Self::Pd, Self::Merzouki, Self::BacklashInverse];
 
-    /// The name in scenarios.
+    /// Name in scenarios.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -31,8 +30,7 @@ impl Law {
         }
     }
 
-    /// The scenario that its runs are made of: file and text. The drive's parameters in it are those of the nominal plant
-    /// and stay what they are.
+    /// File name and text of the law's scenario. Its controller parameters are tuned for the nominal plant and stay unchanged.
     pub(super) const fn scenario(self) -> (&'static str, &'static str) {
         match self {
             Self::Pd => ("scenarios/shaft-pd.toml", include_str!("../../../scenarios/shaft-pd.toml")),

@@ -1,4 +1,4 @@
-//! What the backlash inverse has to keep on the random plants.
+//! Limits of the backlash inverse on the random plants.
 
 use std::fmt;
 
@@ -8,22 +8,19 @@ use super::law::Law;
 use super::quantiles::{Quantile, Quantiles};
 use super::score::{Criterion, Score};
 
-/// The law that the limits are for.
+/// The law under these limits.
 pub const LAW: Law = Law::BacklashInverse;
 
-/// A quantile of a figure that has to stay below a value.
+/// An upper limit on a quantile over the random plants.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Limit {
-    /// What is limited.
     #[serde(rename = "figure")]
     pub criterion: Criterion,
-    /// Over the random plants.
     pub quantile: Quantile,
-    /// In the unit of the metric. The value itself is too much already.
+    /// In the unit of the metric; the value itself misses the limit.
     pub below: f64,
 }
 
-/// Every limit.
 pub const LIMITS: [Limit; 4] = [
     Limit { criterion: Criterion::SettleTime, quantile: Quantile::P95, below: 3.0 },
     Limit { criterion: Criterion::StaticError, quantile: Quantile::Max, below: 3.5e-3 },
@@ -31,20 +28,15 @@ pub const LIMITS: [Limit; 4] = [
     Limit { criterion: Criterion::DeadZoneError, quantile: Quantile::P95, below: 25e-3 },
 ];
 
-/// A limit held against what came out.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LimitResult {
-    /// The limit.
     #[serde(flatten)]
     pub limit: Limit,
-    /// What came out.
     pub value: Score,
-    /// Whether there is a value, and below the limit.
     pub met: bool,
 }
 
 impl Limit {
-    /// Holds the limit against the spread of its figure.
     #[must_use]
     pub fn judge(self, quantiles: &Quantiles) -> LimitResult {
         let value = quantiles.get(self.quantile);
@@ -71,7 +63,7 @@ mod tests {
     use crate::campaign::score::MissingReason;
 
     #[test]
-    fn a_limit_is_missed_at_its_value_and_by_whatever_has_none() {
+    fn limit_is_missed_at_its_value_and_without_a_value() {
         for limit in LIMITS {
             let judged = |score| limit.judge(&Quantiles::of([score]).expect("a run")).met;
             assert!(judged(Score::Value(limit.below * 0.999)), "{limit:?}");

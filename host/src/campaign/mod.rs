@@ -1,17 +1,18 @@
-//! How control laws fare on plants they were not tuned for: many runs, in process and in parallel, and what they have in common.
+//! Control laws on plants outside their tuning: many runs, in process and in parallel, and their statistics.
 //!
 //! | module | is |
 //! |---|---|
-//! | [`plants`], [`sweeps`] | what is varied |
-//! | [`plan`] | which runs there are |
-//! | [`runs`] | makes them |
-//! | [`journal`] | keeps each result as it comes |
-//! | [`score`], [`spread`] | figures of a run, and over runs |
-//! | [`limits`] | what has to come out |
-//! | [`report`], [`table`] | what came out |
+//! | [`law`], [`case`] | the laws under test, and one run |
+//! | [`plants`], [`sweeps`] | random plants, and the nominal one with one quantity varied |
+//! | [`plan`] | all cases of a campaign |
+//! | [`runs`], [`result`] | runs the cases |
+//! | [`journal`] | keeps each result as it arrives |
+//! | [`score`], [`quantiles`] | criteria of a run, and quantiles over runs |
+//! | [`limits`] | limits on the random plants |
+//! | [`report`], [`table`] | the tables as text, JSON and CSV |
 //!
-//! A run that diverges, latches a fault or never settles has no figure, and that is worse than any figure: it is counted, is
-//! never left out of a quantile, and misses every limit that it reaches.
+//! A run that diverges, latches a fault or never settles has no value, which ranks behind every value. Such a run is counted,
+//! stays in every quantile, and misses every limit on a quantile that includes it.
 
 pub mod case;
 mod error;
@@ -22,6 +23,7 @@ pub mod plan;
 pub mod plants;
 pub mod quantiles;
 pub mod report;
+pub mod result;
 pub mod runs;
 pub mod score;
 pub mod sweeps;
@@ -38,9 +40,10 @@ pub use error::CampaignError;
 use journal::JournalError;
 use plan::Settings;
 use report::Report;
-use runs::{CaseResult, Ended};
+use result::CaseResult;
+use runs::Ended;
 
-/// A battery and the results it has so far.
+/// The cases of a campaign and their results so far.
 #[derive(Debug)]
 pub struct Campaign {
     settings: Settings,
@@ -50,22 +53,21 @@ pub struct Campaign {
 }
 
 impl Campaign {
-    /// A battery without any results.
+    /// A campaign without results.
     ///
     /// # Errors
-    /// A scenario does not take what the battery sets in it.
+    /// A scenario refuses a setting of its case.
     pub fn new(settings: Settings) -> Result<Self, ScenarioErrors> {
         let cases = plan::cases(&settings)?;
         Ok(Self { settings, cases, results: BTreeMap::new() })
     }
 
-    /// Number of runs in all.
+    /// Number of cases.
     #[must_use]
     pub fn len(&self) -> usize {
         self.cases.len()
     }
 
-    /// Whether there is nothing to run.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.cases.is_empty()
@@ -77,13 +79,13 @@ impl Campaign {
         self.results.len()
     }
 
-    /// Takes a result of an earlier time.
+    /// Adds a result from the journal.
     ///
     /// # Errors
-    /// It is none of this battery's, or has been taken before.
+    /// The campaign lacks its case, or already has a result for it.
     pub fn take(&mut self, result: CaseResult) -> Result<(), &'static str> {
         if !self.cases.iter().any(|case| case.id == result.case) {
-            return Err("the result of a run that this battery does not have");
+            return Err("the result of a run that is not part of this battery");
         }
         match self.results.insert(result.case, result) {
             None => Ok(()),
@@ -91,10 +93,10 @@ impl Campaign {
         }
     }
 
-    /// Makes the runs that have no result yet. `keep` sees each result first.
+    /// Runs the cases without a result. Each result passes through `keep` first.
     ///
     /// # Errors
-    /// A run could not be made, or a result not be kept.
+    /// A run or `keep` fails.
     pub fn run(
         &mut self,
         jobs: NonZeroUsize,
@@ -110,12 +112,12 @@ impl Campaign {
         })
     }
 
-    /// The runs that have a result, with it, in the order of the tables.
+    /// Cases with their results, in the order of the tables.
     pub fn results(&self) -> impl Iterator<Item = (&Case, &CaseResult)> {
         self.cases.iter().filter_map(|case| Some((case, self.results.get(&case.id)?)))
     }
 
-    /// The tables. They are those of the whole battery once every run has a result.
+    /// The report on the results so far.
     #[must_use]
     pub fn report(&self) -> Report {
         Report::new(&self.settings, self.results.values())

@@ -1,4 +1,4 @@
-//! Which runs a battery consists of, in the order of its tables.
+//! The cases of a campaign, in the order of its tables.
 
 use lashloop_bench::scenario::{Override, Scenario, ScenarioErrors};
 use serde::{Deserialize, Serialize};
@@ -8,24 +8,24 @@ use super::law::Law;
 use super::plants::RandomPlant;
 use super::sweeps::SWEEPS;
 
-/// What a battery is made of. The same settings give the same runs.
+/// Settings of a campaign. Equal settings give equal runs.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// Starts every random stream.
+    /// Seed of every random stream.
     pub seed: u64,
     /// Number of random plants.
     pub plants: u32,
-    /// The laws, each once.
+    /// Without repetition.
     pub laws: Vec<Law>,
-    /// Whether the sweeps are run as well.
+    /// Whether the sweeps are included.
     pub sweeps: bool,
 }
 
-/// Every run of a battery, in the order of the tables.
+/// Every case of a campaign, in the order of the tables.
 ///
 /// # Errors
-/// A scenario does not take what the battery sets in it.
+/// A scenario refuses a setting of its case.
 pub fn cases(settings: &Settings) -> Result<Vec<Case>, ScenarioErrors> {
     let plants = (0..settings.plants).map(|row| {
         let plant = RandomPlant::draw(settings.seed, row);
@@ -69,9 +69,9 @@ mod tests {
             assert_eq!(have.load_inertia_kg_m2, plant.mechanics.load_inertia_kg_m2);
             assert_eq!(have.dead_zone_rad, plant.mechanics.dead_zone_rad);
             assert_eq!(case.scenario.encoders.load_counts_per_rev, plant.counts_per_rev);
-            let bench = have.backlash_shaft.as_ref().expect("the bench plant");
-            assert_eq!(bench.load_stiction_nm, plant.parameters.load.stiction_nm);
-            assert!((bench.current_lag_ms - 1e3 * plant.parameters.current_lag_s).abs() < 1e-12);
+            let shaft = have.backlash_shaft.as_ref().expect("the backlash shaft");
+            assert_eq!(shaft.load_stiction_nm, plant.parameters.load.stiction_nm);
+            assert!((shaft.current_lag_ms - 1e3 * plant.parameters.current_lag_s).abs() < 1e-12);
         }
     }
 

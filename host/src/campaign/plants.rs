@@ -1,9 +1,9 @@
-//! Bench plants that nobody tuned a controller for.
+//! Random plants around the nominal backlash shaft.
 //!
-//! Every parameter of the nominal plant is multiplied by a factor between 0.7 and 1.3; gap, stiction and encoders are drawn
-//! from ranges of their own. The reduction ratio is a count of teeth and stays. Each parameter has a random stream of its
-//! own, named by its key, and plant i takes the i-th number of it: a plant is the same however many are asked for and
-//! whatever is added to the list.
+//! Every parameter of the nominal plant is multiplied by a factor between 0.7 and 1.3. Gap, stiction and encoder resolution
+//! have ranges of their own. The reduction ratio is a ratio of tooth counts and stays constant. Each parameter has its own
+//! random stream, seeded by its key, and plant i takes the i-th number. A plant therefore depends neither on the number of
+//! plants nor on other parameters.
 
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::SeedableRng;
@@ -13,30 +13,27 @@ use lashloop_plant::Mechanics;
 use lashloop_plant::backlash_shaft::ShaftParameters;
 use lashloop_plant::random;
 
-/// Share by which a parameter may lie above or below its nominal value.
+/// Largest deviation of a parameter from its nominal value, as a fraction.
 const TOLERANCE: f64 = 0.3;
-/// j0 in rad.
+/// Dead-zone amplitude j0, in rad.
 const DEAD_ZONE_RAD: [f64; 2] = [0.02, 0.4];
-/// F_s / F_c of load and of motor.
+/// Stiction over Coulomb friction, F_s / F_c, of load and of motor.
 const STICTION_RATIO: [f64; 2] = [1.0, 1.5];
-/// Counts of both encoders.
 const COUNTS_PER_REV: [f64; 2] = [2_000.0, 10_000.0];
 
-/// A bench plant and the encoders on it.
+/// A plant and its encoders.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RandomPlant {
-    /// Load, motor, reducer, shaft and gap.
     pub mechanics: Mechanics,
-    /// Damping, friction and drive.
     pub parameters: ShaftParameters,
-    /// Counts per turn of either encoder.
+    /// Of both encoders.
     pub counts_per_rev: u32,
 }
 
-/// A parameter that lies around its nominal value.
+/// A parameter with a tolerance around its nominal value.
 struct Parameter {
     key: &'static str,
-    /// What one SI unit is in the unit of the key.
+    /// One SI unit in the unit of the key.
     per_si: f64,
     of: fn(&mut RandomPlant) -> &mut f64,
 }
@@ -65,7 +62,6 @@ const MOTOR_STICTION: &str = "plant.motor_stiction_nm";
 const ENCODERS: [&str; 2] = ["encoders.motor_counts_per_rev", "encoders.load_counts_per_rev"];
 
 impl RandomPlant {
-    /// Plant number `index` of a seed.
     #[must_use]
     pub fn draw(seed: u64, index: u32) -> Self {
         let within = |name, [low, high]: [f64; 2]| low + (high - low) * uniform(seed, name, index);
@@ -84,7 +80,7 @@ impl RandomPlant {
         plant
     }
 
-    /// The plant as `section.key=value`, as `lashloop run --set` takes it.
+    /// The plant as settings for `lashloop run --set`.
     #[must_use]
     pub fn settings(mut self) -> Vec<String> {
         let tolerated = TOLERATED.iter().map(|Parameter { key, per_si, of }| (*key, *of(&mut self) * per_si));
@@ -101,7 +97,7 @@ impl RandomPlant {
     }
 }
 
-/// Number `index` of a stream, evenly in [0, 1).
+/// Number `index` of a stream, uniform in [0, 1).
 fn uniform(seed: u64, stream: &str, index: u32) -> f64 {
     let name = Sha256::new().chain_update(seed.to_le_bytes()).chain_update(stream).finalize();
     let mut generator = Pcg64::from_seed(name.into());
@@ -126,13 +122,13 @@ mod tests {
         });
         let plants: Vec<_> = (0..2000).map(|index| RandomPlant::draw(1, index)).collect();
         let fills = |what: &str, values: Vec<f64>, [low, high]: [f64; 2]| {
-            let share = |value: f64| (value - low) / (high - low);
-            let shares: Vec<_> = values.into_iter().map(share).collect();
-            assert!(shares.iter().all(|share| (-1e-12..=1.0 + 1e-12).contains(share)), "{what}");
-            let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+            let fraction = |value: f64| (value - low) / (high - low);
+            let fractions: Vec<_> = values.into_iter().map(fraction).collect();
+            assert!(fractions.iter().all(|fraction| (-1e-12..=1.0 + 1e-12).contains(fraction)), "{what}");
+            let mean = fractions.iter().sum::<f64>() / fractions.len() as f64;
             assert!((mean - 0.5).abs() < 0.03, "{what}: mean at {mean} of the range, want 0.5");
-            let low = shares.iter().copied().fold(f64::MAX, f64::min);
-            let high = shares.iter().copied().fold(f64::MIN, f64::max);
+            let low = fractions.iter().copied().fold(f64::MAX, f64::min);
+            let high = fractions.iter().copied().fold(f64::MIN, f64::max);
             assert!(low < 0.01 && high > 0.99, "{what}: from {low} to {high} of the range");
         };
         for (at, Parameter { key, .. }) in TOLERATED.iter().enumerate() {

@@ -1,26 +1,24 @@
-//! Quantiles over runs of which some may have no figure.
+//! Quantiles over runs, some of which may have no value.
 //!
-//! By nearest rank: the q-quantile of n runs is the figure of the ceil(q n)-th best. Nothing is interpolated, so a quantile is
-//! the figure of a run, and nothing is dropped, so a run that never settled is the maximum of its figure.
+//! Nearest rank: the q-quantile of n runs is the ceil(q n)-th best score. Without interpolation a quantile is the score of one
+//! run. Missing values are included, so a run that never settled is the maximum.
 
 use serde::Serialize;
 
 use super::score::Score;
 
-/// Which quantile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Quantile {
-    /// Half of the runs are no worse.
+    /// Half of the runs score no worse.
     Median,
-    /// 95 % of the runs are.
+    /// 95 % of the runs score no worse.
     P95,
-    /// All are.
     Max,
 }
 
 impl Quantile {
-    /// Every quantile, in the order of the tables.
+    /// In the order of the tables.
     pub const ALL: [Self; 3] = [Self::Median, Self::P95, Self::Max];
 
     /// Name in a table.
@@ -33,7 +31,7 @@ impl Quantile {
         }
     }
 
-    /// The rank of the quantile among so many runs, from 1. In whole numbers, for 0.95 n is not always what it looks like.
+    /// Rank among `runs`, from 1. In integers, because 0.95 n in floating point can round up to the next rank.
     const fn rank(self, runs: usize) -> usize {
         match self {
             Self::Median => runs.div_ceil(2),
@@ -43,7 +41,7 @@ impl Quantile {
     }
 }
 
-/// Median, 95 % quantile and maximum of the size of a figure.
+/// Median, 95 % quantile and maximum of the magnitude of a score.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Quantiles {
     median: Score,
@@ -52,16 +50,15 @@ pub struct Quantiles {
 }
 
 impl Quantiles {
-    /// The quantiles of these runs; `None` without any run.
+    /// `None` without a run.
     #[must_use]
     pub fn of(scores: impl IntoIterator<Item = Score>) -> Option<Self> {
-        let mut sizes: Vec<_> = scores.into_iter().map(Score::size).collect();
+        let mut sizes: Vec<_> = scores.into_iter().map(Score::magnitude).collect();
         sizes.sort_by(Score::order);
         let at = |quantile: Quantile| sizes.get(quantile.rank(sizes.len()).checked_sub(1)?).copied();
         Some(Self { median: at(Quantile::Median)?, p95: at(Quantile::P95)?, max: at(Quantile::Max)? })
     }
 
-    /// One of them.
     #[must_use]
     pub const fn get(&self, quantile: Quantile) -> Score {
         match quantile {
@@ -78,7 +75,7 @@ mod tests {
     use crate::campaign::score::MissingReason;
 
     #[test]
-    fn quantiles_are_figures_of_runs_by_nearest_rank() {
+    fn quantiles_are_scores_of_runs_by_nearest_rank() {
         let spread = |runs: u32| Quantiles::of((1..=runs).rev().map(|n| Score::Value(n.into())));
         let ranks = |runs| Quantile::ALL.map(|it| spread(runs).expect("runs").get(it).value());
         assert_eq!(ranks(1), [Some(1.0); 3]);
@@ -88,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_that_diverged_is_in_every_quantile_it_belongs_to() {
+    fn diverged_run_counts_in_every_quantile() {
         let runs = |bad: usize| {
             let good = [Score::Value(-1.0)].into_iter().cycle().take(20 - bad);
             let all = [Score::Missing(MissingReason::NotFinite)].into_iter().cycle().take(bad).chain(good);

@@ -1,4 +1,4 @@
-//! The tables of a battery, for readers and for programs.
+//! The report of a campaign, as text and as JSON.
 
 use std::fmt;
 
@@ -9,24 +9,19 @@ use super::law::Law;
 use super::limits::{self, LIMITS, LimitResult};
 use super::plan::Settings;
 use super::quantiles::{Quantile, Quantiles};
-use super::runs::CaseResult;
+use super::result::CaseResult;
 use super::score::{Criterion, MissingReason, Score, Scores};
 use super::sweeps::{SWEEPS, Sweep};
 use lashloop_bench::run::End;
 use lashloop_bench::verdict::Verdict;
 
-/// Everything that a complete battery says.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// Whether the limits are met.
     pub verdict: Verdict,
-    /// What the battery was made of.
     pub settings: Settings,
-    /// The laws on the random plants.
     pub random_plants: Vec<LawReport>,
-    /// The limits; empty without the law that they are for.
+    /// Empty without the law that has limits.
     pub limits: Vec<LimitResult>,
-    /// The laws on the nominal plant with one thing varied.
     pub sweeps: Vec<SweepReport>,
 }
 
@@ -35,11 +30,8 @@ pub struct Report {
 pub struct LawReport {
     law: Law,
     runs: usize,
-    /// Runs whose load never stayed in the band.
     never_settled: usize,
-    /// Runs that did not reach their end.
     cut_short: usize,
-    /// Runs that left the finite numbers or whose plant could not be followed.
     not_finite: usize,
     /// In the order of [`Criterion::ALL`].
     #[serde(rename = "spreads")]
@@ -54,7 +46,6 @@ struct CriterionQuantiles {
     quantiles: Quantiles,
 }
 
-/// One sweep.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SweepReport {
     part: Part,
@@ -72,7 +63,6 @@ struct SweepRow {
 }
 
 impl Report {
-    /// The report on the results of all runs.
     #[must_use]
     pub fn new<'a>(settings: &Settings, results: impl Iterator<Item = &'a CaseResult> + Clone) -> Self {
         let random_plants: Vec<_> =
@@ -96,7 +86,7 @@ impl Report {
 }
 
 impl LawReport {
-    /// `None` if the law has not been run.
+    /// `None` without a run of the law.
     fn new<'a>(law: Law, results: impl Iterator<Item = &'a CaseResult>) -> Option<Self> {
         let mine: Vec<_> = results
             .filter(|result| result.case.part == Part::RandomPlants && result.case.law == law)
@@ -140,10 +130,10 @@ impl SweepReport {
     }
 }
 
-/// The size of a figure, or why there is none.
+/// The magnitude of a score, or the reason for its absence.
 fn cell(criterion: Criterion, score: Score) -> String {
-    match score.size() {
-        Score::Value(size) => criterion.show(size),
+    match score.magnitude() {
+        Score::Value(magnitude) => criterion.show(magnitude),
         Score::Missing(reason) => reason.to_string(),
     }
 }
@@ -184,7 +174,7 @@ impl fmt::Display for Report {
             writeln!(out, "\n{sweep}")?;
         }
         if self.limits.is_empty() {
-            return write!(out, "\nno limits: they are those of {}", limits::LAW);
+            return write!(out, "\nno limits: they apply to {} only", limits::LAW);
         }
         writeln!(out, "\nlimits of {} on the random plants", limits::LAW)?;
         self.limits.iter().try_for_each(|result| writeln!(out, "{result}"))?;

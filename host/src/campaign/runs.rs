@@ -1,17 +1,16 @@
-//! Makes the runs: the very drive of the firmware in process, as many at a time as there are jobs.
+//! Runs the cases with the firmware's drive in process, `jobs` at a time.
 //!
-//! Every run has a drive and a plant of its own and shares nothing, so what comes out doesn't depend on the number of jobs. Only
-//! the order does in which runs end.
+//! Every run has its own drive and plant and shares no state, so results do not depend on the number of jobs. Only their order
+//! does.
 
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
-use serde::{Deserialize, Serialize};
-
-use super::case::{Case, CaseId};
+use super::case::Case;
 use super::error::CampaignError;
+use super::result::CaseResult;
 use super::score::Scores;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::Device;
@@ -19,33 +18,17 @@ use lashloop_bench::device::kinds::in_process::InProcessDrive;
 use lashloop_bench::run::{self, Clock, End, RunError, Step, StepObserver};
 use lashloop_bench::supervisor::Supervisor;
 
-/// What came of one run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CaseResult {
-    /// Where it belongs.
-    pub case: CaseId,
-    /// How it ended.
-    pub end: String,
-    /// Its figures.
-    pub scores: Scores,
-    /// Digest of the torque stream, see [`TorqueDigest`](lashloop_bench::record::digest::TorqueDigest).
-    pub torque_sha256: String,
-}
-
-/// How a battery ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ended {
-    /// Every run was made.
     Complete,
-    /// The user asked to stop. Runs that were under way have left nothing.
+    /// Stopped by the user. Unfinished runs leave no result.
     Interrupted,
 }
 
-/// Makes the runs, and hands over each result on this thread as it comes.
+/// Runs the cases and passes each result to `keep`, on this thread, as it arrives.
 ///
 /// # Errors
-/// A run could not be made or its result not be kept; then no further run is begun.
+/// A run or `keep` fails; no further run is started.
 pub fn run_all(
     cases: &[&Case],
     jobs: NonZeroUsize,
@@ -70,7 +53,7 @@ pub fn run_all(
             });
         }
         drop(results);
-        // Ends when the last worker has, or returns at once with the first error and leaves the others nobody to tell.
+        // Ends with the last worker, or at the first error; the channel then closes, which ends the workers.
         let kept = ended.into_iter().try_for_each(|result| {
             count += 1;
             keep(result?)
@@ -82,7 +65,7 @@ pub fn run_all(
     Ok(if count == cases.len() { Ended::Complete } else { Ended::Interrupted })
 }
 
-/// `None` if it was asked to stop.
+/// `None` if the run was stopped.
 fn run_one(case: &Case, stop: &Stop<'_>) -> Result<Option<CaseResult>, CampaignError> {
     let failed = |source: RunError| CampaignError::Run { case: case.id, source: Box::new(source) };
     let device = Device::open(&InProcessDrive.into(), case.scenario.link.baud, stop.supervisor)
@@ -101,7 +84,7 @@ fn run_one(case: &Case, stop: &Stop<'_>) -> Result<Option<CaseResult>, CampaignE
     }))
 }
 
-/// Why to begin no further run, and to end those under way.
+/// Stops the workers, on a failure or on the user's signal.
 struct Stop<'a> {
     failed: AtomicBool,
     supervisor: &'a Supervisor,
@@ -126,7 +109,7 @@ impl StepObserver for &Stop<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::campaign::case::Part;
+    use crate::campaign::case::{CaseId, Part};
     use crate::campaign::law::Law;
     use crate::campaign::plan::{self, Settings};
     use crate::campaign::score::{Criterion, MissingReason, Score};
@@ -155,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_that_diverges_or_latches_a_fault_scores_nothing() {
+    fn diverged_or_faulted_run_has_no_score() {
         let stiff = ["plant.load_friction=lugre", "plant.bristle_stiffness_nm_rad=1e8"];
         let jump = ["controller.parameters.motor_speed_limit_rad_s=2"];
         let results = results_of(&[case(&jump), case(&stiff)], 1);
@@ -174,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn results_are_the_same_bits_whatever_the_number_of_jobs() {
+    fn results_are_the_same_bits_for_any_number_of_jobs() {
         let settings = Settings { seed: 5, plants: 2, laws: Law::ALL.to_vec(), sweeps: false };
         let mut cases = plan::cases(&settings).expect("cases");
         for case in &mut cases {
@@ -186,10 +169,10 @@ mod tests {
     }
 
     #[test]
-    fn the_first_result_that_cannot_be_kept_ends_the_battery() {
+    fn first_result_that_can_not_be_kept_ends_the_battery() {
         let supervisor = Supervisor::start(std::path::PathBuf::new()).expect("a supervisor");
         let mut case = case(&[]);
-        // Longer than any test: only a stop ends the others.
+        // Longer than any test, so that only a stop ends the other runs.
         let short = case.clone();
         case.scenario.run.duration_s = 1e5;
         let mut count = 0;

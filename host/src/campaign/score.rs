@@ -1,4 +1,4 @@
-//! What one run of the battery scores. A run without a figure ranks behind every run with one.
+//! The scores of one run. A missing value ranks behind every value.
 
 use std::cmp::Ordering;
 use std::fmt;
@@ -9,26 +9,26 @@ use lashloop_bench::run::{End, Outcome};
 use lashloop_bench::verdict::Verdict;
 use lashloop_plant::metrics::{Measured, Metric, Metrics};
 
-/// A figure that the battery looks at.
+/// A criterion of a run, taken from one of its metrics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Criterion {
-    /// Time into 0.05 rad, for good.
+    /// Time until the load stays within 0.05 rad.
     SettleTime,
-    /// Error of the last second.
+    /// Mean error over the last second.
     StaticError,
-    /// Peak to peak of the last 10 s.
+    /// Peak-to-peak position over the last 10 s.
     Hunting,
-    /// The drive's last estimate of j0 less the true one.
+    /// Last estimate of j0, less its true value.
     DeadZoneError,
     /// Integral of the torque squared.
     Effort,
-    /// Sum of the torque's changes.
+    /// Total variation of the torque.
     TorqueVariation,
 }
 
 impl Criterion {
-    /// Every figure, in the order of the tables.
+    /// In the order of the tables.
     pub const ALL: [Self; 6] = [
         Self::SettleTime,
         Self::StaticError,
@@ -38,7 +38,6 @@ impl Criterion {
         Self::TorqueVariation,
     ];
 
-    /// The metric it is taken from.
     #[must_use]
     pub const fn metric(self) -> Metric {
         match self {
@@ -51,7 +50,7 @@ impl Criterion {
         }
     }
 
-    /// Name in a table; sizes of figures are compared there, without their signs.
+    /// Name in a table, which shows magnitudes.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -64,7 +63,6 @@ impl Criterion {
         }
     }
 
-    /// Unit in a table.
     #[must_use]
     pub const fn unit(self) -> &'static str {
         match self {
@@ -75,7 +73,7 @@ impl Criterion {
         }
     }
 
-    /// A value in SI units as a table shows it.
+    /// Formats a value in SI units in the unit of the table.
     #[must_use]
     pub fn show(self, si: f64) -> String {
         match self {
@@ -86,35 +84,33 @@ impl Criterion {
     }
 }
 
-/// A figure of one run, or why there is none.
+/// The value of a criterion, or the reason for its absence.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Score {
-    /// A finite number in the unit of the metric.
+    /// Finite, in the unit of the metric.
     Value(f64),
-    /// Why there is no number.
     Missing(MissingReason),
 }
 
-/// Why a run has no figure; the worse the later.
+/// Why a run has no value, from the least to the most severe reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum MissingReason {
     /// The metric does not apply to this run.
     #[serde(rename = "none")]
     Unmeasured,
-    /// The load never stayed in the band.
+    /// The load never settled within the band.
     #[serde(rename = "never")]
     Never,
-    /// The run did not reach its end: the drive latched a fault, above all.
+    /// The run ended early, usually because the drive latched a fault.
     #[serde(rename = "cut short")]
     CutShort,
-    /// Something was not finite, or the plant could not be followed.
+    /// A value was not finite, or the plant could not be integrated.
     #[serde(rename = "not finite")]
     NotFinite,
 }
 
 impl Score {
-    /// The number, if there is one.
     #[must_use]
     pub const fn value(self) -> Option<f64> {
         match self {
@@ -123,16 +119,15 @@ impl Score {
         }
     }
 
-    /// The score without its sign.
     #[must_use]
-    pub fn size(self) -> Self {
+    pub fn magnitude(self) -> Self {
         match self {
             Self::Value(value) => Self::Value(value.abs()),
             reason @ Self::Missing(_) => reason,
         }
     }
 
-    /// The better first. What has no number, or none that is finite, is behind all that has.
+    /// Orders by value, best first. Missing and non-finite values rank behind every finite value.
     #[must_use]
     pub fn order(&self, other: &Self) -> Ordering {
         let rank = |score: &Self| match score {
@@ -156,7 +151,7 @@ impl fmt::Display for MissingReason {
     }
 }
 
-/// The figures of one run, with their signs, by the names of their metrics.
+/// The signed scores of one run, by the names of their metrics.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scores {
@@ -169,7 +164,6 @@ pub struct Scores {
 }
 
 impl Scores {
-    /// What a run scores.
     #[must_use]
     pub fn of(outcome: &Outcome) -> Self {
         Self::judged(&outcome.end, outcome.judgement.verdict, &outcome.metrics)
@@ -178,7 +172,7 @@ impl Scores {
     fn judged(end: &End, verdict: Verdict, metrics: &Metrics) -> Self {
         let score = |criterion: Criterion| match (end, metrics.get(criterion.metric())) {
             (End::Diverged(_), _) | (_, Measured::NotFinite) => Score::Missing(MissingReason::NotFinite),
-            // What was measured up to the fault is no figure of the whole run.
+            // A metric measured up to the fault does not describe the whole run.
             (End::DriveFault(_) | End::DriveRestarted | End::Interrupted, _) => {
                 Score::Missing(MissingReason::CutShort)
             }
@@ -197,7 +191,6 @@ impl Scores {
         }
     }
 
-    /// One of them.
     #[must_use]
     pub const fn get(&self, criterion: Criterion) -> Score {
         match criterion {

@@ -1,18 +1,14 @@
-//! One thing of the nominal plant at a time, from easy to hard.
+//! The nominal plant with one quantity varied at a time.
 
 use super::case::Part;
 
-/// A quantity and the values it takes.
 pub struct Sweep {
-    /// The table.
     pub part: Part,
-    /// What is varied, in words.
+    /// Varied quantity, as in the table.
     pub name: &'static str,
-    /// Unit of the values.
     pub unit: &'static str,
-    /// The values.
     pub values: &'static [f64],
-    /// The keys of the scenario that take them.
+    /// Keys of the scenario that take the value.
     keys: &'static [&'static str],
 }
 
@@ -37,7 +33,7 @@ pub const SWEEPS: [Sweep; 4] = [
         name: "torque limit",
         unit: "N m",
         values: &[2.0, 3.0, 5.0, 10.0, 20.0],
-        // What the motor can give and what the drive knows of it.
+        // The saturation of the motor, and the limit in the drive.
         keys: &["plant.torque_saturation_nm", "controller.parameters.torque_limit_nm"],
     },
     Sweep {
@@ -53,7 +49,7 @@ impl Sweep {
     /// A value as `section.key=value`.
     #[must_use]
     pub fn settings(&self, value: f64) -> Vec<String> {
-        // Without a point if it is whole: counts and microseconds are whole numbers.
+        // Display omits the point of a whole number: counts and microseconds are integers.
         self.keys.iter().map(|key| format!("{key}={value}")).collect()
     }
 }

@@ -93,8 +93,8 @@ impl Reporter for Printer<'_> {
         let note = if note.is_empty() { String::new() } else { format!(" ({note})") };
         match status {
             CheckStatus::Passed => outln!("PASS     {group}: {name}{note}"),
-            CheckStatus::Failed { expected, came } => {
-                outln!("FAIL     {group}: {name}{note}; expected {expected}, got {came}");
+            CheckStatus::Failed { expected, got } => {
+                outln!("FAIL     {group}: {name}{note}; expected {expected}, got {got}");
             }
             CheckStatus::Skipped { reason } => outln!("SKIPPED  {group}: {name}; {reason}"),
         }

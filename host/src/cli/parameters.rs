@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use lashloop::parameter_set::{ParameterSet, Settings, SettingsError, spell};
+use lashloop::parameter_set::{ParameterSet, Settings, SettingsError, to_toml_value};
 use lashloop_bench::device::Device;
 use lashloop_bench::verdict::Exit;
 
@@ -81,7 +81,7 @@ fn list(in_force: &ParameterSet) {
     outln!("{:<28} {:>12} {:>12}  {:<4} allowed", "name", "value", "default", "live");
     for (it, value) in in_force.iter() {
         let live = if it.live { "yes" } else { "no" };
-        let (value, default) = (spell(*value), spell(it.default));
+        let (value, default) = (to_toml_value(*value), to_toml_value(it.default));
         outln!("{:<28} {value:>12} {default:>12}  {live:<4} {}", it.name, it.range());
     }
 }
@@ -94,6 +94,6 @@ fn dump(device: &Device, in_force: &ParameterSet) {
 
 fn confirm(in_force: &ParameterSet, settings: &Settings) {
     for (it, value) in in_force.iter().filter(|(it, _)| settings.contains(&it.name)) {
-        outln!("{} = {}", it.name, spell(*value));
+        outln!("{} = {}", it.name, to_toml_value(*value));
     }
 }

@@ -72,7 +72,7 @@ impl Arguments {
             let begun = Instant::now();
             let result = one_run(&plan, &self.drive.device, &supervisor, &mut watcher);
             let drive = watcher.growth;
-            let bench = resource_usage::look(None)
+            let bench = resource_usage::read(None)
                 .map_err(|source| CliError::System { what: "read /proc", source })?;
             let mut tally = shared.tally();
             let before = tally.problems.len();
@@ -176,7 +176,7 @@ impl StepObserver for SoakWatcher<'_> {
         self.step += 1;
         if self.step.is_multiple_of(STRIDE)
             && let Some(process) = self.process
-            && let Ok(held) = resource_usage::look(Some(process))
+            && let Ok(held) = resource_usage::read(Some(process))
         {
             // If the process has ended, the link reports the error.
             self.growth.push(held);

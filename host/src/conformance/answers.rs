@@ -7,13 +7,12 @@ use lashloop_protocol::{DriveMessage, EncoderCounts};
 
 use super::assertion::{Failure, find};
 
-/// The mechanics at rest at zero, and the load wanted at 1 rad: any controller pushes.
+/// Mechanics at rest at zero and a reference of 1 rad: every control law requests a torque.
 pub(super) fn sample(sequence: u16) -> EncoderSample {
     let [motor_counts, load_counts] = [EncoderCounts::default(); 2];
     EncoderSample { sequence, motor_counts, load_counts, reference_rad: 1.0 }
 }
 
-/// The identity among answers.
 pub(super) fn identity(answers: &[DriveMessage]) -> Result<Identity, Failure> {
     find("an Identity", answers, |answer| match answer {
         DriveMessage::Identity(identity) => Some(*identity),
@@ -21,7 +20,6 @@ pub(super) fn identity(answers: &[DriveMessage]) -> Result<Identity, Failure> {
     })
 }
 
-/// The torque among answers.
 pub(super) fn torque(answers: &[DriveMessage]) -> Result<TorqueAnswer, Failure> {
     find("a TorqueAnswer", answers, |answer| match answer {
         DriveMessage::TorqueAnswer(answer) => Some(*answer),
@@ -29,7 +27,6 @@ pub(super) fn torque(answers: &[DriveMessage]) -> Result<TorqueAnswer, Failure> 
     })
 }
 
-/// The fault among answers.
 pub(super) fn fault(answers: &[DriveMessage]) -> Result<FaultReport, Failure> {
     find("a FaultReport", answers, |answer| match answer {
         DriveMessage::FaultReport(fault) => Some(*fault),
@@ -37,7 +34,7 @@ pub(super) fn fault(answers: &[DriveMessage]) -> Result<FaultReport, Failure> {
     })
 }
 
-/// What became of a request among answers to it.
+/// Outcome in the `CommandResult` of a request.
 pub(super) fn outcome<Request: Payload>(answers: &[DriveMessage]) -> Result<Outcome, Failure> {
     let what = format!("a CommandResult for {}", Request::LAYOUT.name);
     find(&what, answers, |answer| match answer {
@@ -46,7 +43,6 @@ pub(super) fn outcome<Request: Payload>(answers: &[DriveMessage]) -> Result<Outc
     })
 }
 
-/// The report of a parameter among answers.
 pub(super) fn report(index: u8, answers: &[DriveMessage]) -> Result<ParameterReport, Failure> {
     find(&format!("a ParameterReport for index {index}"), answers, |answer| match answer {
         DriveMessage::ParameterReport(report) if report.index == index => Some(*report),

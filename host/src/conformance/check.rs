@@ -1,11 +1,10 @@
-//! One rule of the protocol, and how a drive can break it.
+//! One rule of the protocol and the code that checks it.
 
 use std::sync::Arc;
 
 use super::assertion::RuleResult;
 use super::client::Client;
 
-/// A rule and the code that tries it.
 #[derive(Clone)]
 pub(super) struct Check {
     pub(super) group: &'static str,

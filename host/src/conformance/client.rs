@@ -1,4 +1,4 @@
-//! The bench's side of a conformance run: requests, and everything that comes in answer to each.
+//! The bench's side of a conformance run: requests and all their answers.
 
 use std::time::{Duration, Instant};
 
@@ -17,8 +17,8 @@ use lashloop_bench::session::{Parameter, SessionError, handshake, parameters};
 use super::answers::{identity, report, sample, torque};
 use super::assertion::{Failure, RuleResult, equal, find};
 
-/// No drive has a parameter of this index, since a count of parameters is a byte. So a question for it changes nothing
-/// in any state, and its answer ends the answers to what was asked before.
+/// Index that no drive has, since the parameter count is a byte. Reading it has no effect in any state, so its answer marks
+/// the end of the answers to the request before it.
 const NO_PARAMETER: u8 = u8::MAX;
 
 /// A drive under test.
@@ -41,7 +41,7 @@ impl Client {
         Ok(Self { line, session, identity, parameters, state: identity.state, note: String::new() })
     }
 
-    /// Leaves the drive as after power-up; what it has to say to that is for the next host.
+    /// Resets the drive. The answer is left for the next host.
     pub(super) fn leave(mut self) -> Result<(), SessionError> {
         self.line.send(&Reset {}.into())
     }
@@ -70,15 +70,15 @@ impl Client {
         std::mem::take(&mut self.note)
     }
 
-    /// Sends a request and returns everything that comes before the answer to the question behind it.
+    /// Sends a request and returns all of its answers. A read of [`NO_PARAMETER`] after it marks their end.
     pub(super) fn request(&mut self, request: impl Into<HostMessage>) -> Result<Vec<DriveMessage>, Failure> {
         self.request_bytes(&request.into().frame())
     }
 
-    /// The same for bytes that need not be frames.
+    /// As [`Self::request`], for arbitrary bytes.
     pub(super) fn request_bytes(&mut self, bytes: &[u8]) -> Result<Vec<DriveMessage>, Failure> {
-        let question = HostMessage::from(GetParameter { index: NO_PARAMETER });
-        self.send_bytes(&[bytes, &*question.frame()].concat())?;
+        let marker = HostMessage::from(GetParameter { index: NO_PARAMETER });
+        self.send_bytes(&[bytes, &*marker.frame()].concat())?;
         let mut answers = Vec::new();
         let state = self.wait_for(REQUEST_LIMIT, |message| match message {
             DriveMessage::ParameterReport(report) if report.index == NO_PARAMETER => Some(report.state),
@@ -96,7 +96,7 @@ impl Client {
                 "within {} s an answer to the next good request, GetParameter {NO_PARAMETER}",
                 REQUEST_LIMIT.as_secs()
             ),
-            came: if answers.is_empty() { "nothing".to_owned() } else { format!("{answers:?} and no more") },
+            got: if answers.is_empty() { "nothing".to_owned() } else { format!("{answers:?} and no more") },
         })
     }
 
@@ -109,7 +109,7 @@ impl Client {
         self.line.now()
     }
 
-    /// What comes unasked, until `wanted` recognises it or the limit has passed.
+    /// Receives unsolicited messages until `wanted` accepts one or the limit has passed.
     pub(super) fn wait_for<T>(
         &mut self,
         limit: Duration,
@@ -119,7 +119,7 @@ impl Client {
         self.line.wait(deadline, wanted).map_err(Failure::Session)
     }
 
-    /// Sends a request that has no answer of its own and returns what became of it.
+    /// Sends a request that is answered by a `CommandResult`, and returns its outcome and state.
     pub(super) fn command<C: Payload + Into<HostMessage>>(
         &mut self,
         command: C,
@@ -145,11 +145,11 @@ impl Client {
     pub(super) fn parameter(&self, name: &str) -> Result<&Parameter, Failure> {
         self.parameters.iter().find(|parameter| parameter.name == name).ok_or_else(|| Failure::Rule {
             expected: format!("a parameter {name}"),
-            came: "a drive without it".to_owned(),
+            got: "a drive without it".to_owned(),
         })
     }
 
-    /// Sets a parameter that has to be taken.
+    /// Sets a parameter; a refusal fails the check.
     pub(super) fn put(&mut self, name: &str, value: ParameterValue) -> RuleResult {
         let index = self.parameter(name)?.index;
         let report = self.set(index, value)?;
@@ -164,24 +164,24 @@ impl Client {
         report(index, &self.request(GetParameter { index })?)
     }
 
-    /// The value in force of a real parameter.
+    /// The value of a real parameter.
     pub(super) fn real(&mut self, name: &str) -> Result<f32, Failure> {
         let index = self.parameter(name)?.index;
         match self.get(index)?.value {
             ParameterValue::F32(value) => Ok(value),
             ParameterValue::U32(value) => Err(Failure::Rule {
                 expected: format!("a real number in {name}"),
-                came: format!("the integer {value}"),
+                got: format!("the integer {value}"),
             }),
         }
     }
 
-    /// A sample with the mechanics at rest at zero, and all that comes for it.
+    /// Sends a sample with the mechanics at rest at zero, and returns all answers.
     pub(super) fn sample(&mut self, sequence: u16) -> Result<Vec<DriveMessage>, Failure> {
         self.request(sample(sequence))
     }
 
-    /// The torque for a sample of [`Self::sample`].
+    /// Sends the sample of [`Self::sample`] and returns its torque.
     pub(super) fn torque(&mut self, sequence: u16) -> Result<TorqueAnswer, Failure> {
         torque(&self.sample(sequence)?)
     }

@@ -1,4 +1,4 @@
-//! Greeting: who is there, which session it is, and which version.
+//! Handshake: identity, session and protocol version.
 
 use lashloop_protocol::PROTOCOL_VERSION;
 use lashloop_protocol::enums::{FaultCode, Outcome, State};
@@ -24,7 +24,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.running(&[])?;
             let before = client.torque(0)?.torque_nm;
             client.handshake(client.session())?;
-            // A step more shows that the run goes on; without one, the torque is the one before.
+            // The repeated sample returns the old torque without a step; the next one shows that the run continues.
             equal("repeated torque", before, client.torque(0)?.torque_nm)?;
             equal("state of the next torque", State::Running, client.torque(1)?.status.state)
         }),

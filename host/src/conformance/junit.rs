@@ -1,13 +1,13 @@
-//! The results as a JUnit report, for the build servers that read nothing else.
+//! The results as a JUnit report, for build servers.
 
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
 use super::result::{CheckResult, CheckStatus};
 
-/// The report as XML: a suite per group, a case per check. `device` is who was tested, in words.
+/// The report as XML: a suite per group, a case per check. `device` describes the drive.
 ///
 /// # Errors
-/// What the writer of XML said.
+/// Errors of the XML writer.
 pub fn report(device: &str, results: &[CheckResult]) -> Result<String, quick_junit::SerializeError> {
     let mut report = Report::new("lashloop conformance");
     for group in results.chunk_by(|one, next| one.group == next.group) {
@@ -23,9 +23,9 @@ pub fn report(device: &str, results: &[CheckResult]) -> Result<String, quick_jun
 fn case(result: &CheckResult) -> TestCase {
     let status = match &result.status {
         CheckStatus::Passed => TestCaseStatus::success(),
-        CheckStatus::Failed { expected, came } => {
+        CheckStatus::Failed { expected, got } => {
             let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-            status.set_message(format!("expected {expected}, got {came}"));
+            status.set_message(format!("expected {expected}, got {got}"));
             status
         }
         CheckStatus::Skipped { reason } => {

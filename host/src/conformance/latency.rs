@@ -1,4 +1,4 @@
-//! The time of answers: all in bounds, and how they are spread.
+//! Latency of answers: the limit, and quantiles for the note.
 
 use std::time::{Duration, Instant};
 
@@ -14,8 +14,8 @@ use super::assertion::{Failure, expect};
 use super::check::Check;
 use super::client::Client;
 
-/// Longest time for an answer. A drive needs some 100 us; this is for an emulator on a machine that is busy with
-/// something else, so only a drive that hangs is beyond it.
+/// Latency limit. A drive needs some 100 us; the limit leaves time for an emulator on a busy machine, so that only a hung
+/// drive exceeds it.
 pub const LIMIT: Duration = Duration::from_secs(1);
 
 /// Round trips per kind of request.
@@ -55,11 +55,11 @@ fn round_trip(client: &mut Client, request: HostMessage, answer: &str) -> Result
     use lashloop_protocol::Message;
     let sent = Instant::now();
     client.line().send(&request).map_err(Failure::Session)?;
-    let came = client.wait_for(REQUEST_LIMIT, |message: &DriveMessage| {
+    let got = client.wait_for(REQUEST_LIMIT, |message: &DriveMessage| {
         (message.layout().name == answer).then(|| sent.elapsed())
     })?;
-    came.ok_or_else(|| Failure::Rule {
+    got.ok_or_else(|| Failure::Rule {
         expected: format!("{answer} within {LIMIT:?}"),
-        came: format!("nothing within {REQUEST_LIMIT:?}"),
+        got: format!("nothing within {REQUEST_LIMIT:?}"),
     })
 }

@@ -1,4 +1,4 @@
-//! The line: a drive finds its way back after any damage, answers nothing that was damaged, and tells of it.
+//! The line: resynchronisation after damage, no answer to damaged frames, and their counters.
 
 use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::message::{GetParameter, LineReport, Stop};
@@ -8,7 +8,7 @@ use super::assertion::{Failure, RuleResult, equal, expect, find, names};
 use super::check::Check;
 use super::client::Client;
 
-/// More than a frame can have, without a delimiter.
+/// Longer than any frame, without a delimiter.
 const OVERSIZED: [u8; 5 * MAX_FRAME] = [0x55; 5 * MAX_FRAME];
 
 pub(super) fn checks() -> Vec<Check> {
@@ -17,7 +17,7 @@ pub(super) fn checks() -> Vec<Check> {
         check("garbage before a frame is discarded", |client| {
             let garbage = [b"noise\0more noise\0", &*request(0)].concat();
             answered(client, &garbage, &[0])?;
-            // Without a delimiter between them the garbage takes the frame with it, but not the one after.
+            // Without a delimiter the garbage corrupts the frame that follows, but not the next.
             answered(client, &[b"noise", &*request(0), &*request(1)].concat(), &[1])
         }),
         check("a frame with a flipped bit is not answered", flipped_bits),
@@ -55,7 +55,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.running(&[])?;
             client.send_bytes(&[DELIMITER; 5])?;
             client.torque(0)?;
-            // The question after Start, the sample, the question after it, and Stop itself.
+            // The marker after Start, the sample, the marker after the sample, and Stop.
             reported(client, LineReport { messages: 4, damaged: 0, refused: 0, overruns: 0 })
         }),
         check("the LineReport counts damaged and refused frames", |client| {
@@ -74,9 +74,9 @@ pub(super) fn checks() -> Vec<Check> {
         }),
         check("every frame from the drive was a good message", |client| {
             let counters = *client.line().decoder().counters();
-            let came = (counters.damaged(), counters.refused);
+            let got = (counters.damaged(), counters.refused);
             client.note(format!("{} messages", counters.messages));
-            equal("damaged and refused frames of the drive", (0, 0), came)
+            equal("damaged and refused frames of the drive", (0, 0), got)
         }),
     ]
 }
@@ -85,16 +85,16 @@ fn request(index: u8) -> Vec<u8> {
     HostMessage::from(GetParameter { index }).frame().to_vec()
 }
 
-/// A message of the drive's own: whole, but nothing that a host may say.
+/// A good frame with a message of the drive, which is not a request.
 fn no_request() -> Vec<u8> {
     let report = LineReport { messages: 0, damaged: 0, refused: 0, overruns: 0 };
     DriveMessage::from(report).frame().to_vec()
 }
 
-/// Four damaged frames, one of each sort, and one that is no request.
+/// Four damaged frames, one of each kind, and a good one that is not a request.
 fn damaged() -> Vec<u8> {
     let mut bad_crc = request(0);
-    // The last byte before the delimiter, and kept from becoming one.
+    // The last byte before the delimiter; it must not become a delimiter.
     let last = bad_crc.len() - 2;
     bad_crc[last] ^= if bad_crc[last] == 1 { 2 } else { 1 };
     let truncated = [&request(0)[..4], &[DELIMITER]].concat();
@@ -102,7 +102,7 @@ fn damaged() -> Vec<u8> {
     [bad_crc, truncated, too_short, [&OVERSIZED[..], &[DELIMITER]].concat(), no_request()].concat()
 }
 
-/// Sends bytes and checks that exactly these parameters are reported.
+/// Sends bytes and requires a report for each of these parameters, in order, and no other answer.
 fn answered(client: &mut Client, bytes: &[u8], indices: &[u8]) -> RuleResult {
     let answers = client.request_bytes(bytes)?;
     let reports: Vec<_> = answers
@@ -116,7 +116,7 @@ fn answered(client: &mut Client, bytes: &[u8], indices: &[u8]) -> RuleResult {
     expect(only_these, format!("a ParameterReport for each of {indices:?} and nothing else"), answers)
 }
 
-/// Every bit of every byte but the delimiter, whose loss is a check of its own.
+/// Flips every bit of every byte except the delimiter, whose loss has its own check.
 fn flipped_bits(client: &mut Client) -> RuleResult {
     let whole = request(0);
     for place in 0..whole.len() - 1 {
@@ -131,9 +131,9 @@ fn flipped_bits(client: &mut Client) -> RuleResult {
 
 fn reported(client: &mut Client, wanted: LineReport) -> RuleResult {
     let answers = client.request(Stop {})?;
-    let came: Result<LineReport, Failure> = find("a LineReport", &answers, |answer| match answer {
+    let got: Result<LineReport, Failure> = find("a LineReport", &answers, |answer| match answer {
         DriveMessage::LineReport(report) => Some(*report),
         _ => None,
     });
-    equal("line report", wanted, came?)
+    equal("line report", wanted, got?)
 }

@@ -1,22 +1,22 @@
-//! Whether a drive keeps to the protocol: a battery of checks for anything that claims to be a drive.
+//! Conformance of a drive to the protocol, checked rule by rule.
 //!
 //! | module | checks |
 //! |---|---|
-//! | `greeting` | identity, sessions, versions |
+//! | `handshake` | identity, sessions, versions |
 //! | `transitions` | every request in every state, and requests of another session |
 //! | `parameters` | descriptions, ranges, read-back, refusals |
 //! | `samples` | torque for samples, the rules of the sequence, telemetry |
-//! | `encoders` | readings that wrap, jump, or can't be told apart |
-//! | `safety` | limits, faults, watchdog; no torque where there should be none |
-//! | `line` | noise, damage, and what the drive tells of it |
-//! | `answers` | how long answers take |
+//! | `encoders` | wraparound, jumps and ambiguous positions |
+//! | `safety` | torque limit, latched faults, watchdog |
+//! | `line` | noise, damaged frames and their counters |
+//! | `latency` | response times |
 //!
-//! Each check is one rule as a sentence and starts from a drive that was just reset, so a broken rule fails its own
-//! check and no other check's result depends on it. To know that nothing more is to come, the client sends a question
-//! with a known answer behind each request instead of waiting: a drive answers in the order in which it was asked.
+//! Each check is one rule, stated as a sentence, and starts from a drive that was just reset: no result depends on another
+//! check. After each request the client sends a second one with a known answer. A drive answers in order, so that answer
+//! ends the list without a timeout.
 //!
-//! The checks know the protocol and the names of the parameters that a bench sets ([`REQUIRED_PARAMETERS`]), not the
-//! control law: that a standing load off its reference gets some torque is all they ask of it.
+//! The checks depend on the protocol and on [`REQUIRED_PARAMETERS`], not on the control law: of the law they require only
+//! some torque for a load at rest off its reference.
 
 mod answers;
 mod assertion;
@@ -64,12 +64,12 @@ pub trait Reporter {
     }
 }
 
-/// Runs the whole battery on a fresh link and leaves the drive reset. `session` is the first session's number, as for
+/// Runs all checks on a newly opened link and resets the drive at the end. `session` is the number of the first session, as for
 /// [`Session::open`](lashloop_bench::session::Session::open).
 ///
 /// # Errors
-/// Nobody answers, what answers speaks another version, or the line breaks. A single answer that stays out is not an
-/// error but a finding.
+/// The handshake times out, the drive has another protocol version, or the link fails. A single missing answer fails its
+/// check and is not an error.
 pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Result<(), SessionError> {
     let mut client = Client::open(link, session)?;
     reporter.connected(client.identity());
@@ -80,7 +80,7 @@ pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Re
         let started = Instant::now();
         let status = match client.reset().and_then(|()| (check.run)(&mut client)) {
             Ok(()) => CheckStatus::Passed,
-            Err(Failure::Rule { expected, came }) => CheckStatus::Failed { expected, came },
+            Err(Failure::Rule { expected, got }) => CheckStatus::Failed { expected, got },
             Err(Failure::Skipped { reason }) => CheckStatus::Skipped { reason },
             Err(Failure::Session(error)) => return Err(error),
         };
@@ -95,7 +95,7 @@ pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Re
     client.leave()
 }
 
-/// All checks in the order in which they are made.
+/// All checks, in order.
 fn all_checks() -> Vec<Check> {
     [
         handshake::checks(),

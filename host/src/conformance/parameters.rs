@@ -1,4 +1,4 @@
-//! Parameters: what the drive says of them, what it takes, and what it has in force afterwards.
+//! Parameters: descriptions, ranges, refusals and read-back.
 
 use std::collections::HashSet;
 
@@ -14,7 +14,7 @@ use super::check::Check;
 use super::client::Client;
 use super::range::{holds, nearest_whole, outside};
 
-/// Parameters every drive must have, because every run sets them or a rule of safety speaks of them.
+/// Parameters that every drive must have: every run or a safety rule depends on them.
 pub const REQUIRED_PARAMETERS: [&str; 9] = [
     "controller",
     "period_us",
@@ -62,9 +62,9 @@ pub(super) fn checks() -> Vec<Check> {
             client.idle()?;
             each(client, |client, it| {
                 for value in [it.min, it.max, it.default] {
-                    let came = client.set(it.index, value)?;
+                    let got = client.set(it.index, value)?;
                     let what = format!("{} set to {value}:", it.name);
-                    equal(&what, (Outcome::Accepted, value), (came.outcome, came.value))?;
+                    equal(&what, (Outcome::Accepted, value), (got.outcome, got.value))?;
                     in_force(client, it, value)?;
                 }
                 Ok(())
@@ -97,16 +97,16 @@ pub(super) fn checks() -> Vec<Check> {
         check("the identity follows the period and encoder parameters", identity_follows),
         check("while running a live parameter is accepted and any other refused", |client| {
             client.running(&[])?;
-            // The bench itself has set it.
+            // This check has already changed the watchdog.
             let watchdog = client.parameter("watchdog_us")?.index;
             each(client, |client, it| {
                 if it.index == watchdog {
                     return Ok(());
                 }
                 let outcome = if it.live { Outcome::Accepted } else { Outcome::WrongState };
-                let came = client.set(it.index, it.default)?;
+                let got = client.set(it.index, it.default)?;
                 let what = format!("{} with live = {}:", it.name, it.live);
-                equal(&what, (outcome, State::Running), (came.outcome, came.state))
+                equal(&what, (outcome, State::Running), (got.outcome, got.state))
             })
         }),
     ];
@@ -114,8 +114,8 @@ pub(super) fn checks() -> Vec<Check> {
         checks.push(Check::new("parameters", format!("in {state:?} nothing can be set"), move |client| {
             client.enter(state)?;
             each(client, |client, it| {
-                let came = client.set(it.index, it.default)?;
-                equal(&it.name, (Outcome::WrongState, state), (came.outcome, came.state))
+                let got = client.set(it.index, it.default)?;
+                equal(&it.name, (Outcome::WrongState, state), (got.outcome, got.state))
             })
         }));
     }
@@ -127,9 +127,9 @@ fn each(client: &mut Client, mut check: impl FnMut(&mut Client, &Parameter) -> R
 }
 
 fn in_force(client: &mut Client, parameter: &Parameter, value: ParameterValue) -> RuleResult {
-    let came = client.get(parameter.index)?;
+    let got = client.get(parameter.index)?;
     let what = format!("{} read back:", parameter.name);
-    equal(&what, (Outcome::Accepted, value), (came.outcome, came.value))
+    equal(&what, (Outcome::Accepted, value), (got.outcome, got.value))
 }
 
 fn refused(
@@ -138,9 +138,9 @@ fn refused(
     value: ParameterValue,
     outcome: Outcome,
 ) -> RuleResult {
-    let came = client.set(parameter.index, value)?;
+    let got = client.set(parameter.index, value)?;
     let what = format!("{} set to {value}:", parameter.name);
-    equal(&what, (outcome, parameter.default), (came.outcome, came.value))?;
+    equal(&what, (outcome, parameter.default), (got.outcome, got.value))?;
     in_force(client, parameter, parameter.default)
 }
 
@@ -155,7 +155,7 @@ fn unknown_index(client: &mut Client) -> RuleResult {
     ] {
         equal(&format!("{what} {index}:"), Outcome::UnknownParameter, report(index, &answers)?.outcome)?;
     }
-    // And the last one that there is, is described under its own index.
+    // The last parameter is described under its own index.
     let Some(last) = index.checked_sub(1) else { return Ok(()) };
     let answers = client.request(DescribeParameter { index: last })?;
     find(&format!("a ParameterDescription for index {last}"), &answers, |answer| match answer {
@@ -173,6 +173,6 @@ fn identity_follows(client: &mut Client) -> RuleResult {
         client.put(name, ParameterValue::U32(*wanted))?;
     }
     let it = client.handshake(client.session())?;
-    let came = [it.period_us, it.motor_counts_per_rev, it.load_counts_per_rev];
-    equal("period and counts per revolution of motor and load", wanted, came)
+    let got = [it.period_us, it.motor_counts_per_rev, it.load_counts_per_rev];
+    equal("period and counts per revolution of motor and load", wanted, got)
 }

@@ -5,7 +5,7 @@ use lashloop_protocol::enums::ParameterValue;
 
 use super::assertion::Failure;
 
-/// Whether a value lies in the range of a parameter and is of its type.
+/// Whether a value has the type of a parameter and lies within its range.
 pub(super) fn holds(parameter: &Parameter, value: ParameterValue) -> bool {
     use ParameterValue::{F32, U32};
     match (parameter.min, value, parameter.max) {
@@ -15,30 +15,30 @@ pub(super) fn holds(parameter: &Parameter, value: ParameterValue) -> bool {
     }
 }
 
-/// The value in the range of a whole parameter that is nearest to this one.
+/// The value nearest to `wished` in the range of an integer parameter.
 pub(super) fn nearest_whole(parameter: &Parameter, wished: u32) -> Result<u32, Failure> {
     match (parameter.min, parameter.max) {
-        // A drive may say anything, even a range upside down, for which `clamp` would panic.
+        // A drive may describe an inverted range, on which `clamp` would panic.
         (ParameterValue::U32(min), ParameterValue::U32(max)) => Ok(wished.max(min).min(max)),
         range => Err(Failure::Rule {
-            expected: format!("{}: a range of whole numbers", parameter.name),
-            came: format!("{range:?}"),
+            expected: format!("{}: an integer range", parameter.name),
+            got: format!("{range:?}"),
         }),
     }
 }
 
-/// The same for a real one.
+/// The value nearest to `wished` in the range of a real parameter.
 pub(super) fn nearest_real(parameter: &Parameter, wished: f32) -> Result<f32, Failure> {
     match (parameter.min, parameter.max) {
         (ParameterValue::F32(min), ParameterValue::F32(max)) => Ok(wished.max(min).min(max)),
         range => Err(Failure::Rule {
-            expected: format!("{}: a range of real numbers", parameter.name),
-            came: format!("{range:?}"),
+            expected: format!("{}: a real range", parameter.name),
+            got: format!("{range:?}"),
         }),
     }
 }
 
-/// The values next to the range, and those that are no numbers.
+/// Values just outside the range, infinities and NaN.
 pub(super) fn outside(parameter: &Parameter) -> Vec<ParameterValue> {
     use ParameterValue::{F32, U32};
     match (parameter.min, parameter.max) {
@@ -46,8 +46,8 @@ pub(super) fn outside(parameter: &Parameter) -> Vec<ParameterValue> {
             [min.checked_sub(1), max.checked_add(1)].into_iter().flatten().map(U32).collect()
         }
         (F32(min), F32(max)) => {
-            let beside = [min.next_down(), max.next_up(), f32::NEG_INFINITY, f32::INFINITY, f32::NAN];
-            beside.into_iter().filter(|value| !(min..=max).contains(value)).map(F32).collect()
+            let outside = [min.next_down(), max.next_up(), f32::NEG_INFINITY, f32::INFINITY, f32::NAN];
+            outside.into_iter().filter(|value| !(min..=max).contains(value)).map(F32).collect()
         }
         _ => Vec::new(),
     }

@@ -1,4 +1,4 @@
-//! Reactions of a drive that several groups of checks look for.
+//! Reactions that several groups of checks require.
 
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{FaultCode, Outcome, State};
@@ -20,7 +20,7 @@ pub(super) fn refused_sample(client: &mut Client, sequence: u16) -> RuleResult {
     equal("state", State::Running, client.state())
 }
 
-/// The answers to a sample that is a fault: torque zero, then the report.
+/// Requires the answers to a sample that latches a fault: zero torque, then the report.
 pub(super) fn fault_answer(answers: &[DriveMessage], code: FaultCode) -> Result<FaultReport, Failure> {
     equal("answers", vec!["TorqueAnswer", "FaultReport"], names(answers))?;
     let answer = torque(answers)?;

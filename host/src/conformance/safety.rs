@@ -1,4 +1,4 @@
-//! Safety: no torque where there should be none, and a fault that says why.
+//! Safety: torque limit, latched faults and watchdog.
 
 use std::time::Duration;
 
@@ -12,13 +12,13 @@ use super::check::Check;
 use super::client::Client;
 use super::reactions::{fault_answer, no_torque};
 
-/// Short, so that nobody waits long; long enough that a busy bench gets its first sample through.
+/// Watchdog of these checks: short for a quick check, long enough for the first sample of a busy bench.
 const WATCHDOG: Duration = Duration::from_millis(100);
 /// Time between two copies of a sample.
 const REPEAT_INTERVAL: Duration = Duration::from_millis(1);
-/// How long a bench waits for a watchdog that has to trip. Beyond it, it is taken to be missing.
+/// Timeout for a watchdog that must trip.
 const WATCHDOG_PATIENCE: Duration = Duration::from_secs(5);
-/// How far the drive's clock may be off the bench's.
+/// Tolerated error of the drive's clock, as a fraction.
 const CLOCK_TOLERANCE: f64 = 0.1;
 
 pub(super) fn checks() -> Vec<Check> {
@@ -45,7 +45,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.request(EmergencyStop {})?;
             let session = client.session();
             let answers = client.request(Hello { protocol_version: PROTOCOL_VERSION, session })?;
-            equal("fault told after the identity", FaultCode::ReferenceNotFinite, fault(&answers)?.code)
+            equal("fault reported after the identity", FaultCode::ReferenceNotFinite, fault(&answers)?.code)
         }),
         check("a cleared fault restores no torque", |client| {
             client.running(&[])?;
@@ -60,7 +60,7 @@ pub(super) fn checks() -> Vec<Check> {
             no_torque(client, 1, State::Faulted)
         }),
         check("repeating one sample does not feed the watchdog", |client| {
-            watched(client)?;
+            start_with_watchdog(client)?;
             let give_up = client.now() + WATCHDOG_PATIENCE;
             while client.state() == State::Running && client.now() < give_up {
                 client.sample(0)?;
@@ -85,7 +85,7 @@ pub(super) fn checks() -> Vec<Check> {
     checks
 }
 
-/// Whatever ends a run ends the torque.
+/// Every end of a run removes the torque.
 fn ends_of_torque() -> impl Iterator<Item = Check> {
     type End = (&'static str, fn(u32) -> HostMessage, State);
     const ENDS: [End; 4] = [
@@ -125,8 +125,8 @@ fn limited(client: &mut Client) -> RuleResult {
     equal("far from the limit the flags", TorqueFlags::empty(), client.torque(0)?.status.flags)
 }
 
-/// Running with a short watchdog, after one sample.
-fn watched(client: &mut Client) -> RuleResult {
+/// Starts a run with the short watchdog and sends one sample.
+fn start_with_watchdog(client: &mut Client) -> RuleResult {
     client.idle()?;
     client.put("watchdog_us", ParameterValue::U32(WATCHDOG.as_micros() as u32))?;
     client.arm()?;
@@ -135,14 +135,14 @@ fn watched(client: &mut Client) -> RuleResult {
 }
 
 fn await_watchdog(client: &mut Client) -> Result<FaultReport, Failure> {
-    watched(client)?;
+    start_with_watchdog(client)?;
     let tripped = client.wait_for(WATCHDOG_PATIENCE, |message| match message {
         DriveMessage::FaultReport(fault) => Some(*fault),
         _ => None,
     })?;
     tripped.ok_or_else(|| Failure::Rule {
         expected: format!("a FaultReport {WATCHDOG:?} after the last sample"),
-        came: format!("none within {WATCHDOG_PATIENCE:?}"),
+        got: format!("none within {WATCHDOG_PATIENCE:?}"),
     })
 }
 

@@ -1,4 +1,4 @@
-//! Samples: a torque for each, the rules of the sequence, and telemetry.
+//! Samples: torque answers, sequence rules and telemetry.
 
 use lashloop_protocol::enums::{ControllerId, Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::{EncoderSample, Stop};
@@ -12,9 +12,9 @@ use super::check::Check;
 use super::client::Client;
 use super::reactions::refused_sample;
 
-/// Steps that are enough for any memory a controller has to show.
+/// Steps after which any controller state shows in the torque.
 const STEPS: u16 = 50;
-/// Periods from sample to sample where nothing but a distant sequence is wanted.
+/// Periods between samples in checks that advance the sequence quickly.
 const GAP: u16 = 100;
 
 pub(super) fn checks() -> Vec<Check> {
@@ -63,10 +63,10 @@ pub(super) fn checks() -> Vec<Check> {
             equal("torques", once, twice)
         }),
         check("a gap is flagged GAP, once", |client| {
-            let gap = leaping(client)?;
+            let gap = start_with_gaps(client)?;
             if gap < 2 {
                 return Err(Failure::Skipped {
-                    reason: "not run: the drive takes no encoders that allow a gap",
+                    reason: "not run: no encoder setting of this drive allows a gap",
                 });
             }
             client.torque(0)?;
@@ -78,7 +78,7 @@ pub(super) fn checks() -> Vec<Check> {
             Ok(())
         }),
         check("sequence 65535 wraps around to 0", |client| {
-            let gap = leaping(client)?;
+            let gap = start_with_gaps(client)?;
             for sequence in (0..u16::MAX).step_by(gap.into()).chain([u16::MAX]) {
                 client.torque(sequence)?;
             }
@@ -98,7 +98,7 @@ pub(super) fn checks() -> Vec<Check> {
         check("a refused sample makes no control step", |client| {
             let quiet = torques(client, |_, _| Ok(()))?;
             let disturbed = torques(client, |client, sample| {
-                // Half the numbers away, and moved a little, so that a step with it would show.
+                // Half the sequence range ahead, and displaced, so that a control step would change the torque.
                 let sequence = sample.sequence ^ 1 << 15;
                 let load_counts = sample.load_counts.wrapping_add(90);
                 client.request(EncoderSample { sequence, load_counts, ..*sample }).map(drop)
@@ -159,14 +159,14 @@ pub(super) fn checks() -> Vec<Check> {
     checks
 }
 
-/// Runs with encoders that may go unread, and returns for how many periods: [`GAP`], or fewer if the drive takes none such.
-fn leaping(client: &mut Client) -> Result<u16, Failure> {
+/// Starts a run with encoders that allow gaps. Returns the gap in periods: [`GAP`], or fewer if the drive limits it.
+fn start_with_gaps(client: &mut Client) -> Result<u16, Failure> {
     let setup = Setup::coarse(client)?;
     setup.start(client)?;
     Ok(setup.longest_gap().min(GAP))
 }
 
-/// The torques of a run, as bits, with something done after every sample.
+/// The torques of a run, as bits; `after_each` follows every sample.
 fn torques(
     client: &mut Client,
     after_each: impl Fn(&mut Client, &EncoderSample) -> RuleResult,

@@ -1,4 +1,4 @@
-//! The way of a drive into each of its states.
+//! Sequences of requests that lead into each state of a drive.
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::frame::DELIMITER;
@@ -11,18 +11,18 @@ use super::client::Client;
 const LONG_WATCHDOG_US: u32 = 30_000_000;
 
 impl Client {
-    /// Brings the drive to where it is after power-up, whatever the check before has left.
+    /// Resets the drive from any state.
     pub(super) fn reset(&mut self) -> RuleResult {
-        // Ends whatever half frame was left.
+        // Ends a partial frame of the previous check.
         self.send_bytes(&[DELIMITER])?;
-        let came = self.command(Reset {})?;
-        equal("before the check, Reset", (Outcome::Accepted, State::Boot), came)
+        let got = self.command(Reset {})?;
+        equal("before the check, Reset", (Outcome::Accepted, State::Boot), got)
     }
 
-    /// Greets with the session of this run.
+    /// Opens the session of this run.
     pub(super) fn idle(&mut self) -> RuleResult {
         let identity = self.handshake(self.session())?;
-        equal("after the greeting, state", State::Idle, identity.state)
+        equal("after the handshake, state", State::Idle, identity.state)
     }
 
     pub(super) fn armed(&mut self) -> RuleResult {
@@ -32,17 +32,17 @@ impl Client {
 
     pub(super) fn arm(&mut self) -> RuleResult {
         let session = self.session();
-        let came = self.command(Arm { session })?;
-        equal("Arm in Idle", (Outcome::Accepted, State::Armed), came)
+        let got = self.command(Arm { session })?;
+        equal("Arm in Idle", (Outcome::Accepted, State::Armed), got)
     }
 
     pub(super) fn start(&mut self) -> RuleResult {
         let session = self.session();
-        let came = self.command(Start { session })?;
-        equal("Start in Armed", (Outcome::Accepted, State::Running), came)
+        let got = self.command(Start { session })?;
+        equal("Start in Armed", (Outcome::Accepted, State::Running), got)
     }
 
-    /// Greets, sets these parameters, arms and starts.
+    /// Opens the session, sets these parameters, arms and starts.
     pub(super) fn running(&mut self, settings: &[(&str, ParameterValue)]) -> RuleResult {
         self.idle()?;
         self.put("watchdog_us", ParameterValue::U32(LONG_WATCHDOG_US))?;
@@ -55,11 +55,11 @@ impl Client {
 
     pub(super) fn faulted(&mut self) -> RuleResult {
         self.idle()?;
-        let came = self.command(EmergencyStop {})?;
-        equal("EmergencyStop", (Outcome::Accepted, State::Faulted), came)
+        let got = self.command(EmergencyStop {})?;
+        equal("EmergencyStop", (Outcome::Accepted, State::Faulted), got)
     }
 
-    /// Brings a fresh drive into this state.
+    /// Brings a drive from `Boot` into this state.
     pub(super) fn enter(&mut self, state: State) -> RuleResult {
         match state {
             State::Boot => Ok(()),

@@ -1,4 +1,4 @@
-//! Every request in every state: what is done, and where it leads.
+//! State transitions: every request in every state.
 
 use lashloop_protocol::HostMessage;
 use lashloop_protocol::enums::{Outcome, State};
@@ -9,7 +9,7 @@ use super::assertion::{Failure, RuleResult, equal, find};
 use super::check::Check;
 use super::client::Client;
 
-/// What has to become of a request.
+/// Required reaction to a request.
 #[derive(Clone, Copy)]
 enum Reaction {
     To(State),
@@ -55,8 +55,8 @@ fn transition(state: State, request: fn(u32) -> HostMessage, reaction: Reaction)
     };
     Check::new("transitions", name, move |client| {
         client.enter(state)?;
-        let came = ask(client, request(client.session()))?;
-        equal("outcome and state", expected, came)?;
+        let got = ask(client, request(client.session()))?;
+        equal("outcome and state", expected, got)?;
         equal("state afterwards", expected.1, client.state())
     })
 }

@@ -1,4 +1,4 @@
-//! Entries as JSON, one object a line.
+//! Entries as JSON, one object per line.
 //!
 //! ```text
 //! {"offset":0,"length":16,"direction":"drive_to_host","message":"TorqueAnswer","kind":144,
@@ -7,7 +7,7 @@
 //! {"counters":{"messages":1,...}}
 //! ```
 //!
-//! The first two are shown on two lines. A real number that is none (NaN, infinity) is a string.
+//! The first object is wrapped here. NaN and infinities are strings.
 
 use lashloop_protocol::Counters;
 use lashloop_protocol::enums::ParameterValue;
@@ -18,10 +18,10 @@ use serde::{Serialize, Serializer};
 use super::entry::{Entry, Location};
 use super::value::{Field, Value};
 
-/// One entry as a line of JSON, without the end of line.
+/// One entry, without the end of line.
 ///
 /// # Errors
-/// None that is known: every value has a form in JSON.
+/// None known: every value has a representation in JSON.
 pub fn line(entry: &Entry) -> serde_json::Result<String> {
     let (message, error) = match &entry.message {
         Ok(message) => (Some(message), None),
@@ -52,7 +52,7 @@ pub fn line(entry: &Entry) -> serde_json::Result<String> {
 /// The counters, after the last entry.
 ///
 /// # Errors
-/// None that is known.
+/// None known.
 pub fn counters(counters: &Counters) -> serde_json::Result<String> {
     let Counters { messages, discarded_bytes, oversized, malformed, crc_errors, refused } = *counters;
     serde_json::to_string(&Total {

@@ -1,19 +1,17 @@
-//! A message of either direction. The highest bit of its kind tells which.
+//! A message of either direction. The highest bit of the kind is the direction.
 
 use lashloop_protocol::layout::MessageLayout;
 use lashloop_protocol::wire::BodyError;
 use lashloop_protocol::{DriveMessage, HostMessage, MAX_FRAME, Message};
 
-/// A message whose sender is not known before it has been read.
+/// A message of either direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AnyMessage {
-    /// Said by the host.
     Host(HostMessage),
-    /// Said by the drive.
     Drive(DriveMessage),
 }
 
-/// Set in the kind of what the drive says.
+/// Set in the kind of every message of the drive.
 const FROM_DRIVE: u8 = 0x80;
 
 impl Message for AnyMessage {
@@ -43,10 +41,10 @@ impl Message for AnyMessage {
         }
     }
 
-    fn write_frame<'room>(&self, room: &'room mut [u8; MAX_FRAME]) -> &'room [u8] {
+    fn write_frame<'buffer>(&self, buffer: &'buffer mut [u8; MAX_FRAME]) -> &'buffer [u8] {
         match self {
-            Self::Host(message) => message.write_frame(room),
-            Self::Drive(message) => message.write_frame(room),
+            Self::Host(message) => message.write_frame(buffer),
+            Self::Drive(message) => message.write_frame(buffer),
         }
     }
 }

@@ -9,27 +9,27 @@ use super::entry::{DecodedMessage, Entry, Location};
 use super::message::AnyMessage;
 use super::value::fields;
 
-/// Reads a stream of bytes in which both directions may be mixed, frame by frame.
+/// Splits a byte stream into frames; the stream may mix both directions.
 #[derive(Debug, Default)]
 pub struct StreamReader {
     splitter: Splitter,
     decoder: Decoder,
-    /// Bytes in all pieces so far.
+    /// Bytes received so far.
     offset: u64,
-    /// Start of the frame that is going on, if a piece of it has passed already.
+    /// Start of a frame that an earlier piece began.
     began: Option<u64>,
 }
 
 impl StreamReader {
-    /// Gives every frame that `bytes` completes to `take`.
+    /// Passes every frame that `bytes` completes to `take`.
     pub fn push(&mut self, bytes: &[u8], mut take: impl FnMut(Entry)) {
         let Self { splitter, decoder, offset, began } = self;
         splitter.push(bytes, |piece| {
             let start = began.take().unwrap_or(*offset);
             *offset += piece.len() as u64;
-            match judge(decoder, piece) {
+            match decode(decoder, piece) {
                 Some(message) => {
-                    take(Entry { location: Location::Offset(start), bytes: piece.to_vec(), message })
+                    take(Entry { location: Location::Offset(start), bytes: piece.to_vec(), message });
                 }
                 None if piece.last() != Some(&frame::DELIMITER) => *began = Some(start),
                 None => {}
@@ -37,25 +37,24 @@ impl StreamReader {
         });
     }
 
-    /// Ends the stream: half a frame at its end is a bad one.
+    /// Ends the stream. A partial frame at its end is a bad one.
     pub fn finish(&mut self, take: impl FnOnce(Entry)) {
         let start = self.began.take().unwrap_or(self.offset);
         let mut bytes = Vec::new();
         self.splitter.finish(|piece| bytes = piece.to_vec());
-        let judged = judge(&mut self.decoder, &bytes);
-        if let Some(message) = judged.or_else(|| self.decoder.finish().err().map(Err)) {
+        let decoded = decode(&mut self.decoder, &bytes);
+        if let Some(message) = decoded.or_else(|| self.decoder.finish().err().map(Err)) {
             take(Entry { location: Location::Offset(start), bytes, message });
         }
     }
 
-    /// What has been seen so far.
     #[must_use]
     pub fn counters(&self) -> &Counters {
         self.decoder.counters()
     }
 }
 
-/// Reads the packets of a capture; each stands for itself.
+/// Decodes the packets of a capture, each on its own.
 #[derive(Debug, Default)]
 pub struct PacketReader {
     decoder: Decoder,
@@ -63,7 +62,7 @@ pub struct PacketReader {
 }
 
 impl PacketReader {
-    /// Gives every frame of the packet to `take`: one, in a capture of ours. A delimiter alone is no frame.
+    /// Passes every frame of the packet to `take`; captures of ours have one per packet. A delimiter alone is no frame.
     pub fn push(&mut self, packet: &Packet, mut take: impl FnMut(Entry)) {
         let began_ns = *self.began_ns.get_or_insert(packet.time_ns);
         let location = Location::Packet {
@@ -72,22 +71,21 @@ impl PacketReader {
             direction: packet.direction,
         };
         for piece in packet.bytes.split_inclusive(|&byte| byte == frame::DELIMITER) {
-            let judged = judge(&mut self.decoder, piece);
-            if let Some(message) = judged.or_else(|| self.decoder.finish().err().map(Err)) {
+            let decoded = decode(&mut self.decoder, piece);
+            if let Some(message) = decoded.or_else(|| self.decoder.finish().err().map(Err)) {
                 take(Entry { location, bytes: piece.to_vec(), message });
             }
         }
     }
 
-    /// What has been seen so far.
     #[must_use]
     pub fn counters(&self) -> &Counters {
         self.decoder.counters()
     }
 }
 
-/// `None` for a piece that ends no frame.
-fn judge(decoder: &mut Decoder, piece: &[u8]) -> Option<Result<DecodedMessage, FrameError>> {
+/// `None` for a piece that completes no frame.
+fn decode(decoder: &mut Decoder, piece: &[u8]) -> Option<Result<DecodedMessage, FrameError>> {
     let message = decoder.next::<AnyMessage>(&mut &piece[..])?;
     Some(message.map(|message| DecodedMessage { layout: message.layout(), fields: fields(&message) }))
 }

@@ -1,4 +1,4 @@
-//! Entries as lines for people.
+//! Entries as lines of text.
 
 use std::fmt::{self, Write};
 
@@ -7,10 +7,10 @@ use lashloop_protocol::layout::Direction;
 
 use super::entry::{Entry, Location};
 
-/// Bytes of a bad frame that are shown.
+/// Printed bytes of a bad frame.
 const SHOWN: usize = 24;
 
-/// The heading above entries of a stream, or of a capture.
+/// The heading for the entries of a stream, or of a capture.
 #[must_use]
 pub fn heading(capture: bool) -> String {
     if capture {
@@ -20,7 +20,6 @@ pub fn heading(capture: bool) -> String {
     }
 }
 
-/// One entry.
 #[must_use]
 pub fn line(entry: &Entry) -> String {
     let mut line = match entry.location {

@@ -1,4 +1,4 @@
-//! The fields of a message as the layout describes them.
+//! The fields of a message, read by its layout. Text and JSON both format these values.
 
 use std::fmt;
 
@@ -9,37 +9,27 @@ use lashloop_protocol::{EncoderCounts, Message, frame};
 
 use super::message::AnyMessage;
 
-/// One field of a message that was found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
-    /// Name, with the unit where there is one.
+    /// With the unit as its ending, if any.
     pub name: &'static str,
-    /// What it says.
     pub value: Value,
-    /// Unit, where there is one.
     pub unit: Option<&'static str>,
 }
 
-/// The value of a field.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
-    /// A whole number.
     Unsigned(u32),
-    /// A whole number with a sign.
     Signed(i32),
-    /// A real number.
     Real(f32),
-    /// One of a closed list of names.
+    /// A value of an enumeration.
     Name(&'static str),
-    /// One of a closed list of names, and the flags that are set beside it.
+    /// A value of an enumeration and the flags in the same byte.
     Status(&'static str, Vec<String>),
-    /// The flags that are set; one without a name is called by its bit.
+    /// The flags that are set; an unnamed one is named by its bit.
     Flags(Vec<String>),
-    /// A text.
     Text(String),
-    /// The value of a parameter, with its type.
     Parameter(ParameterValue),
-    /// The version of the firmware.
     Version(Version),
 }
 
@@ -61,7 +51,7 @@ impl fmt::Display for Value {
     }
 }
 
-/// Units by the end of a field's name; the first that fits is right.
+/// Units by the ending of a field's name; the first match applies.
 const UNITS: [(&str, &str); 6] = [
     ("_counts_per_rev", "counts per revolution"),
     ("_counts", "counts"),
@@ -71,7 +61,7 @@ const UNITS: [(&str, &str); 6] = [
     ("_rad", "rad"),
 ];
 
-/// The unit of a field, which is the end of its name.
+/// The unit of a field, by the ending of its name.
 #[must_use]
 pub fn unit(name: &str) -> Option<&'static str> {
     UNITS.iter().find(|(ending, _)| name.ends_with(ending)).map(|(_, unit)| *unit)
@@ -83,7 +73,7 @@ pub(super) fn fields(message: &AnyMessage) -> Vec<Field> {
     let mut stuffed = [0; frame::MAX_FRAME];
     let stuffed = &mut stuffed[..whole.len() - 1];
     stuffed.copy_from_slice(&whole[..whole.len() - 1]);
-    // A frame that was made a moment ago is whole.
+    // This frame was just encoded, so it is good.
     let Ok(body) = frame::open(stuffed) else { return Vec::new() };
     let field = |layout: &'static FieldLayout| {
         let bytes = body.get(layout.offset..layout.offset + layout.len)?;
@@ -92,7 +82,7 @@ pub(super) fn fields(message: &AnyMessage) -> Vec<Field> {
     message.layout().fields.iter().filter_map(field).collect()
 }
 
-/// `None` for bytes that are no value of this type, which a decoded message doesn't hold.
+/// `None` for bytes that are no value of this type. A decoded message has none such.
 fn value(ty: &FieldType, bytes: &[u8]) -> Option<Value> {
     let unsigned = || bytes.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte));
     Some(match ty {
@@ -129,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn units_are_those_the_layouts_speak_of() {
+    fn units_match_the_layouts() {
         let mut with_unit = 0;
         for field in AnyMessage::LAYOUTS.iter().flat_map(|layout| layout.fields) {
             let meaning = field.meaning.trim();
@@ -148,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flag_without_a_name_is_called_by_its_bit() {
+    fn unnamed_flag_is_named_by_its_bit() {
         let names = lashloop_protocol::layout::FlagSet { name: "Controllers", flags: &[(2, "PD")] };
         let flags = value(&FieldType::Flags(names), &[0b10, 0b10]).unwrap();
         assert_eq!(flags.to_string(), "PD|bit 9");

@@ -1,4 +1,4 @@
-//! What was seen means what? Each judgement is a function of figures, so that it can be tried without a board.
+//! Assessment of the measurements. Each is a function of numbers, so that tests need no board.
 
 use std::time::Duration;
 
@@ -10,11 +10,11 @@ use super::latency_timer::LatencyTimer;
 use super::round_trip::{BYTES, Timing};
 use lashloop_bench::device::DeviceError;
 
-/// Beyond this above the time on the wire, something keeps bytes to itself. USB at full speed costs up to 1 ms each way,
-/// and the drive has to answer.
-const LONG: Duration = Duration::from_millis(3);
-/// Beyond this it smells of a latency timer of 16 ms.
-const TIMER_LIKE: Duration = Duration::from_millis(10);
+/// Excess over the time on the wire that indicates buffering. USB at full speed costs up to 1 ms in each direction, and the
+/// drive needs time for its answer.
+const BUFFERING: Duration = Duration::from_millis(3);
+/// Excess that indicates a latency timer of 16 ms.
+const LATENCY_TIMER: Duration = Duration::from_millis(10);
 
 pub(super) fn not_opened(error: &DeviceError, holders: &[String]) -> Diagnosis {
     let holders =
@@ -48,7 +48,7 @@ pub(super) fn dtr(is_pty: bool) -> Diagnosis {
 pub(super) fn latency_timer(timer: Option<&LatencyTimer>) -> Diagnosis {
     let about = "latency timer";
     match timer {
-        None => Diagnosis::not_applicable(about, "a pseudo-terminal keeps no bytes to itself"),
+        None => Diagnosis::not_applicable(about, "a pseudo-terminal does not buffer by time"),
         Some(LatencyTimer::None) => Diagnosis::not_applicable(about, "this driver has none"),
         Some(LatencyTimer::Short) => Diagnosis::fine(about, "1 ms, the shortest"),
         Some(LatencyTimer::Shortened { from_ms }) => Diagnosis::fine(
@@ -67,12 +67,9 @@ pub(super) fn latency_timer(timer: Option<&LatencyTimer>) -> Diagnosis {
     }
 }
 
-/// What the greeting begins with, whoever is at the far end.
+/// First step of every handshake.
 pub(super) fn drained() -> Diagnosis {
-    Diagnosis::fine(
-        "drain",
-        "what is on the line is thrown away, and a delimiter ends a half frame at the drive",
-    )
+    Diagnosis::fine("drain", "pending input is discarded, and a delimiter ends a partial frame at the drive")
 }
 
 pub(super) fn handshake(identity: &Identity) -> Diagnosis {
@@ -88,7 +85,7 @@ pub(super) fn handshake(identity: &Identity) -> Diagnosis {
         ),
         _ => Diagnosis::wrong(
             "handshake",
-            format!("{who}: after a greeting a drive is Idle; power it off and on"),
+            format!("{who}: expected Idle after the handshake; power the drive off and on"),
         ),
     }
 }
@@ -114,7 +111,7 @@ pub(super) fn losses(timing: &Timing, damaged: u64) -> Option<Diagnosis> {
     ))
 }
 
-/// Compares with what the line allows; `wire` is `None` for a pseudo-terminal.
+/// Compares the round trip with `wire`, its time on the line; `None` for a pseudo-terminal.
 pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&LatencyTimer>) -> Diagnosis {
     let about = "speed";
     let Some(wire) = wire else {
@@ -134,15 +131,15 @@ pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&Late
         in_us(above),
         in_us(wire)
     );
-    if above < LONG {
+    if above < BUFFERING {
         return Diagnosis::fine(about, sum);
     }
     let cause = match timer {
         Some(LatencyTimer::Long { ms, .. }) => format!("the adapter's latency timer of {ms} ms"),
-        _ if above >= TIMER_LIKE => "this is what a latency timer of 16 ms looks like, in the adapter or in a \
+        _ if above >= LATENCY_TIMER => "typical of a latency timer of 16 ms in the adapter or in a \
                                      virtual machine's USB; plug the adapter into the machine itself, or try another"
             .to_owned(),
-        _ => "something on the way keeps bytes to itself: a hub, the adapter, or firmware that answers late"
+        _ => "a component buffers bytes: a hub, the adapter, or firmware that answers late"
             .to_owned(),
     };
     Diagnosis::wrong(about, format!("{sum}: {cause}"))
@@ -173,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_latency_timer_that_can_t_be_shortened_is_named_as_the_cause() {
+    fn long_latency_timer_is_named_as_the_cause() {
         let timer = long_timer();
         let diagnoses =
             [latency_timer(Some(&timer)), speed(&timing(16_400), Some(wire_time(921_600)), Some(&timer))];
@@ -192,8 +189,8 @@ mod tests {
         insta::assert_snapshot!(text, @r"
         ok     speed          faster than the 379.8 us that 35 bytes take at this baud rate: the port has none, as USB CDC
         ok     speed          p50 is 520.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each
-        WRONG  speed          p50 is 4120.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each: something on the way keeps bytes to itself: a hub, the adapter, or firmware that answers late
-        WRONG  speed          p50 is 15620.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each: this is what a latency timer of 16 ms looks like, in the adapter or in a virtual machine's USB; plug the adapter into the machine itself, or try another
+        WRONG  speed          p50 is 4120.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each: a component buffers bytes: a hub, the adapter, or firmware that answers late
+        WRONG  speed          p50 is 15620.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each: typical of a latency timer of 16 ms in the adapter or in a virtual machine's USB; plug the adapter into the machine itself, or try another
         ");
     }
 
@@ -206,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn a_latched_fault_is_wrong_and_an_idle_drive_is_not() {
+    fn latched_fault_is_wrong_and_an_idle_drive_is_not() {
         let identity = |state| Identity {
             protocol_version: 1,
             session: 7,

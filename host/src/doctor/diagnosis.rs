@@ -2,25 +2,20 @@
 
 use std::fmt;
 
-/// One thing that was looked at.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnosis {
-    /// What was looked at.
     pub subject: &'static str,
-    /// How it is.
     pub health: Health,
-    /// What was seen, and what to do where something is to be done.
+    /// The observation, and the remedy if one is needed.
     pub text: String,
 }
 
-/// How something is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Health {
-    /// As it should be.
     Fine,
-    /// There is no such thing on this terminal.
+    /// The terminal has no such property.
     NotApplicable,
-    /// To be mended.
+    /// Needs a remedy.
     Wrong,
 }
 
@@ -37,7 +32,6 @@ impl Diagnosis {
         Self { subject, health: Health::NotApplicable, text: text.into() }
     }
 
-    /// Whether it is to be mended.
     #[must_use]
     pub fn is_wrong(&self) -> bool {
         self.health == Health::Wrong

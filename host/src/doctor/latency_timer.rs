@@ -1,13 +1,12 @@
-//! The latency timer of a USB adapter: it keeps received bytes until it has a packet full or this time has passed. FTDI
-//! adapters come with 16 ms, in which a lockstep bench could have made a dozen steps.
+//! The latency timer of a USB adapter. The adapter holds received bytes until a packet is full or the timer expires. FTDI
+//! adapters default to 16 ms, the time of a dozen lockstep steps.
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Where the kernel shows the timers.
+/// The timers in sysfs.
 const DEVICES: &str = "/sys/bus/usb-serial/devices";
-/// The shortest there is.
 const SHORTEST_MS: u32 = 1;
 
 /// A latency timer, after the attempt to shorten it.
@@ -15,26 +14,20 @@ const SHORTEST_MS: u32 = 1;
 pub enum LatencyTimer {
     /// The driver has none: USB CDC and ports that are not on USB.
     None,
-    /// As short as can be.
     Short,
-    /// It has been shortened.
     Shortened {
-        /// What it was, in ms.
         from_ms: u32,
     },
-    /// It is long and can't be shortened.
+    /// Long, and the system refuses to shorten it.
     Long {
-        /// What it is, in ms.
         ms: u32,
-        /// Where it is written.
         file: PathBuf,
-        /// Why it can't be shortened.
         reason: io::Error,
     },
 }
 
 impl LatencyTimer {
-    /// Shortens the timer behind a terminal as far as it goes.
+    /// Sets the timer of a terminal to its minimum.
     #[must_use]
     pub fn shorten(terminal: &Path) -> Self {
         Self::shorten_in(Path::new(DEVICES), terminal)
@@ -69,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn a_long_timer_is_shortened_to_1_ms_and_said_so() {
+    fn long_timer_is_shortened_to_1_ms_and_reported() {
         let folder = devices("16\n");
         let timer = LatencyTimer::shorten_in(folder.path(), Path::new("/dev/ttyUSB9"));
         assert!(matches!(timer, LatencyTimer::Shortened { from_ms: 16 }), "{timer:?}");
@@ -77,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn a_short_timer_is_left_alone() {
+    fn short_timer_is_not_written() {
         let folder = devices("1\n");
         let timer = LatencyTimer::shorten_in(folder.path(), Path::new("/dev/ttyUSB9"));
         assert!(matches!(timer, LatencyTimer::Short), "{timer:?}");

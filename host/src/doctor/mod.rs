@@ -1,14 +1,15 @@
-//! Is this terminal fit for a bench, and if not, what is to be mended?
+//! Diagnosis of a terminal: fitness for a bench, and the remedy.
 //!
-//! | module | looks at |
+//! | module | is |
 //! |---|---|
-//! | [`holder`] | who has the terminal open |
-//! | [`latency_timer`] | how long a USB adapter keeps bytes to itself |
-//! | [`round_trip`] | how long a sample takes to its torque |
-//! | [`diagnosis`] | what each of these means |
+//! | [`tty_users`] | processes that have the terminal open |
+//! | [`latency_timer`] | delay of received bytes in a USB adapter |
+//! | [`round_trip`] | time from sample to torque |
+//! | `assessment` | judges each of these |
+//! | [`diagnosis`] | the result for one property |
 //!
-//! The kernel's low-latency flag (`ASYNC_LOW_LATENCY`) needs an ioctl for which there is no safe wrapper. What the flag
-//! does for USB adapters is to shorten their latency timer, and that can be written in sysfs, so we do it there.
+//! The kernel's low-latency flag (`ASYNC_LOW_LATENCY`) needs an ioctl without a safe wrapper. For USB adapters the flag only
+//! shortens the latency timer. sysfs can do the same, so we use sysfs.
 
 mod assessment;
 pub mod diagnosis;
@@ -24,45 +25,42 @@ use lashloop_bench::link::pty;
 use lashloop_bench::session::Session;
 use latency_timer::LatencyTimer;
 
-/// What to examine.
 #[derive(Debug, Clone, Copy)]
 pub struct LineUnderTest<'a> {
-    /// The terminal.
     pub terminal: &'a Path,
-    /// Speed of a serial port, in bits a second.
+    /// Speed of a serial port, in bit/s.
     pub baud: u32,
-    /// Samples to measure with.
+    /// Samples of the round-trip measurement.
     pub rounds: u32,
 }
 
-/// What was found, in the order in which it was looked at.
 #[derive(Debug)]
 pub struct Examination {
-    /// One line each.
+    /// In the order of the examination.
     pub diagnoses: Vec<Diagnosis>,
-    /// Whether the conversation came about.
+    /// Whether the handshake and the measurement completed.
     pub reached: bool,
 }
 
 impl Examination {
-    /// Whether there is something to be mended.
+    /// Whether the handshake completed and no property needs a remedy.
     #[must_use]
     pub fn is_healthy(&self) -> bool {
         self.reached && !self.diagnoses.iter().any(Diagnosis::is_wrong)
     }
 }
 
-/// Opens the terminal as a run does, greets the drive and measures. The drive is left in `Idle`, unarmed; a latency timer
-/// that could be shortened stays short until the adapter is unplugged.
+/// Opens the terminal as a run does, opens a session and measures. The drive stays disarmed in `Idle`. A shortened latency
+/// timer stays short until the adapter is unplugged.
 #[must_use]
 pub fn examine(line: &LineUnderTest<'_>) -> Examination {
     let mut diagnoses = Vec::new();
-    let reached = look(line, &mut diagnoses).is_some();
+    let reached = examine_steps(line, &mut diagnoses).is_some();
     Examination { diagnoses, reached }
 }
 
-/// `None` as soon as there is nothing more to look at.
-fn look(line: &LineUnderTest<'_>, diagnoses: &mut Vec<Diagnosis>) -> Option<()> {
+/// `None` if a step fails on which the others depend.
+fn examine_steps(line: &LineUnderTest<'_>, diagnoses: &mut Vec<Diagnosis>) -> Option<()> {
     let &LineUnderTest { terminal, baud, rounds } = line;
     let is_pty = terminal.starts_with(pty::DIRECTORY);
     let link = match device::open_terminal(terminal, baud) {

@@ -1,4 +1,4 @@
-//! How long a sample takes to its torque.
+//! The round trip: from a sample to its torque.
 
 use std::time::{Duration, Instant};
 
@@ -10,44 +10,39 @@ use lashloop_protocol::wire::Payload;
 
 use lashloop_bench::session::{Exchange, Session, SessionError};
 
-/// How long one answer is waited for: far longer than any line that is fit for a bench takes.
+/// Answer timeout, far longer than the round trip of any line fit for a bench.
 const ANSWER_LIMIT: Duration = Duration::from_millis(500);
-/// Answers that may be missing before the drive counts as silent.
+/// Lost answers after which the drive counts as silent.
 const LARGEST_LOSS: u32 = 5;
 /// Start bit, 8 data bits, stop bit.
 const BITS_PER_BYTE: u32 = 10;
-/// Decimal digits that the histogram keeps.
+/// Significant digits of the histogram.
 const DIGITS: u8 = 3;
 
-/// Bytes of a control cycle, to the drive and back.
+/// Bytes of a control cycle in both directions.
 pub const BYTES: usize = EncoderSample::LAYOUT.frame_len() + TorqueAnswer::LAYOUT.frame_len();
 
-/// What was measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Timing {
-    /// Samples answered.
     pub answered: u32,
-    /// Samples not answered.
+    /// Samples without an answer.
     pub lost: u32,
-    /// Half of the answers took no longer.
     pub p50: Duration,
-    /// All but one in a hundred took no longer.
     pub p99: Duration,
-    /// The slowest.
     pub max: Duration,
 }
 
-/// Time that the bytes of a control cycle take on a line of this speed, if nothing ever waits.
+/// Time of a control cycle's bytes on a line at `baud` bit/s, without gaps.
 #[must_use]
 pub fn wire_time(baud: u32) -> Duration {
     Duration::from_secs(1) * (BYTES as u32 * BITS_PER_BYTE) / baud.max(1)
 }
 
-/// Sends `rounds` samples, each after the answer to the one before. The drive is not armed, so it answers with zero
-/// torque and makes no control step.
+/// Sends `rounds` samples, each after the answer to the previous one. The drive is disarmed: it answers with zero torque
+/// and makes no control step.
 ///
 /// # Errors
-/// The line broke, or the drive fell silent.
+/// The link fails, or the drive is silent.
 pub fn measure(session: &mut Session, rounds: u32) -> Result<Timing, SessionError> {
     let longest_ns = 2 * ANSWER_LIMIT.as_nanos() as u64;
     let mut times_ns =
@@ -59,7 +54,7 @@ pub fn measure(session: &mut Session, rounds: u32) -> Result<Timing, SessionErro
         let sent = Instant::now();
         match session.exchange(step, &sample, Instant::now() + ANSWER_LIMIT)? {
             Exchange::Answered(_) => times_ns.saturating_record(sent.elapsed().as_nanos() as u64),
-            // A fault in place of an answer is not one; an unarmed drive has none to give.
+            // A disarmed drive reports no fault; we count one as a lost answer.
             Exchange::Unanswered | Exchange::Faulted(_) => {
                 lost += 1;
                 if lost > LARGEST_LOSS {
@@ -68,7 +63,7 @@ pub fn measure(session: &mut Session, rounds: u32) -> Result<Timing, SessionErro
             }
         }
     }
-    let quantile = |share| Duration::from_nanos(times_ns.value_at_quantile(share));
+    let quantile = |fraction| Duration::from_nanos(times_ns.value_at_quantile(fraction));
     Ok(Timing {
         answered: times_ns.len() as u32,
         lost,

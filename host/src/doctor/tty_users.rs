@@ -1,9 +1,9 @@
-//! Which programs have a terminal open.
+//! The processes that have a terminal open.
 
 use std::fs;
 use std::path::Path;
 
-/// Names and process numbers of those that this user may see.
+/// Name and process id of each that this user may inspect.
 #[must_use]
 pub fn of(terminal: &Path) -> Vec<String> {
     let Ok(terminal) = terminal.canonicalize() else { return Vec::new() };

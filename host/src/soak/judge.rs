@@ -1,10 +1,10 @@
-//! The verdict of a run, judged once more from its figures. Not by the code that gave it.
+//! The expected verdict of a run, derived from its counters, independently of the code under test.
 
 use lashloop_bench::run::{End, Outcome};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::verdict::{LinkCounts, Verdict};
 
-/// What is wrong with the judgement of a run in lockstep. Nothing, on a bench that works.
+/// The contradiction between the verdict and the counters of a lockstep run, if any.
 #[must_use]
 pub fn wrong(scenario: &Scenario, outcome: &Outcome) -> Option<String> {
     let Outcome { judgement, end, link, .. } = outcome;
@@ -39,7 +39,7 @@ pub fn wrong(scenario: &Scenario, outcome: &Outcome) -> Option<String> {
     uncounted(outcome)
 }
 
-/// A frame that was damaged is damage on one of the sides, in a run to its end.
+/// In a complete run, one of the two sides counts every damaged frame.
 fn uncounted(outcome: &Outcome) -> Option<String> {
     let damaging = ["link-bit-flip", "link-byte-loss"];
     let hits: u64 = (outcome.faults.iter())
@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pass_with_losses_beyond_what_is_allowed_is_wrong() {
+    fn pass_with_more_losses_than_allowed_is_wrong() {
         let counts = [
             LinkCounts { lost: 1, ..LinkCounts::default() },
             LinkCounts { late: 1, ..LinkCounts::default() },
@@ -99,20 +99,20 @@ mod tests {
     }
 
     #[test]
-    fn an_invalid_for_nothing_is_wrong_and_so_is_a_fail() {
+    fn invalid_or_fail_without_a_cause_is_wrong() {
         assert_eq!(wrong_with(&outcome(Verdict::Pass, LinkCounts::default())), None);
         assert!(wrong_with(&outcome(Verdict::Invalid, LinkCounts::default())).is_some());
         assert!(wrong_with(&outcome(Verdict::Fail, LinkCounts::default())).is_some());
     }
 
     #[test]
-    fn a_pass_of_a_run_that_was_cut_short_is_wrong() {
+    fn pass_of_a_run_that_ended_early_is_wrong() {
         let run = Outcome { end: End::DriveRestarted, ..outcome(Verdict::Pass, LinkCounts::default()) };
         assert!(wrong_with(&run).is_some());
     }
 
     #[test]
-    fn damage_that_nobody_counted_is_wrong() {
+    fn uncounted_damage_is_wrong() {
         let hit = FaultRecord { kind: "link-bit-flip", step: 0, until_step: Some(9), frames: Some(3) };
         let run = Outcome { faults: vec![hit], ..outcome(Verdict::Pass, LinkCounts::default()) };
         assert!(wrong_with(&run).is_some_and(|why| why.contains("none was counted")));

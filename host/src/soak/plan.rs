@@ -3,14 +3,14 @@
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::scenario::fault::{EncoderFault, FaultKind, FrameFault, InjectedFault, Side, Way};
 
-/// Share of frames that are hit, level by level. Level 0 is the scenario itself.
+/// Fraction of frames hit, by level. Level 0 is the scenario itself.
 pub const SHARES: [f64; 6] = [0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2];
 
-/// A lost answer costs this time, so a soak does not wait long for each.
+/// Answer timeout: short, since every lost answer costs this time.
 const ANSWER_TIMEOUT_MS: u32 = 100;
-/// No stall of a soak lasts as long, so a drive that is silent for longer hangs.
+/// Longest silence. Faults of a soak are shorter, so a drive that exceeds it hangs.
 const SILENCE_LIMIT_MS: u32 = 10_000;
-/// Frames that each fault of the line hits in a run, about: each may cost an answer.
+/// Approximate number of frames that one link fault hits per run; each may cost an answer.
 const HITS: f64 = 10.0;
 
 /// The level of a run, counted from 0.
@@ -19,8 +19,8 @@ pub fn level(run: u64) -> usize {
     (run % SHARES.len() as u64) as usize
 }
 
-/// The scenario of a run, counted from 0: that of the user with the faults of its level. Runs with faults have seeds of
-/// their own, those without are the same run.
+/// The scenario of run number `run`, from 0: the user's, with the faults of its level. Runs with faults have their own
+/// seeds; runs without faults are identical.
 #[must_use]
 pub fn scenario(of_the_user: &Scenario, run: u64) -> Scenario {
     let mut scenario = of_the_user.clone();
@@ -37,7 +37,7 @@ pub fn scenario(of_the_user: &Scenario, run: u64) -> Scenario {
 fn faults(scenario: &Scenario, level: usize) -> Vec<InjectedFault> {
     let (run, share, level) = (&scenario.run, SHARES[level], level as u32);
     let (way, duration_s, period_s) = (Way::Both, run.duration_s, run.control_period_s());
-    // Two frames in a step. All of it is over before the end, so the counts of both sides are complete.
+    // Two frames per step. All faults end before the run does, so that the counters of both sides are complete.
     let for_s = (HITS / (2.0 * share) * period_s).min(0.8 * duration_s);
     let fault = |at: f64, for_s: f64, kind| InjectedFault {
         at_s: at * duration_s,
@@ -66,7 +66,7 @@ mod tests {
     use crate::soak::short_scenario::with_faults;
 
     #[test]
-    fn every_level_is_a_scenario_that_could_stand_in_a_file() {
+    fn every_level_round_trips_through_toml() {
         for run in 0..6 {
             let scenario = scenario(&with_faults(&[]), run);
             let text = scenario.to_toml().expect("TOML");
@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_rise_from_level_to_level_and_begin_anew() {
+    fn faults_rise_from_level_to_level_and_start_over() {
         let shares = (0..7).map(|run| {
             let scenario = scenario(&with_faults(&[]), run);
             scenario.faults.iter().find_map(|fault| match fault.kind {
@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_depends_on_its_number_and_the_seed_alone_and_a_level_comes_with_other_seeds() {
+    fn run_depends_on_number_and_seed_and_levels_repeat_with_new_seeds() {
         let user = with_faults(&[]);
         assert_eq!(scenario(&user, 8), scenario(&user, 8));
         assert_ne!(scenario(&user, 2).run.seed, scenario(&user, 8).run.seed);
@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_of_the_user_stay_and_all_are_over_before_the_end() {
+    fn the_user_s_faults_stay_and_all_faults_end_before_the_run() {
         let user = with_faults(&["kind = \"torque-dead\"\nat_s = 0.5"]);
         let scenario = scenario(&user, 5);
         assert_eq!(scenario.faults[0], user.faults[0]);

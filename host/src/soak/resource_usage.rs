@@ -3,20 +3,18 @@
 use std::fs;
 use std::io;
 
-/// What a process holds.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Usage {
     /// Resident memory (`VmRSS`).
     pub rss_kib: u64,
-    /// Open descriptors.
     pub descriptors: u64,
 }
 
-/// Looks at a process; `None` is this one.
+/// Reads the usage of a process; `None` is this one.
 ///
 /// # Errors
-/// It is gone, or is another user's.
-pub fn look(process: Option<u32>) -> io::Result<Usage> {
+/// The process has ended, or belongs to another user.
+pub fn read(process: Option<u32>) -> io::Result<Usage> {
     let folder = process.map_or_else(|| "/proc/self".to_owned(), |id| format!("/proc/{id}"));
     let status = fs::read_to_string(format!("{folder}/status"))?;
     let rss = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
@@ -27,26 +25,25 @@ pub fn look(process: Option<u32>) -> io::Result<Usage> {
     })
 }
 
-/// How much more a process may come to hold.
+/// Limit of a process's growth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limit(pub Usage);
 
-/// Of the bench, from the end of the first round of levels on.
+/// For the bench, after its first cycle through the levels.
 pub const BENCH: Limit = Limit(Usage { rss_kib: 8 * 1024, descriptors: 4 });
-/// Of a drive's process, within a run. An emulator keeps what it has translated.
+/// For a drive's process, within a run. An emulator caches translated code.
 pub const DRIVE: Limit = Limit(Usage { rss_kib: 8 * 1024, descriptors: 2 });
 
 /// The growth of a process.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Growth {
-    /// What it held first.
     pub first: Option<Usage>,
-    /// The most it held since.
+    /// Maximum since then.
     pub most: Usage,
 }
 
 impl Growth {
-    /// Takes what the process holds now.
+    /// Adds a reading.
     pub fn push(&mut self, held: Usage) {
         self.first.get_or_insert(held);
         self.most = Usage {
@@ -55,7 +52,7 @@ impl Growth {
         };
     }
 
-    /// How much more it is than at first.
+    /// Maximum less the first reading.
     #[must_use]
     pub fn so_far(&self) -> Usage {
         let first = self.first.unwrap_or(self.most);
@@ -65,7 +62,7 @@ impl Growth {
         }
     }
 
-    /// What has grown beyond a limit.
+    /// The first quantity whose growth exceeds the limit, as a sentence.
     #[must_use]
     pub fn beyond(&self, Limit(limit): Limit) -> Option<String> {
         let grown = self.so_far();
@@ -97,25 +94,25 @@ mod tests {
     }
 
     #[test]
-    fn growth_that_was_given_back_counts_as_well() {
+    fn released_growth_counts() {
         assert!(grown(&[(1000, 10), (2000, 10), (1000, 10)]).is_some());
     }
 
     #[test]
-    fn memory_and_descriptors_of_this_process_are_seen_to_grow() {
-        let before = look(None).expect("this process");
+    fn growth_of_this_process_is_measured() {
+        let before = read(None).expect("this process");
         let files: Vec<_> = (0..400).map(|_| fs::File::open("/proc/self/status").expect("a file")).collect();
-        // A block that nobody could look at would not be made.
+        // black_box keeps the allocation from being optimised away.
         let block = std::hint::black_box(vec![1_u8; 256 << 20]);
-        let after = look(None).expect("this process");
-        // Half of it, because other tests of this program run beside this one and give back what they had.
+        let after = read(None).expect("this process");
+        // Half of it, because tests in other threads release memory and descriptors meanwhile.
         assert!(after.descriptors >= before.descriptors + 200, "{before:?}, {after:?}");
         assert!(after.rss_kib > before.rss_kib + 128 * 1024, "{before:?}, {after:?}");
         assert_eq!((files.len(), block[7]), (400, 1));
     }
 
     #[test]
-    fn a_process_that_is_gone_is_an_error() {
-        assert!(look(Some(u32::MAX)).is_err());
+    fn missing_process_is_an_error() {
+        assert!(read(Some(u32::MAX)).is_err());
     }
 }

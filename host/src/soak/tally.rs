@@ -1,4 +1,4 @@
-//! What came of all runs.
+//! The totals of a soak.
 
 use std::fmt;
 use std::time::Duration;
@@ -10,35 +10,27 @@ use lashloop_bench::run::{End, Outcome, RunError};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::verdict::Verdict;
 
-/// What came of the runs of one level.
+/// The totals of one level.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Level {
-    /// Runs begun.
     pub runs: u64,
-    /// Of those PASS.
     pub passed: u64,
-    /// FAIL.
     pub failed: u64,
-    /// INVALID.
     pub invalid: u64,
-    /// Steps made.
     pub steps: u64,
-    /// Frames hit by faults of the line.
+    /// Frames hit by link faults.
     pub hit: u64,
     /// Steps without an answer.
     pub lost: u64,
-    /// Frames that arrived damaged, on either side.
+    /// Damaged frames, counted on either side.
     pub damaged: u64,
 }
 
-/// What came of all runs so far.
 #[derive(Debug, Clone, Default)]
 pub struct Tally {
-    /// Level by level.
     pub levels: [Level; SHARES.len()],
-    /// What should not be, each with its run.
+    /// Violations, each with its run.
     pub problems: Vec<String>,
-    /// Time so far.
     pub took: Duration,
     bench: Growth,
     drive: Growth,
@@ -48,7 +40,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Takes the next run and what the two processes held.
+    /// Adds a run and the resources of bench and drive.
     pub fn push(
         &mut self,
         scenario: &Scenario,
@@ -89,7 +81,7 @@ impl Tally {
         self.problems.extend(problems.into_iter().map(|problem| format!("run {run}: {problem}")));
     }
 
-    /// A process that has not done everything once has not taken all the memory it needs.
+    /// The first cycle through the levels allocates; growth counts after it.
     fn judges_growth(&self) -> bool {
         self.runs >= SHARES.len() as u64
     }
@@ -108,7 +100,7 @@ impl Tally {
         level.damaged += outcome.link.crc_errors + outcome.link.damaged_at_drive;
     }
 
-    /// Runs without a fault and without a loss are the same run, bit by bit.
+    /// Runs without faults and losses are equal bit for bit.
     fn other_torques(&mut self, level: usize, outcome: &Outcome) -> Option<String> {
         if level > 0 || outcome.link.lost > 0 {
             return None;
@@ -118,13 +110,11 @@ impl Tally {
             .then(|| "other torques than in the first run without faults".to_owned())
     }
 
-    /// Runs so far.
     #[must_use]
     pub fn runs(&self) -> u64 {
         self.runs
     }
 
-    /// Whether the user ended it.
     #[must_use]
     pub fn is_interrupted(&self) -> bool {
         self.interrupted
@@ -133,7 +123,7 @@ impl Tally {
 
 impl fmt::Display for Tally {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(out, "level  share    runs  PASS  FAIL  INVALID      steps   hit  damaged  lost")?;
+        writeln!(out, "level  rate     runs  PASS  FAIL  INVALID      steps   hit  damaged  lost")?;
         for (number, (level, share)) in self.levels.iter().zip(SHARES).enumerate() {
             let Level { runs, passed, failed, invalid, steps, hit, lost, damaged } = level;
             writeln!(
@@ -148,11 +138,11 @@ impl fmt::Display for Tally {
         };
         match self.bench.first {
             Some(_) => writeln!(out, "bench  {}", growth(&self.bench))?,
-            None => writeln!(out, "bench  too few runs to see it grow")?,
+            None => writeln!(out, "bench  too few runs to measure growth")?,
         }
         match self.drive.first {
             Some(_) => writeln!(out, "drive  {} in the run in which it grew most", growth(&self.drive))?,
-            None => writeln!(out, "drive  no process of the bench")?,
+            None => writeln!(out, "drive  not a process of the bench")?,
         }
         for problem in &self.problems {
             writeln!(out, "WRONG  {problem}")?;

@@ -1,4 +1,4 @@
-//! Who checks the checks: drives that break one rule each, and the check of that rule.
+//! Tests of the conformance checks: each mutant breaks one rule, and the check of that rule must fail.
 
 mod mutants;
 mod variants;
@@ -31,26 +31,26 @@ fn failed(results: &[CheckResult]) -> BTreeSet<String> {
 }
 
 #[test]
-fn a_drive_that_is_right_passes_every_check() {
+fn unchanged_drive_passes_every_check() {
     let results = results(Variant::MERZOUKI);
     assert!(results.iter().all(|it| it.status == CheckStatus::Passed), "{results:#?}");
 }
 
-/// 1000 rad/s and these encoders make the longest gap 50 periods.
+/// With 1000 rad/s and these encoders the longest gap is 50 periods.
 #[test]
-fn a_drive_that_has_fine_encoders_passes_every_check() {
+fn drive_with_fine_encoders_passes_every_check() {
     let results = results(variants::FINE);
     assert!(results.iter().all(|it| it.status == CheckStatus::Passed), "{results:#?}");
 }
 
 #[test]
-fn a_drive_that_has_one_period_and_one_resolution_passes_every_check() {
+fn drive_with_one_period_and_resolution_passes_every_check() {
     let results = results(variants::FIXED);
     assert!(results.iter().all(|it| it.status == CheckStatus::Passed), "{results:#?}");
 }
 
 #[test]
-fn jumps_and_gaps_are_checked_on_a_drive_that_has_one_period_and_one_resolution() {
+fn jumps_and_gaps_are_checked_at_one_period_and_resolution() {
     let failed = failed(&results(variants::FIXED_CREDULOUS));
     for name in [
         "a gap is flagged GAP, once",
@@ -62,7 +62,7 @@ fn jumps_and_gaps_are_checked_on_a_drive_that_has_one_period_and_one_resolution(
 }
 
 #[test]
-fn what_the_ranges_of_a_drive_do_not_allow_is_skipped_and_said_so() {
+fn checks_outside_the_ranges_of_a_drive_are_skipped_aloud() {
     let results = results(variants::SLOW);
     let skipped: Vec<_> = results
         .iter()
@@ -74,13 +74,13 @@ fn what_the_ranges_of_a_drive_do_not_allow_is_skipped_and_said_so() {
         "Arm is refused if one period leaves the position of the load ambiguous",
     ];
     assert_eq!(skipped, wanted);
-    // It takes more than it says, and that is all that is wrong with it.
+    // This drive accepts values beyond its ranges; every other rule is kept.
     let refuses = "a value out of range is refused and changes nothing".to_owned();
     assert_eq!(failed(&results), BTreeSet::from([refuses]));
 }
 
-/// Checks that no altered drive here can fail: it begins every check in Boot by the same Reset, gathers bytes to whole
-/// frames before it alters anything, and says nothing but whole frames.
+/// Checks that no mutant can fail. A mutant resets into Boot before every check, assembles whole frames before it changes
+/// them, and sends whole frames only.
 const OUT_OF_REACH: [&str; 3] = [
     "Reset leads from Boot to Boot",
     "a frame that arrives byte by byte is answered",
@@ -95,7 +95,7 @@ fn names_of_checks_are_unique() {
 }
 
 #[test]
-fn every_broken_rule_is_caught_by_the_check_of_that_rule() {
+fn every_broken_rule_fails_its_own_check() {
     let failures: Vec<_> = thread::scope(|scope| {
         let runs: Vec<_> =
             variants::all().map(|variant| scope.spawn(move || failed(&results(variant)))).collect();

@@ -69,7 +69,7 @@ fn a_run_that_is_killed_leaves_whole_packets_but_for_the_last() {
     child.wait().unwrap();
     let bytes = fs::read(&path).unwrap();
     let mut found: Vec<_> = reader::packets(&bytes).collect();
-    // A kill in the middle of a write may leave the last packet torn, and a reader told so.
+    // A kill during a write may truncate the last packet, which the reader reports.
     if found.last().is_some_and(Result::is_err) {
         found.pop();
     }
@@ -84,6 +84,6 @@ fn a_capture_that_can_t_be_written_ends_the_run_by_name() {
     let ended =
         lashloop(&["run", scenario.to_str().unwrap(), "--device", "inproc", "--capture", "/dev/full"], &[]);
     assert_eq!(ended.status.code(), Some(2));
-    let said = text(&ended.stderr);
-    assert!(said.contains("/dev/full") && said.contains("cannot be written"), "{said}");
+    let report = text(&ended.stderr);
+    assert!(report.contains("/dev/full") && report.contains("cannot be written"), "{report}");
 }

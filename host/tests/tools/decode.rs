@@ -39,7 +39,7 @@ fn bad_frames_are_shown_with_their_reason_and_place() {
     insta::assert_snapshot!(decode(&["-", "--json"], &stream.concat()));
 }
 
-/// A whole frame of a kind that nobody has.
+/// A good frame of an unknown kind.
 fn unknown_kind() -> Vec<u8> {
     let body = [0x7e_u8, 5];
     let mut frame = vec![0];
@@ -82,6 +82,6 @@ fn a_capture_that_breaks_off_shows_its_packets_and_ends_with_an_error() {
     let output = lashloop(&["decode", "-"], &capture[..capture.len() - 3]);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stdout).contains("Hello") && text(&output.stdout).contains("1 messages"));
-    let said = text(&output.stderr);
-    assert!(said.contains("breaks off within a block, after packet 1"), "{said}");
+    let report = text(&output.stderr);
+    assert!(report.contains("breaks off within a block, after packet 1"), "{report}");
 }

@@ -192,5 +192,5 @@ fn tshark_reads_the_torques_of_a_real_run_as_the_trace_has_them() {
     assert_eq!(bad, "");
     let inbound =
         tshark(&run.capture, &["-Y", "frame.packet_flags_direction == 1 && lashloop.kind < 0x80"]).unwrap();
-    assert_eq!(inbound, "", "what the host says is outbound");
+    assert_eq!(inbound, "", "messages of the host are outbound");
 }

@@ -15,7 +15,7 @@ use lashloop_protocol::{DriveMessage, Message};
 use crate::examples;
 use crate::support::{lashloop, text};
 
-fn line(terminal: &Path) -> Examination {
+fn examination(terminal: &Path) -> Examination {
     examine(&LineUnderTest { terminal, baud: 921_600, rounds: 100 })
 }
 
@@ -33,8 +33,8 @@ fn wrong(examination: &Examination) -> String {
 }
 
 #[test]
-fn a_twin_is_healthy_and_what_a_pty_has_not_does_not_apply() {
-    let examination = line(&twin());
+fn twin_is_healthy_and_serial_properties_do_not_apply() {
+    let examination = examination(&twin());
     assert!(examination.is_healthy(), "{:#?}", examination.diagnoses);
     let not_applicable =
         examination.diagnoses.iter().filter(|diagnosis| diagnosis.health == Health::NotApplicable);
@@ -43,7 +43,7 @@ fn a_twin_is_healthy_and_what_a_pty_has_not_does_not_apply() {
 }
 
 #[test]
-fn the_command_prints_times_that_took_time() {
+fn command_prints_plausible_times() {
     let output = lashloop(&["doctor", twin().to_str().unwrap()], &[]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
     let line = text(&output.stdout).lines().find(|line| line.contains("round trip")).unwrap();
@@ -55,27 +55,27 @@ fn the_command_prints_times_that_took_time() {
 }
 
 #[test]
-fn a_terminal_that_is_held_is_told_with_its_holder() {
+fn held_terminal_is_reported_with_its_holder() {
     let path = twin();
     let _holder = Pty::open(&path).unwrap();
-    let examination = line(&path);
+    let examination = examination(&path);
     assert!(!examination.reached);
-    let said = wrong(&examination);
-    assert!(said.contains("another program holds it"), "{said}");
-    assert!(said.contains(&format!("(process {})", std::process::id())), "{said}");
+    let report = wrong(&examination);
+    assert!(report.contains("another program holds it"), "{report}");
+    assert!(report.contains(&format!("(process {})", std::process::id())), "{report}");
 }
 
 #[test]
-fn a_silent_far_end_is_told() {
+fn silent_far_end_is_reported() {
     let twin = Twin::open().unwrap();
-    let examination = line(twin.path());
+    let examination = examination(twin.path());
     assert!(!examination.reached);
-    let said = wrong(&examination);
-    assert!(said.contains("silent for 2.5 s after Hello") && said.contains("baud rate"), "{said}");
+    let report = wrong(&examination);
+    assert!(report.contains("silent for 2.5 s after Hello") && report.contains("baud rate"), "{report}");
 }
 
 #[test]
-fn a_drive_of_another_protocol_version_is_told_with_the_remedy() {
+fn other_protocol_version_is_reported_with_the_remedy() {
     let terminal = Terminal::open().unwrap();
     let far_end = terminal.far_end.try_clone().unwrap();
     thread::spawn(move || {
@@ -88,12 +88,12 @@ fn a_drive_of_another_protocol_version_is_told_with_the_remedy() {
             far_end.write_all(&DriveMessage::from(identity).frame()).unwrap();
         }
     });
-    let said = wrong(&line(&terminal.path));
-    assert!(said.contains("speaks protocol version 2, this bench speaks version 1: flash"), "{said}");
+    let report = wrong(&examination(&terminal.path));
+    assert!(report.contains("speaks protocol version 2, this bench speaks version 1: flash"), "{report}");
 }
 
 #[test]
-fn a_terminal_that_is_not_there_is_told() {
+fn missing_terminal_is_reported() {
     let output = lashloop(&["doctor", "/dev/no-such-terminal"], &[]);
     assert_eq!(output.status.code(), Some(4));
     assert!(text(&output.stdout).starts_with("WRONG  open"), "{}", text(&output.stdout));

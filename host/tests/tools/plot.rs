@@ -1,4 +1,4 @@
-//! `lashloop plot` on records of runs that ended well, ended early, or are none.
+//! `lashloop plot` on complete, truncated and malformed records.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use tempfile::TempDir;
 
 use crate::support::{lashloop, root, text};
 
-/// Folders of runs of a tenth of a second.
+/// Folders with records of 0.1 s.
 struct Runs(TempDir);
 
 impl Runs {
@@ -41,13 +41,13 @@ fn plot(arguments: &[&Path]) -> Result<String, String> {
 }
 
 #[test]
-fn a_record_becomes_a_picture_in_its_folder() {
+fn record_is_plotted_into_its_folder() {
     let runs = Runs::new();
     let one = runs.run("one", &[]);
-    let said = plot(&[&one]).unwrap();
-    let picture = one.join("record.svg");
-    assert_eq!(said, format!("picture: {}\n", picture.display()));
-    let svg = fs::read_to_string(picture).unwrap();
+    let output = plot(&[&one]).unwrap();
+    let figure = one.join("record.svg");
+    assert_eq!(output, format!("figure: {}\n", figure.display()));
+    let svg = fs::read_to_string(figure).unwrap();
     for words in
         ["Record of one", "Load position", "edges of the gap", "Round trip", "100 steps, all answered."]
     {
@@ -57,12 +57,12 @@ fn a_record_becomes_a_picture_in_its_folder() {
 }
 
 #[test]
-fn records_side_by_side_have_a_curve_each_and_share_what_is_the_same() {
+fn several_records_share_axes_and_common_curves() {
     let runs = Runs::new();
     let (one, other) = (runs.run("one", &[]), runs.run("other", &["plant.dead_zone_rad=0.2"]));
-    let picture = runs.folder("both.svg");
-    plot(&[&one, &other, Path::new("--out"), &picture]).unwrap();
-    let svg = fs::read_to_string(picture).unwrap();
+    let figure = runs.folder("both.svg");
+    plot(&[&one, &other, Path::new("--out"), &figure]).unwrap();
+    let svg = fs::read_to_string(figure).unwrap();
     let curves = |label: &str| svg.matches(&format!("<title>{label}</title>")).count();
     assert_eq!((curves("one"), curves("other")), (6, 6), "one in each panel");
     assert_eq!(curves("reference"), 1, "both follow the same");
@@ -70,33 +70,34 @@ fn records_side_by_side_have_a_curve_each_and_share_what_is_the_same() {
 }
 
 #[test]
-fn folders_of_the_same_name_are_told_apart_by_their_paths() {
+fn folders_with_equal_names_are_labelled_by_path() {
     let (here, there) = (Runs::new(), Runs::new());
     let (one, other) = (here.run("one", &[]), there.run("one", &[]));
-    let picture = here.folder("both.svg");
-    plot(&[&one, &other, Path::new("--out"), &picture]).unwrap();
-    let svg = fs::read_to_string(picture).unwrap();
+    let figure = here.folder("both.svg");
+    plot(&[&one, &other, Path::new("--out"), &figure]).unwrap();
+    let svg = fs::read_to_string(figure).unwrap();
     for folder in [&one, &other] {
         assert!(svg.contains(&format!("<title>{}</title>", folder.display())), "{}", folder.display());
     }
 }
 
 #[test]
-fn steps_that_the_timing_does_not_tell_of_are_not_said_to_be_answered() {
+fn steps_without_timing_are_not_counted_as_answered() {
     let runs = Runs::new();
     let one = runs.run("one", &[]);
     let timing = fs::read_to_string(one.join("timing.csv")).unwrap();
     let lines: Vec<_> = timing.lines().collect();
-    for (rows, said) in [(0, "timing.csv tells of 0 of them."), (40, "tells of 40 of them, all answered.")] {
+    for (rows, text_shown) in [(0, "timing.csv covers 0 of them."), (40, "covers 40 of them, all answered.")]
+    {
         fs::write(one.join("timing.csv"), lines[..=rows].join("\n") + "\n").unwrap();
         plot(&[&one]).unwrap();
         let svg = fs::read_to_string(one.join("record.svg")).unwrap();
-        assert!(svg.contains(said), "no {said:?}: {svg}");
+        assert!(svg.contains(text_shown), "no {text_shown:?}: {svg}");
     }
 }
 
 #[test]
-fn a_part_of_the_time_is_shown_alone() {
+fn only_the_selected_range_is_plotted() {
     let runs = Runs::new();
     let one = runs.run("one", &[]);
     plot(&[&one, Path::new("--from=0.05"), Path::new("--until=0.06")]).unwrap();
@@ -105,11 +106,11 @@ fn a_part_of_the_time_is_shown_alone() {
     let error = plot(&[&one, Path::new("--from=2"), Path::new("--until=1")]).unwrap_err();
     assert!(error.contains("--until must be later than --from"), "{error}");
     let error = plot(&[&one, Path::new("--from=30")]).unwrap_err();
-    assert!(error.contains("there is nothing from 30 s on; the records end at 0.099 s"), "{error}");
+    assert!(error.contains("no step lies in the range from 30 s on; the records end at 0.099 s"), "{error}");
 }
 
 #[test]
-fn a_run_that_was_killed_is_drawn_as_far_as_its_record_goes() {
+fn killed_run_is_plotted_up_to_its_last_whole_row() {
     let runs = Runs::new();
     let one = runs.run("one", &[]);
     fs::remove_file(one.join("summary.json")).unwrap();
@@ -118,13 +119,18 @@ fn a_run_that_was_killed_is_drawn_as_far_as_its_record_goes() {
     fs::write(one.join("trace.csv"), &trace[..trace.len() - 40]).unwrap();
     plot(&[&one]).unwrap();
     let svg = fs::read_to_string(one.join("record.svg")).unwrap();
-    for words in ["ended without a verdict", "99 steps", "no timing.csv", "ends within a row"] {
+    for words in [
+        "ended without a verdict",
+        "99 steps",
+        "timing.csv is missing",
+        "last row of the record is incomplete",
+    ] {
         assert!(svg.replace("</tspan>", " ").contains(words), "no {words:?}: {svg}");
     }
 }
 
 #[test]
-fn what_is_no_record_is_named_with_its_file_and_line() {
+fn malformed_record_is_named_by_file_and_line() {
     let runs = Runs::new();
     let nowhere = runs.folder("nowhere");
     let error = plot(&[&nowhere]).unwrap_err();

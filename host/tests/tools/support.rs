@@ -1,4 +1,4 @@
-//! What these tests share: the program, a short run, tshark.
+//! The program, a short run and tshark.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -52,7 +52,7 @@ pub fn short_run() -> Run {
     let duration = format!("run.duration_s={}", STEPS as f64 * 1e-3);
     let [scenario, out, file] = [&scenario, folder.path(), &capture].map(|path| path.to_str().unwrap());
     let ended = lashloop(&["run", scenario, "--set", &duration, "--out", out, "--capture", file], &[]);
-    // So short a run misses its expectations; what counts here is that it was made.
+    // A run this short misses its expectations; only its record matters here.
     assert_eq!(ended.status.code(), Some(1), "{}", text(&ended.stderr));
     let trace = fs::read(folder.path().join("trace.csv")).unwrap();
     let mut trace = csv::Reader::from_reader(&trace[..]);
@@ -61,14 +61,14 @@ pub fn short_run() -> Run {
     Run { _folder: folder, capture, torques_nm }
 }
 
-/// What tshark prints with the dissector; `None`, loudly, if there is no tshark.
+/// Output of tshark with the dissector. `None`, with a notice on standard error, if tshark is missing.
 pub fn tshark(capture: &Path, arguments: &[&str]) -> Option<String> {
     let path = env::var_os("PATH").unwrap_or_default();
     if !env::split_paths(&path).any(|folder| folder.join("tshark").is_file()) {
         let notice = "SKIPPED: the Wireshark dissector is not tested, because tshark is missing; \
                         `cargo xtask setup` installs it, or on Debian `apt-get install tshark`";
         assert!(env::var_os("LASHLOOP_LEAVE_NOTHING_OUT").is_none(), "{notice}");
-        // Past the test runner, which keeps what a passing test prints.
+        // Directly to standard error: the test runner captures the output of passing tests.
         let _ = writeln!(io::stderr(), "{notice}");
         return None;
     }

@@ -1,4 +1,4 @@
-//! `lashloop battery`: many runs, their tables, and what is left when it is cut off.
+//! `lashloop battery`: tables, limits, interruption and resumption.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -8,7 +8,7 @@ use tests::bench::{self, Bench, Ended};
 use tests::records::Records;
 use tests::{wait, workspace};
 
-/// Arguments of a battery that keeps its results.
+/// Arguments of a battery with a folder for its results.
 fn arguments(records: &Records, rest: &str) -> Vec<String> {
     let words = format!("battery {rest} --out {}", records.out());
     words.split_whitespace().map(str::to_owned).collect()
@@ -22,7 +22,7 @@ fn text(records: &Records, name: &str) -> String {
     fs::read_to_string(records.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// What a battery has left, but for the order in which runs ended.
+/// The files of a battery, independent of the order in which runs ended.
 fn left(records: &Records) -> [String; 3] {
     let mut journal: Vec<_> = text(records, "runs.jsonl").lines().map(str::to_owned).collect();
     journal[1..].sort_unstable();
@@ -37,12 +37,12 @@ fn rows(records: &Records) -> Vec<BTreeMap<String, String>> {
 }
 
 #[test]
-fn short_battery_meets_its_limits_and_every_row_is_a_run_of_its_own() {
+fn short_battery_meets_its_limits_and_its_rows_can_be_rerun() {
     let records = Records::new();
     let ended = run(&records, "--plants 20").with_code(0);
     assert!(ended.stdout.ends_with("PASS\n"), "{}", ended.stdout);
     assert_eq!(ended.stdout.lines().filter(|line| line.starts_with("met ")).count(), 4, "{}", ended.stdout);
-    // The sweeps don't depend on the number of plants, so they are those of the document.
+    // The sweeps do not depend on the number of plants, so docs/robustness.md has the same lines.
     let (_, sweeps) = ended.stdout.split_once("\n\ntrue j0").expect("the first sweep");
     let (sweeps, _) = sweeps.split_once("\n\nlimits of").expect("the end of the last");
     let document = fs::read_to_string(workspace().join("docs/robustness.md")).expect("the document");
@@ -62,7 +62,7 @@ fn short_battery_meets_its_limits_and_every_row_is_a_run_of_its_own() {
         let scenario = format!("scenarios/shaft-{law}.toml");
         let settings = row["set"].split(' ').flat_map(|set| ["--set".to_owned(), set.to_owned()]);
         let words = ["run", &scenario, "--device", "inproc", "--out", &alone.out()].map(str::to_owned);
-        // Its verdict is that of a scenario for another plant.
+        // The verdict does not matter: its expectations hold for another plant.
         let _ = bench::run(words.into_iter().chain(settings));
         let summary = alone.summary();
         assert_eq!(summary["torque_sha256"], row["torque_sha256"].as_str(), "{law}");
@@ -72,7 +72,7 @@ fn short_battery_meets_its_limits_and_every_row_is_a_run_of_its_own() {
 }
 
 #[test]
-fn same_seed_gives_the_same_table_whatever_the_number_of_jobs() {
+fn same_seed_gives_the_same_table_for_any_number_of_jobs() {
     let battery = |rest: &str| {
         let records = Records::new();
         let ended = run(&records, &format!("--plants 4 --no-sweeps {rest}"));
@@ -85,8 +85,8 @@ fn same_seed_gives_the_same_table_whatever_the_number_of_jobs() {
 
 const SMALL: &str = "--plants 25 --controller merzouki,backlash-inverse --no-sweeps --jobs 1";
 
-/// A battery with some results and more to come.
-fn in_its_midst(records: &Records) -> Bench {
+/// A battery in progress, with some results.
+fn in_progress(records: &Records) -> Bench {
     let bench = Bench::start(arguments(records, SMALL));
     wait::until("results in runs.jsonl", || {
         let lines = fs::read_to_string(records.path("runs.jsonl")).ok()?.lines().count();
@@ -95,63 +95,63 @@ fn in_its_midst(records: &Records) -> Bench {
     bench
 }
 
-/// Goes on with a battery that was cut off, and checks that nothing can tell.
-fn goes_on_as_if_nothing_had_been(records: &Records) {
+/// Resumes a battery and requires the results of an uninterrupted one.
+fn resumes_to_the_same_results(records: &Records) {
     let made = text(records, "runs.jsonl").matches("\"end\"").count();
-    assert!((3..50).contains(&made), "{made} runs had been made");
+    assert!((3..50).contains(&made), "{made} runs in the journal");
     let resumed = run(records, &format!("{SMALL} --resume")).with_code(0);
-    assert_eq!(resumed.stderr, format!("{made} of 50 runs have been made before\n"));
+    assert_eq!(resumed.stderr, format!("{made} of 50 runs restored from the journal\n"));
     let whole = Records::new();
     assert_eq!(resumed.stdout, run(&whole, SMALL).with_code(0).stdout);
     assert_eq!(left(records), left(&whole));
 }
 
 #[test]
-fn killed_battery_goes_on_and_ends_as_if_it_had_not_been() {
+fn killed_battery_resumes_to_the_same_results() {
     let records = Records::new();
-    let bench = in_its_midst(&records);
+    let bench = in_progress(&records);
     bench.signal(Signal::KILL);
     assert_eq!(bench.wait().code, None);
-    goes_on_as_if_nothing_had_been(&records);
+    resumes_to_the_same_results(&records);
 }
 
 #[test]
-fn interrupted_battery_ends_in_good_order_and_keeps_what_it_has() {
+fn interrupted_battery_keeps_its_results_and_resumes() {
     let records = Records::new();
-    let bench = in_its_midst(&records);
+    let bench = in_progress(&records);
     bench.signal(Signal::INT);
     let ended = bench.wait().with_code(3);
     assert!(ended.stdout.starts_with("interrupted: "), "{}", ended.stdout);
-    assert!(ended.stdout.ends_with("--resume goes on with them\n"), "{}", ended.stdout);
+    assert!(ended.stdout.ends_with("resume with --resume\n"), "{}", ended.stdout);
     assert_eq!(ended.stderr, "");
     assert!(text(&records, "runs.jsonl").ends_with('\n'));
-    assert!(!records.path("battery.json").exists(), "no report on half a battery");
-    goes_on_as_if_nothing_had_been(&records);
+    assert!(!records.path("battery.json").exists(), "no report on a part of a battery");
+    resumes_to_the_same_results(&records);
 }
 
 const ONE: &str = "--plants 1 --controller backlash-inverse --no-sweeps";
 
 #[test]
-fn results_of_another_battery_are_neither_mixed_nor_overwritten() {
+fn results_of_another_battery_are_refused_and_kept() {
     let records = Records::new();
     let _ = run(&records, ONE).with_code(0);
     let before = left(&records);
-    for (rest, says) in [
+    for (rest, expected) in [
         (format!("{ONE} --resume --seed 2"), "its seed is 1, here it is 2"),
         ("--plants 1 --controller pd --no-sweeps --resume".to_owned(), "its list of controllers is"),
         (ONE.replace("--plants 1", "--plants 2 --resume"), "its number of plants is 1, here it is 2"),
         ("--plants 1 --controller backlash-inverse --resume".to_owned(), "its choice of sweeps is without"),
-        (ONE.to_owned(), "holds results already: go on with --resume"),
+        (ONE.to_owned(), "already holds results: resume with --resume"),
     ] {
         let ended = run(&records, &rest).with_code(2);
-        assert!(ended.stderr.contains(says), "{says}: {}", ended.stderr);
+        assert!(ended.stderr.contains(expected), "{expected}: {}", ended.stderr);
         assert_eq!(ended.stdout, "");
         assert_eq!(left(&records), before, "a refusal changes nothing");
     }
 }
 
 #[test]
-fn run_that_diverged_is_never_left_out_and_fails_the_battery() {
+fn diverged_run_is_counted_and_fails_the_battery() {
     let records = Records::new();
     let _ = run(&records, ONE).with_code(0);
     let journal = text(&records, "runs.jsonl");
@@ -173,8 +173,8 @@ fn run_that_diverged_is_never_left_out_and_fails_the_battery() {
 }
 
 #[test]
-fn wrong_battery_says_what_instead() {
-    for (arguments, says) in [
+fn wrong_options_of_a_battery_are_refused_with_the_alternative() {
+    for (arguments, expected) in [
         ("battery --controller lqr", "expected pd, merzouki or backlash-inverse"),
         ("battery --plants 0", "0 is not in 1..=100000"),
         ("battery --jobs 0", "number would be zero"),
@@ -182,7 +182,7 @@ fn wrong_battery_says_what_instead() {
         ("battery --out Cargo.toml/out", "choose another folder with --out"),
     ] {
         let ended = bench::run(arguments.split(' ')).with_code(2);
-        assert!(ended.stderr.contains(says), "{arguments}: {}", ended.stderr);
+        assert!(ended.stderr.contains(expected), "{arguments}: {}", ended.stderr);
         assert_eq!(ended.stdout, "", "{arguments}");
     }
 }

@@ -1,4 +1,4 @@
-//! `lashloop budget`: the arithmetic of the wire. What it says is held against runs on a modelled wire in `wire`.
+//! `lashloop budget`: its text and exit code. `wire` compares it with runs on a modelled UART.
 
 use tests::bench;
 
@@ -12,7 +12,7 @@ fn the_budget_says_where_the_time_goes_and_what_to_change() {
 }
 
 #[test]
-fn the_exit_code_tells_whether_the_period_holds_the_worst_cycle() {
+fn exit_code_is_1_if_the_worst_cycle_exceeds_the_period() {
     // 35 bytes at 460,800 Bd take 0.76 of 0.86 ms, and telemetry delays the torque by 0.16 ms.
     for (options, code) in [
         (&["budget"][..], 0),

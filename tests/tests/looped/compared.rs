@@ -1,10 +1,10 @@
-//! `lashloop compare`. What it finds depends on the machine; that it finds something, and judges by it, does not.
+//! `lashloop compare`. Its measurements depend on the machine; that each is made and judged does not.
 
 use tests::bench;
 
 const ALWAYS: [&str; 2] = ["lockstep: round trips, 1/s", "1 kHz: round trip p50, us"];
 
-fn every_figure_is_measured_and_judged(options: &[&str], judged: &[&str]) {
+fn every_measurement_is_made_and_judged(options: &[&str], judged: &[&str]) {
     let arguments = ["compare", "--rounds", "1", "--steps", "200", "--seconds", "1"];
     let ended = bench::run(arguments.iter().chain(options));
     let lines: Vec<&str> = ended.stdout.lines().skip(1).collect();
@@ -20,17 +20,17 @@ fn every_figure_is_measured_and_judged(options: &[&str], judged: &[&str]) {
 }
 
 #[test]
-fn a_loop_that_sleeps_is_judged_by_a_thread_that_sleeps() {
-    every_figure_is_measured_and_judged(&[], &["1 kHz: lateness p50, us", "1 kHz: lateness p99, us"]);
+fn sleeping_loop_is_compared_with_a_sleeping_thread() {
+    every_measurement_is_made_and_judged(&[], &["1 kHz: lateness p50, us", "1 kHz: lateness p99, us"]);
 }
 
 #[test]
-fn a_loop_that_spins_is_judged_by_the_clock() {
-    every_figure_is_measured_and_judged(&["--spin-us", "50"], &["1 kHz, spinning: lateness p99, us"]);
+fn busy_waiting_loop_has_an_absolute_goal() {
+    every_measurement_is_made_and_judged(&["--spin-us", "50"], &["1 kHz, spinning: lateness p99, us"]);
 }
 
 #[test]
-fn a_core_that_is_not_there_is_refused() {
+fn missing_core_is_refused() {
     let ended = bench::run(["compare", "--core", "1023"]).with_code(4);
     assert!(ended.stderr.contains("can't choose a core"), "{}", ended.stderr);
 }

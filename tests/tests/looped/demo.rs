@@ -1,4 +1,4 @@
-//! `lashloop demo`: what a newcomer runs first.
+//! `lashloop demo`: the first command of a new user.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use tests::bench;
 use tests::records::Records;
 
 #[test]
-fn the_demo_prints_a_table_and_draws_one_picture() {
+fn demo_prints_a_table_and_draws_one_figure() {
     for device in ["inproc", "native"] {
         let records = Records::new();
         let ended = bench::run(["demo", "--device", device, "--out", &records.out()]).with_code(0);
@@ -14,8 +14,8 @@ fn the_demo_prints_a_table_and_draws_one_picture() {
         assert!(who.starts_with(device), "{who}");
         // The same table for both devices, so one snapshot.
         insta::assert_snapshot!("table", table.replace(&records.out(), "OUT"));
-        let picture = fs::read_to_string(records.path("demo.svg")).expect("a picture");
-        let document = roxmltree::Document::parse(&picture).expect("a well-formed picture");
+        let svg = fs::read_to_string(records.path("demo.svg")).expect("a figure");
+        let document = roxmltree::Document::parse(&svg).expect("well-formed XML");
         assert_eq!(document.root_element().tag_name().name(), "svg");
         let curves =
             document.descendants().filter(|node| matches!(node.tag_name().name(), "path" | "polyline"));

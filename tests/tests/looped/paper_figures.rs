@@ -45,7 +45,7 @@ fn the_documented_numbers_are_those_the_command_prints() {
         for table in &tables {
             assert!(
                 ended.stdout.contains(table.as_str()),
-                "docs/results.md says\n{table}\nand the command on {device} says\n{}",
+                "docs/results.md has\n{table}\nand the command on {device} prints\n{}",
                 ended.stdout
             );
         }

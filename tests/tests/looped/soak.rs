@@ -4,9 +4,9 @@ use rustix::process::Signal;
 use tests::bench::{self, Bench};
 use tests::{processes, wait};
 
-/// The runs of each level, as the summary tells of them.
+/// The runs of each level in the summary.
 fn runs_of_levels(stdout: &str) -> Vec<u64> {
-    let table = stdout.lines().skip_while(|line| !line.starts_with("level  share")).skip(1);
+    let table = stdout.lines().skip_while(|line| !line.starts_with("level  rate")).skip(1);
     let runs = table.take_while(|line| !line.is_empty()).map(|line| {
         line.split_whitespace().nth(2).and_then(|runs| runs.parse().ok()).expect("a number of runs")
     });

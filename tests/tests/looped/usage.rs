@@ -1,4 +1,4 @@
-//! Bad usage: exit code 2 and a message that says where, what, and what instead.
+//! Bad usage: exit code 2, and a message with place, error and alternative.
 
 use std::fmt::Write;
 use std::fs;
@@ -8,7 +8,7 @@ use tests::records::Records;
 
 const SCENARIO: &str = "scenarios/smooth-after.toml";
 
-/// A scenario whose lines stay where they are.
+/// A scenario with fixed line numbers.
 const MINE: &str = r#"title = "Mine"
 
 [run]

@@ -1,4 +1,4 @@
-//! What the figures have in common: a curve for each law, and how a number is written.
+//! Curves and number formats that the figures share.
 
 use crate::plot::{Axis, Panel, Role, Series};
 use lashloop_bench::record::trace::TraceRow;
@@ -6,7 +6,7 @@ use lashloop_plant::metrics::{Measured, Metric};
 
 use super::laws::{Laws, Run};
 
-/// The band of the settling time, as `settle_time_s` has it.
+/// Settling band of `settle_time_s`, in rad.
 pub(super) const SETTLED_RAD: f64 = 0.05;
 
 /// A panel with one quantity of each law over another.
@@ -27,30 +27,34 @@ pub(super) fn over_time(title: &str, axis: Axis, laws: &Laws, value: impl Fn(&Tr
     each(title, (Axis::new("time", "s"), |row: &TraceRow| row.time_s), (axis, value), laws)
 }
 
-/// What lies beyond a limit is not drawn, so that the rest can be read.
+/// Hides values beyond a limit, so that the rest can be read.
 pub(super) fn within(limit: f64, value: impl Fn(&TraceRow) -> f64) -> impl Fn(&TraceRow) -> f64 {
     move |row| Some(value(row)).filter(|value| value.abs() <= limit).unwrap_or(f64::NAN)
 }
 
-/// What comes before a time is not drawn.
+/// Hides values before a time.
 pub(super) fn from(time_s: f64, value: impl Fn(&TraceRow) -> f64) -> impl Fn(&TraceRow) -> f64 {
     move |row| if row.time_s >= time_s { value(row) } else { f64::NAN }
 }
 
-/// The runs with the rows alone that the drive's telemetry is of.
-pub(super) fn told(laws: &Laws) -> Laws {
-    let told = |run: &Run| Run {
+/// The runs with only those rows for which the drive sent telemetry.
+pub(super) fn telemetered(laws: &Laws) -> Laws {
+    let telemetered = |run: &Run| Run {
         rows: run.rows.iter().filter(|row| row.estimate_time_s == row.time_s).copied().collect(),
         metrics: run.metrics.clone(),
     };
-    Laws { before: told(&laws.before), after: told(&laws.after), beyond: told(&laws.beyond) }
+    Laws {
+        before: telemetered(&laws.before),
+        after: telemetered(&laws.after),
+        beyond: telemetered(&laws.beyond),
+    }
 }
 
 pub(super) fn load_error_rad(row: &TraceRow) -> f64 {
     row.load_position_rad - row.reference_rad
 }
 
-/// Marks where each run settles for good; one that never does is marked at its end.
+/// Marks the settling time of each run. A run that never settles is marked at its end.
 pub(super) fn mark_settling(panel: Panel, laws: &Laws, paper: [&str; 3]) -> Panel {
     laws.each().into_iter().zip(paper).fold(panel, |panel, ((_, role, run), paper)| {
         let settled_s = run.metrics.get(Metric::SettleTime).value();
@@ -78,17 +82,17 @@ fn mark(panel: Panel, role: Role, row: Option<&TraceRow>, label: &str) -> Panel 
     }
 }
 
-/// A metric as it is set in a caption.
+/// A metric, formatted for a caption.
 pub(super) fn of(run: &Run, metric: Metric, decimals: usize) -> String {
     written(run.metrics.get(metric), decimals).replace('-', "\u{2212}")
 }
 
-/// A metric as it is set in a table: the number, or why there is none.
+/// A metric, formatted for a table: the number, or the reason for its absence.
 pub(super) fn written(measured: Measured, decimals: usize) -> String {
     measured.value().map_or_else(|| measured.to_string(), |value| fixed(value, decimals))
 }
 
-/// Rounded first, so that a tiny negative number doesn't read "-0.000".
+/// Rounds first, so that a tiny negative number does not become "-0.000".
 fn fixed(value: f64, decimals: usize) -> String {
     let scale = 10_f64.powi(decimals as i32);
     let rounded = (value * scale).round() / scale + 0.0;

@@ -4,7 +4,7 @@ use crate::plot::{Axis, Figure, Panel, Role, Series};
 use lashloop_bench::record::trace::TraceRow;
 use lashloop_plant::metrics::Metric;
 
-use super::curves::{each, of, over_time, told};
+use super::curves::{each, of, over_time, telemetered};
 use super::laws::{Laws, Runs};
 
 pub(super) fn transmitted_torque(runs: &Runs) -> Figure {
@@ -12,7 +12,7 @@ pub(super) fn transmitted_torque(runs: &Runs) -> Figure {
     let edge_rad = runs.hard_gap.iter().filter(twist_at).map(|row| row.twist_rad).fold(0.0, f64::max);
     let caption = format!(
         "The paper: C = C0 + w is smooth and zero inside the gap.\n\
-         Here: a) smooth, with no slope at z = 0, but nowhere zero beside it; far outside, the line is offset by 4 j0, so this gap is \
+         Here: a) smooth, with no slope at z = 0, but nonzero elsewhere; far outside, the line is offset by 4 j0, so this gap is \
          four times as wide as its parameter j0 says, and the load creeps in it. b) the gap of the bench, in contact at rest: \
          nothing within {edge_rad:.2} rad, and the spring's full slope beyond."
     );
@@ -49,7 +49,7 @@ pub(super) fn made_linear(runs: &Runs) -> Figure {
         rms(&runs.smooth),
         rms(&runs.bench),
     );
-    let (smooth, bench) = (&told(&runs.smooth), &told(&runs.bench));
+    let (smooth, bench) = (&telemetered(&runs.smooth), &telemetered(&runs.bench));
     Figure::new("Figure 14: disturbing torque made linear", caption, 2)
         .panel(linear("Smooth plant", smooth))
         .panel(linear("Bench", bench))

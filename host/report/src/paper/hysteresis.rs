@@ -7,11 +7,11 @@ use lashloop_plant::metrics::{Measured, Metric};
 use super::curves::{each, of, written};
 use super::laws::{Laws, Run, Runs};
 
-/// How thick the loop of motor against load is: the range of z / N0, the motor's position less the load's, both seen at the load.
+/// Thickness of the loop of motor against load position: the range of z / N0, both positions referred to the load.
 pub(super) fn thickness(run: &Run, ratio: f64) -> Measured {
     let twists_rad = || run.rows.iter().map(|row| row.twist_rad);
     match (twists_rad().reduce(f64::min), twists_rad().reduce(f64::max)) {
-        // Of a run with a NaN in it, `min` and `max` would make a number.
+        // `min` and `max` ignore NaN and would return a number.
         _ if !run.metrics.run_was_finite() => Measured::NotFinite,
         (Some(low_rad), Some(high_rad)) => Measured::Value((high_rad - low_rad) / ratio),
         _ => Measured::RunTooShort,

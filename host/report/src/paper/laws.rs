@@ -10,7 +10,7 @@ use crate::plot::Role;
 pub struct Run {
     /// The steps to draw.
     pub rows: Vec<TraceRow>,
-    /// What the whole run is worth.
+    /// Metrics of the whole run.
     pub metrics: Metrics,
 }
 
@@ -25,22 +25,22 @@ pub struct Laws {
     pub beyond: Run,
 }
 
-/// Everything the figures are drawn from.
+/// All runs of the figures.
 #[derive(Debug, Clone)]
 pub struct Runs {
     /// The paper's simulation: smooth dead zone, viscous friction.
     pub smooth: Laws,
-    /// Its experiment at its simplest: hard gap, Coulomb friction.
+    /// The paper's experiment, simplified: hard gap, Coulomb friction.
     pub friction: Laws,
-    /// Its experiment as it is built: physical backlash, Stribeck friction, lag, delay, coarse encoders.
+    /// The paper's experiment in full: backlash shaft, Stribeck friction, lag, delay, coarse encoders.
     pub bench: Laws,
-    /// The same under a slow sine; the rows are those of its last period.
+    /// The full experiment under a slow sine; rows of the last period only.
     pub sine: Laws,
-    /// The smooth plant at rest, twisted by one angle after the other.
+    /// The smooth plant at rest, at each twist in turn.
     pub smooth_gap: Vec<TraceRow>,
-    /// The bench at rest, likewise.
+    /// The backlash shaft at rest, at each twist in turn.
     pub hard_gap: Vec<TraceRow>,
-    /// Reduction ratio N0 of them all.
+    /// Reduction ratio N0 of all plants.
     pub ratio: f64,
 }
 

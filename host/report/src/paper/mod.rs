@@ -1,9 +1,8 @@
-//! The figures of the paper, drawn again: figures 5 and 7 to 17 of Merzouki and Cadiou (Control Engineering Practice 13,
-//! 2005, 973-983), with axes and units as there, and our numbers in the captions.
+//! The figures of the paper, reproduced: figures 5 and 7 to 17 of Merzouki and Cadiou (Control Engineering Practice 13, 2005,
+//! 973-983), with the paper's axes and units, and our numbers in the captions.
 //!
-//! Each shows three laws on the same plant: the PD cascade ("before"), the paper's compensation ("after") and the law that
-//! inverts the gap in the torque domain ("beyond"). A figure that does not come out as the paper says shows that too, and its
-//! caption says so.
+//! Each figure shows three laws on the same plant: the PD cascade ("before"), the paper's compensation ("after") and the law
+//! that inverts the gap in the torque domain ("beyond"). A caption states where our result differs from the paper.
 //!
 //! | figure | file | of |
 //! |---|---|---|
@@ -11,8 +10,8 @@
 //! | 7 to 12 | `simulation` | load and motor on the smooth plant |
 //! | 13 | `hysteresis` | motor against load |
 //! | 15 to 17 | `experiment` | load and torque with friction |
-//! | | `table` | the numbers, paper beside here |
-//! | | `page` | all of it as one page |
+//! | | `table` | the numbers, the paper's next to ours |
+//! | | `page` | figures and tables as one HTML page |
 
 mod curves;
 mod dead_zone;
@@ -31,7 +30,7 @@ pub use laws::{Laws, Run, Runs};
 pub use page::{file_name, page};
 pub use table::{Table, tables};
 
-/// The figures with their numbers in the paper.
+/// The figures, each with its number in the paper.
 pub fn figures(runs: &Runs) -> Vec<(u8, Figure)> {
     let mut figures = vec![
         (5, dead_zone::transmitted_torque(runs)),

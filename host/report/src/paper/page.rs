@@ -1,4 +1,4 @@
-//! The figures and tables as one page that needs nothing but itself.
+//! Figures and tables as one self-contained HTML page.
 
 use std::fmt::Write;
 
@@ -30,10 +30,10 @@ th:first-child { text-align: left; font-weight: normal; }
 <p>R. Merzouki and J. C. Cadiou, "Estimation of backlash phenomenon in the electromechanical actuator", Control Engineering
 Practice 13 (2005) 973-983, <a href="https://doi.org/10.1016/j.conengprac.2004.10.016">doi:10.1016/j.conengprac.2004.10.016</a>.
 "Before" is the cascaded PD law, "after" adds the paper's compensation, "beyond" is a law that inverts the gap in the torque
-domain. Each figure says what the paper shows and what comes out here, also where that is something else.</p>
+domain. Each caption states the paper's result and ours, also where they differ.</p>
 "#;
 
-/// The page. `drawn_from` says which runs were made and on what.
+/// The page. `drawn_from` names the program and the device of the runs.
 pub fn page(figures: &[(u8, Figure)], tables: &[Table], drawn_from: &str) -> String {
     let mut page = HEAD.to_owned();
     let links = figures.iter().map(|(number, _)| format!("<a href=\"#figure-{number:02}\">{number}</a>"));
@@ -56,7 +56,7 @@ pub fn page(figures: &[(u8, Figure)], tables: &[Table], drawn_from: &str) -> Str
     page
 }
 
-/// Where a figure stands beside the page.
+/// File name of a figure, next to the page.
 pub fn file_name(number: u8) -> String {
     format!("figure-{number:02}.svg")
 }

@@ -4,10 +4,10 @@ use crate::plot::{Axis, Figure};
 use lashloop_bench::record::trace::TraceRow;
 use lashloop_plant::metrics::Metric;
 
-use super::curves::{SETTLED_RAD, from, load_error_rad, mark_settling, of, over_time, told, within};
+use super::curves::{SETTLED_RAD, from, load_error_rad, mark_settling, of, over_time, telemetered, within};
 use super::laws::Laws;
 
-/// How much of the error the second panel of figure 8 shows.
+/// Range of the second panel of figure 8, in rad.
 const NEAR_LOAD_RAD: f64 = 0.2;
 
 pub(super) fn figures(smooth: &Laws) -> [(u8, Figure); 6] {
@@ -90,15 +90,15 @@ fn motor_position(smooth: &Laws) -> Figure {
 fn motor_error(smooth: &Laws) -> Figure {
     let axis = || Axis::new("motor position error", "rad");
     let error = |row: &TraceRow| row.motor_error_rad;
-    let told = &told(smooth);
+    let telemetered_laws = &telemetered(smooth);
     let caption = "The paper: the motor's error goes to zero, sooner after.\n\
-                   Here: as the drive tells it, motor position less the one its load loop asks for. The two cascades ask for \
-                   ten times the load's error, hence 20 rad at the start; the law beyond asks for a twist beside the load's \
+                   Here: as sent by the drive: motor position less the set point of its load loop. The set point of the two cascades is \
+                   ten times the load's error, hence 20 rad at the start; the law beyond adds a twist to the load's \
                    position. After is sooner near zero, with the same swings as the motor. The fringe comes of the load's \
                    velocity, which is formed from counts.";
     Figure::new("Figure 11: motor position error, simulation", caption, 2)
-        .panel(over_time("Smooth plant", axis(), told, error))
-        .panel(over_time("The same from 5 s on", axis(), told, from(5.0, error)))
+        .panel(over_time("Smooth plant", axis(), telemetered_laws, error))
+        .panel(over_time("The same from 5 s on", axis(), telemetered_laws, from(5.0, error)))
 }
 
 fn motor_velocity(smooth: &Laws) -> Figure {

@@ -1,4 +1,4 @@
-//! The numbers: what the paper says, what comes out here, and what the law beyond it does.
+//! The numbers: the paper's, ours, and those of the law beyond.
 
 use std::fmt;
 
@@ -8,14 +8,14 @@ use super::curves::written;
 use super::hysteresis::thickness;
 use super::laws::{Laws, Run, Runs};
 
-/// Lines of numbers under a title, for a terminal as text and for the page as cells.
+/// A titled table, formatted as text here and as HTML in `page`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Table {
-    /// What the numbers are of.
+    /// Title.
     pub title: &'static str,
     /// Names of the columns after the first.
     pub columns: Vec<&'static str>,
-    /// What a line is about, with its unit, and its cells.
+    /// Quantity with its unit, and its cells.
     pub rows: Vec<(String, Vec<String>)>,
 }
 
@@ -24,7 +24,7 @@ pub fn tables(runs: &Runs) -> [Table; 3] {
     [paper(runs), bench(runs), estimators(runs)]
 }
 
-/// The value of a line for one run.
+/// The value of a row for one run.
 type Value<'a> = &'a dyn Fn(&Run) -> String;
 
 fn cells(laws: &Laws, value: Value) -> [String; 3] {
@@ -36,7 +36,7 @@ fn metric(metric: Metric, decimals: usize) -> impl Fn(&Run) -> String {
 }
 
 fn paper(runs: &Runs) -> Table {
-    const SILENT: &str = "-";
+    const NOT_STATED: &str = "-";
     let Runs { smooth, friction, bench, sine, ratio, .. } = runs;
     let thickness = |run: &Run| written(thickness(run, *ratio), 3);
     let lines: [(&str, &str, &str, &Laws, Value); 12] = [
@@ -47,13 +47,25 @@ fn paper(runs: &Runs) -> Table {
             smooth,
             &metric(Metric::SettleTime, 2),
         ),
-        ("smooth: static error (rad), figure 8", SILENT, SILENT, smooth, &metric(Metric::StaticError, 4)),
-        ("smooth: overshoot (rad)", SILENT, SILENT, smooth, &metric(Metric::Overshoot, 3)),
+        (
+            "smooth: static error (rad), figure 8",
+            NOT_STATED,
+            NOT_STATED,
+            smooth,
+            &metric(Metric::StaticError, 4),
+        ),
+        ("smooth: overshoot (rad)", NOT_STATED, NOT_STATED, smooth, &metric(Metric::Overshoot, 3)),
         ("smooth: hysteresis of the step (rad), figure 13", "thick", "thinner", smooth, &thickness),
-        ("sine, bench: lost motion (rad), figure 13", SILENT, SILENT, sine, &metric(Metric::LostMotion, 4)),
+        (
+            "sine, bench: lost motion (rad), figure 13",
+            NOT_STATED,
+            NOT_STATED,
+            sine,
+            &metric(Metric::LostMotion, 4),
+        ),
         (
             "smooth: rms of w_hat - w (N m), figure 14",
-            SILENT,
+            NOT_STATED,
             "linear",
             smooth,
             &metric(Metric::DisturbingTorqueRmsError, 3),
@@ -72,7 +84,7 @@ fn paper(runs: &Runs) -> Table {
             bench,
             &metric(Metric::StaticError, 4),
         ),
-        ("friction: overshoot (rad)", SILENT, SILENT, friction, &metric(Metric::Overshoot, 3)),
+        ("friction: overshoot (rad)", NOT_STATED, NOT_STATED, friction, &metric(Metric::Overshoot, 3)),
         ("friction: hunting (rad), figure 16", "oscillates", "none", friction, &metric(Metric::Hunting, 4)),
         (
             "friction: torque variation (N m), figure 17",

@@ -1,4 +1,4 @@
-//! The paper's figures, drawn from runs made up for them.
+//! The paper's figures, from synthetic runs.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -13,7 +13,7 @@ use lashloop_plant::metrics::{Estimates, Measured, Measurement, Sample};
 
 const PERIOD_S: f64 = 0.001;
 
-/// A load that decays from pi/2 to `rest_rad`, with a twist of three times the error. The drive tells every tenth step.
+/// A load that decays from pi/2 to `rest_rad`, with a twist of three times the error. The drive sends telemetry with every tenth step.
 fn run(seconds: f64, rest_rad: f64) -> Run {
     let text = include_str!("../../../../scenarios/smooth-before.toml");
     let scenario = Scenario::from_str("smooth-before.toml", text, &[]).expect("a scenario");
@@ -23,7 +23,7 @@ fn run(seconds: f64, rest_rad: f64) -> Run {
     for step in 0..(seconds / PERIOD_S).round() as u32 {
         let time_s = f64::from(step) * PERIOD_S;
         let load_position_rad = rest_rad + (FRAC_PI_2 - rest_rad) * (-time_s).exp();
-        let told_s = f64::from(step - step % 10) * PERIOD_S;
+        let telemetry_s = f64::from(step - step % 10) * PERIOD_S;
         rows.push(TraceRow {
             time_s,
             load_position_rad,
@@ -33,7 +33,7 @@ fn run(seconds: f64, rest_rad: f64) -> Run {
             disturbing_torque_estimate_nm: 0.0,
             torque_nm: -1.0,
             motor_error_rad: load_position_rad,
-            estimate_time_s: told_s,
+            estimate_time_s: telemetry_s,
             ..at_rest
         });
         measurement.push(&Sample {
@@ -68,7 +68,7 @@ fn runs(seconds: f64) -> Runs {
 }
 
 #[test]
-fn each_figure_of_the_paper_is_drawn_with_every_law_and_says_what_comes_out() {
+fn every_figure_shows_all_laws_and_states_our_result() {
     let figures = figures(&runs(25.0));
     let numbers: Vec<u8> = figures.iter().map(|(number, _)| *number).collect();
     assert_eq!(numbers, [5, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17]);
@@ -91,7 +91,7 @@ fn each_figure_of_the_paper_is_drawn_with_every_law_and_says_what_comes_out() {
 }
 
 #[test]
-fn what_the_drive_tells_is_drawn_where_it_told_it() {
+fn estimates_are_drawn_at_the_steps_of_their_telemetry() {
     let figures = figures(&runs(2.0));
     let (_, made_linear) = figures.iter().find(|(number, _)| *number == 14).expect("figure 14");
     let over_twist = &made_linear.panels[0].series[0];
@@ -102,7 +102,7 @@ fn what_the_drive_tells_is_drawn_where_it_told_it() {
 }
 
 #[test]
-fn runs_that_ended_before_their_first_step_are_still_pictures_and_tables() {
+fn runs_without_a_step_still_give_figures_and_tables() {
     let mut nothing = runs(0.0);
     (nothing.smooth_gap, nothing.hard_gap) = (Vec::new(), Vec::new());
     for (number, figure) in figures(&nothing) {
@@ -115,7 +115,7 @@ fn runs_that_ended_before_their_first_step_are_still_pictures_and_tables() {
 }
 
 #[test]
-fn the_thickness_of_a_loop_is_the_range_of_the_twist_seen_at_the_load() {
+fn thickness_of_a_loop_is_the_range_of_the_twist_at_the_load() {
     let mut run = run(1.0, 0.0);
     for (row, twist_rad) in run.rows.iter_mut().zip([0.5, -1.0].into_iter().cycle()) {
         row.twist_rad = twist_rad;
@@ -124,7 +124,7 @@ fn the_thickness_of_a_loop_is_the_range_of_the_twist_seen_at_the_load() {
 }
 
 #[test]
-fn a_table_lines_up_under_its_columns() {
+fn table_columns_are_aligned() {
     let row = |what: &str, cells: [&str; 2]| (what.to_owned(), cells.map(str::to_owned).to_vec());
     let table = Table {
         title: "numbers",
@@ -140,7 +140,7 @@ fn a_table_lines_up_under_its_columns() {
 }
 
 #[test]
-fn the_page_holds_every_figure_once_and_nothing_from_elsewhere() {
+fn page_holds_every_figure_once_and_is_self_contained() {
     let runs = runs(1.0);
     let figures = figures(&runs);
     let page = page(&figures, &tables(&runs), "drawn on <dev> & more");

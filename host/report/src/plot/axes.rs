@@ -30,7 +30,7 @@ fn tick_label(text: &str) -> Label<'_> {
     Label { size_px: TICK_PX, colour: theme::SOFT_INK, ..Label::new(text) }
 }
 
-/// Name of an axis with its unit and the power of ten taken out of its labels, such as `torque (10⁻³ N m)`.
+/// Name of an axis with its unit and the power of ten of its labels, such as `torque (10⁻³ N m)`.
 pub(super) fn name(axis: &Axis, factor: i32) -> String {
     let Axis { quantity, unit } = axis;
     match (factor, unit.as_str()) {

@@ -1,23 +1,22 @@
-//! A curve in pixels: unbroken strokes with as few points as show the same ink.
+//! A curve in pixels: unbroken strokes, thinned without a visible difference.
 //!
-//! A run of 25 s at 1 kHz has 25,000 points on 400 to 700 columns of pixels. Of the points that follow each other within
-//! one column, the first, the lowest, the highest and the last draw the same ink as all of them. The rule asks only
-//! for neighbours in one column, not for rising x; so it also serves curves that turn back, such as a hysteresis. A
-//! curve that leaves its column with every sample can't be shortened that way; only when it would pass the budget do
-//! we thin it further, by runs of equal count, keeping the extremes of each run on both axes.
+//! A run of 25 s at 1 kHz has 25,000 points on 400 to 700 columns of pixels. Of consecutive points within one column, the
+//! first, lowest, highest and last draw the same pixels as all of them. The rule needs consecutive points in one column,
+//! not rising x, so it also holds for a hysteresis. It does not shorten a curve that leaves its column with every sample.
+//! If such a curve exceeds the budget, we thin it by runs of equal count and keep the extremes of each on both axes.
 
 use std::fmt::Write;
 
 use super::scale::{Point, Scale};
 use super::span::{Span, is_drawable};
 
-/// Most points of one stroke, some 40 kB of path. A time series has four per column at most and stays below it.
+/// Largest number of points of a stroke, some 40 kB of path. A time series has at most four per column and stays below.
 const BUDGET: usize = 4000;
 
-/// Points kept per run at most: first, last and the extremes on both axes.
+/// Largest number of points kept per run: first, last and the extremes on both axes.
 const KEPT_PER_RUN: usize = 6;
 
-/// The strokes of a curve: cut at points that can't be drawn, thinned without losing a peak.
+/// The strokes of a curve, broken at points that can't be drawn and thinned without losing a peak.
 pub(super) fn strokes(x: &[f64], y: &[f64], x_scale: Scale, y_scale: Scale) -> Vec<Vec<Point>> {
     let points: Vec<Option<Point>> = x
         .iter()
@@ -31,7 +30,7 @@ pub(super) fn strokes(x: &[f64], y: &[f64], x_scale: Scale, y_scale: Scale) -> V
         .collect()
 }
 
-/// Both coordinate ranges of the points that will be drawn; the vertical one takes in some `levels`, too.
+/// Horizontal and vertical range of the points that can be drawn; the vertical one includes `levels`.
 pub(super) fn spans(curves: &[(&[f64], &[f64])], levels: &[f64]) -> (Span, Span) {
     let drawable = || {
         let points = curves.iter().flat_map(|(x, y)| x.iter().copied().zip(y.iter().copied()));
@@ -78,8 +77,8 @@ fn extreme(run: &[Point], beats: impl Fn(&Point, &Point) -> bool) -> usize {
     (1..run.len()).fold(0, |best, index| if beats(&run[best], &run[index]) { index } else { best })
 }
 
-/// Path data of some strokes, to a tenth of a pixel. Steps are relative and taken between rounded points, which makes
-/// the text short without letting rounding add up.
+/// Path data of strokes, to a tenth of a pixel. Steps are relative and taken between rounded points: the text is short and
+/// rounding errors do not accumulate.
 pub(super) fn path_data(strokes: &[Vec<Point>]) -> String {
     let mut data = String::new();
     for stroke in strokes {

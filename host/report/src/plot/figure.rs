@@ -1,32 +1,32 @@
 //! What a plot shows, as data. Colours, sizes and positions are decided when it is rendered.
 
-/// What a curve or a mark stands for; it decides colour and dash.
+/// Meaning of a curve or a mark; it determines colour and dash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// The run without compensation.
     Before,
     /// The run with compensation.
     After,
-    /// A value to be followed or compared with, drawn dashed.
+    /// A reference, drawn dashed.
     Reference,
-    /// A value not to be exceeded, drawn dotted.
+    /// A limit, drawn dotted.
     Limit,
-    /// One of several equals; the number picks the colour. After three colours the next three are dashed.
+    /// One of several peers; the number selects the colour. Numbers 3 to 5 repeat the colours, dashed.
     Other(usize),
 }
 
 /// One curve: the points `(x[i], y[i])` joined in order.
 ///
-/// A point with a NaN or infinite coordinate breaks the curve; a coordinate without a partner is left out.
+/// A point with a NaN or infinite coordinate breaks the curve. A coordinate without a partner is ignored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Name in the legend.
     pub label: String,
-    /// What the curve stands for.
+    /// Meaning of the curve.
     pub role: Role,
-    /// Horizontal coordinates, in the unit of the panel's horizontal axis. They need not rise.
+    /// Horizontal coordinates in the unit of the panel's axis, in any order.
     pub x: Vec<f64>,
-    /// Vertical coordinates, in the unit of the panel's vertical axis.
+    /// Vertical coordinates in the unit of the panel's axis.
     pub y: Vec<f64>,
 }
 
@@ -37,7 +37,7 @@ impl Series {
     }
 }
 
-/// What an axis measures.
+/// Quantity and unit of an axis.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Axis {
     /// Name of the quantity, such as `load position`.
@@ -64,12 +64,12 @@ pub struct Band {
     pub high: f64,
 }
 
-/// A point worth pointing at, such as the instant a run has settled.
+/// A marked point, such as the instant at which a run settles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
-    /// What to read there.
+    /// Text at the point.
     pub label: String,
-    /// Whose point it is.
+    /// Role of the curve it belongs to.
     pub role: Role,
     /// Horizontal position, in the unit of the horizontal axis.
     pub x: f64,
@@ -86,9 +86,9 @@ pub struct Panel {
     pub x_axis: Axis,
     /// Vertical axis.
     pub y_axis: Axis,
-    /// The curves; later ones lie on top.
+    /// Curves, from back to front.
     pub series: Vec<Series>,
-    /// Band of allowed values, if there is one.
+    /// Band of allowed values.
     pub band: Option<Band>,
     /// Marked points.
     pub marks: Vec<Mark>,
@@ -127,7 +127,7 @@ impl Panel {
 pub struct Figure {
     /// Heading of the figure.
     pub title: String,
-    /// What to see in it; set below the diagrams and read out by screen readers. A line feed starts a paragraph.
+    /// Caption below the diagrams, also for screen readers. A line feed starts a paragraph.
     pub caption: String,
     /// Diagrams per row; zero counts as one.
     pub columns: usize,
@@ -136,7 +136,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// A figure without diagrams yet, with `columns` of them per row.
+    /// A figure without diagrams, for `columns` of them per row.
     pub fn new(title: impl Into<String>, caption: impl Into<String>, columns: usize) -> Self {
         Self { title: title.into(), caption: caption.into(), columns, panels: Vec::new() }
     }

@@ -1,6 +1,6 @@
-//! The legend: samples of the curves with their names, in rows.
+//! The legend: line samples with their names, in rows.
 //!
-//! It stands between the title and the plot, never in the plot, so it can't cover data.
+//! The legend lies between title and plot, so it never covers data.
 
 use super::curve::path_data;
 use super::figure::{Panel, Role};
@@ -15,7 +15,7 @@ const SAMPLE_GAP_PX: f64 = 7.0;
 const ENTRY_GAP_PX: f64 = 18.0;
 const BAND_HEIGHT_PX: f64 = 10.0;
 
-/// What stands beside a name.
+/// The sample next to a name.
 #[derive(Debug, Clone, Copy)]
 enum Sample {
     Line(Role),
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn entries_that_do_not_fit_go_to_the_next_row() {
         let axis = || Axis::new("time", "s");
-        let names = ["pd", "merzouki", "lash-backlash-inverse", "merzouki-as-printed"];
+        let names = ["pd", "merzouki", "backlash-inverse", "linear"];
         let panel = names.iter().fold(Panel::new("laws", axis(), axis()), |panel, name| {
             panel.series(Series::new(*name, Role::After, vec![], vec![]))
         });

@@ -20,7 +20,7 @@ const RING_PX: f64 = 4.0;
 /// Bold text is wider than plain by this factor.
 const BOLD: f64 = 1.1;
 
-/// A panel whose ticks and line breaks are decided, so that its size is known before it is drawn.
+/// A panel with its ticks and line breaks, so that its size is known before it is drawn.
 #[derive(Debug)]
 pub(super) struct Prepared<'a> {
     panel: &'a Panel,
@@ -31,12 +31,12 @@ pub(super) struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    /// Room right of the plot: half of the last tick label.
+    /// Margin right of the plot: half of the last tick label.
     pub(super) const RIGHT_PX: f64 = 14.0;
-    /// Room below the plot: tick labels and the name of the axis.
+    /// Margin below the plot: tick labels and axis name.
     pub(super) const FOOT_PX: f64 = 44.0;
 
-    /// Decides ticks and line breaks; the letter goes before the title.
+    /// Sets ticks and line breaks; `letter` precedes the title.
     pub(super) fn new(panel: &'a Panel, letter: Option<char>, width: f64) -> Self {
         let title = letter.map_or(panel.title.clone(), |letter| format!("{letter}) {}", panel.title));
         let (x_span, y_span) = data_spans(panel);
@@ -49,12 +49,12 @@ impl<'a> Prepared<'a> {
         }
     }
 
-    /// Room above the plot: title and legend.
+    /// Margin above the plot: title and legend.
     pub(super) fn head_px(&self) -> f64 {
         self.title_lines.len() as f64 * TITLE_LINE_PX + self.legend.height_px() + 10.0
     }
 
-    /// Room left of the plot: tick labels and the name of the axis.
+    /// Margin left of the plot: tick labels and axis name.
     pub(super) fn left_px(&self) -> f64 {
         let ticks = self.y_ticks.labelled().map(|(_, label)| width_px(&label, TICK_PX)).fold(0.0, f64::max);
         LABEL_PX + 14.0 + ticks + 8.0
@@ -111,7 +111,7 @@ impl<'a> Prepared<'a> {
         svg.upright_text(Label { x: frame.left + LABEL_PX, y, anchor: Anchor::Middle, ..Label::new(&name) });
     }
 
-    /// Draws the curves and returns their strokes, which the labels of the marks have to avoid.
+    /// Draws the curves and returns their strokes, which labels of marks must avoid.
     fn draw_curves(&self, svg: &mut Svg, x_scale: Scale, y_scale: Scale) -> Vec<Vec<Point>> {
         let mut drawn = Vec::new();
         for series in &self.panel.series {
@@ -158,7 +158,7 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// The ranges to show: of the curves, and of the marks and the band beside them.
+/// The ranges of curves, marks and band.
 fn data_spans(panel: &Panel) -> (Span, Span) {
     let (mark_x, mark_y): (Vec<f64>, Vec<f64>) = panel.marks.iter().map(|mark| (mark.x, mark.y)).unzip();
     let mut curves: Vec<(&[f64], &[f64])> =

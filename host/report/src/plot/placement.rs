@@ -1,7 +1,7 @@
-//! Where the labels of marked points go: near their point, clear of curves, of other labels and of the frame.
+//! Placement of the labels of marked points: near the point, clear of curves, other labels and the frame.
 //!
-//! We try a fixed list of places around the point and take the cheapest. A place costs its distance, and far more than
-//! any distance if something lies under it; so a label covers data only where a panel has no free spot at all.
+//! We evaluate a fixed list of positions around the point and take the cheapest. The cost of a position is its distance,
+//! plus more than any distance for each obstacle. A label covers data only if the panel has no free position.
 
 use super::scale::Point;
 
@@ -100,19 +100,19 @@ pub(super) fn place(
     taken: &[Area],
 ) -> Area {
     let cost = |area: &Area| {
-        let room = Area::around(
+        let clearance = Area::around(
             ((area.left + area.right) / 2.0, (area.top + area.bottom) / 2.0),
             width + 2.0 * CLEARANCE_PX,
             height + 2.0 * CLEARANCE_PX,
         );
         let covers_curve = strokes.iter().any(|stroke| {
-            stroke.windows(2).any(|ends| room.is_crossed_by(ends[0], ends[1]))
-                || stroke.iter().any(|point| room.is_crossed_by(*point, *point))
+            stroke.windows(2).any(|ends| clearance.is_crossed_by(ends[0], ends[1]))
+                || stroke.iter().any(|point| clearance.is_crossed_by(*point, *point))
         });
-        let covers_label = taken.iter().any(|other| room.overlaps(other));
+        let covers_label = taken.iter().any(|other| clearance.overlaps(other));
         let leader_end = area.nearest(point);
         let leader_crosses_label = taken.iter().any(|other| other.is_crossed_by(point, leader_end));
-        let outside = !frame.contains(&room);
+        let outside = !frame.contains(&clearance);
         [(outside, 4.0), (covers_label, 2.0), (covers_curve, 1.0), (leader_crosses_label, 0.5)]
             .into_iter()
             .map(|(is_so, weight)| if is_so { weight * COVERED } else { 0.0 })

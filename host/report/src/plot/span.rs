@@ -1,12 +1,12 @@
 //! The range of values that an axis shows.
 
-/// Beyond this magnitude the difference of two values may overflow; such a value counts as no number.
+/// Magnitude beyond which a difference may overflow; such a value is treated as non-finite.
 const LARGEST: f64 = 1e300;
 
-/// Below this magnitude a value counts as zero: its ticks would need powers of ten that a double doesn't reach.
+/// Magnitude below which a value is treated as zero: its ticks would need powers of ten that a double can't represent.
 const SMALLEST: f64 = 1e-290;
 
-/// A spread below this part of the magnitude is rounding noise: labels could not tell its ticks apart.
+/// Range, as a fraction of the magnitude, below which differences are rounding errors and tick labels would be equal.
 const SMALLEST_SPREAD: f64 = 1e-9;
 
 /// Whether a value can be drawn at all.
@@ -22,7 +22,7 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// The range of an axis that has nothing to show.
+    /// The range of an axis without data.
     pub(super) const UNIT: Self = Self { low: 0.0, high: 1.0 };
 
     /// The range of all drawable values, widened around a constant; `None` without a drawable value.
@@ -49,14 +49,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_that_are_no_numbers_leave_the_range_alone() {
+    fn non_finite_values_leave_the_range_unchanged() {
         let values = [f64::NAN, 1.0, f64::INFINITY, -2.0, f64::NEG_INFINITY, 1e301];
         assert_eq!(Span::of(values.into_iter()), Some(Span { low: -2.0, high: 1.0 }));
         assert_eq!(Span::of([f64::NAN].into_iter()), None);
     }
 
     #[test]
-    fn a_constant_gets_a_margin_on_both_sides() {
+    fn constant_gets_a_margin_on_both_sides() {
         assert_eq!(Span::of([0.16, 0.16].into_iter()), Some(Span { low: 0.08, high: 0.24 }));
         assert_eq!(Span::of([0.0].into_iter()), Some(Span { low: -1.0, high: 1.0 }));
         assert_eq!(Span::of([-4.0, -4.0 - 1e-12].into_iter()).map(|span| span.low < -5.9), Some(true));

@@ -42,7 +42,7 @@ pub(super) struct Svg {
 }
 
 impl Svg {
-    /// Opens a document of a size in pixels, with the title and description that a screen reader tells.
+    /// Opens a document of a size in pixels, with title and description for screen readers.
     pub(super) fn open(width: f64, height: f64, title: &str, description: &str) -> Self {
         let (width, height) = (Px(width), Px(height));
         let mut svg = Self { document: String::new() };
@@ -86,7 +86,7 @@ impl Svg {
         self.line(format_args!(r#"<path d="{data}" stroke="{colour}" stroke-width="{width_px}"/>"#));
     }
 
-    /// A curve; its name shows when the pointer rests on it.
+    /// A curve; viewers show its name under the pointer.
     pub(super) fn curve(&mut self, data: &str, pen: theme::Pen, name: Option<&str>) {
         let theme::Pen { colour, width_px, dash } = pen;
         let dash = dash.map(|dash| format!(r#" stroke-dasharray="{dash}""#)).unwrap_or_default();

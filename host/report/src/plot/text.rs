@@ -1,7 +1,7 @@
-//! How much room text takes, and where it may break.
+//! Estimated width of text, and line breaks.
 //!
-//! The viewer picks the font, so a width can only be estimated. We err towards wide fonts: too much room looks airy,
-//! too little overlaps.
+//! The viewer selects the font, so a width is an estimate. We assume wide fonts: an overestimate leaves space, an
+//! underestimate overlaps.
 
 /// Estimated width of a line of text at a font size, both in pixels.
 pub(super) fn width_px(text: &str, size_px: f64) -> f64 {

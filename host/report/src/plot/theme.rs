@@ -2,8 +2,8 @@
 //!
 //! Two demands fix the colours of curves: text in them reads on white (contrast at least 4.5), and any two stay apart by
 //! a CIELAB distance of at least 29 in normal sight and with either red-green deficiency (20 with the rare blue-yellow
-//! one), as simulated after Machado, Oliveira and Fernandes (2009). That leaves few colours; further curves are told
-//! apart by dashes. The figure brings its own white ground and reads the same in a light and in a dark viewer.
+//! one), as simulated after Machado, Oliveira and Fernandes (2009). That leaves few colours; further curves are
+//! distinguished by dashes. The figure brings its own white ground and reads the same in a light and in a dark viewer.
 
 use super::figure::Role;
 
@@ -34,15 +34,15 @@ pub(super) struct Pen {
 
 /// The pen of a role.
 pub(super) fn pen(role: Role) -> Pen {
-    const EQUALS: [&str; 3] = ["#a100f2", "#8c0012", "#a55b65"];
+    const PEERS: [&str; 3] = ["#a100f2", "#8c0012", "#a55b65"];
     match role {
         Role::Before => Pen { colour: "#c65200", width_px: 1.7, dash: None },
         Role::After => Pen { colour: "#0067a8", width_px: 2.0, dash: None },
         Role::Reference => Pen { colour: "#55606d", width_px: 1.5, dash: Some("6 4") },
         Role::Limit => Pen { colour: "#55606d", width_px: 1.5, dash: Some("1.5 3.5") },
         Role::Other(index) => {
-            let dash = (index / EQUALS.len() % 2 == 1).then_some("9 4");
-            Pen { colour: EQUALS[index % EQUALS.len()], width_px: 1.8, dash }
+            let dash = (index / PEERS.len() % 2 == 1).then_some("9 4");
+            Pen { colour: PEERS[index % PEERS.len()], width_px: 1.8, dash }
         }
     }
 }

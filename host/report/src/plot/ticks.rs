@@ -1,9 +1,9 @@
-//! Ticks at 1, 2 or 5 times a power of ten, so that their labels are short and their distance is read at a glance.
+//! Ticks at multiples of 1, 2 or 5 times a power of ten.
 
 use super::span::Span;
 
-/// Data may pass the outermost tick by this part of a step, a tenth of a pixel at most. Without it a run of 25.001 s
-/// would get an axis to 30 s.
+/// Fraction of a step by which data may exceed the outermost tick, at most a tenth of a pixel. Without it, the axis of a
+/// run of 25.001 s would extend to 30 s.
 const OVERHANG: f64 = 1e-3;
 
 /// Evenly spaced ticks: the multiples `first..=last` of `mantissa * 10^exponent`.
@@ -49,7 +49,7 @@ impl Ticks {
         })
     }
 
-    /// Power of ten to be taken out of the labels; zero while plain decimals stay short.
+    /// Power of ten to factor out of the labels; zero while plain decimals are short.
     pub(super) fn factor(&self) -> i32 {
         let span = self.span();
         let largest = span.low.abs().max(span.high.abs());

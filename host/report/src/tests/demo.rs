@@ -1,4 +1,4 @@
-//! The picture of the demo.
+//! The figure of the demo.
 
 use roxmltree::Document;
 
@@ -26,14 +26,14 @@ fn demo_runs() -> DemoRuns {
 }
 
 #[test]
-fn the_demo_of_noisy_runs_of_25_000_samples_stays_below_300_kilobytes() {
+fn figure_of_25_000_noisy_samples_stays_below_300_kilobytes() {
     let svg = before_after(&demo_runs()).to_svg();
     assert!(svg.len() < 300_000, "{} bytes", svg.len());
     Document::parse(&svg).expect("valid XML");
 }
 
 #[test]
-fn the_demo_sets_our_numbers_beside_the_papers() {
+fn our_numbers_stand_next_to_the_paper_s() {
     let svg = before_after(&demo_runs()).to_svg();
     let document = Document::parse(&svg).expect("valid XML");
     let texts = texts(&document);
@@ -51,7 +51,7 @@ fn the_demo_sets_our_numbers_beside_the_papers() {
 }
 
 #[test]
-fn the_demo_of_runs_without_samples_is_still_a_picture() {
+fn runs_without_samples_still_give_a_figure() {
     let nothing = DemoRun {
         time_s: vec![],
         load_position_rad: vec![],

@@ -1,4 +1,4 @@
-//! Any figure: curves, scales, text.
+//! Curves, scales and text of any figure.
 
 use roxmltree::{Document, Node};
 
@@ -48,7 +48,7 @@ fn strokes(path: Node) -> Vec<Vec<(f64, f64)>> {
 }
 
 #[test]
-fn a_peak_of_one_sample_survives_thinning() {
+fn peak_of_one_sample_survives_thinning() {
     let mut torque: Vec<f64> = (0..SAMPLES).map(|sample| 0.01 * noise(sample)).collect();
     torque[12_345] = 8.0;
     torque[12_347] = -8.0;
@@ -65,7 +65,7 @@ fn a_peak_of_one_sample_survives_thinning() {
 }
 
 #[test]
-fn values_that_are_no_numbers_break_the_curve_and_leave_the_scale_alone() {
+fn non_finite_values_break_the_curve_and_not_the_scale() {
     let y = vec![0.0, 1.0, f64::NAN, 1.0, 0.0, f64::INFINITY, 0.5];
     let svg = svg_of([series((0..7).map(f64::from).collect(), y)]);
     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
@@ -80,7 +80,7 @@ fn values_that_are_no_numbers_break_the_curve_and_leave_the_scale_alone() {
 }
 
 #[test]
-fn a_panel_without_any_value_says_so() {
+fn panel_without_values_states_no_data() {
     for empty in [vec![], vec![series(vec![], vec![])], vec![series(vec![0.0, 1.0], vec![f64::NAN; 2])]] {
         let svg = svg_of(empty);
         let document = Document::parse(&svg).expect("valid XML");
@@ -92,7 +92,7 @@ fn a_panel_without_any_value_says_so() {
 }
 
 #[test]
-fn the_scale_of_an_error_that_stays_zero_is_set_by_its_band() {
+fn band_sets_the_scale_of_a_constant_zero() {
     let svg = Figure::new("title", "caption", 1)
         .panel(panel([series(vec![0.0, 1.0], vec![0.0; 2])]).band("settled", -0.05, 0.05))
         .to_svg();
@@ -105,7 +105,7 @@ fn the_scale_of_an_error_that_stays_zero_is_set_by_its_band() {
 }
 
 #[test]
-fn a_constant_curve_lies_inside_the_plot() {
+fn constant_curve_lies_inside_the_plot() {
     for value in [0.0, 0.16, -1e12, 1e-320, 1e299] {
         let svg = svg_of([series(vec![0.0, 1.0], vec![value; 2])]);
         let document = Document::parse(&svg).expect("valid XML");
@@ -122,7 +122,7 @@ fn a_constant_curve_lies_inside_the_plot() {
 }
 
 #[test]
-fn all_text_is_escaped_and_comes_back_unchanged() {
+fn text_is_escaped_and_parses_back_unchanged() {
     let hostile = "a < b && \"c\" > 'd' </text><script>";
     let figure = Figure::new(hostile, hostile, 1).panel(
         Panel::new(hostile, Axis::new(hostile, ""), Axis::new(hostile, ""))
@@ -141,18 +141,18 @@ fn all_text_is_escaped_and_comes_back_unchanged() {
 }
 
 #[test]
-fn a_screen_reader_gets_title_and_caption() {
+fn title_and_caption_are_accessible() {
     let svg = svg_of([]);
     let document = Document::parse(&svg).expect("valid XML");
     let root = document.root_element();
-    let told: Vec<_> = root
+    let announced: Vec<_> = root
         .children()
         .filter(Node::is_element)
         .take(2)
         .map(|node| (node.tag_name().name(), node.text()))
         .collect();
     assert_eq!(root.attribute("role"), Some("img"));
-    assert_eq!(told, [("title", Some("title")), ("desc", Some("caption"))]);
+    assert_eq!(announced, [("title", Some("title")), ("desc", Some("caption"))]);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The document as a viewer gets it: parsed back from the text.
+//! The document, parsed back as a viewer does.
 
 mod demo;
 mod document;

@@ -21,13 +21,13 @@ fn result(row: u32) -> CaseResult {
     }
 }
 
-/// A file with two results, and the folder that it is in.
+/// A file with two results, and its folder.
 fn written() -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("runs.jsonl");
     let mut journal = Journal::create(&path, &header()).expect("a new file");
     for row in [0, 1] {
-        journal.append(&result(row)).expect("room for a result");
+        journal.append(&result(row)).expect("a result is written");
     }
     (folder, path)
 }
@@ -42,17 +42,17 @@ fn resume(path: &Path, header: &Header) -> Result<(Journal, Vec<CaseResult>), Jo
 }
 
 #[test]
-fn results_come_back_as_they_were_kept_and_more_can_follow() {
+fn results_are_restored_and_more_can_follow() {
     let (_folder, path) = written();
     let (mut journal, results) = resume(&path, &header()).expect("the same battery");
     assert_eq!(results, [result(0), result(1)]);
-    journal.append(&result(2)).expect("room for a result");
+    journal.append(&result(2)).expect("a result is written");
     drop(journal);
     assert_eq!(resume(&path, &header()).expect("the same battery").1, [result(0), result(1), result(2)]);
 }
 
 #[test]
-fn wherever_a_file_is_torn_whole_results_stay_and_go_on() {
+fn whole_results_survive_a_file_torn_anywhere() {
     let (_folder, path) = written();
     let whole = fs::read(&path).expect("the file");
     for length in 0..whole.len() {
@@ -61,7 +61,7 @@ fn wherever_a_file_is_torn_whole_results_stay_and_go_on() {
         let (mut journal, results) = resume(&path, &header()).expect("the same battery");
         assert_eq!(results.len(), lines.saturating_sub(1), "torn at {length}");
         for row in results.len()..2 {
-            journal.append(&result(row as u32)).expect("room for a result");
+            journal.append(&result(row as u32)).expect("a result is written");
         }
         drop(journal);
         assert_eq!(fs::read(&path).expect("the file"), whole, "torn at {length}");
@@ -69,7 +69,7 @@ fn wherever_a_file_is_torn_whole_results_stay_and_go_on() {
 }
 
 #[test]
-fn results_of_another_battery_are_refused_by_what_differs() {
+fn results_of_another_battery_are_refused_by_the_difference() {
     let (_folder, path) = written();
     let before = fs::read(&path).expect("the file");
     let with = |change: fn(&mut Header)| {
@@ -80,7 +80,7 @@ fn results_of_another_battery_are_refused_by_what_differs() {
             .to_string()
             .replace(&*path.to_string_lossy(), "F")
     };
-    for (message, says) in [
+    for (message, difference) in [
         (with(|it| it.lashloop = "0.2.0".to_owned()), "its version is 0.1.0, here it is 0.2.0"),
         (with(|it| it.settings.seed = 2), "its seed is 1, here it is 2"),
         (with(|it| it.settings.plants = 3), "its number of plants is 2, here it is 3"),
@@ -91,13 +91,13 @@ fn results_of_another_battery_are_refused_by_what_differs() {
         (with(|it| it.settings.sweeps = false), "its choice of sweeps is with, here it is without"),
         (with(|it| it.program_sha256 = "11".repeat(32)), "its program's SHA-256 is 0000"),
     ] {
-        assert!(message.starts_with(&format!("F can't be gone on with: {says}")), "{message}");
+        assert!(message.starts_with(&format!("F can't be resumed: {difference}")), "{message}");
     }
     assert_eq!(fs::read(&path).expect("the file"), before, "a refusal changes nothing");
 }
 
 #[test]
-fn a_line_that_is_no_result_is_named_and_nothing_is_lost() {
+fn malformed_line_is_named_and_nothing_is_lost() {
     let (_folder, path) = written();
     let text = fs::read_to_string(&path).expect("the file");
     for (broken, place) in [
@@ -117,7 +117,7 @@ fn a_line_that_is_no_result_is_named_and_nothing_is_lost() {
 }
 
 #[test]
-fn a_result_that_is_not_wanted_is_named_by_its_line() {
+fn refused_result_is_named_by_its_line() {
     let (_folder, path) = written();
     let refuse = |result: CaseResult| if result.case.row == 1 { Err("no such run") } else { Ok(()) };
     let error = Journal::resume(&path, &header(), refuse).expect_err("a refusal");
@@ -125,7 +125,7 @@ fn a_result_that_is_not_wanted_is_named_by_its_line() {
 }
 
 #[test]
-fn results_are_neither_overwritten_nor_written_by_two() {
+fn results_have_one_writer_and_are_not_overwritten() {
     let (_folder, path) = written();
     assert!(matches!(Journal::create(&path, &header()), Err(JournalError::Exists { .. })));
     let first = resume(&path, &header()).expect("the same battery");

@@ -15,7 +15,7 @@ fn result(part: Part, row: u32, law: Law, settle_time: &str, end: &str) -> CaseR
     }
 }
 
-/// Twenty plants, of which so many diverge.
+/// A report on twenty plants, `diverged` of which diverge.
 fn report(diverged: u32) -> Report {
     let settings = Settings { seed: 1, plants: 20, laws: vec![Law::Pd, Law::BacklashInverse], sweeps: true };
     let mut results = Vec::new();
@@ -29,7 +29,7 @@ fn report(diverged: u32) -> Report {
 }
 
 #[test]
-fn one_run_that_diverges_fails_the_battery_and_is_in_the_tables() {
+fn one_diverged_run_fails_the_battery_and_is_in_the_tables() {
     assert_eq!(report(0).verdict, Verdict::Pass);
     let report = report(1);
     assert_eq!(report.verdict, Verdict::Fail);
@@ -39,10 +39,10 @@ fn one_run_that_diverges_fails_the_battery_and_is_in_the_tables() {
 }
 
 #[test]
-fn without_the_law_that_has_limits_nothing_is_judged_and_that_is_said() {
+fn without_the_limited_law_the_report_states_no_limits() {
     let settings = Settings { seed: 1, plants: 1, laws: vec![Law::Pd], sweeps: false };
     let results = [result(Part::RandomPlants, 0, Law::Pd, "\"never\"", "complete")];
     let report = Report::new(&settings, results.iter());
     assert!(report.limits.is_empty());
-    assert!(report.to_string().ends_with("no limits: they are those of backlash_inverse"), "{report}");
+    assert!(report.to_string().ends_with("no limits: they apply to backlash-inverse only"), "{report}");
 }

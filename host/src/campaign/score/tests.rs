@@ -8,7 +8,7 @@ use lashloop_bench::session::AtStep;
 use lashloop_plant::PlantError;
 use lashloop_plant::metrics::{Estimates, Measurement, Sample};
 
-/// Metrics of a run that lies on its reference from beginning to end.
+/// Metrics of a run without any error.
 fn perfect() -> Metrics {
     let mut measurement = Measurement::new(0.5);
     for step in 0..40 {
@@ -26,7 +26,7 @@ fn perfect() -> Metrics {
 }
 
 #[test]
-fn a_run_that_did_not_reach_its_end_never_scores_well() {
+fn run_that_ended_early_has_no_score() {
     let metrics = perfect();
     let of = |end: &End, verdict| {
         let scores = Scores::judged(end, verdict, &metrics);
@@ -50,7 +50,7 @@ fn a_run_that_did_not_reach_its_end_never_scores_well() {
 }
 
 #[test]
-fn nothing_without_a_finite_number_ranks_before_a_number() {
+fn missing_and_non_finite_scores_rank_last() {
     let huge = Score::Value(f64::MAX);
     for worse in [
         Score::Value(f64::NAN),
@@ -68,8 +68,8 @@ fn nothing_without_a_finite_number_ranks_before_a_number() {
 }
 
 #[test]
-fn a_score_reads_back_to_the_same_bits() {
-    // A reader that is merely fast is one bit off for some percent of all numbers.
+fn scores_read_back_to_the_same_bits() {
+    // serde_json's default parser is off by one bit for some percent of all numbers.
     let mut random = Pcg64::seed_from_u64(1);
     let values = (0..10_000).map(|_| f64::from_bits(random.next_u64())).filter(|value| value.is_finite());
     let reasons =

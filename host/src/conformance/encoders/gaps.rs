@@ -1,11 +1,11 @@
-//! How long encoders may go unread, and encoders that may not at all.
+//! Gaps between samples, up to the longest with an unambiguous position.
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::Arm;
 use lashloop_protocol::sequence::LONGEST_GAP;
 
 use super::encoder::Encoder;
-use super::setup::{COUNTS_TOLD_APART, Setup};
+use super::setup::{Setup, UNAMBIGUOUS_COUNTS};
 
 use crate::conformance::answers::{outcome, torque};
 use crate::conformance::assertion::{Failure, RuleResult, equal, names};
@@ -13,13 +13,13 @@ use crate::conformance::check::Check;
 use crate::conformance::client::Client;
 use crate::conformance::reactions::refused_sample;
 
-/// What most encoders of servo drives have: the limits that go with the gaps tried here are those of real machines.
+/// Resolution of a common servo encoder, so that the speed limits of these checks are those of real machines.
 const GAP_COUNTS_PER_REV: u32 = 131_072;
 
 pub(super) fn checks() -> Vec<Check> {
-    let told = "a gap is accepted up to the longest unambiguous one";
-    let mut checks = vec![Check::new("encoders", told, |client| {
-        // Periods that the encoders of motor and load allow.
+    let name = "a gap is accepted up to the longest unambiguous one";
+    let mut checks = vec![Check::new("encoders", name, |client| {
+        // Longest unambiguous gap of the motor and of the load encoder, in periods.
         [(400, 800), (800, 400), (5_000, 5_000)]
             .into_iter()
             .try_for_each(|(motor, load)| longest_gap(client, motor, load))
@@ -27,17 +27,17 @@ pub(super) fn checks() -> Vec<Check> {
     checks.extend(Encoder::BOTH.into_iter().map(|encoder| {
         let name =
             format!("Arm is refused if one period leaves the position of the {} ambiguous", encoder.name());
-        Check::new("encoders", name, move |client| never_told_apart(client, encoder))
+        Check::new("encoders", name, move |client| always_ambiguous(client, encoder))
     }));
     checks
 }
 
-/// Tries the longest gap of encoders that allow so many periods.
+/// Tries the longest gap with encoders that allow `motor` and `load` periods.
 fn longest_gap(client: &mut Client, motor: u16, load: u16) -> RuleResult {
     let mut setup = Setup::of(client, GAP_COUNTS_PER_REV)?;
     for (scale, periods) in [(&mut setup.motor, motor), (&mut setup.load, load)] {
-        // Half a period more, so that no rounding in the drive counts.
-        scale.speed_limit_rad_s = scale.limit_rad_s(COUNTS_TOLD_APART / (f64::from(periods) + 0.5));
+        // Half a period more, so that rounding in the drive has no effect.
+        scale.speed_limit_rad_s = scale.limit_rad_s(UNAMBIGUOUS_COUNTS / (f64::from(periods) + 0.5));
     }
     let (motor_rad_s, load_rad_s) = (setup.motor.speed_limit_rad_s, setup.load.speed_limit_rad_s);
     client.reset()?;
@@ -52,14 +52,14 @@ fn longest_gap(client: &mut Client, motor: u16, load: u16) -> RuleResult {
     equal(&what, wanted, (answer.sequence, answer.status.state, flags))
 }
 
-/// Arms with the finest encoder the drive takes, and a speed limit a little too high for it and a little lower.
-fn never_told_apart(client: &mut Client, encoder: Encoder) -> RuleResult {
-    // Of one resolution if they can be, because laws may refuse resolutions that are too far apart.
+/// Arms with the finest encoder of the drive, and with a speed limit just too high and then just low enough.
+fn always_ambiguous(client: &mut Client, encoder: Encoder) -> RuleResult {
+    // Equal resolutions if possible: a law may refuse resolutions that differ too much.
     let counts_per_rev = finest(client, Encoder::Motor)?.min(finest(client, Encoder::Load)?);
     let mut setup = Setup::of(client, counts_per_rev)?;
     let [(high, high_rad_s), (low, _)] = [0.9, 1.5].map(|periods| {
         let scale = setup.scale_mut(encoder);
-        scale.speed_limit_rad_s = scale.limit_rad_s(COUNTS_TOLD_APART / periods);
+        scale.speed_limit_rad_s = scale.limit_rad_s(UNAMBIGUOUS_COUNTS / periods);
         let limit_rad_s = scale.speed_limit_rad_s;
         (setup, limit_rad_s)
     });
@@ -71,26 +71,26 @@ fn never_told_apart(client: &mut Client, encoder: Encoder) -> RuleResult {
     }
     let session = client.session();
     let answers = client.request(Arm { session })?;
-    let mut came = names(&answers);
-    // Why may take more than one line.
-    came.dedup();
+    let mut got = names(&answers);
+    // The log may take several lines.
+    got.dedup();
     let what = format!("{} = {high_rad_s} with the finest encoder:", encoder.speed_limit());
-    equal(&format!("{what} answers"), vec!["Log", "CommandResult"], came)?;
-    let came = (outcome::<Arm>(&answers)?, client.state());
-    equal(&format!("{what} outcome and state"), (Outcome::Inconsistent, State::Idle), came)?;
+    equal(&format!("{what} answers"), vec!["Log", "CommandResult"], got)?;
+    let got = (outcome::<Arm>(&answers)?, client.state());
+    equal(&format!("{what} outcome and state"), (Outcome::Inconsistent, State::Idle), got)?;
     for (name, value) in low.settings() {
         client.put(name, value)?;
     }
     client.arm()
 }
 
-/// The finest encoder that the drive takes, in counts per revolution.
+/// The finest resolution of the drive, in counts per revolution.
 fn finest(client: &Client, encoder: Encoder) -> Result<u32, Failure> {
     match client.parameter(encoder.counts_per_rev())?.max {
         ParameterValue::U32(max) => Ok(max),
         ParameterValue::F32(max) => Err(Failure::Rule {
             expected: format!("a whole number as the largest {}", encoder.counts_per_rev()),
-            came: format!("the real number {max}"),
+            got: format!("the real number {max}"),
         }),
     }
 }

@@ -1,4 +1,4 @@
-//! Encoders: where they stand, how fast they may be, and (`gaps`) how long they may go unread.
+//! Encoders: wraparound, range, speed limit and (`gaps`) longest gap.
 
 mod encoder;
 mod gaps;
@@ -17,10 +17,10 @@ use super::check::Check;
 use super::client::Client;
 use super::reactions::{fault_answer, no_torque};
 
-/// Samples that a way may take. A run of so many lasts seconds on a slow line.
-const LONGEST_WAY: i64 = 2_048;
-/// How much two torques may differ, as a share of the larger one, if all that differs is a count in the position. The
-/// encoder then stands millions of counts off: one more, and the velocity that it makes, are nothing to that.
+/// Most samples of one path. Such a run lasts seconds on a slow line.
+const LONGEST_PATH: i64 = 2_048;
+/// Tolerated difference of two torques whose positions differ by a count, as a fraction of the larger. The position error
+/// is millions of counts, so one count and its velocity are negligible.
 const SAME_TORQUE: f32 = 0.05;
 
 pub(super) fn checks() -> Vec<Check> {
@@ -32,7 +32,7 @@ pub(super) fn checks() -> Vec<Check> {
             {
                 let setup = Setup::coarse(client)?;
                 let limit_counts = setup.scale(encoder).counts_per_period();
-                // One count more than it has turned is no fault of an encoder.
+                // One count of quantisation is within the limit.
                 let counts = sign * ((0.9 * limit_counts) as i64 + 1);
                 let answer = torque(&moved(client, &setup, encoder, counts)?)?;
                 let what = format!("{} {counts} counts on, of {limit_counts} allowed: state", encoder.name());
@@ -50,7 +50,7 @@ pub(super) fn checks() -> Vec<Check> {
         check("an encoder may travel more than half its range from its first reading", |client| {
             Encoder::BOTH.into_iter().try_for_each(|encoder| {
                 [1, -1].into_iter().try_for_each(|sign| {
-                    let [further, earlier] = [1, -1].map(|more| far_way(client, encoder, sign, more));
+                    let [further, earlier] = [1, -1].map(|more| long_path(client, encoder, sign, more));
                     alike(client, encoder, &further?, &earlier?)
                 })
             })
@@ -66,26 +66,26 @@ pub(super) fn checks() -> Vec<Check> {
     checks
 }
 
-/// A sample with one encoder at so many counts from zero, and the other at zero.
+/// A sample with one encoder at `counts` and the other at zero.
 fn placed(encoder: Encoder, sequence: u16, counts: i64) -> EncoderSample {
     let mut sample = sample(sequence);
     *encoder.counts_mut(&mut sample) = EncoderCounts::wrapping(counts);
     sample
 }
 
-/// From a quarter of the range below zero to one above it and a little more, in the gaps that the drive takes. No reading
-/// wraps, what would is the way as a whole.
-fn far_way(client: &Client, encoder: Encoder, sign: i64, more: i64) -> Result<Vec<(u16, i64)>, Failure> {
+/// A path from a quarter of the range below zero to just above a quarter above zero, in the gaps of the drive. No reading
+/// wraps around, but the distance exceeds half the range.
+fn long_path(client: &Client, encoder: Encoder, sign: i64, more: i64) -> Result<Vec<(u16, i64)>, Failure> {
     const QUARTER: i64 = 1 << 22;
     let setup = Setup::coarse(client)?;
     let gap = setup.longest_gap();
-    // Half as fast as it may be.
+    // Half the speed limit.
     let allowed_counts = setup.scale(encoder).counts_per_period() * f64::from(gap);
     let stride = ((0.5 * allowed_counts) as i64).clamp(1, QUARTER / 16);
     let strides = (2 * QUARTER + stride - 1) / stride;
-    if strides > LONGEST_WAY {
+    if strides > LONGEST_PATH {
         return Err(Failure::Skipped {
-            reason: "not run: at the highest speed limits that the drive takes the way lasts too long",
+            reason: "not run: with the highest speed limits of this drive the path takes too many samples",
         });
     }
     let at = |step| if step == strides { QUARTER + more } else { step * stride - QUARTER };
@@ -93,33 +93,33 @@ fn far_way(client: &Client, encoder: Encoder, sign: i64, more: i64) -> Result<Ve
     Ok((0..=strides).map(|step| (sequence(step), sign * at(step))).collect())
 }
 
-/// Holds the torque at the end of one way of an encoder against that at the end of another, which ends two counts
-/// earlier at most. A way is made of sequences and counts.
+/// Requires nearly equal torques at the ends of two paths, which lie at most two counts apart. A path is a list of sequence
+/// and counts.
 ///
-/// No control law is known here, so no torque is either. But a law that goes by position pushes hard so far from its
-/// reference, to its limit perhaps, and a count more is nothing to it; only one that takes the position for another, a
-/// whole range of counts away on the other side of zero, pushes the other way.
-fn alike(client: &mut Client, encoder: Encoder, way: &[(u16, i64)], earlier: &[(u16, i64)]) -> RuleResult {
+/// The control law is unknown, and so is its torque. So far from the reference, a law with position feedback requests a
+/// large torque, on which one count has no effect. A position wrong by the whole range lies on the other side of zero and
+/// reverses the torque.
+fn alike(client: &mut Client, encoder: Encoder, path: &[(u16, i64)], earlier: &[(u16, i64)]) -> RuleResult {
     let wanted_nm = at_the_end(client, encoder, earlier)?;
-    let came_nm = at_the_end(client, encoder, way)?;
+    let came_nm = at_the_end(client, encoder, path)?;
     let near = (came_nm - wanted_nm).abs() <= SAME_TORQUE * came_nm.abs().max(wanted_nm.abs());
-    let last = |way: &[(u16, i64)]| way.last().map_or(0, |it| it.1);
+    let last = |path: &[(u16, i64)]| path.last().map_or(0, |it| it.1);
     let expected = format!(
         "with the {} at {} counts {wanted_nm} N m to {} %, the torque at {} counts",
         encoder.name(),
-        last(way),
+        last(path),
         100.0 * SAME_TORQUE,
         last(earlier)
     );
     expect(near, expected, came_nm)
 }
 
-/// The torque at the end of a way.
-fn at_the_end(client: &mut Client, encoder: Encoder, way: &[(u16, i64)]) -> Result<f32, Failure> {
+/// The torque at the end of a path.
+fn at_the_end(client: &mut Client, encoder: Encoder, path: &[(u16, i64)]) -> Result<f32, Failure> {
     client.reset()?;
     Setup::coarse(client)?.start(client)?;
     let mut torque_nm = 0.0;
-    for &(sequence, counts) in way {
+    for &(sequence, counts) in path {
         let answer = torque(&client.request(placed(encoder, sequence, counts))?)?;
         let what = format!("{} at {counts} counts: state", encoder.name());
         equal(&what, State::Running, answer.status.state)?;
@@ -128,7 +128,7 @@ fn at_the_end(client: &mut Client, encoder: Encoder, way: &[(u16, i64)]) -> Resu
     Ok(torque_nm)
 }
 
-/// Moves one encoder by so many counts in a period.
+/// Moves one encoder by `counts` in one period.
 fn moved(
     client: &mut Client,
     setup: &Setup,
@@ -148,7 +148,7 @@ fn jump(client: &mut Client, encoder: Encoder, sign: i64) -> RuleResult {
     let answers = moved(client, &setup, encoder, sign * counts)?;
     let it = fault_answer(&answers, encoder.jump_fault())?;
     equal("sequence and limit", (1, scale.speed_limit_rad_s), (it.sequence, it.limit))?;
-    // Which way it turned need not be said, and an encoder that shows one count more may have turned hardly at all.
+    // The report may omit the sign, and one count of quantisation adds to the speed.
     let per_count_rad_s = scale.speed_per_count_rad_s();
     let speed_rad_s = counts as f64 * per_count_rad_s;
     let off_rad_s = (f64::from(it.value.abs()) - speed_rad_s).abs();

@@ -1,7 +1,7 @@
-//! Encoders, period and speed limits of a check: as near to those wished as the drive takes them.
+//! Encoders, period and speed limits of a check, as near to the wished ones as the drive's ranges allow.
 //!
-//! Many drives have the one encoder and the one period that they were built with. What is tried is a number of counts in a
-//! period, so a check is the same for all of them and only the figures in rad/s differ.
+//! Many drives have one fixed resolution and period. The checks count in counts per period, so they are equal for all
+//! drives; only the speeds in rad/s differ.
 
 use std::f64::consts::TAU;
 
@@ -16,18 +16,19 @@ use crate::conformance::client::Client;
 use crate::conformance::range::{holds, nearest_real, nearest_whole};
 
 const PERIOD_US: u32 = 1_000;
-/// Coarse enough that the largest speed in a period fits into a counter, fine enough that a count is a small part of it.
+/// Coarse enough that the largest distance of a period fits the counter, fine enough that one count is a small part of it.
 const COUNTS_PER_REV: u32 = 65_536;
-/// What the speed limits allow: few enough for gaps of 1000 periods, many enough that one more is a small part of it.
+/// Speed limit in counts per period: few enough for gaps of 1000 periods, and many
+/// enough that one count is a small part.
 const COUNTS_PER_PERIOD: f64 = 500.0;
-/// Counts that a difference of readings tells apart either way, without the one that an encoder may show too much.
-pub(super) const COUNTS_TOLD_APART: f64 = (EncoderCounts::MAX.get() - 1) as f64;
-/// Within this share of a bound a drive that counts in single precision may round to its other side.
+/// Largest unambiguous difference of two readings in either direction, less one count of quantisation.
+pub(super) const UNAMBIGUOUS_COUNTS: f64 = (EncoderCounts::MAX.get() - 1) as f64;
+/// Fraction of a bound within which a drive in single precision may round to its other side.
 const ROUNDING: f64 = 1e-5;
 
 type Setting = (&'static str, ParameterValue);
 
-/// An encoder that a drive is set to.
+/// Resolution, period and speed limit of one encoder.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scale {
     period_us: u32,
@@ -49,35 +50,35 @@ impl Scale {
         Ok(scale)
     }
 
-    /// What one count in a period means.
+    /// Speed of one count per period, in rad/s.
     pub(super) fn speed_per_count_rad_s(&self) -> f64 {
         TAU / f64::from(self.counts_per_rev) / (f64::from(self.period_us) * 1e-6)
     }
 
-    /// The speed limit that allows so many counts in a period.
+    /// Speed limit that allows `counts_per_period`, in rad/s.
     pub(super) fn limit_rad_s(&self, counts_per_period: f64) -> f32 {
         (counts_per_period * self.speed_per_count_rad_s()) as f32
     }
 
-    /// Counts in a period that the speed limit allows.
+    /// Counts per period at the speed limit.
     pub(super) fn counts_per_period(&self) -> f64 {
         f64::from(self.speed_limit_rad_s) / self.speed_per_count_rad_s()
     }
 
-    /// Counts in a period that are a jump, half as fast again as the limit if a difference of readings can show it.
+    /// Counts per period of a jump: 1.5 times the speed limit, as far as a difference of readings can represent it.
     pub(super) fn jump_counts(&self) -> Result<i64, Failure> {
-        // A drive takes one count off, and the fraction is lost here.
+        // One count for the drive's tolerance, one for the truncation here.
         let counts = ((1.5 * self.counts_per_period()) as i64 + 2).min(EncoderCounts::MAX.get().into());
         if (counts - 1) as f64 <= (1.0 + ROUNDING) * self.counts_per_period() {
             return Err(Failure::Skipped {
-                reason: "not run: no reading is faster than the lowest speed limit that the drive takes",
+                reason: "not run: no reading exceeds the lowest speed limit of this drive",
             });
         }
         Ok(counts)
     }
 }
 
-/// All that a drive is set to before a check of its encoders.
+/// The settings of a drive for a check of its encoders.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::conformance) struct Setup {
     pub(super) motor: Scale,
@@ -85,12 +86,12 @@ pub(in crate::conformance) struct Setup {
 }
 
 impl Setup {
-    /// For checks that any encoder will do for, if it isn't too fine.
+    /// With coarse encoders, for checks that allow any resolution.
     pub(in crate::conformance) fn coarse(client: &Client) -> Result<Self, Failure> {
         Self::of(client, COUNTS_PER_REV)
     }
 
-    /// With encoders as near to this resolution as the drive takes them.
+    /// With the drive's resolutions nearest to this one.
     pub(super) fn of(client: &Client, counts_per_rev: u32) -> Result<Self, Failure> {
         let period_us = nearest_whole(client.parameter("period_us")?, PERIOD_US)?;
         let scale = |encoder| Scale::fitted(client, encoder, period_us, counts_per_rev);
@@ -111,10 +112,10 @@ impl Setup {
         }
     }
 
-    /// Periods after which a sample is still taken, however the drive rounds.
+    /// Longest gap that the drive must accept, in periods, independent of its rounding.
     pub(in crate::conformance) fn longest_gap(&self) -> u16 {
         [self.motor, self.load]
-            .map(|it| ((1.0 - ROUNDING) * COUNTS_TOLD_APART / it.counts_per_period()) as u16)
+            .map(|it| ((1.0 - ROUNDING) * UNAMBIGUOUS_COUNTS / it.counts_per_period()) as u16)
             .into_iter()
             .fold(LONGEST_GAP, u16::min)
     }
@@ -130,22 +131,24 @@ impl Setup {
         ]
     }
 
-    /// Leaves the check out if the drive's ranges don't hold these settings: which ones it offers is its own affair.
+    /// Skips the check if the drive's ranges exclude these settings. A drive may choose its ranges freely.
     pub(super) fn allowed(&self, client: &Client) -> RuleResult {
         for (name, value) in self.settings() {
             if !holds(client.parameter(name)?, value) {
-                return Err(Failure::Skipped { reason: "not run: the drive takes no such speed limits" });
+                return Err(Failure::Skipped {
+                    reason: "not run: the drive's range excludes these speed limits",
+                });
             }
         }
         Ok(())
     }
 
-    /// Greets, sets all this, arms and starts. Leaves the check out if no drive may arm with it.
+    /// Starts a run with these settings. Skips the check if they leave positions ambiguous.
     pub(in crate::conformance) fn start(&self, client: &mut Client) -> RuleResult {
         self.allowed(client)?;
         if self.longest_gap() == 0 {
             return Err(Failure::Skipped {
-                reason: "not run: with the encoders, period and speed limits that the drive takes positions can't be told apart",
+                reason: "not run: the encoders, period and speed limits of this drive leave positions ambiguous",
             });
         }
         client.running(&self.settings())

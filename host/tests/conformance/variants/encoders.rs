@@ -1,4 +1,4 @@
-//! Wrong about encoders.
+//! Mutants of encoders.
 
 use lashloop_protocol::enums::{Outcome, State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::message::{Arm, EncoderSample, TorqueAnswer};
@@ -12,7 +12,7 @@ const FAR: &str = "an encoder may travel more than half its range from its first
 const LONGEST_GAP: &str = "a gap is accepted up to the longest unambiguous one";
 
 pub const VARIANTS: &[Variant] = &[
-    alters_requests("believes any motor encoder", "a motor encoder that jumps is a fault", |_, request| {
+    alters_requests("accepts any motor reading", "a motor encoder that jumps is a fault", |_, request| {
         match request {
             HostMessage::EncoderSample(sample) if is_fast(sample.motor_counts) => {
                 vec![EncoderSample { motor_counts: EncoderCounts::default(), ..sample }.into()]
@@ -20,7 +20,7 @@ pub const VARIANTS: &[Variant] = &[
             other => vec![other],
         }
     }),
-    alters_requests("believes any load encoder", "a load encoder that jumps is a fault", |_, request| {
+    alters_requests("accepts any load reading", "a load encoder that jumps is a fault", |_, request| {
         match request {
             HostMessage::EncoderSample(sample) if is_fast(sample.load_counts) => {
                 vec![EncoderSample { load_counts: EncoderCounts::default(), ..sample }.into()]
@@ -28,7 +28,7 @@ pub const VARIANTS: &[Variant] = &[
             other => vec![other],
         }
     }),
-    alters_requests("believes no encoder", "an encoder within its speed limit is accepted", |_, request| {
+    alters_requests("accepts no reading", "an encoder within its speed limit is accepted", |_, request| {
         match request {
             HostMessage::EncoderSample(sample) if sample.motor_counts.get().unsigned_abs() > 300 => {
                 vec![EncoderSample { motor_counts: EncoderCounts::wrapping(1 << 22), ..sample }.into()]
@@ -71,35 +71,31 @@ pub const VARIANTS: &[Variant] = &[
             mistaking(answers, now - first)
         })
     },
-    alters_answers(
-        "takes a gap of 1000 periods whatever its encoders are",
-        LONGEST_GAP,
-        |memory, answers| {
-            match (memory.request, memory.kept) {
-                (Some(HostMessage::Start(_)), _) => memory.kept = None,
-                (Some(it @ HostMessage::EncoderSample(_)), _)
-                    if !answers.iter().any(is_result_of::<EncoderSample>) =>
-                {
-                    memory.kept = Some(it);
-                }
-                (_, Some(HostMessage::EncoderSample(last))) => {
-                    return answering(memory, answers, |sample, result| {
-                        let ahead = sample.sequence.wrapping_sub(last.sequence);
-                        (result.outcome == Outcome::OutOfSequence && (1..=1000).contains(&ahead)).then_some(
-                            TorqueAnswer {
-                                sequence: sample.sequence,
-                                torque_nm: 1.0,
-                                status: TorqueStatus { state: State::Running, flags: TorqueFlags::GAP },
-                                compute_tenths_us: 0,
-                            },
-                        )
-                    });
-                }
-                _ => {}
+    alters_answers("accepts a gap of 1000 periods with any encoders", LONGEST_GAP, |memory, answers| {
+        match (memory.request, memory.kept) {
+            (Some(HostMessage::Start(_)), _) => memory.kept = None,
+            (Some(it @ HostMessage::EncoderSample(_)), _)
+                if !answers.iter().any(is_result_of::<EncoderSample>) =>
+            {
+                memory.kept = Some(it);
             }
-            answers
-        },
-    ),
+            (_, Some(HostMessage::EncoderSample(last))) => {
+                return answering(memory, answers, |sample, result| {
+                    let ahead = sample.sequence.wrapping_sub(last.sequence);
+                    (result.outcome == Outcome::OutOfSequence && (1..=1000).contains(&ahead)).then_some(
+                        TorqueAnswer {
+                            sequence: sample.sequence,
+                            torque_nm: 1.0,
+                            status: TorqueStatus { state: State::Running, flags: TorqueFlags::GAP },
+                            compute_tenths_us: 0,
+                        },
+                    )
+                });
+            }
+            _ => {}
+        }
+        answers
+    }),
     alters_requests("takes no gap of hundreds of periods", LONGEST_GAP, |memory, request| match request {
         HostMessage::EncoderSample(sample) => {
             let ahead = sample.sequence.wrapping_sub(memory.number as u16);
@@ -116,17 +112,17 @@ pub const VARIANTS: &[Variant] = &[
         other => vec![other],
     }),
     alters_answers(
-        "arms whatever the motor's encoder is",
+        "arms with any motor encoder",
         "Arm is refused if one period leaves the position of the motor ambiguous",
         |_, answers| arming_anyway(answers, "motor_speed_limit_rad_s"),
     ),
     alters_answers(
-        "arms whatever the load's encoder is",
+        "arms with any load encoder",
         "Arm is refused if one period leaves the position of the load ambiguous",
         |_, answers| arming_anyway(answers, "load_speed_limit_rad_s"),
     ),
     alters_answers(
-        "does not say what is inconsistent",
+        "does not log the inconsistency",
         "Arm is refused if one period leaves the position of the motor ambiguous",
         |_, mut answers| {
             if answers.iter().any(is_inconsistent) {
@@ -142,7 +138,7 @@ pub fn is_fast(counts: EncoderCounts) -> bool {
     counts.get().unsigned_abs() > 700
 }
 
-/// Keeps account of where an encoder stands, and tells the drive everything.
+/// Accumulates the position of an encoder and forwards every request.
 fn follow(
     memory: &mut Memory,
     request: HostMessage,

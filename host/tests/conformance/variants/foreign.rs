@@ -58,9 +58,9 @@ pub const FIXED: Variant = Variant {
     ..Variant::MERZOUKI
 };
 
-/// The same, but believes whatever its encoders show and doesn't tell of gaps.
+/// The same, but accepts any reading and reports no gaps.
 pub const FIXED_CREDULOUS: Variant = Variant {
-    does: "has one period and one resolution and believes all it reads",
+    does: "has one period and one resolution and accepts any reading",
     on_request: |memory, request| {
         let believable = |counts: EncoderCounts| {
             if is_fast(counts) { EncoderCounts::default() } else { counts }
@@ -82,7 +82,7 @@ pub const FIXED_CREDULOUS: Variant = Variant {
     ..Variant::MERZOUKI
 };
 
-/// The first greeting after a reset sets what is then said to be the default; the second one tells of it.
+/// The first handshake after a reset sets the values that the second one reports as defaults.
 fn defaulting(memory: &mut Memory, request: HostMessage, defaults: &[SetParameter]) -> Vec<HostMessage> {
     match request {
         HostMessage::Hello(hello) if memory.number == 0 && hello.protocol_version == PROTOCOL_VERSION => {
@@ -108,7 +108,7 @@ fn unasked_left_out(memory: &Memory, mut answers: Vec<DriveMessage>) -> Vec<Driv
     answers
 }
 
-/// Says that it takes no load faster than this.
+/// Limits the range of the load's speed limit to this.
 pub const SLOW: Variant = Variant {
     does: "has a slow load",
     on_answers: |_, answers| {

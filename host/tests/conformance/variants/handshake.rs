@@ -1,4 +1,4 @@
-//! Wrong about the greeting.
+//! Mutants of the handshake.
 
 use lashloop_protocol::enums::Version;
 use lashloop_protocol::message::{Arm, Hello, Start, Stop};
@@ -23,7 +23,7 @@ pub const VARIANTS: &[Variant] = &[
         })
     }),
     alters_answers(
-        "tells the first session for ever",
+        "reports the first session forever",
         "the identity carries the session of its Hello",
         |memory, answers| {
             each(answers, |answer| {

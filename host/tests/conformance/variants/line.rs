@@ -1,4 +1,4 @@
-//! Wrong about frames and the line.
+//! Mutants of frames and the line.
 
 use std::time::Duration;
 
@@ -46,7 +46,7 @@ pub const VARIANTS: &[Variant] = &[
         },
     ),
     alters_answers(
-        "says the result before the report",
+        "sends the result before the report",
         "Stop is answered with a LineReport before its result",
         |memory, mut answers| {
             if matches!(memory.request, Some(HostMessage::Stop(_))) {

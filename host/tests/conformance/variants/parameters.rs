@@ -1,4 +1,4 @@
-//! Wrong about parameters.
+//! Mutants of parameters.
 
 use lashloop_protocol::enums::{Outcome, ParameterValue};
 use lashloop_protocol::message::{GetParameter, SetParameter};
@@ -28,7 +28,7 @@ pub const VARIANTS: &[Variant] = &[
         describing(answers, |it| it.default = ParameterValue::F32(f32::MAX))
     }),
     alters_answers(
-        "has other defaults than it says",
+        "has other defaults than it describes",
         "after a reset every parameter has its default",
         |_, answers| describing(answers, |it| it.default = it.min),
     ),
@@ -52,7 +52,7 @@ pub const VARIANTS: &[Variant] = &[
             other => vec![other],
         },
         ..alters_answers(
-            "reads back what it was told instead of what it has",
+            "reads back the request in place of its value",
             "every parameter accepts its minimum and maximum and reads them back",
             |memory, answers| reporting(memory, answers, |it, set| it.value = set.value),
         )

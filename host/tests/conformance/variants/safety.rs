@@ -1,4 +1,4 @@
-//! Wrong about faults, limits and the watchdog.
+//! Mutants of faults, limits and the watchdog.
 
 use lashloop_protocol::enums::{FaultCode, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::{ClearFault, EncoderSample, SetParameter};
@@ -36,11 +36,11 @@ pub const VARIANTS: &[Variant] = &[
         "a torque beyond the limit is limited and flagged SATURATED",
         |_, answers| torques(answers, |it| it.status.flags.remove(TorqueFlags::SATURATED)),
     ),
-    alters_answers("tells of no fault", "EmergencyStop is answered with its fault", |_, mut answers| {
+    alters_answers("reports no fault", "EmergencyStop is answered with its fault", |_, mut answers| {
         answers.retain(|answer| !matches!(answer, DriveMessage::FaultReport(_)));
         answers
     }),
-    alters_answers("tells the last fault", "the first fault stays latched", |memory, answers| {
+    alters_answers("reports the last fault", "the first fault stays latched", |memory, answers| {
         match memory.request {
             Some(HostMessage::EmergencyStop(_)) => memory.number = 1,
             Some(HostMessage::Reset(_)) => memory.number = 0,

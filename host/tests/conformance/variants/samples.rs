@@ -1,4 +1,4 @@
-//! Wrong about samples and torques.
+//! Mutants of samples and torques.
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::message::{EncoderSample, SetParameter, TorqueAnswer};
@@ -9,7 +9,7 @@ use crate::mutants::Variant;
 
 pub const VARIANTS: &[Variant] = &[
     alters_answers(
-        "answers samples before the greeting",
+        "answers samples before the handshake",
         "a sample before the handshake is refused",
         |memory, answers| {
             answering(memory, answers, |sample, result| {
@@ -177,7 +177,7 @@ pub const VARIANTS: &[Variant] = &[
         },
     ),
     alters_answers(
-        "tells the limited torque",
+        "reports the limited torque",
         "telemetry carries the requested torque before the limit",
         |_, answers| {
             each(answers, |answer| {

@@ -1,4 +1,4 @@
-//! Wrong about the transitions between states.
+//! Mutants of the transitions between states.
 
 use lashloop_protocol::enums::{Outcome, State};
 use lashloop_protocol::message::{Arm, EmergencyStop, Start, Stop};
@@ -68,7 +68,7 @@ pub const VARIANTS: &[Variant] = &[
         )
     },
     alters_answers(
-        "says that every refusal was done",
+        "reports every refusal as accepted",
         "Arm is refused in Boot as WrongSession",
         |_, answers| {
             each(answers, |answer| {
@@ -78,7 +78,7 @@ pub const VARIANTS: &[Variant] = &[
             })
         },
     ),
-    alters_answers("never says Idle", "Stop leads from Running to Idle", |_, answers| {
+    alters_answers("never reports Idle", "Stop leads from Running to Idle", |_, answers| {
         each(answers, |answer| {
             if let DriveMessage::CommandResult(it) = answer
                 && it.state == State::Idle
@@ -87,7 +87,7 @@ pub const VARIANTS: &[Variant] = &[
             }
         })
     }),
-    alters_answers("never says Armed", "Arm leads from Idle to Armed", |_, answers| {
+    alters_answers("never reports Armed", "Arm leads from Idle to Armed", |_, answers| {
         each(answers, |answer| {
             if let DriveMessage::CommandResult(it) = answer
                 && it.state == State::Armed
@@ -96,7 +96,7 @@ pub const VARIANTS: &[Variant] = &[
             }
         })
     }),
-    alters_answers("never says Running", "Start leads from Armed to Running", |_, answers| {
+    alters_answers("never reports Running", "Start leads from Armed to Running", |_, answers| {
         each(answers, |answer| {
             if let DriveMessage::CommandResult(it) = answer
                 && it.state == State::Running
@@ -106,7 +106,7 @@ pub const VARIANTS: &[Variant] = &[
         })
     }),
     alters_answers(
-        "clears faults to Idle without a greeting",
+        "clears faults to Idle without a handshake",
         "a fault cleared before the handshake leads back to Boot",
         |memory, answers| {
             let cleared = matches!(memory.request, Some(HostMessage::ClearFault(_)));
