@@ -1,6 +1,6 @@
 //! The native twin keeps to the protocol, and the report says so.
 
-use tests::bench::run;
+use tests::program::run;
 use tests::twin::Twin;
 
 /// What a battery that left nothing out ends with, and how many checks it made.

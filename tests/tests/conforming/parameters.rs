@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use tests::bench::{Ended, run};
+use tests::program::{Ended, run};
 use tests::twin::Twin;
 
 fn parameters(twin: &Twin, words: &[&str]) -> Ended {

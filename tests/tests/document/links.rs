@@ -64,7 +64,8 @@ fn every_relative_link_leads_to_a_file_and_a_heading() {
     for document in documents() {
         let text = prose(&read(&document));
         for link in links(&text) {
-            let (file, anchor) = link.split_once('#').map_or((link, None), |(file, anchor)| (file, Some(anchor)));
+            let (file, anchor) =
+                link.split_once('#').map_or((link, None), |(file, anchor)| (file, Some(anchor)));
             let folder = document.parent().expect("a document is in a folder");
             let target = if file.is_empty() { document.clone() } else { folder.join(file) };
             let leads = match anchor {
@@ -95,7 +96,8 @@ fn the_index_lists_every_document() {
     let index = read(&workspace().join("docs/README.md"));
     let listed: BTreeSet<_> = links(&index).collect();
     for document in documents() {
-        let name = document.strip_prefix(workspace()).expect("a document of the workspace").display().to_string();
+        let name =
+            document.strip_prefix(workspace()).expect("a document of the workspace").display().to_string();
         let link = name.strip_prefix("docs/").map_or(format!("../{name}"), str::to_owned);
         assert!(link == "README.md" || listed.contains(link.as_str()), "docs/README.md does not list {name}");
     }

@@ -3,14 +3,14 @@
 use std::time::Instant;
 
 use rustix::process::Signal;
-use tests::bench::Bench;
-use tests::loss::{run_in_its_midst, told};
+use tests::loss::{assert_reported, run_in_progress};
+use tests::program::Running;
 use tests::records::Records;
 use tests::{processes, wait};
 
 /// A run in its midst and the emulator behind it.
-fn running() -> (Bench, Records, u32) {
-    let (bench, records) = run_in_its_midst("qemu");
+fn running() -> (Running, Records, u32) {
+    let (bench, records) = run_in_progress("qemu");
     let [emulator] = processes::children(bench.id())[..] else { panic!("the bench has one child") };
     assert_eq!(processes::name(emulator), "qemu-system-arm");
     (bench, records, emulator)
@@ -20,7 +20,7 @@ pub(crate) fn killed() {
     let (bench, records, emulator) = running();
     let lost_at = Instant::now();
     processes::signal(emulator, Signal::KILL);
-    let sentence = told(bench, &records, lost_at);
+    let sentence = assert_reported(bench, &records, lost_at);
     let names = [
         format!(
             "the drive side ended while the bench was talking to qemu: the emulator (process {emulator})"
@@ -34,7 +34,7 @@ pub(crate) fn stopped() {
     let (bench, records, emulator) = running();
     let lost_at = Instant::now();
     processes::signal(emulator, Signal::STOP);
-    let sentence = told(bench, &records, lost_at);
+    let sentence = assert_reported(bench, &records, lost_at);
     assert!(sentence.contains("the drive was silent for 2.5 s after EncoderSample"), "{sentence}");
     assert!(!processes::runs(emulator), "the hanging emulator was left behind");
 }

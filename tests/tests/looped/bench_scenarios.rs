@@ -1,6 +1,6 @@
 //! The scenarios of the bench as it is built: the compensated law passes each, the cascaded PD law none but its own.
 
-use tests::bench;
+use tests::program;
 use tests::records::{Records, Trace};
 
 /// Names without `bench-`, and what has come out to within so much under the scenario's own law.
@@ -21,7 +21,7 @@ fn path(name: &str) -> String {
 
 fn trace(name: &str) -> Trace {
     let records = Records::new();
-    let _ = bench::run(["run", &path(name), "--device", "inproc", "--out", &records.out()]).with_code(0);
+    let _ = program::run(["run", &path(name), "--device", "inproc", "--out", &records.out()]).with_code(0);
     records.trace()
 }
 
@@ -29,7 +29,8 @@ fn trace(name: &str) -> Trace {
 fn compensated_law_passes_the_scenarios_of_the_bench() {
     for (name, metric, want, tolerance) in SCENARIOS {
         let records = Records::new();
-        let _ = bench::run(["run", &path(name), "--device", "inproc", "--out", &records.out()]).with_code(0);
+        let _ =
+            program::run(["run", &path(name), "--device", "inproc", "--out", &records.out()]).with_code(0);
         let have = records.summary()["metrics"][metric].as_f64().unwrap_or(f64::NAN);
         assert!((have - want).abs() <= tolerance, "{name}: {metric} {have}, want {want} +- {tolerance}");
     }
@@ -38,7 +39,7 @@ fn compensated_law_passes_the_scenarios_of_the_bench() {
 #[test]
 fn pd_fails_the_scenarios_that_compensation_passes() {
     for (name, ..) in SCENARIOS.into_iter().filter(|(name, ..)| *name != "pd") {
-        let _ = bench::run(["run", &path(name), "--device", "inproc", "--controller", "pd"]).with_code(1);
+        let _ = program::run(["run", &path(name), "--device", "inproc", "--controller", "pd"]).with_code(1);
     }
 }
 
@@ -80,11 +81,11 @@ fn load_and_wear_set_in_when_the_scenario_says() {
     }
 }
 
-fn with_bristles_of(stiffness_nm_rad: &str, code: i32) -> bench::Ended {
+fn with_bristles_of(stiffness_nm_rad: &str, code: i32) -> program::Ended {
     let stiffness = format!("plant.bristle_stiffness_nm_rad={stiffness_nm_rad}");
     let bristles = ["--set", "plant.load_friction=\"lugre\"", "--set", &stiffness];
     let arguments = ["run", "scenarios/shaft-pd.toml", "--device", "inproc"];
-    bench::run(arguments.into_iter().chain(bristles)).with_code(code)
+    program::run(arguments.into_iter().chain(bristles)).with_code(code)
 }
 
 #[test]

@@ -20,7 +20,7 @@ fn a_used_drive_gives_the_same_run_as_a_fresh_one() {
 #[test]
 fn a_drive_that_was_left_running_gives_the_same_run_as_a_fresh_one() {
     let twin = Twin::start();
-    let (bench, _records) = tests::loss::run_in_its_midst(&twin.device());
+    let (bench, _records) = tests::loss::run_in_progress(&twin.device());
     bench.signal(rustix::process::Signal::KILL);
     assert_eq!(bench.wait().code, None);
     let _ = RUNS[1].pass_on(&twin.device());

@@ -1,11 +1,11 @@
 //! `lashloop budget`: the arithmetic of the wire. What it says is held against runs on a modelled wire in `wire`.
 
-use tests::bench;
+use tests::program;
 
 #[test]
 fn the_budget_says_where_the_time_goes_and_what_to_change() {
     let ended =
-        bench::run(["budget", "scenarios/smooth-after.toml", "--baud", "460800", "--period-us", "900"])
+        program::run(["budget", "scenarios/smooth-after.toml", "--baud", "460800", "--period-us", "900"])
             .with_code(1);
     assert_eq!(ended.stderr, "");
     insta::assert_snapshot!(ended.stdout);
@@ -24,6 +24,6 @@ fn the_exit_code_tells_whether_the_period_holds_the_worst_cycle() {
         (&["budget", "--baud", "100"], 2),
         (&["budget", "scenarios/none.toml"], 2),
     ] {
-        let _ = bench::run(options).with_code(code);
+        let _ = program::run(options).with_code(code);
     }
 }

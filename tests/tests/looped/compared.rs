@@ -1,12 +1,12 @@
 //! `lashloop compare`. What it finds depends on the machine; that it finds something, and judges by it, does not.
 
-use tests::bench;
+use tests::program;
 
 const ALWAYS: [&str; 2] = ["lockstep: round trips, 1/s", "1 kHz: round trip p50, us"];
 
 fn every_figure_is_measured_and_judged(options: &[&str], judged: &[&str]) {
     let arguments = ["compare", "--rounds", "1", "--steps", "200", "--seconds", "1"];
-    let ended = bench::run(arguments.iter().chain(options));
+    let ended = program::run(arguments.iter().chain(options));
     let lines: Vec<&str> = ended.stdout.lines().skip(1).collect();
     for what in ALWAYS.iter().chain(judged) {
         let line = lines.iter().find_map(|line| line.strip_prefix(what)).expect(what);
@@ -31,6 +31,6 @@ fn a_loop_that_spins_is_judged_by_the_clock() {
 
 #[test]
 fn a_core_that_is_not_there_is_refused() {
-    let ended = bench::run(["compare", "--core", "1023"]).with_code(4);
+    let ended = program::run(["compare", "--core", "1023"]).with_code(4);
     assert!(ended.stderr.contains("can't choose a core"), "{}", ended.stderr);
 }

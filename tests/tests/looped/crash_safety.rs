@@ -7,10 +7,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use rustix::process::Signal;
-use tests::bench::Bench;
 use tests::paper::RUNS;
+use tests::program::Running;
 use tests::records::Records;
-use tests::relay::{Relay, StepOutcome};
+use tests::relay::{Action, Relay};
 use tests::twin::Twin;
 use tests::{program, wait, workspace};
 
@@ -22,7 +22,7 @@ fn counting_relay(twin: &Twin) -> (Relay, Arc<AtomicU32>) {
         if let Some(torque) = frame.torque() {
             seen.fetch_max(u32::from(torque.sequence) + 1, Ordering::Relaxed);
         }
-        StepOutcome::Pass
+        Action::Forward
     });
     (relay, answered)
 }
@@ -36,7 +36,7 @@ fn a_killed_bench_leaves_every_row_up_to_the_last_whole_chunk() {
     let (out, flush) = (records.out(), format!("record.flush_rows={CHUNK}"));
     let arguments = ["run", "scenarios/smooth-after.toml", "--device", relay.device(), "--out", &out];
     let bench =
-        Bench::start(arguments.into_iter().chain(["--set", "run.duration_s=100000", "--set", &flush]));
+        Running::start(arguments.into_iter().chain(["--set", "run.duration_s=100000", "--set", &flush]));
     wait::until("a few chunks", || (answered.load(Ordering::Relaxed) > 1_000).then_some(()));
     bench.signal(Signal::KILL);
     assert_eq!(bench.wait().code, None);
@@ -132,7 +132,7 @@ fn an_interrupted_run_with_large_chunks_loses_no_row() {
         let out = records.out();
         let arguments = ["run", "scenarios/smooth-after.toml", "--device", relay.device(), "--out", &out];
         let never = ["--set", "run.duration_s=100000", "--set", "record.flush_rows=1000000"];
-        let bench = Bench::start(arguments.into_iter().chain(never));
+        let bench = Running::start(arguments.into_iter().chain(never));
         wait::until("some steps", || (answered.load(Ordering::Relaxed) > 500).then_some(()));
         bench.signal(signal);
         let _ = bench.wait().with_code(3);

@@ -1,7 +1,7 @@
 //! The drive's estimates, scored by the bench and once more from what it recorded.
 
-use tests::bench;
 use tests::paper::PATIENCE;
+use tests::program;
 use tests::records::Records;
 
 #[test]
@@ -12,7 +12,7 @@ fn estimates_are_scored_at_the_samples_they_are_of() {
         let arguments =
             ["run", "scenarios/shaft-backlash-inverse.toml", "--device", device, "--out", &records.out()];
         let overrides = ["--set", &every_steps, "--set", "run.duration_s=8", "--set", "expect=[]"];
-        let _ = bench::run(arguments.into_iter().chain(overrides).chain(PATIENCE)).with_code(0);
+        let _ = program::run(arguments.into_iter().chain(overrides).chain(PATIENCE)).with_code(0);
         let trace = records.trace();
         let column = |name| trace.column(name);
         let (time_s, told_s) = (column("time_s"), column("estimate_time_s"));

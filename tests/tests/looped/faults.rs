@@ -2,10 +2,10 @@
 //! `friction-before`, so that what the faults leave of it can still be judged.
 
 use serde_json::Value;
-use tests::bench;
 use tests::paper::RUNS;
+use tests::program;
 use tests::records::{Records, Trace};
-use tests::relay::{Passing, Relay, StepOutcome};
+use tests::relay::{Action, Relay, Transit};
 use tests::twin::Twin;
 
 /// The frame that is hit.
@@ -17,7 +17,7 @@ const TIMEOUT: [&str; 4] = ["--set", "link.answer_timeout_ms=3000", "--set", "li
 
 /// Runs `friction-before` through a relay and expects an exit code.
 fn run_through(
-    tamper: impl FnMut(&Passing) -> StepOutcome + Send + 'static,
+    tamper: impl FnMut(&Transit) -> Action + Send + 'static,
     settings: &[&str],
     code: i32,
 ) -> (Value, Trace, String) {
@@ -30,7 +30,7 @@ fn run_through(
     let out = records.out();
     arguments.extend(["--out", &out]);
     arguments.extend(settings.iter().flat_map(|setting| ["--set", setting]));
-    let ended = bench::run(arguments).with_code(code);
+    let ended = program::run(arguments).with_code(code);
     (records.summary(), records.trace(), ended.stdout)
 }
 
@@ -38,11 +38,11 @@ fn same_run(summary: &Value) -> bool {
     summary["torque_sha256"] == RUNS[2].torque_sha256
 }
 
-fn lose_torque(frame: &Passing) -> StepOutcome {
+fn lose_torque(frame: &Transit) -> Action {
     if frame.torque().is_some_and(|torque| torque.sequence == HIT) {
-        StepOutcome::Become(Vec::new())
+        Action::Replace(Vec::new())
     } else {
-        StepOutcome::Pass
+        Action::Forward
     }
 }
 
@@ -74,9 +74,9 @@ fn a_lost_answer_that_the_scenario_allows_can_pass() {
 
 #[test]
 fn a_lost_sample_holds_the_last_torque_as_well() {
-    let lose = |frame: &Passing| match frame.sample() {
-        Some(sample) if sample.sequence == HIT => StepOutcome::Become(Vec::new()),
-        _ => StepOutcome::Pass,
+    let lose = |frame: &Transit| match frame.sample() {
+        Some(sample) if sample.sequence == HIT => Action::Replace(Vec::new()),
+        _ => Action::Forward,
     };
     let (summary, trace, _) = run_through(lose, &[], 3);
     assert!(held_at_hit(&trace), "the row of the lost sample doesn't hold the torque before it");
@@ -86,14 +86,14 @@ fn a_lost_sample_holds_the_last_torque_as_well() {
 #[test]
 fn a_late_answer_is_counted_and_not_used() {
     let mut kept = Vec::new();
-    let delay = move |frame: &Passing| match frame.torque() {
+    let delay = move |frame: &Transit| match frame.torque() {
         Some(torque) if torque.sequence == HIT => {
             kept.clone_from(&frame.bytes);
-            StepOutcome::Become(Vec::new())
+            Action::Replace(Vec::new())
         }
         // By now its sample has been given up.
-        Some(torque) if torque.sequence == HIT + 1 => StepOutcome::Become([&kept[..], &frame.bytes].concat()),
-        _ => StepOutcome::Pass,
+        Some(torque) if torque.sequence == HIT + 1 => Action::Replace([&kept[..], &frame.bytes].concat()),
+        _ => Action::Forward,
     };
     let (summary, trace, _) = run_through(delay, &["allow.lost=1"], 3);
     assert!(held_at_hit(&trace), "the late answer was used");
@@ -102,14 +102,14 @@ fn a_late_answer_is_counted_and_not_used() {
 
 #[test]
 fn a_torque_with_a_flipped_bit_is_counted_and_not_used() {
-    let flip = |frame: &Passing| match frame.torque() {
+    let flip = |frame: &Transit| match frame.torque() {
         Some(torque) if torque.sequence == HIT => {
             let mut bytes = frame.bytes.clone();
             // Within the torque, and no byte that this makes zero: a frame of the right length with a wrong CRC.
             bytes[8] ^= if bytes[8] == 0x10 { 0x20 } else { 0x10 };
-            StepOutcome::Become(bytes)
+            Action::Replace(bytes)
         }
-        _ => StepOutcome::Pass,
+        _ => Action::Forward,
     };
     let (summary, trace, stdout) = run_through(flip, &[], 3);
     assert!(held_at_hit(&trace), "the damaged torque was used");
@@ -119,13 +119,13 @@ fn a_torque_with_a_flipped_bit_is_counted_and_not_used() {
 
 #[test]
 fn a_sample_with_a_flipped_bit_is_refused_by_the_drive_which_tells_of_it() {
-    let flip = |frame: &Passing| match frame.sample() {
+    let flip = |frame: &Transit| match frame.sample() {
         Some(sample) if sample.sequence == HIT => {
             let mut bytes = frame.bytes.clone();
             bytes[7] ^= if bytes[7] == 0x10 { 0x20 } else { 0x10 };
-            StepOutcome::Become(bytes)
+            Action::Replace(bytes)
         }
-        _ => StepOutcome::Pass,
+        _ => Action::Forward,
     };
     let (summary, trace, _) = run_through(flip, &[], 3);
     assert!(held_at_hit(&trace), "the damaged sample was answered");
@@ -138,9 +138,9 @@ fn a_sample_with_a_flipped_bit_is_refused_by_the_drive_which_tells_of_it() {
 
 #[test]
 fn a_doubled_sample_changes_nothing() {
-    let double = |frame: &Passing| match frame.sample() {
-        Some(sample) if sample.sequence % 100 == 0 => StepOutcome::Become(frame.bytes.repeat(2)),
-        _ => StepOutcome::Pass,
+    let double = |frame: &Transit| match frame.sample() {
+        Some(sample) if sample.sequence % 100 == 0 => Action::Replace(frame.bytes.repeat(2)),
+        _ => Action::Forward,
     };
     let (summary, _, _) = run_through(double, &[], 0);
     assert!(same_run(&summary), "other torques: {summary}");
@@ -151,11 +151,11 @@ fn a_doubled_sample_changes_nothing() {
 
 #[test]
 fn noise_between_frames_is_counted_and_changes_no_torque() {
-    let noise = |frame: &Passing| {
+    let noise = |frame: &Transit| {
         let hit = frame.torque().is_some_and(|torque| torque.sequence == HIT)
             || frame.sample().is_some_and(|sample| sample.sequence == HIT);
         let garbage = [0xff, 0x07, 0x5a, 0xa5, 0x00];
-        if hit { StepOutcome::Become([&garbage[..], &frame.bytes].concat()) } else { StepOutcome::Pass }
+        if hit { Action::Replace([&garbage[..], &frame.bytes].concat()) } else { Action::Forward }
     };
     let (summary, _, _) = run_through(noise, &["allow.crc_errors=1"], 0);
     assert!(same_run(&summary), "other torques: {summary}");

@@ -3,9 +3,9 @@
 use std::sync::mpsc;
 
 use lashloop_protocol::enums::{State, TorqueFlags, TorqueStatus};
-use tests::bench;
 use tests::paper::RUNS;
-use tests::relay::{Passing, Relay, StepOutcome};
+use tests::program;
+use tests::relay::{Action, Relay, Transit};
 use tests::twin::Twin;
 
 fn hex(bytes: &[u8]) -> String {
@@ -13,19 +13,19 @@ fn hex(bytes: &[u8]) -> String {
 }
 
 /// The first frame of each kind asked for in a run of two steps.
-fn first(wanted: [fn(&Passing) -> bool; 2]) -> [Passing; 2] {
+fn first(wanted: [fn(&Transit) -> bool; 2]) -> [Transit; 2] {
     let twin = Twin::start();
     let (tell, told) = mpsc::channel();
     let relay = Relay::start(twin.path(), move |frame| {
         let _ = tell.send(frame.clone());
-        StepOutcome::Pass
+        Action::Forward
     });
     // Two steps can't settle, so the verdict is FAIL.
     let scenario = RUNS[1].scenario();
-    let _ = bench::run(["run", &scenario, "--device", relay.device(), "--set", "run.duration_s=0.002"])
+    let _ = program::run(["run", &scenario, "--device", relay.device(), "--set", "run.duration_s=0.002"])
         .with_code(1);
     drop(relay);
-    let frames: Vec<Passing> = told.into_iter().collect();
+    let frames: Vec<Transit> = told.into_iter().collect();
     wanted.map(|wanted| frames.iter().find(|frame| wanted(frame)).expect("such a frame").clone())
 }
 

@@ -4,9 +4,9 @@ use std::fs;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use tests::bench::{self, Bench};
 use tests::paper::RUNS;
 use tests::processes;
+use tests::program::{self, Running};
 use tests::terminal::Terminal;
 use tests::twin::Twin;
 
@@ -36,7 +36,7 @@ fn share_percent(id: u32) -> f64 {
 
 #[test]
 fn a_process_that_does_something_is_seen() {
-    let bench = Bench::start([
+    let bench = Running::start([
         "run",
         "scenarios/smooth-after.toml",
         "--device",
@@ -57,7 +57,7 @@ fn a_drive_that_waits_for_a_host_is_idle_before_and_after_a_run_in_real_time() {
     let (scenario, device) = (RUNS[1].scenario(), twin.device());
     let arguments =
         ["run", &scenario, "--device", &device, "--clock", "real-time", "--set", "run.duration_s=1"];
-    let ended = bench::run(arguments);
+    let ended = program::run(arguments);
     assert!(ended.stdout.contains("timing      real time"), "{}{}", ended.stdout, ended.stderr);
     let after = share_percent(twin.id());
     assert!(after < LIMIT_PERCENT, "{after} % after a run");
@@ -68,7 +68,7 @@ fn a_bench_that_waits_for_a_drive_is_idle() {
     // Nobody answers there; the bench greets for 2.5 s before it gives up.
     let silent = Terminal::open();
     for clock in ["lockstep", "real-time"] {
-        let bench = Bench::start([
+        let bench = Running::start([
             "run",
             "scenarios/smooth-after.toml",
             "--device",
@@ -89,7 +89,7 @@ fn a_bench_whose_drive_hangs_is_idle() {
     let (scenario, device) = (RUNS[1].scenario(), twin.device());
     let patient = ["--set", "link.answer_timeout_ms=20000", "--set", "link.silence_limit_ms=40000"];
     let arguments = ["run", &scenario, "--device", &device, "--set", "run.duration_s=90000"];
-    let bench = Bench::start(arguments.into_iter().chain(patient));
+    let bench = Running::start(arguments.into_iter().chain(patient));
     thread::sleep(Duration::from_millis(500));
     twin.signal(rustix::process::Signal::STOP);
     thread::sleep(Duration::from_millis(100));

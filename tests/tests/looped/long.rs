@@ -2,8 +2,8 @@
 
 use std::fs;
 
-use tests::bench;
 use tests::paper::PATIENCE;
+use tests::program;
 use tests::records::Records;
 use tests::workspace;
 
@@ -11,11 +11,11 @@ const SCENARIO: &str = "scenarios/shaft-backlash-inverse.toml";
 /// Steps of 1 ms, beyond the 65,536th.
 const STEPS: usize = 70_000;
 
-fn run(scenario: &str, records: &Records, settings: &[&str], code: i32) -> bench::Ended {
+fn run(scenario: &str, records: &Records, settings: &[&str], code: i32) -> program::Ended {
     let out = records.out();
     let settings = settings.iter().flat_map(|setting| ["--set", setting]);
     let arguments = ["run", scenario, "--device", "inproc", "--out", &out].into_iter().chain(settings);
-    bench::run(arguments.chain(["--set", "expect=[]"]).chain(PATIENCE)).with_code(code)
+    program::run(arguments.chain(["--set", "expect=[]"]).chain(PATIENCE)).with_code(code)
 }
 
 #[test]

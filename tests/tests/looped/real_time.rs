@@ -7,10 +7,10 @@ use std::time::Duration;
 use lashloop_protocol::HostMessage;
 use rustix::process::Signal;
 use serde_json::Value;
-use tests::bench::{self, Bench};
 use tests::paper::RUNS;
+use tests::program::{self, Running};
 use tests::records::Records;
-use tests::relay::{Relay, StepOutcome};
+use tests::relay::{Action, Relay};
 use tests::twin::Twin;
 
 /// Late steps are what a busy machine makes; here they are looked at and not judged.
@@ -44,7 +44,7 @@ fn ones(records: &Records, column: &str) -> u64 {
 #[test]
 fn a_run_in_real_time_takes_the_time_it_simulates() {
     let records = Records::new();
-    let ended = bench::run(arguments(&RUNS[1].scenario(), "native", &records.out(), "run.duration_s=2"));
+    let ended = program::run(arguments(&RUNS[1].scenario(), "native", &records.out(), "run.duration_s=2"));
     assert!(ended.code.is_some_and(|code| code < 4), "{}", ended.stderr);
     let summary = records.summary();
     assert_eq!((&summary["timing"]["clock"], &summary["end"]), (&"real-time".into(), &"complete".into()));
@@ -67,7 +67,7 @@ fn without_late_steps_a_run_in_real_time_is_the_run_in_lockstep() {
         if !real_time {
             arguments.retain(|argument| !["--clock", "real-time"].contains(argument));
         }
-        let _ = bench::run(arguments);
+        let _ = program::run(arguments);
         let summary = records.summary();
         let late = count(&summary, "timing", "missed") + count(&summary, "timing", "unanswered");
         (late == 0).then(|| summary["torque_sha256"].clone())
@@ -85,11 +85,11 @@ fn a_late_answer_holds_the_last_torque_and_the_next_steps_are_on_their_grid() {
         if frame.torque().is_some_and(|torque| torque.sequence == HIT) {
             thread::sleep(Duration::from_millis(20));
         }
-        StepOutcome::Pass
+        Action::Forward
     });
     let records = Records::new();
     let ended =
-        bench::run(arguments(&RUNS[2].scenario(), relay.device(), &records.out(), "run.duration_s=2"));
+        program::run(arguments(&RUNS[2].scenario(), relay.device(), &records.out(), "run.duration_s=2"));
     assert!(ended.code.is_some_and(|code| code < 4), "{}", ended.stderr);
     let (summary, trace, timing) = (records.summary(), records.trace(), records.timing());
     let (torque_nm, answered) = (trace.column("torque_nm"), timing.column("answered"));
@@ -116,13 +116,13 @@ fn a_torque_that_is_not_renewed_is_taken_away_when_the_drive_s_watchdog_must_hav
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| {
         let is_silenced = frame.torque().is_some_and(|torque| SILENT.contains(&torque.sequence));
-        if is_silenced { StepOutcome::Become(Vec::new()) } else { StepOutcome::Pass }
+        if is_silenced { Action::Replace(Vec::new()) } else { Action::Forward }
     });
     let records = Records::new();
     let (scenario, out) = (RUNS[2].scenario(), records.out());
     let mut arguments = arguments(&scenario, relay.device(), &out, "run.duration_s=2");
     arguments.extend(["--set", "controller.parameters.watchdog_us=600000", "--set", "allow.lost=1000"]);
-    let ended = bench::run(arguments);
+    let ended = program::run(arguments);
     assert_eq!(records.summary()["end"], "complete", "{}{}", ended.stdout, ended.stderr);
     let (torque_nm, answered) = (records.trace().column("torque_nm"), records.timing().column("answered"));
     let last = answered[..700].iter().rposition(|flag| *flag == 1.0).expect("an answer before the silence");
@@ -135,7 +135,7 @@ fn a_torque_that_is_not_renewed_is_taken_away_when_the_drive_s_watchdog_must_hav
 }
 
 /// Stops a bench in the midst of its run for a while.
-fn put_to_sleep(bench: &Bench, records: &Records, time: Duration) {
+fn put_to_sleep(bench: &Running, records: &Records, time: Duration) {
     records.wait_for_rows();
     bench.signal(Signal::STOP);
     thread::sleep(time);
@@ -145,7 +145,7 @@ fn put_to_sleep(bench: &Bench, records: &Records, time: Duration) {
 #[test]
 fn a_bench_that_slept_through_steps_goes_on_where_the_clock_is() {
     let records = Records::new();
-    let bench = Bench::start(arguments(&RUNS[1].scenario(), "native", &records.out(), "run.duration_s=4"));
+    let bench = Running::start(arguments(&RUNS[1].scenario(), "native", &records.out(), "run.duration_s=4"));
     put_to_sleep(&bench, &records, Duration::from_millis(200));
     let ended = bench.wait();
     let (summary, timing) = (records.summary(), records.timing());
@@ -168,7 +168,7 @@ fn a_bench_that_slept_for_longer_than_a_drive_follows_ends_the_run_or_starts_it_
         let mut arguments = arguments(&scenario, "native", &out, "run.duration_s=4");
         let on_loss = format!("link.on_loss={on_loss}");
         arguments.extend(["--set", &on_loss, "--set", "allow.resumes=1", "--set", "allow.lost=1"]);
-        let bench = Bench::start(arguments);
+        let bench = Running::start(arguments);
         put_to_sleep(&bench, &records, Duration::from_millis(1_500));
         let ended = bench.wait();
         if code == 4 {
@@ -196,7 +196,7 @@ fn the_watchdog_of_the_drive_trips_while_the_bench_sleeps() {
                 *argument = "controller.parameters.watchdog_us=200000";
             }
         }
-        let bench = Bench::start(arguments);
+        let bench = Running::start(arguments);
         put_to_sleep(&bench, &records, Duration::from_millis(slept));
         let ended = bench.wait().with_code(3);
         assert!(ended.stdout.contains("ENDED  the drive latched Watchdog at sample "), "{}", ended.stdout);
@@ -211,7 +211,7 @@ fn a_start_that_takes_long_is_made_again_where_the_clock_is() {
     let relay = Relay::start(twin.path(), move |frame| {
         starts += usize::from(matches!(frame.from_bench(), Some(HostMessage::Start(_))));
         let is_lost = starts == 2 && matches!(frame.from_bench(), Some(HostMessage::Start(_)));
-        if is_lost { StepOutcome::Become(Vec::new()) } else { StepOutcome::Pass }
+        if is_lost { Action::Replace(Vec::new()) } else { Action::Forward }
     });
     let records = Records::new();
     let text = std::fs::read_to_string(tests::workspace().join(RUNS[1].scenario())).expect("a scenario");
@@ -221,7 +221,7 @@ fn a_start_that_takes_long_is_made_again_where_the_clock_is() {
     let (scenario, out) = (scenario.display().to_string(), records.out());
     let mut arguments = arguments(&scenario, relay.device(), &out, "run.duration_s=3");
     arguments.extend(["--set", "link.on_loss=resume", "--set", "allow.resumes=1", "--set", "allow.lost=1"]);
-    let ended = bench::run(arguments);
+    let ended = program::run(arguments);
     let summary = records.summary();
     assert_eq!(
         (&summary["end"], &summary["link"]["resumes"]),
@@ -240,7 +240,7 @@ fn what_the_system_does_not_grant_is_said_and_does_not_end_the_run() {
     let (scenario, out) = (RUNS[1].scenario(), records.out());
     let mut arguments = arguments(&scenario, "native", &out, "run.duration_s=0.2");
     arguments.extend(["--core", "999999"]);
-    let ended = bench::run(arguments);
+    let ended = program::run(arguments);
     assert!(ended.stdout.contains("not granted: core 999999: "), "{}", ended.stdout);
     assert_eq!(records.summary()["end"], "complete");
 }
@@ -249,7 +249,7 @@ fn what_the_system_does_not_grant_is_said_and_does_not_end_the_run() {
 fn options_of_real_time_are_refused_in_lockstep() {
     for option in [&["--spin-us", "10"][..], &["--fifo", "5"], &["--lock-memory"], &["--core", "0"]] {
         let arguments = ["run", "scenarios/smooth-after.toml", "--device", "inproc"];
-        let ended = bench::run(arguments.iter().chain(option)).with_code(2);
+        let ended = program::run(arguments.iter().chain(option)).with_code(2);
         assert!(
             ended.stderr.contains(&format!("{} is for --clock real-time", option[0])),
             "{}",

@@ -8,11 +8,11 @@ use std::time::Instant;
 
 use rustix::process::Signal;
 use serde_json::Value;
-use tests::bench::{self, Bench};
 use tests::loss;
 use tests::paper::PATIENCE;
+use tests::program::{self, Running};
 use tests::records::{Records, Trace};
-use tests::relay::{Relay, StepOutcome};
+use tests::relay::{Action, Relay};
 use tests::twin::Twin;
 
 const RESUME: [&str; 6] = [
@@ -37,7 +37,7 @@ fn run_faulty(fault: &str, device: &str, settings: &[&str], code: i32) -> (Value
     let (scenario, out) = (faulty(&records, fault), records.out());
     let arguments = ["run", &scenario, "--device", device, "--out", &out];
     let settings = settings.iter().flat_map(|setting| ["--set", setting]);
-    let _ = bench::run(arguments.into_iter().chain(RESUME).chain(settings)).with_code(code);
+    let _ = program::run(arguments.into_iter().chain(RESUME).chain(settings)).with_code(code);
     (records.summary(), records.trace())
 }
 
@@ -105,7 +105,7 @@ fn in_real_time_the_plant_goes_on_without_torque_while_the_drive_is_away() {
     ];
     let settings = settings.iter().flat_map(|setting| ["--set", setting]);
     // Too short for what the scenario expects.
-    let ended = bench::run(arguments.into_iter().chain(RESUME).chain(settings)).with_code(1);
+    let ended = program::run(arguments.into_iter().chain(RESUME).chain(settings)).with_code(1);
     let (summary, torque_nm) = (records.summary(), records.trace().column("torque_nm"));
     assert_eq!(
         (&summary["link"]["resumes"], &summary["end"]),
@@ -144,7 +144,7 @@ fn a_drive_that_does_not_come_back_in_time_ends_the_run_with_exit_code_4() {
     let out = records.out();
     let arguments =
         ["run", &scenario, "--device", "native", "--out", &out, "--set", "link.on_loss=\"resume\""];
-    let ended = bench::run(arguments.into_iter().chain(["--set", "link.resume_limit_ms=500"])).with_code(4);
+    let ended = program::run(arguments.into_iter().chain(["--set", "link.resume_limit_ms=500"])).with_code(4);
     assert!(ended.stderr.contains("the far end closed the line"), "{}", ended.stderr);
     assert_eq!((records.trace().len(), records.summary_text()), (2_000, None));
 }
@@ -155,7 +155,7 @@ fn the_bench_s_own_twin_does_not_come_back_and_is_not_waited_for() {
     let out = records.out();
     let arguments = ["run", "scenarios/faults.toml", "--device", "native", "--out", &out];
     let endless = ["--set", "run.duration_s=100000"];
-    let bench = Bench::start(arguments.into_iter().chain(RESUME).chain(endless));
+    let bench = Running::start(arguments.into_iter().chain(RESUME).chain(endless));
     records.wait_for_rows();
     let [twin] = tests::processes::children(bench.id())[..] else { panic!("the bench has one child") };
     let lost_at = Instant::now();
@@ -193,12 +193,12 @@ impl Name {
 }
 
 /// Starts a run on a name and waits until it is in its midst.
-fn started(name: &Name, settings: &[&str]) -> (Bench, Records) {
+fn started(name: &Name, settings: &[&str]) -> (Running, Records) {
     let records = Records::new();
     let (device, out) = (name.path().display().to_string(), records.out());
     let arguments = ["run", "scenarios/smooth-after.toml", "--device", &device, "--out", &out];
     let settings = settings.iter().flat_map(|setting| ["--set", setting]);
-    let bench = Bench::start(arguments.into_iter().chain(RESUME).chain(PATIENCE).chain(settings));
+    let bench = Running::start(arguments.into_iter().chain(RESUME).chain(PATIENCE).chain(settings));
     records.wait_for_rows();
     (bench, records)
 }
@@ -249,7 +249,7 @@ fn a_pulled_line_without_resume_ends_with_exit_code_4() {
     let (bench, records) = started(&name, &["run.duration_s=200", "link.on_loss=\"end\"", "allow.resumes=9"]);
     let lost_at = Instant::now();
     drop(first);
-    let _ = loss::told(bench, &records, lost_at);
+    let _ = loss::assert_reported(bench, &records, lost_at);
 }
 
 #[test]
@@ -264,12 +264,12 @@ fn another_firmware_behind_the_name_is_refused_and_never_armed() {
     let relay = Relay::start(second.path(), move |frame| {
         if let Some(DriveMessage::Identity(mut identity)) = frame.from_drive() {
             identity.build_id ^= 1;
-            return StepOutcome::Become(DriveMessage::from(identity).frame().to_vec());
+            return Action::Replace(DriveMessage::from(identity).frame().to_vec());
         }
         if let Some(HostMessage::Arm(_)) = frame.from_bench() {
             seen.store(true, std::sync::atomic::Ordering::Relaxed);
         }
-        StepOutcome::Pass
+        Action::Forward
     });
     name.point_to(Path::new(relay.device()));
     drop(first);

@@ -4,15 +4,15 @@ use std::time::{Duration, Instant};
 
 use lashloop_protocol::message::Identity;
 use lashloop_protocol::{DriveMessage, Message};
-use tests::bench::{self, Ended};
-use tests::loss::run_in_its_midst;
+use tests::loss::run_in_progress;
 use tests::paper::RUNS;
-use tests::relay::{Relay, StepOutcome};
+use tests::program::{self, Ended};
+use tests::relay::{Action, Relay};
 use tests::terminal::Terminal;
 use tests::twin::Twin;
 
 fn run_on(device: &str) -> Ended {
-    bench::run(["run", &RUNS[1].scenario(), "--device", device]).with_code(4)
+    program::run(["run", &RUNS[1].scenario(), "--device", device]).with_code(4)
 }
 
 /// The sentence, with the number of the terminal taken out.
@@ -26,9 +26,9 @@ fn a_drive_of_another_protocol_version_is_refused_by_both_versions() {
     let relay = Relay::start(twin.path(), |frame| match frame.from_drive() {
         Some(DriveMessage::Identity(identity)) => {
             let stranger = DriveMessage::from(Identity { protocol_version: 9, ..identity });
-            StepOutcome::Become(stranger.frame().to_vec())
+            Action::Replace(stranger.frame().to_vec())
         }
-        _ => StepOutcome::Pass,
+        _ => Action::Forward,
     });
     let ended = run_on(relay.device());
     insta::assert_snapshot!(sentence(&ended, relay.device()));
@@ -53,7 +53,7 @@ fn a_terminal_that_does_not_exist_is_named() {
 #[test]
 fn a_drive_that_another_bench_talks_to_is_refused_and_the_other_run_goes_on() {
     let twin = Twin::start();
-    let (first, records) = run_in_its_midst(&twin.device());
+    let (first, records) = run_in_progress(&twin.device());
     let ended = run_on(&twin.device());
     insta::assert_snapshot!(sentence(&ended, &twin.device()));
     first.signal(rustix::process::Signal::INT);

@@ -7,25 +7,25 @@ use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::message::{Start, Stop};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage, Message};
-use tests::bench;
 use tests::paper::RUNS;
+use tests::program;
 use tests::records::Records;
-use tests::relay::{Passing, Relay, StepOutcome};
+use tests::relay::{Action, Relay, Transit};
 use tests::twin::Twin;
 
 /// Nothing of a frame arrives.
-fn lost() -> StepOutcome {
-    StepOutcome::Become(Vec::new())
+fn lost() -> Action {
+    Action::Replace(Vec::new())
 }
 
 /// The kind of a request of the bench, samples left out.
-fn request(frame: &Passing) -> Option<&'static str> {
+fn request(frame: &Transit) -> Option<&'static str> {
     let message = frame.from_bench().filter(|message| !matches!(message, HostMessage::EncoderSample(_)));
     Some(message?.layout().name)
 }
 
 /// The kind of an answer to one.
-fn answer(frame: &Passing) -> Option<String> {
+fn answer(frame: &Transit) -> Option<String> {
     match frame.from_drive()? {
         DriveMessage::CommandResult(result) => Some(format!("answer to {:#04x}", result.request)),
         DriveMessage::TorqueAnswer(_) | DriveMessage::Telemetry(_) => None,
@@ -42,7 +42,7 @@ fn torques_of_a_run(device: &str, settings: &[&str]) -> String {
     for setting in ["run.duration_s=0.05", "expect.0.max=1000", "expect.0.min=0"].iter().chain(settings) {
         arguments.extend(["--set", setting]);
     }
-    let ended = bench::run(arguments);
+    let ended = program::run(arguments);
     assert!([Some(0), Some(1)].contains(&ended.code), "{}{}", ended.stdout, ended.stderr);
     let summary = records.summary();
     assert_eq!(summary["end"], "complete", "{summary}");
@@ -50,7 +50,7 @@ fn torques_of_a_run(device: &str, settings: &[&str]) -> String {
 }
 
 /// The torques of a run over a line that `tamper`s with frames.
-fn torques_over(tamper: impl FnMut(&Passing) -> StepOutcome + Send + 'static, settings: &[&str]) -> String {
+fn torques_over(tamper: impl FnMut(&Transit) -> Action + Send + 'static, settings: &[&str]) -> String {
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), tamper);
     torques_of_a_run(relay.device(), settings)
@@ -58,16 +58,16 @@ fn torques_over(tamper: impl FnMut(&Passing) -> StepOutcome + Send + 'static, se
 
 /// The first of each kind is lost.
 fn loses_the_first<Kind: Ord>(
-    kind: impl Fn(&Passing) -> Option<Kind> + Send + 'static,
+    kind: impl Fn(&Transit) -> Option<Kind> + Send + 'static,
     hits: mpsc::Sender<()>,
-) -> impl FnMut(&Passing) -> StepOutcome {
+) -> impl FnMut(&Transit) -> Action {
     let mut seen = BTreeSet::new();
     move |frame| {
         if kind(frame).is_some_and(|kind| seen.insert(kind)) {
             let _ = hits.send(());
             return lost();
         }
-        StepOutcome::Pass
+        Action::Forward
     }
 }
 
@@ -108,7 +108,7 @@ fn a_drive_whose_watchdog_trips_before_its_start_is_known_is_started_again() {
                 let _ = tell.send(fault.code);
                 lost()
             }
-            _ => StepOutcome::Pass,
+            _ => Action::Forward,
         },
         &settings,
     );
@@ -121,7 +121,7 @@ fn a_drive_whose_watchdog_trips_before_its_start_is_known_is_started_again() {
 #[test]
 fn a_run_bears_the_loss_of_the_last_stop_and_of_its_answers() {
     // The request itself, the report, the result: each of them alone, and nothing else in the run.
-    let is_hit: [fn(&Passing) -> bool; 3] = [
+    let is_hit: [fn(&Transit) -> bool; 3] = [
         |frame| matches!(frame.from_bench(), Some(HostMessage::Stop(_))),
         |frame| matches!(frame.from_drive(), Some(DriveMessage::LineReport(_))),
         |frame| matches!(frame.from_drive(), Some(DriveMessage::CommandResult(it)) if it.request == Stop::LAYOUT.kind),
@@ -131,7 +131,7 @@ fn a_run_bears_the_loss_of_the_last_stop_and_of_its_answers() {
         let mut is_first = true;
         let torques = torques_over(
             move |frame| {
-                if is_hit(frame) && std::mem::take(&mut is_first) { lost() } else { StepOutcome::Pass }
+                if is_hit(frame) && std::mem::take(&mut is_first) { lost() } else { Action::Forward }
             },
             &[],
         );
@@ -151,7 +151,7 @@ fn a_first_sample_without_an_answer_is_sent_again_as_it_was_and_time_goes_on() {
             }
             let is_answer = frame.torque().is_some();
             answers += usize::from(is_answer);
-            if is_answer && answers <= LOST { lost() } else { StepOutcome::Pass }
+            if is_answer && answers <= LOST { lost() } else { Action::Forward }
         },
         &["link.answer_timeout_ms=500", "allow.lost=3", "run.duration_s=0.01"],
     );
@@ -167,8 +167,8 @@ fn a_first_sample_without_an_answer_is_sent_again_as_it_was_and_time_goes_on() {
 fn a_drive_that_never_answers_a_request_is_given_up_by_its_name() {
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| {
-        if request(frame) == Some(Start::LAYOUT.name) { lost() } else { StepOutcome::Pass }
+        if request(frame) == Some(Start::LAYOUT.name) { lost() } else { Action::Forward }
     });
-    let ended = bench::run(["run", &RUNS[1].scenario(), "--device", relay.device()]).with_code(4);
+    let ended = program::run(["run", &RUNS[1].scenario(), "--device", relay.device()]).with_code(4);
     assert!(ended.stderr.contains("the drive was silent for 3.5 s after Start"), "{}", ended.stderr);
 }

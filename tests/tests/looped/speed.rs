@@ -1,8 +1,8 @@
 //! Time, with bounds so far above what is usual that only a loop that has lost its speed exceeds them.
 
 use serde_json::Value;
-use tests::bench;
 use tests::paper::{PATIENCE, RUNS};
+use tests::program;
 use tests::records::Records;
 
 /// The best of three runs, because everything else a machine does only adds.
@@ -10,7 +10,7 @@ fn best_wall_s(device: &str) -> f64 {
     let wall_s = || {
         let records = Records::new();
         let arguments = ["run", &RUNS[1].scenario(), "--device", device, "--out", &records.out()];
-        let _ = bench::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
+        let _ = program::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
         records.summary().get("wall_s").and_then(Value::as_f64).expect("the time on the wall")
     };
     (0..3).map(|_| wall_s()).fold(f64::INFINITY, f64::min)

@@ -1,7 +1,7 @@
 //! `summary.json` as a whole.
 
-use tests::bench;
 use tests::paper::{PATIENCE, RUNS};
+use tests::program;
 use tests::records::Records;
 
 /// The text with the values of these keys taken out: they change from run to run or from commit to commit.
@@ -26,7 +26,7 @@ fn without_timing(text: &str) -> String {
 fn a_summary_has_everything_that_is_needed_to_trust_and_repeat_a_run() {
     let records = Records::new();
     let arguments = ["run", &RUNS[1].scenario(), "--device", "native", "--out", &records.out()];
-    let _ = bench::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
+    let _ = program::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
     let text = records.summary_text().expect("a summary");
     assert!(text.ends_with("}\n"), "whole, with an end of line");
     let summary = records.summary();
@@ -52,7 +52,7 @@ fn a_summary_has_everything_that_is_needed_to_trust_and_repeat_a_run() {
 fn a_trace_has_the_truth_of_the_plant_for_every_step() {
     let records = Records::new();
     let arguments = ["run", &RUNS[1].scenario(), "--device", "native", "--out", &records.out()];
-    let _ = bench::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
+    let _ = program::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
     let trace = records.trace();
     insta::assert_snapshot!(trace.header().join("\n"));
     let column = |name| trace.column(name);

@@ -1,8 +1,8 @@
 //! Drives without a wire, run as if there were one: `link.modelled_baud`.
 
 use serde_json::Value;
-use tests::bench;
 use tests::paper::{PATIENCE, RUNS};
+use tests::program;
 use tests::records::Records;
 
 /// Bytes of a step to the drive, back, and what follows every so many steps.
@@ -19,7 +19,7 @@ fn run(device: &str, baud: u32, more: &[&str]) -> Records {
     let records = Records::new();
     let (scenario, out, baud) = (RUNS[1].scenario(), records.out(), format!("link.modelled_baud={baud}"));
     let arguments = ["run", &scenario, "--device", device, "--out", &out, "--set", &baud];
-    let _ = bench::run(arguments.into_iter().chain(PATIENCE).chain(more.iter().copied()));
+    let _ = program::run(arguments.into_iter().chain(PATIENCE).chain(more.iter().copied()));
     records
 }
 
@@ -90,7 +90,7 @@ fn in_real_time_a_wire_that_is_too_slow_makes_the_run_invalid() {
 #[test]
 fn a_serial_port_has_a_wire_of_its_own() {
     let arguments = ["run", "scenarios/smooth-after.toml", "--device", "/dev/null"];
-    let ended = bench::run(arguments.into_iter().chain(["--set", "link.modelled_baud=9600"])).with_code(4);
+    let ended = program::run(arguments.into_iter().chain(["--set", "link.modelled_baud=9600"])).with_code(4);
     assert_eq!(
         ended.stderr,
         "lashloop: /dev/null: a serial port has a wire of its own, at link.baud = 921600; link.modelled_baud is for \

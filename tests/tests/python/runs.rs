@@ -2,8 +2,8 @@
 //! torques have to be those that are pinned for every device.
 
 use serde_json::Value;
-use tests::bench;
 use tests::paper::{PaperRun, RUNS};
+use tests::program;
 use tests::python;
 
 /// Far above what is usual: only a drive that has lost its speed is slower than the plant's own time.
@@ -25,7 +25,7 @@ pub(crate) fn again() {
     let device = drive.device();
     for arguments in [["--set", "run.duration_s=0.5"], ["--set", "run.control_period_us=500"]] {
         // Half a second can't settle; half a period is another loop, and what it leaves must not reach the next run.
-        let _ = bench::run(
+        let _ = program::run(
             ["run", "scenarios/smooth-before.toml", "--device", &device].into_iter().chain(arguments),
         );
     }
@@ -35,7 +35,7 @@ pub(crate) fn again() {
 pub(crate) fn not_offered() {
     let drive = python::drive();
     let device = drive.device();
-    let ended = bench::run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(4);
+    let ended = program::run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(4);
     let want = format!(
         "lashloop: drive on {device}: it does not offer the control law merzouki, which the scenario needs; it offers pd; \
          the firmware does not fit this bench\n"
