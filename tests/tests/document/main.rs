@@ -6,8 +6,8 @@ mod markdown;
 
 mod answers;
 mod conversation;
+mod host;
 mod links;
 mod parameters;
 mod sequence;
 mod states;
-mod talk;

@@ -6,8 +6,8 @@ use lashloop_firmware::drive::parameters::Parameters;
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, TorqueFlags};
 
+use crate::host::{Host, refusal};
 use crate::markdown::{section, table};
-use crate::talk::{Talk, refusal};
 
 /// So slow a motor that the encoders allow the longest gap there is.
 const SLOW: (&str, ParameterValue) = ("motor_speed_limit_rad_s", ParameterValue::F32(100.0));
@@ -55,11 +55,11 @@ fn kind_of(answers: &[DriveMessage]) -> String {
 fn a_sample_is_taken_or_not_as_the_table_says() {
     for row in table(section("## 7. Samples and torques"), "sequence") {
         for sequence in sequences(&row) {
-            let mut talk = Talk::running(&[SLOW]);
+            let mut host = Host::running(&[SLOW]);
             if row[1] != "first" {
-                (0..=5).for_each(|sequence| drop(talk.sample(sequence)));
+                (0..=5).for_each(|sequence| drop(host.sample(sequence)));
             }
-            assert_eq!(kind_of(&talk.sample(sequence)), row[2], "sequence {sequence}, {}", row[1]);
+            assert_eq!(kind_of(&host.sample(sequence)), row[2], "sequence {sequence}, {}", row[1]);
         }
     }
 }
@@ -67,7 +67,7 @@ fn a_sample_is_taken_or_not_as_the_table_says() {
 #[test]
 fn the_first_sample_of_a_run_is_0_and_no_other() {
     for sequence in [1, 2, 1000, u16::MAX] {
-        assert_eq!(refusal(&Talk::running(&[]).sample(sequence)), Some(Outcome::OutOfSequence));
+        assert_eq!(refusal(&Host::running(&[]).sample(sequence)), Some(Outcome::OutOfSequence));
     }
 }
 
@@ -84,9 +84,9 @@ fn the_longest_gap_of_the_default_parameters_is_that_of_the_document() {
     assert_eq!(rows, [["motor".to_owned(), format!("{counts_per_period:.0}"), longest.to_string()]]);
 
     let taken = |sequence| {
-        let mut talk = Talk::running(&[]);
-        talk.sample(0);
-        refusal(&talk.sample(sequence)).is_none()
+        let mut host = Host::running(&[]);
+        host.sample(0);
+        refusal(&host.sample(sequence)).is_none()
     };
     assert_eq!([longest, longest + 1].map(taken), [true, false]);
 }

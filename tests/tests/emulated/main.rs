@@ -5,9 +5,9 @@
 mod codec;
 mod codec_cost;
 mod conforming;
+mod drive_loss;
 mod equipment;
 mod instructions;
-mod lost;
 mod runs;
 
 use std::process::ExitCode;
@@ -29,10 +29,10 @@ const TRIALS: [(&str, Check); 12] = [
     }),
     ("faults::a_bench_that_pauses_in_lockstep_trips_no_watchdog", || fault_table::check_pause_on("qemu")),
     ("instructions::a_control_step_of_every_law_keeps_its_budget", instructions::of_every_law),
-    ("lost::a_killed_emulator_is_reported_with_its_process_and_signal", lost::killed),
-    ("lost::an_emulator_that_hangs_is_reported_as_silent_and_not_left_behind", lost::stopped),
-    ("lost::a_killed_bench_leaves_no_emulator_behind", lost::bench_killed),
-    ("lost::an_interrupted_bench_leaves_no_emulator_behind", lost::bench_interrupted),
+    ("drive_loss::a_killed_emulator_is_reported_with_its_process_and_signal", drive_loss::killed),
+    ("drive_loss::an_emulator_that_hangs_is_reported_as_silent_and_not_left_behind", drive_loss::stopped),
+    ("drive_loss::a_killed_bench_leaves_no_emulator_behind", drive_loss::bench_killed),
+    ("drive_loss::an_interrupted_bench_leaves_no_emulator_behind", drive_loss::bench_interrupted),
     ("runs::the_image_says_who_it_is", runs::identity),
     ("runs::an_image_that_locks_the_processor_up_is_reported_with_the_emulator_s_reason", runs::stranger),
 ];

@@ -1,7 +1,7 @@
 //! What damage can and can't do.
 
 mod damaged;
-mod fuzzed;
+mod fuzz_corpus;
 mod lossy;
 mod seeds;
 mod undetected_errors;

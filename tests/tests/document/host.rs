@@ -1,4 +1,4 @@
-//! A drive to talk to, in every state.
+//! A drive to host to, in every state.
 
 use std::time::Duration;
 
@@ -12,15 +12,15 @@ use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Messa
 pub const SESSION: u32 = 7;
 pub const HELLO: Hello = Hello { protocol_version: PROTOCOL_VERSION, session: SESSION };
 
-pub struct Talk {
+pub struct Host {
     pub drive: Drive,
     clock: ManualClock,
 }
 
-impl Talk {
+impl Host {
     /// A drive that is in this state, by the shortest way.
     pub fn in_state(state: State) -> Self {
-        let mut talk = Self { drive: Drive::new("document"), clock: ManualClock::default() };
+        let mut host = Self { drive: Drive::new("document"), clock: ManualClock::default() };
         let way: &[HostMessage] = &[
             HELLO.into(),
             Arm { session: SESSION }.into(),
@@ -35,33 +35,33 @@ impl Talk {
             State::Faulted => 4,
         };
         for message in &way[..steps] {
-            talk.say(*message);
+            host.send(*message);
         }
-        assert_eq!(talk.drive.state(), state);
-        talk
+        assert_eq!(host.drive.state(), state);
+        host
     }
 
     /// Running, with these parameters.
     pub fn running(parameters: &[(&str, ParameterValue)]) -> Self {
-        let mut talk = Self::in_state(State::Idle);
+        let mut host = Self::in_state(State::Idle);
         for (name, value) in parameters {
-            talk.say(SetParameter { index: index(name), value: *value });
+            host.send(SetParameter { index: index(name), value: *value });
         }
-        talk.say(Arm { session: SESSION });
-        talk.say(Start { session: SESSION });
-        assert_eq!(talk.drive.state(), State::Running);
-        talk
+        host.send(Arm { session: SESSION });
+        host.send(Start { session: SESSION });
+        assert_eq!(host.drive.state(), State::Running);
+        host
     }
 
-    pub fn say(&mut self, message: impl Into<HostMessage>) -> Vec<DriveMessage> {
+    pub fn send(&mut self, message: impl Into<HostMessage>) -> Vec<DriveMessage> {
         let frame = message.into().frame();
         assert_eq!(self.drive.receive(&frame, &self.clock), frame.len());
-        self.listen()
+        self.receive()
     }
 
     /// A sample with the load and the motor at rest at zero.
     pub fn sample(&mut self, sequence: u16) -> Vec<DriveMessage> {
-        self.say(rest(sequence))
+        self.send(rest(sequence))
     }
 
     /// Lets device time pass without a look at the watchdog.
@@ -72,10 +72,10 @@ impl Talk {
     /// The drive looks at its watchdog.
     pub fn tick(&mut self) -> Vec<DriveMessage> {
         self.drive.tick(self.clock.0);
-        self.listen()
+        self.receive()
     }
 
-    fn listen(&mut self) -> Vec<DriveMessage> {
+    fn receive(&mut self) -> Vec<DriveMessage> {
         let mut decoder = Decoder::new();
         let mut said = self.drive.output();
         let answers =
