@@ -59,7 +59,7 @@ fn the_junit_file_has_every_check_as_a_case_of_its_group() {
 }
 
 #[test]
-fn a_report_that_can_t_be_written_is_named() {
+fn an_unwritable_report_is_named() {
     let ended = run(["conformance", "--device", "inproc", "--junit", "/nowhere/report.xml"]).with_code(2);
     assert!(
         ended.stderr.starts_with("lashloop: /nowhere/report.xml: can't be written: "),

@@ -14,7 +14,7 @@ fn hash(twin: &Twin) -> String {
 }
 
 #[test]
-fn what_was_set_stays_in_the_drive_and_shows_in_list_and_hash() {
+fn a_set_value_persists_and_changes_list_and_hash() {
     let twin = Twin::start();
     let before = hash(&twin);
     assert_eq!(before, hash(&twin));
@@ -29,7 +29,7 @@ fn what_was_set_stays_in_the_drive_and_shows_in_list_and_hash() {
 }
 
 #[test]
-fn a_dump_that_is_restored_brings_back_every_bit() {
+fn a_restored_dump_restores_every_bit() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("drive.toml").display().to_string();
     let twin = Twin::start();
@@ -46,7 +46,7 @@ fn a_dump_that_is_restored_brings_back_every_bit() {
 }
 
 #[test]
-fn a_run_resets_what_was_set() {
+fn a_run_resets_all_parameters() {
     let twin = Twin::start();
     let _ = parameters(&twin, &["set", "load_speed_limit_rad_s=0.2"]).with_code(0);
     let device = twin.device();
@@ -57,7 +57,7 @@ fn a_run_resets_what_was_set() {
 }
 
 #[test]
-fn mistakes_name_the_place_and_set_nothing() {
+fn errors_name_the_place_and_set_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("drive.toml").display().to_string();
     let twin = Twin::start();

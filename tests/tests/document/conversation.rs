@@ -57,7 +57,7 @@ fn name_of(frame: &[u8]) -> &'static str {
 }
 
 #[test]
-fn the_drive_says_what_the_document_has_it_say() {
+fn the_drive_sends_the_documented_frames() {
     let (mut drive, clock) = (Drive::new("stm32f405"), Stepping(Cell::default()));
     drive.receive(&[0], &clock);
     assert!(drive.output().is_empty(), "the drive does not answer a boundary byte");
@@ -72,7 +72,7 @@ fn the_drive_says_what_the_document_has_it_say() {
 }
 
 #[test]
-fn the_conversation_goes_from_the_greeting_to_the_stop() {
+fn the_conversation_covers_handshake_to_stop() {
     let said = script().into_iter().filter(|(side, _)| *side == Side::Host);
     let names: Vec<_> = said.map(|(_, frame)| name_of(&frame)).collect();
     let want = ["Hello", "SetParameter", "Arm", "Start", "EncoderSample", "EncoderSample", "Stop"];

@@ -52,7 +52,7 @@ fn kind_of(answers: &[DriveMessage]) -> String {
 }
 
 #[test]
-fn a_sample_is_taken_or_not_as_the_table_says() {
+fn every_sequence_case_matches_the_table() {
     for row in table(section("## 7. Samples and torques"), "sequence") {
         for sequence in sequences(&row) {
             let mut host = Host::running(&[SLOW]);
@@ -65,14 +65,14 @@ fn a_sample_is_taken_or_not_as_the_table_says() {
 }
 
 #[test]
-fn the_first_sample_of_a_run_is_0_and_no_other() {
+fn only_sequence_0_starts_a_run() {
     for sequence in [1, 2, 1000, u16::MAX] {
         assert_eq!(refusal(&Host::running(&[]).sample(sequence)), Some(Outcome::OutOfSequence));
     }
 }
 
 #[test]
-fn the_longest_gap_of_the_default_parameters_is_that_of_the_document() {
+fn the_longest_default_gap_matches_the_document() {
     let parameters = Parameters::default();
     let speed = f64::from(parameters.motor_speed_limit_rad_s);
     let period_s = f64::from(parameters.period_us) * 1e-6;

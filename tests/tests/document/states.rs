@@ -13,7 +13,7 @@ use crate::markdown::{section, table};
 const STATES: &str = "## 6. States";
 
 #[test]
-fn every_request_does_in_every_state_what_the_table_says() {
+fn every_request_in_every_state_matches_the_table() {
     for row in table(section(STATES), "request") {
         let (name, cells) = (&row[0], &row[1..]);
         assert_eq!(cells.len(), State::ALL.len(), "{name}");
@@ -44,7 +44,7 @@ fn every_request_does_in_every_state_what_the_table_says() {
 }
 
 #[test]
-fn every_kind_of_request_is_in_the_table() {
+fn the_table_has_every_kind_of_request() {
     use lashloop_protocol::{HostMessage, Message};
     let rows = table(section(STATES), "request");
     let have: BTreeSet<_> = rows.iter().filter_map(|row| row[0].split(',').next()).collect();
@@ -53,7 +53,7 @@ fn every_kind_of_request_is_in_the_table() {
 }
 
 #[test]
-fn a_fault_before_any_greeting_is_cleared_to_boot() {
+fn a_fault_before_any_handshake_clears_to_boot() {
     let mut host = Host::in_state(State::Boot);
     host.send(request("EmergencyStop"));
     host.send(request("ClearFault"));
@@ -83,7 +83,7 @@ fn happen(code: FaultCode) -> (Host, Vec<DriveMessage>) {
 }
 
 #[test]
-fn every_event_faults_as_the_table_says() {
+fn every_event_latches_the_documented_fault() {
     let rows = table(section(STATES), "event in Running");
     for row in &rows {
         let code = FaultCode::ALL.iter().find(|code| format!("{code:?}") == row[2]);
@@ -104,7 +104,7 @@ fn every_event_faults_as_the_table_says() {
 }
 
 #[test]
-fn a_silence_of_exactly_the_watchdog_s_time_is_in_time() {
+fn a_silence_of_exactly_the_watchdog_time_is_in_time() {
     let mut host = Host::running(&[]);
     host.wait(Duration::from_micros(20_000));
     assert_eq!(host.tick(), []);

@@ -18,7 +18,7 @@ fn a_used_drive_gives_the_same_run_as_a_fresh_one() {
 }
 
 #[test]
-fn a_drive_that_was_left_running_gives_the_same_run_as_a_fresh_one() {
+fn a_drive_left_running_gives_the_run_of_a_fresh_one() {
     let twin = Twin::start();
     let (bench, _records) = tests::loss::run_in_progress(&twin.device());
     bench.signal(rustix::process::Signal::KILL);
@@ -27,7 +27,7 @@ fn a_drive_that_was_left_running_gives_the_same_run_as_a_fresh_one() {
 }
 
 #[test]
-fn the_compensating_law_gives_the_same_torques_in_process_and_on_the_twin() {
+fn the_backlash_inverse_has_equal_torques_on_twin_and_in_process() {
     let [in_process, twin] = ["inproc", "native"].map(|device| BACKLASH_INVERSE.pass_on(device));
     assert_eq!(in_process["metrics"], twin["metrics"]);
 }

@@ -22,7 +22,7 @@ fn arguments<'a>(scenario: &'a str, duration: &'a str, file: &'a str) -> Vec<&'a
 }
 
 #[test]
-fn a_bench_that_is_killed_in_real_time_leaves_whole_packets() {
+fn a_bench_killed_in_real_time_leaves_whole_packets() {
     let records = Records::new();
     let file = records.path("line.pcapng");
     let bench = Running::start(arguments(
@@ -42,7 +42,7 @@ fn a_bench_that_is_killed_in_real_time_leaves_whole_packets() {
 }
 
 #[test]
-fn a_capture_in_real_time_has_every_sample_that_was_sent() {
+fn a_real_time_capture_has_every_sample_sent() {
     let records = Records::new();
     let (file, out, scenario) = (records.path("line.pcapng"), records.out(), RUNS[1].scenario());
     let mut arguments = arguments(&scenario, "run.duration_s=1", file.to_str().expect("a path in UTF-8"));

@@ -21,7 +21,7 @@ fn sentence(ended: &Ended, device: &str) -> String {
 }
 
 #[test]
-fn a_drive_of_another_protocol_version_is_refused_by_both_versions() {
+fn a_drive_of_another_version_is_rejected_by_both_versions() {
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| match frame.from_drive() {
         Some(DriveMessage::Identity(identity)) => {
@@ -35,7 +35,7 @@ fn a_drive_of_another_protocol_version_is_refused_by_both_versions() {
 }
 
 #[test]
-fn a_silent_terminal_is_given_up_in_time_with_advice() {
+fn a_silent_terminal_times_out_with_advice() {
     let terminal = Terminal::open();
     let started = Instant::now();
     let ended = run_on(&terminal.device());
@@ -45,13 +45,13 @@ fn a_silent_terminal_is_given_up_in_time_with_advice() {
 }
 
 #[test]
-fn a_terminal_that_does_not_exist_is_named() {
+fn a_missing_terminal_is_named() {
     let said = ["/dev/pts/999999", "/dev/ttyNONE0"].map(|device| run_on(device).stderr);
     insta::assert_snapshot!(said.concat());
 }
 
 #[test]
-fn a_drive_that_another_bench_talks_to_is_refused_and_the_other_run_goes_on() {
+fn a_drive_in_use_is_rejected_and_its_run_continues() {
     let twin = Twin::start();
     let (first, records) = run_in_progress(&twin.device());
     let ended = run_on(&twin.device());

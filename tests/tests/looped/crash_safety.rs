@@ -28,7 +28,7 @@ fn counting_relay(twin: &Twin) -> (Relay, Arc<AtomicU32>) {
 }
 
 #[test]
-fn a_killed_bench_leaves_every_row_up_to_the_last_whole_chunk() {
+fn a_killed_bench_leaves_every_whole_chunk_of_rows() {
     const CHUNK: usize = 64;
     let twin = Twin::start();
     let (relay, answered) = counting_relay(&twin);
@@ -86,7 +86,7 @@ fn a_disk_that_fills_up_ends_the_run_and_leaves_whole_rows() {
 }
 
 #[test]
-fn a_full_disk_at_the_start_is_named_before_anything_runs() {
+fn a_disk_full_at_the_start_is_named_before_the_run() {
     let records = Records::new();
     symlink("/dev/full", records.path("trace.csv")).expect("a link");
     let (code, stderr) = with_files_up_to(1_000_000, &records, &[]);
@@ -95,7 +95,7 @@ fn a_full_disk_at_the_start_is_named_before_anything_runs() {
 }
 
 #[test]
-fn a_summary_that_does_not_fit_leaves_none_and_the_trace_is_whole() {
+fn a_summary_that_does_not_fit_leaves_a_whole_trace_alone() {
     // The tables of a few steps fit, and a summary of several kilobytes does not.
     let records = Records::new();
     let (code, stderr) = with_files_up_to(2, &records, &["run.duration_s=0.002"]);
@@ -108,7 +108,7 @@ fn a_summary_that_does_not_fit_leaves_none_and_the_trace_is_whole() {
 }
 
 #[test]
-fn a_reader_that_has_gone_away_changes_neither_verdict_nor_record() {
+fn a_closed_reader_changes_neither_verdict_nor_record() {
     let records = Records::new();
     let mut bench = Command::new(program::lashloop())
         .args(["run", &RUNS[2].scenario(), "--device", "native", "--out", &records.out()])

@@ -9,7 +9,7 @@ use tests::relay::{Action, Relay};
 use tests::twin::Twin;
 
 #[test]
-fn a_twin_on_a_terminal_that_is_killed_is_reported_as_a_closed_line() {
+fn a_killed_twin_on_a_terminal_closes_the_line() {
     let twin = Twin::start();
     let (bench, records) = run_in_progress(&twin.device());
     let lost_at = Instant::now();
@@ -22,7 +22,7 @@ fn a_twin_on_a_terminal_that_is_killed_is_reported_as_a_closed_line() {
 }
 
 #[test]
-fn the_bench_s_own_twin_that_is_killed_is_reported_with_its_process_and_signal() {
+fn a_killed_own_twin_is_reported_with_process_and_signal() {
     let (bench, records) = run_in_progress("native");
     let [twin] = processes::children(bench.id())[..] else { panic!("the bench has one child") };
     let lost_at = Instant::now();
@@ -33,7 +33,7 @@ fn the_bench_s_own_twin_that_is_killed_is_reported_with_its_process_and_signal()
 }
 
 #[test]
-fn a_twin_on_a_terminal_that_hangs_is_reported_as_silent() {
+fn a_hung_twin_on_a_terminal_is_reported_as_silent() {
     let twin = Twin::start();
     let (bench, records) = run_in_progress(&twin.device());
     let lost_at = Instant::now();
@@ -43,7 +43,7 @@ fn a_twin_on_a_terminal_that_hangs_is_reported_as_silent() {
 }
 
 #[test]
-fn the_bench_s_own_twin_that_hangs_is_reported_as_silent_and_not_left_behind() {
+fn a_hung_own_twin_is_reported_as_silent_and_killed() {
     let (bench, records) = run_in_progress("native");
     let [twin] = processes::children(bench.id())[..] else { panic!("the bench has one child") };
     let lost_at = Instant::now();
@@ -54,7 +54,7 @@ fn the_bench_s_own_twin_that_hangs_is_reported_as_silent_and_not_left_behind() {
 }
 
 #[test]
-fn a_pulled_line_is_reported_as_closed_and_the_drive_stays_usable() {
+fn a_disconnect_is_reported_and_the_drive_stays_usable() {
     const LAST: u16 = 3_000;
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| match frame.torque() {

@@ -5,7 +5,7 @@ use tests::program;
 use tests::records::Records;
 
 #[test]
-fn estimates_are_scored_at_the_samples_they_are_of() {
+fn estimates_are_scored_at_their_own_samples() {
     for (every, device) in [(7, "inproc"), (1, "inproc"), (7, "native"), (1, "native")] {
         let records = Records::new();
         let every_steps = format!("telemetry.every_steps={every}");

@@ -7,7 +7,7 @@ use tests::program;
 use tests::records::Records;
 
 #[test]
-fn an_expectation_that_is_not_met_fails_with_exit_code_1() {
+fn a_missed_expectation_fails_with_exit_code_1() {
     let records = Records::new();
     let out = records.out();
     let arguments = ["run", "scenarios/smooth-after.toml", "--device", "native", "--out", &out];
@@ -21,7 +21,7 @@ fn an_expectation_that_is_not_met_fails_with_exit_code_1() {
 }
 
 #[test]
-fn a_drive_that_latches_a_fault_fails_with_its_reason() {
+fn a_latched_fault_fails_the_run_with_its_reason() {
     let records = Records::new();
     let out = records.out();
     let limit = "controller.parameters.motor_speed_limit_rad_s=2";

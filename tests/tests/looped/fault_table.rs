@@ -44,17 +44,17 @@ fn the_table_has_every_kind_of_fault() {
 }
 
 #[test]
-fn the_watchdog_takes_the_torque_away_within_its_own_time() {
+fn the_watchdog_removes_the_torque_in_time() {
     fault_table::check_watchdog_on("native");
 }
 
 #[test]
-fn a_bench_that_pauses_in_lockstep_trips_no_watchdog() {
+fn a_pause_in_lockstep_trips_no_watchdog() {
     fault_table::check_pause_on("native");
 }
 
 #[test]
-fn a_fault_that_cannot_be_there_is_refused_before_the_run() {
+fn an_inapplicable_fault_is_rejected_before_the_run() {
     let row = |device: &str| {
         Row { fault: "kind = \"device-hang\"; at_s = 2.0; for_s = 0.5".to_owned(), ..Row::default() }
             .run_on(device)

@@ -35,7 +35,7 @@ fn share_percent(id: u32) -> f64 {
 }
 
 #[test]
-fn a_process_that_does_something_is_seen() {
+fn a_busy_process_exceeds_the_limit() {
     let bench = Running::start([
         "run",
         "scenarios/smooth-after.toml",
@@ -50,7 +50,7 @@ fn a_process_that_does_something_is_seen() {
 }
 
 #[test]
-fn a_drive_that_waits_for_a_host_is_idle_before_and_after_a_run_in_real_time() {
+fn a_waiting_drive_is_idle_before_and_after_a_real_time_run() {
     let twin = Twin::start();
     let before = share_percent(twin.id());
     assert!(before < LIMIT_PERCENT, "{before} % before a run");

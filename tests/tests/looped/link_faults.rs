@@ -56,7 +56,7 @@ fn held_at_hit(trace: &Trace) -> bool {
 }
 
 #[test]
-fn a_lost_answer_holds_the_last_torque_and_makes_the_run_invalid() {
+fn a_lost_answer_holds_the_torque_and_invalidates_the_run() {
     let (summary, trace, stdout) = run_through(lose_torque, &[], 3);
     assert!(held_at_hit(&trace), "the row of the lost answer doesn't hold the torque before it");
     assert_eq!((&summary["verdict"], &summary["link"]["lost"]), (&"INVALID".into(), &1.into()));
@@ -66,14 +66,14 @@ fn a_lost_answer_holds_the_last_torque_and_makes_the_run_invalid() {
 }
 
 #[test]
-fn a_lost_answer_that_the_scenario_allows_can_pass() {
+fn an_allowed_lost_answer_passes() {
     let (summary, trace, _) = run_through(lose_torque, &["allow.lost=1"], 0);
     assert!(held_at_hit(&trace), "the row of the lost answer doesn't hold the torque before it");
     assert_eq!(summary["link"]["lost"], 1);
 }
 
 #[test]
-fn a_lost_sample_holds_the_last_torque_as_well() {
+fn a_lost_sample_holds_the_torque() {
     let lose = |frame: &Transit| match frame.sample() {
         Some(sample) if sample.sequence == HIT => Action::Replace(Vec::new()),
         _ => Action::Forward,
@@ -84,7 +84,7 @@ fn a_lost_sample_holds_the_last_torque_as_well() {
 }
 
 #[test]
-fn a_late_answer_is_counted_and_not_used() {
+fn a_late_answer_is_counted_and_discarded() {
     let mut kept = Vec::new();
     let delay = move |frame: &Transit| match frame.torque() {
         Some(torque) if torque.sequence == HIT => {
@@ -101,7 +101,7 @@ fn a_late_answer_is_counted_and_not_used() {
 }
 
 #[test]
-fn a_torque_with_a_flipped_bit_is_counted_and_not_used() {
+fn a_torque_with_a_flipped_bit_is_counted_and_discarded() {
     let flip = |frame: &Transit| match frame.torque() {
         Some(torque) if torque.sequence == HIT => {
             let mut bytes = frame.bytes.clone();
@@ -118,7 +118,7 @@ fn a_torque_with_a_flipped_bit_is_counted_and_not_used() {
 }
 
 #[test]
-fn a_sample_with_a_flipped_bit_is_refused_by_the_drive_which_tells_of_it() {
+fn the_drive_counts_a_sample_with_a_flipped_bit() {
     let flip = |frame: &Transit| match frame.sample() {
         Some(sample) if sample.sequence == HIT => {
             let mut bytes = frame.bytes.clone();
@@ -137,7 +137,7 @@ fn a_sample_with_a_flipped_bit_is_refused_by_the_drive_which_tells_of_it() {
 }
 
 #[test]
-fn a_doubled_sample_changes_nothing() {
+fn a_duplicated_sample_changes_nothing() {
     let double = |frame: &Transit| match frame.sample() {
         Some(sample) if sample.sequence % 100 == 0 => Action::Replace(frame.bytes.repeat(2)),
         _ => Action::Forward,

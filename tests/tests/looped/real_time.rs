@@ -42,7 +42,7 @@ fn ones(records: &Records, column: &str) -> u64 {
 }
 
 #[test]
-fn a_run_in_real_time_takes_the_time_it_simulates() {
+fn a_real_time_run_takes_the_time_it_simulates() {
     let records = Records::new();
     let ended = program::run(arguments(&RUNS[1].scenario(), "native", &records.out(), "run.duration_s=2"));
     assert!(ended.code.is_some_and(|code| code < 4), "{}", ended.stderr);
@@ -58,7 +58,7 @@ fn a_run_in_real_time_takes_the_time_it_simulates() {
 }
 
 #[test]
-fn without_late_steps_a_run_in_real_time_is_the_run_in_lockstep() {
+fn a_real_time_run_without_late_steps_equals_lockstep() {
     let duration = "run.duration_s=0.3";
     let digest = |real_time: bool| {
         let records = Records::new();
@@ -78,7 +78,7 @@ fn without_late_steps_a_run_in_real_time_is_the_run_in_lockstep() {
 }
 
 #[test]
-fn a_late_answer_holds_the_last_torque_and_the_next_steps_are_on_their_grid() {
+fn a_late_answer_holds_the_torque_and_keeps_the_step_grid() {
     const HIT: u16 = 700;
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| {
@@ -110,7 +110,7 @@ fn a_late_answer_holds_the_last_torque_and_the_next_steps_are_on_their_grid() {
 }
 
 #[test]
-fn a_torque_that_is_not_renewed_is_taken_away_when_the_drive_s_watchdog_must_have_tripped() {
+fn a_held_torque_ends_with_the_watchdog_time_of_the_drive() {
     const SILENT: std::ops::RangeInclusive<u16> = 700..=1_600;
     const WATCHDOG_STEPS: usize = 600;
     let twin = Twin::start();
@@ -143,7 +143,7 @@ fn put_to_sleep(bench: &Running, records: &Records, time: Duration) {
 }
 
 #[test]
-fn a_bench_that_slept_through_steps_goes_on_where_the_clock_is() {
+fn a_bench_asleep_through_steps_skips_them_without_a_burst() {
     let records = Records::new();
     let bench = Running::start(arguments(&RUNS[1].scenario(), "native", &records.out(), "run.duration_s=4"));
     put_to_sleep(&bench, &records, Duration::from_millis(200));
@@ -161,7 +161,7 @@ fn a_bench_that_slept_through_steps_goes_on_where_the_clock_is() {
 }
 
 #[test]
-fn a_bench_that_slept_for_longer_than_a_drive_follows_ends_the_run_or_starts_it_anew() {
+fn a_bench_asleep_past_the_longest_gap_ends_or_resumes() {
     for (on_loss, code) in [("end", 4), ("resume", 1)] {
         let records = Records::new();
         let (scenario, out) = (RUNS[1].scenario(), records.out());
@@ -204,7 +204,7 @@ fn the_watchdog_of_the_drive_trips_while_the_bench_sleeps() {
 }
 
 #[test]
-fn a_start_that_takes_long_is_made_again_where_the_clock_is() {
+fn a_slow_restart_is_repeated_at_the_present_step() {
     let twin = Twin::start();
     let mut starts = 0;
     // The second start is that after the loss; half a second passes until it is known to be lost.
@@ -235,7 +235,7 @@ fn a_start_that_takes_long_is_made_again_where_the_clock_is() {
 }
 
 #[test]
-fn what_the_system_does_not_grant_is_said_and_does_not_end_the_run() {
+fn a_denied_privilege_is_reported_and_the_run_continues() {
     let records = Records::new();
     let (scenario, out) = (RUNS[1].scenario(), records.out());
     let mut arguments = arguments(&scenario, "native", &out, "run.duration_s=0.2");
@@ -246,7 +246,7 @@ fn what_the_system_does_not_grant_is_said_and_does_not_end_the_run() {
 }
 
 #[test]
-fn options_of_real_time_are_refused_in_lockstep() {
+fn real_time_options_are_rejected_in_lockstep() {
     for option in [&["--spin-us", "10"][..], &["--fifo", "5"], &["--lock-memory"], &["--core", "0"]] {
         let arguments = ["run", "scenarios/smooth-after.toml", "--device", "inproc"];
         let ended = program::run(arguments.iter().chain(option)).with_code(2);

@@ -51,7 +51,7 @@ fn without_torque(trace: &Trace) -> Vec<usize> {
 const RESET: &str = "kind = \"device-reset\"\nat_s = 2.0";
 
 #[test]
-fn a_drive_that_restarts_is_armed_anew_and_without_torque_until_then() {
+fn a_restarted_drive_has_no_torque_until_armed_again() {
     for device in ["native", "inproc"] {
         let (summary, trace) = run_faulty(RESET, device, &["allow.resumes=1", "allow.lost=1"], 0);
         let link = &summary["link"];
@@ -67,13 +67,13 @@ fn a_drive_that_restarts_is_armed_anew_and_without_torque_until_then() {
 }
 
 #[test]
-fn a_drive_that_restarts_more_often_than_allowed_makes_the_run_invalid() {
+fn more_restarts_than_allowed_make_the_run_invalid() {
     let (summary, _) = run_faulty(RESET, "native", &["allow.lost=1"], 3);
     assert_eq!((&summary["end"], &summary["link"]["resumes"]), (&"complete".into(), &1.into()));
 }
 
 #[test]
-fn a_drive_that_restarts_ends_the_run_where_the_scenario_does_not_say_resume() {
+fn a_restart_ends_the_run_unless_the_scenario_resumes() {
     let (summary, trace) = run_faulty(RESET, "native", &["link.on_loss=\"end\"", "allow.resumes=1"], 3);
     assert_eq!((&summary["verdict"], trace.len()), (&"INVALID".into(), 2_000));
     let end = summary["end"].as_str().expect("an end");
@@ -81,7 +81,7 @@ fn a_drive_that_restarts_ends_the_run_where_the_scenario_does_not_say_resume() {
 }
 
 #[test]
-fn a_line_that_is_cut_and_comes_back_is_resumed_without_torque() {
+fn a_cut_line_resumes_without_torque() {
     let cut = "kind = \"link-cut\"\nat_s = 2.0\nfor_s = 0.3";
     let (summary, trace) = run_faulty(cut, "native", &["allow.resumes=1", "allow.lost=1"], 0);
     assert_eq!(without_torque(&trace), [2000]);
@@ -91,7 +91,7 @@ fn a_line_that_is_cut_and_comes_back_is_resumed_without_torque() {
 }
 
 #[test]
-fn in_real_time_the_plant_goes_on_without_torque_while_the_drive_is_away() {
+fn in_real_time_a_lost_drive_leaves_the_plant_without_torque() {
     let records = Records::new();
     let scenario = faulty(&records, "kind = \"link-cut\"\nat_s = 1.5\nfor_s = 0.4");
     let out = records.out();
@@ -125,7 +125,7 @@ fn in_real_time_the_plant_goes_on_without_torque_while_the_drive_is_away() {
 }
 
 #[test]
-fn a_drive_that_hangs_for_longer_than_it_may_is_resumed_when_it_goes_on() {
+fn a_drive_that_hangs_past_its_limit_is_resumed() {
     let hang = "kind = \"device-hang\"\nat_s = 2.0\nfor_s = 1.0";
     let limits = ["link.answer_timeout_ms=300", "link.silence_limit_ms=600"];
     // The adaptive law begins anew, so the load settles later than undisturbed.
@@ -138,7 +138,7 @@ fn a_drive_that_hangs_for_longer_than_it_may_is_resumed_when_it_goes_on() {
 }
 
 #[test]
-fn a_drive_that_does_not_come_back_in_time_ends_the_run_with_exit_code_4() {
+fn a_drive_that_stays_away_ends_the_run_with_exit_code_4() {
     let records = Records::new();
     let scenario = faulty(&records, "kind = \"link-cut\"\nat_s = 2.0\nfor_s = 600.0");
     let out = records.out();
@@ -150,7 +150,7 @@ fn a_drive_that_does_not_come_back_in_time_ends_the_run_with_exit_code_4() {
 }
 
 #[test]
-fn the_bench_s_own_twin_does_not_come_back_and_is_not_waited_for() {
+fn the_bench_does_not_wait_for_its_own_dead_twin() {
     let records = Records::new();
     let out = records.out();
     let arguments = ["run", "scenarios/faults.toml", "--device", "native", "--out", &out];
@@ -204,7 +204,7 @@ fn started(name: &Name, settings: &[&str]) -> (Running, Records) {
 }
 
 #[test]
-fn a_drive_that_is_plugged_in_again_under_its_name_goes_on_from_disarmed() {
+fn a_drive_that_reconnects_resumes_from_disarmed() {
     let first = Twin::start();
     let name = Name::of(first.path());
     // Longer than it takes to pull the line, whatever the machine does; what it expects is met by then.
@@ -230,7 +230,7 @@ fn a_drive_that_is_plugged_in_again_under_its_name_goes_on_from_disarmed() {
 }
 
 #[test]
-fn the_same_run_is_invalid_where_no_resume_is_allowed() {
+fn a_reconnect_is_invalid_without_an_allowance() {
     let first = Twin::start();
     let name = Name::of(first.path());
     let (bench, records) = started(&name, &["run.duration_s=200", "allow.lost=2"]);
@@ -243,7 +243,7 @@ fn the_same_run_is_invalid_where_no_resume_is_allowed() {
 }
 
 #[test]
-fn a_pulled_line_without_resume_ends_with_exit_code_4() {
+fn a_disconnect_without_resume_ends_with_exit_code_4() {
     let first = Twin::start();
     let name = Name::of(first.path());
     let (bench, records) = started(&name, &["run.duration_s=200", "link.on_loss=\"end\"", "allow.resumes=9"]);
@@ -253,7 +253,7 @@ fn a_pulled_line_without_resume_ends_with_exit_code_4() {
 }
 
 #[test]
-fn another_firmware_behind_the_name_is_refused_and_never_armed() {
+fn another_firmware_under_the_name_is_never_armed() {
     use lashloop_protocol::{DriveMessage, HostMessage, Message};
     let first = Twin::start();
     let name = Name::of(first.path());

@@ -72,7 +72,7 @@ fn loses_the_first<Kind: Ord>(
 }
 
 #[test]
-fn a_run_bears_the_loss_of_the_first_request_of_every_kind() {
+fn a_run_survives_the_loss_of_each_first_request() {
     let (hit, hits) = mpsc::channel();
     let torques = torques_over(loses_the_first(request, hit), &[]);
     // Greeting, description, reset, setting, arming, starting, stopping.
@@ -81,7 +81,7 @@ fn a_run_bears_the_loss_of_the_first_request_of_every_kind() {
 }
 
 #[test]
-fn a_run_bears_the_loss_of_the_first_answer_of_every_kind() {
+fn a_run_survives_the_loss_of_each_first_answer() {
     let (hit, hits) = mpsc::channel();
     let torques = torques_over(loses_the_first(answer, hit), &[]);
     // The same, and the report before the answer to the stop.
@@ -90,7 +90,7 @@ fn a_run_bears_the_loss_of_the_first_answer_of_every_kind() {
 }
 
 #[test]
-fn a_drive_whose_watchdog_trips_before_its_start_is_known_is_started_again() {
+fn a_watchdog_trip_before_the_start_answer_is_retried() {
     // Longer than the bench waits for the answer to the start, and shorter than until its second stop: the first is lost.
     let settings = ["controller.parameters.watchdog_us=750000"];
     let (tell, told) = mpsc::channel();
@@ -119,7 +119,7 @@ fn a_drive_whose_watchdog_trips_before_its_start_is_known_is_started_again() {
 }
 
 #[test]
-fn a_run_bears_the_loss_of_the_last_stop_and_of_its_answers() {
+fn a_run_survives_the_loss_of_the_last_stop_and_its_answers() {
     // The request itself, the report, the result: each of them alone, and nothing else in the run.
     let is_hit: [fn(&Transit) -> bool; 3] = [
         |frame| matches!(frame.from_bench(), Some(HostMessage::Stop(_))),
@@ -140,7 +140,7 @@ fn a_run_bears_the_loss_of_the_last_stop_and_of_its_answers() {
 }
 
 #[test]
-fn a_first_sample_without_an_answer_is_sent_again_as_it_was_and_time_goes_on() {
+fn an_unanswered_first_sample_is_retransmitted_unchanged() {
     const LOST: usize = 3;
     let (tell, told) = mpsc::channel();
     let mut answers = 0;
@@ -164,7 +164,7 @@ fn a_first_sample_without_an_answer_is_sent_again_as_it_was_and_time_goes_on() {
 }
 
 #[test]
-fn a_drive_that_never_answers_a_request_is_given_up_by_its_name() {
+fn an_unanswered_request_times_out_under_its_name() {
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| {
         if request(frame) == Some(Start::LAYOUT.name) { lost() } else { Action::Forward }

@@ -26,7 +26,7 @@ fn trace(name: &str) -> Trace {
 }
 
 #[test]
-fn compensated_law_passes_the_scenarios_of_the_bench() {
+fn every_shaft_scenario_passes_with_its_own_law() {
     for (name, metric, want, tolerance) in SCENARIOS {
         let records = Records::new();
         let _ =
@@ -37,14 +37,14 @@ fn compensated_law_passes_the_scenarios_of_the_bench() {
 }
 
 #[test]
-fn pd_fails_the_scenarios_that_compensation_passes() {
+fn pd_fails_every_shaft_scenario_but_its_own() {
     for (name, ..) in SCENARIOS.into_iter().filter(|(name, ..)| *name != "pd") {
         let _ = program::run(["run", &path(name), "--device", "inproc", "--controller", "pd"]).with_code(1);
     }
 }
 
 #[test]
-fn energies_of_a_trace_balance_also_under_load_and_wear() {
+fn energies_of_a_trace_balance_under_load_and_wear() {
     for name in ["merzouki", "load-step", "worn", "reversing-friction"] {
         let trace = trace(name);
         let [stored, supplied, dissipated] = ["stored_energy_j", "supplied_energy_j", "dissipated_energy_j"]
@@ -59,7 +59,7 @@ fn energies_of_a_trace_balance_also_under_load_and_wear() {
 }
 
 #[test]
-fn torque_of_a_sample_reaches_the_motor_a_millisecond_later() {
+fn the_torque_reaches_the_motor_a_millisecond_later() {
     let trace = trace("merzouki");
     let (asked, delivered) = (trace.column("torque_nm"), trace.column("motor_torque_nm"));
     // With T_i = 0.5 ms a torque is e^-2 short of itself after the millisecond for which it is held.
@@ -72,7 +72,7 @@ fn torque_of_a_sample_reaches_the_motor_a_millisecond_later() {
 }
 
 #[test]
-fn load_and_wear_set_in_when_the_scenario_says() {
+fn load_and_wear_begin_at_their_scenario_times() {
     let load = trace("load-step").column("load_torque_nm");
     assert_eq!([9_999, 10_000, 19_999, 20_000].map(|row: usize| load[row]), [0.0, 12.0, 12.0, 0.0]);
     let gap = trace("worn").column("dead_zone_rad");
@@ -89,13 +89,13 @@ fn with_bristles_of(stiffness_nm_rad: &str, code: i32) -> program::Ended {
 }
 
 #[test]
-fn plant_that_cannot_be_integrated_is_refused_before_the_run() {
+fn a_plant_too_stiff_to_integrate_is_rejected_before_the_run() {
     let ended = with_bristles_of("1e12", 2);
     assert!(ended.stderr.contains("plant is too stiff"), "{}", ended.stderr);
 }
 
 #[test]
-fn plant_that_gets_too_fast_to_be_integrated_says_nothing_of_the_drive() {
+fn a_plant_that_becomes_too_stiff_makes_the_run_invalid() {
     let ended = with_bristles_of("1e8", 3);
     assert!(ended.stdout.contains("plant is too stiff"), "{}", ended.stdout);
     assert!(ended.stdout.ends_with("INVALID\n"), "{}", ended.stdout);
@@ -104,7 +104,7 @@ fn plant_that_gets_too_fast_to_be_integrated_says_nothing_of_the_drive() {
 }
 
 #[test]
-fn bristles_in_place_of_stick_and_slip_leave_the_static_error() {
+fn lugre_bristles_preserve_the_static_error() {
     let ended = with_bristles_of("3.4e4", 0);
     assert!(ended.stdout.ends_with("PASS\n"), "{}", ended.stdout);
 }

@@ -17,7 +17,7 @@ fn best_wall_s(device: &str) -> f64 {
 }
 
 #[test]
-fn the_loop_is_far_faster_than_the_plant_s_own_time() {
+fn the_loop_is_far_faster_than_plant_time() {
     for (device, goal_s) in [("inproc", 0.1), ("native", 2.5)] {
         let (best_s, cap_s) = (best_wall_s(device), 10.0 * goal_s);
         assert!(best_s <= cap_s, "{device}: 25 s of the plant took {best_s} s, at most {cap_s} s");

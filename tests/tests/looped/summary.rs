@@ -23,7 +23,7 @@ fn without_timing(text: &str) -> String {
 }
 
 #[test]
-fn a_summary_has_everything_that_is_needed_to_trust_and_repeat_a_run() {
+fn a_summary_has_all_that_identifies_and_repeats_a_run() {
     let records = Records::new();
     let arguments = ["run", &RUNS[1].scenario(), "--device", "native", "--out", &records.out()];
     let _ = program::run(arguments.into_iter().chain(PATIENCE)).with_code(0);

@@ -91,7 +91,7 @@ async fn converse(terminal: File) -> Vec<f32> {
 }
 
 #[test]
-fn a_foreign_bench_on_tokio_runs_the_twin() {
+fn a_tokio_host_runs_the_twin() {
     let twin = Twin::start();
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
     let terminal = open_near_end(twin.path());

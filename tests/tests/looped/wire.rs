@@ -33,7 +33,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 #[test]
-fn in_lockstep_a_wire_costs_time_and_changes_no_torque() {
+fn in_lockstep_a_modelled_wire_costs_time_and_no_torque_bit() {
     for device in ["inproc", "native"] {
         let baud = 4_000_000;
         let summary = run(device, baud, &[]).summary();
@@ -67,7 +67,7 @@ fn telemetry_delays_the_torque_behind_it() {
 }
 
 #[test]
-fn in_real_time_a_wire_that_is_too_slow_makes_the_run_invalid() {
+fn in_real_time_too_slow_a_wire_makes_the_run_invalid() {
     // The drive bears what would trip its watchdog; the verdict is to be about the wire.
     let watchdog = "controller.parameters.watchdog_us=10000000";
     let more = ["--clock", "real-time", "--set", "run.duration_s=2", "--set", watchdog];
@@ -88,7 +88,7 @@ fn in_real_time_a_wire_that_is_too_slow_makes_the_run_invalid() {
 }
 
 #[test]
-fn a_serial_port_has_a_wire_of_its_own() {
+fn a_serial_port_rejects_a_modelled_wire() {
     let arguments = ["run", "scenarios/smooth-after.toml", "--device", "/dev/null"];
     let ended = program::run(arguments.into_iter().chain(["--set", "link.modelled_baud=9600"])).with_code(4);
     assert_eq!(

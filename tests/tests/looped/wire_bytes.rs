@@ -30,7 +30,7 @@ fn first(wanted: [fn(&Transit) -> bool; 2]) -> [Transit; 2] {
 }
 
 #[test]
-fn the_first_sample_and_the_first_torque_have_these_bytes() {
+fn the_first_sample_and_torque_have_these_bytes() {
     let [sample, torque] = first([|frame| frame.sample().is_some(), |frame| frame.torque().is_some()]);
 
     // code, kind, sequence 0, motor counts 98304, load counts 32768, reference 0.0, CRC, delimiter: the load at pi/2 and

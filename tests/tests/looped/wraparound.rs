@@ -19,7 +19,7 @@ fn run(scenario: &str, records: &Records, settings: &[&str], code: i32) -> progr
 }
 
 #[test]
-fn steps_are_counted_on_where_sequences_wrap() {
+fn steps_count_on_through_a_wraparound_of_sequences() {
     const EVERY: usize = 10;
     let records = Records::new();
     let _ = run(SCENARIO, &records, &["run.duration_s=70"], 0);
@@ -39,7 +39,7 @@ fn steps_are_counted_on_where_sequences_wrap() {
 }
 
 #[test]
-fn a_fault_beyond_the_wrap_is_told_with_its_step() {
+fn a_fault_beyond_the_wraparound_is_reported_with_its_step() {
     let records = Records::new();
     let text = fs::read_to_string(workspace().join(SCENARIO)).expect("a scenario");
     let fault = "[[fault]]\nkind = \"encoder-jump\"\nside = \"load\"\ncounts = 2000\nat_s = 66.0\n";
@@ -51,7 +51,7 @@ fn a_fault_beyond_the_wrap_is_told_with_its_step() {
 }
 
 #[test]
-fn a_motor_that_turns_beyond_the_readings_of_its_encoder_arrives_all_the_same() {
+fn a_load_settles_through_a_wraparound_of_the_motor_encoder() {
     let records = Records::new();
     // 2^23 counts are two turns of the motor, 12.6 rad; it is sent three times 7 rad far.
     let settings = ["encoders.motor_counts_per_rev=4194304", "reference.position_rad=7"];
@@ -64,7 +64,7 @@ fn a_motor_that_turns_beyond_the_readings_of_its_encoder_arrives_all_the_same() 
 }
 
 #[test]
-fn a_start_beyond_the_readings_of_an_encoder_is_refused() {
+fn a_start_outside_the_encoder_range_is_rejected() {
     let records = Records::new();
     // The motor starts at three quarters of a turn.
     let ended = run(SCENARIO, &records, &["encoders.motor_counts_per_rev=16777216"], 2);
@@ -77,7 +77,7 @@ fn a_start_beyond_the_readings_of_an_encoder_is_refused() {
 }
 
 #[test]
-fn a_start_that_a_fault_puts_beyond_the_readings_of_an_encoder_is_refused() {
+fn a_start_outside_the_encoder_range_by_a_fault_is_rejected() {
     let records = Records::new();
     let text = fs::read_to_string(workspace().join("scenarios/smooth-after.toml")).expect("a scenario");
     let scenario = records.path("jump.toml");

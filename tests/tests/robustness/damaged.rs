@@ -3,7 +3,7 @@
 use crate::undetected_errors::{Damage, Table, run};
 
 #[test]
-fn of_a_million_damaged_frames_none_becomes_a_message() {
+fn no_damaged_frame_of_a_million_becomes_a_message() {
     let tallies = run(1_000_000, 1);
     for (damage, tally) in &tallies {
         assert_eq!(tally.wrong, 0, "{damage:?}\n{}", Table(&tallies));

@@ -179,7 +179,7 @@ fn check_torques(run: &Run) -> u64 {
 }
 
 #[test]
-fn a_million_steps_with_a_hundredth_of_frames_damaged_lose_nothing_uncounted() {
+fn a_million_steps_with_damaged_frames_count_every_loss() {
     let run = run_with("kind = \"link-bit-flip\"\nshare = 0.01\nat_s = 0.0", 1e3, 1);
     let Run { outcome, at_drive, at_bench, .. } = &run;
     assert_eq!((outcome.steps, &outcome.end), (1_000_000, &End::Complete));
@@ -212,7 +212,7 @@ fn a_million_steps_with_a_hundredth_of_frames_damaged_lose_nothing_uncounted() {
 }
 
 #[test]
-fn a_run_whose_last_frames_are_damaged_still_ends_in_good_order_and_with_both_counts() {
+fn a_run_with_damaged_last_frames_ends_with_both_counts() {
     let mut damaged = 0;
     // Among so many some lose the end of their last frame, either way, which then takes the next one with it.
     for seed in 1..=300 {
