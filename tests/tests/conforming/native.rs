@@ -1,4 +1,4 @@
-//! The native twin keeps to the protocol, and the report says so.
+//! The native twin conforms to the protocol, and the report shows every check.
 
 use tests::program::run;
 use tests::twin::Twin;

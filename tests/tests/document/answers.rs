@@ -17,7 +17,7 @@ fn running_after(samples: u16) -> Host {
     host
 }
 
-/// What the drive says in the case that the document describes, each time it can be brought about.
+/// The drive's answers in a case of the document, one list for each way to reach the case.
 fn answers(message: &str, case: &str) -> Vec<Vec<DriveMessage>> {
     let everywhere =
         || State::ALL.iter().map(|state| Host::in_state(*state).send(request(message))).collect();
@@ -66,7 +66,7 @@ fn answers(message: &str, case: &str) -> Vec<Vec<DriveMessage>> {
         }
         ("EncoderSample", "Running, repeated") => vec![running_after(1).sample(0)],
         ("EncoderSample", "Running, out of sequence") => vec![running_after(2).sample(0)],
-        other => panic!("the document has a case {other:?} that this test can't bring about"),
+        other => panic!("this test can't reach the case {other:?} of the document"),
     }
 }
 

@@ -9,10 +9,10 @@ use lashloop_protocol::enums::{Outcome, ParameterValue, TorqueFlags};
 use crate::host::{Host, refusal};
 use crate::markdown::{section, table};
 
-/// So slow a motor that the encoders allow the longest gap there is.
+/// A speed limit at which the encoders allow the longest gap of the protocol.
 const SLOW: (&str, ParameterValue) = ("motor_speed_limit_rad_s", ParameterValue::F32(100.0));
 
-/// The sequences that a row of the document means, where 5 is the last one taken.
+/// Sequences of a row of the document, with 5 as the last one accepted.
 fn sequences(row: &[String]) -> Vec<u16> {
     const LAST: u16 = 5;
     match row[1].as_str() {
@@ -31,7 +31,7 @@ fn sequences(row: &[String]) -> Vec<u16> {
                 .expect("the largest gap");
             vec![LAST - 1, 0, LAST + gap + 1, u16::MAX]
         }
-        other => panic!("the document has a place {other:?} that this test can't make"),
+        other => panic!("this test has no sequence for {other:?} of the document"),
     }
 }
 

@@ -26,7 +26,7 @@ fn every_request_in_every_state_matches_the_table() {
             if state == State::Running {
                 let [motor_counts, load_counts] = [3000, 1000].map(EncoderCounts::wrapping);
                 host.send(EncoderSample { motor_counts, load_counts, ..rest(0) });
-                assert_ne!(host.drive.torque_nm(), 0.0, "there is torque to take away");
+                assert_ne!(host.drive.torque_nm(), 0.0, "the drive gives torque before the request");
             }
             let refused = refusal(&host.send(request(name)));
             let after = host.drive.state();
@@ -60,7 +60,7 @@ fn a_fault_before_any_handshake_clears_to_boot() {
     assert_eq!(host.drive.state(), State::Boot);
 }
 
-/// Makes happen to a running drive what the document names, and returns what the drive says.
+/// Causes a documented fault in a running drive; returns the host and the answers.
 fn happen(code: FaultCode) -> (Host, Vec<DriveMessage>) {
     let far = |motor, load| {
         let [motor_counts, load_counts] = [motor, load].map(EncoderCounts::wrapping);
@@ -77,7 +77,7 @@ fn happen(code: FaultCode) -> (Host, Vec<DriveMessage>) {
         FaultCode::ReferenceNotFinite => host.send(EncoderSample { reference_rad: f32::NAN, ..rest(1) }),
         FaultCode::MotorEncoderJump => host.send(far(1 << 20, 0)),
         FaultCode::LoadEncoderJump => host.send(far(0, 1 << 20)),
-        other => panic!("{other:?} does not happen by itself"),
+        other => panic!("{other:?} needs a request"),
     };
     (host, answers)
 }
@@ -99,7 +99,7 @@ fn every_event_latches_the_documented_fault() {
     assert_eq!(
         rows.len() + not_events.len(),
         FaultCode::ALL.len(),
-        "every fault that happens by itself is there"
+        "the table has every fault without a request"
     );
 }
 

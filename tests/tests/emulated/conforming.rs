@@ -1,4 +1,4 @@
-//! The image keeps to the protocol.
+//! The image conforms to the protocol.
 
 use tests::program::run;
 

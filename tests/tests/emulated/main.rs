@@ -1,6 +1,6 @@
-//! The whole loop with the Cortex-M image in QEMU: the same torques, bit for bit, and the same ways to fail.
+//! The whole loop with the Cortex-M image in QEMU: the same torques, bit for bit, and the same failures.
 //!
-//! Image and emulator don't come with a checkout, see [`optional`].
+//! A checkout does not include image and emulator, see [`optional`].
 
 mod codec;
 mod codec_cost;
@@ -19,7 +19,7 @@ use tests::paper::{BACKLASH_INVERSE, RUNS};
 
 type Check = fn();
 
-/// Trials that need image and emulator, by their names.
+/// Trials that need image and emulator.
 const TRIALS: [(&str, Check); 12] = [
     ("codec::encoding_and_decoding_take_few_instructions", codec::every_message),
     ("conforming::the_image_passes_every_check_and_none_is_left_out", conforming::every_check),
@@ -39,7 +39,7 @@ const TRIALS: [(&str, Check); 12] = [
 
 fn main() -> ExitCode {
     let mut arguments = Arguments::from_args();
-    // An emulated board takes a core and the bench another.
+    // An emulated board takes one core, the bench another.
     arguments.test_threads = Some(1);
     let missing = equipment::missing();
     let mut trials: Vec<_> =
@@ -50,7 +50,7 @@ fn main() -> ExitCode {
     }
     for (number, row) in fault_table::rows().into_iter().enumerate() {
         let name =
-            format!("faults::row_{:02}_{}_is_as_the_table_says", number + 1, row.kind().replace('-', "_"));
+            format!("faults::row_{:02}_{}_matches_the_table", number + 1, row.kind().replace('-', "_"));
         trials.push(trial(&name, missing.clone(), move || row.check_on("qemu")));
     }
     trials.push(trial("runs::a_missing_image_is_named_with_its_build_command", None, runs::no_image));

@@ -4,7 +4,7 @@ use tests::paper::PaperRun;
 use tests::program;
 use tests::records::Records;
 
-/// The emulated processor gives the paper's number, and the torques that are pinned for every device.
+/// The emulated processor gives the paper's number and the pinned torque digest.
 pub(crate) fn same_as_in_process(run: PaperRun) {
     let emulated = run.pass_on("qemu");
     let in_process = run.pass_on("inproc");
@@ -20,7 +20,7 @@ pub(crate) fn same_as_in_process(run: PaperRun) {
 pub(crate) fn identity() {
     let records = Records::new();
     let arguments = ["run", "scenarios/smooth-after.toml", "--device", "qemu", "--out", &records.out()];
-    // Ten steps can't settle, so the verdict is FAIL.
+    // The load can't settle in ten steps, so the verdict is FAIL.
     let _ = program::run(arguments.into_iter().chain(["--set", "run.duration_s=0.01"])).with_code(1);
     let summary = records.summary();
     let device = summary["device"].as_str().expect("the device");
@@ -35,7 +35,7 @@ pub(crate) fn no_image() {
     assert_eq!((ended.stderr.as_str(), ended.stdout.as_str()), (want, ""));
 }
 
-/// A file that QEMU takes for a program and that locks the processor up at once.
+/// A file that QEMU loads as a program and that locks up the processor at once.
 pub(crate) fn stranger() {
     let records = Records::new();
     let image = records.path("zeros.bin");
@@ -47,7 +47,7 @@ pub(crate) fn stranger() {
         "lashloop: the drive side ended while the bench was talking to {device}: the emulator (process "
     );
     assert!(ended.stderr.starts_with(&side), "{}", ended.stderr);
-    // The cause that QEMU gives, and not the end of the register dump that follows it.
+    // The cause that QEMU reports, not the end of the register dump that follows.
     assert!(ended.stderr.contains("qemu: fatal: Lockup"), "{}", ended.stderr);
     assert!(ended.stderr.contains("no sample sent yet, no good frame received"), "{}", ended.stderr);
 }

@@ -6,7 +6,7 @@ use tests::twin::Twin;
 #[test]
 fn a_used_drive_gives_the_same_run_as_a_fresh_one() {
     let twin = Twin::start();
-    // Other controllers and parameters in between, and one run right after its like: nothing may stick to the drive.
+    // Other laws and parameters in between, and a repeated run: no state may carry over in the drive.
     for run in [1, 1, 0, 3, 2].map(|index| RUNS[index]).into_iter().chain([
         BACKLASH_INVERSE,
         RUNS[1],

@@ -12,12 +12,12 @@ use tests::program::{self, Running};
 use tests::records::Records;
 use tests::wait;
 
-const BEAR: [&str; 4] =
+const TOLERANT: [&str; 4] =
     ["--set", "allow.late=1000000", "--set", "controller.parameters.watchdog_us=10000000"];
 
 fn arguments<'a>(scenario: &'a str, duration: &'a str, file: &'a str) -> Vec<&'a str> {
     let mut arguments = vec!["run", scenario, "--clock", "real-time", "--set", duration, "--capture", file];
-    arguments.extend(BEAR);
+    arguments.extend(TOLERANT);
     arguments
 }
 
@@ -47,7 +47,7 @@ fn a_real_time_capture_has_every_sample_sent() {
     let (file, out, scenario) = (records.path("line.pcapng"), records.out(), RUNS[1].scenario());
     let mut arguments = arguments(&scenario, "run.duration_s=1", file.to_str().expect("a path in UTF-8"));
     arguments.extend(["--out", &out]);
-    // One second is too short for what the scenario expects.
+    // One second is too short for the expectation of the scenario.
     let _ = program::run(arguments).with_code(1);
     let bytes = fs::read(&file).expect("the capture");
     let samples = reader::packets(&bytes)

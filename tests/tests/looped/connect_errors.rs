@@ -1,4 +1,4 @@
-//! Drives that can't be talked to, each with exit code 4 and a sentence that says what to do.
+//! Drives that can't be used: each gives exit code 4 and a sentence with the remedy.
 
 use std::time::{Duration, Instant};
 
@@ -15,7 +15,7 @@ fn run_on(device: &str) -> Ended {
     program::run(["run", &RUNS[1].scenario(), "--device", device]).with_code(4)
 }
 
-/// The sentence, with the number of the terminal taken out.
+/// The sentence, with a placeholder for the terminal.
 fn sentence(ended: &Ended, device: &str) -> String {
     ended.stderr.replace(device, "TERMINAL")
 }
@@ -25,8 +25,8 @@ fn a_drive_of_another_version_is_rejected_by_both_versions() {
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| match frame.from_drive() {
         Some(DriveMessage::Identity(identity)) => {
-            let stranger = DriveMessage::from(Identity { protocol_version: 9, ..identity });
-            Action::Replace(stranger.frame().to_vec())
+            let identity = DriveMessage::from(Identity { protocol_version: 9, ..identity });
+            Action::Replace(identity.frame().to_vec())
         }
         _ => Action::Forward,
     });
@@ -46,8 +46,8 @@ fn a_silent_terminal_times_out_with_advice() {
 
 #[test]
 fn a_missing_terminal_is_named() {
-    let said = ["/dev/pts/999999", "/dev/ttyNONE0"].map(|device| run_on(device).stderr);
-    insta::assert_snapshot!(said.concat());
+    let errors = ["/dev/pts/999999", "/dev/ttyNONE0"].map(|device| run_on(device).stderr);
+    insta::assert_snapshot!(errors.concat());
 }
 
 #[test]

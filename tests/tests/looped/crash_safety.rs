@@ -1,4 +1,4 @@
-//! What is left of a record when the bench is killed, its disk is full, or nobody reads what it says.
+//! The record after a kill of the bench, on a full disk, and with a closed reader.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -14,7 +14,7 @@ use tests::relay::{Action, Relay};
 use tests::twin::Twin;
 use tests::{program, wait, workspace};
 
-/// A relay that counts the torques that have passed.
+/// A relay that counts the forwarded torques.
 fn counting_relay(twin: &Twin) -> (Relay, Arc<AtomicU32>) {
     let answered = Arc::new(AtomicU32::new(0));
     let seen = Arc::clone(&answered);
@@ -43,7 +43,7 @@ fn a_killed_bench_leaves_every_whole_chunk_of_rows() {
     let answered = answered.load(Ordering::Relaxed) as usize;
     for rows in [records.trace().len(), records.timing().len()] {
         assert_eq!(rows % CHUNK, 0, "chunks are whole");
-        // The last answer may not have been read, and a row is complete with the next step.
+        // The bench may not have read the last answer, and a row is complete with the next step.
         assert!(
             (answered.saturating_sub(CHUNK + 2)..=answered).contains(&rows),
             "{rows} rows of {answered} steps"
@@ -52,9 +52,9 @@ fn a_killed_bench_leaves_every_whole_chunk_of_rows() {
     assert_eq!(records.summary_text(), None, "a run without a verdict leaves no summary");
 }
 
-/// A bench whose files can't become longer than this: what a full disk is to it, in the middle of its run.
+/// Runs a bench under a limit of file size, which acts like a disk that fills up during the run.
 fn with_files_up_to(blocks: u32, records: &Records, settings: &[&str]) -> (Option<i32>, String) {
-    // Without the signal a write that is too long fails.
+    // With SIGXFSZ ignored, a write beyond the limit fails.
     let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
     let output = Command::new("sh")
         .args(["-c", &script])
@@ -81,7 +81,7 @@ fn a_disk_that_fills_up_ends_the_run_and_leaves_whole_rows() {
             "{rows} rows with {flush_rows}"
         );
         assert!(records.timing().len() <= rows + 1_000);
-        assert_eq!(records.summary_text(), None, "the old summary does not stand beside the new trace");
+        assert_eq!(records.summary_text(), None, "the old summary is removed ahead of the new trace");
     }
 }
 
@@ -96,15 +96,15 @@ fn a_disk_full_at_the_start_is_named_before_the_run() {
 
 #[test]
 fn a_summary_that_does_not_fit_leaves_a_whole_trace_alone() {
-    // The tables of a few steps fit, and a summary of several kilobytes does not.
+    // The tables of two steps fit; a summary of several kilobytes does not.
     let records = Records::new();
     let (code, stderr) = with_files_up_to(2, &records, &["run.duration_s=0.002"]);
     assert_eq!(code, Some(2), "{stderr}");
     assert!(stderr.contains("summary.json: cannot be written: "), "{stderr}");
     assert_eq!((records.trace().len(), records.summary_text()), (2, None));
-    let left: Vec<_> =
+    let files: Vec<_> =
         fs::read_dir(records.out()).expect("the folder").flatten().map(|it| it.file_name()).collect();
-    assert_eq!(left.len(), 2, "nothing but the tables: {left:?}");
+    assert_eq!(files.len(), 2, "the tables alone: {files:?}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The drive is lost in mid-run: its process dies, falls silent, or the line is pulled.
+//! Loss of the drive during a run: its process ends, hangs, or the line is disconnected.
 
 use std::time::Instant;
 
@@ -64,9 +64,9 @@ fn a_disconnect_is_reported_and_the_drive_stays_usable() {
     let (bench, records) = run_in_progress(relay.device());
     let lost_at = relay.disconnected_at();
     let sentence = assert_reported(bench, &records, lost_at);
-    let told = "last sample sent: 3000, last good frame received: Telemetry, last torque for sample 2999";
-    let or_torque = told.replace("Telemetry", "TorqueAnswer");
-    assert!(sentence.contains(told) || sentence.contains(&or_torque), "{sentence}");
+    let progress = "last sample sent: 3000, last good frame received: Telemetry, last torque for sample 2999";
+    let or_torque = progress.replace("Telemetry", "TorqueAnswer");
+    assert!(sentence.contains(progress) || sentence.contains(&or_torque), "{sentence}");
     assert_eq!(records.trace().len(), usize::from(LAST));
     drop(relay);
     let _ = tests::paper::RUNS[1].pass_on(&twin.device());

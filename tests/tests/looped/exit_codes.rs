@@ -1,4 +1,4 @@
-//! How runs end, as exit codes.
+//! Exit codes of runs.
 
 use rustix::process::Signal;
 use tests::loss::run_in_progress;

@@ -1,5 +1,5 @@
-//! A line with faults: frames that are lost, damaged, doubled, or have noise between them. Each run is a whole
-//! `friction-before`, so that what the faults leave of it can still be judged.
+//! A faulty line: frames lost, damaged or duplicated, and noise between frames. Each run is a whole `friction-before`, so
+//! that its verdict is meaningful.
 
 use serde_json::Value;
 use tests::paper::RUNS;
@@ -8,11 +8,11 @@ use tests::records::{Records, Trace};
 use tests::relay::{Action, Relay, Transit};
 use tests::twin::Twin;
 
-/// The frame that is hit.
+/// Sequence of the faulty frame.
 const HIT: u16 = 700;
 
-/// A lost answer costs this time. Long enough for a twin on a busy machine, so that no answer is lost or late that isn't
-/// meant to be.
+/// A lost answer costs this time. The timeout is long enough for a twin on a busy machine, so that only the chosen frames
+/// are lost or late.
 const TIMEOUT: [&str; 4] = ["--set", "link.answer_timeout_ms=3000", "--set", "link.silence_limit_ms=20000"];
 
 /// Runs `friction-before` through a relay and expects an exit code.
@@ -49,7 +49,7 @@ fn lose_torque(frame: &Transit) -> Action {
 fn held_at_hit(trace: &Trace) -> bool {
     let torque_nm = trace.column("torque_nm");
     let at = usize::from(HIT);
-    // Neighbours that differ show that a held torque is more than a drive at rest.
+    // Different neighbours show that the torque is held and the drive not at rest.
     torque_nm[at] == torque_nm[at - 1]
         && torque_nm[at - 1] != torque_nm[at - 2]
         && torque_nm[at + 1] != torque_nm[at]
@@ -91,7 +91,7 @@ fn a_late_answer_is_counted_and_discarded() {
             kept.clone_from(&frame.bytes);
             Action::Replace(Vec::new())
         }
-        // By now its sample has been given up.
+        // By now the bench has given up the sample.
         Some(torque) if torque.sequence == HIT + 1 => Action::Replace([&kept[..], &frame.bytes].concat()),
         _ => Action::Forward,
     };
@@ -105,7 +105,7 @@ fn a_torque_with_a_flipped_bit_is_counted_and_discarded() {
     let flip = |frame: &Transit| match frame.torque() {
         Some(torque) if torque.sequence == HIT => {
             let mut bytes = frame.bytes.clone();
-            // Within the torque, and no byte that this makes zero: a frame of the right length with a wrong CRC.
+            // A bit of the torque field that makes no byte zero: a frame of correct length with a wrong CRC.
             bytes[8] ^= if bytes[8] == 0x10 { 0x20 } else { 0x10 };
             Action::Replace(bytes)
         }
@@ -144,7 +144,7 @@ fn a_duplicated_sample_changes_nothing() {
     };
     let (summary, _, _) = run_through(double, &[], 0);
     assert!(same_run(&summary), "other torques: {summary}");
-    // 25,000 samples and a stop; the drive's answers to 250 of them came twice.
+    // 25,000 samples and a stop; the drive answered 250 samples twice.
     let link = &summary["link"];
     assert_eq!((&link["lost"], &link["late"], &link["crc_errors"]), (&0.into(), &0.into(), &0.into()));
 }

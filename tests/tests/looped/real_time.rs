@@ -1,5 +1,5 @@
-//! The loop paced by the clock on the wall. No test here asks how late anything is: a machine may be busy. They ask
-//! what becomes of a step that is late.
+//! The loop paced by wall-clock time. No test here bounds a lateness, because the machine may be busy: the tests check how
+//! the bench handles a late step.
 
 use std::thread;
 use std::time::Duration;
@@ -13,8 +13,8 @@ use tests::records::Records;
 use tests::relay::{Action, Relay};
 use tests::twin::Twin;
 
-/// Late steps are what a busy machine makes; here they are looked at and not judged.
-const BEAR: [&str; 6] = [
+/// A busy machine causes late steps; these limits keep them out of the verdict.
+const TOLERANT: [&str; 6] = [
     "--set",
     "allow.late=1000000",
     "--set",
@@ -26,8 +26,8 @@ const BEAR: [&str; 6] = [
 fn arguments<'a>(scenario: &'a str, device: &'a str, out: &'a str, duration: &'a str) -> Vec<&'a str> {
     let mut arguments = vec!["run", scenario, "--device", device, "--out", out, "--set", duration];
     arguments.extend(["--clock", "real-time"]);
-    arguments.extend(BEAR);
-    // Too short for what the scenario expects.
+    arguments.extend(TOLERANT);
+    // The run is too short for the expectation of the scenario.
     arguments.extend(["--set", "expect.0.max=1000", "--set", "expect.0.min=0"]);
     arguments
 }
@@ -36,7 +36,7 @@ fn count(summary: &Value, section: &str, name: &str) -> u64 {
     summary[section][name].as_u64().unwrap_or_else(|| panic!("{section}.{name} in {summary}"))
 }
 
-/// Ones in a column of flags.
+/// Number of ones in a column of flags.
 fn ones(records: &Records, column: &str) -> u64 {
     records.timing().column(column).iter().filter(|flag| **flag == 1.0).count() as u64
 }
@@ -49,7 +49,7 @@ fn a_real_time_run_takes_the_time_it_simulates() {
     let summary = records.summary();
     assert_eq!((&summary["timing"]["clock"], &summary["end"]), (&"real-time".into(), &"complete".into()));
     let wall_s = summary["wall_s"].as_f64().expect("a time");
-    // The last step is over when its torque has come, up to a period before the end of the run.
+    // The last step ends with its torque, up to a period before the end of the run.
     assert!(wall_s > 1.998, "2 s of the plant in {wall_s} s");
     assert_eq!((records.trace().len(), records.timing().len()), (2_000, 2_000));
     assert_eq!(ones(&records, "missed"), count(&summary, "timing", "missed"));
@@ -96,17 +96,14 @@ fn a_late_answer_holds_the_torque_and_keeps_the_step_grid() {
     let at = usize::from(HIT);
     assert_eq!(answered[at], 0.0, "{}", ended.stdout);
     assert_eq!(torque_nm[at], torque_nm[at - 1], "the torque of a late step is the one before");
-    assert!(torque_nm[at - 1] != torque_nm[at - 2], "neighbours that differ show that it is held");
-    // Twenty periods late, so about as many steps have no answer in time, and the answers to them come late.
+    assert!(torque_nm[at - 1] != torque_nm[at - 2], "different neighbours show that the torque is held");
+    // The answer is twenty periods late, so about twenty steps have no answer in time and late answers.
     assert!(count(&summary, "timing", "longest_run_of_late") >= 15, "{}", ended.stdout);
     assert!(count(&summary, "link", "late") >= 15, "{}", ended.stdout);
     let after = answered[at + 100..].iter().sum::<f64>() / (answered.len() - at - 100) as f64;
     assert!(after > 0.5, "{after} of the steps after it are answered");
     let wall_s = summary["wall_s"].as_f64().expect("a time");
-    assert!(
-        wall_s < 2.5,
-        "the time that was lost must not be added to the run of 2 s, which took {wall_s} s"
-    );
+    assert!(wall_s < 2.5, "a run of 2 s must not be longer by the lost time, and took {wall_s} s");
 }
 
 #[test]
@@ -126,16 +123,16 @@ fn a_held_torque_ends_with_the_watchdog_time_of_the_drive() {
     assert_eq!(records.summary()["end"], "complete", "{}{}", ended.stdout, ended.stderr);
     let (torque_nm, answered) = (records.trace().column("torque_nm"), records.timing().column("answered"));
     let last = answered[..700].iter().rposition(|flag| *flag == 1.0).expect("an answer before the silence");
-    let taken_away = last + WATCHDOG_STEPS;
+    let removed = last + WATCHDOG_STEPS;
     assert!(torque_nm[last] != 0.0, "a torque to be held");
-    assert!(torque_nm[last..taken_away].iter().all(|torque| *torque == torque_nm[last]), "held too briefly");
-    assert!(torque_nm[taken_away..=1_600].iter().all(|torque| *torque == 0.0), "held for too long");
+    assert!(torque_nm[last..removed].iter().all(|torque| *torque == torque_nm[last]), "held too briefly");
+    assert!(torque_nm[removed..=1_600].iter().all(|torque| *torque == 0.0), "held for too long");
     let next = 1_601 + answered[1_601..].iter().position(|flag| *flag == 1.0).expect("an answer after it");
-    assert!(torque_nm[next] != 0.0, "the drive is in charge again");
+    assert!(torque_nm[next] != 0.0, "the drive gives torque again");
 }
 
-/// Stops a bench in the midst of its run for a while.
-fn put_to_sleep(bench: &Running, records: &Records, time: Duration) {
+/// Suspends a bench during its run.
+fn suspend(bench: &Running, records: &Records, time: Duration) {
     records.wait_for_rows();
     bench.signal(Signal::STOP);
     thread::sleep(time);
@@ -146,13 +143,13 @@ fn put_to_sleep(bench: &Running, records: &Records, time: Duration) {
 fn a_bench_asleep_through_steps_skips_them_without_a_burst() {
     let records = Records::new();
     let bench = Running::start(arguments(&RUNS[1].scenario(), "native", &records.out(), "run.duration_s=4"));
-    put_to_sleep(&bench, &records, Duration::from_millis(200));
+    suspend(&bench, &records, Duration::from_millis(200));
     let ended = bench.wait();
     let (summary, timing) = (records.summary(), records.timing());
     let missed = count(&summary, "timing", "missed");
     assert!(missed >= 150, "{}", ended.stdout);
     assert_eq!(records.trace().len(), 4_000, "every step has its row, missed ones as well");
-    // No burst: what was missed is never sent. Arm, Start and Stop are the frames beside the samples.
+    // No burst: missed samples are never sent. The other frames are Arm, Start and Stop.
     let sent = count(&summary, "link", "frames_sent");
     assert!(sent <= 4_000 - missed + 3, "{sent} frames");
     assert!(timing.column("missed").iter().sum::<f64>() >= 150.0);
@@ -169,11 +166,11 @@ fn a_bench_asleep_past_the_longest_gap_ends_or_resumes() {
         let on_loss = format!("link.on_loss={on_loss}");
         arguments.extend(["--set", &on_loss, "--set", "allow.resumes=1", "--set", "allow.lost=1"]);
         let bench = Running::start(arguments);
-        put_to_sleep(&bench, &records, Duration::from_millis(1_500));
+        suspend(&bench, &records, Duration::from_millis(1_500));
         let ended = bench.wait();
         if code == 4 {
-            let said = "control periods and takes no sample after that";
-            assert!(ended.with_code(4).stderr.contains(said));
+            let reason = "control periods and takes no sample after that";
+            assert!(ended.with_code(4).stderr.contains(reason));
         } else {
             let summary = records.summary();
             assert_eq!((&summary["end"], &summary["link"]["resumes"]), (&"complete".into(), &1.into()));
@@ -186,8 +183,8 @@ fn a_bench_asleep_past_the_longest_gap_ends_or_resumes() {
 
 #[test]
 fn the_watchdog_of_the_drive_trips_while_the_bench_sleeps() {
-    // In the second, for longer than a drive takes samples after; the report of the fault has been on the line before.
-    for slept in [600, 1_500] {
+    // The second pause exceeds the longest gap; the fault report is on the line before.
+    for pause_ms in [600, 1_500] {
         let records = Records::new();
         let (scenario, out) = (RUNS[1].scenario(), records.out());
         let mut arguments = arguments(&scenario, "native", &out, "run.duration_s=10");
@@ -197,7 +194,7 @@ fn the_watchdog_of_the_drive_trips_while_the_bench_sleeps() {
             }
         }
         let bench = Running::start(arguments);
-        put_to_sleep(&bench, &records, Duration::from_millis(slept));
+        suspend(&bench, &records, Duration::from_millis(pause_ms));
         let ended = bench.wait().with_code(3);
         assert!(ended.stdout.contains("ENDED  the drive latched Watchdog at sample "), "{}", ended.stdout);
     }
@@ -207,7 +204,7 @@ fn the_watchdog_of_the_drive_trips_while_the_bench_sleeps() {
 fn a_slow_restart_is_repeated_at_the_present_step() {
     let twin = Twin::start();
     let mut starts = 0;
-    // The second start is that after the loss; half a second passes until it is known to be lost.
+    // The second start follows the loss; the bench detects its loss after half a second.
     let relay = Relay::start(twin.path(), move |frame| {
         starts += usize::from(matches!(frame.from_bench(), Some(HostMessage::Start(_))));
         let is_lost = starts == 2 && matches!(frame.from_bench(), Some(HostMessage::Start(_)));
@@ -217,7 +214,7 @@ fn a_slow_restart_is_repeated_at_the_present_step() {
     let text = std::fs::read_to_string(tests::workspace().join(RUNS[1].scenario())).expect("a scenario");
     let scenario = records.path("reset.toml");
     let fault = "[[fault]]\nkind = \"device-reset\"\nat_s = 0.5\n";
-    std::fs::write(&scenario, format!("{text}\n{fault}")).expect("room for a scenario");
+    std::fs::write(&scenario, format!("{text}\n{fault}")).expect("a scenario of the test");
     let (scenario, out) = (scenario.display().to_string(), records.out());
     let mut arguments = arguments(&scenario, relay.device(), &out, "run.duration_s=3");
     arguments.extend(["--set", "link.on_loss=resume", "--set", "allow.resumes=1", "--set", "allow.lost=1"]);

@@ -1,5 +1,5 @@
-//! Drives that are lost in the middle of a run and come back: by themselves, or as another process behind the same name, as
-//! a board does that is unplugged and plugged in again.
+//! Drives that are lost during a run and return: by themselves, or as another process under the same name, like a board
+//! that is unplugged and plugged in again.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -24,7 +24,7 @@ const RESUME: [&str; 6] = [
     "record.flush_rows=10",
 ];
 
-/// The scenario of the table of faults with one more section.
+/// The scenario of the fault table with one more fault.
 fn faulty(folder: &Records, fault: &str) -> String {
     let healthy = fs::read_to_string(tests::workspace().join("scenarios/faults.toml")).expect("the scenario");
     let path = folder.path("faulty.toml");
@@ -41,8 +41,8 @@ fn run_faulty(fault: &str, device: &str, settings: &[&str], code: i32) -> (Value
     (records.summary(), records.trace())
 }
 
-/// The steps of a run in which the motor had no torque although it had one before: those of a loss. At the start of the
-/// scenario the drive has nothing to do.
+/// Steps at which the torque drops to zero: those of a loss. At the start of the scenario the torque is zero without a
+/// loss.
 fn without_torque(trace: &Trace) -> Vec<usize> {
     let torque_nm = trace.column("torque_nm");
     (1..torque_nm.len()).filter(|step| torque_nm[*step] == 0.0 && torque_nm[step - 1] != 0.0).collect()
@@ -86,7 +86,7 @@ fn a_cut_line_resumes_without_torque() {
     let (summary, trace) = run_faulty(cut, "native", &["allow.resumes=1", "allow.lost=1"], 0);
     assert_eq!(without_torque(&trace), [2000]);
     assert!(summary["wall_s"].as_f64().is_some_and(|wall_s| wall_s > 0.3), "{summary}");
-    // A cut is over before the next step of the plant can begin.
+    // The cut ends before the next step of the plant begins.
     assert_eq!(summary["faults"][0]["until_step"], 2001);
 }
 
@@ -104,7 +104,7 @@ fn in_real_time_a_lost_drive_leaves_the_plant_without_torque() {
         "allow.lost=1000000",
     ];
     let settings = settings.iter().flat_map(|setting| ["--set", setting]);
-    // Too short for what the scenario expects.
+    // The run is too short for the expectation of the scenario.
     let ended = program::run(arguments.into_iter().chain(RESUME).chain(settings)).with_code(1);
     let (summary, torque_nm) = (records.summary(), records.trace().column("torque_nm"));
     assert_eq!(
@@ -113,27 +113,27 @@ fn in_real_time_a_lost_drive_leaves_the_plant_without_torque() {
         "{}",
         ended.stdout
     );
-    assert_eq!(torque_nm.len(), 4_000, "every step of the time has its row");
-    // At 1.5 s the load is on its way, so a drive that is there gives torque.
+    assert_eq!(torque_nm.len(), 4_000, "every step has its row");
+    // At 1.5 s the load moves, so a connected drive gives torque.
     assert!(torque_nm[1400..1500].iter().any(|torque_nm| *torque_nm != 0.0), "{}", ended.stdout);
-    // A bench that is kept from its core notices later, and holds the torque until then.
+    // A bench without a core detects the loss later, and holds the torque until then.
     let noticed = 1500 + torque_nm[1500..].iter().take_while(|torque_nm| **torque_nm != 0.0).count();
     let away = torque_nm[noticed..].iter().take_while(|torque_nm| **torque_nm == 0.0).count();
     assert!(away >= 390, "{away} steps without torque from {noticed} on\n{}", ended.stdout);
     let after = &torque_nm[noticed + away..];
-    assert!(after.iter().any(|torque_nm| *torque_nm != 0.0), "no torque after the drive came back");
+    assert!(after.iter().any(|torque_nm| *torque_nm != 0.0), "no torque after the reconnect");
 }
 
 #[test]
 fn a_drive_that_hangs_past_its_limit_is_resumed() {
     let hang = "kind = \"device-hang\"\nat_s = 2.0\nfor_s = 1.0";
     let limits = ["link.answer_timeout_ms=300", "link.silence_limit_ms=600"];
-    // The adaptive law begins anew, so the load settles later than undisturbed.
-    let bear = ["allow.resumes=9", "allow.lost=99", "expect.1.max=6.0"];
-    let (summary, trace) = run_faulty(hang, "native", &[limits.as_slice(), &bear].concat(), 0);
+    // The adaptive law restarts, so the load settles later than without the fault.
+    let allowances = ["allow.resumes=9", "allow.lost=99", "expect.1.max=6.0"];
+    let (summary, trace) = run_faulty(hang, "native", &[limits.as_slice(), &allowances].concat(), 0);
     assert!(summary["link"]["resumes"].as_u64().is_some_and(|resumes| resumes >= 1), "{summary}");
     let zero = without_torque(&trace);
-    // The first steps of a silence hold the torque; the one that ends it has none.
+    // The first steps of a silence hold the torque; the step that ends the silence has none.
     assert!(zero.first().is_some_and(|step| (2001..=2004).contains(step)), "{zero:?}");
 }
 
@@ -165,7 +165,7 @@ fn the_bench_does_not_wait_for_its_own_dead_twin() {
     assert!(ended.stderr.contains("signal: 9"), "{}", ended.stderr);
 }
 
-/// A name that points to the terminal of a drive, as `/dev/serial/by-id/...` does to that of a board.
+/// A name that points to the terminal of a drive, like `/dev/serial/by-id/...` to that of a board.
 struct Name {
     folder: tempfile::TempDir,
 }
@@ -181,18 +181,18 @@ impl Name {
         self.folder.path().join("usb-Lashloop_drive-if00")
     }
 
-    /// The board is plugged in again, and its terminal has another number.
+    /// Redirects the name: the board is plugged in again, and its terminal has another number.
     fn point_to(&self, path: &Path) {
         let _ = fs::remove_file(self.path());
         symlink(path, self.path()).expect("a name");
     }
 
     fn remove(&self) {
-        fs::remove_file(self.path()).expect("there was a name");
+        fs::remove_file(self.path()).expect("the name exists");
     }
 }
 
-/// Starts a run on a name and waits until it is in its midst.
+/// Starts a run on a name and waits for its first rows.
 fn started(name: &Name, settings: &[&str]) -> (Running, Records) {
     let records = Records::new();
     let (device, out) = (name.path().display().to_string(), records.out());
@@ -207,7 +207,7 @@ fn started(name: &Name, settings: &[&str]) -> (Running, Records) {
 fn a_drive_that_reconnects_resumes_from_disarmed() {
     let first = Twin::start();
     let name = Name::of(first.path());
-    // Longer than it takes to pull the line, whatever the machine does; what it expects is met by then.
+    // Longer than the disconnection takes on any machine; the expectation is met by then.
     let settings = ["run.duration_s=200", "allow.resumes=1", "allow.lost=2"];
     let (bench, records) = started(&name, &settings);
     name.remove();
@@ -223,8 +223,8 @@ fn a_drive_that_reconnects_resumes_from_disarmed() {
     let torque_nm = records.trace().column("torque_nm");
     let [.., lost] = unanswered[..] else { panic!("a step was lost") };
     assert_eq!(torque_nm[lost], 0.0, "the motor has no torque until the new start");
-    // The adaptive law begins anew in the new drive, so the run need not settle as it does undisturbed; but it was judged,
-    // and not for the line.
+    // The adaptive law restarts in the new drive, so the run may miss its expectation; the verdict must not stem from the
+    // line.
     assert!(matches!(ended.code, Some(0 | 1)), "{}{}", ended.stdout, ended.stderr);
     assert!(!ended.stdout.contains("BROKEN"), "{}", ended.stdout);
 }
@@ -275,5 +275,5 @@ fn another_firmware_under_the_name_is_never_armed() {
     drop(first);
     let ended = bench.wait().with_code(4);
     assert!(ended.stderr.contains("it came back with another firmware than build "), "{}", ended.stderr);
-    assert!(!armed.load(std::sync::atomic::Ordering::Relaxed), "it was armed");
+    assert!(!armed.load(std::sync::atomic::Ordering::Relaxed), "the other firmware was armed");
 }

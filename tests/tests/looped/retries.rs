@@ -1,4 +1,4 @@
-//! A line that loses requests or their answers. A request whose answer is missing is made again, and the run is the same.
+//! A line that loses requests or answers. The bench retries an unanswered request, and the run is the same.
 
 use std::collections::BTreeSet;
 use std::sync::mpsc;
@@ -13,18 +13,18 @@ use tests::records::Records;
 use tests::relay::{Action, Relay, Transit};
 use tests::twin::Twin;
 
-/// Nothing of a frame arrives.
-fn lost() -> Action {
+/// Drops a frame.
+fn drop_frame() -> Action {
     Action::Replace(Vec::new())
 }
 
-/// The kind of a request of the bench, samples left out.
+/// Kind of a request of the bench; `None` for a sample.
 fn request(frame: &Transit) -> Option<&'static str> {
     let message = frame.from_bench().filter(|message| !matches!(message, HostMessage::EncoderSample(_)));
     Some(message?.layout().name)
 }
 
-/// The kind of an answer to one.
+/// Kind of an answer to a request.
 fn answer(frame: &Transit) -> Option<String> {
     match frame.from_drive()? {
         DriveMessage::CommandResult(result) => Some(format!("answer to {:#04x}", result.request)),
@@ -33,12 +33,12 @@ fn answer(frame: &Transit) -> Option<String> {
     }
 }
 
-/// The torques of a run, as their digest.
+/// Digest of the torques of a run.
 fn torques_of_a_run(device: &str, settings: &[&str]) -> String {
     let records = Records::new();
     let (scenario, out) = (RUNS[1].scenario(), records.out());
     let mut arguments = vec!["run", &scenario, "--device", device, "--out", &out];
-    // Too short for what the scenario expects of it.
+    // The run is too short for the expectation of the scenario.
     for setting in ["run.duration_s=0.05", "expect.0.max=1000", "expect.0.min=0"].iter().chain(settings) {
         arguments.extend(["--set", setting]);
     }
@@ -49,15 +49,15 @@ fn torques_of_a_run(device: &str, settings: &[&str]) -> String {
     summary["torque_sha256"].as_str().expect("a digest").to_owned()
 }
 
-/// The torques of a run over a line that `tamper`s with frames.
+/// Digest of the torques of a run over a faulty line.
 fn torques_over(tamper: impl FnMut(&Transit) -> Action + Send + 'static, settings: &[&str]) -> String {
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), tamper);
     torques_of_a_run(relay.device(), settings)
 }
 
-/// The first of each kind is lost.
-fn loses_the_first<Kind: Ord>(
+/// Drops the first frame of each kind.
+fn drop_the_first<Kind: Ord>(
     kind: impl Fn(&Transit) -> Option<Kind> + Send + 'static,
     hits: mpsc::Sender<()>,
 ) -> impl FnMut(&Transit) -> Action {
@@ -65,7 +65,7 @@ fn loses_the_first<Kind: Ord>(
     move |frame| {
         if kind(frame).is_some_and(|kind| seen.insert(kind)) {
             let _ = hits.send(());
-            return lost();
+            return drop_frame();
         }
         Action::Forward
     }
@@ -74,8 +74,8 @@ fn loses_the_first<Kind: Ord>(
 #[test]
 fn a_run_survives_the_loss_of_each_first_request() {
     let (hit, hits) = mpsc::channel();
-    let torques = torques_over(loses_the_first(request, hit), &[]);
-    // Greeting, description, reset, setting, arming, starting, stopping.
+    let torques = torques_over(drop_the_first(request, hit), &[]);
+    // Hello, DescribeParameter, Reset, SetParameter, Arm, Start, Stop.
     assert_eq!(hits.iter().count(), 7);
     assert_eq!(torques, torques_of_a_run("native", &[]));
 }
@@ -83,44 +83,46 @@ fn a_run_survives_the_loss_of_each_first_request() {
 #[test]
 fn a_run_survives_the_loss_of_each_first_answer() {
     let (hit, hits) = mpsc::channel();
-    let torques = torques_over(loses_the_first(answer, hit), &[]);
-    // The same, and the report before the answer to the stop.
+    let torques = torques_over(drop_the_first(answer, hit), &[]);
+    // One answer to each, and the line report ahead of the answer to Stop.
     assert_eq!(hits.iter().count(), 8);
     assert_eq!(torques, torques_of_a_run("native", &[]));
 }
 
 #[test]
 fn a_watchdog_trip_before_the_start_answer_is_retried() {
-    // Longer than the bench waits for the answer to the start, and shorter than until its second stop: the first is lost.
+    // Longer than the timeout of the start, shorter than the time to the second stop: the first stop is lost.
     let settings = ["controller.parameters.watchdog_us=750000"];
-    let (tell, told) = mpsc::channel();
+    let (sender, receiver) = mpsc::channel();
     let (mut is_first_start, mut is_first_stop) = (true, true);
     let torques = torques_over(
         move |frame| match frame.from_drive() {
             Some(DriveMessage::CommandResult(result))
                 if result.request == Start::LAYOUT.kind && std::mem::take(&mut is_first_start) =>
             {
-                lost()
+                drop_frame()
             }
-            None if request(frame) == Some(Stop::LAYOUT.name) && std::mem::take(&mut is_first_stop) => lost(),
-            // Its report is lost too, so that only the state tells of it.
+            None if request(frame) == Some(Stop::LAYOUT.name) && std::mem::take(&mut is_first_stop) => {
+                drop_frame()
+            }
+            // The fault report is lost too, so that only the state shows the fault.
             Some(DriveMessage::FaultReport(fault)) => {
-                let _ = tell.send(fault.code);
-                lost()
+                let _ = sender.send(fault.code);
+                drop_frame()
             }
             _ => Action::Forward,
         },
         &settings,
     );
-    let faults: Vec<_> = told.iter().collect();
-    // Told of again in every greeting while it is latched.
+    let faults: Vec<_> = receiver.iter().collect();
+    // The report follows every identity while the fault is latched.
     assert!(!faults.is_empty() && faults.iter().all(|code| *code == FaultCode::Watchdog), "{faults:?}");
     assert_eq!(torques, torques_of_a_run("native", &settings));
 }
 
 #[test]
 fn a_run_survives_the_loss_of_the_last_stop_and_its_answers() {
-    // The request itself, the report, the result: each of them alone, and nothing else in the run.
+    // The request, the line report, the result: one of them per run.
     let is_hit: [fn(&Transit) -> bool; 3] = [
         |frame| matches!(frame.from_bench(), Some(HostMessage::Stop(_))),
         |frame| matches!(frame.from_drive(), Some(DriveMessage::LineReport(_))),
@@ -131,7 +133,7 @@ fn a_run_survives_the_loss_of_the_last_stop_and_its_answers() {
         let mut is_first = true;
         let torques = torques_over(
             move |frame| {
-                if is_hit(frame) && std::mem::take(&mut is_first) { lost() } else { Action::Forward }
+                if is_hit(frame) && std::mem::take(&mut is_first) { drop_frame() } else { Action::Forward }
             },
             &[],
         );
@@ -142,20 +144,20 @@ fn a_run_survives_the_loss_of_the_last_stop_and_its_answers() {
 #[test]
 fn an_unanswered_first_sample_is_retransmitted_unchanged() {
     const LOST: usize = 3;
-    let (tell, told) = mpsc::channel();
+    let (sender, receiver) = mpsc::channel();
     let mut answers = 0;
     let _ = torques_over(
         move |frame| {
             if let Some(sample) = frame.sample() {
-                let _ = tell.send(sample);
+                let _ = sender.send(sample);
             }
             let is_answer = frame.torque().is_some();
             answers += usize::from(is_answer);
-            if is_answer && answers <= LOST { lost() } else { Action::Forward }
+            if is_answer && answers <= LOST { drop_frame() } else { Action::Forward }
         },
         &["link.answer_timeout_ms=500", "allow.lost=3", "run.duration_s=0.01"],
     );
-    let samples: Vec<_> = told.iter().collect();
+    let samples: Vec<_> = receiver.iter().collect();
     let [first, others @ ..] = &samples[..] else { panic!("no samples") };
     assert_eq!(first.sequence, 0);
     assert!(others[..LOST].iter().all(|sample| sample == first), "the same sample: {samples:?}");
@@ -167,7 +169,7 @@ fn an_unanswered_first_sample_is_retransmitted_unchanged() {
 fn an_unanswered_request_times_out_under_its_name() {
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| {
-        if request(frame) == Some(Start::LAYOUT.name) { lost() } else { Action::Forward }
+        if request(frame) == Some(Start::LAYOUT.name) { drop_frame() } else { Action::Forward }
     });
     let ended = program::run(["run", &RUNS[1].scenario(), "--device", relay.device()]).with_code(4);
     assert!(ended.stderr.contains("the drive was silent for 3.5 s after Start"), "{}", ended.stderr);

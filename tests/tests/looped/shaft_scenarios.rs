@@ -1,9 +1,9 @@
-//! The scenarios of the bench as it is built: the compensated law passes each, the cascaded PD law none but its own.
+//! The scenarios of the plant `backlash-shaft`: each passes with its own law; the PD law fails all but its own.
 
 use tests::program;
 use tests::records::{Records, Trace};
 
-/// Names without `bench-`, and what has come out to within so much under the scenario's own law.
+/// Name without `shaft-`, metric, recorded value, tolerance.
 const SCENARIOS: [(&str, &str, f64, f64); 8] = [
     ("pd", "static_error_rad", 0.3196, 0.001),
     ("merzouki", "settle_time_s", 5.89, 0.2),
@@ -61,11 +61,11 @@ fn energies_of_a_trace_balance_under_load_and_wear() {
 #[test]
 fn the_torque_reaches_the_motor_a_millisecond_later() {
     let trace = trace("merzouki");
-    let (asked, delivered) = (trace.column("torque_nm"), trace.column("motor_torque_nm"));
-    // With T_i = 0.5 ms a torque is e^-2 short of itself after the millisecond for which it is held.
+    let (commanded, delivered) = (trace.column("torque_nm"), trace.column("motor_torque_nm"));
+    // With T_i = 0.5 ms the motor torque is e^-2 of a change short of the command after the millisecond of its hold.
     assert_eq!(delivered[..2], [0.0, 0.0]);
     for row in 1..200 {
-        let want = asked[row - 1] + (delivered[row] - asked[row - 1]) * (-2.0_f64).exp();
+        let want = commanded[row - 1] + (delivered[row] - commanded[row - 1]) * (-2.0_f64).exp();
         let have = delivered[row + 1];
         assert!((have - want).abs() < 1e-12, "row {}: have {have}, want {want} N m", row + 1);
     }
@@ -99,7 +99,7 @@ fn a_plant_that_becomes_too_stiff_makes_the_run_invalid() {
     let ended = with_bristles_of("1e8", 3);
     assert!(ended.stdout.contains("plant is too stiff"), "{}", ended.stdout);
     assert!(ended.stdout.ends_with("INVALID\n"), "{}", ended.stdout);
-    // What was measured up to then is no figure of the whole run.
+    // A measurement of part of the run is no metric of the run.
     assert!(ended.stdout.contains("settle_time_s                  not finite"), "{}", ended.stdout);
 }
 

@@ -1,10 +1,10 @@
-//! `summary.json` as a whole.
+//! `summary.json` and `trace.csv` as a whole.
 
 use tests::paper::{PATIENCE, RUNS};
 use tests::program;
 use tests::records::Records;
 
-/// The text with the values of these keys taken out: they change from run to run or from commit to commit.
+/// The text without the values of these keys, which change from run to run or from commit to commit.
 fn without(text: &str, keys: &[&str]) -> String {
     let line = |line: &str| match line.split_once(": ") {
         Some((key, value)) if keys.contains(&key.trim().trim_matches('"')) => {
@@ -15,7 +15,7 @@ fn without(text: &str, keys: &[&str]) -> String {
     text.lines().map(line).collect()
 }
 
-/// The text without the object that tells how long everything took.
+/// The text without the timing report.
 fn without_timing(text: &str) -> String {
     let (before, rest) = text.split_once("  \"timing\": {").expect("timing");
     let (_, after) = rest.split_once("\n  },\n").expect("the end of timing");
@@ -30,7 +30,7 @@ fn a_summary_has_all_that_identifies_and_repeats_a_run() {
     let text = records.summary_text().expect("a summary");
     assert!(text.ends_with("}\n"), "whole, with an end of line");
     let summary = records.summary();
-    let wall_s = summary["wall_s"].as_f64().expect("the time on the wall");
+    let wall_s = summary["wall_s"].as_f64().expect("the wall-clock time");
     assert!(wall_s > 0.0, "have {wall_s} s");
     let device = summary["device"].as_str().expect("the device");
     assert!(device.starts_with("native (native-twin, firmware "), "{device}");

@@ -1,4 +1,4 @@
-//! The first frames of a run as bytes, taken off the line.
+//! The first frames of a run as bytes on the line.
 
 use std::sync::mpsc;
 
@@ -12,12 +12,12 @@ fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect::<Vec<_>>().join(" ")
 }
 
-/// The first frame of each kind asked for in a run of two steps.
+/// The first frame that satisfies each predicate, in a run of two steps.
 fn first(wanted: [fn(&Transit) -> bool; 2]) -> [Transit; 2] {
     let twin = Twin::start();
-    let (tell, told) = mpsc::channel();
+    let (sender, receiver) = mpsc::channel();
     let relay = Relay::start(twin.path(), move |frame| {
-        let _ = tell.send(frame.clone());
+        let _ = sender.send(frame.clone());
         Action::Forward
     });
     // Two steps can't settle, so the verdict is FAIL.
@@ -25,7 +25,7 @@ fn first(wanted: [fn(&Transit) -> bool; 2]) -> [Transit; 2] {
     let _ = program::run(["run", &scenario, "--device", relay.device(), "--set", "run.duration_s=0.002"])
         .with_code(1);
     drop(relay);
-    let frames: Vec<Transit> = told.into_iter().collect();
+    let frames: Vec<Transit> = receiver.into_iter().collect();
     wanted.map(|wanted| frames.iter().find(|frame| wanted(frame)).expect("such a frame").clone())
 }
 
@@ -37,8 +37,8 @@ fn the_first_sample_and_torque_have_these_bytes() {
     // the motor at 3 pi/2 are a quarter and three quarters of 131,072 counts.
     assert_eq!(hex(&sample.bytes), "02 10 01 01 03 80 01 02 80 01 01 01 01 05 bd 77 10 4c 00");
 
-    // code, kind, sequence 0, torque, state Running without flags. The time the drive took follows, which no test can
-    // know, and with it the distance from the sequence's second zero to the next; then CRC and delimiter.
+    // code, kind, sequence 0, torque, state Running without flags. The compute time follows, which varies, and with it the
+    // distance from the sequence's second zero to the next; then CRC and delimiter.
     assert_eq!(torque.bytes.len(), 16);
     assert_eq!(hex(&torque.bytes[..3]), "02 90 01");
     assert_eq!(hex(&torque.bytes[4..9]), "85 5d a3 c1 04");

@@ -1,4 +1,4 @@
-//! Runs that are longer than the numbers on the wire: sequences of 16 bits, counts of 24.
+//! Runs beyond the range of the numbers on the wire: sequences of 16 bits, counts of 24 bits.
 
 use std::fs;
 
@@ -28,13 +28,13 @@ fn steps_count_on_through_a_wraparound_of_sequences() {
     assert_eq!((&summary["steps"], &summary["verdict"]), (&STEPS.into(), &"PASS".into()));
     assert_eq!((&link["lost"], &link["late"]), (&0.into(), &0.into()));
     let trace = records.trace();
-    let (time_s, told_s) = (trace.column("time_s"), trace.column("estimate_time_s"));
+    let (time_s, estimate_time_s) = (trace.column("time_s"), trace.column("estimate_time_s"));
     assert_eq!(time_s.len(), STEPS);
-    for (step, told_s) in told_s.iter().enumerate() {
-        // Telemetry follows the torques whose sequence is a multiple of ten, and a sequence begins anew.
+    for (step, estimate_time_s) in estimate_time_s.iter().enumerate() {
+        // Telemetry follows the torques whose sequence is a multiple of ten, and sequences restart at 0.
         let since_the_last_0 = step % 65_536;
         let of = step - since_the_last_0 % EVERY;
-        assert_eq!(*told_s, time_s[of], "telemetry of step {of}, in force at step {step}");
+        assert_eq!(*estimate_time_s, time_s[of], "telemetry of step {of}, in force at step {step}");
     }
 }
 
@@ -44,7 +44,7 @@ fn a_fault_beyond_the_wraparound_is_reported_with_its_step() {
     let text = fs::read_to_string(workspace().join(SCENARIO)).expect("a scenario");
     let fault = "[[fault]]\nkind = \"encoder-jump\"\nside = \"load\"\ncounts = 2000\nat_s = 66.0\n";
     let scenario = records.path("jump.toml");
-    fs::write(&scenario, format!("{text}\n{fault}")).expect("room for a scenario");
+    fs::write(&scenario, format!("{text}\n{fault}")).expect("a scenario of the test");
     let scenario = scenario.to_str().expect("a path in UTF-8");
     let ended = run(scenario, &records, &["run.duration_s=70"], 1);
     assert!(ended.stdout.contains("the drive latched LoadEncoderJump at sample 66000 "), "{}", ended.stdout);
@@ -53,7 +53,7 @@ fn a_fault_beyond_the_wraparound_is_reported_with_its_step() {
 #[test]
 fn a_load_settles_through_a_wraparound_of_the_motor_encoder() {
     let records = Records::new();
-    // 2^23 counts are two turns of the motor, 12.6 rad; it is sent three times 7 rad far.
+    // 2^23 counts are two turns of the motor, 12.6 rad; the motor travels 21 rad.
     let settings = ["encoders.motor_counts_per_rev=4194304", "reference.position_rad=7"];
     let _ = run(SCENARIO, &records, &settings, 0);
     let trace = records.trace();
@@ -82,7 +82,7 @@ fn a_start_outside_the_encoder_range_by_a_fault_is_rejected() {
     let text = fs::read_to_string(workspace().join("scenarios/smooth-after.toml")).expect("a scenario");
     let scenario = records.path("jump.toml");
     let fault = "[[fault]]\nkind = \"encoder-jump\"\nside = \"motor\"\ncounts = 1000\nat_s = 0.0\n";
-    fs::write(&scenario, format!("{text}\n{fault}")).expect("room for a scenario");
+    fs::write(&scenario, format!("{text}\n{fault}")).expect("a scenario of the test");
     let scenario = scenario.to_str().expect("a path in UTF-8");
     // 8,388,000 counts of 131,072 a turn, just below 2^23.
     let settings = ["plant.initial.motor_position_rad=402.09381"];

@@ -1,4 +1,4 @@
-//! It keeps to the protocol.
+//! The Python drive conforms to the protocol.
 
 use tests::program::run;
 use tests::python;

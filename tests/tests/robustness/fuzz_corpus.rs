@@ -1,4 +1,4 @@
-//! Where the fuzzers start.
+//! The committed seeds of the fuzzers.
 
 use crate::seeds::seeds;
 

@@ -1,4 +1,4 @@
-//! What damage can and can't do.
+//! Damaged frames, lossy links, and the seeds of the fuzzers.
 
 mod damaged;
 mod fuzz_corpus;
