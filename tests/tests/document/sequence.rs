@@ -79,7 +79,7 @@ fn the_longest_default_gap_matches_the_document() {
     let counts_per_period = speed * period_s * f64::from(parameters.motor_counts_per_rev) / TAU;
     let longest =
         (1..).take_while(|n| f64::from(*n) * counts_per_period + 1.0 <= f64::from((1 << 23) - 1)).last();
-    let longest = longest.expect("one period can be told apart");
+    let longest = longest.expect("one period is unambiguous");
     let rows = table(section("## 7. Samples and torques"), "encoder");
     assert_eq!(rows, [["motor".to_owned(), format!("{counts_per_period:.0}"), longest.to_string()]]);
 

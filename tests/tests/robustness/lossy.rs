@@ -150,7 +150,7 @@ fn run_with(fault: &str, duration_s: f64, seed: u32) -> Run {
     let took = started.elapsed();
     drop(device);
     let [at_drive, at_bench] = [at_drive, at_bench].map(|traffic| {
-        Arc::into_inner(traffic).expect("the taps are gone").into_inner().expect("no tap has failed")
+        Arc::into_inner(traffic).expect("the taps are dropped").into_inner().expect("no tap has failed")
     });
     Run { outcome, rows: rows.0, at_drive, at_bench, took }
 }
