@@ -9,9 +9,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
 
-use crate::command;
+use crate::{command, paths};
 
 pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 
@@ -56,22 +56,28 @@ impl ArmToolchain {
         command
     }
 
-    /// `cargo clippy` of the same; `None` where this compiler has no clippy.
-    pub(crate) fn clippy(&self) -> Option<Command> {
+    /// `cargo clippy` of the drive for the board.
+    ///
+    /// # Errors
+    /// This compiler has no clippy.
+    pub(crate) fn clippy(&self) -> Result<Command> {
         let mut command = match self {
             Self::WithCore => command::cargo(),
-            Self::CoreFromSource { .. } if !Path::new(DEBIAN_CARGO_CLIPPY).exists() => return None,
-            // Called by its path: `cargo clippy` would find the one of rustup's compiler.
             Self::CoreFromSource { .. } => {
+                ensure!(
+                    Path::new(DEBIAN_CARGO_CLIPPY).exists(),
+                    "Debian's compiler has no clippy here: install rust-web-clippy"
+                );
+                // Called by its path: `cargo clippy` would find the one of rustup's compiler.
                 let mut command = Command::new(DEBIAN_CARGO_CLIPPY);
-                command.current_dir(crate::root());
+                command.current_dir(paths::root());
                 command
             }
         };
         command.arg("clippy");
         self.describe(DRIVE, &mut command);
         command.args(["--", "-D", "warnings"]);
-        Some(command)
+        Ok(command)
     }
 
     fn describe(&self, program: &str, command: &mut Command) {
@@ -79,7 +85,7 @@ impl ArmToolchain {
         command.args(["--features", if program == CODEC_COST { CODEC_COST } else { "image" }]);
         // The folder is ours to name: the image has one well-known place, whatever CARGO_TARGET_DIR says.
         command.args(["--target", TARGET, "--profile", "image", "--target-dir"]);
-        command.arg(crate::root().join("target"));
+        command.arg(paths::root().join("target"));
         if let Self::CoreFromSource { linker } = self {
             command.env("RUSTC", DEBIAN_RUSTC);
             command.env("RUSTC_BOOTSTRAP", "1");
@@ -92,7 +98,7 @@ impl ArmToolchain {
 fn core_is_installed() -> bool {
     // The path is printed whether it exists or not.
     let libraries =
-        command::first_line(Command::new("rustc").args(["--print", "target-libdir", "--target", TARGET]));
+        command::first_line(command::rustc().args(["--print", "target-libdir", "--target", TARGET]));
     libraries.is_some_and(|folder| {
         files_in(Path::new(&folder)).any(|name| name.starts_with("libcore-") && name.ends_with(".rlib"))
     })

@@ -1,21 +1,35 @@
 //! Developer chores, called as `cargo xtask <chore>`.
 
+mod apt;
 mod arm_toolchain;
 mod checks;
+mod code_lines;
 mod codec_size;
 mod command;
+mod directions;
+mod dissector;
 mod fuzz;
 mod header;
 mod image;
+mod lines;
+mod metadata;
+mod paths;
+mod production;
 mod python;
+mod rings;
+mod schedule;
 mod setup;
 mod size;
+mod tally;
 mod test_counts;
+mod test_programs;
+mod words;
 
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+use rings::Ring;
 
 #[derive(Parser)]
 #[command(about = "Developer chores of Lashloop", bin_name = "cargo xtask")]
@@ -26,33 +40,42 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Chore {
-    /// Build the Arm images, copy them to target/lashloop-firmware.elf and codec-cost.elf and print the first one's size
-    Image,
-    /// Print the size of the Arm image and fail if it is beyond its limits
-    Size,
-    /// Write the C header of the wire contract, protocol/include/lashloop.h, from the layouts of the messages
-    Header,
-    /// Install what the tests need and is missing here: QEMU, tshark, a core library for Arm, and the Python package into
-    /// target/python
-    Setup,
-    /// Give every fuzzer some time; installs cargo-fuzz into target/tools if there is none
-    Fuzz {
-        /// Time for each of them
-        #[arg(long, default_value_t = 20)]
-        seconds: u32,
+    /// Run every check and every test, after `setup`; the last line is the sum
+    Test {
+        #[command(subcommand)]
+        ring: Option<Ring>,
     },
-    /// Run every check and every test; the last line is the sum
-    Test,
+    /// Check lockfile, format, words, directions, lines, clippy and rustdoc; the last line is the sum
+    Check,
+    /// Install what the tests need and is missing here, after printing what that is
+    Setup,
+    /// Build the Arm images, copy them to target/lashloop-firmware.elf and codec-cost.elf and print their sizes
+    Image,
+    /// Print the size of the Arm image and fail if it exceeds its limits
+    Size,
+    /// Write the C header of the wire contract, protocol/include/lashloop.h, and the tables of the Wireshark dissector, from the
+    /// layouts of the messages
+    Header,
+    /// Find words that the project doesn't use
+    Words,
+    /// Find dependencies between crates against their direction, and cycles of files
+    Directions,
+    /// Count the lines of production code and compare them with their limits
+    Lines,
 }
 
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().chore {
+        Chore::Test { ring: None } => return schedule::run(),
+        Chore::Test { ring: Some(ring) } => return rings::run(&ring),
+        Chore::Check => return checks::run(),
+        Chore::Setup => setup::install_missing(),
         Chore::Image => image::build().and_then(|()| size::print().map(drop)),
         Chore::Size => size::check(),
-        Chore::Header => header::write(),
-        Chore::Setup => setup::install_missing(),
-        Chore::Fuzz { seconds } => fuzz::run(seconds),
-        Chore::Test => return checks::run_all(),
+        Chore::Header => header::write().and_then(|()| dissector::write()),
+        Chore::Words => words::check(),
+        Chore::Directions => directions::check(),
+        Chore::Lines => lines::check(),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -61,14 +84,4 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
-}
-
-/// The workspace.
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the package is a folder of the workspace")
-}
-
-/// Where everybody finds the Arm image of a program.
-fn image_path(program: &str) -> PathBuf {
-    root().join("target").join(program).with_extension("elf")
 }

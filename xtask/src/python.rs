@@ -7,30 +7,30 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
 
-use crate::command;
 use crate::test_counts::Counts;
+use crate::{command, paths};
 
 /// The oldest Python the package runs with, as `requires-python` in its `pyproject.toml` has it.
 const OLDEST: (u32, u32) = (3, 10);
 
-/// Makes the virtual environment with the package, editable, and its pinned test dependencies, unless it is there.
+/// Creates the virtual environment with the package, editable, and its pinned test dependencies.
 ///
 /// # Errors
 /// A sentence that says what could not be installed and what to do.
-pub(crate) fn set_up(apt_install: impl FnOnce(&[&str]) -> Result<()>) -> Result<()> {
-    let wanted =
-        fs::read_to_string(package().join("pyproject.toml")).context("the Python package is not here")?;
-    if works(&interpreter()) && fs::read_to_string(installed()).is_ok_and(|found| found == wanted) {
-        return Ok(());
-    }
-    if find_python().is_none()
-        && let Err(error) = apt_install(&["python3", "python3-venv"])
-    {
-        eprintln!("setup: {error:#}");
-    }
+pub(crate) fn set_up() -> Result<()> {
     make_environment()?;
     install().context("the Python package could not be installed into target/python: is there a network?")?;
-    fs::write(installed(), wanted).context("target/python can't be written")
+    fs::write(installed(), manifest()?).context("target/python can't be written")
+}
+
+/// Whether the virtual environment works and has what `pyproject.toml` names.
+pub(crate) fn is_set_up() -> bool {
+    works(&interpreter())
+        && fs::read_to_string(installed()).is_ok_and(|found| manifest().is_ok_and(|wanted| found == wanted))
+}
+
+fn manifest() -> Result<String> {
+    fs::read_to_string(package().join("pyproject.toml")).context("clients/python has no pyproject.toml")
 }
 
 /// Lints, checks types and formatting.
@@ -48,12 +48,12 @@ pub(crate) fn lint() -> Result<()> {
 /// # Errors
 /// It can't be run.
 pub(crate) fn test() -> Result<Counts> {
-    // The package drives the Rust twin, built as the Rust tests build it.
-    let twin = crate::root().join("target/release/lashloop");
+    // The package drives the native twin, built as the Rust tests build it.
+    let twin = paths::root().join("target/debug/lashloop");
     command::run(
         command::cargo()
-            .args(["build", "--quiet", "--release", "--workspace", "--bin", "lashloop", "--target-dir"])
-            .arg(crate::root().join("target")),
+            .args(["build", "--quiet", "--workspace", "--bin", "lashloop", "--target-dir"])
+            .arg(paths::root().join("target")),
     )?;
     let mut tests = tool("pytest");
     tests.env("LASHLOOP_BIN", twin).stdin(Stdio::null()).stdout(Stdio::piped());
@@ -73,11 +73,11 @@ pub(crate) fn test() -> Result<Counts> {
 }
 
 fn package() -> PathBuf {
-    crate::root().join("clients/python")
+    paths::root().join("clients/python")
 }
 
 fn environment() -> PathBuf {
-    crate::root().join("target/python")
+    paths::root().join("target/python")
 }
 
 fn interpreter() -> PathBuf {
@@ -101,7 +101,7 @@ fn works(python: &Path) -> bool {
 
 /// A Python that is new enough and can make a virtual environment with a pip of its own. That of the system is tried too: the one in
 /// `PATH` may be another, which Debian's packages don't complete.
-fn find_python() -> Option<PathBuf> {
+pub(crate) fn find_python() -> Option<PathBuf> {
     candidates().find(|python| can(python, "import ensurepip, venv"))
 }
 

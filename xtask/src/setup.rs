@@ -1,82 +1,111 @@
-//! Installing what is missing. Nothing asks a question and nothing waits without end.
+//! Installing what is missing, announced before it happens. Nothing asks a question and nothing waits without end.
 
-use std::process::Command;
 use std::time::Duration;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 
+use crate::apt;
 use crate::arm_toolchain::{ArmToolchain, TARGET};
 use crate::{command, python};
 
-/// Programs that the tests call; Debian's packages have the same names.
-const PROGRAMS: [&str; 2] = ["qemu-system-arm", "tshark"];
+/// Programs that the tests call, each with the Debian package that has it.
+const PROGRAMS: [(&str, &str); 3] =
+    [("qemu-system-arm", "qemu-system-arm"), ("tshark", "tshark"), ("c++", "g++")];
+/// A compiler with the sources of `core`, for a rustup without a network.
+const DEBIAN_RUST: [&str; 3] = ["rustc-web", "rust-web-src", "rust-web-clippy"];
+const DEBIAN_PYTHON: [&str; 2] = ["python3", "python3-venv"];
 
 /// rustup waits long for a server it can't reach.
 const RUSTUP_LIMIT: Duration = Duration::from_secs(60);
 
-/// Installs the emulator, a reader of captures, a core library for Arm and the Python package, unless they are there.
+/// What is missing here.
+struct Missing {
+    /// Debian packages of missing programs.
+    programs: Vec<&'static str>,
+    arm_core: bool,
+    python: bool,
+    python_package: bool,
+}
+
+/// Installs the emulator, a reader of captures, a C++ compiler, a core library for Arm and the Python package.
 ///
 /// # Errors
-/// A sentence that says what could not be installed and what to do.
+/// What could not be installed, and what to do.
 pub(crate) fn install_missing() -> Result<()> {
-    let programs = PROGRAMS.map(install_program);
-    let python = python::set_up(apt_install);
-    install_core()?;
-    python?;
-    programs.into_iter().collect()
+    let missing = Missing::find();
+    missing.announce();
+    let Missing { programs, arm_core, python, python_package } = missing;
+    // One failure doesn't keep the rest from being installed.
+    let mut failures = Vec::new();
+    let python_packages: &[_] = if python { &DEBIAN_PYTHON } else { &[] };
+    if let Err(error) = apt::install(&[&programs[..], python_packages].concat()) {
+        failures.push(format!("{error:#}"));
+    }
+    for (program, package) in PROGRAMS {
+        if command::find_program(program).is_none() {
+            failures
+                .push(format!("{program} is missing: install it (Debian package {package}) and call again"));
+        }
+    }
+    let installed = [
+        if arm_core { install_arm_core() } else { Ok(()) },
+        if python_package { python::set_up() } else { Ok(()) },
+    ];
+    failures.extend(installed.into_iter().filter_map(Result::err).map(|error| format!("{error:#}")));
+    ensure!(failures.is_empty(), "{}", failures.join("\n"));
+    Ok(())
 }
 
-fn install_program(name: &str) -> Result<()> {
-    if command::find_program(name).is_some() {
-        return Ok(());
+impl Missing {
+    fn find() -> Self {
+        let missing = PROGRAMS.into_iter().filter(|(program, _)| command::find_program(program).is_none());
+        let python_package = !python::is_set_up();
+        Self {
+            programs: missing.map(|(_, package)| package).collect(),
+            arm_core: ArmToolchain::find().is_err(),
+            python: python_package && python::find_python().is_none(),
+            python_package,
+        }
     }
-    apt_install(&[name]).with_context(|| {
-        format!("{name} is missing and could not be installed: install it by hand and call again")
-    })
+
+    fn announce(&self) {
+        let mut plan = Vec::new();
+        let by_apt = if apt::is_root() { "by apt-get" } else { "by apt-get, as root through sudo" };
+        if !self.programs.is_empty() {
+            plan.push(format!("{}: {by_apt}", self.programs.join(", ")));
+        }
+        if self.arm_core {
+            plan.push(format!(
+                "core library for {TARGET}: by rustup; without its server {}: {by_apt}",
+                DEBIAN_RUST.join(", ")
+            ));
+        }
+        if self.python {
+            plan.push(format!("{}: {by_apt}", DEBIAN_PYTHON.join(", ")));
+        }
+        if self.python_package {
+            plan.push("the Python package with its test tools: by pip, into target/python".to_owned());
+        }
+        if plan.is_empty() {
+            println!("setup: nothing is missing");
+        } else {
+            println!("setup installs\n  {}", plan.join("\n  "));
+        }
+    }
 }
 
-fn install_core() -> Result<()> {
-    if ArmToolchain::find().is_ok() {
-        return Ok(());
-    }
+fn install_arm_core() -> Result<()> {
     if command::find_program("rustup").is_some() {
-        let added = command::run_for(Command::new("rustup").args(["target", "add", TARGET]), RUSTUP_LIMIT);
-        // rustup may have added it to another compiler than the one in PATH, so its word is not enough.
+        let mut rustup = command::rustup();
+        let added = command::run_for(rustup.args(["target", "add", TARGET]), RUSTUP_LIMIT);
+        // rustup may have added it to another compiler than the one in PATH, so its exit code is not enough.
         if ArmToolchain::find().is_ok() {
             return Ok(());
         }
         if let Err(error) = added {
-            eprintln!("setup: {error:#}; trying Debian's compiler");
+            println!("setup: {error:#}; trying Debian's compiler");
         }
     }
-    if let Err(error) = apt_install(&["rustc-web", "rust-web-src", "rust-web-clippy"]) {
-        eprintln!("setup: {error:#}");
-    }
-    ArmToolchain::find().map(drop)
-}
-
-fn apt_install(packages: &[&str]) -> Result<()> {
-    command::find_program("apt-get").context("there is no apt-get here")?;
-    // The lists of a fresh machine are empty; of one without a network they may still do.
-    if let Err(error) = command::run(apt_get().arg("update")) {
-        eprintln!("setup: {error:#}; trying with the lists that are here");
-    }
-    command::run(apt_get().args(["install", "--yes", "--no-install-recommends"]).args(packages))
-}
-
-/// `apt-get`, by sudo if need be, without questions and without waiting long for a lock or a server.
-fn apt_get() -> Command {
-    let is_root = command::first_line(Command::new("id").arg("-u")).is_some_and(|id| id == "0");
-    let mut command = if is_root || command::find_program("sudo").is_none() {
-        Command::new("env")
-    } else {
-        let mut sudo = Command::new("sudo");
-        sudo.args(["--non-interactive", "env"]);
-        sudo
-    };
-    command.args(["DEBIAN_FRONTEND=noninteractive", "apt-get", "--quiet"]);
-    for option in ["DPkg::Lock::Timeout=120", "Acquire::Retries=1", "Acquire::http::Timeout=30"] {
-        command.args(["--option", option]);
-    }
-    command
+    let installed = apt::install(&DEBIAN_RUST);
+    ArmToolchain::find().map(drop).or_else(|missing| installed.and(Err(missing)).context("no Arm toolchain"))
 }

@@ -1,5 +1,6 @@
 //! Counting tests by what libtest and pytest print.
 
+use std::fmt;
 use std::io::{self, BufRead, Write};
 use std::ops::AddAssign;
 
@@ -17,7 +18,19 @@ impl AddAssign for Counts {
     }
 }
 
+impl fmt::Display for Counts {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{} passed, {} failed", self.passed, self.failed)
+    }
+}
+
 impl Counts {
+    /// The line that a chore ends with, as [`fmt::Display`] writes it.
+    pub(crate) fn of_sum(line: &str) -> Option<Self> {
+        let (passed, failed) = line.strip_suffix(" failed")?.split_once(" passed, ")?;
+        Some(Self { passed: passed.parse().ok()?, failed: failed.parse().ok()? })
+    }
+
     /// Copies `from` to `to` line by line and adds up the results of libtest in it.
     pub(crate) fn of_stream(from: impl BufRead, to: impl Write) -> io::Result<Self> {
         let mut sum = Self::default();
@@ -101,6 +114,16 @@ mod tests {
         assert_eq!(quiet, Counts { passed: 1, failed: 0 });
         for line in ["collected 7 items in 1s", "no tests ran in 0.01s", "3 passed in hope"] {
             assert_eq!(Counts::of_pytest_line(line), None, "{line}");
+        }
+    }
+
+    #[test]
+    fn a_sum_is_read_as_it_is_written() {
+        let counts = Counts { passed: 1200, failed: 3 };
+        assert_eq!(counts.to_string(), "1200 passed, 3 failed");
+        assert_eq!(Counts::of_sum(&counts.to_string()), Some(counts));
+        for line in ["12 passed, no failed", "all: 1 passed, 0 failed", "1 passed, 0 failed."] {
+            assert_eq!(Counts::of_sum(line), None, "{line}");
         }
     }
 

@@ -19,7 +19,7 @@ pub fn wrong(scenario: &Scenario, outcome: &Outcome) -> Option<String> {
         outcome.timing.round_trip_us.is_none_or(|round_trip| round_trip.p99.ceil() > allowed as f64)
     });
     let broken = slow || beyond.iter().any(|(counted, allowed)| counted > allowed);
-    let met = judgement.findings.iter().all(|finding| {
+    let met = judgement.expectations.iter().all(|finding| {
         let value = finding.value.value().unwrap_or(f64::NAN);
         let (min, max) = (finding.min.unwrap_or(f64::MIN), finding.max.unwrap_or(f64::MAX));
         (min..=max).contains(&value)
@@ -33,7 +33,7 @@ pub fn wrong(scenario: &Scenario, outcome: &Outcome) -> Option<String> {
     if have != want {
         return Some(format!(
             "{have} in place of {want}: {} of {link:?}, ended {end}",
-            judgement.findings.len()
+            judgement.expectations.len()
         ));
     }
     uncounted(outcome)
@@ -55,8 +55,8 @@ fn uncounted(outcome: &Outcome) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::soak::scenario_with as scenario;
-    use lashloop_bench::fault::timeline::FaultRecord;
+    use crate::soak::short_scenario::with_faults;
+    use lashloop_bench::fault::log::FaultRecord;
     use lashloop_bench::timing::{ClockName, Timings};
     use lashloop_bench::verdict::Judgement;
     use lashloop_plant::metrics::Measurement;
@@ -65,7 +65,7 @@ mod tests {
         let timing = Timings::new(ClockName::Lockstep, 1_000, 0).report(Vec::new());
         let metrics = Measurement::new(1e-3).metrics();
         Outcome {
-            judgement: Judgement { verdict, findings: Vec::new(), breaches: Vec::new() },
+            judgement: Judgement { verdict, expectations: Vec::new(), breaches: Vec::new() },
             end: End::Complete,
             metrics,
             link,
@@ -80,7 +80,7 @@ mod tests {
     }
 
     fn wrong_with(outcome: &Outcome) -> Option<String> {
-        wrong(&scenario(&[]), outcome)
+        wrong(&with_faults(&[]), outcome)
     }
 
     #[test]

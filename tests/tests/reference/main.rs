@@ -1,20 +1,22 @@
-//! The control laws of the drive and the plants of the host, closed in double precision and held against trajectories
-//! that were computed by independent programs, against closed forms and against conservation of energy; then the same
-//! laws in single precision behind encoders.
+//! The control laws of the drive and the plants of the host in one loop.
+//!
+//! In double precision the loops are compared with trajectories of independent programs, with closed forms and with
+//! conservation of energy; in single precision they read encoders.
 
+mod both_precisions;
 mod closed_loop;
-mod listener;
-mod machine;
+mod drive_train;
 mod open_loop;
 mod paper;
 mod paper_loops;
 mod recorded;
+mod trajectory;
 
 mod agreement;
-mod backlash;
 mod backlash_inverse;
-mod figures;
+mod backlash_shaft;
+mod convergence;
 mod lugre;
-mod order;
-mod physics;
-mod precision;
+mod paper_numbers;
+mod paper_plants;
+mod single_precision;

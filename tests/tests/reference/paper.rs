@@ -1,4 +1,4 @@
-//! The paper's bench: table 1, released at rest at pi/2 with the motor at 3 pi/2.
+//! The paper's plants and laws: table 1, released at rest at pi/2 with the motor at 3 pi/2.
 
 use core::f64::consts::FRAC_PI_2;
 
@@ -14,10 +14,10 @@ use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;
 use lashloop_plant::{Mechanics, Start};
 
-/// Where the paper releases its bench.
+/// The paper's initial condition.
 pub(crate) const START: Start = Start::at_rest(FRAC_PI_2, 3.0 * FRAC_PI_2);
 
-/// Coulomb friction of the load in N m that meets the paper's static error.
+/// Coulomb friction of the load in N m that reproduces the paper's static error.
 pub(crate) const LOAD_COULOMB_NM: f64 = 3.84;
 
 pub(crate) fn smooth(substeps: u32) -> Smooth {
@@ -28,12 +28,12 @@ pub(crate) fn hard_coulomb(substeps: u32) -> HardCoulomb {
     HardCoulomb::new(Mechanics::paper(), LOAD_COULOMB_NM, substeps).expect("valid plant")
 }
 
-/// The bench of the recorded trajectory: its motor knows no limit.
-pub(crate) fn bench(substeps: u32) -> BacklashShaft {
-    bench_with(unlimited(), substeps)
+/// The backlash shaft of the recorded trajectory: its torque has no limit.
+pub(crate) fn backlash_shaft(substeps: u32) -> BacklashShaft {
+    backlash_shaft_with(unlimited(), substeps)
 }
 
-pub(crate) fn bench_with(parameters: ShaftParameters, substeps: u32) -> BacklashShaft {
+pub(crate) fn backlash_shaft_with(parameters: ShaftParameters, substeps: u32) -> BacklashShaft {
     BacklashShaft::new(Mechanics::paper(), parameters, substeps).expect("valid plant")
 }
 
@@ -42,7 +42,7 @@ pub(crate) fn unlimited() -> ShaftParameters {
 }
 
 pub(crate) fn pd<F: Real>() -> Law<F> {
-    Law::Pd(Pd::new(&NominalModel::paper(), CascadeGains::paper()).expect("valid law"))
+    Pd::new(&NominalModel::paper(), CascadeGains::paper()).into()
 }
 
 fn merzouki<F: Real>(source: DisturbingTorqueSource<F>, period_s: f64) -> Law<F> {
@@ -53,15 +53,15 @@ fn merzouki<F: Real>(source: DisturbingTorqueSource<F>, period_s: f64) -> Law<F>
         source,
         F::from_f64(period_s),
     );
-    Law::Merzouki(law.expect("valid law"))
+    law.expect("valid law").into()
 }
 
-/// The merzouki law on the paper's own plant, where the disturbing torque is known.
+/// The merzouki law for the paper's plant, where the disturbing torque is known.
 pub(crate) fn merzouki_nominal<F: Real>(period_s: f64) -> Law<F> {
     merzouki(DisturbingTorqueSource::NominalModel, period_s)
 }
 
-/// The merzouki law on any other plant.
+/// The merzouki law for any other plant.
 pub(crate) fn merzouki_observed<F: Real>(period_s: f64) -> Law<F> {
     merzouki(DisturbingTorqueSource::Observed { pole_rad_s: F::from_f64(60.0) }, period_s)
 }

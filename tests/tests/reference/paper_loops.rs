@@ -1,17 +1,15 @@
-//! The four loops of the paper's figures, behind any sensors and in any precision.
+//! The four loops of the paper's figures, with any sensors and in either precision.
 
 use lashloop_firmware::control::Real;
 
-use crate::closed_loop::{Row, Sensors, Timing, regulate_to_nought, run};
+use crate::closed_loop::{Sensors, Timing, regulate_to_zero, run};
 use crate::paper;
+use crate::trajectory::{Row, settle_s, torque_variation_nm};
 
 /// The drive's torque limit of the experiments in N m.
 pub(crate) const TORQUE_LIMIT_NM: f64 = 25.0;
 
 const TIMING: Timing = Timing { torque_limit_nm: TORQUE_LIMIT_NM, ..Timing::RECORDED };
-
-/// The band the paper's transient times mean, in rad.
-const BAND_RAD: f64 = 0.05;
 
 /// One of the four loops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,47 +42,34 @@ impl Loop {
         };
         match self {
             Self::SmoothPd | Self::SmoothMerzouki => {
-                run(&paper::smooth(4), paper::START, &law, sensors, regulate_to_nought, TIMING)
+                run(&paper::smooth(4), paper::START, &law, sensors, regulate_to_zero, TIMING)
             }
             Self::HardCoulombPd | Self::HardCoulombMerzouki => {
-                run(&paper::hard_coulomb(4), paper::START, &law, sensors, regulate_to_nought, TIMING)
+                run(&paper::hard_coulomb(4), paper::START, &law, sensors, regulate_to_zero, TIMING)
             }
         }
     }
 }
 
-/// What the paper's figures are read by.
+/// The numbers that the paper's figures show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Measures {
-    /// First sample after the last one outside the band; None if the last is outside.
     pub(crate) settle_s: Option<f64>,
     pub(crate) final_error_rad: f64,
     pub(crate) final_estimate_rad: f64,
     pub(crate) largest_torque_nm: f64,
-    /// Sum of |U_k - U_(k-1)|: what noise of the sensors costs.
     pub(crate) torque_variation_nm: f64,
 }
 
 impl Measures {
     pub(crate) fn of(rows: &[Row]) -> Self {
         let last = rows.last().expect("a trajectory has rows");
-        let outside = rows.iter().rposition(|row| row.truth.load_position_rad.abs() > BAND_RAD);
-        let settled = rows.get(outside.map_or(0, |k| k + 1));
         Self {
-            settle_s: settled.map(|row| row.time_s),
+            settle_s: settle_s(rows),
             final_error_rad: last.truth.load_position_rad,
             final_estimate_rad: last.dead_zone_estimate_rad,
             largest_torque_nm: rows.iter().map(|row| row.torque_nm.abs()).fold(0.0, f64::max),
-            torque_variation_nm: rows
-                .windows(2)
-                .map(|pair| (pair[1].torque_nm - pair[0].torque_nm).abs())
-                .sum(),
+            torque_variation_nm: torque_variation_nm(rows),
         }
     }
-}
-
-/// Largest distance between the load positions of two runs in rad.
-pub(crate) fn load_distance_rad(one: &[Row], other: &[Row]) -> f64 {
-    let pairs = one.iter().zip(other);
-    pairs.map(|(a, b)| (a.truth.load_position_rad - b.truth.load_position_rad).abs()).fold(0.0, f64::max)
 }

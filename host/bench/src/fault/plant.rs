@@ -1,69 +1,68 @@
-//! Faults of the gears: the plant, and what is around it, at a step.
+//! Faults of the plant: gap, shaft and load.
 
 use std::collections::BTreeSet;
 
-use super::{Schedule, at_place};
+use super::schedule::{Schedule, scheduled};
 use crate::scenario::Scenario;
-use crate::scenario::fault::{FaultKind, Place};
+use crate::scenario::fault::{FaultKind, PlantFault};
 use crate::scenario::plant::PlantSettings;
 
 /// The faults of the plant.
-pub struct GearFaults(Vec<(Schedule, FaultKind)>);
+pub struct PlantFaults(Vec<(Schedule, PlantFault)>);
 
-impl GearFaults {
-    /// Those of a scenario.
+/// The plant as the active faults leave it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FaultyPlant {
+    /// Parameters of the plant.
+    pub settings: PlantSettings,
+    /// Growth of the gap's half width, rad.
+    pub growth_rad: f64,
+    /// External torque on the load, N m.
+    pub load_torque_nm: f64,
+}
+
+impl PlantFaults {
+    /// The plant faults of a scenario.
     #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
-        Self(at_place(scenario, Place::Plant).map(|(_, schedule, kind)| (schedule, kind)).collect())
+        let plant = |kind| if let FaultKind::Plant(fault) = kind { Some(fault) } else { None };
+        Self(scheduled(scenario, plant).map(|(_, schedule, fault)| (schedule, fault)).collect())
     }
 
-    fn active(&self, step: u32) -> impl Iterator<Item = &FaultKind> {
-        self.0.iter().filter(move |(schedule, _)| schedule.contains(step)).map(|(_, kind)| kind)
-    }
-
-    /// By how much half the gap is wider.
+    /// The steps at which faults change the plant's parameters, each with the parameters from then on.
     #[must_use]
-    pub fn growth_rad(&self, step: u32) -> f64 {
-        let growth = self.active(step).map(|kind| match kind {
-            FaultKind::GapGrowth { growth_rad } => *growth_rad,
-            _ => 0.0,
-        });
-        growth.sum()
-    }
-
-    /// The torque on the load.
-    #[must_use]
-    pub fn load_torque_nm(&self, step: u32) -> f64 {
-        let torque = self.active(step).map(|kind| match kind {
-            FaultKind::LoadTorque { torque_nm } => *torque_nm,
-            _ => 0.0,
-        });
-        torque.sum()
-    }
-
-    /// The steps from which on the plant itself is another one, in their order.
-    #[must_use]
-    pub fn changes(&self) -> BTreeSet<u32> {
-        let changing = self.0.iter().filter(|(_, kind)| {
-            matches!(kind, FaultKind::StiffnessDrop { .. } | FaultKind::FrictionChange { .. })
-        });
-        changing.flat_map(|(schedule, _)| [schedule.from, schedule.until]).collect()
-    }
-
-    /// The plant as it is in a step.
-    #[must_use]
-    pub fn settings(&self, step: u32, healthy: &PlantSettings) -> PlantSettings {
-        let mut settings = healthy.clone();
-        for kind in self.active(step) {
-            match (kind, &mut settings.backlash_shaft) {
-                (FaultKind::StiffnessDrop { factor }, _) => settings.stiffness_nm_rad *= factor,
-                (FaultKind::FrictionChange { factor }, Some(bench)) => {
-                    bench.load_coulomb_nm *= factor;
-                    bench.load_stiction_nm *= factor;
-                }
-                _ => {}
+    pub fn changes(&self, healthy: &PlantSettings) -> Vec<(u32, PlantSettings)> {
+        let edges: BTreeSet<_> = self.0.iter().flat_map(|(schedule, _)| schedule.edges()).collect();
+        let mut changes = Vec::new();
+        let mut before = healthy.clone();
+        for step in edges {
+            let settings = self.at(step, healthy).settings;
+            if settings != before {
+                changes.push((step, settings.clone()));
+                before = settings;
             }
         }
-        settings
+        changes
+    }
+
+    /// The plant in a step.
+    #[must_use]
+    pub fn at(&self, step: u32, healthy: &PlantSettings) -> FaultyPlant {
+        let mut plant = FaultyPlant { settings: healthy.clone(), growth_rad: 0.0, load_torque_nm: 0.0 };
+        for (_, fault) in self.0.iter().filter(|(schedule, _)| schedule.contains(step)) {
+            match *fault {
+                PlantFault::GapGrowth { growth_rad } => plant.growth_rad += growth_rad,
+                PlantFault::LoadTorque { torque_nm } => plant.load_torque_nm += torque_nm,
+                PlantFault::StiffnessDrop { factor } => plant.settings.stiffness_nm_rad *= factor,
+                PlantFault::FrictionChange { factor } => {
+                    // The reader rejects this fault on every other plant.
+                    if let Some(shaft) = &mut plant.settings.backlash_shaft {
+                        shaft.load_coulomb_nm *= factor;
+                        shaft.load_stiction_nm *= factor;
+                    }
+                }
+            }
+        }
+        plant
     }
 }

@@ -1,172 +1,227 @@
-//! When each fault begins and ends: the log of it, and faults of the drive itself.
+//! The timeline of a run: begin and end of each fault, and the faults that strike the drive itself.
 
 use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process};
-use serde::Serialize;
 
-use super::Schedule;
 use super::link::LinkFaults;
+use super::log::FaultRecord;
+use super::schedule::Schedule;
 use crate::device::{Device, DeviceChoice};
-use crate::run::RunError;
 use crate::scenario::Scenario;
-use crate::scenario::fault::{Fault, FaultKind, Place};
+use crate::scenario::fault::{DeviceFault, FaultDuration, FaultKind, InjectedFault};
 use crate::session::SessionError;
 
-/// A fault that has been there.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FaultRecord {
-    /// What it is.
+/// A fault that can't be injected on this device.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("fault {kind} at {at_s} s can't be applied here: {reason}")]
+pub struct UnsupportedFault {
+    /// Name of its kind.
     pub kind: &'static str,
-    /// The step in which it began.
-    pub step: u32,
-    /// The first step without it; `None` if it was there to the end. A cut and a hang last by the clock on the wall.
-    pub until_step: Option<u32>,
-    /// Frames it hit, of a fault of the link.
-    pub frames: Option<u64>,
+    /// When it was to begin.
+    pub at_s: f64,
+    /// Why, and what to do.
+    pub reason: &'static str,
 }
 
 /// The timeline of a run.
 pub struct Timeline {
-    faults: Vec<Planned>,
-    /// The first step in which something begins or ends again.
-    next: u32,
+    faults: Vec<TimedFault>,
+    /// The next step in which a fault may begin or end; `None` once all are over.
+    next: Option<u32>,
     link: Option<LinkFaults>,
 }
 
-struct Planned {
-    name: &'static str,
+struct TimedFault {
     kind: FaultKind,
     schedule: Schedule,
-    /// How long it lasts by the clock on the wall, if it goes by that: while a drive hangs or is cut off there may be no
-    /// steps.
+    /// For a fault that lasts in wall-clock time.
     lasts: Option<Duration>,
-    /// When it will be over by that clock, while it is there.
-    over_at: Option<Instant>,
-    fired: Option<FaultRecord>,
+    progress: Progress,
 }
 
-impl Planned {
-    fn new(fault: &Fault, schedule: Schedule) -> Self {
-        let by_the_wall = matches!(fault.kind, FaultKind::LinkCut {} | FaultKind::DeviceHang {});
-        let lasts = fault.for_s.filter(|_| by_the_wall).map(Duration::from_secs_f64);
-        Self { name: fault.name, kind: fault.kind, schedule, lasts, over_at: None, fired: None }
+enum Progress {
+    Pending,
+    Active {
+        since: u32,
+        /// For a fault that lasts in wall-clock time.
+        over_at: Option<Instant>,
+    },
+    Over {
+        since: u32,
+        /// `None` until the first step after a fault that ended between steps.
+        until: Option<u32>,
+    },
+}
+
+impl TimedFault {
+    fn new(fault: &InjectedFault, schedule: Schedule) -> Self {
+        let for_s = fault.for_s.filter(|_| fault.kind.duration() == FaultDuration::WallClock);
+        let lasts = for_s.map(Duration::from_secs_f64);
+        Self { kind: fault.kind, schedule, lasts, progress: Progress::Pending }
     }
 
-    fn hangs(&self) -> bool {
-        self.kind == FaultKind::DeviceHang {} && self.over_at.is_some()
+    /// When it is over, of a fault that is active and lasts in wall-clock time.
+    fn over_at(&self) -> Option<Instant> {
+        if let Progress::Active { over_at, .. } = self.progress { over_at } else { None }
     }
 
-    fn is_over(&self, step: u32) -> bool {
-        if self.lasts.is_some() { self.over_at.is_none() } else { step >= self.schedule.until }
+    /// A step begins.
+    fn advance(&mut self, step: u32, device: &mut Device) -> Result<(), SessionError> {
+        match &mut self.progress {
+            Progress::Pending if self.schedule.contains(step) => {
+                self.progress = Progress::Active { since: step, over_at: None };
+                strike(self.kind, device)?;
+                let over_at = self.lasts.map(|lasts| Instant::now() + lasts);
+                self.progress = Progress::Active { since: step, over_at };
+            }
+            Progress::Active { since, over_at: None }
+                if self.schedule.until.is_some_and(|end| step >= end) =>
+            {
+                self.progress = Progress::Over { since: *since, until: Some(step) };
+            }
+            Progress::Over { until, .. } => {
+                until.get_or_insert(step);
+            }
+            Progress::Pending | Progress::Active { .. } => {}
+        }
+        Ok(())
+    }
+
+    fn record(&self, frames: Option<u64>) -> Option<FaultRecord> {
+        let (step, until_step) = match self.progress {
+            Progress::Pending => return None,
+            Progress::Active { since, .. } => (since, None),
+            Progress::Over { since, until } => (since, until),
+        };
+        Some(FaultRecord { kind: self.kind.name(), step, until_step, frames })
     }
 }
 
 impl Timeline {
-    /// The timeline of a scenario, on a device on which all of it can happen.
+    /// The timeline of a scenario on a device.
     ///
     /// # Errors
-    /// [`RunError::Fault`] names a fault that can't be applied there.
-    pub fn new(scenario: &Scenario, device: &Device) -> Result<Self, RunError> {
+    /// The device doesn't support one of the faults.
+    pub fn new(scenario: &Scenario, device: &Device) -> Result<Self, UnsupportedFault> {
         for fault in &scenario.faults {
-            if let Some(reason) = impossible(&fault.kind, device) {
-                return Err(RunError::Fault { kind: fault.name, at_s: fault.at_s, reason });
+            if let Some(reason) = unsupported(fault.kind, device) {
+                return Err(UnsupportedFault { kind: fault.kind.name(), at_s: fault.at_s, reason });
             }
         }
-        let planned = |fault| Planned::new(fault, Schedule::of(fault, &scenario.run));
+        let timed = |fault| TimedFault::new(fault, Schedule::of(fault, &scenario.run));
         Ok(Self {
-            faults: scenario.faults.iter().map(planned).collect(),
-            next: if scenario.faults.is_empty() { u32::MAX } else { 0 },
+            faults: scenario.faults.iter().map(timed).collect(),
+            next: (!scenario.faults.is_empty()).then_some(0),
             link: device.link_faults().cloned(),
         })
     }
 
-    /// A step begins.
+    /// Begins a step.
     ///
     /// # Errors
-    /// The line broke while the drive was to be reset.
+    /// The link failed while the drive was to be reset.
     pub fn begin(&mut self, step: u32, device: &mut Device) -> Result<(), SessionError> {
         if let Some(link) = &self.link {
             link.set_step(Some(step));
         }
         self.revive(device);
-        if step < self.next {
+        if self.next.is_none_or(|next| step < next) {
             return Ok(());
         }
         for fault in &mut self.faults {
-            if fault.fired.is_none() && fault.schedule.contains(step) {
-                fault.fired = Some(FaultRecord { kind: fault.name, step, until_step: None, frames: None });
-                match fault.kind {
-                    FaultKind::DeviceReset {} => device.session.reset_by_surprise()?,
-                    FaultKind::DeviceHang {} => signal(device, Signal::STOP),
-                    _ => {}
-                }
-                fault.over_at = fault.lasts.map(|lasts| Instant::now() + lasts);
-            }
-            if fault.is_over(step)
-                && let Some(fired) = &mut fault.fired
-            {
-                fired.until_step.get_or_insert(step);
-            }
+            fault.advance(step, device)?;
         }
-        let edges = self.faults.iter().flat_map(|fault| [fault.schedule.from, fault.schedule.until]);
-        let edge = edges.filter(|edge| *edge > step).min().unwrap_or(u32::MAX);
-        let by_the_wall = self.faults.iter().any(|fault| fault.over_at.is_some());
-        self.next = if by_the_wall { step + 1 } else { edge };
+        let lasts_in_wall_clock_time = self.faults.iter().any(|fault| fault.over_at().is_some());
+        let edges = self.faults.iter().flat_map(|fault| fault.schedule.edges());
+        let edge = edges.filter(|edge| *edge > step).min();
+        self.next = if lasts_in_wall_clock_time { Some(step + 1) } else { edge };
         Ok(())
     }
 
-    /// Lets a drive go on that has hung for its time. Asked in every step, and while a lost drive is waited for.
+    /// Ends faults whose wall-clock time is over. To be called in every step, and while a lost drive is awaited.
     pub fn revive(&mut self, device: &Device) {
-        for fault in self.faults.iter_mut().filter(|fault| fault.over_at.is_some()) {
-            let hangs = fault.hangs();
-            if fault.over_at.take_if(|over_at| *over_at <= Instant::now()).is_some() && hangs {
-                signal(device, Signal::CONT);
+        for fault in &mut self.faults {
+            if let Progress::Active { since, over_at: Some(over_at) } = fault.progress
+                && over_at <= Instant::now()
+            {
+                fault.progress = Progress::Over { since, until: None };
+                heal(fault.kind, device);
             }
         }
     }
 
-    /// The line is as it should be while the bench talks to the drive outside the loop.
+    /// Suspends the faults of the link for an exchange with the drive outside the loop.
     pub fn pause(&self) {
         if let Some(link) = &self.link {
             link.set_step(None);
         }
     }
 
-    /// The run is over: nothing is wrong any more. Returns what was.
+    /// Ends all faults with the run, and returns their log.
     pub fn end(&mut self, device: &Device) -> Vec<FaultRecord> {
         self.pause();
-        if self.faults.iter().any(Planned::hangs) {
-            signal(device, Signal::CONT);
+        for fault in self.faults.iter().filter(|fault| fault.over_at().is_some()) {
+            heal(fault.kind, device);
         }
-        let fired = self.faults.iter().enumerate().filter_map(|(number, fault)| {
-            let on_link = fault.kind.place() == Place::Link;
-            let frames = self.link.as_ref().filter(|_| on_link).map(|link| link.hits(number));
-            Some(FaultRecord { frames, ..fault.fired.clone()? })
+        let records = self.faults.iter().enumerate().filter_map(|(index, fault)| {
+            let strikes_link = matches!(fault.kind, FaultKind::Frame { .. } | FaultKind::Link(_));
+            let frames = self.link.as_ref().filter(|_| strikes_link).map(|link| link.hits(index));
+            fault.record(frames)
         });
-        fired.collect()
+        records.collect()
     }
 }
 
-fn impossible(kind: &FaultKind, device: &Device) -> Option<&'static str> {
-    match kind.place() {
-        Place::Link if device.link_faults().is_none() => {
-            Some("this line was opened without faults on it: open the device with the scenario's faults")
+/// Begins a fault of the drive. Every other fault takes effect where it strikes.
+fn strike(kind: FaultKind, device: &mut Device) -> Result<(), SessionError> {
+    match kind {
+        FaultKind::Device(DeviceFault::Reset {}) => device.session.reset_by_surprise(),
+        FaultKind::Device(DeviceFault::Hang {}) => {
+            signal(device, Signal::STOP);
+            Ok(())
         }
-        Place::Device if *kind == (FaultKind::DeviceHang {}) && device.process().is_none() => {
-            Some(if *device.choice() == DeviceChoice::InProcess {
-                "the drive is in the bench's own process, which would hang as well: use --device native or qemu"
-            } else {
-                "only a process that the bench started can be stopped: use --device native or qemu, or link-stall"
-            })
-        }
-        _ => None,
+        FaultKind::Frame { .. }
+        | FaultKind::Link(_)
+        | FaultKind::Encoder { .. }
+        | FaultKind::Motor(_)
+        | FaultKind::Plant(_) => Ok(()),
+    }
+}
+
+/// Ends a fault of the drive that lasts in wall-clock time.
+fn heal(kind: FaultKind, device: &Device) {
+    if kind == FaultKind::Device(DeviceFault::Hang {}) {
+        signal(device, Signal::CONT);
+    }
+}
+
+fn unsupported(kind: FaultKind, device: &Device) -> Option<&'static str> {
+    match kind {
+        FaultKind::Frame { .. } | FaultKind::Link(_) => device
+            .link_faults()
+            .is_none()
+            .then_some("this link was opened without fault injection: open the device for this scenario"),
+        FaultKind::Device(DeviceFault::Hang {}) => match device.choice() {
+            DeviceChoice::InProcess => {
+                Some("the drive runs in the bench's own process, which would hang too: use --device native or qemu")
+            }
+            DeviceChoice::Native | DeviceChoice::Qemu(_) | DeviceChoice::Terminal(_) => {
+                device.process().is_none().then_some(
+                    "only a process that the bench started can be stopped: use --device native or qemu, or link-stall",
+                )
+            }
+        },
+        FaultKind::Device(DeviceFault::Reset {})
+        | FaultKind::Encoder { .. }
+        | FaultKind::Motor(_)
+        | FaultKind::Plant(_) => None,
     }
 }
 
 fn signal(device: &Device, signal: Signal) {
     if let Some(pid) = device.process().and_then(|process| Pid::from_raw(process.id().cast_signed())) {
-        // It may have ended by itself, which the line is about to tell.
+        // A process that has exited closes its link, which reports the loss.
         let _ = kill_process(pid, signal);
     }
 }

@@ -1,39 +1,28 @@
-//! A fingerprint of everything the drive commanded: two runs with the same digest are the same run, bit by
-//! bit, whatever link and host they ran on.
-
-use std::fmt::Write;
+//! Digest of all torques that the drive commanded: runs with the same digest are the same bit for bit, on any link and host.
 
 use sha2::{Digest, Sha256};
 
-/// SHA-256 over the torques in the order of the steps, each an f32 in N m, four bytes, little endian.
+/// SHA-256 over the torques in the order of the steps, each an f32 in N m in four bytes, little endian.
 #[derive(Debug, Clone, Default)]
 pub struct TorqueDigest(Sha256);
 
 impl TorqueDigest {
-    /// Takes the torque of the next step.
+    /// Appends the torque of the next step, in N m.
     pub fn push(&mut self, torque_nm: f32) {
         self.0.update(torque_nm.to_le_bytes());
     }
 
-    /// The digest in lower-case hexadecimal.
+    /// The digest in lower-case hexadecimal, 64 digits.
     #[must_use]
     pub fn finish(self) -> String {
-        hexadecimal(self.0)
+        hex::encode(self.0.finalize())
     }
 }
 
-/// SHA-256 of some bytes in lower-case hexadecimal.
+/// SHA-256 of `bytes` in lower-case hexadecimal, 64 digits.
 #[must_use]
 pub fn sha256(bytes: &[u8]) -> String {
-    hexadecimal(Sha256::new_with_prefix(bytes))
-}
-
-fn hexadecimal(digest: Sha256) -> String {
-    digest.finalize().iter().fold(String::with_capacity(64), |mut hex, byte| {
-        // Writing to a String can't fail.
-        let _ = write!(hex, "{byte:02x}");
-        hex
-    })
+    hex::encode(Sha256::digest(bytes))
 }
 
 #[cfg(test)]
@@ -54,7 +43,7 @@ mod tests {
     }
 
     #[test]
-    fn order_and_sign_of_zero_count() {
+    fn order_and_sign_of_zero_change_the_digest() {
         assert_ne!(digest(&[1.0, 2.0]), digest(&[2.0, 1.0]));
         assert_ne!(digest(&[0.0]), digest(&[-0.0]));
     }

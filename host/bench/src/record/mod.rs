@@ -11,6 +11,7 @@
 
 pub mod digest;
 pub mod reader;
+pub mod row;
 pub mod summary;
 pub mod table;
 pub mod timing;

@@ -7,9 +7,9 @@ use serde::Serialize;
 
 use crate::atomic_file::WriteError;
 use crate::atomic_file::write_whole;
-use crate::fault::timeline::FaultRecord;
+use crate::fault::log::FaultRecord;
 use crate::timing::TimingReport;
-use crate::verdict::{Finding, LinkCounts, Verdict};
+use crate::verdict::{JudgedExpectation, LinkCounts, Verdict};
 use lashloop_plant::metrics::Metrics;
 
 /// One run in one JSON object, its keys in this order.
@@ -36,7 +36,7 @@ pub struct Summary {
     /// The metrics by name; null where there is no value.
     pub metrics: Metrics,
     /// The expectations of the scenario and what became of them.
-    pub expectations: Vec<Finding>,
+    pub expectations: Vec<JudgedExpectation>,
     /// What the link counted.
     pub link: LinkCounts,
     /// How the steps went in time.
@@ -117,7 +117,7 @@ mod tests {
             simulated_s: 2.0,
             wall_s: 0.25,
             metrics,
-            expectations: judgement.findings,
+            expectations: judgement.expectations,
             link,
             timing,
             faults: Vec::new(),

@@ -1,19 +1,22 @@
-//! Tables of numbers as CSV, written while a run goes on.
+//! Tables of numbers as CSV, written during a run.
 //!
-//! Numbers are the shortest that read back to the same bits. Rows are collected and handed to the file `flush_rows` at a
-//! time, each time whole, so that a run that is cut off leaves a table and not a torn line.
+//! Numbers are the shortest that read back to the same bits. Rows are collected and written `flush_rows` at a time, so that
+//! an interrupted run leaves whole rows. This is ours because `csv::Writer` writes its buffer whenever the buffer is full,
+//! in the middle of a row if need be, and emits the header with the first row only.
 
 use std::fs::File;
 use std::io::{Seek, SeekFrom, Write};
+use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
+use super::row::Row;
 use crate::atomic_file;
 use crate::atomic_file::WriteError;
 
-/// Writes a table. [`finish`](Self::finish) reports whether the last rows arrived; a writer that is merely
-/// dropped writes them too, but has nobody to tell.
+/// Writes a table of rows `R`. [`finish`](Self::finish) reports whether the last rows were written; a dropped writer writes
+/// them too, but can't report an error.
 #[derive(Debug)]
-pub struct TableWriter {
+pub struct TableWriter<R> {
     path: PathBuf,
     file: File,
     flush_rows: u32,
@@ -21,16 +24,17 @@ pub struct TableWriter {
     pending_rows: u32,
     /// Bytes of whole rows in the file.
     written: u64,
+    row: PhantomData<fn(&R)>,
 }
 
-impl TableWriter {
-    /// Begins the file with its header; an older one is replaced when that is written. `flush_rows` is the number of rows that reach
-    /// the file together; 0 counts as 1.
+impl<R: Row> TableWriter<R> {
+    /// Creates the file with its header, in place of an older one. `flush_rows` is the number of rows per chunk; 0 counts
+    /// as 1.
     ///
     /// # Errors
     /// The file can't be created or the header can't be written.
-    pub fn create(path: &Path, columns: &[&str], flush_rows: u32) -> Result<Self, WriteError> {
-        let header = columns.join(",") + "\n";
+    pub fn create(path: &Path, flush_rows: u32) -> Result<Self, WriteError> {
+        let header = R::COLUMNS.join(",") + "\n";
         Ok(Self {
             path: path.to_owned(),
             file: atomic_file::begin(path, ".table-", header.as_bytes())?,
@@ -38,20 +42,20 @@ impl TableWriter {
             pending: Vec::new(),
             pending_rows: 0,
             written: header.len() as u64,
+            row: PhantomData,
         })
     }
 
-    /// Takes the next row.
+    /// Appends a row.
     ///
     /// # Errors
-    /// It was time to write and the file can't take the rows; they are lost, those before are kept.
-    pub fn push(&mut self, row: &[f64]) -> Result<(), WriteError> {
+    /// A chunk is complete and can't be written. Its rows are lost, those before are kept.
+    pub fn push(&mut self, row: &R) -> Result<(), WriteError> {
         let mut number = zmij::Buffer::new();
-        for value in row {
-            self.pending.extend_from_slice(number.format(*value).as_bytes());
+        for value in row.values() {
+            self.pending.extend_from_slice(number.format(value).as_bytes());
             self.pending.push(b',');
         }
-        // The last column ends the line.
         if let Some(last) = self.pending.last_mut() {
             *last = b'\n';
         }
@@ -59,20 +63,22 @@ impl TableWriter {
         if self.pending_rows < self.flush_rows { Ok(()) } else { self.flush() }
     }
 
-    /// Writes the rows that are still pending.
+    /// Writes the pending rows.
     ///
     /// # Errors
-    /// The file can't take them.
+    /// The rows can't be written.
     pub fn finish(mut self) -> Result<(), WriteError> {
         self.flush()
     }
+}
 
+impl<R> TableWriter<R> {
     fn flush(&mut self) -> Result<(), WriteError> {
         let result = self.file.write_all(&self.pending);
         if result.is_ok() {
             self.written += self.pending.len() as u64;
         } else {
-            // A full disk may have taken part of a row. If this fails as well, the first error says enough.
+            // A full disk may have taken part of a row. An error in cutting it off adds nothing to the first one.
             let _ = self.file.set_len(self.written);
             let _ = self.file.seek(SeekFrom::Start(self.written));
         }
@@ -82,9 +88,9 @@ impl TableWriter {
     }
 }
 
-impl Drop for TableWriter {
+impl<R> Drop for TableWriter<R> {
     fn drop(&mut self) {
-        // Nobody is left to tell; `finish` is there for whoever wants to know.
+        // `finish` reports this error.
         let _ = self.flush();
     }
 }

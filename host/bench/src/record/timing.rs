@@ -1,66 +1,83 @@
-//! `timing.csv`: how each control step went in time. Beside the trace and not in it, because it is another one each time.
+//! `timing.csv`: timing of each control step. Apart from the trace, because timing differs from run to run.
 
 use std::path::Path;
 use std::time::Duration;
 
+use super::row::row;
 use super::table::TableWriter;
 use crate::atomic_file::WriteError;
 use crate::timing::{StepOutcome, StepTiming};
 
-/// The header of the file. Times are in microseconds and empty of meaning (NaN) where there was no answer.
-pub const COLUMNS: [&str; 8] = [
-    "step",
-    "lateness_us",
-    "answered",
-    "missed",
-    "send_us",
-    "line_and_device_us",
-    "compute_us",
-    "receive_us",
-];
+row! {
+    /// One control step. The parts of the round trip are NaN in a step without an answer.
+    pub struct TimingRow {
+        /// Control step, from 0.
+        step,
+        /// Wake-up of the bench after its deadline.
+        lateness_us,
+        /// 1 if the drive has answered in time, else 0.
+        answered,
+        /// 1 if the step was missed and no sample sent, else 0.
+        missed,
+        /// Sending the sample.
+        send_us,
+        /// From the end of sending to the arrival of the answer, less the drive's computing time.
+        line_and_device_us,
+        /// The drive's computing time, in device time.
+        compute_us,
+        /// Receiving the answer.
+        receive_us,
+    }
+}
 
-/// Writes the times of steps.
+impl TimingRow {
+    fn new(step: u64, timing: &StepTiming) -> Self {
+        let flag = |is| f64::from(u8::from(is));
+        let part = |part: Option<Duration>| part.map_or(f64::NAN, microseconds);
+        let trip = timing.round_trip;
+        Self {
+            step: step as f64,
+            lateness_us: microseconds(timing.lateness),
+            answered: flag(timing.outcome == StepOutcome::Answered),
+            missed: flag(timing.outcome == StepOutcome::Missed),
+            send_us: part(trip.map(|trip| trip.send)),
+            line_and_device_us: part(trip.map(|trip| trip.line_and_device)),
+            compute_us: part(trip.map(|trip| trip.compute)),
+            receive_us: part(trip.map(|trip| trip.receive)),
+        }
+    }
+}
+
+/// Writes the timing of steps.
 #[derive(Debug)]
 pub struct TimingWriter {
-    table: TableWriter,
+    table: TableWriter<TimingRow>,
     steps: u64,
 }
 
 impl TimingWriter {
-    /// As [`TableWriter::create`].
+    /// Creates the file, see [`TableWriter::create`].
     ///
     /// # Errors
-    /// As there.
+    /// The file can't be created or written.
     pub fn create(path: &Path, flush_rows: u32) -> Result<Self, WriteError> {
-        Ok(Self { table: TableWriter::create(path, &COLUMNS, flush_rows)?, steps: 0 })
+        Ok(Self { table: TableWriter::create(path, flush_rows)?, steps: 0 })
     }
 
-    /// Takes the next step.
+    /// Appends the next step.
     ///
     /// # Errors
-    /// As [`TableWriter::push`].
+    /// A chunk of rows can't be written, see [`TableWriter::push`].
     pub fn push(&mut self, step: &StepTiming) -> Result<(), WriteError> {
-        let flag = |is| f64::from(u8::from(is));
-        let part = |part: Option<Duration>| part.map_or(f64::NAN, microseconds);
-        let trip = step.round_trip;
-        self.table.push(&[
-            self.steps as f64,
-            microseconds(step.lateness),
-            flag(step.outcome == StepOutcome::Answered),
-            flag(step.outcome == StepOutcome::Missed),
-            part(trip.map(|trip| trip.send)),
-            part(trip.map(|trip| trip.line_and_device)),
-            part(trip.map(|trip| trip.compute)),
-            part(trip.map(|trip| trip.receive)),
-        ])?;
+        self.table.push(&TimingRow::new(self.steps, step))?;
         self.steps += 1;
         Ok(())
     }
 
-    /// As [`TableWriter::finish`].
+    /// Writes the pending rows.
     ///
     /// # Errors
-    /// As there.
+    /// The rows can't be written.
     pub fn finish(self) -> Result<(), WriteError> {
         self.table.finish()
     }

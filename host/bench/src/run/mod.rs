@@ -24,6 +24,7 @@ mod step_sink;
 
 use crate::atomic_file::WriteError;
 use crate::device::DeviceError;
+use crate::fault::timeline::UnsupportedFault;
 use crate::scenario::ScenarioError;
 use lashloop_plant::{ParameterError, PlantError};
 
@@ -49,9 +50,6 @@ pub enum RunError {
     /// The scenario's plant can't be integrated.
     #[error(transparent)]
     Integration(#[from] PlantError),
-    /// The scenario's encoders can't be built.
-    #[error(transparent)]
-    Encoder(#[from] lashloop_plant::encoder::EncoderError),
     /// No reading says where an encoder stands, so no drive can be started here.
     #[error(
         "the {encoder} encoder, with its faults, stands at {counts} counts and a drive that starts knows of at most {}: \
@@ -71,15 +69,8 @@ pub enum RunError {
     #[error(transparent)]
     Record(#[from] WriteError),
     /// A fault of the scenario can't be applied.
-    #[error("fault {kind} at {at_s} s can't be applied here: {reason}")]
-    Fault {
-        /// What it is.
-        kind: &'static str,
-        /// When it should have been.
-        at_s: f64,
-        /// Why, and what to do.
-        reason: &'static str,
-    },
+    #[error(transparent)]
+    Fault(#[from] UnsupportedFault),
     /// The record is slower than the run.
     #[error("{steps} steps wait to be recorded: write to a faster disk, or leave --out and --capture away")]
     RecordBehind {

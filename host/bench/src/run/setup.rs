@@ -9,7 +9,7 @@ use lashloop_protocol::message::Identity;
 
 use super::RunError;
 use crate::device::{Device, DeviceError};
-use crate::scenario::controller::{self, ControllerName, ParameterSetting};
+use crate::scenario::controller::{self, ParameterSetting};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::session::{SessionError, SetError};
 use crate::timing::ClockName;
@@ -35,7 +35,7 @@ pub fn set_up(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Res
 
 /// Sets everything the scenario has to say about a drive that has just been reset.
 fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
-    let controller = id_of(scenario.controller.name);
+    let controller = scenario.controller.name;
     // Its parameter would refuse it too, but by a number.
     if !device.session.identity().controllers.offers(controller) {
         return Err(not_offered(device, scenario.controller.name).into());
@@ -112,24 +112,10 @@ pub(super) fn refused_start(device: &Device, source: SessionError) -> RunError {
     }
 }
 
-/// The name of a controller on the wire.
-#[must_use]
-pub fn id_of(name: ControllerName) -> ControllerId {
-    match name {
-        ControllerName::Pd => ControllerId::Pd,
-        ControllerName::Merzouki => ControllerId::Merzouki,
-        ControllerName::MerzoukiAsPrinted => ControllerId::MerzoukiAsPrinted,
-        ControllerName::BacklashInverse => ControllerId::BacklashInverse,
-    }
-}
-
-fn not_offered(device: &Device, wanted: ControllerName) -> DeviceError {
+fn not_offered(device: &Device, wanted: ControllerId) -> DeviceError {
     let offered = device.session.identity().controllers;
-    let mut laws: Vec<_> = ControllerName::ALL
-        .into_iter()
-        .filter(|law| offered.offers(id_of(*law)))
-        .map(ControllerName::as_str)
-        .collect();
+    let mut laws: Vec<_> =
+        ControllerId::ALL.iter().filter(|law| offered.offers(**law)).map(|law| law.name()).collect();
     if laws.is_empty() {
         laws.push("none that a scenario can name");
     }

@@ -2,54 +2,23 @@
 
 use std::fmt;
 
+use lashloop_protocol::enums::ControllerId;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
-use super::error::{Fault, Origin, spell_key, spell_text};
+use super::error::ScenarioError;
+use super::key_error::KeyError;
+use super::origin::Origin;
 use super::reader::Section;
+use super::spelling::{spell_key, spell_text};
 use super::tree::{Node, Value};
-
-/// The control laws a drive offers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ControllerName {
-    /// The paper's cascade before compensation.
-    Pd,
-    /// The paper's cascade with compensation, in the reading that meets its numbers.
-    Merzouki,
-    /// The paper's equations (16) to (19) to the letter, kept as an ablation.
-    MerzoukiAsPrinted,
-    /// The gap inverted in the torque domain and identified by least squares; not the paper's.
-    BacklashInverse,
-}
-
-impl ControllerName {
-    /// Every law, in the order in which they are told.
-    pub const ALL: [Self; 4] = [Self::Pd, Self::Merzouki, Self::MerzoukiAsPrinted, Self::BacklashInverse];
-
-    /// The name in a scenario and in a summary.
-    #[must_use]
-    pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::Pd => "pd",
-            Self::Merzouki => "merzouki",
-            Self::MerzoukiAsPrinted => "merzouki-as-printed",
-            Self::BacklashInverse => "backlash-inverse",
-        }
-    }
-}
-
-impl fmt::Display for ControllerName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.as_str())
-    }
-}
 
 /// The law and what is set on the drive before the run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ControllerSettings {
     /// The law.
-    pub name: ControllerName,
+    #[serde(serialize_with = "serialize_name")]
+    pub name: ControllerId,
     /// `[controller.parameters]` in the order of the file.
     #[serde(serialize_with = "serialize_parameters")]
     pub parameters: Vec<ParameterSetting>,
@@ -65,6 +34,20 @@ pub struct ParameterSetting {
     pub value: ParameterValue,
     /// Where the scenario sets it.
     pub origin: Origin,
+}
+
+impl ScenarioError {
+    /// The error for a parameter that the drive rejects, which shows only after connecting, because the drive describes its
+    /// parameters itself. `reason` continues the sentence after the value, for instance
+    /// `is out of range; it must be >= 0 and <= 50 N m`.
+    #[must_use]
+    pub fn parameter(setting: &ParameterSetting, reason: impl Into<String>) -> Self {
+        Self::Key {
+            origin: setting.origin.clone(),
+            key: format!("controller.parameters.{}", spell_key(&setting.name)),
+            error: Box::new(KeyError::Rejected { found: setting.value.to_string(), reason: reason.into() }),
+        }
+    }
 }
 
 /// The value of a drive parameter.
@@ -90,9 +73,9 @@ impl fmt::Display for ParameterValue {
 }
 
 pub(super) fn read(controller: &mut Section<'_>) -> ControllerSettings {
-    let choices = ControllerName::ALL.map(|name| (name.as_str(), name));
+    let choices: Vec<_> = ControllerId::ALL.iter().map(|law| (law.name(), *law)).collect();
     ControllerSettings {
-        name: controller.choice("name", None, &choices).unwrap_or(ControllerName::Pd),
+        name: controller.choice("name", None, &choices).unwrap_or(ControllerId::Pd),
         parameters: controller.section("parameters", read_parameters),
     }
 }
@@ -104,28 +87,34 @@ fn read_parameters(parameters: &mut Section<'_>) -> Vec<ParameterSetting> {
             Ok(value) => {
                 settings.push(ParameterSetting { name: name.to_owned(), value, origin: node.origin.clone() });
             }
-            Err(fault) => parameters.fault(&spell_key(name), node, fault),
+            Err(error) => parameters.error(&spell_key(name), node, error),
         }
     }
     settings
 }
 
-fn read_value(node: &Node) -> Result<ParameterValue, Fault> {
+fn read_value(node: &Node) -> Result<ParameterValue, KeyError> {
     match &node.value {
         // Exact up to 2^53; drives compute in f32.
         Value::Integer(number) => Ok(ParameterValue::Number(*number as f64)),
         Value::Float(number) if number.is_finite() => Ok(ParameterValue::Number(*number)),
         Value::Float(_) => {
-            Err(Fault::OutOfRange { found: node.value.to_string(), allowed: "a finite number".to_owned() })
+            Err(KeyError::OutOfRange { found: node.value.to_string(), allowed: "a finite number".to_owned() })
         }
         Value::Boolean(boolean) => Ok(ParameterValue::Boolean(*boolean)),
         Value::Text(text) => Ok(ParameterValue::Text(text.clone())),
-        Value::Date(_) | Value::Array(_) | Value::Table(_) => Err(Fault::WrongType {
+        Value::Date(_) | Value::Array(_) | Value::Table(_) => Err(KeyError::WrongType {
             found: node.value.to_string(),
             kind: node.value.kind(),
             allowed: "a number, a boolean or a text".to_owned(),
         }),
     }
+}
+
+// serde passes a reference.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn serialize_name<S: Serializer>(law: &ControllerId, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(law.name())
 }
 
 fn serialize_parameters<S: Serializer>(

@@ -20,16 +20,19 @@
 
 pub mod backlash_shaft;
 pub mod controller;
-pub mod error;
+mod error;
 pub mod expectation;
 pub mod fault;
+mod former_names;
+mod key_error;
+mod origin;
 mod overrides;
 pub mod plant;
 mod range;
 mod reader;
 mod reference;
-mod schema;
 pub mod sections;
+mod spelling;
 mod tree;
 mod unit;
 
@@ -39,12 +42,13 @@ use std::sync::Arc;
 use serde::Serialize;
 
 pub use self::error::{ScenarioError, ScenarioErrors};
+pub use self::key_error::KeyError;
+pub use self::origin::Origin;
 pub use self::overrides::Override;
 
 use self::controller::ControllerSettings;
-use self::error::Origin;
 use self::expectation::Expectation;
-use self::fault::Fault;
+use self::fault::InjectedFault;
 use self::plant::PlantSettings;
 use self::reader::Section;
 use self::sections::{
@@ -83,7 +87,7 @@ pub struct Scenario {
     pub record: RecordSettings,
     /// What goes wrong, and when.
     #[serde(rename = "fault", skip_serializing_if = "Vec::is_empty")]
-    pub faults: Vec<Fault>,
+    pub faults: Vec<InjectedFault>,
     /// What has to come out.
     #[serde(rename = "expect")]
     pub expectations: Vec<Expectation>,
@@ -110,13 +114,14 @@ impl Scenario {
         let mut tree = tree::parse_file(&file, text)?;
         let mut errors: Vec<_> =
             overrides.iter().filter_map(|option| option.apply(&mut tree).err()).collect();
+        former_names::replace(&mut tree);
         let directory = Path::new(name).parent().unwrap_or(Path::new(""));
         let start = Origin::File { file, line: 1 };
         match reader::read_document(&tree, start, |root| read(root, name, directory)) {
             Ok(scenario) if errors.is_empty() => Ok(scenario),
             Ok(_) => Err(ScenarioErrors::new(errors)),
-            Err(faults) => {
-                errors.extend(faults);
+            Err(found) => {
+                errors.extend(found);
                 Err(ScenarioErrors::new(errors))
             }
         }

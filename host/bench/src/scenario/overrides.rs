@@ -7,7 +7,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::error::{Origin, ScenarioError};
+use super::error::ScenarioError;
+use super::origin::Origin;
 use super::tree::{Node, Table, Value, parse_value};
 
 /// No key of a scenario lies deeper than `plant.initial.load_position_rad`.

@@ -1,6 +1,6 @@
 //! Allowed ranges of numbers, and how a message spells them.
 
-use std::fmt::Write;
+use super::spelling::{spell_number, with_unit};
 
 /// The numbers a key may take; never NaN, never infinite.
 #[derive(Debug, Clone, Copy)]
@@ -31,19 +31,4 @@ impl NumberRange {
         let sign = if self.low_is_allowed { ">=" } else { ">" };
         with_unit(format!("{sign} {} and <= {}", spell_number(self.low), spell_number(self.high)), unit)
     }
-}
-
-/// Appends the unit, if there is one.
-pub(super) fn with_unit(mut text: String, unit: &str) -> String {
-    if !unit.is_empty() {
-        // Writing to a String can't fail.
-        let _ = write!(text, " {unit}");
-    }
-    text
-}
-
-/// A number as an engineer writes it: 0.5, 5000, 1e6.
-pub(super) fn spell_number(number: f64) -> String {
-    let size = number.abs();
-    if size != 0.0 && !(1e-3..1e4).contains(&size) { format!("{number:e}") } else { format!("{number}") }
 }

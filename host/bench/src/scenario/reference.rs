@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::error::Fault;
+use super::key_error::KeyError;
 use super::range::{positive, within};
 use super::reader::Section;
 use super::unit;
@@ -27,7 +27,7 @@ pub(super) fn read(reference: &mut Section<'_>, directory: &Path) -> Reference {
         reference.accept_the_rest();
         return STAND_IN;
     };
-    reference.blame_option("profile");
+    reference.attribute_to_option("profile");
     let mut result = None;
     for (name, read_profile) in PROFILES {
         if name == chosen {
@@ -87,7 +87,7 @@ fn read_table(table: &mut Section<'_>, directory: &Path) -> Option<Reference> {
         Ok(points) => Some(Reference::Table(points)),
         Err(error) => {
             if let Some(node) = table.node("file") {
-                table.fault("file", node, Fault::Table(error));
+                table.error("file", node, KeyError::Table(error));
             }
             None
         }

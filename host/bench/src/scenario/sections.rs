@@ -3,13 +3,14 @@
 
 use std::time::Duration;
 
+use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MAX_NOISE_COUNTS, MIN_COUNTS_PER_REV};
 use serde::Serialize;
 
 use super::range::{positive, within};
 use super::reader::Section;
 use super::unit;
 
-/// TOML integers end here.
+/// Largest TOML integer.
 const LARGEST: u64 = i64::MAX as u64;
 
 /// `[run]`.
@@ -77,16 +78,16 @@ pub struct EncoderSettings {
     pub motor_counts_per_rev: u32,
     /// Counts per turn of the load.
     pub load_counts_per_rev: u32,
-    /// Standard deviation of the noise added before counting.
+    /// Amplitude of the noise added before counting, 0 to 1000 counts; uniform within +- this.
     pub noise_counts: f64,
 }
 
 pub(super) fn read_encoders(encoders: &mut Section<'_>) -> EncoderSettings {
-    let (per_rev, resolution) = (unit::COUNT_PER_REVOLUTION, 4..=16_777_216);
+    let (per_rev, resolution) = (unit::COUNT_PER_REVOLUTION, MIN_COUNTS_PER_REV..=MAX_COUNTS_PER_REV);
     EncoderSettings {
         motor_counts_per_rev: encoders.integer("motor_counts_per_rev", per_rev, 131_072, resolution.clone()),
         load_counts_per_rev: encoders.integer("load_counts_per_rev", per_rev, 131_072, resolution),
-        noise_counts: encoders.number("noise_counts", unit::COUNT, 0.0, within(0.0, 1e6)),
+        noise_counts: encoders.number("noise_counts", unit::COUNT, 0.0, within(0.0, MAX_NOISE_COUNTS)),
     }
 }
 

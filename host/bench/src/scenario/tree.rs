@@ -9,8 +9,9 @@ use std::sync::Arc;
 
 use toml_edit::{Document, Item, TableLike, TomlError};
 
-use super::error::{Origin, ScenarioError, spell_text};
-use super::range::spell_number;
+use super::error::ScenarioError;
+use super::origin::Origin;
+use super::spelling::{spell_number, spell_text};
 
 /// A value and where it was written.
 #[derive(Debug, Clone)]
@@ -46,6 +47,25 @@ impl Table {
 
     pub(super) fn get_mut(&mut self, key: &str) -> Option<&mut Node> {
         self.0.iter_mut().find(|(name, _)| name == key).map(|(_, node)| node)
+    }
+
+    /// The section with this key.
+    pub(super) fn section_mut(&mut self, key: &str) -> Option<&mut Table> {
+        if let Some(Node { value: Value::Table(table), .. }) = self.get_mut(key) { Some(table) } else { None }
+    }
+
+    /// The text with this key.
+    pub(super) fn text_mut(&mut self, key: &str) -> Option<&mut String> {
+        if let Some(Node { value: Value::Text(text), .. }) = self.get_mut(key) { Some(text) } else { None }
+    }
+
+    /// Renames a key, unless the new name is taken.
+    pub(super) fn rename(&mut self, from: &str, to: &str) {
+        if self.get(to).is_none()
+            && let Some((name, _)) = self.0.iter_mut().find(|(name, _)| name == from)
+        {
+            to.clone_into(name);
+        }
     }
 
     /// Replaces the value of `key`, or adds the key.

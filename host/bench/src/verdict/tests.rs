@@ -1,4 +1,4 @@
-//! Runs of one second with a constant error, judged.
+//! Verdicts of runs of one second with a constant error.
 
 use std::time::Duration;
 
@@ -33,7 +33,7 @@ fn judge(expectations: &[Expectation], metrics: &Metrics) -> Judgement {
 }
 
 #[test]
-fn bounds_themselves_pass_and_anything_beyond_fails() {
+fn a_value_on_its_bound_passes_and_beyond_it_fails() {
     let metrics = metrics(0.25);
     for (min, max, verdict) in [
         (Some(0.25), Some(0.25), Verdict::Pass),
@@ -56,7 +56,7 @@ fn one_missed_expectation_of_many_fails_the_run() {
     ];
     let judgement = judge(&expectations, &metrics(0.25));
     assert_eq!(judgement.verdict, Verdict::Fail);
-    let lines: Vec<_> = judgement.findings.iter().map(ToString::to_string).collect();
+    let lines: Vec<_> = judgement.expectations.iter().map(ToString::to_string).collect();
     insta::assert_snapshot!(lines.join("\n"), @r#"
     static_error_rad: 0.25 rad; meets 0 to 1 rad
     overshoot_rad: 0 rad; meets at most 0 rad
@@ -65,11 +65,11 @@ fn one_missed_expectation_of_many_fails_the_run() {
 }
 
 #[test]
-fn a_run_that_is_not_finite_fails_every_expectation_and_also_none() {
+fn a_metric_that_is_not_finite_fails_with_or_without_expectations() {
     let nan = metrics(f64::NAN);
     for metric in Metric::ALL {
-        let finding = &judge(&[expect(metric, Some(f64::MIN), Some(f64::MAX))], &nan).findings[0];
-        assert!(!finding.ok, "{finding}");
+        let judged = &judge(&[expect(metric, Some(f64::MIN), Some(f64::MAX))], &nan).expectations[0];
+        assert!(!judged.ok, "{judged}");
     }
     assert_eq!(judge(&[], &nan).verdict, Verdict::Fail);
     assert_eq!(judge(&[], &metrics(0.0)).verdict, Verdict::Pass);
@@ -149,12 +149,12 @@ fn what_was_never_measured_meets_no_limit() {
     );
 }
 
-/// Steps of a run in real time, each 10 us late and 30 us away.
-fn timing(fates: &[StepOutcome]) -> TimingReport {
+/// Timing of a run in real time, each step with a lateness of 10 us and a round trip of 30 us.
+fn timing(outcomes: &[StepOutcome]) -> TimingReport {
     const US: Duration = Duration::from_micros(1);
     let parts = RoundTrip { send: 2 * US, line_and_device: 20 * US, compute: 5 * US, receive: 3 * US };
     let mut timings = Timings::new(ClockName::RealTime, 1_000, 0);
-    for outcome in fates {
+    for outcome in outcomes {
         let round_trip = (*outcome == StepOutcome::Answered).then_some(parts);
         timings.push(&StepTiming { lateness: 10 * US, outcome: *outcome, round_trip });
     }
@@ -162,13 +162,13 @@ fn timing(fates: &[StepOutcome]) -> TimingReport {
 }
 
 #[test]
-fn every_ending_has_its_own_exit_code() {
-    let endings = [
+fn every_end_of_a_run_has_its_own_exit_code() {
+    let ends = [
         Verdict::Pass.into(),
         Verdict::Fail.into(),
         Exit::UsageOrScenario,
         Verdict::Invalid.into(),
         Exit::DeviceOrLink,
     ];
-    assert_eq!(endings.map(|exit: Exit| exit as u8), [0, 1, 2, 3, 4]);
+    assert_eq!(ends.map(|exit: Exit| exit as u8), [0, 1, 2, 3, 4]);
 }

@@ -65,7 +65,7 @@ fn what_is_wrong_with_a_bench_is_said_key_by_key() {
         "[plant.wear]\ngrowth_rad = -0.1",
     ];
     let said = faults.map(|keys| format!("| {keys}\n{}\n", with(keys).expect_err(keys)));
-    let elsewhere = BENCH.replace("\"bench\"", "\"smooth\"\nshaft_damping_nm_s_rad = 0.1");
+    let elsewhere = BENCH.replace("\"backlash-shaft\"", "\"smooth\"\nshaft_damping_nm_s_rad = 0.1");
     let said =
         format!("{}| on the smooth plant\n{}", said.concat(), read(&elsewhere, &[]).expect_err("no shaft"));
     insta::assert_snapshot!(said);
@@ -87,7 +87,7 @@ fn every_scenario_of_the_bench_is_right_and_expects_something() {
     for entry in std::fs::read_dir(folder).expect("the scenarios") {
         let path = entry.expect("an entry").path();
         let name = path.file_name().and_then(|name| name.to_str()).expect("a name");
-        if !name.starts_with("bench-") || !name.ends_with(".toml") {
+        if !name.starts_with("shaft-") || !name.ends_with(".toml") {
             continue;
         }
         let scenario = Scenario::from_file(&path, &[]).unwrap_or_else(|errors| panic!("{errors}"));

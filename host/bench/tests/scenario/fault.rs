@@ -1,7 +1,7 @@
 //! What `[[fault]]` says.
 
 use lashloop_bench::scenario::Scenario;
-use lashloop_bench::scenario::fault::FaultKind;
+use lashloop_bench::scenario::fault::{FaultKind, FrameFault};
 
 use crate::{SHORTEST, read};
 
@@ -35,7 +35,7 @@ const KINDS: [&str; 25] = [
 ];
 
 fn bench_with(faults: &str) -> Result<Scenario, String> {
-    read(&format!("{}{faults}", SHORTEST.replace("\"smooth\"", "\"bench\"")), &[])
+    read(&format!("{}{faults}", SHORTEST.replace("\"smooth\"", "\"backlash-shaft\"")), &[])
 }
 
 fn fault(keys: &str) -> String {
@@ -62,7 +62,11 @@ fn all_kinds_together_keep_their_order_and_names() {
     let text: String = KINDS.into_iter().map(fault).collect();
     let faults = bench_with(&text).expect("a good scenario").faults;
     for (fault, keys) in faults.iter().zip(KINDS) {
-        assert!(keys.starts_with(&format!("kind = \"{}\"", fault.name)), "{} for {keys}", fault.name);
+        assert!(
+            keys.starts_with(&format!("kind = \"{}\"", fault.kind.name())),
+            "{} for {keys}",
+            fault.kind.name()
+        );
     }
     assert_eq!(faults.len(), 25);
 }
@@ -80,7 +84,9 @@ fn the_list_of_kinds_in_the_message_is_the_list_of_this_test() {
 #[test]
 fn a_fault_of_the_line_goes_both_ways_unless_it_says_which() {
     let scenario = bench_with(&fault("kind = \"link-delay\"\ndelay_ms = 1")).expect("a good scenario");
-    let FaultKind::LinkDelay { way, jitter_ms, .. } = scenario.faults[0].kind else { panic!("a delay") };
+    let FaultKind::Frame { fault: FrameFault::Delay { jitter_ms, .. }, way } = scenario.faults[0].kind else {
+        panic!("a delay")
+    };
     assert!(way.is_to_drive() && way.is_to_bench());
     assert_eq!((jitter_ms, scenario.faults[0].for_s), (0.0, None));
 }

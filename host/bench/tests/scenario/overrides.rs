@@ -1,9 +1,10 @@
 //! The command line has the last word, and answers for it.
 
 use lashloop_bench::scenario::Override;
-use lashloop_bench::scenario::controller::{ControllerName, ParameterValue};
+use lashloop_bench::scenario::controller::ParameterValue;
 use lashloop_bench::scenario::plant::PlantModel;
 use lashloop_plant::reference::Reference;
+use lashloop_protocol::enums::ControllerId;
 
 use crate::{SHORTEST, read, set};
 
@@ -42,7 +43,7 @@ fn a_scenario_can_be_completed_by_the_command_line() {
 #[test]
 fn the_controller_option_names_the_law() {
     let scenario = read(SHORTEST, &[Override::Controller("merzouki".to_owned())]).expect("a good scenario");
-    assert_eq!(scenario.controller.name, ControllerName::Merzouki);
+    assert_eq!(scenario.controller.name, ControllerId::Merzouki);
 }
 
 #[test]
@@ -96,7 +97,7 @@ fn every_faulty_option_is_named_in_place_of_file_and_line() {
     .collect();
     insta::assert_snapshot!(messages.join("\n"), @r#"
     --set plant.stiffness_nm_rad=-1: plant.stiffness_nm_rad: -1 is out of range; it must be > 0 and <= 1e6 N m/rad
-    --set plant.model=hard: plant.model: "hard" is not a choice; it must be "smooth", "hard-coulomb" or "bench"
+    --set plant.model=hard: plant.model: "hard" is not a choice; it must be "smooth", "hard-coulomb" or "backlash-shaft"
     --set plant.stifness_n_m_rad=2: plant.stifness_n_m_rad: unknown key; did you mean stiffness_nm_rad?
     --set plnt.model=smooth: plnt: unknown key; did you mean plant?
     --set run.duration_ms=5: run.duration_ms: 5 is in a wrong unit; write duration_s, in s

@@ -2,10 +2,11 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use lashloop_bench::scenario::controller::{ControllerName, ParameterValue};
+use lashloop_bench::scenario::controller::ParameterValue;
 use lashloop_bench::scenario::plant::{InitialState, PlantModel, PlantSettings};
 use lashloop_bench::scenario::{Override, Scenario, ScenarioError};
 use lashloop_plant::reference::Reference;
+use lashloop_protocol::enums::ControllerId;
 
 use crate::{SHORTEST, read};
 
@@ -32,7 +33,7 @@ fn the_default_plant_is_table_1_of_the_paper() {
         },
     };
     assert_eq!(scenario.plant, table_1);
-    assert_eq!(scenario.controller.name, ControllerName::Pd);
+    assert_eq!(scenario.controller.name, ControllerId::Pd);
     assert_eq!(scenario.reference, Reference::Constant { position_rad: 0.0 });
 }
 

@@ -1,12 +1,12 @@
-//! The position the load has to follow, as pure functions of time.
+//! The reference position of the load, as a pure function of time.
 //!
-//! | profile | for |
+//! | profile | purpose |
 //! |---|---|
-//! | `constant` | regulation, the paper's test: to zero from pi/2 |
-//! | `step` | the answer to a jump |
+//! | `constant` | regulation; the paper's test, to zero from pi/2 |
+//! | `step` | step response |
 //! | `sine` | tracking, and lost motion under slow reversal |
-//! | `trapezoid` | a positioning move a drive can follow |
-//! | `table` | anything recorded or computed elsewhere |
+//! | `trapezoid` | a positioning move with limited velocity and acceleration |
+//! | `table` | points of a file, recorded or computed elsewhere |
 
 mod table;
 mod trapezoid;
@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 
 use serde::Serialize;
 
-pub use self::table::{Interpolation, Table, TableError, TableFault};
+pub use self::table::{Interpolation, Table, TableError, TableErrorKind};
 pub use self::trapezoid::Trapezoid;
 
 /// A reference for the load position.
@@ -24,7 +24,7 @@ pub use self::trapezoid::Trapezoid;
 pub enum Reference {
     /// One position for the whole run.
     Constant {
-        /// Where the load should be.
+        /// Reference position.
         position_rad: f64,
     },
     /// A jump.
@@ -33,16 +33,16 @@ pub enum Reference {
         before_rad: f64,
         /// Position from the jump on.
         after_rad: f64,
-        /// The first time at which `after_rad` holds.
+        /// First time at which `after_rad` holds.
         at_s: f64,
     },
     /// offset + amplitude sin(2 pi f t + phase).
     Sine {
-        /// Half of peak to peak.
+        /// Half of peak to peak, in rad.
         amplitude_rad: f64,
-        /// Periods per second.
+        /// Frequency f.
         frequency_hz: f64,
-        /// The middle.
+        /// Middle of the sine.
         offset_rad: f64,
         /// Phase at time 0.
         phase_rad: f64,
@@ -54,7 +54,7 @@ pub enum Reference {
 }
 
 impl Reference {
-    /// The position asked for at a time of the run, in rad.
+    /// Reference position in rad at a time of the run.
     #[must_use]
     pub fn position_rad(&self, t_s: f64) -> f64 {
         match self {
@@ -66,16 +66,16 @@ impl Reference {
                     *after_rad
                 }
             }
-            // libm, not std: the same bits on every platform, so that a run repeats anywhere.
+            // We take libm, not std, for the same bits on every platform.
             Self::Sine { amplitude_rad, frequency_hz, offset_rad, phase_rad } => {
                 offset_rad + amplitude_rad * libm::sin(TAU * frequency_hz * t_s + phase_rad)
             }
-            Self::Trapezoid(profile) => profile.position_rad(t_s),
+            Self::Trapezoid(trapezoid) => trapezoid.position_rad(t_s),
             Self::Table(table) => table.position_rad(t_s),
         }
     }
 
-    /// The middle of a reference that goes back and forth: that of a sine, or half way between the extremes of a table.
+    /// The middle of a reference that reverses: the offset of a sine, or half way between the extremes of a table.
     #[must_use]
     pub fn middle_rad(&self) -> Option<f64> {
         match self {
@@ -91,14 +91,14 @@ mod tests {
     use super::Reference;
 
     #[test]
-    fn a_step_has_its_new_value_at_the_very_instant() {
+    fn step_has_its_new_value_at_the_instant_of_the_step() {
         let step = Reference::Step { before_rad: 1.0, after_rad: -2.0, at_s: 0.5 };
         assert_eq!(step.position_rad(0.499_999), 1.0);
         assert_eq!(step.position_rad(0.5), -2.0);
     }
 
     #[test]
-    fn a_sine_has_its_extremes_a_quarter_period_from_its_middle() {
+    fn sine_has_its_extremes_a_quarter_period_from_its_middle() {
         let sine =
             Reference::Sine { amplitude_rad: 0.5, frequency_hz: 0.05, offset_rad: 0.1, phase_rad: 0.0 };
         assert_eq!(sine.position_rad(0.0), 0.1);
@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_phase_of_half_a_turn_mirrors_a_sine() {
+    fn phase_of_pi_mirrors_a_sine() {
         let at = |phase_rad, t_s| {
             Reference::Sine { amplitude_rad: 2.0, frequency_hz: 1.0, offset_rad: 0.0, phase_rad }
                 .position_rad(t_s)

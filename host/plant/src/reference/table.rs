@@ -1,14 +1,14 @@
 //! A reference given by points, from a CSV file with the columns `time_s,position_rad`.
 //!
-//! Times increase strictly. Before the first point the first position holds, after the last the last. Lines
-//! that start with `#` are comments.
+//! Times increase strictly. Before the first point the first position holds, after the last point the last position.
+//! Lines that start with `#` are comments.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-/// What lies between two points.
+/// Interpolation between two points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Interpolation {
@@ -18,10 +18,10 @@ pub enum Interpolation {
     Hold,
 }
 
-/// A reference given by points; at least one.
+/// A reference given by at least one point.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Table {
-    /// Where the points come from.
+    /// Source of the points.
     file: PathBuf,
     interpolation: Interpolation,
     #[serde(skip)]
@@ -34,55 +34,55 @@ struct Point {
     position_rad: f64,
 }
 
-/// A table that can't be used: which file, which line, why.
+/// Why a table was rejected, with file and line.
 #[derive(Debug, thiserror::Error)]
-#[error("table {}{}: {fault}", file.display(), line.map(|line| format!(":{line}")).unwrap_or_default())]
+#[error("table {}{}: {kind}", file.display(), line.map(|line| format!(":{line}")).unwrap_or_default())]
 pub struct TableError {
     /// The file as it was opened.
     pub file: PathBuf,
-    /// Counted from 1; `None` if the whole file is at fault.
+    /// Line number from 1; `None` if the error concerns the whole file.
     pub line: Option<usize>,
-    /// What is wrong.
-    pub fault: TableFault,
+    /// The reason.
+    pub kind: TableErrorKind,
 }
 
-/// What can be wrong with a table.
+/// Reasons for which a table is rejected.
 #[derive(Debug, thiserror::Error)]
-pub enum TableFault {
+pub enum TableErrorKind {
     /// The file can't be read.
     #[error("cannot be read: {0}")]
     Read(#[source] io::Error),
     /// The first line isn't the header.
     #[error("the columns are {0:?}; they must be \"time_s,position_rad\"")]
     Header(String),
-    /// A line with more or fewer than two fields.
+    /// A line does not have two fields.
     #[error("fields in this row: {0}; a row must have 2")]
     Fields(usize),
-    /// A field that isn't a number.
+    /// A field isn't a number.
     #[error("{column} is {found:?}; it must be a number")]
     NotANumber {
-        /// The column.
+        /// Name of the column.
         column: &'static str,
-        /// The field.
+        /// Text of the field.
         found: String,
     },
-    /// NaN or infinite.
+    /// A number is NaN or infinite.
     #[error("{column} is {found}; it must be finite")]
     NotFinite {
-        /// The column.
+        /// Name of the column.
         column: &'static str,
-        /// The value.
+        /// Value of the field.
         found: f64,
     },
-    /// A time that isn't later than the one before.
+    /// A time isn't later than the time before it.
     #[error("time_s is {found} after {before}; times must increase")]
     NotIncreasing {
-        /// This line's time.
+        /// Time of this line.
         found: f64,
         /// The time of the line before.
         before: f64,
     },
-    /// No points.
+    /// The file has no points.
     #[error("has no points; it must have at least one")]
     Empty,
 }
@@ -93,17 +93,17 @@ impl Table {
     /// Reads a CSV file.
     ///
     /// # Errors
-    /// The file can't be read, its columns have other names, or a line has something else than a finite time
-    /// after the one before and a finite position.
+    /// The file can't be read, its columns have other names, or a line lacks a finite position and a finite time after
+    /// that of the line before.
     pub fn from_file(file: &Path, interpolation: Interpolation) -> Result<Self, TableError> {
-        let error = |fault| TableError { file: file.to_owned(), line: None, fault };
-        let text = std::fs::read_to_string(file).map_err(|source| error(TableFault::Read(source)))?;
+        let error = |kind| TableError { file: file.to_owned(), line: None, kind };
+        let text = std::fs::read_to_string(file).map_err(|source| error(TableErrorKind::Read(source)))?;
         let points =
-            read_points(&text).map_err(|(line, fault)| TableError { file: file.to_owned(), line, fault })?;
+            read_points(&text).map_err(|(line, kind)| TableError { file: file.to_owned(), line, kind })?;
         Ok(Self { file: file.to_owned(), interpolation, points })
     }
 
-    /// The position asked for at a time of the run, in rad.
+    /// Reference position in rad at a time of the run.
     #[must_use]
     pub fn position_rad(&self, t_s: f64) -> f64 {
         let after = self.points.partition_point(|point| point.time_s <= t_s);
@@ -114,8 +114,8 @@ impl Table {
         match self.interpolation {
             Interpolation::Hold => previous.position_rad,
             Interpolation::Linear => {
-                let share = (t_s - previous.time_s) / (next.time_s - previous.time_s);
-                previous.position_rad + share * (next.position_rad - previous.position_rad)
+                let fraction = (t_s - previous.time_s) / (next.time_s - previous.time_s);
+                previous.position_rad + fraction * (next.position_rad - previous.position_rad)
             }
         }
     }
@@ -130,47 +130,47 @@ impl Table {
     }
 }
 
-/// Line by line rather than with a CSV reader: two columns of numbers need no quoting, and a reader that skips
-/// blank lines and comments loses count of the lines a fault has to name.
-fn read_points(text: &str) -> Result<Vec<Point>, (Option<usize>, TableFault)> {
+/// We read line by line, without a CSV reader: two columns of numbers need no quoting, and a reader that skips blank
+/// lines and comments would lose the line number that an error names.
+fn read_points(text: &str) -> Result<Vec<Point>, (Option<usize>, TableErrorKind)> {
     // Spreadsheets put a byte order mark before the header.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines =
         (1..).zip(text.lines().map(str::trim)).filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
-    let empty = (None, TableFault::Empty);
+    let empty = (None, TableErrorKind::Empty);
     let Some((number, header)) = lines.next() else {
         return Err(empty);
     };
     if !header.split(',').map(str::trim).eq(COLUMNS) {
-        return Err((Some(number), TableFault::Header(header.to_owned())));
+        return Err((Some(number), TableErrorKind::Header(header.to_owned())));
     }
     let mut points: Vec<Point> = Vec::new();
     for (number, line) in lines {
-        let point = read_point(line).map_err(|fault| (Some(number), fault))?;
+        let point = read_point(line).map_err(|kind| (Some(number), kind))?;
         if let Some(last) = points.last()
             && point.time_s <= last.time_s
         {
-            let fault = TableFault::NotIncreasing { found: point.time_s, before: last.time_s };
-            return Err((Some(number), fault));
+            let kind = TableErrorKind::NotIncreasing { found: point.time_s, before: last.time_s };
+            return Err((Some(number), kind));
         }
         points.push(point);
     }
     if points.is_empty() { Err(empty) } else { Ok(points) }
 }
 
-fn read_point(line: &str) -> Result<Point, TableFault> {
+fn read_point(line: &str) -> Result<Point, TableErrorKind> {
     let Some((time, position)) = line.split_once(',').filter(|(_, position)| !position.contains(',')) else {
-        return Err(TableFault::Fields(line.split(',').count()));
+        return Err(TableErrorKind::Fields(line.split(',').count()));
     };
     Ok(Point { time_s: read_number(COLUMNS[0], time)?, position_rad: read_number(COLUMNS[1], position)? })
 }
 
-fn read_number(column: &'static str, field: &str) -> Result<f64, TableFault> {
+fn read_number(column: &'static str, field: &str) -> Result<f64, TableErrorKind> {
     let field = field.trim();
     match field.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
-        Ok(found) => Err(TableFault::NotFinite { column, found }),
-        Err(_) => Err(TableFault::NotANumber { column, found: field.to_owned() }),
+        Ok(found) => Err(TableErrorKind::NotFinite { column, found }),
+        Err(_) => Err(TableErrorKind::NotANumber { column, found: field.to_owned() }),
     }
 }
 
@@ -191,7 +191,7 @@ mod tests {
     const POINTS: &str = "time_s,position_rad\n# a corner\n1,0\n2,1\n4,-1\n";
 
     #[test]
-    fn lines_are_drawn_between_points_and_the_ends_hold() {
+    fn linear_points_are_joined_by_lines_and_the_ends_hold() {
         let table = table(POINTS, Interpolation::Linear).expect("a good table");
         for (t_s, want) in
             [(0.0, 0.0), (1.0, 0.0), (1.5, 0.5), (2.0, 1.0), (3.5, -0.5), (4.0, -1.0), (9.0, -1.0)]
@@ -215,8 +215,8 @@ mod tests {
     }
 
     #[test]
-    fn every_fault_names_file_line_and_reason() {
-        let faults: Vec<_> = [
+    fn every_error_names_file_line_and_reason() {
+        let errors: Vec<_> = [
             "time_s,position_rad\n",
             "",
             "t,theta\n0,0\n",
@@ -229,9 +229,9 @@ mod tests {
             "time_s,position_rad\n0;0\n",
         ]
         .into_iter()
-        .map(|text| table(text, Interpolation::Linear).expect_err("a faulty table"))
+        .map(|text| table(text, Interpolation::Linear).expect_err("a bad table"))
         .collect();
-        insta::assert_snapshot!(faults.join("\n"), @r#"
+        insta::assert_snapshot!(errors.join("\n"), @r#"
         table points.csv: has no points; it must have at least one
         table points.csv: has no points; it must have at least one
         table points.csv:1: the columns are "t,theta"; they must be "time_s,position_rad"
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn an_absent_file_is_named() {
+    fn missing_file_is_named() {
         let error = Table::from_file(Path::new("no/such.csv"), Interpolation::Hold).expect_err("no file");
         assert_eq!(
             error.to_string(),

@@ -1,5 +1,5 @@
-//! A positioning move: accelerate, cruise, decelerate. A move too short to reach the velocity limit is
-//! triangular: it turns from accelerating to decelerating in the middle.
+//! A positioning move: acceleration, constant velocity, deceleration. A move too short to reach the velocity limit is
+//! triangular: deceleration begins half way.
 
 use serde::Serialize;
 
@@ -10,22 +10,22 @@ pub struct Trapezoid {
     pub from_rad: f64,
     /// Position at the end.
     pub to_rad: f64,
-    /// When the move begins.
+    /// Time at which the move begins.
     pub start_s: f64,
-    /// Velocity limit, above 0.
+    /// Velocity limit in rad/s, above 0.
     pub velocity_rad_s: f64,
-    /// Acceleration and deceleration, above 0.
+    /// Acceleration and deceleration in rad/s^2, above 0.
     pub acceleration_rad_s2: f64,
 }
 
 impl Trapezoid {
-    /// The position asked for at a time of the run, in rad.
+    /// Reference position in rad at a time of the run.
     #[must_use]
     pub fn position_rad(&self, t_s: f64) -> f64 {
         let distance = (self.to_rad - self.from_rad).abs();
         let peak_velocity = self.velocity_rad_s.min((distance * self.acceleration_rad_s2).sqrt());
         let ramp_s = peak_velocity / self.acceleration_rad_s2;
-        // v/a of ramps cover v^2/a; the rest is cruised. Without distance there's no velocity to divide by.
+        // Both ramps together take 2 v/a and cover v^2/a; the rest runs at v. Without distance v is zero and can't divide.
         let total_s = if distance > 0.0 { distance / peak_velocity + ramp_s } else { 0.0 };
         let elapsed_s = t_s - self.start_s;
         if elapsed_s <= 0.0 {
@@ -50,20 +50,20 @@ impl Trapezoid {
 mod tests {
     use super::Trapezoid;
 
-    fn profile(from_rad: f64, to_rad: f64) -> Trapezoid {
+    fn trapezoid(from_rad: f64, to_rad: f64) -> Trapezoid {
         Trapezoid { from_rad, to_rad, start_s: 1.0, velocity_rad_s: 2.0, acceleration_rad_s2: 4.0 }
     }
 
     #[track_caller]
-    fn assert_at(profile: &Trapezoid, t_s: f64, want: f64) {
-        let have = profile.position_rad(t_s);
+    fn assert_at(trapezoid: &Trapezoid, t_s: f64, want: f64) {
+        let have = trapezoid.position_rad(t_s);
         assert!((have - want).abs() < 1e-12, "at {t_s} s: have {have}, want {want}");
     }
 
     #[test]
-    fn a_long_move_ramps_cruises_and_ramps() {
+    fn long_move_reaches_the_velocity_limit() {
         // 0.5 s and 0.5 rad for each ramp, 3 rad at 2 rad/s between them.
-        let profile = profile(0.0, 4.0);
+        let trapezoid = trapezoid(0.0, 4.0);
         for (t_s, want) in [
             (0.0, 0.0),
             (1.0, 0.0),
@@ -74,41 +74,41 @@ mod tests {
             (3.25, 3.875),
             (3.5, 4.0),
         ] {
-            assert_at(&profile, t_s, want);
+            assert_at(&trapezoid, t_s, want);
         }
-        assert_eq!(profile.position_rad(100.0), 4.0);
+        assert_eq!(trapezoid.position_rad(100.0), 4.0);
     }
 
     #[test]
-    fn a_short_move_is_triangular() {
+    fn short_move_is_triangular() {
         // Half of 0.25 rad at 4 rad/s^2 takes 0.25 s and peaks at 1 rad/s.
-        let profile = profile(1.0, 1.25);
+        let trapezoid = trapezoid(1.0, 1.25);
         for (t_s, want) in [(1.125, 1.031_25), (1.25, 1.125), (1.375, 1.218_75), (1.5, 1.25)] {
-            assert_at(&profile, t_s, want);
+            assert_at(&trapezoid, t_s, want);
         }
     }
 
     #[test]
-    fn a_move_backwards_mirrors_the_move_forwards() {
+    fn backward_move_mirrors_the_forward_move() {
         for step in 0..400 {
             let t_s = f64::from(step) * 0.01;
-            assert_at(&profile(0.0, -4.0), t_s, -profile(0.0, 4.0).position_rad(t_s));
+            assert_at(&trapezoid(0.0, -4.0), t_s, -trapezoid(0.0, 4.0).position_rad(t_s));
         }
     }
 
     #[test]
-    fn velocity_and_acceleration_stay_in_their_limits() {
-        let (profile, h) = (profile(-1.0, 3.0), 1e-3);
+    fn velocity_and_acceleration_stay_within_their_limits() {
+        let (trapezoid, h) = (trapezoid(-1.0, 3.0), 1e-3);
         for step in 1..4000 {
             let t_s = f64::from(step) * h;
-            let [before, now, after] = [t_s - h, t_s, t_s + h].map(|t_s| profile.position_rad(t_s));
+            let [before, now, after] = [t_s - h, t_s, t_s + h].map(|t_s| trapezoid.position_rad(t_s));
             assert!(((after - now) / h).abs() <= 2.0 + 1e-9, "velocity at {t_s} s");
             assert!(((after - 2.0 * now + before) / (h * h)).abs() <= 4.0 + 1e-6, "acceleration at {t_s} s");
         }
     }
 
     #[test]
-    fn a_move_over_no_distance_stays() {
-        assert_eq!(profile(0.3, 0.3).position_rad(1.2), 0.3);
+    fn move_over_zero_distance_stays() {
+        assert_eq!(trapezoid(0.3, 0.3).position_rad(1.2), 0.3);
     }
 }

@@ -1,93 +1,74 @@
-//! One way of the line: frames go in, some are hit, and come out when it is time.
+//! One direction of the link: frames are hit by faults, held, and released when they are due.
+//!
+//! Whether and where a frame is hit is drawn once for the whole frame, in whatever pieces its bytes arrive.
 
 use std::collections::VecDeque;
-use std::ops::Deref;
 use std::time::{Duration, Instant};
 
-use lashloop_protocol::MAX_FRAME;
-use lashloop_protocol::frame::DELIMITER;
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::Rng;
 
-use super::LinkFaults;
-use crate::fault::{Schedule, at_place, draw, draw_below, random_stream};
+use super::link_faults::LinkFaults;
+use super::piece::Piece;
+use crate::fault::random::{stream, uniform, uniform_below};
+use crate::fault::schedule::{Schedule, scheduled};
 use crate::scenario::Scenario;
-use crate::scenario::fault::{FaultKind, Place, Way};
+use crate::scenario::fault::{FaultKind, FrameFault};
 
-/// Frames that may be held at a time.
-const ROOM: usize = 1024;
-
-/// A frame on its way, or a piece of what is none.
-#[derive(Clone, Copy)]
-pub(super) struct Piece {
-    bytes: [u8; MAX_FRAME],
-    len: usize,
-}
-
-impl Deref for Piece {
-    type Target = [u8];
-
-    fn deref(&self) -> &[u8] {
-        &self.bytes[..self.len]
-    }
-}
-
-impl Piece {
-    const EMPTY: Self = Self { bytes: [0; MAX_FRAME], len: 0 };
-
-    fn push(&mut self, byte: u8) {
-        self.bytes[self.len] = byte;
-        self.len += 1;
-    }
-
-    fn remove(&mut self, at: usize) {
-        self.bytes.copy_within(at + 1..self.len, at);
-        self.len -= 1;
-    }
-
-    fn is_whole(&self) -> bool {
-        self.len == MAX_FRAME || self.last() == Some(&DELIMITER)
-    }
-}
+/// Frames held at most; a longer stall loses the oldest.
+const CAPACITY: usize = 1024;
 
 struct Held {
     piece: Piece,
-    /// When it may pass; `None` as long as the line stalls.
+    /// When the frame is due; `None` for a stalled frame, which is due when the stall ends.
     release: Option<Instant>,
 }
 
-struct PassageFault {
-    number: usize,
+struct ActiveFault {
+    index: usize,
     schedule: Schedule,
-    kind: FaultKind,
+    fault: FrameFault,
     random: Pcg64Mcg,
 }
 
-/// One way of the line.
+/// What the active faults make of one frame.
+struct Passage {
+    piece: Piece,
+    release: Instant,
+    is_stalled: bool,
+    is_duplicated: bool,
+    is_overtaken: bool,
+}
+
+/// One direction of the link.
 pub(super) struct Impairment {
-    faults: Vec<PassageFault>,
+    faults: Vec<ActiveFault>,
     partial: Piece,
-    /// Whatever the delay, frames of one line keep their order: only the first is looked at.
+    /// Frames keep their order under any delay, so only the first can be due.
     held: VecDeque<Held>,
-    /// A frame that waits to be overtaken.
+    /// A frame that waits for its successor to overtake it.
     overtaken: Option<Held>,
 }
 
 impl Impairment {
     pub(super) fn new(scenario: &Scenario, to_drive: bool) -> Self {
-        let faults = at_place(scenario, Place::Link).filter(|(_, _, kind)| {
-            way_of(kind).is_some_and(|way| if to_drive { way.is_to_drive() } else { way.is_to_bench() })
-        });
-        let faults = faults.map(|(number, schedule, kind)| PassageFault {
-            number,
+        let here = |kind| match kind {
+            FaultKind::Frame { fault, way } => {
+                let is_here = if to_drive { way.is_to_drive() } else { way.is_to_bench() };
+                is_here.then_some(fault)
+            }
+            _ => None,
+        };
+        let faults = scheduled(scenario, here).map(|(index, schedule, fault)| ActiveFault {
+            index,
             schedule,
-            kind,
-            random: random_stream(scenario, number, u64::from(to_drive)),
+            fault,
+            random: stream(scenario, index, u64::from(to_drive)),
         });
         Self {
             faults: faults.collect(),
             partial: Piece::EMPTY,
-            held: VecDeque::with_capacity(ROOM),
+            held: VecDeque::with_capacity(CAPACITY),
             overtaken: None,
         }
     }
@@ -102,7 +83,7 @@ impl Impairment {
         self.held.is_empty()
     }
 
-    /// Takes bytes from the near side at a time.
+    /// Takes bytes from the sender.
     pub(super) fn admit(&mut self, bytes: &[u8], shared: &LinkFaults, now: Instant) {
         for byte in bytes {
             self.partial.push(*byte);
@@ -113,65 +94,29 @@ impl Impairment {
         }
     }
 
-    fn admit_piece(&mut self, mut piece: Piece, shared: &LinkFaults, now: Instant) {
-        let (mut release, mut stalls, mut doubled, mut overtaken) = (now, false, false, false);
-        let step = shared.step();
-        for fault in &mut self.faults {
-            if !step.is_some_and(|step| fault.schedule.contains(step)) {
-                continue;
-            }
-            let random = &mut fault.random;
-            let hit = match fault.kind {
-                FaultKind::LinkDelay { delay_ms, jitter_ms, .. } => {
-                    release += Duration::from_secs_f64((delay_ms + jitter_ms * draw(random)) / 1e3);
-                    true
+    fn admit_piece(&mut self, piece: Piece, shared: &LinkFaults, now: Instant) {
+        let mut passage =
+            Passage { piece, release: now, is_stalled: false, is_duplicated: false, is_overtaken: false };
+        if let Some(step) = shared.step() {
+            let may_wait = self.overtaken.is_none();
+            for active in self.faults.iter_mut().filter(|active| active.schedule.contains(step)) {
+                if passage.is_hit_by(active.fault, &mut active.random, may_wait) {
+                    shared.count_hit(active.index);
                 }
-                FaultKind::LinkStall { .. } => {
-                    stalls = true;
-                    true
-                }
-                // A frame can't be overtaken by one that waits for the same.
-                FaultKind::LinkReorder { share, .. } => {
-                    draw(random) < share && self.overtaken.is_none() && !overtaken
-                }
-                kind => share_of(&kind).is_some_and(|share| draw(random) < share),
-            };
-            if !hit || piece.is_empty() {
-                continue;
-            }
-            shared.count(fault.number);
-            match fault.kind {
-                FaultKind::LinkByteLoss { .. } => {
-                    let at = draw_below(random, piece.len);
-                    piece.remove(at);
-                }
-                FaultKind::LinkBitFlip { .. } => {
-                    let bit = draw_below(random, 8 * piece.len);
-                    piece.bytes[bit / 8] ^= 1 << (bit % 8);
-                }
-                FaultKind::LinkBurst { bytes, .. } => {
-                    let len = (bytes as usize).min(piece.len);
-                    let from = draw_below(random, piece.len - len + 1);
-                    random.fill_bytes(&mut piece.bytes[from..from + len]);
-                }
-                FaultKind::LinkDuplicate { .. } => doubled = true,
-                FaultKind::LinkReorder { .. } => overtaken = true,
-                _ => {}
             }
         }
-        // The lone byte of a piece was lost. Nothing is left that could be held, or read as the end of a wait.
-        if piece.is_empty() {
+        // A piece of one byte has lost it. An empty one would read as the end of a wait.
+        if passage.piece.is_empty() {
             return;
         }
-        let held = || Held { piece, release: (!stalls).then_some(release) };
         let waiting = self.overtaken.take();
-        if overtaken {
-            self.overtaken = Some(held());
+        if passage.is_overtaken {
+            self.overtaken = Some(passage.held());
         } else {
-            self.hold(held());
+            self.hold(passage.held());
         }
-        if doubled {
-            self.hold(held());
+        if passage.is_duplicated {
+            self.hold(passage.held());
         }
         if let Some(waiting) = waiting {
             self.hold(waiting);
@@ -179,53 +124,82 @@ impl Impairment {
     }
 
     fn hold(&mut self, held: Held) {
-        if self.held.len() == ROOM {
+        if self.held.len() == CAPACITY {
             self.held.pop_front();
         }
         self.held.push_back(held);
     }
 
-    /// The next frame that may pass by now.
+    /// The next frame, if it is due.
     pub(super) fn next_due(&mut self, step: Option<u32>, now: Instant) -> Option<Piece> {
-        let due = self.next_release(step, now)? <= now;
-        if due { self.held.pop_front().map(|held| held.piece) } else { None }
+        let is_due = self.next_release(step, now)? <= now;
+        if is_due { self.held.pop_front().map(|held| held.piece) } else { None }
     }
 
-    /// When the next frame may pass; `None` if there is none, or as long as the line stalls. Outside the run nothing is
-    /// wrong with the line, so nothing is held.
+    /// When the next frame is due; `None` if no frame is held, or during a stall. Outside the run, no frame is held back.
     pub(super) fn next_release(&self, step: Option<u32>, now: Instant) -> Option<Instant> {
-        if step.is_none() {
-            return self.held.front().map(|_| now);
+        let first = self.held.front()?;
+        let Some(step) = step else { return Some(now) };
+        let mut active = self.faults.iter().filter(|active| active.schedule.contains(step));
+        let is_stalled = active.any(|active| active.fault == FrameFault::Stall {});
+        (!is_stalled).then(|| first.release.unwrap_or(now))
+    }
+}
+
+impl Passage {
+    /// Applies a fault; whether it has hit the frame. Every fault draws for every frame, whatever other faults have done to
+    /// it, so that streams stay independent of each other.
+    fn is_hit_by(&mut self, fault: FrameFault, random: &mut Pcg64Mcg, may_wait: bool) -> bool {
+        let is_empty = self.piece.is_empty();
+        let mut draw_hit = |share| uniform(random) < share && !is_empty;
+        match fault {
+            FrameFault::ByteLoss { share } => {
+                let is_hit = draw_hit(share);
+                if is_hit {
+                    self.piece.remove(uniform_below(random, self.piece.len()));
+                }
+                is_hit
+            }
+            FrameFault::BitFlip { share } => {
+                let is_hit = draw_hit(share);
+                if is_hit {
+                    self.piece.flip_bit(uniform_below(random, 8 * self.piece.len()));
+                }
+                is_hit
+            }
+            FrameFault::Burst { share, bytes } => {
+                let is_hit = draw_hit(share);
+                if is_hit {
+                    let len = (bytes as usize).min(self.piece.len());
+                    let from = uniform_below(random, self.piece.len() - len + 1);
+                    random.fill_bytes(&mut self.piece.bytes_mut()[from..from + len]);
+                }
+                is_hit
+            }
+            FrameFault::Duplicate { share } => {
+                let is_hit = draw_hit(share);
+                self.is_duplicated |= is_hit;
+                is_hit
+            }
+            FrameFault::Reorder { share } => {
+                // Of two frames that wait to be overtaken, neither would ever be released.
+                let is_hit = draw_hit(share) && may_wait && !self.is_overtaken;
+                self.is_overtaken |= is_hit;
+                is_hit
+            }
+            FrameFault::Delay { delay_ms, jitter_ms } => {
+                self.release += Duration::from_secs_f64((delay_ms + jitter_ms * uniform(random)) / 1e3);
+                !is_empty
+            }
+            FrameFault::Stall {} => {
+                self.is_stalled = true;
+                !is_empty
+            }
         }
-        let stalls = self.faults.iter().any(|fault| {
-            matches!(fault.kind, FaultKind::LinkStall { .. })
-                && step.is_some_and(|step| fault.schedule.contains(step))
-        });
-        let first = self.held.front().filter(|_| !stalls)?;
-        Some(first.release.unwrap_or(now))
     }
-}
 
-fn way_of(kind: &FaultKind) -> Option<Way> {
-    match kind {
-        FaultKind::LinkByteLoss { way, .. }
-        | FaultKind::LinkBitFlip { way, .. }
-        | FaultKind::LinkBurst { way, .. }
-        | FaultKind::LinkDuplicate { way, .. }
-        | FaultKind::LinkReorder { way, .. }
-        | FaultKind::LinkDelay { way, .. }
-        | FaultKind::LinkStall { way } => Some(*way),
-        _ => None,
-    }
-}
-
-fn share_of(kind: &FaultKind) -> Option<f64> {
-    match kind {
-        FaultKind::LinkByteLoss { share, .. }
-        | FaultKind::LinkBitFlip { share, .. }
-        | FaultKind::LinkBurst { share, .. }
-        | FaultKind::LinkDuplicate { share, .. } => Some(*share),
-        _ => None,
+    fn held(&self) -> Held {
+        Held { piece: self.piece, release: (!self.is_stalled).then_some(self.release) }
     }
 }
 

@@ -1,9 +1,9 @@
 //! What each fault makes of what passes through it.
 
-mod actuator;
+mod encoder;
+mod motor;
 mod plant;
 mod schedule;
-mod sensor;
 
 use crate::scenario::Scenario;
 

@@ -1,7 +1,8 @@
-//! Faults of the gears.
+//! Faults of the plant.
 
 use super::scenario;
-use crate::fault::plant::GearFaults;
+use crate::fault::plant::PlantFaults;
+use crate::scenario::plant::PlantSettings;
 
 const FROM_2_FOR_3: &str = "at_s = 0.002\nfor_s = 0.003\n";
 
@@ -9,16 +10,15 @@ fn at(step: u32, faults: &[String]) -> (f64, f64, f64, f64) {
     let faults: Vec<_> = faults.iter().map(String::as_str).collect();
     let scenario = scenario(&faults);
     let healthy = &scenario.plant;
-    let gears = GearFaults::new(&scenario);
-    let settings = gears.settings(step, healthy);
-    let friction = |plant: &crate::scenario::plant::PlantSettings| {
-        plant.backlash_shaft.as_ref().map(|bench| bench.load_coulomb_nm).unwrap_or_default()
+    let plant = PlantFaults::new(&scenario).at(step, healthy);
+    let friction = |plant: &PlantSettings| {
+        plant.backlash_shaft.as_ref().map(|shaft| shaft.load_coulomb_nm).unwrap_or_default()
     };
     (
-        gears.growth_rad(step),
-        gears.load_torque_nm(step),
-        settings.stiffness_nm_rad / healthy.stiffness_nm_rad,
-        friction(&settings) / friction(healthy),
+        plant.growth_rad,
+        plant.load_torque_nm,
+        plant.settings.stiffness_nm_rad / healthy.stiffness_nm_rad,
+        friction(&plant.settings) / friction(healthy),
     )
 }
 
@@ -27,7 +27,7 @@ fn fault(text: &str) -> String {
 }
 
 #[test]
-fn a_gap_grows_and_a_load_acts_while_their_faults_last() {
+fn gap_and_load_torque_change_while_their_faults_last() {
     let faults =
         [fault("kind = \"gap-growth\"\ngrowth_rad = 0.1"), fault("kind = \"load-torque\"\ntorque_nm = -5")];
     assert_eq!(at(1, &faults), (0.0, 0.0, 1.0, 1.0));
@@ -36,7 +36,7 @@ fn a_gap_grows_and_a_load_acts_while_their_faults_last() {
 }
 
 #[test]
-fn stiffness_and_friction_change_by_their_factor_and_come_back() {
+fn stiffness_and_friction_change_by_a_factor_and_recover() {
     let faults =
         [fault("kind = \"stiffness-drop\"\nfactor = 0.25"), fault("kind = \"friction-change\"\nfactor = 2")];
     assert_eq!(at(1, &faults), (0.0, 0.0, 1.0, 1.0));
@@ -53,12 +53,13 @@ fn two_faults_of_a_kind_add_up() {
 }
 
 #[test]
-fn the_plant_changes_at_the_edges_of_its_faults_and_nowhere_else() {
+fn parameters_change_at_the_edges_of_faults_only() {
     let scenario = scenario(&[
         &fault("kind = \"stiffness-drop\"\nfactor = 0.5"),
         "kind = \"friction-change\"\nfactor = 2\nat_s = 0.5",
         "kind = \"load-torque\"\ntorque_nm = 1\nat_s = 0.7",
     ]);
-    let changes: Vec<_> = GearFaults::new(&scenario).changes().into_iter().collect();
-    assert_eq!(changes, [2, 5, 500, u32::MAX]);
+    let changes = PlantFaults::new(&scenario).changes(&scenario.plant);
+    let steps: Vec<_> = changes.into_iter().map(|(step, _)| step).collect();
+    assert_eq!(steps, [2, 5, 500]);
 }

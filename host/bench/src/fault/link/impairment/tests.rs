@@ -229,11 +229,11 @@ fn a_stall_also_holds_what_was_delayed_before_it() {
 #[test]
 fn a_stall_that_would_have_to_hold_more_than_its_room_loses_the_oldest() {
     let mut line = Line::new(&["kind = \"link-stall\"\nat_s = 0\nfor_s = 0.001"]);
-    for number in 0..super::ROOM + 3 {
+    for number in 0..super::CAPACITY + 3 {
         line.admit(0, 0, &frame((number % 200) as u8 + 1));
     }
     let out = line.out(1, 0);
-    assert_eq!((out.len(), &out[0]), (super::ROOM, &frame(4)));
+    assert_eq!((out.len(), &out[0]), (super::CAPACITY, &frame(4)));
 }
 
 #[test]

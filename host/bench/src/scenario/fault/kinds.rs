@@ -1,0 +1,79 @@
+//! The table form in which a group declares its kinds of fault.
+
+/// What ends a fault.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FaultDuration {
+    /// `for_s` in time of the run; without `for_s` the end of the run.
+    Simulated,
+    /// The step in which it begins.
+    Momentary,
+    /// `for_s` in wall-clock time, since there may be no steps meanwhile.
+    WallClock,
+}
+
+/// Declares the kinds of one group. An entry reads `"name" => Variant { key: Type = reader, ... }`, with
+/// `lasts Momentary` or `lasts WallClock` before the keys where the kind doesn't last in time of the run. A reader is
+/// called with the section and the key's name.
+///
+/// Yields the enum, its form in scenarios (`kind = "name"`, then the keys), and the reading of each kind.
+macro_rules! fault_kinds {
+    (
+        $(#[$attribute:meta])*
+        pub enum $group:ident {
+            $(
+                $(#[$kind_doc:meta])*
+                $name:literal => $kind:ident $(lasts $duration:ident)? {
+                    $($(#[$key_doc:meta])* $key:ident: $type:ty = $read:expr,)*
+                }
+            )+
+        }
+    ) => {
+        $(#[$attribute])*
+        #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+        #[serde(tag = "kind")]
+        pub enum $group {
+            $(
+                $(#[$kind_doc])*
+                #[serde(rename = $name)]
+                $kind {
+                    $($(#[$key_doc])* $key: $type,)*
+                },
+            )+
+        }
+
+        impl $group {
+            /// Names of the kinds, as scenarios spell them.
+            pub const NAMES: &[&'static str] = &[$($name),+];
+
+            /// The kind's name.
+            #[must_use]
+            pub const fn name(&self) -> &'static str {
+                match self {
+                    $(Self::$kind { .. } => $name,)+
+                }
+            }
+
+            /// What ends a fault of this kind.
+            #[must_use]
+            pub const fn duration(&self) -> $crate::scenario::fault::kinds::FaultDuration {
+                match self {
+                    $(Self::$kind { .. } => fault_kinds!(@duration $($duration)?),)+
+                }
+            }
+
+            /// Reads the keys of the kind of this name; `None` if this group has no such kind.
+            // A group whose kinds have no keys reads nothing.
+            #[allow(unused_variables)]
+            pub(super) fn read(name: &str, section: &mut $crate::scenario::reader::Section<'_>) -> Option<Self> {
+                match name {
+                    $($name => Some(Self::$kind { $($key: $read(section, stringify!($key)),)* }),)+
+                    _ => None,
+                }
+            }
+        }
+    };
+    (@duration) => { $crate::scenario::fault::kinds::FaultDuration::Simulated };
+    (@duration $duration:ident) => { $crate::scenario::fault::kinds::FaultDuration::$duration };
+}
+
+pub(super) use fault_kinds;

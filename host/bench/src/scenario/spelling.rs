@@ -1,0 +1,48 @@
+//! Spelling of keys, values and choices in messages.
+
+use std::fmt::Write;
+
+/// A key as TOML would spell it, with anything unprintable escaped and anything long cut.
+pub(super) fn spell_key(key: &str) -> String {
+    let bare = !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
+    if bare { shorten(key) } else { spell_text(key) }
+}
+
+/// A text value in quotes, with anything unprintable escaped and anything long cut.
+pub(super) fn spell_text(text: &str) -> String {
+    format!("{:?}", shorten(text))
+}
+
+/// Keeps a message readable when the value found is a whole page.
+fn shorten(text: &str) -> String {
+    const LONGEST: usize = 60;
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+/// Appends the unit, if there is one.
+pub(super) fn with_unit(mut text: String, unit: &str) -> String {
+    if !unit.is_empty() {
+        // Writing to a String can't fail.
+        let _ = write!(text, " {unit}");
+    }
+    text
+}
+
+/// A number as an engineer writes it: 0.5, 5000, 1e6.
+pub(super) fn spell_number(number: f64) -> String {
+    let size = number.abs();
+    if size != 0.0 && !(1e-3..1e4).contains(&size) { format!("{number:e}") } else { format!("{number}") }
+}
+
+/// `"a", "b" or "c"`.
+pub(super) fn either<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
+    let mut quoted: Vec<_> = words.into_iter().map(|word| format!("\"{word}\"")).collect();
+    match quoted.pop() {
+        Some(last) if quoted.is_empty() => last,
+        Some(last) => format!("{} or {last}", quoted.join(", ")),
+        None => String::new(),
+    }
+}

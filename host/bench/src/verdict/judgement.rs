@@ -1,0 +1,140 @@
+//! Judging a run by its scenario.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use super::exit::Verdict;
+use super::link_counts::LinkCounts;
+use crate::scenario::expectation::Expectation;
+use crate::scenario::sections::Allowance;
+use crate::timing::{ClockName, Quantiles, TimingReport};
+use lashloop_plant::metrics::{Measured, Metric, Metrics};
+
+/// An expectation and what its metric came out as.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JudgedExpectation {
+    /// The metric.
+    pub metric: Metric,
+    /// Its value; null in a summary if the metric has none, and then never `ok`.
+    pub value: Measured,
+    /// The metric's unit.
+    pub unit: &'static str,
+    /// Smallest value that passes.
+    pub min: Option<f64>,
+    /// Largest value that passes.
+    pub max: Option<f64>,
+    /// Whether the metric has a value, within the bounds.
+    pub ok: bool,
+}
+
+impl JudgedExpectation {
+    fn new(expectation: &Expectation, metrics: &Metrics) -> Self {
+        let &Expectation { metric, unit, min, max, .. } = expectation;
+        let value = metrics.get(metric);
+        let within = |value: f64| min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max);
+        Self { metric, value, unit, min, max, ok: value.value().is_some_and(within) }
+    }
+}
+
+impl fmt::Display for JudgedExpectation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { metric, value, unit, min, max, ok } = self;
+        write!(f, "{metric}: {value}")?;
+        if value.value().is_some() {
+            write!(f, " {unit}")?;
+        }
+        write!(f, "; {} ", if *ok { "meets" } else { "misses" })?;
+        match (min, max) {
+            (Some(min), Some(max)) => write!(f, "{min} to {max} {unit}"),
+            (Some(min), None) => write!(f, "at least {min} {unit}"),
+            (None, Some(max)) => write!(f, "at most {max} {unit}"),
+            (None, None) => f.write_str("no bound"),
+        }
+    }
+}
+
+/// A count of the link or a figure of timing beyond what the scenario allows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Breach {
+    /// The key of `[allow]`.
+    pub what: &'static str,
+    /// The run's figure; `None` if the run has none, which meets no limit.
+    pub counted: Option<u64>,
+    /// The limit.
+    pub allowed: u64,
+}
+
+impl fmt::Display for Breach {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { what, counted, allowed } = self;
+        match counted {
+            None => write!(f, "{what}: nothing to measure, allow.{what} is {allowed}"),
+            Some(counted) => write!(f, "{what}: {counted} counted, allow.{what} is {allowed}"),
+        }
+    }
+}
+
+/// The verdict of a run with its reasons.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judgement {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Every expectation, in the order of the scenario.
+    pub expectations: Vec<JudgedExpectation>,
+    /// Why the verdict is INVALID; empty otherwise.
+    pub breaches: Vec<Breach>,
+}
+
+impl Judgement {
+    /// Judges a run by its scenario. A run with a metric that isn't finite fails, even without expectations.
+    #[must_use]
+    pub fn new(
+        expectations: &[Expectation],
+        metrics: &Metrics,
+        allow: &Allowance,
+        counts: &LinkCounts,
+        timing: &TimingReport,
+    ) -> Self {
+        let expectations: Vec<_> =
+            expectations.iter().map(|expectation| JudgedExpectation::new(expectation, metrics)).collect();
+        let breaches = breaches(allow, counts, timing);
+        let verdict = if !breaches.is_empty() {
+            Verdict::Invalid
+        } else if metrics.run_was_finite() && expectations.iter().all(|judged| judged.ok) {
+            Verdict::Pass
+        } else {
+            Verdict::Fail
+        };
+        Self { verdict, expectations, breaches }
+    }
+
+    /// Lowers the verdict to `ceiling`, for a run that ended early: PASS to FAIL or INVALID, FAIL to INVALID, never upwards.
+    pub fn cap(&mut self, ceiling: Option<Verdict>) {
+        if let Some(ceiling) = ceiling {
+            self.verdict = self.verdict.max(ceiling);
+        }
+    }
+}
+
+fn breaches(allow: &Allowance, counts: &LinkCounts, timing: &TimingReport) -> Vec<Breach> {
+    let p99_us = |quantiles: Option<Quantiles>| quantiles.map(|quantiles| quantiles.p99.ceil() as u64);
+    // In real time, an answer that doesn't arrive in its period is late, whether it arrives at all or not.
+    let (lost, late, late_in_a_row, lateness_p99_us) = match timing.clock {
+        ClockName::RealTime => (0, timing.late(), timing.longest_run_of_late, p99_us(timing.lateness_us)),
+        ClockName::Lockstep => (counts.lost, counts.late, 0, Some(0)),
+    };
+    [
+        ("lost", Some(lost), Some(allow.lost)),
+        ("late", Some(late), Some(allow.late)),
+        ("late_in_a_row", Some(late_in_a_row), allow.late_in_a_row),
+        ("crc_errors", Some(counts.crc_errors), Some(allow.crc_errors)),
+        ("resumes", Some(counts.resumes), Some(allow.resumes)),
+        ("lateness_p99_us", lateness_p99_us, allow.lateness_p99_us),
+        ("round_trip_p99_us", p99_us(timing.round_trip_us), allow.round_trip_p99_us),
+    ]
+    .into_iter()
+    .filter_map(|(what, counted, allowed)| allowed.map(|allowed| Breach { what, counted, allowed }))
+    .filter(|breach| breach.counted.is_none_or(|counted| counted > breach.allowed))
+    .collect()
+}
