@@ -2,7 +2,7 @@
 
 use std::io;
 
-#[allow(dead_code, reason = "the test compares, we write")]
+#[allow(dead_code, reason = "the test compares, the example writes")]
 #[path = "../tests/robustness/seeds.rs"]
 mod seeds;
 

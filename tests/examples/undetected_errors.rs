@@ -1,4 +1,4 @@
-//! Counts how many damaged frames pass for good ones:
+//! Counts damaged frames that the decoder accepts:
 //! `cargo run --release -p tests --example undetected_errors -- --frames 100000000 --seed 1`.
 
 use std::env;

@@ -13,8 +13,8 @@ use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::bench::{self, Ended};
 use crate::paper::PATIENCE;
+use crate::program::{self, Ended};
 use crate::records::Records;
 use crate::workspace;
 
@@ -100,7 +100,7 @@ impl Row {
             // Nothing is lost in this row, and a machine that is busy must not add what is.
             arguments.extend(PATIENCE);
         }
-        (bench::run(arguments), records)
+        (program::run(arguments), records)
     }
 
     /// Runs the row on a device and holds it against what came of it.
@@ -268,7 +268,7 @@ pub fn check_healthy_on(device: &str) {
     let records = Records::new();
     let out = records.out();
     let arguments = ["run", "scenarios/faults.toml", "--device", device, "--out", &out];
-    let _ = bench::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
+    let _ = program::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
     let summary = records.summary();
     for count in COUNTS {
         assert_eq!(summary["link"][count], 0, "{count}");
@@ -312,7 +312,7 @@ pub fn check_pause_on(device: &str) {
     let run = |pause: bool| {
         let records = Records::new();
         let arguments = ["run", "scenarios/faults.toml", "--device", device, "--out", &records.out()];
-        let bench = bench::Bench::start(arguments.into_iter().chain(["--set", "record.flush_rows=10"]));
+        let bench = program::Running::start(arguments.into_iter().chain(["--set", "record.flush_rows=10"]));
         if pause {
             records.wait_for_rows();
             bench.signal(Signal::STOP);

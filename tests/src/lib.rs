@@ -1,27 +1,25 @@
-//! What whole-system tests stand on: the `lashloop` program as a user runs it, drives on terminals, lines with faults,
-//! and the records that a run leaves.
+//! Support for whole-system tests: the `lashloop` program as a user runs it, drives on terminals, faulty lines, and the
+//! records of runs.
 //!
 //! | module | is |
 //! |---|---|
-//! | [`program`] | the program under test, built once |
-//! | [`bench`](mod@bench) | one running `lashloop`, with a deadline |
+//! | [`program`] | the program under test, built once; one invocation with a deadline |
 //! | [`twin`] | `lashloop device`: a drive on a pseudo-terminal |
 //! | [`python`] | the drive of the Python package |
 //! | [`terminal`] | pseudo-terminals |
 //! | [`fault_table`] | the table of `docs/faults.md` and its runs |
-//! | [`relay`] | a line that can drop, damage, double and cut |
+//! | [`relay`] | a line that can drop, damage, duplicate and disconnect |
 //! | [`records`] | `summary.json` and `trace.csv` |
-//! | [`processes`] | other processes: who started whom, signals |
-//! | [`loss`] | what has to be true when a drive is lost in mid-run |
-//! | [`paper`] | the paper's four runs and the torque streams they are pinned to |
+//! | [`processes`] | other processes: children, processor time, signals |
+//! | [`loss`] | what must hold after the loss of a drive during a run |
+//! | [`paper`] | the paper's four runs and their pinned torque digests |
 //! | [`wait`] | conditions with deadlines |
-//! | [`optional`] | tests that need what a checkout does not have |
+//! | [`optional`] | tests that need equipment which a checkout does not include |
 //!
-//! Nothing here waits for a fixed time, and everything that is started ends with the test that started it.
+//! Waits are conditions with deadlines, and every process ends with the test that started it.
 
 #![forbid(unsafe_code)]
 
-pub mod bench;
 pub mod fault_table;
 pub mod loss;
 pub mod optional;
@@ -37,10 +35,10 @@ pub mod wait;
 
 use std::path::Path;
 
-/// The workspace: scenarios are named as a user in it would name them.
+/// Root of the workspace. Tests name scenarios relative to it, as a user does.
 ///
 /// # Panics
-/// The package lies elsewhere.
+/// The package is not a folder of the workspace.
 #[must_use]
 pub fn workspace() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the package is a folder of the workspace")

@@ -2,12 +2,11 @@
 
 use serde_json::Value;
 
-use crate::bench;
+use crate::program;
 use crate::records::Records;
 
-/// Settings under which nothing but a lost frame or a hanging drive costs an answer. A machine that is busy and short of
-/// memory may stop a process for more than the second that a scenario allows by default; what the tests look at in
-/// lockstep does not depend on time.
+/// Settings under which only a lost frame or a hung drive costs an answer. A busy machine may stop a process for longer
+/// than the default timeout of a second; results in lockstep do not depend on time.
 pub const PATIENCE: [&str; 4] =
     ["--set", "link.answer_timeout_ms=20000", "--set", "link.silence_limit_ms=40000"];
 
@@ -16,14 +15,14 @@ pub const PATIENCE: [&str; 4] =
 pub struct PaperRun {
     /// Name of its scenario.
     pub name: &'static str,
-    /// The metric that the paper gives.
+    /// The metric that the paper reports.
     pub metric: &'static str,
-    /// What it is to be.
+    /// Expected value of the metric.
     pub want: f64,
-    /// By how much it may differ.
+    /// Tolerance of the metric.
     pub tolerance: f64,
-    /// SHA-256 of every torque of the run. Lockstep is repeatable bit for bit, so this is the same on every device. It
-    /// changes with the control law, the plant or their arithmetic, and then on purpose.
+    /// SHA-256 of every torque of the run. Lockstep is repeatable bit for bit, so the digest is the same on every device.
+    /// It changes only with an intended change of law, plant or arithmetic.
     pub torque_sha256: &'static str,
 }
 
@@ -59,7 +58,7 @@ pub const RUNS: [PaperRun; 4] = [
     },
 ];
 
-/// Not the paper's: its bench as built, under the law that inverts the gap. Held to the same standard.
+/// Not from the paper: the plant `backlash-shaft` under the backlash inverse, pinned in the same way.
 pub const BACKLASH_INVERSE: PaperRun = PaperRun {
     name: "shaft-backlash-inverse",
     metric: "settle_time_s",
@@ -75,16 +74,16 @@ impl PaperRun {
         format!("scenarios/{}.toml", self.name)
     }
 
-    /// Runs it on a device, checks that it passes and that its torques are the pinned ones, and returns the summary.
+    /// Runs the scenario on a device, checks verdict, metric and torque digest, and returns the summary.
     ///
     /// # Panics
-    /// It does not pass, misses the paper's number, or its torques are others.
+    /// A check fails.
     #[must_use]
     pub fn pass_on(&self, device: &str) -> Value {
         let Self { name, metric, want, tolerance, torque_sha256 } = *self;
         let records = Records::new();
         let arguments = ["run", &self.scenario(), "--device", device, "--out", &records.out()];
-        let _ = bench::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
+        let _ = program::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
         let summary = records.summary();
         assert_eq!(summary["verdict"], "PASS", "{name} on {device}");
         let have = summary["metrics"][metric].as_f64().unwrap_or(f64::NAN);
@@ -92,7 +91,7 @@ impl PaperRun {
             (have - want).abs() <= tolerance,
             "{name} on {device}: {metric} {have}, want {want} +- {tolerance}"
         );
-        assert_eq!(summary["torque_sha256"], torque_sha256, "{name} on {device}: other torques");
+        assert_eq!(summary["torque_sha256"], torque_sha256, "{name} on {device}: torque digest");
         assert_eq!(records.trace().len(), 25_000, "{name} on {device}: rows of the trace");
         summary
     }

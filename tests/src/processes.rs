@@ -4,22 +4,22 @@ use std::fs;
 
 use rustix::process::{Pid, Signal, kill_process};
 
-/// The state letter and the parent of a process; `None` if there is none of this number.
+/// State letter and parent of a process; `None` if no process has this number.
 fn status(id: u32) -> Option<(char, u32)> {
     let line = fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
-    // The name in parentheses may hold anything, so we look behind its end.
+    // The name in parentheses may contain any character, so we parse after its end.
     let (_, rest) = line.rsplit_once(") ")?;
     let mut fields = rest.split(' ');
     Some((fields.next()?.chars().next()?, fields.next()?.parse().ok()?))
 }
 
-/// Whether a process runs; one that has ended and whose parent has not looked yet doesn't.
+/// Whether a process runs. A zombie does not.
 #[must_use]
 pub fn runs(id: u32) -> bool {
     status(id).is_some_and(|(state, _)| !matches!(state, 'Z' | 'X'))
 }
 
-/// The running processes that a process has started.
+/// The running children of a process.
 #[must_use]
 pub fn children(parent: u32) -> Vec<u32> {
     let processes = fs::read_dir("/proc").into_iter().flatten().flatten();
@@ -29,17 +29,17 @@ pub fn children(parent: u32) -> Vec<u32> {
         .collect()
 }
 
-/// Name of the program that a process runs, as far as the system keeps it: its first 15 bytes.
+/// First 15 bytes of the name of the program of a process, as the kernel keeps it.
 #[must_use]
 pub fn name(id: u32) -> String {
     fs::read_to_string(format!("/proc/{id}/comm")).unwrap_or_default().trim_end().to_owned()
 }
 
-/// Time that a process has had on a processor, in ticks of the system.
+/// Processor time of a process, user and system, in clock ticks.
 #[must_use]
 pub fn cpu_ticks(id: u32) -> u64 {
     let line = fs::read_to_string(format!("/proc/{id}/stat")).unwrap_or_default();
-    // `utime` and `stime`, the 14th and 15th field; two stand before the end of the name.
+    // `utime` and `stime`, the 14th and 15th field; two fields precede the end of the name.
     let fields = line.rsplit_once(") ").map(|(_, rest)| rest.split(' ').skip(11).take(2));
     fields.into_iter().flatten().filter_map(|field| field.parse::<u64>().ok()).sum()
 }
@@ -47,7 +47,7 @@ pub fn cpu_ticks(id: u32) -> u64 {
 /// Sends a signal.
 ///
 /// # Panics
-/// There is no such process.
+/// No process has this number.
 pub fn signal(id: u32, signal: Signal) {
     let pid = i32::try_from(id).ok().and_then(Pid::from_raw).expect("a process number");
     kill_process(pid, signal).unwrap_or_else(|error| panic!("process {id} can't be signalled: {error}"));

@@ -6,19 +6,18 @@ use std::process::Command;
 use crate::twin::Twin;
 use crate::workspace;
 
-/// Where `cargo xtask setup` installs the package.
+/// The interpreter into which `cargo xtask setup` installs the package.
 #[must_use]
 pub fn interpreter() -> PathBuf {
     workspace().join("target/python/bin/python")
 }
 
-/// What is missing here, with the command that provides it.
+/// Names missing equipment and the command that installs it.
 #[must_use]
 pub fn missing() -> Option<String> {
     let python = interpreter();
-    (!python.is_file()).then(|| {
-        format!("there is no Python with the package at {}: run `cargo xtask setup`", python.display())
-    })
+    (!python.is_file())
+        .then(|| format!("no Python with the package at {}: run `cargo xtask setup`", python.display()))
 }
 
 /// `python -m lashloop drive`.

@@ -1,4 +1,4 @@
-//! What a run leaves in its folder.
+//! The files that a run writes into its folder.
 
 use std::fs;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 use crate::wait;
 
-/// A folder for `--out`, gone with the test.
+/// A folder for `--out`, deleted at the end of the test.
 pub struct Records {
     folder: TempDir,
 }
@@ -28,25 +28,25 @@ impl Records {
     /// An empty folder.
     ///
     /// # Panics
-    /// The system refuses one.
+    /// The system can't create a folder.
     #[must_use]
     pub fn new() -> Self {
         Self { folder: tempfile::tempdir().expect("a temporary folder") }
     }
 
-    /// The folder as `--out` takes it.
+    /// The folder as an argument of `--out`.
     #[must_use]
     pub fn out(&self) -> String {
         self.folder.path().display().to_string()
     }
 
-    /// A file in it.
+    /// Path of a file in the folder.
     #[must_use]
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    /// The text of `summary.json`; `None` if there is none.
+    /// Text of `summary.json`; `None` without the file.
     #[must_use]
     pub fn summary_text(&self) -> Option<String> {
         fs::read_to_string(self.path("summary.json")).ok()
@@ -55,26 +55,26 @@ impl Records {
     /// `summary.json`.
     ///
     /// # Panics
-    /// There is none, or it isn't JSON.
+    /// The file is missing or not JSON.
     #[must_use]
     pub fn summary(&self) -> Value {
         let text = self.summary_text().expect("a summary.json");
         serde_json::from_str(&text).expect("summary.json is JSON")
     }
 
-    /// `trace.csv`, every row of it whole.
+    /// `trace.csv`.
     ///
     /// # Panics
-    /// It is not there or torn.
+    /// The file is missing, or its last row is torn.
     #[must_use]
     pub fn trace(&self) -> Trace {
         self.table("trace.csv")
     }
 
-    /// `timing.csv`, every row of it whole.
+    /// `timing.csv`.
     ///
     /// # Panics
-    /// It is not there or torn.
+    /// The file is missing, or its last row is torn.
     #[must_use]
     pub fn timing(&self) -> Trace {
         self.table("timing.csv")
@@ -86,7 +86,7 @@ impl Records {
         Trace(table)
     }
 
-    /// Waits until a run has written rows: it is in its midst then.
+    /// Waits until a run has written rows.
     pub fn wait_for_rows(&self) {
         wait::until("rows in trace.csv", || {
             fs::metadata(self.path("trace.csv")).is_ok_and(|file| file.len() > 4096).then_some(())
@@ -107,7 +107,7 @@ impl Trace {
         self.0.len()
     }
 
-    /// Whether there is no row.
+    /// Whether the table has no row.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
@@ -116,7 +116,7 @@ impl Trace {
     /// A column by its name.
     ///
     /// # Panics
-    /// There is no such column.
+    /// No column has this name.
     #[must_use]
     pub fn column(&self, name: &str) -> Vec<f64> {
         self.0.column(name).unwrap_or_else(|error| panic!("{error}")).to_vec()

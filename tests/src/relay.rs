@@ -1,7 +1,7 @@
-//! A line between a bench and a drive that somebody tampers with.
+//! A line with chosen faults between bench and drive.
 //!
-//! The relay sits between two pseudo-terminals and hands every frame that passes to a function, which says what becomes
-//! of it. So a fault hits a frame chosen by its contents, and a test is the same test every time.
+//! The relay connects two pseudo-terminals and passes every frame to a function, which returns an [`Action`]. A test can
+//! thus select the faulty frame by its contents, so the test is repeatable.
 
 use std::fs::File;
 use std::io::{self, PipeWriter, Read, Write};
@@ -17,7 +17,7 @@ use rustix::event::{PollFd, PollFlags, poll};
 use crate::terminal::{self, open_near_end};
 use crate::wait::SOON;
 
-/// Who sent a frame.
+/// Sender of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sender {
     /// The bench.
@@ -26,17 +26,17 @@ pub enum Sender {
     Drive,
 }
 
-/// A frame on its way, or a lone delimiter.
+/// A frame in transit, or a lone delimiter.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Passing {
-    /// Who sent it.
+pub struct Transit {
+    /// Sender.
     pub sender: Sender,
-    /// Its bytes, the delimiter at the end included.
+    /// Bytes, with the delimiter at the end.
     pub bytes: Vec<u8>,
 }
 
-impl Passing {
-    /// The sample in it, if it is one.
+impl Transit {
+    /// The sample, if the frame is one.
     #[must_use]
     pub fn sample(&self) -> Option<EncoderSample> {
         match self.from_bench()? {
@@ -45,19 +45,19 @@ impl Passing {
         }
     }
 
-    /// The message of the drive in it, if it is one.
+    /// The message, if the drive sent the frame.
     #[must_use]
     pub fn from_drive(&self) -> Option<DriveMessage> {
         if self.sender == Sender::Drive { self.read() } else { None }
     }
 
-    /// The message of the bench in it, if it is one.
+    /// The message, if the bench sent the frame.
     #[must_use]
     pub fn from_bench(&self) -> Option<HostMessage> {
         if self.sender == Sender::Bench { self.read() } else { None }
     }
 
-    /// The torque in it, if it is one.
+    /// The torque, if the frame is one.
     #[must_use]
     pub fn torque(&self) -> Option<TorqueAnswer> {
         match self.from_drive()? {
@@ -71,59 +71,59 @@ impl Passing {
     }
 }
 
-/// What becomes of a frame.
+/// What the relay does with a frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum StepOutcome {
-    /// It arrives.
-    Pass,
-    /// These bytes arrive in its place.
-    Become(Vec<u8>),
-    /// The bench's terminal is pulled, and the frame with it.
-    Pull,
+pub enum Action {
+    /// Forwards the frame.
+    Forward,
+    /// Sends these bytes instead; none of them drops the frame.
+    Replace(Vec<u8>),
+    /// Closes the bench's terminal and drops the frame.
+    Disconnect,
 }
 
 /// A running relay. Dropping it ends it.
 pub struct Relay {
     device: String,
-    pulled: mpsc::Receiver<Instant>,
+    disconnected: mpsc::Receiver<Instant>,
     stop: Option<PipeWriter>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Relay {
-    /// Puts a relay before the terminal of a drive.
+    /// Starts a relay ahead of the terminal of a drive.
     ///
     /// # Panics
-    /// The terminal is not there.
-    pub fn start(drive: &Path, tamper: impl FnMut(&Passing) -> StepOutcome + Send + 'static) -> Self {
+    /// The terminal is missing.
+    pub fn start(drive: &Path, tamper: impl FnMut(&Transit) -> Action + Send + 'static) -> Self {
         let terminal = terminal::open();
         let device = terminal::device(&terminal);
         let far_end = File::from(terminal.far_end.try_clone().expect("a handle"));
         let drive = open_near_end(drive);
         let (stopped, stop) = io::pipe().expect("a pipe");
-        let (tell, pulled) = mpsc::channel();
+        let (sender, disconnected) = mpsc::channel();
         let thread = thread::spawn(move || {
             if carry(&far_end, &drive, &stopped, tamper).expect("the relay's terminals work") {
                 drop((far_end, terminal));
-                let _ = tell.send(Instant::now());
+                let _ = sender.send(Instant::now());
             }
         });
-        Self { device, pulled, stop: Some(stop), thread: Some(thread) }
+        Self { device, disconnected, stop: Some(stop), thread: Some(thread) }
     }
 
-    /// The relay's terminal as `--device` takes it.
+    /// The relay's terminal as an argument of `--device`.
     #[must_use]
     pub fn device(&self) -> &str {
         &self.device
     }
 
-    /// When the line was pulled.
+    /// Time of the disconnection.
     ///
     /// # Panics
-    /// It wasn't.
+    /// The relay does not disconnect in time.
     #[must_use]
-    pub fn pulled_at(&self) -> Instant {
-        self.pulled.recv_timeout(SOON).expect("the relay pulls the line")
+    pub fn disconnected_at(&self) -> Instant {
+        self.disconnected.recv_timeout(SOON).expect("the relay disconnects the line")
     }
 }
 
@@ -135,16 +135,16 @@ impl Drop for Relay {
     }
 }
 
-/// Carries frames both ways until it is stopped (`false`) or has to pull the line (`true`).
+/// Carries frames both ways until the relay is stopped (`false`) or disconnects the line (`true`).
 fn carry(
     bench: &File,
     drive: &File,
     stopped: &io::PipeReader,
-    mut tamper: impl FnMut(&Passing) -> StepOutcome,
+    mut tamper: impl FnMut(&Transit) -> Action,
 ) -> io::Result<bool> {
-    let mut ways = [
-        Way { sender: Sender::Bench, from: bench, to: drive, begun: Vec::new() },
-        Way { sender: Sender::Drive, from: drive, to: bench, begun: Vec::new() },
+    let mut directions = [
+        Direction { sender: Sender::Bench, from: bench, to: drive, partial: Vec::new() },
+        Direction { sender: Sender::Drive, from: drive, to: bench, partial: Vec::new() },
     ];
     loop {
         let mut ends = [
@@ -153,46 +153,46 @@ fn carry(
             PollFd::new(stopped, PollFlags::IN),
         ];
         poll(&mut ends, None)?;
-        let [bench_has, drive_has, told] = ends.map(|end| end.revents());
-        if !told.is_empty() {
+        let [bench_events, drive_events, stop_events] = ends.map(|end| end.revents());
+        if !stop_events.is_empty() {
             return Ok(false);
         }
-        for (way, has) in ways.iter_mut().zip([bench_has, drive_has]) {
-            if !has.is_empty() && way.carry(&mut tamper)? {
+        for (direction, events) in directions.iter_mut().zip([bench_events, drive_events]) {
+            if !events.is_empty() && direction.carry(&mut tamper)? {
                 return Ok(true);
             }
         }
     }
 }
 
-struct Way<'a> {
+struct Direction<'a> {
     sender: Sender,
     from: &'a File,
     to: &'a File,
-    /// What has come of a frame that is not complete.
-    begun: Vec<u8>,
+    /// Bytes of an incomplete frame.
+    partial: Vec<u8>,
 }
 
-impl Way<'_> {
-    /// Whether the line is to be pulled.
-    fn carry(&mut self, tamper: &mut impl FnMut(&Passing) -> StepOutcome) -> io::Result<bool> {
+impl Direction<'_> {
+    /// Forwards what has arrived; true if the line is to be disconnected.
+    fn carry(&mut self, tamper: &mut impl FnMut(&Transit) -> Action) -> io::Result<bool> {
         let mut buffer = [0; 4096];
         let count = self.from.read(&mut buffer)?;
-        // A drive that is gone closes its terminal; the bench is to see the same.
+        // A drive that ends closes its terminal, and the bench must see its own terminal closed.
         if count == 0 {
             return Ok(true);
         }
         let mut out = Vec::new();
         for &byte in &buffer[..count] {
-            self.begun.push(byte);
+            self.partial.push(byte);
             if byte != 0 {
                 continue;
             }
-            let frame = Passing { sender: self.sender, bytes: std::mem::take(&mut self.begun) };
+            let frame = Transit { sender: self.sender, bytes: std::mem::take(&mut self.partial) };
             match tamper(&frame) {
-                StepOutcome::Pass => out.extend(frame.bytes),
-                StepOutcome::Become(bytes) => out.extend(bytes),
-                StepOutcome::Pull => return Ok(true),
+                Action::Forward => out.extend(frame.bytes),
+                Action::Replace(bytes) => out.extend(bytes),
+                Action::Disconnect => return Ok(true),
             }
         }
         self.to.write_all(&out)?;

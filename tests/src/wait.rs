@@ -1,15 +1,15 @@
-//! Conditions with deadlines, in place of sleeps that hope.
+//! Conditions with deadlines, in place of fixed sleeps.
 
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// For everything that happens soon on a machine that isn't busy, and still does on one that is.
+/// Deadline of events that are immediate on an idle machine.
 pub const SOON: Duration = Duration::from_secs(30);
 
-/// Time between two looks.
+/// Time between two evaluations of a condition.
 const INTERVAL: Duration = Duration::from_millis(2);
 
-/// Looks until there is a value, for at most `limit`.
+/// Evaluates the condition until it gives a value, for at most `limit`.
 pub fn look<T>(limit: Duration, mut condition: impl FnMut() -> Option<T>) -> Option<T> {
     let deadline = Instant::now() + limit;
     loop {
@@ -23,10 +23,10 @@ pub fn look<T>(limit: Duration, mut condition: impl FnMut() -> Option<T>) -> Opt
     }
 }
 
-/// As [`look`], for [`SOON`]; the test fails when `what` did not come.
+/// As [`look`], for [`SOON`].
 ///
 /// # Panics
-/// It did not come.
+/// The condition gives no value in time; the message names `what`.
 pub fn until<T>(what: &str, condition: impl FnMut() -> Option<T>) -> T {
     look(SOON, condition).unwrap_or_else(|| panic!("{what}: not within {} s", SOON.as_secs()))
 }

@@ -1,6 +1,6 @@
-//! The native twin keeps to the protocol, and the report says so.
+//! The native twin conforms to the protocol, and the report shows every check.
 
-use tests::bench::run;
+use tests::program::run;
 use tests::twin::Twin;
 
 /// What a run that skipped no check ends with, and how many checks it made.
@@ -53,7 +53,7 @@ fn the_junit_file_has_every_check_as_a_case_of_its_group() {
 }
 
 #[test]
-fn a_report_that_can_t_be_written_is_named() {
+fn an_unwritable_report_is_named() {
     let ended = run(["conformance", "--device", "inproc", "--junit", "/nowhere/report.xml"]).with_code(2);
     assert!(
         ended.stderr.starts_with("lashloop: /nowhere/report.xml: can't be written: "),

@@ -1,8 +1,8 @@
-//! Parameters listed, set, kept and brought back on a drive that stays.
+//! Parameters of a persistent drive: list, set, dump and restore.
 
 use std::fs;
 
-use tests::bench::{Ended, run};
+use tests::program::{Ended, run};
 use tests::twin::Twin;
 
 fn parameters(twin: &Twin, words: &[&str]) -> Ended {
@@ -14,7 +14,7 @@ fn hash(twin: &Twin) -> String {
 }
 
 #[test]
-fn what_was_set_stays_in_the_drive_and_shows_in_list_and_hash() {
+fn a_set_value_persists_and_changes_list_and_hash() {
     let twin = Twin::start();
     let before = hash(&twin);
     assert_eq!(before, hash(&twin));
@@ -23,17 +23,17 @@ fn what_was_set_stays_in_the_drive_and_shows_in_list_and_hash() {
     assert_eq!(ended.stdout, "torque_limit_nm = 5.0\ntelemetry_every = 7\n");
     assert_ne!(before, hash(&twin));
     let list = parameters(&twin, &["list"]).with_code(0).stdout;
-    let row = list.lines().find(|line| line.starts_with("torque_limit_nm ")).expect("a row for it");
+    let row = list.lines().find(|line| line.starts_with("torque_limit_nm ")).expect("a row of the parameter");
     let words: Vec<_> = row.split_whitespace().collect();
     assert_eq!(words, ["torque_limit_nm", "5.0", "20.0", "no", "0", "to", "1000", "N", "m"]);
 }
 
 #[test]
-fn a_dump_that_is_restored_brings_back_every_bit() {
+fn a_restored_dump_restores_every_bit() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("drive.toml").display().to_string();
     let twin = Twin::start();
-    // Numbers that few digits don't hold, and the ends of the range of single precision's spelling.
+    // Numbers that need many digits, and extremes of the notation of single precision.
     let words =
         ["set", "k_p1=0.1", "k_d1=0.3333333", "motor_inertia_kg_m2=1e-9", "stiffness_nm_rad=987654321"];
     let _ = parameters(&twin, &words).with_code(0);
@@ -46,18 +46,21 @@ fn a_dump_that_is_restored_brings_back_every_bit() {
 }
 
 #[test]
-fn a_run_resets_what_was_set() {
+fn a_run_resets_all_parameters() {
     let twin = Twin::start();
     let _ = parameters(&twin, &["set", "load_speed_limit_rad_s=0.2"]).with_code(0);
     let device = twin.device();
     let _ = run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(0);
     let list = parameters(&twin, &["list"]).with_code(0).stdout;
-    let row = list.lines().find(|line| line.starts_with("load_speed_limit_rad_s ")).expect("a row for it");
+    let row = list
+        .lines()
+        .find(|line| line.starts_with("load_speed_limit_rad_s "))
+        .expect("a row of the parameter");
     assert_eq!(row.split_whitespace().nth(1), Some("100.0"));
 }
 
 #[test]
-fn mistakes_name_the_place_and_set_nothing() {
+fn errors_name_the_place_and_set_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("drive.toml").display().to_string();
     let twin = Twin::start();

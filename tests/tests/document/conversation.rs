@@ -1,4 +1,4 @@
-//! The conversation of the document, byte by byte, with the drive itself.
+//! The conversation of the document, byte by byte, against the drive.
 
 use std::cell::Cell;
 use std::time::Duration;
@@ -9,7 +9,7 @@ use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 
 use crate::markdown::{fences, section};
 
-/// A clock that goes on by this each time it is asked.
+/// Advance of the clock at each reading.
 const STEP: Duration = Duration::from_nanos(5_700);
 
 struct Stepping(Cell<Duration>);
@@ -26,7 +26,7 @@ enum Side {
     Drive,
 }
 
-/// Who says which frame.
+/// Sender and bytes of every frame of the document.
 fn script() -> Vec<(Side, Vec<u8>)> {
     let sheets = fences(section("## 13. A conversation, byte by byte"));
     let frame = |sheet: &str| {
@@ -38,7 +38,7 @@ fn script() -> Vec<(Side, Vec<u8>)> {
     sheets.into_iter().map(frame).collect()
 }
 
-/// The document shows some build; the rest of its identity is this one's.
+/// The document shows one build; everything else of the identity must match.
 fn of_this_build(frame: &[u8]) -> Vec<u8> {
     match Decoder::new().next(&mut &frame[..]) {
         Some(Ok(DriveMessage::Identity(identity))) => {
@@ -57,24 +57,24 @@ fn name_of(frame: &[u8]) -> &'static str {
 }
 
 #[test]
-fn the_drive_says_what_the_document_has_it_say() {
+fn the_drive_sends_the_documented_frames() {
     let (mut drive, clock) = (Drive::new("stm32f405"), Stepping(Cell::default()));
     drive.receive(&[0], &clock);
     assert!(drive.output().is_empty(), "the drive does not answer a boundary byte");
     let script = script();
     for turn in script.chunk_by(|_, next| next.0 == Side::Drive) {
-        let [(Side::Host, said), answers @ ..] = turn else { panic!("the host begins") };
-        assert_eq!(drive.receive(said, &clock), said.len());
+        let [(Side::Host, request), answers @ ..] = turn else { panic!("the host begins") };
+        assert_eq!(drive.receive(request, &clock), request.len());
         let want: Vec<u8> = answers.iter().flat_map(|(_, frame)| of_this_build(frame)).collect();
-        assert_eq!(drive.output(), want, "answers to {}", name_of(said));
+        assert_eq!(drive.output(), want, "answers to {}", name_of(request));
         drive.clear_output();
     }
 }
 
 #[test]
-fn the_conversation_goes_from_the_greeting_to_the_stop() {
-    let said = script().into_iter().filter(|(side, _)| *side == Side::Host);
-    let names: Vec<_> = said.map(|(_, frame)| name_of(&frame)).collect();
+fn the_conversation_covers_handshake_to_stop() {
+    let requests = script().into_iter().filter(|(side, _)| *side == Side::Host);
+    let names: Vec<_> = requests.map(|(_, frame)| name_of(&frame)).collect();
     let want = ["Hello", "SetParameter", "Arm", "Start", "EncoderSample", "EncoderSample", "Stop"];
     assert_eq!(names, want);
 }

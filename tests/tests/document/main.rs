@@ -1,13 +1,13 @@
-//! What `docs/protocol.md` says a drive does, held against the drive: states, answers, sequences, faults, parameters and
-//! the conversation byte by byte.
+//! `docs/protocol.md` against the drive: states, answers, sequences, faults, parameters and the conversation byte by byte; and
+//! the links of all documents.
 
 #[path = "../../../protocol/tests/wire/markdown.rs"]
 mod markdown;
 
 mod answers;
 mod conversation;
+mod host;
 mod links;
 mod parameters;
 mod sequence;
 mod states;
-mod talk;

@@ -5,7 +5,7 @@ use lashloop_firmware::drive::parameters::TABLE;
 use crate::markdown::{section, table};
 
 #[test]
-fn the_drive_has_the_parameters_of_the_table() {
+fn the_parameter_table_matches_the_drive() {
     let rows = table(section("## 14. Parameters of the Lashloop drive"), "index");
     assert_eq!(rows.len(), TABLE.len());
     for (index, (row, entry)) in rows.iter().zip(TABLE).enumerate() {
@@ -25,7 +25,7 @@ fn the_drive_has_the_parameters_of_the_table() {
 }
 
 #[test]
-fn the_parameters_that_the_bench_needs_are_there() {
+fn the_drive_has_every_parameter_that_the_bench_sets() {
     let text = section("## 9. Parameters");
     for name in [
         "controller",

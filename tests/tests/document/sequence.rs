@@ -6,13 +6,13 @@ use lashloop_firmware::drive::parameters::Parameters;
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, TorqueFlags};
 
+use crate::host::{Host, refusal};
 use crate::markdown::{section, table};
-use crate::talk::{Talk, refusal};
 
-/// So slow a motor that the encoders allow the longest gap there is.
+/// A speed limit at which the encoders allow the longest gap of the protocol.
 const SLOW: (&str, ParameterValue) = ("motor_speed_limit_rad_s", ParameterValue::F32(100.0));
 
-/// The sequences that a row of the document means, where 5 is the last one taken.
+/// Sequences of a row of the document, with 5 as the last one accepted.
 fn sequences(row: &[String]) -> Vec<u16> {
     const LAST: u16 = 5;
     match row[1].as_str() {
@@ -31,7 +31,7 @@ fn sequences(row: &[String]) -> Vec<u16> {
                 .expect("the largest gap");
             vec![LAST - 1, 0, LAST + gap + 1, u16::MAX]
         }
-        other => panic!("the document has a place {other:?} that this test can't make"),
+        other => panic!("this test has no sequence for {other:?} of the document"),
     }
 }
 
@@ -52,41 +52,41 @@ fn kind_of(answers: &[DriveMessage]) -> String {
 }
 
 #[test]
-fn a_sample_is_taken_or_not_as_the_table_says() {
+fn every_sequence_case_matches_the_table() {
     for row in table(section("## 7. Samples and torques"), "sequence") {
         for sequence in sequences(&row) {
-            let mut talk = Talk::running(&[SLOW]);
+            let mut host = Host::running(&[SLOW]);
             if row[1] != "first" {
-                (0..=5).for_each(|sequence| drop(talk.sample(sequence)));
+                (0..=5).for_each(|sequence| drop(host.sample(sequence)));
             }
-            assert_eq!(kind_of(&talk.sample(sequence)), row[2], "sequence {sequence}, {}", row[1]);
+            assert_eq!(kind_of(&host.sample(sequence)), row[2], "sequence {sequence}, {}", row[1]);
         }
     }
 }
 
 #[test]
-fn the_first_sample_of_a_run_is_0_and_no_other() {
+fn only_sequence_0_starts_a_run() {
     for sequence in [1, 2, 1000, u16::MAX] {
-        assert_eq!(refusal(&Talk::running(&[]).sample(sequence)), Some(Outcome::OutOfSequence));
+        assert_eq!(refusal(&Host::running(&[]).sample(sequence)), Some(Outcome::OutOfSequence));
     }
 }
 
 #[test]
-fn the_longest_gap_of_the_default_parameters_is_that_of_the_document() {
+fn the_longest_default_gap_matches_the_document() {
     let parameters = Parameters::default();
     let speed = f64::from(parameters.motor_speed_limit_rad_s);
     let period_s = f64::from(parameters.period_us) * 1e-6;
     let counts_per_period = speed * period_s * f64::from(parameters.motor_counts_per_rev) / TAU;
     let longest =
         (1..).take_while(|n| f64::from(*n) * counts_per_period + 1.0 <= f64::from((1 << 23) - 1)).last();
-    let longest = longest.expect("one period can be told apart");
+    let longest = longest.expect("one period is unambiguous");
     let rows = table(section("## 7. Samples and torques"), "encoder");
     assert_eq!(rows, [["motor".to_owned(), format!("{counts_per_period:.0}"), longest.to_string()]]);
 
     let taken = |sequence| {
-        let mut talk = Talk::running(&[]);
-        talk.sample(0);
-        refusal(&talk.sample(sequence)).is_none()
+        let mut host = Host::running(&[]);
+        host.sample(0);
+        refusal(&host.sample(sequence)).is_none()
     };
     assert_eq!([longest, longest + 1].map(taken), [true, false]);
 }

@@ -7,13 +7,13 @@ use lashloop_protocol::enums::{FaultCode, ParameterValue, State};
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::{DriveMessage, EncoderCounts};
 
+use crate::host::{Host, refusal, request, rest};
 use crate::markdown::{section, table};
-use crate::talk::{Talk, refusal, request, rest};
 
 const STATES: &str = "## 6. States";
 
 #[test]
-fn every_request_does_in_every_state_what_the_table_says() {
+fn every_request_in_every_state_matches_the_table() {
     for row in table(section(STATES), "request") {
         let (name, cells) = (&row[0], &row[1..]);
         assert_eq!(cells.len(), State::ALL.len(), "{name}");
@@ -22,14 +22,14 @@ fn every_request_does_in_every_state_what_the_table_says() {
                 assert_eq!(state, State::Boot);
                 continue;
             }
-            let mut talk = Talk::in_state(state);
+            let mut host = Host::in_state(state);
             if state == State::Running {
                 let [motor_counts, load_counts] = [3000, 1000].map(EncoderCounts::wrapping);
-                talk.say(EncoderSample { motor_counts, load_counts, ..rest(0) });
-                assert_ne!(talk.drive.torque_nm(), 0.0, "there is torque to take away");
+                host.send(EncoderSample { motor_counts, load_counts, ..rest(0) });
+                assert_ne!(host.drive.torque_nm(), 0.0, "the drive gives torque before the request");
             }
-            let refused = refusal(&talk.say(request(name)));
-            let after = talk.drive.state();
+            let refused = refusal(&host.send(request(name)));
+            let after = host.drive.state();
             let have = match refused {
                 None => format!("-> {after:?}"),
                 Some(outcome) => {
@@ -38,13 +38,13 @@ fn every_request_does_in_every_state_what_the_table_says() {
                 }
             };
             assert_eq!(have, *cell, "{name} in {state:?}");
-            assert!(after == State::Running || talk.drive.torque_nm() == 0.0, "{name} in {state:?}");
+            assert!(after == State::Running || host.drive.torque_nm() == 0.0, "{name} in {state:?}");
         }
     }
 }
 
 #[test]
-fn every_kind_of_request_is_in_the_table() {
+fn the_table_has_every_kind_of_request() {
     use lashloop_protocol::{HostMessage, Message};
     let rows = table(section(STATES), "request");
     let have: BTreeSet<_> = rows.iter().filter_map(|row| row[0].split(',').next()).collect();
@@ -53,43 +53,43 @@ fn every_kind_of_request_is_in_the_table() {
 }
 
 #[test]
-fn a_fault_before_any_greeting_is_cleared_to_boot() {
-    let mut talk = Talk::in_state(State::Boot);
-    talk.say(request("EmergencyStop"));
-    talk.say(request("ClearFault"));
-    assert_eq!(talk.drive.state(), State::Boot);
+fn a_fault_before_any_handshake_clears_to_boot() {
+    let mut host = Host::in_state(State::Boot);
+    host.send(request("EmergencyStop"));
+    host.send(request("ClearFault"));
+    assert_eq!(host.drive.state(), State::Boot);
 }
 
-/// Makes happen to a running drive what the document names, and returns what the drive says.
-fn happen(code: FaultCode) -> (Talk, Vec<DriveMessage>) {
+/// Causes a documented fault in a running drive; returns the host and the answers.
+fn happen(code: FaultCode) -> (Host, Vec<DriveMessage>) {
     let far = |motor, load| {
         let [motor_counts, load_counts] = [motor, load].map(EncoderCounts::wrapping);
         EncoderSample { motor_counts, load_counts, ..rest(1) }
     };
-    let mut talk = Talk::running(&[("k_p1", ParameterValue::F32(1e6)), ("k_p2", ParameterValue::F32(1e6))]);
-    talk.sample(0);
+    let mut host = Host::running(&[("k_p1", ParameterValue::F32(1e6)), ("k_p2", ParameterValue::F32(1e6))]);
+    host.sample(0);
     let answers = match code {
         FaultCode::Watchdog => {
-            talk.wait(Duration::from_micros(20_001));
-            talk.tick()
+            host.wait(Duration::from_micros(20_001));
+            host.tick()
         }
-        FaultCode::TorqueNotFinite => talk.say(EncoderSample { reference_rad: f32::MAX, ..rest(1) }),
-        FaultCode::ReferenceNotFinite => talk.say(EncoderSample { reference_rad: f32::NAN, ..rest(1) }),
-        FaultCode::MotorEncoderJump => talk.say(far(1 << 20, 0)),
-        FaultCode::LoadEncoderJump => talk.say(far(0, 1 << 20)),
-        other => panic!("{other:?} does not happen by itself"),
+        FaultCode::TorqueNotFinite => host.send(EncoderSample { reference_rad: f32::MAX, ..rest(1) }),
+        FaultCode::ReferenceNotFinite => host.send(EncoderSample { reference_rad: f32::NAN, ..rest(1) }),
+        FaultCode::MotorEncoderJump => host.send(far(1 << 20, 0)),
+        FaultCode::LoadEncoderJump => host.send(far(0, 1 << 20)),
+        other => panic!("{other:?} needs a request"),
     };
-    (talk, answers)
+    (host, answers)
 }
 
 #[test]
-fn every_event_faults_as_the_table_says() {
+fn every_event_latches_the_documented_fault() {
     let rows = table(section(STATES), "event in Running");
     for row in &rows {
         let code = FaultCode::ALL.iter().find(|code| format!("{code:?}") == row[2]);
         let code = *code.unwrap_or_else(|| panic!("{} is no fault", row[2]));
-        let (talk, answers) = happen(code);
-        assert_eq!(format!("{:?}", talk.drive.state()), row[1], "{code:?}");
+        let (host, answers) = happen(code);
+        assert_eq!(format!("{:?}", host.drive.state()), row[1], "{code:?}");
         assert!(
             matches!(answers.last(), Some(DriveMessage::FaultReport(report)) if report.code == code),
             "{code:?}: {answers:?}"
@@ -99,27 +99,27 @@ fn every_event_faults_as_the_table_says() {
     assert_eq!(
         rows.len() + not_events.len(),
         FaultCode::ALL.len(),
-        "every fault that happens by itself is there"
+        "the table has every fault without a request"
     );
 }
 
 #[test]
-fn a_silence_of_exactly_the_watchdog_s_time_is_in_time() {
-    let mut talk = Talk::running(&[]);
-    talk.wait(Duration::from_micros(20_000));
-    assert_eq!(talk.tick(), []);
-    assert_eq!(talk.drive.state(), State::Running);
+fn a_silence_of_exactly_the_watchdog_time_is_in_time() {
+    let mut host = Host::running(&[]);
+    host.wait(Duration::from_micros(20_000));
+    assert_eq!(host.tick(), []);
+    assert_eq!(host.drive.state(), State::Running);
 }
 
 #[test]
 fn an_emergency_stop_is_reported_and_the_first_fault_kept() {
-    let (mut talk, _) = happen(FaultCode::Watchdog);
-    let answers = talk.say(request("EmergencyStop"));
+    let (mut host, _) = happen(FaultCode::Watchdog);
+    let answers = host.send(request("EmergencyStop"));
     assert!(
         matches!(answers[0], DriveMessage::FaultReport(report) if report.code == FaultCode::EmergencyStop),
         "{answers:?}"
     );
-    let answers = talk.say(request("Hello, same session"));
+    let answers = host.send(request("Hello, same session"));
     assert!(
         matches!(answers[1], DriveMessage::FaultReport(report) if report.code == FaultCode::Watchdog),
         "{answers:?}"

@@ -1,14 +1,14 @@
-//! The codec on the drive's processor costs little of a control period.
+//! The codec takes a small part of a control period on the drive's processor.
 
 use crate::codec_cost::count;
 
-/// Most instructions for reading or writing a message. A control period of 1 ms is 168,000 cycles.
+/// Largest number of instructions to encode or decode a message. A control period of 1 ms has 168,000 cycles.
 const LIMIT: u32 = 700;
 
 pub(crate) fn every_message() {
     let image = tests::workspace().join("target/codec-cost.elf");
     let costs = count(&image);
-    // Else what is counted is no instructions.
+    // Otherwise the counter does not count instructions.
     assert!((2002..=2010).contains(&costs.known_loop), "{costs:?}");
     let names: Vec<_> = costs.messages.iter().map(|cost| (cost.message.as_str(), cost.frame_bytes)).collect();
     let want = [
@@ -21,7 +21,7 @@ pub(crate) fn every_message() {
     ];
     assert_eq!(names, want);
     for cost in &costs.messages {
-        // Each byte is at least loaded, checked and stored.
+        // Each byte takes at least a load, a check and a store.
         let fewest = 3 * cost.frame_bytes;
         assert!(
             (fewest..=LIMIT).contains(&cost.encode) && (fewest..=LIMIT).contains(&cost.decode),

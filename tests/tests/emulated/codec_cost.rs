@@ -1,7 +1,7 @@
-//! What the codec costs on a Cortex-M4F, counted by the emulator.
+//! Instructions of the codec on a Cortex-M4F, counted by the emulator.
 //!
-//! QEMU takes the same time for every instruction here, so the counts are the same in every run and on every machine.
-//! They are instructions, not cycles: flash wait states and the pipeline are not in them.
+//! QEMU takes the same time for every instruction here, so the counts are the same in every run and on every machine. They
+//! are instructions, not cycles: flash wait states and the pipeline are not included.
 
 use std::fmt;
 use std::io::{BufRead, BufReader};
@@ -11,7 +11,7 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The image says all it has to say in a second.
+/// The image prints all its counts within a second.
 const LIMIT: Duration = Duration::from_secs(60);
 
 /// Instructions for one message.
@@ -23,7 +23,7 @@ pub struct Cost {
     pub decode: u32,
 }
 
-/// All that the image counts.
+/// All counts of the image.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Costs {
     /// For a loop of 2,002 instructions and its call.
@@ -44,7 +44,7 @@ impl fmt::Display for Costs {
     }
 }
 
-/// The emulator, which does not outlive us.
+/// The emulator. Dropping it kills the process.
 struct Emulator(Child);
 
 impl Drop for Emulator {
@@ -57,7 +57,7 @@ impl Drop for Emulator {
 /// Runs the image.
 ///
 /// # Panics
-/// It does not say what it should within a minute.
+/// The image does not print its counts within a minute.
 pub fn count(image: &Path) -> Costs {
     let words = ["-M", "netduinoplus2", "-icount", "shift=6", "-display", "none", "-monitor", "none"];
     let mut emulator = Emulator(
@@ -70,19 +70,19 @@ pub fn count(image: &Path) -> Costs {
             .spawn()
             .expect("the emulator starts"),
     );
-    let output = emulator.0.stdout.take().expect("it is piped");
+    let output = emulator.0.stdout.take().expect("a pipe");
     let (sender, lines) = mpsc::channel();
     thread::spawn(move || {
         BufReader::new(output).lines().map_while(Result::ok).try_for_each(|line| sender.send(line))
     });
     let deadline = Instant::now() + LIMIT;
-    let said: Vec<String> = std::iter::from_fn(|| {
+    let printed: Vec<String> = std::iter::from_fn(|| {
         let left = deadline.saturating_duration_since(Instant::now());
-        Some(lines.recv_timeout(left).expect("the image says \"end\" in time"))
+        Some(lines.recv_timeout(left).expect("the image prints \"end\" in time"))
     })
     .take_while(|line| line != "end")
     .collect();
-    parse(&said).unwrap_or_else(|| panic!("the image said {said:?}"))
+    parse(&printed).unwrap_or_else(|| panic!("the image printed {printed:?}"))
 }
 
 fn parse(lines: &[String]) -> Option<Costs> {

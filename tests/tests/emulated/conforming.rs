@@ -1,6 +1,6 @@
-//! The image keeps to the protocol.
+//! The image conforms to the protocol.
 
-use tests::bench::run;
+use tests::program::run;
 
 pub(crate) fn every_check() {
     let ended = run(["conformance", "--device", "qemu"]).with_code(0);

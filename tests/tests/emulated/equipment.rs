@@ -1,19 +1,16 @@
-//! What the emulated board needs.
+//! Equipment of the emulated board.
 
 use std::env;
 
 const EMULATOR: &str = "qemu-system-arm";
 
-/// What is missing here, each with the command that provides it.
+/// Names missing equipment, each with the command that installs it.
 pub(crate) fn missing() -> Option<String> {
     let mut missing = Vec::new();
     for image in ["target/lashloop-firmware.elf", "target/codec-cost.elf"] {
         let image = tests::workspace().join(image);
         if !image.is_file() {
-            missing.push(format!(
-                "there is no image of the firmware at {}: run `cargo xtask image`",
-                image.display()
-            ));
+            missing.push(format!("no image of the firmware at {}: run `cargo xtask image`", image.display()));
         }
     }
     let path = env::var_os("PATH").unwrap_or_default();

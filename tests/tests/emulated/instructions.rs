@@ -1,9 +1,9 @@
-//! How many instructions a control step takes on the Cortex-M4F.
+//! Instructions of a control step on the Cortex-M4F.
 //!
-//! QEMU is told that an instruction takes 64 ns, so the device clock counts instructions, and the compute time of an
-//! answer, in tenths of a microsecond, tells them to within two. That is everything from the decoded sample to the torque:
-//! watchdog, plausibility, sensing, law, limits. No interrupt gets in between, for the drive is locked and the line is
-//! silent until the answer. What an instruction costs on silicon, a division 14 cycles for one, is not in it.
+//! QEMU takes 64 ns for an instruction, so the device clock counts instructions, and the compute time of an answer, in tenths
+//! of a microsecond, gives the count to within two. The count covers the path from the decoded sample to the torque:
+//! watchdog, plausibility, sensing, law, limits. No interrupt intervenes, because the drive is locked and the line is silent
+//! until the answer. Cycles per instruction on silicon, 14 for a division, are not included.
 
 use std::os::linux::net::SocketAddrExt;
 use std::os::unix::net::{SocketAddr, UnixListener};
@@ -21,7 +21,7 @@ use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::of_step;
 use tests::wait;
 
-/// Most instructions from sample to torque: at 168 MHz, a hundredth of a period of 1 ms.
+/// Largest number of instructions from sample to torque: at 168 MHz, a hundredth of a period of 1 ms.
 const MOST: u32 = 1_500;
 /// QEMU's shift: 2^6 ns for an instruction.
 const NANOSECONDS: u32 = 64;
@@ -34,7 +34,7 @@ impl Emulator {
         let name = format!("lashloop-instructions-{}", std::process::id());
         let address = SocketAddr::from_abstract_name(&name).expect("a name for a socket");
         let listener = UnixListener::bind_addr(&address).expect("a socket");
-        listener.set_nonblocking(true).expect("a socket that can be looked at");
+        listener.set_nonblocking(true).expect("a socket without blocking");
         let uart = format!("socket,id=uart,path={name},abstract=on");
         let child = Command::new("qemu-system-arm")
             .args(["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-icount", "shift=6"])
@@ -56,7 +56,7 @@ impl Drop for Emulator {
     }
 }
 
-/// The bench from its start: instructions of every step.
+/// Instructions of every step of a run on the plant `backlash-shaft`.
 fn of_a_run(session: &mut Session, controller: ControllerId, samples: u32) -> Vec<u32> {
     session.reset().expect("a drive after power-up");
     let settings = [
@@ -95,14 +95,14 @@ fn of_a_run(session: &mut Session, controller: ControllerId, samples: u32) -> Ve
     }
     session.stop().expect("a stop");
     let last = plant.truth(&state).load_position_rad.abs();
-    assert!(controller != ControllerId::BacklashInverse || last < 2e-3, "it has arrived: {last} rad");
+    assert!(controller != ControllerId::BacklashInverse || last < 2e-3, "the load has settled: {last} rad");
     steps
 }
 
 pub(crate) fn of_every_law() {
     let (_emulator, link) = Emulator::start();
     let mut session = Session::open(Box::new(link), 1).expect("a drive");
-    // The backlash inverse until it has arrived and holds, so that every branch of it has been taken.
+    // The backlash inverse runs until it has settled and holds, so that every branch is taken.
     for (controller, samples) in [
         (ControllerId::Pd, 1000),
         (ControllerId::Merzouki, 1000),
@@ -113,8 +113,8 @@ pub(crate) fn of_every_law() {
         let (least, most) = (steps.iter().min().copied(), steps.iter().max().copied());
         let (least, most) = (least.unwrap_or_default(), most.unwrap_or(u32::MAX));
         println!("{controller:?}: {least} to {most} instructions from sample to torque");
-        // Less than a sensing alone would mean that the clock counts something else.
-        assert!(least > 200, "{controller:?}: {least} instructions are too few to be true");
+        // Fewer than sensing alone takes would mean that the clock does not count instructions.
+        assert!(least > 200, "{controller:?}: {least} instructions are too few to be plausible");
         assert!(most <= MOST, "{controller:?}: {most} instructions, at most {MOST} are allowed");
     }
 }

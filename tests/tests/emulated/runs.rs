@@ -1,10 +1,10 @@
 //! Runs with the emulated board.
 
-use tests::bench;
 use tests::paper::PaperRun;
+use tests::program;
 use tests::records::Records;
 
-/// The emulated processor gives the paper's number, and the torques that are pinned for every device.
+/// The emulated processor gives the paper's number and the pinned torque digest.
 pub(crate) fn same_as_in_process(run: PaperRun) {
     let emulated = run.pass_on("qemu");
     let in_process = run.pass_on("inproc");
@@ -20,8 +20,8 @@ pub(crate) fn same_as_in_process(run: PaperRun) {
 pub(crate) fn identity() {
     let records = Records::new();
     let arguments = ["run", "scenarios/smooth-after.toml", "--device", "qemu", "--out", &records.out()];
-    // Ten steps can't settle, so the verdict is FAIL.
-    let _ = bench::run(arguments.into_iter().chain(["--set", "run.duration_s=0.01"])).with_code(1);
+    // The load can't settle in ten steps, so the verdict is FAIL.
+    let _ = program::run(arguments.into_iter().chain(["--set", "run.duration_s=0.01"])).with_code(1);
     let summary = records.summary();
     let device = summary["device"].as_str().expect("the device");
     assert!(device.starts_with("qemu (stm32f405-qemu, firmware "), "{device}");
@@ -30,24 +30,24 @@ pub(crate) fn identity() {
 
 pub(crate) fn no_image() {
     let ended =
-        bench::run(["run", "scenarios/smooth-after.toml", "--device", "qemu:no/such.elf"]).with_code(4);
+        program::run(["run", "scenarios/smooth-after.toml", "--device", "qemu:no/such.elf"]).with_code(4);
     let want = "lashloop: no image of the firmware at no/such.elf: build it with `cargo xtask image`\n";
     assert_eq!((ended.stderr.as_str(), ended.stdout.as_str()), (want, ""));
 }
 
-/// A file that QEMU takes for a program and that locks the processor up at once.
+/// A file that QEMU loads as a program and that locks up the processor at once.
 pub(crate) fn stranger() {
     let records = Records::new();
     let image = records.path("zeros.bin");
     std::fs::write(&image, [0; 1024]).expect("an image of the test");
     let device = format!("qemu:{}", image.display());
-    let ended = bench::run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(4);
+    let ended = program::run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(4);
     assert_eq!(ended.stderr.lines().count(), 1, "{}", ended.stderr);
     let side = format!(
         "lashloop: the drive side ended while the bench was talking to {device}: the emulator (process "
     );
     assert!(ended.stderr.starts_with(&side), "{}", ended.stderr);
-    // The cause that QEMU gives, and not the end of the register dump that follows it.
+    // The cause that QEMU reports, not the end of the register dump that follows.
     assert!(ended.stderr.contains("qemu: fatal: Lockup"), "{}", ended.stderr);
     assert!(ended.stderr.contains("no sample sent yet, no good frame received"), "{}", ended.stderr);
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use rustix::process::Signal;
-use tests::bench::{self, Bench, Ended};
+use tests::program::{self, Ended, Running};
 use tests::records::Records;
 use tests::{wait, workspace};
 
@@ -15,7 +15,7 @@ fn arguments(records: &Records, rest: &str) -> Vec<String> {
 }
 
 fn run(records: &Records, rest: &str) -> Ended {
-    bench::run(arguments(records, rest))
+    program::run(arguments(records, rest))
 }
 
 fn text(records: &Records, name: &str) -> String {
@@ -63,7 +63,7 @@ fn short_battery_meets_its_limits_and_its_rows_can_be_rerun() {
         let settings = row["set"].split(' ').flat_map(|set| ["--set".to_owned(), set.to_owned()]);
         let words = ["run", &scenario, "--device", "inproc", "--out", &alone.out()].map(str::to_owned);
         // The verdict does not matter: its expectations hold for another plant.
-        let _ = bench::run(words.into_iter().chain(settings));
+        let _ = program::run(words.into_iter().chain(settings));
         let summary = alone.summary();
         assert_eq!(summary["torque_sha256"], row["torque_sha256"].as_str(), "{law}");
         let settle_time = summary["metrics"]["settle_time_s"].as_f64();
@@ -86,8 +86,8 @@ fn same_seed_gives_the_same_table_for_any_number_of_jobs() {
 const SMALL: &str = "--plants 25 --controller merzouki,backlash-inverse --no-sweeps --jobs 1";
 
 /// A battery in progress, with some results.
-fn in_progress(records: &Records) -> Bench {
-    let bench = Bench::start(arguments(records, SMALL));
+fn in_progress(records: &Records) -> Running {
+    let bench = Running::start(arguments(records, SMALL));
     wait::until("results in runs.jsonl", || {
         let lines = fs::read_to_string(records.path("runs.jsonl")).ok()?.lines().count();
         (lines > 3).then_some(())
@@ -181,7 +181,7 @@ fn wrong_options_of_a_battery_are_refused_with_the_alternative() {
         ("battery --resume", "--out <DIR>"),
         ("battery --out Cargo.toml/out", "choose another folder with --out"),
     ] {
-        let ended = bench::run(arguments.split(' ')).with_code(2);
+        let ended = program::run(arguments.split(' ')).with_code(2);
         assert!(ended.stderr.contains(expected), "{arguments}: {}", ended.stderr);
         assert_eq!(ended.stdout, "", "{arguments}");
     }

@@ -1,11 +1,11 @@
 //! `lashloop budget`: its text and exit code. `wire` compares it with runs on a modelled UART.
 
-use tests::bench;
+use tests::program;
 
 #[test]
 fn the_budget_says_where_the_time_goes_and_what_to_change() {
     let ended =
-        bench::run(["budget", "scenarios/smooth-after.toml", "--baud", "460800", "--period-us", "900"])
+        program::run(["budget", "scenarios/smooth-after.toml", "--baud", "460800", "--period-us", "900"])
             .with_code(1);
     assert_eq!(ended.stderr, "");
     insta::assert_snapshot!(ended.stdout);
@@ -24,6 +24,6 @@ fn exit_code_is_1_if_the_worst_cycle_exceeds_the_period() {
         (&["budget", "--baud", "100"], 2),
         (&["budget", "scenarios/none.toml"], 2),
     ] {
-        let _ = bench::run(options).with_code(code);
+        let _ = program::run(options).with_code(code);
     }
 }

@@ -1,12 +1,12 @@
 //! `lashloop compare`. Its measurements depend on the machine; that each is made and judged does not.
 
-use tests::bench;
+use tests::program;
 
 const ALWAYS: [&str; 2] = ["lockstep: round trips, 1/s", "1 kHz: round trip p50, us"];
 
 fn every_measurement_is_made_and_judged(options: &[&str], judged: &[&str]) {
     let arguments = ["compare", "--rounds", "1", "--steps", "200", "--seconds", "1"];
-    let ended = bench::run(arguments.iter().chain(options));
+    let ended = program::run(arguments.iter().chain(options));
     let lines: Vec<&str> = ended.stdout.lines().skip(1).collect();
     for what in ALWAYS.iter().chain(judged) {
         let line = lines.iter().find_map(|line| line.strip_prefix(what)).expect(what);
@@ -31,6 +31,6 @@ fn busy_waiting_loop_has_an_absolute_goal() {
 
 #[test]
 fn missing_core_is_refused() {
-    let ended = bench::run(["compare", "--core", "1023"]).with_code(4);
+    let ended = program::run(["compare", "--core", "1023"]).with_code(4);
     assert!(ended.stderr.contains("can't choose a core"), "{}", ended.stderr);
 }

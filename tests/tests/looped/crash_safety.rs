@@ -1,4 +1,4 @@
-//! What is left of a record when the bench is killed, its disk is full, or nobody reads what it says.
+//! The record after a kill of the bench, on a full disk, and with a closed reader.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -7,14 +7,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use rustix::process::Signal;
-use tests::bench::Bench;
 use tests::paper::RUNS;
+use tests::program::Running;
 use tests::records::Records;
-use tests::relay::{Relay, StepOutcome};
+use tests::relay::{Action, Relay};
 use tests::twin::Twin;
 use tests::{program, wait, workspace};
 
-/// A relay that counts the torques that have passed.
+/// A relay that counts the forwarded torques.
 fn counting_relay(twin: &Twin) -> (Relay, Arc<AtomicU32>) {
     let answered = Arc::new(AtomicU32::new(0));
     let seen = Arc::clone(&answered);
@@ -22,13 +22,13 @@ fn counting_relay(twin: &Twin) -> (Relay, Arc<AtomicU32>) {
         if let Some(torque) = frame.torque() {
             seen.fetch_max(u32::from(torque.sequence) + 1, Ordering::Relaxed);
         }
-        StepOutcome::Pass
+        Action::Forward
     });
     (relay, answered)
 }
 
 #[test]
-fn a_killed_bench_leaves_every_row_up_to_the_last_whole_chunk() {
+fn a_killed_bench_leaves_every_whole_chunk_of_rows() {
     const CHUNK: usize = 64;
     let twin = Twin::start();
     let (relay, answered) = counting_relay(&twin);
@@ -36,14 +36,14 @@ fn a_killed_bench_leaves_every_row_up_to_the_last_whole_chunk() {
     let (out, flush) = (records.out(), format!("record.flush_rows={CHUNK}"));
     let arguments = ["run", "scenarios/smooth-after.toml", "--device", relay.device(), "--out", &out];
     let bench =
-        Bench::start(arguments.into_iter().chain(["--set", "run.duration_s=100000", "--set", &flush]));
+        Running::start(arguments.into_iter().chain(["--set", "run.duration_s=100000", "--set", &flush]));
     wait::until("a few chunks", || (answered.load(Ordering::Relaxed) > 1_000).then_some(()));
     bench.signal(Signal::KILL);
     assert_eq!(bench.wait().code, None);
     let answered = answered.load(Ordering::Relaxed) as usize;
     for rows in [records.trace().len(), records.timing().len()] {
         assert_eq!(rows % CHUNK, 0, "chunks are whole");
-        // The last answer may not have been read, and a row is complete with the next step.
+        // The bench may not have read the last answer, and a row is complete with the next step.
         assert!(
             (answered.saturating_sub(CHUNK + 2)..=answered).contains(&rows),
             "{rows} rows of {answered} steps"
@@ -52,9 +52,9 @@ fn a_killed_bench_leaves_every_row_up_to_the_last_whole_chunk() {
     assert_eq!(records.summary_text(), None, "a run without a verdict leaves no summary");
 }
 
-/// A bench whose files can't become longer than this: what a full disk is to it, in the middle of its run.
+/// Runs a bench under a limit of file size, which acts like a disk that fills up during the run.
 fn with_files_up_to(blocks: u32, records: &Records, settings: &[&str]) -> (Option<i32>, String) {
-    // Without the signal a write that is too long fails.
+    // With SIGXFSZ ignored, a write beyond the limit fails.
     let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
     let output = Command::new("sh")
         .args(["-c", &script])
@@ -81,12 +81,12 @@ fn a_disk_that_fills_up_ends_the_run_and_leaves_whole_rows() {
             "{rows} rows with {flush_rows}"
         );
         assert!(records.timing().len() <= rows + 1_000);
-        assert_eq!(records.summary_text(), None, "the old summary does not stand beside the new trace");
+        assert_eq!(records.summary_text(), None, "the old summary is removed ahead of the new trace");
     }
 }
 
 #[test]
-fn a_full_disk_at_the_start_is_named_before_anything_runs() {
+fn a_disk_full_at_the_start_is_named_before_the_run() {
     let records = Records::new();
     symlink("/dev/full", records.path("trace.csv")).expect("a link");
     let (code, stderr) = with_files_up_to(1_000_000, &records, &[]);
@@ -95,20 +95,20 @@ fn a_full_disk_at_the_start_is_named_before_anything_runs() {
 }
 
 #[test]
-fn a_summary_that_does_not_fit_leaves_none_and_the_trace_is_whole() {
-    // The tables of a few steps fit, and a summary of several kilobytes does not.
+fn a_summary_that_does_not_fit_leaves_a_whole_trace_alone() {
+    // The tables of two steps fit; a summary of several kilobytes does not.
     let records = Records::new();
     let (code, stderr) = with_files_up_to(2, &records, &["run.duration_s=0.002"]);
     assert_eq!(code, Some(2), "{stderr}");
     assert!(stderr.contains("summary.json: cannot be written: "), "{stderr}");
     assert_eq!((records.trace().len(), records.summary_text()), (2, None));
-    let left: Vec<_> =
+    let files: Vec<_> =
         fs::read_dir(records.out()).expect("the folder").flatten().map(|it| it.file_name()).collect();
-    assert_eq!(left.len(), 2, "nothing but the tables: {left:?}");
+    assert_eq!(files.len(), 2, "the tables alone: {files:?}");
 }
 
 #[test]
-fn a_reader_that_has_gone_away_changes_neither_verdict_nor_record() {
+fn a_closed_reader_changes_neither_verdict_nor_record() {
     let records = Records::new();
     let mut bench = Command::new(program::lashloop())
         .args(["run", &RUNS[2].scenario(), "--device", "native", "--out", &records.out()])
@@ -132,7 +132,7 @@ fn an_interrupted_run_with_large_chunks_loses_no_row() {
         let out = records.out();
         let arguments = ["run", "scenarios/smooth-after.toml", "--device", relay.device(), "--out", &out];
         let never = ["--set", "run.duration_s=100000", "--set", "record.flush_rows=1000000"];
-        let bench = Bench::start(arguments.into_iter().chain(never));
+        let bench = Running::start(arguments.into_iter().chain(never));
         wait::until("some steps", || (answered.load(Ordering::Relaxed) > 500).then_some(()));
         bench.signal(signal);
         let _ = bench.wait().with_code(3);

@@ -2,14 +2,14 @@
 
 use std::fs;
 
-use tests::bench;
+use tests::program;
 use tests::records::Records;
 
 #[test]
 fn demo_prints_a_table_and_draws_one_figure() {
     for device in ["inproc", "native"] {
         let records = Records::new();
-        let ended = bench::run(["demo", "--device", device, "--out", &records.out()]).with_code(0);
+        let ended = program::run(["demo", "--device", device, "--out", &records.out()]).with_code(0);
         let (who, table) = ended.stdout.split_once('\n').expect("a line about the drive");
         assert!(who.starts_with(device), "{who}");
         // The same table for both devices, so one snapshot.

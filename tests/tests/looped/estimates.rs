@@ -1,30 +1,36 @@
-//! The drive's estimates, scored by the bench and once more from what it recorded.
+//! The drive's estimates: the bench's scores against scores computed from the trace.
 
-use tests::bench;
 use tests::paper::PATIENCE;
+use tests::program;
 use tests::records::Records;
 
 #[test]
-fn estimates_are_scored_at_the_samples_they_are_of() {
+fn estimates_are_scored_at_their_own_samples() {
     for (every, device) in [(7, "inproc"), (1, "inproc"), (7, "native"), (1, "native")] {
         let records = Records::new();
         let every_steps = format!("telemetry.every_steps={every}");
         let arguments =
             ["run", "scenarios/shaft-backlash-inverse.toml", "--device", device, "--out", &records.out()];
         let overrides = ["--set", &every_steps, "--set", "run.duration_s=8", "--set", "expect=[]"];
-        let _ = bench::run(arguments.into_iter().chain(overrides).chain(PATIENCE)).with_code(0);
+        let _ = program::run(arguments.into_iter().chain(overrides).chain(PATIENCE)).with_code(0);
         let trace = records.trace();
         let column = |name| trace.column(name);
-        let (time_s, told_s) = (column("time_s"), column("estimate_time_s"));
+        let (time_s, estimate_time_s) = (column("time_s"), column("estimate_time_s"));
         for step in 0..trace.len() {
-            assert_eq!(told_s[step], time_s[step - step % every], "telemetry of {device}, step {step}");
+            assert_eq!(
+                estimate_time_s[step],
+                time_s[step - step % every],
+                "telemetry of {device}, step {step}"
+            );
         }
-        let (truth_nm, told_nm) = (column("disturbing_torque_nm"), column("disturbing_torque_estimate_nm"));
+        let (truth_nm, estimate_nm) =
+            (column("disturbing_torque_nm"), column("disturbing_torque_estimate_nm"));
         let (transmitted_nm, twist_rad) = (column("transmitted_torque_nm"), column("twist_rad"));
         // w = C - K z, with K = 1 N m/rad.
         let away = (0..trace.len()).map(|i| (transmitted_nm[i] - twist_rad[i] - truth_nm[i]).abs());
         assert!(away.fold(0.0, f64::max) < 1e-12);
-        let errors_nm: Vec<_> = (0..trace.len()).step_by(every).map(|i| told_nm[i] - truth_nm[i]).collect();
+        let errors_nm: Vec<_> =
+            (0..trace.len()).step_by(every).map(|i| estimate_nm[i] - truth_nm[i]).collect();
         let mean = |sum: f64| sum / errors_nm.len() as f64;
         let bias_nm = mean(errors_nm.iter().sum());
         let rms_nm = mean(errors_nm.iter().map(|error| error * error).sum()).sqrt();
@@ -35,7 +41,7 @@ fn estimates_are_scored_at_the_samples_they_are_of() {
             let have = summary["metrics"][metric].as_f64().expect("a number");
             assert!((have - want).abs() < 1e-9, "{metric} on {device}: have {have}, want {want}");
         }
-        // At rest the observer has caught up.
+        // At rest the observer has converged.
         let late_nm = &errors_nm[errors_nm.len() * 3 / 4..];
         assert!(late_nm.iter().all(|error| error.abs() < 0.02), "the drive estimates: {late_nm:?} N m off");
     }

@@ -1,4 +1,4 @@
-//! The table of `docs/faults.md` on the native twin, and that it is complete.
+//! The table of `docs/faults.md` on the native twin, and its completeness.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -6,7 +6,7 @@ use std::thread;
 use lashloop_bench::scenario::Scenario;
 use tests::fault_table::{self, Row, rows};
 
-/// Rows that wait for a lost answer need no core, so more of them run at a time than there are cores.
+/// Rows that wait for a lost answer need no core, so we run more rows at a time than a small machine has cores.
 const AT_A_TIME: usize = 4;
 
 #[test]
@@ -41,29 +41,29 @@ fn the_run_without_faults_passes() {
 fn the_table_has_every_kind_of_fault() {
     let unknown = "title = \"x\"\n[[fault]]\nkind = \"x\"\nat_s = 0\n";
     let message = Scenario::from_str("x", unknown, &[]).expect_err("no such kind").to_string();
-    let line = message.lines().find(|line| line.contains("fault.0.kind")).expect("a line about it");
-    let (_, kinds) = line.split_once("must be ").expect("the kinds there are");
+    let line = message.lines().find(|line| line.contains("fault.0.kind")).expect("a line about the kind");
+    let (_, kinds) = line.split_once("must be ").expect("the list of kinds");
     let kinds: Vec<_> = kinds.split('"').skip(1).step_by(2).collect();
     assert!(kinds.len() >= 25, "{line}");
     let rows = rows();
     for kind in kinds {
         assert!(rows.iter().any(|row| row.kind() == kind), "docs/faults.md has no row for {kind}");
-        assert!(fault_table::explains(kind), "docs/faults.md does not say what {kind} is");
+        assert!(fault_table::explains(kind), "docs/faults.md does not explain {kind}");
     }
 }
 
 #[test]
-fn the_watchdog_takes_the_torque_away_within_its_own_time() {
+fn the_watchdog_removes_the_torque_in_time() {
     fault_table::check_watchdog_on("native");
 }
 
 #[test]
-fn a_bench_that_pauses_in_lockstep_trips_no_watchdog() {
+fn a_pause_in_lockstep_trips_no_watchdog() {
     fault_table::check_pause_on("native");
 }
 
 #[test]
-fn a_fault_that_cannot_be_there_is_refused_before_the_run() {
+fn an_inapplicable_fault_is_rejected_before_the_run() {
     let row = Row { fault: "kind = \"device-hang\"; at_s = 2.0; for_s = 0.5".to_owned(), ..Row::default() };
     let twin = tests::twin::Twin::start();
     let (ended, records) = row.run_on(&twin.device());

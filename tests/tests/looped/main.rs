@@ -1,31 +1,31 @@
-//! The whole loop as a user meets it: the `lashloop` program, drives on real pseudo-terminals, and lines with faults.
-//! No emulator; see `emulated` for that.
+//! The whole loop as a user runs it: the `lashloop` program, drives on real pseudo-terminals, and faulty lines. Runs in the
+//! emulator are in `emulated`.
 
 mod battery;
-mod bench_scenarios;
 mod bit_exact;
 mod budget;
-mod captured;
+mod capture;
 mod compared;
+mod connect_errors;
 mod crash_safety;
 mod demo;
-mod endings;
+mod drive_loss;
 mod estimates;
+mod exit_codes;
 mod fault_table;
-mod faults;
-mod frames;
 mod idle;
-mod long;
-mod lost;
+mod link_faults;
 mod paper;
 mod paper_figures;
 mod real_time;
 mod reconnect;
-mod refused;
 mod retries;
+mod shaft_scenarios;
 mod soak;
 mod speed;
 mod summary;
 mod tokio_client;
 mod usage;
 mod wire;
+mod wire_bytes;
+mod wraparound;

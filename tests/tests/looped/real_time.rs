@@ -1,5 +1,5 @@
-//! The loop paced by the clock on the wall. No test here asks how late anything is: a machine may be busy. They ask
-//! what becomes of a step that is late.
+//! The loop paced by wall-clock time. No test here bounds a lateness, because the machine may be busy: the tests check how
+//! the bench handles a late step.
 
 use std::thread;
 use std::time::Duration;
@@ -7,14 +7,14 @@ use std::time::Duration;
 use lashloop_protocol::HostMessage;
 use rustix::process::Signal;
 use serde_json::Value;
-use tests::bench::{self, Bench};
 use tests::paper::RUNS;
+use tests::program::{self, Running};
 use tests::records::Records;
-use tests::relay::{Relay, StepOutcome};
+use tests::relay::{Action, Relay};
 use tests::twin::Twin;
 
-/// Late steps are what a busy machine makes; here they are looked at and not judged.
-const BEAR: [&str; 6] = [
+/// A busy machine causes late steps; these limits keep them out of the verdict.
+const TOLERANT: [&str; 6] = [
     "--set",
     "allow.late=1000000",
     "--set",
@@ -26,8 +26,8 @@ const BEAR: [&str; 6] = [
 fn arguments<'a>(scenario: &'a str, device: &'a str, out: &'a str, duration: &'a str) -> Vec<&'a str> {
     let mut arguments = vec!["run", scenario, "--device", device, "--out", out, "--set", duration];
     arguments.extend(["--clock", "real-time"]);
-    arguments.extend(BEAR);
-    // Too short for what the scenario expects.
+    arguments.extend(TOLERANT);
+    // The run is too short for the expectation of the scenario.
     arguments.extend(["--set", "expect.0.max=1000", "--set", "expect.0.min=0"]);
     arguments
 }
@@ -36,20 +36,20 @@ fn count(summary: &Value, section: &str, name: &str) -> u64 {
     summary[section][name].as_u64().unwrap_or_else(|| panic!("{section}.{name} in {summary}"))
 }
 
-/// Ones in a column of flags.
+/// Number of ones in a column of flags.
 fn ones(records: &Records, column: &str) -> u64 {
     records.timing().column(column).iter().filter(|flag| **flag == 1.0).count() as u64
 }
 
 #[test]
-fn a_run_in_real_time_takes_the_time_it_simulates() {
+fn a_real_time_run_takes_the_time_it_simulates() {
     let records = Records::new();
-    let ended = bench::run(arguments(&RUNS[1].scenario(), "native", &records.out(), "run.duration_s=2"));
+    let ended = program::run(arguments(&RUNS[1].scenario(), "native", &records.out(), "run.duration_s=2"));
     assert!(ended.code.is_some_and(|code| code < 4), "{}", ended.stderr);
     let summary = records.summary();
     assert_eq!((&summary["timing"]["clock"], &summary["end"]), (&"real-time".into(), &"complete".into()));
     let wall_s = summary["wall_s"].as_f64().expect("a time");
-    // The last step is over when its torque has come, up to a period before the end of the run.
+    // The last step ends with its torque, up to a period before the end of the run.
     assert!(wall_s > 1.998, "2 s of the plant in {wall_s} s");
     assert_eq!((records.trace().len(), records.timing().len()), (2_000, 2_000));
     assert_eq!(ones(&records, "missed"), count(&summary, "timing", "missed"));
@@ -58,7 +58,7 @@ fn a_run_in_real_time_takes_the_time_it_simulates() {
 }
 
 #[test]
-fn without_late_steps_a_run_in_real_time_is_the_run_in_lockstep() {
+fn a_real_time_run_without_late_steps_equals_lockstep() {
     let duration = "run.duration_s=0.3";
     let digest = |real_time: bool| {
         let records = Records::new();
@@ -67,7 +67,7 @@ fn without_late_steps_a_run_in_real_time_is_the_run_in_lockstep() {
         if !real_time {
             arguments.retain(|argument| !["--clock", "real-time"].contains(argument));
         }
-        let _ = bench::run(arguments);
+        let _ = program::run(arguments);
         let summary = records.summary();
         let late = count(&summary, "timing", "missed") + count(&summary, "timing", "unanswered");
         (late == 0).then(|| summary["torque_sha256"].clone())
@@ -78,64 +78,61 @@ fn without_late_steps_a_run_in_real_time_is_the_run_in_lockstep() {
 }
 
 #[test]
-fn a_late_answer_holds_the_last_torque_and_the_next_steps_are_on_their_grid() {
+fn a_late_answer_holds_the_torque_and_keeps_the_step_grid() {
     const HIT: u16 = 700;
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| {
         if frame.torque().is_some_and(|torque| torque.sequence == HIT) {
             thread::sleep(Duration::from_millis(20));
         }
-        StepOutcome::Pass
+        Action::Forward
     });
     let records = Records::new();
     let ended =
-        bench::run(arguments(&RUNS[2].scenario(), relay.device(), &records.out(), "run.duration_s=2"));
+        program::run(arguments(&RUNS[2].scenario(), relay.device(), &records.out(), "run.duration_s=2"));
     assert!(ended.code.is_some_and(|code| code < 4), "{}", ended.stderr);
     let (summary, trace, timing) = (records.summary(), records.trace(), records.timing());
     let (torque_nm, answered) = (trace.column("torque_nm"), timing.column("answered"));
     let at = usize::from(HIT);
     assert_eq!(answered[at], 0.0, "{}", ended.stdout);
     assert_eq!(torque_nm[at], torque_nm[at - 1], "the torque of a late step is the one before");
-    assert!(torque_nm[at - 1] != torque_nm[at - 2], "neighbours that differ show that it is held");
-    // Twenty periods late, so about as many steps have no answer in time, and the answers to them come late.
+    assert!(torque_nm[at - 1] != torque_nm[at - 2], "different neighbours show that the torque is held");
+    // The answer is twenty periods late, so about twenty steps have no answer in time and late answers.
     assert!(count(&summary, "timing", "longest_run_of_late") >= 15, "{}", ended.stdout);
     assert!(count(&summary, "link", "late") >= 15, "{}", ended.stdout);
     let after = answered[at + 100..].iter().sum::<f64>() / (answered.len() - at - 100) as f64;
     assert!(after > 0.5, "{after} of the steps after it are answered");
     let wall_s = summary["wall_s"].as_f64().expect("a time");
-    assert!(
-        wall_s < 2.5,
-        "the time that was lost must not be added to the run of 2 s, which took {wall_s} s"
-    );
+    assert!(wall_s < 2.5, "a run of 2 s must not be longer by the lost time, and took {wall_s} s");
 }
 
 #[test]
-fn a_torque_that_is_not_renewed_is_taken_away_when_the_drive_s_watchdog_must_have_tripped() {
+fn a_held_torque_ends_with_the_watchdog_time_of_the_drive() {
     const SILENT: std::ops::RangeInclusive<u16> = 700..=1_600;
     const WATCHDOG_STEPS: usize = 600;
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| {
         let is_silenced = frame.torque().is_some_and(|torque| SILENT.contains(&torque.sequence));
-        if is_silenced { StepOutcome::Become(Vec::new()) } else { StepOutcome::Pass }
+        if is_silenced { Action::Replace(Vec::new()) } else { Action::Forward }
     });
     let records = Records::new();
     let (scenario, out) = (RUNS[2].scenario(), records.out());
     let mut arguments = arguments(&scenario, relay.device(), &out, "run.duration_s=2");
     arguments.extend(["--set", "controller.parameters.watchdog_us=600000", "--set", "allow.lost=1000"]);
-    let ended = bench::run(arguments);
+    let ended = program::run(arguments);
     assert_eq!(records.summary()["end"], "complete", "{}{}", ended.stdout, ended.stderr);
     let (torque_nm, answered) = (records.trace().column("torque_nm"), records.timing().column("answered"));
     let last = answered[..700].iter().rposition(|flag| *flag == 1.0).expect("an answer before the silence");
-    let taken_away = last + WATCHDOG_STEPS;
+    let removed = last + WATCHDOG_STEPS;
     assert!(torque_nm[last] != 0.0, "a torque to be held");
-    assert!(torque_nm[last..taken_away].iter().all(|torque| *torque == torque_nm[last]), "held too briefly");
-    assert!(torque_nm[taken_away..=1_600].iter().all(|torque| *torque == 0.0), "held for too long");
+    assert!(torque_nm[last..removed].iter().all(|torque| *torque == torque_nm[last]), "held too briefly");
+    assert!(torque_nm[removed..=1_600].iter().all(|torque| *torque == 0.0), "held for too long");
     let next = 1_601 + answered[1_601..].iter().position(|flag| *flag == 1.0).expect("an answer after it");
-    assert!(torque_nm[next] != 0.0, "the drive is in charge again");
+    assert!(torque_nm[next] != 0.0, "the drive gives torque again");
 }
 
-/// Stops a bench in the midst of its run for a while.
-fn put_to_sleep(bench: &Bench, records: &Records, time: Duration) {
+/// Suspends a bench during its run.
+fn suspend(bench: &Running, records: &Records, time: Duration) {
     records.wait_for_rows();
     bench.signal(Signal::STOP);
     thread::sleep(time);
@@ -143,16 +140,16 @@ fn put_to_sleep(bench: &Bench, records: &Records, time: Duration) {
 }
 
 #[test]
-fn a_bench_that_slept_through_steps_goes_on_where_the_clock_is() {
+fn a_bench_asleep_through_steps_skips_them_without_a_burst() {
     let records = Records::new();
-    let bench = Bench::start(arguments(&RUNS[1].scenario(), "native", &records.out(), "run.duration_s=4"));
-    put_to_sleep(&bench, &records, Duration::from_millis(200));
+    let bench = Running::start(arguments(&RUNS[1].scenario(), "native", &records.out(), "run.duration_s=4"));
+    suspend(&bench, &records, Duration::from_millis(200));
     let ended = bench.wait();
     let (summary, timing) = (records.summary(), records.timing());
     let missed = count(&summary, "timing", "missed");
     assert!(missed >= 150, "{}", ended.stdout);
     assert_eq!(records.trace().len(), 4_000, "every step has its row, missed ones as well");
-    // No burst: what was missed is never sent. Arm, Start and Stop are the frames beside the samples.
+    // No burst: missed samples are never sent. The other frames are Arm, Start and Stop.
     let sent = count(&summary, "link", "frames_sent");
     assert!(sent <= 4_000 - missed + 3, "{sent} frames");
     assert!(timing.column("missed").iter().sum::<f64>() >= 150.0);
@@ -161,19 +158,19 @@ fn a_bench_that_slept_through_steps_goes_on_where_the_clock_is() {
 }
 
 #[test]
-fn a_bench_that_slept_for_longer_than_a_drive_follows_ends_the_run_or_starts_it_anew() {
+fn a_bench_asleep_past_the_longest_gap_ends_or_resumes() {
     for (on_loss, code) in [("end", 4), ("resume", 1)] {
         let records = Records::new();
         let (scenario, out) = (RUNS[1].scenario(), records.out());
         let mut arguments = arguments(&scenario, "native", &out, "run.duration_s=4");
         let on_loss = format!("link.on_loss={on_loss}");
         arguments.extend(["--set", &on_loss, "--set", "allow.resumes=1", "--set", "allow.lost=1"]);
-        let bench = Bench::start(arguments);
-        put_to_sleep(&bench, &records, Duration::from_millis(1_500));
+        let bench = Running::start(arguments);
+        suspend(&bench, &records, Duration::from_millis(1_500));
         let ended = bench.wait();
         if code == 4 {
-            let said = "control periods and takes no sample after that";
-            assert!(ended.with_code(4).stderr.contains(said));
+            let reason = "control periods and takes no sample after that";
+            assert!(ended.with_code(4).stderr.contains(reason));
         } else {
             let summary = records.summary();
             assert_eq!((&summary["end"], &summary["link"]["resumes"]), (&"complete".into(), &1.into()));
@@ -186,8 +183,8 @@ fn a_bench_that_slept_for_longer_than_a_drive_follows_ends_the_run_or_starts_it_
 
 #[test]
 fn the_watchdog_of_the_drive_trips_while_the_bench_sleeps() {
-    // In the second, for longer than a drive takes samples after; the report of the fault has been on the line before.
-    for slept in [600, 1_500] {
+    // The second pause exceeds the longest gap; the fault report is on the line before.
+    for pause_ms in [600, 1_500] {
         let records = Records::new();
         let (scenario, out) = (RUNS[1].scenario(), records.out());
         let mut arguments = arguments(&scenario, "native", &out, "run.duration_s=10");
@@ -196,32 +193,32 @@ fn the_watchdog_of_the_drive_trips_while_the_bench_sleeps() {
                 *argument = "controller.parameters.watchdog_us=200000";
             }
         }
-        let bench = Bench::start(arguments);
-        put_to_sleep(&bench, &records, Duration::from_millis(slept));
+        let bench = Running::start(arguments);
+        suspend(&bench, &records, Duration::from_millis(pause_ms));
         let ended = bench.wait().with_code(3);
         assert!(ended.stdout.contains("ENDED  the drive latched Watchdog at sample "), "{}", ended.stdout);
     }
 }
 
 #[test]
-fn a_start_that_takes_long_is_made_again_where_the_clock_is() {
+fn a_slow_restart_is_repeated_at_the_present_step() {
     let twin = Twin::start();
     let mut starts = 0;
-    // The second start is that after the loss; half a second passes until it is known to be lost.
+    // The second start follows the loss; the bench detects its loss after half a second.
     let relay = Relay::start(twin.path(), move |frame| {
         starts += usize::from(matches!(frame.from_bench(), Some(HostMessage::Start(_))));
         let is_lost = starts == 2 && matches!(frame.from_bench(), Some(HostMessage::Start(_)));
-        if is_lost { StepOutcome::Become(Vec::new()) } else { StepOutcome::Pass }
+        if is_lost { Action::Replace(Vec::new()) } else { Action::Forward }
     });
     let records = Records::new();
     let text = std::fs::read_to_string(tests::workspace().join(RUNS[1].scenario())).expect("a scenario");
     let scenario = records.path("reset.toml");
     let fault = "[[fault]]\nkind = \"device-reset\"\nat_s = 0.5\n";
-    std::fs::write(&scenario, format!("{text}\n{fault}")).expect("room for a scenario");
+    std::fs::write(&scenario, format!("{text}\n{fault}")).expect("a scenario of the test");
     let (scenario, out) = (scenario.display().to_string(), records.out());
     let mut arguments = arguments(&scenario, relay.device(), &out, "run.duration_s=3");
     arguments.extend(["--set", "link.on_loss=resume", "--set", "allow.resumes=1", "--set", "allow.lost=1"]);
-    let ended = bench::run(arguments);
+    let ended = program::run(arguments);
     let summary = records.summary();
     assert_eq!(
         (&summary["end"], &summary["link"]["resumes"]),
@@ -235,21 +232,21 @@ fn a_start_that_takes_long_is_made_again_where_the_clock_is() {
 }
 
 #[test]
-fn what_the_system_does_not_grant_is_said_and_does_not_end_the_run() {
+fn a_denied_privilege_is_reported_and_the_run_continues() {
     let records = Records::new();
     let (scenario, out) = (RUNS[1].scenario(), records.out());
     let mut arguments = arguments(&scenario, "native", &out, "run.duration_s=0.2");
     arguments.extend(["--core", "999999"]);
-    let ended = bench::run(arguments);
+    let ended = program::run(arguments);
     assert!(ended.stdout.contains("not granted: core 999999: "), "{}", ended.stdout);
     assert_eq!(records.summary()["end"], "complete");
 }
 
 #[test]
-fn options_of_real_time_are_refused_in_lockstep() {
+fn real_time_options_are_rejected_in_lockstep() {
     for option in [&["--spin-us", "10"][..], &["--fifo", "5"], &["--lock-memory"], &["--core", "0"]] {
         let arguments = ["run", "scenarios/smooth-after.toml", "--device", "inproc"];
-        let ended = bench::run(arguments.iter().chain(option)).with_code(2);
+        let ended = program::run(arguments.iter().chain(option)).with_code(2);
         assert!(
             ended.stderr.contains(&format!("{} is for --clock real-time", option[0])),
             "{}",

@@ -1,5 +1,5 @@
-//! Drives that are lost in the middle of a run and come back: by themselves, or as another process behind the same name, as
-//! a board does that is unplugged and plugged in again.
+//! Drives that are lost during a run and return: by themselves, or as another process under the same name, like a board
+//! that is unplugged and plugged in again.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -8,11 +8,11 @@ use std::time::Instant;
 
 use rustix::process::Signal;
 use serde_json::Value;
-use tests::bench::{self, Bench};
 use tests::loss;
 use tests::paper::PATIENCE;
+use tests::program::{self, Running};
 use tests::records::{Records, Trace};
-use tests::relay::{Relay, StepOutcome};
+use tests::relay::{Action, Relay};
 use tests::twin::Twin;
 
 const RESUME: [&str; 6] = [
@@ -24,7 +24,7 @@ const RESUME: [&str; 6] = [
     "record.flush_rows=10",
 ];
 
-/// The scenario of the table of faults with one more section.
+/// The scenario of the fault table with one more fault.
 fn faulty(folder: &Records, fault: &str) -> String {
     let healthy = fs::read_to_string(tests::workspace().join("scenarios/faults.toml")).expect("the scenario");
     let path = folder.path("faulty.toml");
@@ -37,12 +37,12 @@ fn run_faulty(fault: &str, device: &str, settings: &[&str], code: i32) -> (Value
     let (scenario, out) = (faulty(&records, fault), records.out());
     let arguments = ["run", &scenario, "--device", device, "--out", &out];
     let settings = settings.iter().flat_map(|setting| ["--set", setting]);
-    let _ = bench::run(arguments.into_iter().chain(RESUME).chain(settings)).with_code(code);
+    let _ = program::run(arguments.into_iter().chain(RESUME).chain(settings)).with_code(code);
     (records.summary(), records.trace())
 }
 
-/// The steps of a run in which the motor had no torque although it had one before: those of a loss. At the start of the
-/// scenario the drive has nothing to do.
+/// Steps at which the torque drops to zero: those of a loss. At the start of the scenario the torque is zero without a
+/// loss.
 fn without_torque(trace: &Trace) -> Vec<usize> {
     let torque_nm = trace.column("torque_nm");
     (1..torque_nm.len()).filter(|step| torque_nm[*step] == 0.0 && torque_nm[step - 1] != 0.0).collect()
@@ -51,7 +51,7 @@ fn without_torque(trace: &Trace) -> Vec<usize> {
 const RESET: &str = "kind = \"device-reset\"\nat_s = 2.0";
 
 #[test]
-fn a_drive_that_restarts_is_armed_anew_and_without_torque_until_then() {
+fn a_restarted_drive_has_no_torque_until_armed_again() {
     for device in ["native", "inproc"] {
         let (summary, trace) = run_faulty(RESET, device, &["allow.resumes=1", "allow.lost=1"], 0);
         let link = &summary["link"];
@@ -67,13 +67,13 @@ fn a_drive_that_restarts_is_armed_anew_and_without_torque_until_then() {
 }
 
 #[test]
-fn a_drive_that_restarts_more_often_than_allowed_makes_the_run_invalid() {
+fn more_restarts_than_allowed_make_the_run_invalid() {
     let (summary, _) = run_faulty(RESET, "native", &["allow.lost=1"], 3);
     assert_eq!((&summary["end"], &summary["link"]["resumes"]), (&"complete".into(), &1.into()));
 }
 
 #[test]
-fn a_drive_that_restarts_ends_the_run_where_the_scenario_does_not_say_resume() {
+fn a_restart_ends_the_run_unless_the_scenario_resumes() {
     let (summary, trace) = run_faulty(RESET, "native", &["link.on_loss=\"end\"", "allow.resumes=1"], 3);
     assert_eq!((&summary["verdict"], trace.len()), (&"INVALID".into(), 2_000));
     let end = summary["end"].as_str().expect("an end");
@@ -81,17 +81,17 @@ fn a_drive_that_restarts_ends_the_run_where_the_scenario_does_not_say_resume() {
 }
 
 #[test]
-fn a_line_that_is_cut_and_comes_back_is_resumed_without_torque() {
+fn a_cut_line_resumes_without_torque() {
     let cut = "kind = \"link-cut\"\nat_s = 2.0\nfor_s = 0.3";
     let (summary, trace) = run_faulty(cut, "native", &["allow.resumes=1", "allow.lost=1"], 0);
     assert_eq!(without_torque(&trace), [2000]);
     assert!(summary["wall_s"].as_f64().is_some_and(|wall_s| wall_s > 0.3), "{summary}");
-    // A cut is over before the next step of the plant can begin.
+    // The cut ends before the next step of the plant begins.
     assert_eq!(summary["faults"][0]["until_step"], 2001);
 }
 
 #[test]
-fn in_real_time_the_plant_goes_on_without_torque_while_the_drive_is_away() {
+fn in_real_time_a_lost_drive_leaves_the_plant_without_torque() {
     let records = Records::new();
     let scenario = faulty(&records, "kind = \"link-cut\"\nat_s = 1.5\nfor_s = 0.4");
     let out = records.out();
@@ -104,8 +104,8 @@ fn in_real_time_the_plant_goes_on_without_torque_while_the_drive_is_away() {
         "allow.lost=1000000",
     ];
     let settings = settings.iter().flat_map(|setting| ["--set", setting]);
-    // Too short for what the scenario expects.
-    let ended = bench::run(arguments.into_iter().chain(RESUME).chain(settings)).with_code(1);
+    // The run is too short for the expectation of the scenario.
+    let ended = program::run(arguments.into_iter().chain(RESUME).chain(settings)).with_code(1);
     let (summary, torque_nm) = (records.summary(), records.trace().column("torque_nm"));
     assert_eq!(
         (&summary["link"]["resumes"], &summary["end"]),
@@ -113,49 +113,49 @@ fn in_real_time_the_plant_goes_on_without_torque_while_the_drive_is_away() {
         "{}",
         ended.stdout
     );
-    assert_eq!(torque_nm.len(), 4_000, "every step of the time has its row");
-    // At 1.5 s the load is on its way, so a drive that is there gives torque.
+    assert_eq!(torque_nm.len(), 4_000, "every step has its row");
+    // At 1.5 s the load moves, so a connected drive gives torque.
     assert!(torque_nm[1400..1500].iter().any(|torque_nm| *torque_nm != 0.0), "{}", ended.stdout);
-    // A bench that is kept from its core notices later, and holds the torque until then.
+    // A bench without a core detects the loss later, and holds the torque until then.
     let noticed = 1500 + torque_nm[1500..].iter().take_while(|torque_nm| **torque_nm != 0.0).count();
     let away = torque_nm[noticed..].iter().take_while(|torque_nm| **torque_nm == 0.0).count();
     assert!(away >= 390, "{away} steps without torque from {noticed} on\n{}", ended.stdout);
     let after = &torque_nm[noticed + away..];
-    assert!(after.iter().any(|torque_nm| *torque_nm != 0.0), "no torque after the drive came back");
+    assert!(after.iter().any(|torque_nm| *torque_nm != 0.0), "no torque after the reconnect");
 }
 
 #[test]
-fn a_drive_that_hangs_for_longer_than_it_may_is_resumed_when_it_goes_on() {
+fn a_drive_that_hangs_past_its_limit_is_resumed() {
     let hang = "kind = \"device-hang\"\nat_s = 2.0\nfor_s = 1.0";
     let limits = ["link.answer_timeout_ms=300", "link.silence_limit_ms=600"];
-    // The adaptive law begins anew, so the load settles later than undisturbed.
-    let bear = ["allow.resumes=9", "allow.lost=99", "expect.1.max=6.0"];
-    let (summary, trace) = run_faulty(hang, "native", &[limits.as_slice(), &bear].concat(), 0);
+    // The adaptive law restarts, so the load settles later than without the fault.
+    let allowances = ["allow.resumes=9", "allow.lost=99", "expect.1.max=6.0"];
+    let (summary, trace) = run_faulty(hang, "native", &[limits.as_slice(), &allowances].concat(), 0);
     assert!(summary["link"]["resumes"].as_u64().is_some_and(|resumes| resumes >= 1), "{summary}");
     let zero = without_torque(&trace);
-    // The first steps of a silence hold the torque; the one that ends it has none.
+    // The first steps of a silence hold the torque; the step that ends the silence has none.
     assert!(zero.first().is_some_and(|step| (2001..=2004).contains(step)), "{zero:?}");
 }
 
 #[test]
-fn a_drive_that_does_not_come_back_in_time_ends_the_run_with_exit_code_4() {
+fn a_drive_that_stays_away_ends_the_run_with_exit_code_4() {
     let records = Records::new();
     let scenario = faulty(&records, "kind = \"link-cut\"\nat_s = 2.0\nfor_s = 600.0");
     let out = records.out();
     let arguments =
         ["run", &scenario, "--device", "native", "--out", &out, "--set", "link.on_loss=\"resume\""];
-    let ended = bench::run(arguments.into_iter().chain(["--set", "link.resume_limit_ms=500"])).with_code(4);
+    let ended = program::run(arguments.into_iter().chain(["--set", "link.resume_limit_ms=500"])).with_code(4);
     assert!(ended.stderr.contains("the far end closed the line"), "{}", ended.stderr);
     assert_eq!((records.trace().len(), records.summary_text()), (2_000, None));
 }
 
 #[test]
-fn the_bench_s_own_twin_does_not_come_back_and_is_not_waited_for() {
+fn the_bench_does_not_wait_for_its_own_dead_twin() {
     let records = Records::new();
     let out = records.out();
     let arguments = ["run", "scenarios/faults.toml", "--device", "native", "--out", &out];
     let endless = ["--set", "run.duration_s=100000"];
-    let bench = Bench::start(arguments.into_iter().chain(RESUME).chain(endless));
+    let bench = Running::start(arguments.into_iter().chain(RESUME).chain(endless));
     records.wait_for_rows();
     let [twin] = tests::processes::children(bench.id())[..] else { panic!("the bench has one child") };
     let lost_at = Instant::now();
@@ -165,7 +165,7 @@ fn the_bench_s_own_twin_does_not_come_back_and_is_not_waited_for() {
     assert!(ended.stderr.contains("signal: 9"), "{}", ended.stderr);
 }
 
-/// A name that points to the terminal of a drive, as `/dev/serial/by-id/...` does to that of a board.
+/// A name that points to the terminal of a drive, like `/dev/serial/by-id/...` to that of a board.
 struct Name {
     folder: tempfile::TempDir,
 }
@@ -181,33 +181,33 @@ impl Name {
         self.folder.path().join("usb-Lashloop_drive-if00")
     }
 
-    /// The board is plugged in again, and its terminal has another number.
+    /// Redirects the name: the board is plugged in again, and its terminal has another number.
     fn point_to(&self, path: &Path) {
         let _ = fs::remove_file(self.path());
         symlink(path, self.path()).expect("a name");
     }
 
     fn remove(&self) {
-        fs::remove_file(self.path()).expect("there was a name");
+        fs::remove_file(self.path()).expect("the name exists");
     }
 }
 
-/// Starts a run on a name and waits until it is in its midst.
-fn started(name: &Name, settings: &[&str]) -> (Bench, Records) {
+/// Starts a run on a name and waits for its first rows.
+fn started(name: &Name, settings: &[&str]) -> (Running, Records) {
     let records = Records::new();
     let (device, out) = (name.path().display().to_string(), records.out());
     let arguments = ["run", "scenarios/smooth-after.toml", "--device", &device, "--out", &out];
     let settings = settings.iter().flat_map(|setting| ["--set", setting]);
-    let bench = Bench::start(arguments.into_iter().chain(RESUME).chain(PATIENCE).chain(settings));
+    let bench = Running::start(arguments.into_iter().chain(RESUME).chain(PATIENCE).chain(settings));
     records.wait_for_rows();
     (bench, records)
 }
 
 #[test]
-fn a_drive_that_is_plugged_in_again_under_its_name_goes_on_from_disarmed() {
+fn a_drive_that_reconnects_resumes_from_disarmed() {
     let first = Twin::start();
     let name = Name::of(first.path());
-    // Longer than it takes to pull the line, whatever the machine does; what it expects is met by then.
+    // Longer than the disconnection takes on any machine; the expectation is met by then.
     let settings = ["run.duration_s=200", "allow.resumes=1", "allow.lost=2"];
     let (bench, records) = started(&name, &settings);
     name.remove();
@@ -223,14 +223,14 @@ fn a_drive_that_is_plugged_in_again_under_its_name_goes_on_from_disarmed() {
     let torque_nm = records.trace().column("torque_nm");
     let [.., lost] = unanswered[..] else { panic!("a step was lost") };
     assert_eq!(torque_nm[lost], 0.0, "the motor has no torque until the new start");
-    // The adaptive law begins anew in the new drive, so the run need not settle as it does undisturbed; but it was judged,
-    // and not for the line.
+    // The adaptive law restarts in the new drive, so the run may miss its expectation; the verdict must not stem from the
+    // line.
     assert!(matches!(ended.code, Some(0 | 1)), "{}{}", ended.stdout, ended.stderr);
     assert!(!ended.stdout.contains("BROKEN"), "{}", ended.stdout);
 }
 
 #[test]
-fn the_same_run_is_invalid_where_no_resume_is_allowed() {
+fn a_reconnect_is_invalid_without_an_allowance() {
     let first = Twin::start();
     let name = Name::of(first.path());
     let (bench, records) = started(&name, &["run.duration_s=200", "allow.lost=2"]);
@@ -243,17 +243,17 @@ fn the_same_run_is_invalid_where_no_resume_is_allowed() {
 }
 
 #[test]
-fn a_pulled_line_without_resume_ends_with_exit_code_4() {
+fn a_disconnect_without_resume_ends_with_exit_code_4() {
     let first = Twin::start();
     let name = Name::of(first.path());
     let (bench, records) = started(&name, &["run.duration_s=200", "link.on_loss=\"end\"", "allow.resumes=9"]);
     let lost_at = Instant::now();
     drop(first);
-    let _ = loss::told(bench, &records, lost_at);
+    let _ = loss::assert_reported(bench, &records, lost_at);
 }
 
 #[test]
-fn another_firmware_behind_the_name_is_refused_and_never_armed() {
+fn another_firmware_under_the_name_is_never_armed() {
     use lashloop_protocol::{DriveMessage, HostMessage, Message};
     let first = Twin::start();
     let name = Name::of(first.path());
@@ -264,16 +264,16 @@ fn another_firmware_behind_the_name_is_refused_and_never_armed() {
     let relay = Relay::start(second.path(), move |frame| {
         if let Some(DriveMessage::Identity(mut identity)) = frame.from_drive() {
             identity.build_id ^= 1;
-            return StepOutcome::Become(DriveMessage::from(identity).frame().to_vec());
+            return Action::Replace(DriveMessage::from(identity).frame().to_vec());
         }
         if let Some(HostMessage::Arm(_)) = frame.from_bench() {
             seen.store(true, std::sync::atomic::Ordering::Relaxed);
         }
-        StepOutcome::Pass
+        Action::Forward
     });
     name.point_to(Path::new(relay.device()));
     drop(first);
     let ended = bench.wait().with_code(4);
     assert!(ended.stderr.contains("it came back with another firmware than build "), "{}", ended.stderr);
-    assert!(!armed.load(std::sync::atomic::Ordering::Relaxed), "it was armed");
+    assert!(!armed.load(std::sync::atomic::Ordering::Relaxed), "the other firmware was armed");
 }

@@ -1,4 +1,4 @@
-//! A line that loses requests or their answers. A request whose answer is missing is made again, and the run is the same.
+//! A line that loses requests or answers. The bench retries an unanswered request, and the run is the same.
 
 use std::collections::BTreeSet;
 use std::sync::mpsc;
@@ -7,25 +7,25 @@ use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::message::{Start, Stop};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage, Message};
-use tests::bench;
 use tests::paper::RUNS;
+use tests::program;
 use tests::records::Records;
-use tests::relay::{Passing, Relay, StepOutcome};
+use tests::relay::{Action, Relay, Transit};
 use tests::twin::Twin;
 
-/// Nothing of a frame arrives.
-fn lost() -> StepOutcome {
-    StepOutcome::Become(Vec::new())
+/// Drops a frame.
+fn drop_frame() -> Action {
+    Action::Replace(Vec::new())
 }
 
-/// The kind of a request of the bench, samples left out.
-fn request(frame: &Passing) -> Option<&'static str> {
+/// Kind of a request of the bench; `None` for a sample.
+fn request(frame: &Transit) -> Option<&'static str> {
     let message = frame.from_bench().filter(|message| !matches!(message, HostMessage::EncoderSample(_)));
     Some(message?.layout().name)
 }
 
-/// The kind of an answer to one.
-fn answer(frame: &Passing) -> Option<String> {
+/// Kind of an answer to a request.
+fn answer(frame: &Transit) -> Option<String> {
     match frame.from_drive()? {
         DriveMessage::CommandResult(result) => Some(format!("answer to {:#04x}", result.request)),
         DriveMessage::TorqueAnswer(_) | DriveMessage::Telemetry(_) => None,
@@ -33,95 +33,97 @@ fn answer(frame: &Passing) -> Option<String> {
     }
 }
 
-/// The torques of a run, as their digest.
+/// Digest of the torques of a run.
 fn torques_of_a_run(device: &str, settings: &[&str]) -> String {
     let records = Records::new();
     let (scenario, out) = (RUNS[1].scenario(), records.out());
     let mut arguments = vec!["run", &scenario, "--device", device, "--out", &out];
-    // Too short for what the scenario expects of it.
+    // The run is too short for the expectation of the scenario.
     for setting in ["run.duration_s=0.05", "expect.0.max=1000", "expect.0.min=0"].iter().chain(settings) {
         arguments.extend(["--set", setting]);
     }
-    let ended = bench::run(arguments);
+    let ended = program::run(arguments);
     assert!([Some(0), Some(1)].contains(&ended.code), "{}{}", ended.stdout, ended.stderr);
     let summary = records.summary();
     assert_eq!(summary["end"], "complete", "{summary}");
     summary["torque_sha256"].as_str().expect("a digest").to_owned()
 }
 
-/// The torques of a run over a line that `tamper`s with frames.
-fn torques_over(tamper: impl FnMut(&Passing) -> StepOutcome + Send + 'static, settings: &[&str]) -> String {
+/// Digest of the torques of a run over a faulty line.
+fn torques_over(tamper: impl FnMut(&Transit) -> Action + Send + 'static, settings: &[&str]) -> String {
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), tamper);
     torques_of_a_run(relay.device(), settings)
 }
 
-/// The first of each kind is lost.
-fn loses_the_first<Kind: Ord>(
-    kind: impl Fn(&Passing) -> Option<Kind> + Send + 'static,
+/// Drops the first frame of each kind.
+fn drop_the_first<Kind: Ord>(
+    kind: impl Fn(&Transit) -> Option<Kind> + Send + 'static,
     hits: mpsc::Sender<()>,
-) -> impl FnMut(&Passing) -> StepOutcome {
+) -> impl FnMut(&Transit) -> Action {
     let mut seen = BTreeSet::new();
     move |frame| {
         if kind(frame).is_some_and(|kind| seen.insert(kind)) {
             let _ = hits.send(());
-            return lost();
+            return drop_frame();
         }
-        StepOutcome::Pass
+        Action::Forward
     }
 }
 
 #[test]
-fn a_run_bears_the_loss_of_the_first_request_of_every_kind() {
+fn a_run_survives_the_loss_of_each_first_request() {
     let (hit, hits) = mpsc::channel();
-    let torques = torques_over(loses_the_first(request, hit), &[]);
-    // Greeting, description, reset, setting, arming, starting, stopping.
+    let torques = torques_over(drop_the_first(request, hit), &[]);
+    // Hello, DescribeParameter, Reset, SetParameter, Arm, Start, Stop.
     assert_eq!(hits.iter().count(), 7);
     assert_eq!(torques, torques_of_a_run("native", &[]));
 }
 
 #[test]
-fn a_run_bears_the_loss_of_the_first_answer_of_every_kind() {
+fn a_run_survives_the_loss_of_each_first_answer() {
     let (hit, hits) = mpsc::channel();
-    let torques = torques_over(loses_the_first(answer, hit), &[]);
-    // The same, and the report before the answer to the stop.
+    let torques = torques_over(drop_the_first(answer, hit), &[]);
+    // One answer to each, and the line report ahead of the answer to Stop.
     assert_eq!(hits.iter().count(), 8);
     assert_eq!(torques, torques_of_a_run("native", &[]));
 }
 
 #[test]
-fn a_drive_whose_watchdog_trips_before_its_start_is_known_is_started_again() {
-    // Longer than the bench waits for the answer to the start, and shorter than until its second stop: the first is lost.
+fn a_watchdog_trip_before_the_start_answer_is_retried() {
+    // Longer than the timeout of the start, shorter than the time to the second stop: the first stop is lost.
     let settings = ["controller.parameters.watchdog_us=750000"];
-    let (tell, told) = mpsc::channel();
+    let (sender, receiver) = mpsc::channel();
     let (mut is_first_start, mut is_first_stop) = (true, true);
     let torques = torques_over(
         move |frame| match frame.from_drive() {
             Some(DriveMessage::CommandResult(result))
                 if result.request == Start::LAYOUT.kind && std::mem::take(&mut is_first_start) =>
             {
-                lost()
+                drop_frame()
             }
-            None if request(frame) == Some(Stop::LAYOUT.name) && std::mem::take(&mut is_first_stop) => lost(),
-            // Its report is lost too, so that only the state tells of it.
+            None if request(frame) == Some(Stop::LAYOUT.name) && std::mem::take(&mut is_first_stop) => {
+                drop_frame()
+            }
+            // The fault report is lost too, so that only the state shows the fault.
             Some(DriveMessage::FaultReport(fault)) => {
-                let _ = tell.send(fault.code);
-                lost()
+                let _ = sender.send(fault.code);
+                drop_frame()
             }
-            _ => StepOutcome::Pass,
+            _ => Action::Forward,
         },
         &settings,
     );
-    let faults: Vec<_> = told.iter().collect();
-    // Told of again in every greeting while it is latched.
+    let faults: Vec<_> = receiver.iter().collect();
+    // The report follows every identity while the fault is latched.
     assert!(!faults.is_empty() && faults.iter().all(|code| *code == FaultCode::Watchdog), "{faults:?}");
     assert_eq!(torques, torques_of_a_run("native", &settings));
 }
 
 #[test]
-fn a_run_bears_the_loss_of_the_last_stop_and_of_its_answers() {
-    // The request itself, the report, the result: each of them alone, and nothing else in the run.
-    let is_hit: [fn(&Passing) -> bool; 3] = [
+fn a_run_survives_the_loss_of_the_last_stop_and_its_answers() {
+    // The request, the line report, the result: one of them per run.
+    let is_hit: [fn(&Transit) -> bool; 3] = [
         |frame| matches!(frame.from_bench(), Some(HostMessage::Stop(_))),
         |frame| matches!(frame.from_drive(), Some(DriveMessage::LineReport(_))),
         |frame| matches!(frame.from_drive(), Some(DriveMessage::CommandResult(it)) if it.request == Stop::LAYOUT.kind),
@@ -131,7 +133,7 @@ fn a_run_bears_the_loss_of_the_last_stop_and_of_its_answers() {
         let mut is_first = true;
         let torques = torques_over(
             move |frame| {
-                if is_hit(frame) && std::mem::take(&mut is_first) { lost() } else { StepOutcome::Pass }
+                if is_hit(frame) && std::mem::take(&mut is_first) { drop_frame() } else { Action::Forward }
             },
             &[],
         );
@@ -140,22 +142,22 @@ fn a_run_bears_the_loss_of_the_last_stop_and_of_its_answers() {
 }
 
 #[test]
-fn a_first_sample_without_an_answer_is_sent_again_as_it_was_and_time_goes_on() {
+fn an_unanswered_first_sample_is_retransmitted_unchanged() {
     const LOST: usize = 3;
-    let (tell, told) = mpsc::channel();
+    let (sender, receiver) = mpsc::channel();
     let mut answers = 0;
     let _ = torques_over(
         move |frame| {
             if let Some(sample) = frame.sample() {
-                let _ = tell.send(sample);
+                let _ = sender.send(sample);
             }
             let is_answer = frame.torque().is_some();
             answers += usize::from(is_answer);
-            if is_answer && answers <= LOST { lost() } else { StepOutcome::Pass }
+            if is_answer && answers <= LOST { drop_frame() } else { Action::Forward }
         },
         &["link.answer_timeout_ms=500", "allow.lost=3", "run.duration_s=0.01"],
     );
-    let samples: Vec<_> = told.iter().collect();
+    let samples: Vec<_> = receiver.iter().collect();
     let [first, others @ ..] = &samples[..] else { panic!("no samples") };
     assert_eq!(first.sequence, 0);
     assert!(others[..LOST].iter().all(|sample| sample == first), "the same sample: {samples:?}");
@@ -164,11 +166,11 @@ fn a_first_sample_without_an_answer_is_sent_again_as_it_was_and_time_goes_on() {
 }
 
 #[test]
-fn a_drive_that_never_answers_a_request_is_given_up_by_its_name() {
+fn an_unanswered_request_times_out_under_its_name() {
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| {
-        if request(frame) == Some(Start::LAYOUT.name) { lost() } else { StepOutcome::Pass }
+        if request(frame) == Some(Start::LAYOUT.name) { drop_frame() } else { Action::Forward }
     });
-    let ended = bench::run(["run", &RUNS[1].scenario(), "--device", relay.device()]).with_code(4);
+    let ended = program::run(["run", &RUNS[1].scenario(), "--device", relay.device()]).with_code(4);
     assert!(ended.stderr.contains("the drive was silent for 3.5 s after Start"), "{}", ended.stderr);
 }

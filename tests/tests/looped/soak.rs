@@ -1,7 +1,7 @@
 //! `lashloop soak`: over and over, with more and more going wrong.
 
 use rustix::process::Signal;
-use tests::bench::{self, Bench};
+use tests::program::{self, Running};
 use tests::{processes, wait};
 
 /// The runs of each level in the summary.
@@ -15,7 +15,7 @@ fn runs_of_levels(stdout: &str) -> Vec<u64> {
 
 #[test]
 fn a_minute_of_rising_faults_leaves_nothing_wrong() {
-    let ended = bench::run(["soak", "scenarios/faults.toml", "--for", "60s"]).with_code(0);
+    let ended = program::run(["soak", "scenarios/faults.toml", "--for", "60s"]).with_code(0);
     let runs = runs_of_levels(&ended.stdout);
     assert_eq!(runs.len(), 6, "{}", ended.stdout);
     let lines = ended.stdout.lines().filter(|line| line.starts_with("run ")).count() as u64;
@@ -32,10 +32,10 @@ fn a_minute_of_rising_faults_leaves_nothing_wrong() {
 }
 
 /// A soak in its midst, and the process of its drive.
-fn in_its_midst() -> (Bench, u32) {
+fn in_its_midst() -> (Running, u32) {
     let endless = "run.duration_s=100000";
     let arguments = ["soak", "scenarios/smooth-after.toml", "--for", "1h", "--set", endless];
-    let bench = Bench::start(arguments);
+    let bench = Running::start(arguments);
     let drive = wait::until("the drive of the soak", || processes::children(bench.id()).first().copied());
     // It is a drive when it has become one; before that it is the bench that starts it.
     wait::until("the run", || (processes::cpu_ticks(drive) > 2).then_some(()));
@@ -69,7 +69,7 @@ fn a_drive_that_dies_in_a_soak_is_wrong_and_the_soak_goes_on() {
 #[test]
 fn a_time_without_a_unit_is_refused() {
     for time in ["10", "m", "0s", "-5s", "200h", "1e99h"] {
-        let ended = bench::run(["soak", "scenarios/faults.toml", &format!("--for={time}")]).with_code(2);
+        let ended = program::run(["soak", "scenarios/faults.toml", &format!("--for={time}")]).with_code(2);
         assert!(ended.stderr.contains("it must be a number with its unit"), "{}", ended.stderr);
     }
 }

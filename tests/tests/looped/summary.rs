@@ -1,10 +1,10 @@
-//! `summary.json` as a whole.
+//! `summary.json` and `trace.csv` as a whole.
 
-use tests::bench;
 use tests::paper::{PATIENCE, RUNS};
+use tests::program;
 use tests::records::Records;
 
-/// The text with the values of these keys taken out: they change from run to run or from commit to commit.
+/// The text without the values of these keys, which change from run to run or from commit to commit.
 fn without(text: &str, keys: &[&str]) -> String {
     let line = |line: &str| match line.split_once(": ") {
         Some((key, value)) if keys.contains(&key.trim().trim_matches('"')) => {
@@ -15,7 +15,7 @@ fn without(text: &str, keys: &[&str]) -> String {
     text.lines().map(line).collect()
 }
 
-/// The text without the object that tells how long everything took.
+/// The text without the timing report.
 fn without_timing(text: &str) -> String {
     let (before, rest) = text.split_once("  \"timing\": {").expect("timing");
     let (_, after) = rest.split_once("\n  },\n").expect("the end of timing");
@@ -23,14 +23,14 @@ fn without_timing(text: &str) -> String {
 }
 
 #[test]
-fn a_summary_has_everything_that_is_needed_to_trust_and_repeat_a_run() {
+fn a_summary_has_all_that_identifies_and_repeats_a_run() {
     let records = Records::new();
     let arguments = ["run", &RUNS[1].scenario(), "--device", "native", "--out", &records.out()];
-    let _ = bench::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
+    let _ = program::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
     let text = records.summary_text().expect("a summary");
     assert!(text.ends_with("}\n"), "whole, with an end of line");
     let summary = records.summary();
-    let wall_s = summary["wall_s"].as_f64().expect("the time on the wall");
+    let wall_s = summary["wall_s"].as_f64().expect("the wall-clock time");
     assert!(wall_s > 0.0, "have {wall_s} s");
     let device = summary["device"].as_str().expect("the device");
     assert!(device.starts_with("native (native-twin, firmware "), "{device}");
@@ -52,7 +52,7 @@ fn a_summary_has_everything_that_is_needed_to_trust_and_repeat_a_run() {
 fn a_trace_has_the_truth_of_the_plant_for_every_step() {
     let records = Records::new();
     let arguments = ["run", &RUNS[1].scenario(), "--device", "native", "--out", &records.out()];
-    let _ = bench::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
+    let _ = program::run(arguments.into_iter().chain(PATIENCE)).with_code(0);
     let trace = records.trace();
     insta::assert_snapshot!(trace.header().join("\n"));
     let column = |name| trace.column(name);

@@ -1,4 +1,4 @@
-//! A drive driven by a foreign bench: tokio, tokio-util's `Framed` and the protocol's codec, and nothing of ours beside.
+//! A host on tokio, with tokio-util's `Framed` and the protocol's codec: no other code of the bench is involved.
 
 use std::fs::File;
 use std::time::Duration;
@@ -31,18 +31,18 @@ fn asynchronous(terminal: File) -> impl AsyncRead + AsyncWrite + Unpin {
 struct Line<Io>(Framed<Io, Codec<DriveMessage, HostMessage>>);
 
 impl<Io: AsyncRead + AsyncWrite + Unpin> Line<Io> {
-    async fn ask(&mut self, request: impl Into<HostMessage>) -> DriveMessage {
+    async fn request(&mut self, request: impl Into<HostMessage>) -> DriveMessage {
         self.0.send(request.into()).await.expect("the line takes a frame");
-        self.hear().await
+        self.receive().await
     }
 
-    async fn hear(&mut self) -> DriveMessage {
+    async fn receive(&mut self) -> DriveMessage {
         let item = tokio::time::timeout(SOON, self.0.next()).await.expect("the drive answers in time");
         item.expect("the line stays up").expect("the line can be read").expect("a good frame")
     }
 
     async fn command(&mut self, request: impl Into<HostMessage>) -> State {
-        match self.ask(request).await {
+        match self.request(request).await {
             DriveMessage::CommandResult(result) => {
                 assert_eq!(result.outcome, Outcome::Accepted, "{result:?}");
                 result.state
@@ -55,7 +55,9 @@ impl<Io: AsyncRead + AsyncWrite + Unpin> Line<Io> {
 async fn converse(terminal: File) -> Vec<f32> {
     let mut line = Line(Framed::new(asynchronous(terminal), Codec::default()));
     let hello = Hello { protocol_version: PROTOCOL_VERSION, session: SESSION };
-    let DriveMessage::Identity(identity) = line.ask(hello).await else { panic!("an identity was expected") };
+    let DriveMessage::Identity(identity) = line.request(hello).await else {
+        panic!("an identity was expected")
+    };
     assert_eq!((identity.protocol_version, identity.session), (PROTOCOL_VERSION, SESSION));
     assert_eq!((identity.board.as_str(), identity.state), ("native-twin", State::Idle));
     assert_eq!(line.command(Arm { session: SESSION }).await, State::Armed);
@@ -63,27 +65,27 @@ async fn converse(terminal: File) -> Vec<f32> {
     let mut torques_nm = Vec::new();
     let [motor_counts, load_counts] = [301, 100].map(EncoderCounts::wrapping);
     for sequence in 0..10 {
-        // Off the reference at rest and, read at the middles of the counts, without twist: 301.5 = 3 * 100.5.
+        // At rest, off the reference and, read at the middles of the counts, without twist: 301.5 = 3 * 100.5.
         let sample = EncoderSample { sequence, motor_counts, load_counts, reference_rad: 0.0 };
-        let DriveMessage::TorqueAnswer(answer) = line.ask(sample).await else {
+        let DriveMessage::TorqueAnswer(answer) = line.request(sample).await else {
             panic!("a torque was expected")
         };
         assert_eq!((answer.sequence, answer.status.state), (sequence, State::Running));
         torques_nm.push(answer.torque_nm);
         // By default telemetry follows every tenth torque.
         if sequence == 0 {
-            let DriveMessage::Telemetry(telemetry) = line.hear().await else {
+            let DriveMessage::Telemetry(telemetry) = line.receive().await else {
                 panic!("telemetry was expected")
             };
             assert_eq!((telemetry.sequence, telemetry.requested_torque_nm), (0, answer.torque_nm));
         }
     }
-    let DriveMessage::LineReport(report) = line.ask(Stop {}).await else {
+    let DriveMessage::LineReport(report) = line.request(Stop {}).await else {
         panic!("a line report was expected")
     };
     // The ten samples and the stop itself.
     assert_eq!((report.messages, report.damaged, report.refused, report.overruns), (11, 0, 0, 0));
-    let DriveMessage::CommandResult(stopped) = line.hear().await else { panic!("a result was expected") };
+    let DriveMessage::CommandResult(stopped) = line.receive().await else { panic!("a result was expected") };
     assert_eq!((stopped.outcome, stopped.state), (Outcome::Accepted, State::Idle));
     let counters = line.0.codec().counters();
     assert_eq!((counters.damaged(), counters.refused), (0, 0));
@@ -91,7 +93,7 @@ async fn converse(terminal: File) -> Vec<f32> {
 }
 
 #[test]
-fn a_foreign_bench_on_tokio_runs_the_twin() {
+fn a_tokio_host_runs_the_twin() {
     let twin = Twin::start();
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
     let terminal = open_near_end(twin.path());

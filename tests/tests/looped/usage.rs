@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::fs;
 
-use tests::bench;
+use tests::program;
 use tests::records::Records;
 
 const SCENARIO: &str = "scenarios/smooth-after.toml";
@@ -52,7 +52,7 @@ fn every_wrong_command_line_says_what_instead() {
         vec!["runn", SCENARIO],
         vec![],
     ] {
-        let ended = bench::run(&arguments).with_code(2);
+        let ended = program::run(&arguments).with_code(2);
         assert_eq!(ended.stdout, "", "{arguments:?}");
         writeln!(messages, "$ lashloop {}\n{}", arguments.join(" "), ended.stderr)
             .expect("writing to a string");
@@ -77,7 +77,7 @@ fn what_a_scenario_file_has_wrong_is_named_by_file_and_line() {
     ] {
         assert!(MINE.contains(right), "{right} is not in the scenario");
         fs::write(&file, MINE.replace(right, wrong)).expect("a scenario of the test");
-        let ended = bench::run(["run", &path, "--device", "inproc"]).with_code(2);
+        let ended = program::run(["run", &path, "--device", "inproc"]).with_code(2);
         let message = ended.stderr.replace(&path, "mine.toml");
         writeln!(messages, "{right} -> {wrong}\n{message}").expect("writing to a string");
     }

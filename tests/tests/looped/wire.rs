@@ -1,16 +1,16 @@
-//! Drives without a wire, run as if there were one: `link.modelled_baud`.
+//! The modelled wire, `link.modelled_baud`.
 
 use serde_json::Value;
-use tests::bench;
 use tests::paper::{PATIENCE, RUNS};
+use tests::program;
 use tests::records::Records;
 
-/// Bytes of a step to the drive, back, and what follows every so many steps.
+/// Bytes of a sample, a torque and a telemetry frame.
 const SAMPLE: f64 = 19.0;
 const TORQUE: f64 = 16.0;
 const TELEMETRY: f64 = 33.0;
 
-/// Time of so many bytes on the wire.
+/// Wire time of `bytes`.
 fn wire_s(bytes: f64, baud: u32) -> f64 {
     bytes * 10.0 / f64::from(baud)
 }
@@ -19,7 +19,7 @@ fn run(device: &str, baud: u32, more: &[&str]) -> Records {
     let records = Records::new();
     let (scenario, out, baud) = (RUNS[1].scenario(), records.out(), format!("link.modelled_baud={baud}"));
     let arguments = ["run", &scenario, "--device", device, "--out", &out, "--set", &baud];
-    let _ = bench::run(arguments.into_iter().chain(PATIENCE).chain(more.iter().copied()));
+    let _ = program::run(arguments.into_iter().chain(PATIENCE).chain(more.iter().copied()));
     records
 }
 
@@ -33,7 +33,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 #[test]
-fn in_lockstep_a_wire_costs_time_and_changes_no_torque() {
+fn in_lockstep_a_modelled_wire_costs_time_and_no_torque_bit() {
     for device in ["inproc", "native"] {
         let baud = 4_000_000;
         let summary = run(device, baud, &[]).summary();
@@ -48,7 +48,7 @@ fn in_lockstep_a_wire_costs_time_and_changes_no_torque() {
 
 #[test]
 fn telemetry_delays_the_torque_behind_it() {
-    // So slow that what a busy machine adds is little beside it.
+    // So slow that the delays of a busy machine are small in comparison.
     let baud = 38_400;
     let round_trips_us = |every: &str| {
         let records = run("native", baud, &["--set", "run.duration_s=0.3", "--set", every]);
@@ -58,7 +58,7 @@ fn telemetry_delays_the_torque_behind_it() {
         (of(1), of(5))
     };
     let (behind, others) = round_trips_us("telemetry.every_steps=10");
-    // In lockstep the next sample is sent at once, and while it is on its way so many bytes of telemetry pass.
+    // In lockstep the next sample follows at once, and telemetry passes while the sample is on the wire.
     let delay_us = 1e6 * wire_s(TELEMETRY - SAMPLE, baud);
     assert!(behind - others > 0.6 * delay_us, "{behind} us behind telemetry, {others} us else, {delay_us}");
     assert!(others >= 1e6 * wire_s(SAMPLE + TORQUE, baud), "{others}");
@@ -67,30 +67,30 @@ fn telemetry_delays_the_torque_behind_it() {
 }
 
 #[test]
-fn in_real_time_a_wire_that_is_too_slow_makes_the_run_invalid() {
-    // The drive bears what would trip its watchdog; the verdict is to be about the wire.
+fn in_real_time_too_slow_a_wire_makes_the_run_invalid() {
+    // A long watchdog time, so that the verdict depends on the wire alone.
     let watchdog = "controller.parameters.watchdog_us=10000000";
     let more = ["--clock", "real-time", "--set", "run.duration_s=2", "--set", watchdog];
-    let late_share = |baud| {
+    let late_fraction = |baud| {
         let summary = run("native", baud, &more).summary();
         let steps = number(&summary, ["timing", "steps"]);
-        // A wire that is full to the brim holds the bench until it has passed enough, so steps are missed as well.
+        // A saturated wire blocks the bench, so steps are missed as well.
         let late = ["unanswered", "missed"].map(|kind| number(&summary, ["timing", kind]));
-        let share = late.iter().sum::<f64>() / steps;
-        (share, summary["verdict"].clone())
+        let fraction = late.iter().sum::<f64>() / steps;
+        (fraction, summary["verdict"].clone())
     };
-    // 19 bytes out alone take 1.65 ms.
-    let (slow, verdict) = late_share(115_200);
+    // The 19 bytes of a sample take 1.65 ms.
+    let (slow, verdict) = late_fraction(115_200);
     assert!(slow > 0.9 && verdict == "INVALID", "{slow} of the steps late, {verdict}");
-    // Out and back take 0.38 ms, which leaves as much for a busy machine.
-    let (fast, _) = late_share(921_600);
+    // Sample and torque take 0.38 ms, which leaves 0.62 ms for a busy machine.
+    let (fast, _) = late_fraction(921_600);
     assert!(fast < 0.75 * slow, "{fast} of the steps late, {slow} at the slow rate");
 }
 
 #[test]
-fn a_serial_port_has_a_wire_of_its_own() {
+fn a_serial_port_rejects_a_modelled_wire() {
     let arguments = ["run", "scenarios/smooth-after.toml", "--device", "/dev/null"];
-    let ended = bench::run(arguments.into_iter().chain(["--set", "link.modelled_baud=9600"])).with_code(4);
+    let ended = program::run(arguments.into_iter().chain(["--set", "link.modelled_baud=9600"])).with_code(4);
     assert_eq!(
         ended.stderr,
         "lashloop: /dev/null: a serial port has a UART of its own, at link.baud = 921600; link.modelled_baud is for \

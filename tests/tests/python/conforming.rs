@@ -1,6 +1,6 @@
-//! It keeps to the protocol.
+//! The Python drive conforms to the protocol.
 
-use tests::bench::run;
+use tests::program::run;
 use tests::python;
 
 pub(crate) fn every_check() {

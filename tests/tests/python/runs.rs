@@ -1,12 +1,12 @@
-//! It closes the loop. Its law computes in single precision in the firmware's order, so there is no tolerance: the
-//! torques have to be those that are pinned for every device.
+//! Runs with the Python drive. Its law computes in single precision in the order of the firmware, so the torque digest must
+//! be the pinned one, without a tolerance.
 
 use serde_json::Value;
-use tests::bench;
 use tests::paper::{PaperRun, RUNS};
+use tests::program;
 use tests::python;
 
-/// Far above what is usual: only a drive that has lost its speed is slower than the plant's own time.
+/// Far above the usual time, so that only a regression exceeds it.
 const CAP_S: f64 = 25.0;
 
 pub(crate) fn smooth() {
@@ -24,8 +24,8 @@ pub(crate) fn again() {
     let drive = python::drive();
     let device = drive.device();
     for arguments in [["--set", "run.duration_s=0.5"], ["--set", "run.control_period_us=500"]] {
-        // Half a second can't settle; half a period is another loop, and what it leaves must not reach the next run.
-        let _ = bench::run(
+        // The load can't settle in half a second; half a period is another loop. No state of either may carry over.
+        let _ = program::run(
             ["run", "scenarios/smooth-before.toml", "--device", &device].into_iter().chain(arguments),
         );
     }
@@ -35,7 +35,7 @@ pub(crate) fn again() {
 pub(crate) fn not_offered() {
     let drive = python::drive();
     let device = drive.device();
-    let ended = bench::run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(4);
+    let ended = program::run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(4);
     let want = format!(
         "lashloop: drive on {device}: it does not offer the control law merzouki, which the scenario needs; it offers pd; \
          the firmware does not fit this bench\n"
@@ -47,11 +47,11 @@ fn named(name: &str) -> PaperRun {
     RUNS.into_iter().find(|run| run.name == name).expect("a run of the paper")
 }
 
-/// Runs it to its PASS with the pinned torques and nothing lost; gives the time on the wall.
+/// Runs the scenario, checks verdict, pinned torques and link counts, and returns the wall-clock time.
 fn passed(run: PaperRun, device: &str) -> f64 {
     let summary = run.pass_on(device);
     for key in ["crc_errors", "lost", "late", "damaged_at_drive", "overruns_at_drive"] {
         assert_eq!(summary["link"][key], 0, "{}: {key}", run.name);
     }
-    summary.get("wall_s").and_then(Value::as_f64).expect("the time on the wall")
+    summary.get("wall_s").and_then(Value::as_f64).expect("the wall-clock time")
 }

@@ -1,9 +1,9 @@
-//! A million damaged frames. `cargo run --release -p tests --example undetected_errors` offers more.
+//! A million damaged frames. `cargo run --release -p tests --example undetected_errors` tries more.
 
 use crate::undetected_errors::{Damage, Table, run};
 
 #[test]
-fn of_a_million_damaged_frames_none_becomes_a_message() {
+fn no_damaged_frame_of_a_million_becomes_a_message() {
     let tallies = run(1_000_000, 1);
     for (damage, tally) in &tallies {
         assert_eq!(tally.wrong, 0, "{damage:?}\n{}", Table(&tallies));
@@ -12,7 +12,7 @@ fn of_a_million_damaged_frames_none_becomes_a_message() {
             "{damage:?} does damage: {tally:?}"
         );
     }
-    // Where nothing but chance decides, half of the CRC agrees as often as chance has it, within five deviations.
+    // In random bodies half of the CRC agrees by chance, within five standard deviations of the expected count.
     let (_, random) =
         tallies.iter().find(|(damage, _)| *damage == Damage::RandomBody).expect("a tally for each");
     assert_eq!(random.up_to_the_crc(), random.frames, "stuffed random bodies come up to the CRC");

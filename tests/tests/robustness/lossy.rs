@@ -1,7 +1,7 @@
-//! A million steps on a line that damages a hundredth of all frames, either way.
+//! A million steps on a line that damages a hundredth of all frames in both directions.
 //!
-//! Two taps listen, one on each side of the faulty line, with decoders of their own. So what the drive computed, what of it
-//! arrived, and what was damaged on the way is known apart from the counts of bench and drive.
+//! Two taps, one on each side of the faulty line, have decoders of their own. Computed torques, received torques and damage
+//! are thus counted independently of bench and drive.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
@@ -21,23 +21,23 @@ use lashloop_protocol::message::LineReport;
 use lashloop_protocol::sequence::{nearest_step, of_step};
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage};
 
-/// What a tap has heard since the drive was armed.
+/// Traffic at a tap since the drive was armed.
 #[derive(Default)]
-struct Heard {
+struct Traffic {
     to_drive: Decoder,
     to_bench: Decoder,
-    /// Counts of `to_drive` when the drive was started, as it counts itself, and of `to_bench` when it was armed, as the
-    /// bench does.
+    /// Counts of `to_drive` at the start, the origin of the drive's counts, and of `to_bench` at the arming, the origin of the
+    /// bench's counts.
     damaged_before: (u32, u32),
     messages_before: (u32, u32),
-    /// The sample sent last, counted on where sequences wrap.
-    asked: Option<u32>,
-    /// The first answer to each sample; on the bench's side only if it came before the next sample was sent.
+    /// Step of the last sample sent, counted through wraparounds of sequences.
+    last_sent: Option<u32>,
+    /// First answer to each sample; on the bench's side only if it arrived before the next sample was sent.
     torques_nm: Vec<Option<f32>>,
     report: Option<LineReport>,
 }
 
-impl Heard {
+impl Traffic {
     fn send(&mut self, mut bytes: &[u8]) {
         while let Some(message) = self.to_drive.next::<HostMessage>(&mut bytes) {
             match message {
@@ -50,9 +50,9 @@ impl Heard {
                     (self.damaged_before.0, self.messages_before.0) = (counters.damaged(), counters.messages);
                 }
                 Ok(HostMessage::EncoderSample(sample)) => {
-                    let step =
-                        nearest_step(sample.sequence, self.asked.unwrap_or(0)).expect("a step of the run");
-                    self.asked = Some(step);
+                    let step = nearest_step(sample.sequence, self.last_sent.unwrap_or(0))
+                        .expect("a step of the run");
+                    self.last_sent = Some(step);
                     let end = step as usize + 1;
                     self.torques_nm.resize(self.torques_nm.len().max(end), None);
                 }
@@ -65,8 +65,8 @@ impl Heard {
         while let Some(message) = self.to_bench.next::<DriveMessage>(&mut bytes) {
             match message {
                 Ok(DriveMessage::TorqueAnswer(answer)) => {
-                    let asked = self.asked.filter(|step| of_step(*step) == answer.sequence);
-                    if let Some(step) = asked
+                    let last_sent = self.last_sent.filter(|step| of_step(*step) == answer.sequence);
+                    if let Some(step) = last_sent
                         && !answer.status.flags.contains(TorqueFlags::REPEATED)
                     {
                         self.torques_nm[step as usize].get_or_insert(answer.torque_nm);
@@ -91,7 +91,7 @@ impl Heard {
 
 struct Tap {
     link: Box<dyn Link>,
-    heard: Arc<Mutex<Heard>>,
+    traffic: Arc<Mutex<Traffic>>,
 }
 
 impl Link for Tap {
@@ -100,13 +100,13 @@ impl Link for Tap {
     }
 
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
-        self.heard.lock().expect("no tap has failed").send(bytes);
+        self.traffic.lock().expect("no tap has failed").send(bytes);
         self.link.send(bytes)
     }
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
         let count = self.link.receive(buffer, deadline)?;
-        self.heard.lock().expect("no tap has failed").receive(&buffer[..count]);
+        self.traffic.lock().expect("no tap has failed").receive(&buffer[..count]);
         Ok(count)
     }
 
@@ -129,8 +129,8 @@ impl StepObserver for Rows {
 struct Run {
     outcome: Outcome,
     rows: Vec<(f32, bool)>,
-    at_drive: Heard,
-    at_bench: Heard,
+    at_drive: Traffic,
+    at_bench: Traffic,
     took: Duration,
 }
 
@@ -141,10 +141,11 @@ fn run_with(fault: &str, duration_s: f64, seed: u32) -> Run {
     let text = format!("{text}\n[[fault]]\n{fault}\n");
     let scenario = Scenario::from_str("scenarios/lossy.toml", &text, &settings).expect("a good scenario");
     let supervisor = Supervisor::start(PathBuf::from("never started")).expect("a supervisor");
-    let [at_drive, at_bench] = [(); 2].map(|()| Arc::new(Mutex::new(Heard::default())));
+    let [at_drive, at_bench] = [(); 2].map(|()| Arc::new(Mutex::new(Traffic::default())));
     let faults = LinkFaults::new(&scenario).expect("faults of the link");
-    let tap =
-        |link, heard: &Arc<Mutex<Heard>>| Box::new(Tap { link, heard: Arc::clone(heard) }) as Box<dyn Link>;
+    let tap = |link, traffic: &Arc<Mutex<Traffic>>| {
+        Box::new(Tap { link, traffic: Arc::clone(traffic) }) as Box<dyn Link>
+    };
     let around = |link| tap(faults.wrap(tap(link, &at_drive), &scenario), &at_bench);
     let device = Device::open_through(&InProcessDrive.into(), 0, &supervisor, around);
     let device = device.expect("a drive in process");
@@ -154,15 +155,15 @@ fn run_with(fault: &str, duration_s: f64, seed: u32) -> Run {
     let outcome = run::run(&scenario, &mut device, Clock::Lockstep, &mut rows).expect("a run to its end");
     let took = started.elapsed();
     drop(device);
-    let [at_drive, at_bench] = [at_drive, at_bench].map(|heard| {
-        Arc::into_inner(heard).expect("the taps are gone").into_inner().expect("no tap has failed")
+    let [at_drive, at_bench] = [at_drive, at_bench].map(|traffic| {
+        Arc::into_inner(traffic).expect("the taps are dropped").into_inner().expect("no tap has failed")
     });
     Run { outcome, rows: rows.0, at_drive, at_bench, took }
 }
 
-/// Every torque on the motor is the drive's own for that sample, or the one before.
+/// Checks that every motor torque is the drive's torque for that sample, or held. Returns the number of held torques.
 fn check_torques(run: &Run) -> u64 {
-    // A drive takes no other sample than 0 first, so samples are numbered from the first step that was answered.
+    // A drive takes no sample but 0 first, so samples are numbered from the first answered step.
     let origin = run.rows.iter().position(|(_, answered)| *answered).expect("an answer");
     let mut before_nm = 0.0_f32;
     let mut lost = 0;
@@ -185,7 +186,7 @@ fn check_torques(run: &Run) -> u64 {
 }
 
 #[test]
-fn a_million_steps_with_a_hundredth_of_frames_damaged_lose_nothing_uncounted() {
+fn a_million_steps_with_damaged_frames_count_every_loss() {
     let run = run_with("kind = \"link-bit-flip\"\nshare = 0.01\nat_s = 0.0", 1e3, 1);
     let Run { outcome, at_drive, at_bench, .. } = &run;
     assert_eq!((outcome.steps, &outcome.end), (1_000_000, &End::Complete));
@@ -193,7 +194,7 @@ fn a_million_steps_with_a_hundredth_of_frames_damaged_lose_nothing_uncounted() {
     let link = &outcome.link;
     assert_eq!(link.lost, lost, "steps without an answer");
 
-    // The same counts by decoders that belong to neither side.
+    // The taps' counts are independent of both sides.
     let report = at_drive.report.expect("the drive's report");
     let (to_drive, to_bench) = (at_drive.to_drive(), at_bench.to_bench());
     assert_eq!((report.messages, report.damaged), to_drive, "what reached the drive");
@@ -202,13 +203,13 @@ fn a_million_steps_with_a_hundredth_of_frames_damaged_lose_nothing_uncounted() {
     assert_eq!((link.frames_received, link.crc_errors), (to_bench.0.into(), to_bench.1.into()));
     assert_eq!((link.late, link.resumes, link.overruns_at_drive), (0, 0, 0));
 
-    // Every frame that was hit is damage on one of the sides. A flip can join two frames or part one, so the counts of
-    // damage and of hits are near each other and need not be equal.
+    // Every hit is counted as damage on one side. A flip can join two frames or split one, so the counts of damage and of
+    // hits are close but not equal.
     let hits = outcome.faults[0].frames.expect("frames hit");
     let damaged = link.crc_errors + link.damaged_at_drive;
     let ratio = damaged as f64 / hits as f64;
     assert!((0.9..1.2).contains(&ratio), "{damaged} damaged of {hits} hit");
-    // 2.1 million frames go over the line: a sample and a torque for each step, telemetry for each tenth.
+    // The line carries 2.1 million frames: a sample and a torque per step, telemetry for each tenth step.
     assert!((20_000..22_000).contains(&hits), "{hits} hit");
     assert!((19_000..23_000).contains(&lost), "{lost} lost");
     println!(
@@ -218,13 +219,13 @@ fn a_million_steps_with_a_hundredth_of_frames_damaged_lose_nothing_uncounted() {
 }
 
 #[test]
-fn a_run_whose_last_frames_are_damaged_still_ends_in_good_order_and_with_both_counts() {
+fn a_run_with_damaged_last_frames_ends_with_both_counts() {
     let mut damaged = 0;
-    // Among so many some lose the end of their last frame, either way, which then takes the next one with it.
+    // In some of the runs the last frame loses its delimiter, which damages the next frame as well.
     for seed in 1..=300 {
         let run = run_with("kind = \"link-byte-loss\"\nshare = 0.9\nat_s = 0.01", 0.02, seed);
         assert_eq!(run.outcome.end, End::Complete);
-        // That of the last stop, which is repeated where its report was lost.
+        // The report of the last stop, which the bench retries if the report is lost.
         let report = run.at_bench.report.expect("the drive's report");
         assert_eq!(run.outcome.link.damaged_at_drive, u64::from(report.damaged));
         assert_eq!(report.damaged, run.at_drive.to_drive().1);

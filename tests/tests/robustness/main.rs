@@ -1,7 +1,7 @@
-//! What damage can and can't do.
+//! Damaged frames, lossy links, and the seeds of the fuzzers.
 
 mod damaged;
-mod fuzzed;
+mod fuzz_corpus;
 mod lossy;
 mod seeds;
 mod undetected_errors;

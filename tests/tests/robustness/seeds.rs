@@ -1,4 +1,4 @@
-//! Where the fuzzers start: the pinned examples, and a few histories a drive meets every day.
+//! Seeds of the fuzzers: the pinned examples, and a few typical histories of a drive.
 
 use std::fs;
 use std::io;
@@ -12,7 +12,7 @@ use lashloop_protocol::{HostMessage, Message, PROTOCOL_VERSION};
 #[path = "../../../protocol/tests/wire/examples.rs"]
 mod examples;
 
-/// A file below `fuzz/corpus` and what it holds.
+/// A file below `fuzz/corpus` and its contents.
 #[derive(Debug)]
 pub struct Seed {
     target: &'static str,
@@ -30,7 +30,7 @@ impl Seed {
         corpus.join(self.target).join(&self.name).with_extension("seed")
     }
 
-    /// Whether the repository holds it as it is.
+    /// Whether the repository has the same bytes.
     pub fn is_committed(&self) -> bool {
         fs::read(self.path()).is_ok_and(|bytes| bytes == self.bytes)
     }
@@ -44,7 +44,7 @@ impl Seed {
     }
 }
 
-/// The seeds of the fuzzers that read bytes. The scenarios are seeds of their own, by symbolic links.
+/// Seeds of the fuzzers that read bytes. The scenario fuzzer has symbolic links to scenarios as seeds.
 pub fn seeds() -> Vec<Seed> {
     decoder_seeds().into_iter().chain(drive_seeds()).collect()
 }
@@ -53,7 +53,7 @@ fn name_of<M: Message>(message: &M) -> String {
     message.layout().name.to_lowercase()
 }
 
-/// The length of the pieces, then a stream.
+/// Seeds of the decoder: the length of the pieces, then a stream.
 fn decoder_seeds() -> Vec<Seed> {
     let seed = |name: String, piece_len: u8, stream: &[u8]| {
         Seed::new("decoder", name, [&[piece_len], stream].concat())
@@ -72,23 +72,24 @@ fn decoder_seeds() -> Vec<Seed> {
     seeds
 }
 
-/// Histories as `firmware/tests/properties/action.rs` reads them.
+/// Seeds of the drive: histories in the encoding of `firmware/tests/properties/action.rs`.
 fn drive_seeds() -> Vec<Seed> {
     let seed = |name: &str, actions: &[Vec<u8>]| Seed::new("drive", name, actions.concat());
-    let hello = told(&Hello { protocol_version: PROTOCOL_VERSION, session: 7 }.into());
-    let go = [hello.clone(), told(&Arm { session: 7 }.into()), told(&Start { session: 7 }.into())].concat();
+    let hello = request(&Hello { protocol_version: PROTOCOL_VERSION, session: 7 }.into());
+    let go =
+        [hello.clone(), request(&Arm { session: 7 }.into()), request(&Start { session: 7 }.into())].concat();
     let run = |law: u32| {
-        let law = told(&SetParameter { index: 0, value: ParameterValue::U32(law) }.into());
+        let law = request(&SetParameter { index: 0, value: ParameterValue::U32(law) }.into());
         let samples: Vec<u8> = (0..12_i16).flat_map(|k| sample(40 * k - 200, 10 * k, 0.5)).collect();
-        [hello.clone(), law, go.clone(), samples, DRAIN.to_vec(), told(&Stop {}.into())].concat()
+        [hello.clone(), law, go.clone(), samples, DRAIN.to_vec(), request(&Stop {}.into())].concat()
     };
     let mut seeds: Vec<Seed> =
-        examples::from_host().iter().map(|m| seed(&name_of(m), &[hello.clone(), told(m)])).collect();
-    for (name, law) in [("run_pd", 1), ("run_merzouki", 2), ("run_literal", 3)] {
+        examples::from_host().iter().map(|m| seed(&name_of(m), &[hello.clone(), request(m)])).collect();
+    for (name, law) in [("run_pd", 1), ("run_merzouki", 2), ("run_merzouki_as_printed", 3)] {
         seeds.push(seed(name, &[run(law)]));
     }
     let emergency =
-        [told(&EmergencyStop {}.into()), sample(1, 1, 0.0), told(&ClearFault {}.into()), go.clone()];
+        [request(&EmergencyStop {}.into()), sample(1, 1, 0.0), request(&ClearFault {}.into()), go.clone()];
     seeds.push(seed("emergency", &[&[go.clone(), sample(900, 300, 0.0)][..], &emergency].concat()));
     seeds.push(seed("silence", &[go.clone(), sample(900, 300, 0.0), pass(20_001), sample(0, 0, 0.0)]));
     seeds.push(seed("not_a_number", &[go.clone(), sample(900, 300, f32::NAN)]));
@@ -100,7 +101,7 @@ fn drive_seeds() -> Vec<Seed> {
 
 const DRAIN: [u8; 1] = [5];
 
-fn told(message: &HostMessage) -> Vec<u8> {
+fn request(message: &HostMessage) -> Vec<u8> {
     let kind = HostMessage::LAYOUTS.iter().position(|layout| layout.name == message.layout().name);
     let frame = message.frame();
     let mut stuffed = frame[..frame.len() - 1].to_vec();

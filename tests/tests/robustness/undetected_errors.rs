@@ -1,9 +1,8 @@
-//! How many damaged frames pass for good ones.
+//! Damaged frames that the decoder accepts.
 //!
-//! CRC-32C promises that of the frames which reach its check with random damage one in 2^32 passes, and that none
-//! does with up to seven flipped bits in a sample or a torque, nor with a burst of up to 32 bits. So few can't be
-//! counted; but the decoder says both check values of a frame it refuses, and how often half of their bits agree by
-//! chance can: one in 65,536, which also is what a CRC-16 in its place would let through.
+//! CRC-32C promises that one in 2^32 randomly damaged frames passes the check, and none with up to seven flipped bits in a
+//! sample or a torque, or with a burst of up to 32 bits. Such rates can't be counted. The decoder reports both check values
+//! of a rejected frame, so we count how often half of their bits agree by chance: one in 65,536, the rate of a CRC-16.
 
 use std::fmt;
 
@@ -14,20 +13,20 @@ use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Messa
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
-/// What happens to a frame.
+/// Damage of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Damage {
-    /// One to seven bits of body and CRC.
+    /// One to seven flipped bits of body and CRC.
     FewBits,
-    /// Up to 32 bits in a row of body and CRC, the first and the last of them wrong.
+    /// A burst of up to 32 bits of body and CRC, the first and the last of them wrong.
     Burst,
-    /// Body and CRC replaced by random bytes, the kind kept and stuffed as it should be.
+    /// Body and CRC replaced by random bytes, with the kind and correct stuffing.
     RandomBody,
-    /// Every bit on the line wrong with a probability of 1 %, one at least.
+    /// Every bit on the line wrong with a probability of 1 %, at least one.
     BitErrors,
-    /// Up to 64 bits in a row on the line, each wrong or not.
+    /// A burst of up to 64 bits on the line, each wrong or not.
     LineBurst,
-    /// Random bytes of the frame's length on the line.
+    /// Random bytes on the line, as many as the frame has.
     RandomBytes,
     /// The beginning of one good frame and the end of another.
     Splice,
@@ -45,12 +44,12 @@ impl Damage {
     ];
 }
 
-/// What the decoder made of damaged frames.
+/// Results of the decoder for damaged frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Frames offered.
     pub frames: u64,
-    /// Pieces that came out as a message that had been sent: the damage had hit nothing or was an exchange of equals.
+    /// Pieces decoded as a message that was sent: the damage cancelled or exchanged equal bytes.
     pub unharmed: u64,
     /// Pieces refused for their length or stuffing.
     pub framing: u64,
@@ -60,12 +59,12 @@ pub struct Tally {
     pub half_agrees: u64,
     /// Pieces with a right CRC and no message in them.
     pub refused: u64,
-    /// Messages that nobody sent.
+    /// Messages that were never sent.
     pub wrong: u64,
 }
 
 impl Tally {
-    /// Damaged pieces that only the CRC could tell from good ones.
+    /// Damaged pieces that reach the CRC.
     pub fn up_to_the_crc(&self) -> u64 {
         self.crc + self.refused + self.wrong
     }
@@ -116,8 +115,8 @@ impl fmt::Display for Table<'_> {
     }
 }
 
-/// Offers about `frames` damaged frames to the decoder, an equal part with each damage; half of them encoder samples,
-/// half torque answers.
+/// Feeds about `frames` damaged frames to the decoder, equally many with each damage: half encoder samples, half torque
+/// answers.
 pub fn run(frames: u64, seed: u64) -> Vec<(Damage, Tally)> {
     let each = frames.div_ceil(2 * Damage::ALL.len() as u64);
     let mut line = Line { random: Pcg64Mcg::seed_from_u64(seed), bytes: Vec::with_capacity(256) };
@@ -171,7 +170,7 @@ impl Line {
             let sent = [message(&mut self.random).frame(), message(&mut self.random).frame()];
             self.bytes.clear();
             self.damage(damage, &sent[0], &sent[1]);
-            // The delimiter may have been hit: each frame's damage is to stay its own.
+            // The damage may have hit the delimiter; an extra one confines the damage to its frame.
             self.bytes.push(frame::DELIMITER);
             let mut bytes = &self.bytes[..];
             while let Some(item) = decoder.next::<M>(&mut bytes) {
@@ -224,7 +223,7 @@ impl Line {
     }
 }
 
-/// Does something to the body and the CRC of a frame, and stuffs it again.
+/// Changes body and CRC of a frame, and stuffs the result.
 fn unstuffed(frame: &mut [u8], change: impl FnOnce(&mut [u8])) {
     let end = frame.len() - 1;
     cobs::unstuff(&mut frame[..end]).expect("a good frame");

@@ -1,16 +1,16 @@
-//! The emulated board, or its bench, is lost in mid-run.
+//! Loss of the emulated board, or of its bench, during a run.
 
 use std::time::Instant;
 
 use rustix::process::Signal;
-use tests::bench::Bench;
-use tests::loss::{run_in_its_midst, told};
+use tests::loss::{assert_reported, run_in_progress};
+use tests::program::Running;
 use tests::records::Records;
 use tests::{processes, wait};
 
-/// A run in its midst and the emulator behind it.
-fn running() -> (Bench, Records, u32) {
-    let (bench, records) = run_in_its_midst("qemu");
+/// A run in progress and its emulator.
+fn running() -> (Running, Records, u32) {
+    let (bench, records) = run_in_progress("qemu");
     let [emulator] = processes::children(bench.id())[..] else { panic!("the bench has one child") };
     assert_eq!(processes::name(emulator), "qemu-system-arm");
     (bench, records, emulator)
@@ -20,7 +20,7 @@ pub(crate) fn killed() {
     let (bench, records, emulator) = running();
     let lost_at = Instant::now();
     processes::signal(emulator, Signal::KILL);
-    let sentence = told(bench, &records, lost_at);
+    let sentence = assert_reported(bench, &records, lost_at);
     let names = [
         format!(
             "the drive side ended while the bench was talking to qemu: the emulator (process {emulator})"
@@ -34,9 +34,9 @@ pub(crate) fn stopped() {
     let (bench, records, emulator) = running();
     let lost_at = Instant::now();
     processes::signal(emulator, Signal::STOP);
-    let sentence = told(bench, &records, lost_at);
+    let sentence = assert_reported(bench, &records, lost_at);
     assert!(sentence.contains("the drive was silent for 2.5 s after EncoderSample"), "{sentence}");
-    assert!(!processes::runs(emulator), "the hanging emulator was left behind");
+    assert!(!processes::runs(emulator), "the hung emulator still runs");
 }
 
 pub(crate) fn bench_killed() {
@@ -51,6 +51,6 @@ pub(crate) fn bench_interrupted() {
     let (bench, records, emulator) = running();
     bench.signal(Signal::INT);
     let _ = bench.wait().with_code(3);
-    assert!(!processes::runs(emulator), "the emulator was left behind");
+    assert!(!processes::runs(emulator), "the emulator still runs");
     assert_eq!(records.summary()["verdict"], "INVALID");
 }

@@ -7,13 +7,13 @@ use std::sync::OnceLock;
 
 use crate::workspace;
 
-/// The `lashloop` program, built with the profile of this test into its target directory.
+/// Path of `lashloop`, built with the profile of this test into its target directory.
 ///
-/// Cargo gives the path of a program only to the tests of the package that has it, so we ask cargo to build it. It has
-/// the whole workspace in view, because then it is the very program that `cargo test --workspace` has built already.
+/// Cargo passes the path of a program only to the tests of its own package, so we call cargo to build it. We build with
+/// `--workspace`, because the features then match those of `cargo test --workspace` and the program is built already.
 ///
 /// # Panics
-/// It does not build; the panic shows what cargo said.
+/// The build fails; the panic shows cargo's output.
 pub fn lashloop() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(build)

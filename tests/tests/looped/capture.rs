@@ -7,25 +7,25 @@ use lashloop_protocol::layout::Direction;
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::wire::Payload;
 use rustix::process::Signal;
-use tests::bench::{self, Bench};
 use tests::paper::RUNS;
+use tests::program::{self, Running};
 use tests::records::Records;
 use tests::wait;
 
-const BEAR: [&str; 4] =
+const TOLERANT: [&str; 4] =
     ["--set", "allow.late=1000000", "--set", "controller.parameters.watchdog_us=10000000"];
 
 fn arguments<'a>(scenario: &'a str, duration: &'a str, file: &'a str) -> Vec<&'a str> {
     let mut arguments = vec!["run", scenario, "--clock", "real-time", "--set", duration, "--capture", file];
-    arguments.extend(BEAR);
+    arguments.extend(TOLERANT);
     arguments
 }
 
 #[test]
-fn a_bench_that_is_killed_in_real_time_leaves_whole_packets() {
+fn a_bench_killed_in_real_time_leaves_whole_packets() {
     let records = Records::new();
     let file = records.path("line.pcapng");
-    let bench = Bench::start(arguments(
+    let bench = Running::start(arguments(
         &RUNS[1].scenario(),
         "run.duration_s=1000",
         file.to_str().expect("a path in UTF-8"),
@@ -42,13 +42,13 @@ fn a_bench_that_is_killed_in_real_time_leaves_whole_packets() {
 }
 
 #[test]
-fn a_capture_in_real_time_has_every_sample_that_was_sent() {
+fn a_real_time_capture_has_every_sample_sent() {
     let records = Records::new();
     let (file, out, scenario) = (records.path("line.pcapng"), records.out(), RUNS[1].scenario());
     let mut arguments = arguments(&scenario, "run.duration_s=1", file.to_str().expect("a path in UTF-8"));
     arguments.extend(["--out", &out]);
-    // One second is too short for what the scenario expects.
-    let _ = bench::run(arguments).with_code(1);
+    // One second is too short for the expectation of the scenario.
+    let _ = program::run(arguments).with_code(1);
     let bytes = fs::read(&file).expect("the capture");
     let samples = reader::packets(&bytes)
         .map(|packet| packet.expect("a whole packet"))

@@ -1,9 +1,9 @@
-//! Runs that are longer than the numbers on the wire: sequences of 16 bits, counts of 24.
+//! Runs beyond the range of the numbers on the wire: sequences of 16 bits, counts of 24 bits.
 
 use std::fs;
 
-use tests::bench;
 use tests::paper::PATIENCE;
+use tests::program;
 use tests::records::Records;
 use tests::workspace;
 
@@ -11,15 +11,15 @@ const SCENARIO: &str = "scenarios/shaft-backlash-inverse.toml";
 /// Steps of 1 ms, beyond the 65,536th.
 const STEPS: usize = 70_000;
 
-fn run(scenario: &str, records: &Records, settings: &[&str], code: i32) -> bench::Ended {
+fn run(scenario: &str, records: &Records, settings: &[&str], code: i32) -> program::Ended {
     let out = records.out();
     let settings = settings.iter().flat_map(|setting| ["--set", setting]);
     let arguments = ["run", scenario, "--device", "inproc", "--out", &out].into_iter().chain(settings);
-    bench::run(arguments.chain(["--set", "expect=[]"]).chain(PATIENCE)).with_code(code)
+    program::run(arguments.chain(["--set", "expect=[]"]).chain(PATIENCE)).with_code(code)
 }
 
 #[test]
-fn steps_are_counted_on_where_sequences_wrap() {
+fn steps_count_on_through_a_wraparound_of_sequences() {
     const EVERY: usize = 10;
     let records = Records::new();
     let _ = run(SCENARIO, &records, &["run.duration_s=70"], 0);
@@ -28,32 +28,32 @@ fn steps_are_counted_on_where_sequences_wrap() {
     assert_eq!((&summary["steps"], &summary["verdict"]), (&STEPS.into(), &"PASS".into()));
     assert_eq!((&link["lost"], &link["late"]), (&0.into(), &0.into()));
     let trace = records.trace();
-    let (time_s, told_s) = (trace.column("time_s"), trace.column("estimate_time_s"));
+    let (time_s, estimate_time_s) = (trace.column("time_s"), trace.column("estimate_time_s"));
     assert_eq!(time_s.len(), STEPS);
-    for (step, told_s) in told_s.iter().enumerate() {
-        // Telemetry follows the torques whose sequence is a multiple of ten, and a sequence begins anew.
+    for (step, estimate_time_s) in estimate_time_s.iter().enumerate() {
+        // Telemetry follows the torques whose sequence is a multiple of ten, and sequences restart at 0.
         let since_the_last_0 = step % 65_536;
         let of = step - since_the_last_0 % EVERY;
-        assert_eq!(*told_s, time_s[of], "telemetry of step {of}, in force at step {step}");
+        assert_eq!(*estimate_time_s, time_s[of], "telemetry of step {of}, in force at step {step}");
     }
 }
 
 #[test]
-fn a_fault_beyond_the_wrap_is_told_with_its_step() {
+fn a_fault_beyond_the_wraparound_is_reported_with_its_step() {
     let records = Records::new();
     let text = fs::read_to_string(workspace().join(SCENARIO)).expect("a scenario");
     let fault = "[[fault]]\nkind = \"encoder-jump\"\nside = \"load\"\ncounts = 2000\nat_s = 66.0\n";
     let scenario = records.path("jump.toml");
-    fs::write(&scenario, format!("{text}\n{fault}")).expect("room for a scenario");
+    fs::write(&scenario, format!("{text}\n{fault}")).expect("a scenario of the test");
     let scenario = scenario.to_str().expect("a path in UTF-8");
     let ended = run(scenario, &records, &["run.duration_s=70"], 1);
     assert!(ended.stdout.contains("the drive latched LoadEncoderJump at sample 66000 "), "{}", ended.stdout);
 }
 
 #[test]
-fn a_motor_that_turns_beyond_the_readings_of_its_encoder_arrives_all_the_same() {
+fn a_load_settles_through_a_wraparound_of_the_motor_encoder() {
     let records = Records::new();
-    // 2^23 counts are two turns of the motor, 12.6 rad; it is sent three times 7 rad far.
+    // 2^23 counts are two turns of the motor, 12.6 rad; the motor travels 21 rad.
     let settings = ["encoders.motor_counts_per_rev=4194304", "reference.position_rad=7"];
     let _ = run(SCENARIO, &records, &settings, 0);
     let trace = records.trace();
@@ -64,7 +64,7 @@ fn a_motor_that_turns_beyond_the_readings_of_its_encoder_arrives_all_the_same() 
 }
 
 #[test]
-fn a_start_beyond_the_readings_of_an_encoder_is_refused() {
+fn a_start_outside_the_encoder_range_is_rejected() {
     let records = Records::new();
     // The motor starts at three quarters of a turn.
     let ended = run(SCENARIO, &records, &["encoders.motor_counts_per_rev=16777216"], 2);
@@ -77,12 +77,12 @@ fn a_start_beyond_the_readings_of_an_encoder_is_refused() {
 }
 
 #[test]
-fn a_start_that_a_fault_puts_beyond_the_readings_of_an_encoder_is_refused() {
+fn a_start_outside_the_encoder_range_by_a_fault_is_rejected() {
     let records = Records::new();
     let text = fs::read_to_string(workspace().join("scenarios/smooth-after.toml")).expect("a scenario");
     let scenario = records.path("jump.toml");
     let fault = "[[fault]]\nkind = \"encoder-jump\"\nside = \"motor\"\ncounts = 1000\nat_s = 0.0\n";
-    fs::write(&scenario, format!("{text}\n{fault}")).expect("room for a scenario");
+    fs::write(&scenario, format!("{text}\n{fault}")).expect("a scenario of the test");
     let scenario = scenario.to_str().expect("a path in UTF-8");
     // 8,388,000 counts of 131,072 a turn, just below 2^23.
     let settings = ["plant.initial.motor_position_rad=402.09381"];

@@ -1,41 +1,41 @@
-//! Drives that can't be talked to, each with exit code 4 and a sentence that says what to do.
+//! Drives that can't be used: each gives exit code 4 and a sentence with the remedy.
 
 use std::time::{Duration, Instant};
 
 use lashloop_protocol::message::Identity;
 use lashloop_protocol::{DriveMessage, Message};
-use tests::bench::{self, Ended};
-use tests::loss::run_in_its_midst;
+use tests::loss::run_in_progress;
 use tests::paper::RUNS;
-use tests::relay::{Relay, StepOutcome};
+use tests::program::{self, Ended};
+use tests::relay::{Action, Relay};
 use tests::terminal;
 use tests::twin::Twin;
 
 fn run_on(device: &str) -> Ended {
-    bench::run(["run", &RUNS[1].scenario(), "--device", device]).with_code(4)
+    program::run(["run", &RUNS[1].scenario(), "--device", device]).with_code(4)
 }
 
-/// The sentence, with the number of the terminal taken out.
+/// The sentence, with a placeholder for the terminal.
 fn sentence(ended: &Ended, device: &str) -> String {
     ended.stderr.replace(device, "TERMINAL")
 }
 
 #[test]
-fn a_drive_of_another_protocol_version_is_refused_by_both_versions() {
+fn a_drive_of_another_version_is_rejected_by_both_versions() {
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| match frame.from_drive() {
         Some(DriveMessage::Identity(identity)) => {
-            let stranger = DriveMessage::from(Identity { protocol_version: 9, ..identity });
-            StepOutcome::Become(stranger.frame().to_vec())
+            let identity = DriveMessage::from(Identity { protocol_version: 9, ..identity });
+            Action::Replace(identity.frame().to_vec())
         }
-        _ => StepOutcome::Pass,
+        _ => Action::Forward,
     });
     let ended = run_on(relay.device());
     insta::assert_snapshot!(sentence(&ended, relay.device()));
 }
 
 #[test]
-fn a_silent_terminal_is_given_up_in_time_with_advice() {
+fn a_silent_terminal_times_out_with_advice() {
     let terminal = terminal::open();
     let started = Instant::now();
     let ended = run_on(&terminal::device(&terminal));
@@ -45,15 +45,15 @@ fn a_silent_terminal_is_given_up_in_time_with_advice() {
 }
 
 #[test]
-fn a_terminal_that_does_not_exist_is_named() {
-    let said = ["/dev/pts/999999", "/dev/ttyNONE0"].map(|device| run_on(device).stderr);
-    insta::assert_snapshot!(said.concat());
+fn a_missing_terminal_is_named() {
+    let errors = ["/dev/pts/999999", "/dev/ttyNONE0"].map(|device| run_on(device).stderr);
+    insta::assert_snapshot!(errors.concat());
 }
 
 #[test]
-fn a_drive_that_another_bench_talks_to_is_refused_and_the_other_run_goes_on() {
+fn a_drive_in_use_is_rejected_and_its_run_continues() {
     let twin = Twin::start();
-    let (first, records) = run_in_its_midst(&twin.device());
+    let (first, records) = run_in_progress(&twin.device());
     let ended = run_on(&twin.device());
     insta::assert_snapshot!(sentence(&ended, &twin.device()));
     first.signal(rustix::process::Signal::INT);

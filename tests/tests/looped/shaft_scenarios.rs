@@ -1,9 +1,9 @@
-//! The scenarios of the bench as it is built: the compensated law passes each, the cascaded PD law none but its own.
+//! The scenarios of the plant `backlash-shaft`: each passes with its own law; the PD law fails all but its own.
 
-use tests::bench;
+use tests::program;
 use tests::records::{Records, Trace};
 
-/// Names without `bench-`, and what has come out to within so much under the scenario's own law.
+/// Name without `shaft-`, metric, recorded value, tolerance.
 const SCENARIOS: [(&str, &str, f64, f64); 8] = [
     ("pd", "static_error_rad", 0.3196, 0.001),
     ("merzouki", "settle_time_s", 5.89, 0.2),
@@ -21,29 +21,30 @@ fn path(name: &str) -> String {
 
 fn trace(name: &str) -> Trace {
     let records = Records::new();
-    let _ = bench::run(["run", &path(name), "--device", "inproc", "--out", &records.out()]).with_code(0);
+    let _ = program::run(["run", &path(name), "--device", "inproc", "--out", &records.out()]).with_code(0);
     records.trace()
 }
 
 #[test]
-fn compensated_law_passes_the_scenarios_of_the_bench() {
+fn every_shaft_scenario_passes_with_its_own_law() {
     for (name, metric, want, tolerance) in SCENARIOS {
         let records = Records::new();
-        let _ = bench::run(["run", &path(name), "--device", "inproc", "--out", &records.out()]).with_code(0);
+        let _ =
+            program::run(["run", &path(name), "--device", "inproc", "--out", &records.out()]).with_code(0);
         let have = records.summary()["metrics"][metric].as_f64().unwrap_or(f64::NAN);
         assert!((have - want).abs() <= tolerance, "{name}: {metric} {have}, want {want} +- {tolerance}");
     }
 }
 
 #[test]
-fn pd_fails_the_scenarios_that_compensation_passes() {
+fn pd_fails_every_shaft_scenario_but_its_own() {
     for (name, ..) in SCENARIOS.into_iter().filter(|(name, ..)| *name != "pd") {
-        let _ = bench::run(["run", &path(name), "--device", "inproc", "--controller", "pd"]).with_code(1);
+        let _ = program::run(["run", &path(name), "--device", "inproc", "--controller", "pd"]).with_code(1);
     }
 }
 
 #[test]
-fn energies_of_a_trace_balance_also_under_load_and_wear() {
+fn energies_of_a_trace_balance_under_load_and_wear() {
     for name in ["merzouki", "load-step", "worn", "reversing-friction"] {
         let trace = trace(name);
         let [stored, supplied, dissipated] = ["stored_energy_j", "supplied_energy_j", "dissipated_energy_j"]
@@ -58,20 +59,20 @@ fn energies_of_a_trace_balance_also_under_load_and_wear() {
 }
 
 #[test]
-fn torque_of_a_sample_reaches_the_motor_a_millisecond_later() {
+fn the_torque_reaches_the_motor_a_millisecond_later() {
     let trace = trace("merzouki");
-    let (asked, delivered) = (trace.column("torque_nm"), trace.column("motor_torque_nm"));
-    // With T_i = 0.5 ms a torque is e^-2 short of itself after the millisecond for which it is held.
+    let (commanded, delivered) = (trace.column("torque_nm"), trace.column("motor_torque_nm"));
+    // With T_i = 0.5 ms the motor torque is e^-2 of a change short of the command after the millisecond of its hold.
     assert_eq!(delivered[..2], [0.0, 0.0]);
     for row in 1..200 {
-        let want = asked[row - 1] + (delivered[row] - asked[row - 1]) * (-2.0_f64).exp();
+        let want = commanded[row - 1] + (delivered[row] - commanded[row - 1]) * (-2.0_f64).exp();
         let have = delivered[row + 1];
         assert!((have - want).abs() < 1e-12, "row {}: have {have}, want {want} N m", row + 1);
     }
 }
 
 #[test]
-fn load_and_wear_set_in_when_the_scenario_says() {
+fn load_and_wear_begin_at_their_scenario_times() {
     let load = trace("load-step").column("load_torque_nm");
     assert_eq!([9_999, 10_000, 19_999, 20_000].map(|row: usize| load[row]), [0.0, 12.0, 12.0, 0.0]);
     let gap = trace("worn").column("dead_zone_rad");
@@ -80,30 +81,30 @@ fn load_and_wear_set_in_when_the_scenario_says() {
     }
 }
 
-fn with_bristles_of(stiffness_nm_rad: &str, code: i32) -> bench::Ended {
+fn with_bristles_of(stiffness_nm_rad: &str, code: i32) -> program::Ended {
     let stiffness = format!("plant.bristle_stiffness_nm_rad={stiffness_nm_rad}");
     let bristles = ["--set", "plant.load_friction=\"lugre\"", "--set", &stiffness];
     let arguments = ["run", "scenarios/shaft-pd.toml", "--device", "inproc"];
-    bench::run(arguments.into_iter().chain(bristles)).with_code(code)
+    program::run(arguments.into_iter().chain(bristles)).with_code(code)
 }
 
 #[test]
-fn plant_that_cannot_be_integrated_is_refused_before_the_run() {
+fn a_plant_too_stiff_to_integrate_is_rejected_before_the_run() {
     let ended = with_bristles_of("1e12", 2);
     assert!(ended.stderr.contains("plant is too stiff"), "{}", ended.stderr);
 }
 
 #[test]
-fn plant_that_gets_too_fast_to_be_integrated_says_nothing_of_the_drive() {
+fn a_plant_that_becomes_too_stiff_makes_the_run_invalid() {
     let ended = with_bristles_of("1e8", 3);
     assert!(ended.stdout.contains("plant is too stiff"), "{}", ended.stdout);
     assert!(ended.stdout.ends_with("INVALID\n"), "{}", ended.stdout);
-    // What was measured up to then is no figure of the whole run.
+    // A measurement of part of the run is no metric of the run.
     assert!(ended.stdout.contains("settle_time_s                  not finite"), "{}", ended.stdout);
 }
 
 #[test]
-fn bristles_in_place_of_stick_and_slip_leave_the_static_error() {
+fn lugre_bristles_preserve_the_static_error() {
     let ended = with_bristles_of("3.4e4", 0);
     assert!(ended.stdout.ends_with("PASS\n"), "{}", ended.stdout);
 }

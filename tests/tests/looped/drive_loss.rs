@@ -1,20 +1,20 @@
-//! The drive is lost in mid-run: its process dies, falls silent, or the line is pulled.
+//! Loss of the drive during a run: its process ends, hangs, or the line is disconnected.
 
 use std::time::Instant;
 
 use rustix::process::Signal;
-use tests::loss::{run_in_its_midst, told};
+use tests::loss::{assert_reported, run_in_progress};
 use tests::processes;
-use tests::relay::{Relay, StepOutcome};
+use tests::relay::{Action, Relay};
 use tests::twin::Twin;
 
 #[test]
-fn a_twin_on_a_terminal_that_is_killed_is_reported_as_a_closed_line() {
+fn a_killed_twin_on_a_terminal_closes_the_line() {
     let twin = Twin::start();
-    let (bench, records) = run_in_its_midst(&twin.device());
+    let (bench, records) = run_in_progress(&twin.device());
     let lost_at = Instant::now();
     twin.signal(Signal::KILL);
-    let sentence = told(bench, &records, lost_at);
+    let sentence = assert_reported(bench, &records, lost_at);
     assert!(
         sentence.contains(&format!("drive on {}: the far end closed the line", twin.device())),
         "{sentence}"
@@ -22,51 +22,51 @@ fn a_twin_on_a_terminal_that_is_killed_is_reported_as_a_closed_line() {
 }
 
 #[test]
-fn the_bench_s_own_twin_that_is_killed_is_reported_with_its_process_and_signal() {
-    let (bench, records) = run_in_its_midst("native");
+fn a_killed_own_twin_is_reported_with_process_and_signal() {
+    let (bench, records) = run_in_progress("native");
     let [twin] = processes::children(bench.id())[..] else { panic!("the bench has one child") };
     let lost_at = Instant::now();
     processes::signal(twin, Signal::KILL);
-    let sentence = told(bench, &records, lost_at);
+    let sentence = assert_reported(bench, &records, lost_at);
     let names = [format!("native twin (process {twin})"), "signal: 9".to_owned()];
     assert!(names.iter().all(|name| sentence.contains(name)), "{sentence}");
 }
 
 #[test]
-fn a_twin_on_a_terminal_that_hangs_is_reported_as_silent() {
+fn a_hung_twin_on_a_terminal_is_reported_as_silent() {
     let twin = Twin::start();
-    let (bench, records) = run_in_its_midst(&twin.device());
+    let (bench, records) = run_in_progress(&twin.device());
     let lost_at = Instant::now();
     twin.signal(Signal::STOP);
-    let sentence = told(bench, &records, lost_at);
+    let sentence = assert_reported(bench, &records, lost_at);
     assert!(sentence.contains("the drive was silent for 2.5 s after EncoderSample"), "{sentence}");
 }
 
 #[test]
-fn the_bench_s_own_twin_that_hangs_is_reported_as_silent_and_not_left_behind() {
-    let (bench, records) = run_in_its_midst("native");
+fn a_hung_own_twin_is_reported_as_silent_and_killed() {
+    let (bench, records) = run_in_progress("native");
     let [twin] = processes::children(bench.id())[..] else { panic!("the bench has one child") };
     let lost_at = Instant::now();
     processes::signal(twin, Signal::STOP);
-    let sentence = told(bench, &records, lost_at);
+    let sentence = assert_reported(bench, &records, lost_at);
     assert!(sentence.contains("the drive was silent for 2.5 s after EncoderSample"), "{sentence}");
     assert!(!processes::runs(twin), "the hanging twin was left behind");
 }
 
 #[test]
-fn a_pulled_line_is_reported_as_closed_and_the_drive_stays_usable() {
+fn a_disconnect_is_reported_and_the_drive_stays_usable() {
     const LAST: u16 = 3_000;
     let twin = Twin::start();
     let relay = Relay::start(twin.path(), |frame| match frame.torque() {
-        Some(torque) if torque.sequence == LAST => StepOutcome::Pull,
-        _ => StepOutcome::Pass,
+        Some(torque) if torque.sequence == LAST => Action::Disconnect,
+        _ => Action::Forward,
     });
-    let (bench, records) = run_in_its_midst(relay.device());
-    let lost_at = relay.pulled_at();
-    let sentence = told(bench, &records, lost_at);
-    let told = "last sample sent: 3000, last good frame received: Telemetry, last torque for sample 2999";
-    let or_torque = told.replace("Telemetry", "TorqueAnswer");
-    assert!(sentence.contains(told) || sentence.contains(&or_torque), "{sentence}");
+    let (bench, records) = run_in_progress(relay.device());
+    let lost_at = relay.disconnected_at();
+    let sentence = assert_reported(bench, &records, lost_at);
+    let progress = "last sample sent: 3000, last good frame received: Telemetry, last torque for sample 2999";
+    let or_torque = progress.replace("Telemetry", "TorqueAnswer");
+    assert!(sentence.contains(progress) || sentence.contains(&or_torque), "{sentence}");
     assert_eq!(records.trace().len(), usize::from(LAST));
     drop(relay);
     let _ = tests::paper::RUNS[1].pass_on(&twin.device());
@@ -74,7 +74,7 @@ fn a_pulled_line_is_reported_as_closed_and_the_drive_stays_usable() {
 
 #[test]
 fn a_killed_bench_leaves_no_twin_behind() {
-    let (bench, _records) = run_in_its_midst("native");
+    let (bench, _records) = run_in_progress("native");
     let [twin] = processes::children(bench.id())[..] else { panic!("the bench has one child") };
     bench.signal(Signal::KILL);
     tests::wait::until("the end of the twin", || (!processes::runs(twin)).then_some(()));

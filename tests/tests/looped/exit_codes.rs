@@ -1,18 +1,18 @@
-//! How runs end, as exit codes.
+//! Exit codes of runs.
 
 use rustix::process::Signal;
-use tests::bench;
-use tests::loss::run_in_its_midst;
+use tests::loss::run_in_progress;
 use tests::paper::PATIENCE;
+use tests::program;
 use tests::records::Records;
 
 #[test]
-fn an_expectation_that_is_not_met_fails_with_exit_code_1() {
+fn a_missed_expectation_fails_with_exit_code_1() {
     let records = Records::new();
     let out = records.out();
     let arguments = ["run", "scenarios/smooth-after.toml", "--device", "native", "--out", &out];
     let settings = ["--set", "expect.0.min=1", "--set", "expect.0.max=4.5"];
-    let ended = bench::run(arguments.into_iter().chain(settings).chain(PATIENCE)).with_code(1);
+    let ended = program::run(arguments.into_iter().chain(settings).chain(PATIENCE)).with_code(1);
     assert!(ended.stdout.contains("MISSED settle_time_s: 5.104 s; misses 1 to 4.5 s"), "{}", ended.stdout);
     assert!(ended.stdout.ends_with("FAIL\n"), "{}", ended.stdout);
     assert_eq!(ended.stderr, "");
@@ -21,11 +21,11 @@ fn an_expectation_that_is_not_met_fails_with_exit_code_1() {
 }
 
 #[test]
-fn a_drive_that_latches_a_fault_fails_with_its_reason() {
+fn a_latched_fault_fails_the_run_with_its_reason() {
     let records = Records::new();
     let out = records.out();
     let limit = "controller.parameters.motor_speed_limit_rad_s=2";
-    let ended = bench::run([
+    let ended = program::run([
         "run",
         "scenarios/smooth-after.toml",
         "--device",
@@ -49,7 +49,7 @@ fn a_drive_that_latches_a_fault_fails_with_its_reason() {
 #[test]
 fn an_interrupted_run_is_invalid_and_leaves_readable_records() {
     for (device, signal) in [("native", Signal::INT), ("native", Signal::TERM), ("inproc", Signal::INT)] {
-        let (bench, records) = run_in_its_midst(device);
+        let (bench, records) = run_in_progress(device);
         bench.signal(signal);
         let ended = bench.wait().with_code(3);
         assert!(ended.stdout.ends_with("ENDED  interrupted by the user\nINVALID\n"), "{}", ended.stdout);

@@ -1,4 +1,4 @@
-//! A drive to talk to, in every state.
+//! A host that drives the firmware's state machine directly, in every state.
 
 use std::time::Duration;
 
@@ -12,16 +12,16 @@ use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Messa
 pub const SESSION: u32 = 7;
 pub const HELLO: Hello = Hello { protocol_version: PROTOCOL_VERSION, session: SESSION };
 
-pub struct Talk {
+pub struct Host {
     pub drive: Drive,
     clock: ManualClock,
 }
 
-impl Talk {
-    /// A drive that is in this state, by the shortest way.
+impl Host {
+    /// A drive in this state, by the shortest sequence of requests.
     pub fn in_state(state: State) -> Self {
-        let mut talk = Self { drive: Drive::new("document"), clock: ManualClock::default() };
-        let way: &[HostMessage] = &[
+        let mut host = Self { drive: Drive::new("document"), clock: ManualClock::default() };
+        let requests: &[HostMessage] = &[
             HELLO.into(),
             Arm { session: SESSION }.into(),
             Start { session: SESSION }.into(),
@@ -34,52 +34,52 @@ impl Talk {
             State::Running => 3,
             State::Faulted => 4,
         };
-        for message in &way[..steps] {
-            talk.say(*message);
+        for request in &requests[..steps] {
+            host.send(*request);
         }
-        assert_eq!(talk.drive.state(), state);
-        talk
+        assert_eq!(host.drive.state(), state);
+        host
     }
 
-    /// Running, with these parameters.
+    /// A running drive with these parameters.
     pub fn running(parameters: &[(&str, ParameterValue)]) -> Self {
-        let mut talk = Self::in_state(State::Idle);
+        let mut host = Self::in_state(State::Idle);
         for (name, value) in parameters {
-            talk.say(SetParameter { index: index(name), value: *value });
+            host.send(SetParameter { index: index(name), value: *value });
         }
-        talk.say(Arm { session: SESSION });
-        talk.say(Start { session: SESSION });
-        assert_eq!(talk.drive.state(), State::Running);
-        talk
+        host.send(Arm { session: SESSION });
+        host.send(Start { session: SESSION });
+        assert_eq!(host.drive.state(), State::Running);
+        host
     }
 
-    pub fn say(&mut self, message: impl Into<HostMessage>) -> Vec<DriveMessage> {
+    pub fn send(&mut self, message: impl Into<HostMessage>) -> Vec<DriveMessage> {
         let frame = message.into().frame();
         assert_eq!(self.drive.receive(&frame, &self.clock), frame.len());
-        self.listen()
+        self.receive()
     }
 
     /// A sample with the load and the motor at rest at zero.
     pub fn sample(&mut self, sequence: u16) -> Vec<DriveMessage> {
-        self.say(rest(sequence))
+        self.send(rest(sequence))
     }
 
-    /// Lets device time pass without a look at the watchdog.
+    /// Advances device time without a check of the watchdog.
     pub fn wait(&mut self, time: Duration) {
         self.clock.advance(time);
     }
 
-    /// The drive looks at its watchdog.
+    /// Makes the drive check its watchdog.
     pub fn tick(&mut self) -> Vec<DriveMessage> {
         self.drive.tick(self.clock.now());
-        self.listen()
+        self.receive()
     }
 
-    fn listen(&mut self) -> Vec<DriveMessage> {
+    fn receive(&mut self) -> Vec<DriveMessage> {
         let mut decoder = Decoder::new();
-        let mut said = self.drive.output();
+        let mut output = self.drive.output();
         let answers =
-            std::iter::from_fn(|| decoder.next(&mut said)).map(|it| it.expect("a good frame")).collect();
+            std::iter::from_fn(|| decoder.next(&mut output)).map(|it| it.expect("a good frame")).collect();
         self.drive.clear_output();
         answers
     }
@@ -125,7 +125,7 @@ fn set(name: &str, value: ParameterValue) -> HostMessage {
     SetParameter { index: index(name), value }.into()
 }
 
-/// Why a request was refused, if it was.
+/// Outcome of a refused request; `None` if every answer accepts.
 pub fn refusal(answers: &[DriveMessage]) -> Option<Outcome> {
     let mut outcomes = answers.iter().filter_map(|answer| match answer {
         DriveMessage::CommandResult(result) => Some(result.outcome),
@@ -135,7 +135,7 @@ pub fn refusal(answers: &[DriveMessage]) -> Option<Outcome> {
     outcomes.find(|outcome| *outcome != Outcome::Accepted)
 }
 
-/// The names of messages, as the document lists them.
+/// Names of the answers in the notation of the document.
 pub fn names(answers: &[DriveMessage]) -> String {
     answers.iter().map(|answer| answer.layout().name).collect::<Vec<_>>().join(", ")
 }

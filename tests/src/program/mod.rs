@@ -1,4 +1,6 @@
-//! One running `lashloop`, with what it says and a deadline.
+//! One invocation of `lashloop`, with its output and a deadline.
+
+mod build;
 
 use std::ffi::OsStr;
 use std::io::Read;
@@ -8,37 +10,39 @@ use std::time::{Duration, Instant};
 
 use rustix::process::Signal;
 
-use crate::{processes, program, wait, workspace};
+use crate::{processes, wait, workspace};
 
-/// Nothing the tests run takes a tenth of this on a machine of its own.
+pub use build::lashloop;
+
+/// Ten times the longest invocation of any test on an idle machine.
 const LIMIT: Duration = Duration::from_secs(180);
 
-/// A `lashloop` that is running. Dropping it kills it.
-pub struct Bench {
+/// A running `lashloop`. Dropping it kills the process.
+pub struct Running {
     child: Child,
-    said: Option<[JoinHandle<String>; 2]>,
+    output: Option<[JoinHandle<String>; 2]>,
 }
 
 /// A `lashloop` that has ended.
 #[derive(Debug)]
 pub struct Ended {
-    /// Its exit code; `None` if a signal ended it.
+    /// Exit code; `None` after a signal.
     pub code: Option<i32>,
-    /// All of its standard output.
+    /// All of standard output.
     pub stdout: String,
-    /// All of its standard error.
+    /// All of standard error.
     pub stderr: String,
-    /// When that was seen.
+    /// Time at which the end was observed.
     pub at: Instant,
 }
 
-impl Bench {
+impl Running {
     /// Starts `lashloop` in the workspace.
     ///
     /// # Panics
-    /// It can't be started.
+    /// The process can't be started.
     pub fn start(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Self {
-        let mut child = Command::new(program::lashloop())
+        let mut child = Command::new(lashloop())
             .args(arguments)
             .current_dir(workspace())
             .stdin(Stdio::null())
@@ -48,24 +52,24 @@ impl Bench {
             .expect("lashloop starts");
         let stdout = child.stdout.take().map(read_to_end).expect("a pipe for standard output");
         let stderr = child.stderr.take().map(read_to_end).expect("a pipe for standard error");
-        Self { child, said: Some([stdout, stderr]) }
+        Self { child, output: Some([stdout, stderr]) }
     }
 
-    /// Its process number.
+    /// Process number.
     #[must_use]
     pub fn id(&self) -> u32 {
         self.child.id()
     }
 
-    /// Sends it a signal.
+    /// Sends a signal to the process.
     pub fn signal(&self, signal: Signal) {
         processes::signal(self.id(), signal);
     }
 
-    /// Waits for its end.
+    /// Waits for the end of the process.
     ///
     /// # Panics
-    /// It does not end within the limit; the panic shows what it said.
+    /// The process exceeds the limit; the panic shows its output.
     #[must_use]
     pub fn wait(mut self) -> Ended {
         let status = wait::look(LIMIT, || self.child.try_wait().expect("lashloop can be waited for"));
@@ -73,7 +77,7 @@ impl Bench {
         if status.is_none() {
             let _ = self.child.kill();
         }
-        let [stdout, stderr] = self.said.take().expect("nobody has waited before").map(|reader| {
+        let [stdout, stderr] = self.output.take().expect("the first wait").map(|reader| {
             reader.join().unwrap_or_else(|_| panic!("the pipe of process {} can't be read", self.id()))
         });
         let Some(status) = status else {
@@ -83,7 +87,7 @@ impl Bench {
     }
 }
 
-impl Drop for Bench {
+impl Drop for Running {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
@@ -94,7 +98,7 @@ impl Ended {
     /// Checks the exit code.
     ///
     /// # Panics
-    /// It is another one; the panic shows what the program said.
+    /// The exit code differs; the panic shows the output.
     #[must_use]
     pub fn with_code(self, code: i32) -> Self {
         let Self { stdout, stderr, .. } = &self;
@@ -105,13 +109,13 @@ impl Ended {
 
 /// Runs `lashloop` to its end.
 pub fn run(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Ended {
-    Bench::start(arguments).wait()
+    Running::start(arguments).wait()
 }
 
 fn read_to_end(mut pipe: impl Read + Send + 'static) -> JoinHandle<String> {
     thread::spawn(move || {
         let mut bytes = Vec::new();
         let _ = pipe.read_to_end(&mut bytes);
-        String::from_utf8(bytes).expect("lashloop speaks UTF-8")
+        String::from_utf8(bytes).expect("lashloop prints UTF-8")
     })
 }
