@@ -1,6 +1,6 @@
-//! The whole loop with the Cortex-M image in QEMU: the same torques, bit for bit, and the same ways to fail.
+//! The whole loop with the Cortex-M image in QEMU: the same torques, bit for bit, and the same faults.
 //!
-//! Image and emulator don't come with a checkout, see [`optional`].
+//! Image and emulator are equipment that a checkout doesn't have, see [`optional`].
 
 mod codec;
 mod codec_cost;
@@ -21,26 +21,25 @@ type Check = fn();
 
 /// Trials that need image and emulator, by their names.
 const TRIALS: [(&str, Check); 12] = [
-    ("codec::reading_and_writing_a_message_takes_few_instructions", codec::every_message),
-    ("conforming::the_image_passes_every_check_and_none_is_left_out", conforming::every_check),
+    ("codec::a_message_is_coded_in_few_instructions", codec::every_message),
+    ("conforming::the_image_passes_every_check_and_none_is_omitted", conforming::every_check),
     ("faults::the_run_without_faults_passes", || fault_table::check_healthy_on("qemu")),
-    ("faults::the_watchdog_takes_the_torque_away_within_its_own_time", || {
+    ("faults::the_watchdog_removes_the_torque_within_its_timeout", || {
         fault_table::check_watchdog_on("qemu");
     }),
     ("faults::a_bench_that_pauses_in_lockstep_trips_no_watchdog", || fault_table::check_pause_on("qemu")),
     ("instructions::a_control_step_of_every_law_keeps_its_budget", instructions::of_every_law),
     ("lost::a_killed_emulator_is_reported_with_its_process_and_signal", lost::killed),
-    ("lost::an_emulator_that_hangs_is_reported_as_silent_and_not_left_behind", lost::stopped),
+    ("lost::an_emulator_that_hangs_is_reported_as_silent_and_killed", lost::stopped),
     ("lost::a_killed_bench_leaves_no_emulator_behind", lost::bench_killed),
     ("lost::an_interrupted_bench_leaves_no_emulator_behind", lost::bench_interrupted),
-    ("runs::the_image_says_who_it_is", runs::identity),
-    ("runs::an_image_that_locks_the_processor_up_is_reported_with_the_emulator_s_reason", runs::stranger),
+    ("runs::the_image_identifies_itself", runs::identity),
+    ("runs::a_processor_lockup_is_reported_with_the_cause", runs::stranger),
 ];
 
 fn main() -> ExitCode {
-    let mut arguments = Arguments::from_args();
-    // An emulated board takes a core and the bench another.
-    arguments.test_threads = Some(1);
+    // An emulated board and its bench take turns, so each trial keeps one core busy.
+    let arguments = Arguments::from_args();
     let missing = equipment::missing();
     let mut trials: Vec<_> =
         TRIALS.into_iter().map(|(name, check)| trial(name, missing.clone(), check)).collect();
@@ -50,11 +49,11 @@ fn main() -> ExitCode {
     }
     for (number, row) in fault_table::rows().into_iter().enumerate() {
         let name =
-            format!("faults::row_{:02}_{}_is_as_the_table_says", number + 1, row.kind().replace('-', "_"));
+            format!("faults::row_{:02}_{}_matches_the_table", number + 1, row.kind().replace('-', "_"));
         trials.push(trial(&name, missing.clone(), move || row.check_on("qemu")));
     }
     trials.push(trial(
-        "runs::an_image_that_is_not_there_is_named_with_the_command_that_builds_it",
+        "runs::a_missing_image_is_named_with_the_command_that_builds_it",
         None,
         runs::no_image,
     ));

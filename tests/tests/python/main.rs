@@ -12,11 +12,11 @@ use tests::python;
 type Check = fn();
 
 const TRIALS: [(&str, Check); 5] = [
-    ("conforming::the_python_drive_passes_every_check_and_none_is_left_out", conforming::every_check),
-    ("runs::the_paper_s_run_before_compensation_has_the_torques_of_the_firmware_to_the_bit", runs::smooth),
-    ("runs::the_paper_s_run_with_friction_has_the_torques_of_the_firmware_to_the_bit", runs::friction),
-    ("runs::a_control_law_that_is_not_offered_is_named_with_those_that_are", runs::not_offered),
-    ("runs::a_drive_that_stays_serves_one_run_after_the_other", runs::again),
+    ("conforming::the_python_drive_passes_every_check_and_none_is_omitted", conforming::every_check),
+    ("runs::the_smooth_run_has_the_torques_of_the_firmware_bit_for_bit", runs::smooth),
+    ("runs::the_friction_run_has_the_torques_of_the_firmware_bit_for_bit", runs::friction),
+    ("runs::an_unknown_control_law_is_rejected_with_the_known_ones", runs::not_offered),
+    ("runs::one_drive_serves_several_runs", runs::again),
 ];
 
 fn main() -> ExitCode {
