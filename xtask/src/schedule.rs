@@ -14,10 +14,10 @@ use crate::tally::Tally;
 use crate::test_counts::Counts;
 
 /// Chores that run one after the other.
-type Lane = &'static [&'static str];
+pub(crate) type Lane = &'static [&'static str];
 
 /// The lanes of a stage run at the same time, the stages one after the other. Each chore is a call of this program.
-const STAGES: [&[Lane]; 3] = [
+pub(crate) const STAGES: [&[Lane]; 3] = [
     &[&["setup"], &["check"]],
     &[
         &["test image", "test fuzz"],
