@@ -1,9 +1,9 @@
-//! What builds for the board: the first of these that is there.
+//! The toolchain for the board: the first of these that is installed.
 //!
 //! 1. The `core` library of the target, as rustup installs it. Nothing else is needed.
-//! 2. Debian's compiler with the sources of `core`, which is then built along. Linking takes the linker that comes
-//!    with rustup's toolchain, for Debian's compiler has none for Arm. Compiler and sources have to be of one
-//!    version, so rustup's compiler can't use Debian's sources.
+//! 2. Debian's compiler with the sources of `core`, which it then builds. The linker is that of rustup's toolchain:
+//!    Debian's compiler has none for Arm. Compiler and sources must have one version, so rustup's compiler can't use
+//!    Debian's sources.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// The drive.
 pub(crate) const DRIVE: &str = "lashloop-firmware";
-/// What counts the codec's instructions; behind a feature of the same name, because it is for Arm alone.
+/// The program that counts the codec's instructions, behind a feature of the same name: it builds for Arm alone.
 pub(crate) const CODEC_COST: &str = "codec-cost";
 
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
@@ -29,10 +29,8 @@ pub(crate) enum ArmToolchain {
 }
 
 impl ArmToolchain {
-    /// Looks what is installed.
-    ///
     /// # Errors
-    /// A sentence that says what to install.
+    /// Nothing is installed; the sentence names what to install.
     pub(crate) fn find() -> Result<Self> {
         if core_is_installed() {
             return Ok(Self::WithCore);
@@ -83,7 +81,7 @@ impl ArmToolchain {
     fn describe(&self, program: &str, command: &mut Command) {
         command.args(["--package", "lashloop-firmware", "--bin", program]);
         command.args(["--features", if program == CODEC_COST { CODEC_COST } else { "image" }]);
-        // The folder is ours to name: the image has one well-known place, whatever CARGO_TARGET_DIR says.
+        // The image has one well-known place, independent of CARGO_TARGET_DIR.
         command.args(["--target", TARGET, "--profile", "image", "--target-dir"]);
         command.arg(paths::root().join("target"));
         if let Self::CoreFromSource { linker } = self {
@@ -96,7 +94,7 @@ impl ArmToolchain {
 }
 
 fn core_is_installed() -> bool {
-    // The path is printed whether it exists or not.
+    // rustc prints the path even if the folder doesn't exist.
     let libraries =
         command::first_line(command::rustc().args(["--print", "target-libdir", "--target", TARGET]));
     libraries.is_some_and(|folder| {

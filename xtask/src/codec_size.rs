@@ -1,7 +1,7 @@
-//! How much of the Arm image is the wire contract.
+//! Code size of the wire contract in the Arm image.
 //!
-//! Most of it is inlined into the drive, so symbols don't tell. The line table does: it says for every instruction in
-//! which functions it stands, the inlined ones included.
+//! Most of it is inlined into the drive, so symbols don't show it. The line table does: it lists for every instruction
+//! the functions around it, inlined ones included.
 
 use std::fmt;
 use std::path::Path;
@@ -10,7 +10,7 @@ use addr2line::Loader;
 use anyhow::{Result, anyhow};
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 
-/// Where the sources of the wire contract are: ours, and the CRC's.
+/// Source folders of the wire contract: ours and the CRC's.
 const SOURCES: [&str; 2] = ["/protocol/src/", "/crc-3."];
 /// The shortest instruction (bytes).
 const THUMB: usize = 2;
@@ -39,7 +39,7 @@ impl CodecSize {
     }
 }
 
-/// Whether the instruction stands in a function of the wire contract, inlined or not.
+/// Whether the instruction is part of a function of the wire contract, inlined or not.
 fn is_codec(lines: &Loader, address: u64) -> Result<bool> {
     let failed = |error| anyhow!("the line table at {address:#x}: {error}");
     let mut frames = lines.find_frames(address).map_err(failed)?;

@@ -1,4 +1,4 @@
-//! Running other programs.
+//! Child processes.
 
 use std::env;
 use std::ffi::OsStr;
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use crate::paths;
 use anyhow::{Context, Result, bail};
 
-/// The cargo that called us.
+/// The cargo that runs this program.
 pub(crate) fn cargo() -> Command {
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(paths::root());
@@ -38,7 +38,7 @@ fn in_workspace(program: &str) -> Command {
     command
 }
 
-/// Runs `command` with our output and no input.
+/// Runs `command` without input; its output is ours.
 pub(crate) fn run(command: &mut Command) -> Result<()> {
     let status = command.stdin(Stdio::null()).status().with_context(|| cannot_start(command))?;
     if !status.success() {
@@ -47,7 +47,7 @@ pub(crate) fn run(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// The same, but ends it after `limit`.
+/// Like [`run`], but kills the child after `limit`.
 pub(crate) fn run_for(command: &mut Command, limit: Duration) -> Result<()> {
     let mut child = command.stdin(Stdio::null()).spawn().with_context(|| cannot_start(command))?;
     let deadline = Instant::now() + limit;
@@ -65,7 +65,7 @@ pub(crate) fn run_for(command: &mut Command, limit: Duration) -> Result<()> {
     }
 }
 
-/// Runs `command` and gives the first line it prints; `None` if it can't be run or fails.
+/// The first line of the standard output; `None` if the command can't be run or fails.
 pub(crate) fn first_line(command: &mut Command) -> Option<String> {
     let output = command.stdin(Stdio::null()).stderr(Stdio::null()).output().ok()?;
     let text = String::from_utf8(output.stdout).ok().filter(|_| output.status.success())?;
@@ -85,12 +85,12 @@ pub(crate) fn output(command: &mut Command) -> Result<String> {
     String::from_utf8(output.stdout).with_context(|| format!("{} printed no UTF-8", name(command)))
 }
 
-/// Where in `PATH` the program is.
+/// Searches `PATH`.
 pub(crate) fn find_program(name: &str) -> Option<PathBuf> {
     env::split_paths(&env::var_os("PATH")?).map(|folder| folder.join(name)).find(|path| path.is_file())
 }
 
-/// The command as one would type it.
+/// The command line.
 pub(crate) fn name(command: &Command) -> String {
     let program = PathBuf::from(command.get_program());
     let words = [program.file_name().unwrap_or(program.as_os_str())].into_iter().chain(command.get_args());

@@ -28,7 +28,7 @@ pub(crate) fn check() -> Result<()> {
     }
     let mut cycle_count = 0;
     for root in metadata::production_roots(&metadata)? {
-        let graph = FileGraph::of(&SourceTree::read(&root)?);
+        let graph = FileGraph::of(&SourceTree::read(&root.file)?);
         for cycle in graph.cycles() {
             println!("cycle of {} files:\n{}", cycle.len(), graph.describe(&cycle));
             cycle_count += 1;

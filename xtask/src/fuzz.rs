@@ -31,7 +31,16 @@ pub(crate) fn run(seconds: u32) -> Result<Counts> {
     let triple = triple.context("rustc prints no host tuple")?;
     // The target is named, so that the flags don't apply to build scripts.
     let mut build = command::cargo();
-    build.args(["build", "--release", "--bins", "--manifest-path", "fuzz/Cargo.toml", "--target", &triple]);
+    build.args([
+        "build",
+        "--locked",
+        "--release",
+        "--bins",
+        "--manifest-path",
+        "fuzz/Cargo.toml",
+        "--target",
+        &triple,
+    ]);
     build.arg("--target-dir").arg(folder()).env("RUSTFLAGS", COVERAGE);
     command::run(&mut build).context(
         "the fuzzers don't build; if the C++ compiler for libFuzzer is missing, install one (g++ on Debian)",

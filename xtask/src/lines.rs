@@ -6,11 +6,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 
 use crate::directions::SourceTree;
+use crate::metadata::Root;
 use crate::{code_lines, metadata, paths};
 
 /// Most code lines of all production code.
@@ -22,8 +23,8 @@ const BENCH_FOLDER: &str = "host/bench";
 const LONGEST_FILE: usize = 400;
 const MEDIAN_FILE: usize = 150;
 
-/// Programs outside the workspace.
-const BENCHMARKS: [&str; 2] = ["benchmarks/codec/src/main.rs", "benchmarks/plant/src/main.rs"];
+/// Packages outside the workspace.
+const BENCHMARKS: [&str; 2] = ["benchmarks/codec", "benchmarks/plant"];
 
 /// Prints the code lines of every crate and the lengths of files.
 ///
@@ -69,12 +70,14 @@ pub(crate) fn check() -> Result<()> {
 /// The production files of each package, by the package's folder.
 fn files_of_packages() -> Result<BTreeMap<PathBuf, BTreeSet<PathBuf>>> {
     let mut roots = metadata::production_roots(&metadata::read()?)?;
-    roots.retain(|root| !root.starts_with("tests"));
-    roots.extend(BENCHMARKS.map(PathBuf::from));
+    roots.retain(|root| root.package != Path::new("tests"));
+    roots.extend(BENCHMARKS.map(|folder| {
+        let package = PathBuf::from(folder);
+        Root { file: package.join("src/main.rs"), package }
+    }));
     let mut files = BTreeMap::<PathBuf, BTreeSet<PathBuf>>::new();
-    for root in roots {
-        let folder = root.ancestors().nth(2).context("a root file lies in src")?.to_owned();
-        files.entry(folder).or_default().extend(SourceTree::read(&root)?.files());
+    for Root { package, file } in roots {
+        files.entry(package).or_default().extend(SourceTree::read(&file)?.files());
     }
     Ok(files)
 }

@@ -85,3 +85,18 @@ fn main() -> ExitCode {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::{Arguments, schedule};
+
+    #[test]
+    fn every_chore_of_the_schedule_is_a_command() {
+        for chore in schedule::STAGES.into_iter().flatten().copied().flatten() {
+            let words = ["xtask"].into_iter().chain(chore.split(' '));
+            assert!(Arguments::try_parse_from(words).is_ok(), "{chore}");
+        }
+    }
+}

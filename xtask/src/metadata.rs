@@ -13,18 +13,33 @@ pub(crate) fn read() -> Result<Value> {
     serde_json::from_str(&text).context("cargo metadata isn't JSON")
 }
 
-/// The root files of all libraries and programs, relative to the workspace.
-pub(crate) fn production_roots(metadata: &Value) -> Result<Vec<PathBuf>> {
+/// The root file of a library or a program.
+pub(crate) struct Root {
+    /// The folder of its package, relative to the workspace as the file is.
+    pub(crate) package: PathBuf,
+    pub(crate) file: PathBuf,
+}
+
+/// All libraries and programs of the workspace.
+pub(crate) fn production_roots(metadata: &Value) -> Result<Vec<Root>> {
     let packages = metadata["packages"].as_array().context("cargo metadata has no packages")?;
-    let targets = packages.iter().filter_map(|package| package["targets"].as_array()).flatten();
-    let roots = targets.filter(|target| {
-        let kinds = target["kind"].as_array().into_iter().flatten();
-        kinds.filter_map(Value::as_str).any(|kind| kind == "lib" || kind == "bin")
-    });
-    roots
-        .map(|target| {
-            let path = Path::new(target["src_path"].as_str().context("a target has no source")?);
-            Ok(path.strip_prefix(paths::root()).unwrap_or(path).to_owned())
-        })
-        .collect()
+    let mut roots = Vec::new();
+    for package in packages {
+        let folder = relative(&package["manifest_path"])?.parent().context("a manifest lies in a folder")?;
+        for target in package["targets"].as_array().context("a package has no targets")? {
+            let mut kinds = target["kind"].as_array().into_iter().flatten().filter_map(Value::as_str);
+            if kinds.any(|kind| kind == "lib" || kind == "bin") {
+                roots.push(Root {
+                    package: folder.to_owned(),
+                    file: relative(&target["src_path"])?.to_owned(),
+                });
+            }
+        }
+    }
+    Ok(roots)
+}
+
+fn relative(path: &Value) -> Result<&Path> {
+    let path = Path::new(path.as_str().context("cargo metadata has no path")?);
+    Ok(path.strip_prefix(paths::root()).unwrap_or(path))
 }

@@ -16,7 +16,7 @@ const OLDEST: (u32, u32) = (3, 10);
 /// Creates the virtual environment with the package, editable, and its pinned test dependencies.
 ///
 /// # Errors
-/// A sentence that says what could not be installed and what to do.
+/// What could not be installed, and what to do.
 pub(crate) fn set_up() -> Result<()> {
     make_environment()?;
     install().context("the Python package could not be installed into target/python: is there a network?")?;
@@ -33,20 +33,17 @@ fn manifest() -> Result<String> {
     fs::read_to_string(package().join("pyproject.toml")).context("clients/python has no pyproject.toml")
 }
 
-/// Lints, checks types and formatting.
-///
-/// # Errors
-/// Which tool found something.
+/// Checks lints, format and types.
 pub(crate) fn lint() -> Result<()> {
     command::run(tool("ruff").args(["check", "."]))?;
     command::run(tool("ruff").args(["format", "--check", "."]))?;
     command::run(&mut tool("mypy"))
 }
 
-/// Runs pytest and counts.
+/// Runs pytest.
 ///
 /// # Errors
-/// It can't be run.
+/// pytest can't be run, or ran no test.
 pub(crate) fn test() -> Result<Counts> {
     // The package drives the native twin, built as the Rust tests build it.
     let twin = paths::root().join("target/debug/lashloop");
@@ -61,7 +58,7 @@ pub(crate) fn test() -> Result<Counts> {
     let stdout = child.stdout.take().context("the output of pytest was not kept")?;
     let counts = Counts::of_pytest(BufReader::new(stdout), io::stdout())?;
     let status = child.wait()?;
-    // What dies before its last line has no count.
+    // A pytest that is killed prints no count.
     if !status.success() && counts.failed == 0 {
         println!("pytest ended with {status}");
         return Ok(Counts { failed: 1, ..counts });
@@ -84,7 +81,7 @@ fn interpreter() -> PathBuf {
     environment().join("bin/python")
 }
 
-/// What was installed: the package's `pyproject.toml` at that time.
+/// A copy of the `pyproject.toml` that was installed.
 fn installed() -> PathBuf {
     environment().join("installed-pyproject.toml")
 }
@@ -99,8 +96,8 @@ fn works(python: &Path) -> bool {
     command::first_line(Command::new(python).args(["-c", "print(1)"])).is_some()
 }
 
-/// A Python that is new enough and can make a virtual environment with a pip of its own. That of the system is tried too: the one in
-/// `PATH` may be another, which Debian's packages don't complete.
+/// A Python that is new enough and can create a virtual environment with pip. We try the system's too: Debian's packages
+/// don't complete another Python that comes first in `PATH`.
 pub(crate) fn find_python() -> Option<PathBuf> {
     candidates().find(|python| can(python, "import ensurepip, venv"))
 }
@@ -112,7 +109,7 @@ fn candidates() -> impl Iterator<Item = PathBuf> {
     })
 }
 
-/// Whether this Python is new enough and can do so much.
+/// Whether this Python is new enough and runs the statement `what`.
 fn can(python: &Path, what: &str) -> bool {
     let program = format!("import sys; {what}; print(sys.version_info >= {OLDEST:?})");
     command::first_line(Command::new(python).args(["-c", &program])).is_some_and(|line| line == "True")
@@ -121,7 +118,7 @@ fn can(python: &Path, what: &str) -> bool {
 fn make_environment() -> Result<()> {
     let (python, without_pip) = match find_python() {
         Some(python) => (python, false),
-        // One without ensurepip can still make an environment, for a pip from elsewhere to fill.
+        // A Python without ensurepip can still create an environment, which its own pip fills.
         None => (candidates().find(|python| can(python, "import venv, pip")).with_context(no_python)?, true),
     };
     let mut make = Command::new(&python);
@@ -131,9 +128,9 @@ fn make_environment() -> Result<()> {
     }
     command::run(make.arg(environment()))?;
     if without_pip {
-        let mut bring = Command::new(python);
-        bring.args(["-m", "pip", "--python"]).arg(interpreter()).args(["install", "--quiet", "pip"]);
-        command::run(&mut bring).context("pip could not be put into target/python")?;
+        let mut install_pip = Command::new(python);
+        install_pip.args(["-m", "pip", "--python"]).arg(interpreter()).args(["install", "--quiet", "pip"]);
+        command::run(&mut install_pip).context("pip could not be installed into target/python")?;
     }
     Ok(())
 }
@@ -141,7 +138,7 @@ fn make_environment() -> Result<()> {
 fn no_python() -> String {
     let (major, minor) = OLDEST;
     format!(
-        "there is no Python {major}.{minor} or newer that can make a virtual environment: install one with `venv` and `ensurepip` \
+        "there is no Python {major}.{minor} or newer that can create a virtual environment: install one with `venv` and `ensurepip` \
          (python3 and python3-venv on Debian) and call again"
     )
 }

@@ -2,22 +2,24 @@
 
 use std::process::ExitCode;
 
-use clap::{Subcommand, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum};
 
 use crate::arm_toolchain::ArmToolchain;
 use crate::tally::Tally;
 use crate::test_programs::{self, TestProgram};
 use crate::{command, fuzz, image, python, size};
 
-#[derive(Subcommand)]
+#[derive(Subcommand, PartialEq, Eq)]
 pub(crate) enum Ring {
-    /// Tests without child processes, pseudo-terminals or emulator
-    Unit,
+    /// Tests without the `lashloop` program, pseudo-terminals between processes, or emulator
+    Unit {
+        #[command(flatten)]
+        part: Part,
+    },
     /// Tests of the `lashloop` program and of drives on pseudo-terminals
     Loop {
-        /// Only tests that measure time, or all others
-        #[arg(long)]
-        timing: Option<Timing>,
+        #[command(flatten)]
+        part: Part,
     },
     /// The Cortex-M image: build, size, clippy, and tests in the emulator
     Image,
@@ -31,37 +33,57 @@ pub(crate) enum Ring {
     },
 }
 
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Args, PartialEq, Eq)]
+pub(crate) struct Part {
+    /// Only tests that need a quiet machine, or all others
+    #[arg(long)]
+    timing: Option<Timing>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Timing {
     Timed,
     Untimed,
 }
 
-/// Modules of `looped` that measure wall-clock or processor time.
-const TIMED: [&str; 6] = ["budget::", "compared::", "idle::", "real_time::", "speed::", "wire::"];
+/// Modules, by package and target, whose tests run in real time or measure time: they need a quiet machine.
+const TIMED: [(&str, &str, &[&str]); 2] = [
+    ("lashloop-bench", "lashloop_bench", &["real_time::"]),
+    ("tests", "looped", &["budget::", "compared::", "idle::", "real_time::", "speed::", "wire::"]),
+];
 
-/// The runs of a test program in this ring, each with its arguments. A new program belongs to the unit ring.
-fn runs(ring: &Ring, program: &TestProgram) -> Vec<Vec<&'static str>> {
-    let is_listed = match (program.package.as_str(), program.target.as_str()) {
-        ("tests", "looped") => return runs_of_looped(ring),
-        ("tests", "conforming") | ("lashloop", "tools") => {
-            matches!(ring, Ring::Loop { timing: None | Some(Timing::Untimed) })
+impl Ring {
+    /// A new test program belongs to the unit ring.
+    fn has(&self, program: &TestProgram) -> bool {
+        match (program.package.as_str(), program.target.as_str()) {
+            ("tests", "looped" | "conforming") | ("lashloop", "tools") => matches!(self, Self::Loop { .. }),
+            ("tests", "emulated") => *self == Self::Image,
+            ("tests", "python") => *self == Self::Python,
+            _ => matches!(self, Self::Unit { .. }),
         }
-        ("tests", "emulated") => matches!(ring, Ring::Image),
-        ("tests", "python") => matches!(ring, Ring::Python),
-        _ => matches!(ring, Ring::Unit),
-    };
-    if is_listed { vec![Vec::new()] } else { Vec::new() }
-}
+    }
 
-fn runs_of_looped(ring: &Ring) -> Vec<Vec<&'static str>> {
-    let timed = TIMED.to_vec();
-    let untimed = TIMED.map(|module| ["--skip", module]).concat();
-    match ring {
-        Ring::Loop { timing: None } => vec![untimed, timed],
-        Ring::Loop { timing: Some(Timing::Timed) } => vec![timed],
-        Ring::Loop { timing: Some(Timing::Untimed) } => vec![untimed],
-        Ring::Unit | Ring::Image | Ring::Python | Ring::Fuzz { .. } => Vec::new(),
+    fn timing(&self) -> Option<Timing> {
+        match self {
+            Self::Unit { part } | Self::Loop { part } => part.timing,
+            Self::Image | Self::Python | Self::Fuzz { .. } => None,
+        }
+    }
+
+    /// The runs of a test program in this ring, each with its arguments.
+    fn runs_of(&self, program: &TestProgram) -> Vec<Vec<&'static str>> {
+        if !self.has(program) {
+            return Vec::new();
+        }
+        let is_program =
+            |entry: &&(&str, &str, _)| (entry.0, entry.1) == (&*program.package, &*program.target);
+        let timed = TIMED.iter().find(is_program).map(|(_, _, modules)| modules.to_vec());
+        let untimed = timed.iter().flatten().flat_map(|module| ["--skip", module]).collect();
+        match self.timing() {
+            None => [untimed].into_iter().chain(timed).collect(),
+            Some(Timing::Untimed) => vec![untimed],
+            Some(Timing::Timed) => timed.into_iter().collect(),
+        }
     }
 }
 
@@ -69,9 +91,11 @@ fn runs_of_looped(ring: &Ring) -> Vec<Vec<&'static str>> {
 pub(crate) fn run(ring: &Ring) -> ExitCode {
     let mut tally = Tally::default();
     match ring {
-        Ring::Unit => {
+        Ring::Unit { part } => {
             run_programs(ring, &mut tally);
-            tally.counted("documentation examples", test_programs::documentation);
+            if part.timing != Some(Timing::Timed) {
+                tally.counted("documentation examples", test_programs::documentation);
+            }
         }
         Ring::Loop { .. } => run_programs(ring, &mut tally),
         Ring::Image => {
@@ -96,7 +120,7 @@ fn run_programs(ring: &Ring, tally: &mut Tally) {
         Err(error) => return tally.step("test programs", || Err(error)),
     };
     for program in &programs {
-        for arguments in runs(ring, program) {
+        for arguments in ring.runs_of(program) {
             let name = [&program.package, &program.target].map(String::as_str).join(" ");
             tally.counted(&name, || program.run(&arguments));
         }

@@ -14,13 +14,16 @@ use crate::tally::Tally;
 use crate::test_counts::Counts;
 
 /// Chores that run one after the other.
-type Lane = &'static [&'static str];
+pub(crate) type Lane = &'static [&'static str];
 
 /// The lanes of a stage run at the same time, the stages one after the other. Each chore is a call of this program.
-const STAGES: [&[Lane]; 3] = [
+pub(crate) const STAGES: [&[Lane]; 3] = [
     &[&["setup"], &["check"]],
-    &[&["test image", "test fuzz"], &["test unit", "test loop --timing untimed", "test python"]],
-    &[&["test loop --timing timed"]],
+    &[
+        &["test image", "test fuzz"],
+        &["test unit --timing untimed", "test loop --timing untimed", "test python"],
+    ],
+    &[&["test unit --timing timed", "test loop --timing timed"]],
 ];
 
 /// Runs the stages. The last line printed is the sum.

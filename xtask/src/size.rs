@@ -1,4 +1,4 @@
-//! How much of the chip the Arm image takes.
+//! Flash and RAM of the Arm image, and their limits.
 
 use std::fs;
 
@@ -10,17 +10,17 @@ use crate::arm_toolchain::DRIVE;
 use crate::codec_size::CodecSize;
 use crate::paths;
 
-/// Most flash for vectors, code and constants (bytes). The chip has 1 MiB: the limit is an alarm, not a shortage.
+/// Most flash for vectors, code and constants (bytes). The chip has 1 MiB: the limit is an alarm.
 const TEXT_LIMIT: u64 = 32 * 1024;
-/// Most RAM for what has a fixed address (bytes). The chip has 128 KiB; the stack takes what is left.
+/// Most RAM for statics (bytes). The chip has 128 KiB; the stack takes the rest.
 const STATIC_RAM_LIMIT: u64 = 8 * 1024;
 
 /// Sizes in bytes.
 pub(crate) struct Size {
     text: u64,
     static_ram: u64,
-    /// What is left between the statics and the top of the RAM.
-    stack_room: u64,
+    /// Between the statics and the top of the RAM.
+    stack: u64,
 }
 
 /// Prints the sizes.
@@ -30,14 +30,17 @@ pub(crate) fn print() -> Result<Size> {
         fs::read(&path).with_context(|| format!("{}: run `cargo xtask image` first", path.display()))?;
     let size = Size::of(&elf).with_context(|| path.display().to_string())?;
     println!(
-        "image: text {} B of {TEXT_LIMIT} B; static RAM {} B of {STATIC_RAM_LIMIT} B, beside {} B for the stack",
-        size.text, size.static_ram, size.stack_room
+        "image: text {} B of {TEXT_LIMIT} B; static RAM {} B of {STATIC_RAM_LIMIT} B; stack {} B",
+        size.text, size.static_ram, size.stack
     );
     println!("{}", CodecSize::of(&path, &elf).with_context(|| path.display().to_string())?);
     Ok(size)
 }
 
-/// Prints the sizes and holds them against their limits.
+/// Prints the sizes.
+///
+/// # Errors
+/// A size exceeds its limit, or there is no image.
 pub(crate) fn check() -> Result<()> {
     let size = print()?;
     ensure!(
@@ -70,7 +73,7 @@ impl Size {
         Ok(Self {
             text: sum(SHF_ALLOC),
             static_ram: sum(SHF_ALLOC | SHF_WRITE),
-            stack_room: address("_stack_start")? - address("__sheap")?,
+            stack: address("_stack_start")? - address("__sheap")?,
         })
     }
 }

@@ -1,10 +1,9 @@
-//! Counting tests by what libtest and pytest print.
+//! Counts of tests, read from the output of libtest and pytest.
 
 use std::fmt;
 use std::io::{self, BufRead, Write};
 use std::ops::AddAssign;
 
-/// How many tests passed and failed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Counts {
     pub(crate) passed: u64,
@@ -38,7 +37,7 @@ impl Counts {
         Ok(sum)
     }
 
-    /// Copies `from` to `to` line by line and gives the result that pytest ends with.
+    /// Copies `from` to `to` line by line and returns the result in pytest's last line.
     pub(crate) fn of_pytest(from: impl BufRead, to: impl Write) -> io::Result<Self> {
         let mut last = Self::default();
         copy_lines(from, to, |line| last = Self::of_pytest_line(line).unwrap_or(last))?;
@@ -63,7 +62,7 @@ impl Counts {
             let count: u64 = count.parse().ok()?;
             match what {
                 "passed" => sum.passed += count,
-                // What is left out has not passed.
+                // A skipped test has not passed.
                 "failed" | "error" | "errors" | "skipped" | "xfailed" | "xpassed" => sum.failed += count,
                 "warning" | "warnings" | "deselected" => {}
                 _ => return None,
@@ -73,13 +72,13 @@ impl Counts {
     }
 }
 
-/// Shows each line to `look` on its way.
+/// Passes each line to `look` as well.
 fn copy_lines(mut from: impl BufRead, mut to: impl Write, mut look: impl FnMut(&str)) -> io::Result<()> {
     let mut line = Vec::new();
     while from.read_until(b'\n', &mut line)? > 0 {
         to.write_all(&line)?;
         to.flush()?;
-        // What a test prints need not be text.
+        // A test may print bytes that are no UTF-8.
         look(&String::from_utf8_lossy(&line));
         line.clear();
     }
@@ -93,7 +92,7 @@ mod tests {
     use super::Counts;
 
     #[test]
-    fn results_are_added_up_and_the_stream_passes_through_unchanged() {
+    fn results_are_summed_and_the_stream_is_unchanged() {
         let stream = b"running 2 tests\ntest a ... ok\n\xff\ntest result: ok. 2 passed; 0 failed; 1 ignored; 0 measured\n\
             test result: FAILED. 40 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.00s\nend";
         let mut copy = Vec::new();
@@ -103,8 +102,8 @@ mod tests {
     }
 
     #[test]
-    fn the_last_line_of_pytest_counts_and_what_is_left_out_has_not_passed() {
-        let stream = b"12 passed in 3.4s, says a test\n\
+    fn a_skipped_test_of_pytest_counts_as_failed() {
+        let stream = b"12 passed in 3.4s, prints a test\n\
             = 2 failed, 40 passed, 1 skipped, 3 warnings, 2 errors in 71.35s (0:01:11) =\n";
         let mut copy = Vec::new();
         let counts = Counts::of_pytest(&stream[..], &mut copy).expect("memory can be read and written");

@@ -64,7 +64,10 @@ impl TestProgram {
     pub(crate) fn run(&self, arguments: &[&str]) -> Result<Counts> {
         let mut tests = Command::new(&self.path);
         tests.args(arguments).current_dir(&self.folder).env("CARGO_MANIFEST_DIR", &self.folder);
-        run(&mut tests)
+        let counts = run(&mut tests)?;
+        let has_run = arguments.is_empty() || counts != Counts::default();
+        ensure!(has_run, "no test of {} matches {}", self.target, arguments.join(" "));
+        Ok(counts)
     }
 }
 
