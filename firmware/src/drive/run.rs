@@ -27,7 +27,7 @@ pub(super) enum Reply {
     Torque(TorqueAnswer, ControlOutput<f32>),
     /// The answer of the last sample again; no control step was made.
     Repeated(TorqueAnswer),
-    /// The sample belongs to another run. Nothing changed.
+    /// The number is old, too far ahead, or not zero after the start. Nothing changed.
     OutOfSequence,
     /// The sample breaks a rule. The flags belong to the answer with zero torque.
     Violation(Violation, TorqueFlags),
