@@ -1,4 +1,4 @@
-//! The invariants of the drive hold in any history. `action` converts bytes to a history.
+//! The drive and all it promises, on any history. How bytes become a history stands in `action`.
 
 #![no_main]
 
@@ -6,7 +6,7 @@ use libfuzzer_sys::fuzz_target;
 
 #[path = "../../firmware/tests/properties/action.rs"]
 mod action;
-#[allow(dead_code, reason = "only the property tests read the coverage of a history")]
+#[allow(dead_code, reason = "what a history met is for the property tests")]
 #[path = "../../firmware/tests/properties/watched.rs"]
 mod watched;
 

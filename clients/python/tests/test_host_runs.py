@@ -59,7 +59,7 @@ def test_counts_beyond_24_bits_wrap_around() -> None:
 def test_a_first_sample_beyond_24_bits_is_not_sent(motor: int, load: int, said: str) -> None:
     link = SimulatedLink()
     host = running(link)
-    with pytest.raises(StartTooFarError, match=f"{said}: the first sample of a run allows -8388608 to 8388607; take"):
+    with pytest.raises(StartTooFarError, match=f"{said}: the first sample of a run allows -8388608 to 8388607; use"):
         host.torque(motor_counts=motor, load_counts=load, reference_rad=0.0)
     assert link.count(EncoderSample) == 0
 
