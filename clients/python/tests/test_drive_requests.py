@@ -90,8 +90,8 @@ def faulted() -> DriveUnderTest:
 
 def outcome(answers: list[DriveMessage]) -> Outcome | None:
     """Outcome of a request; None without an answer that carries one."""
-    told = [it.outcome for it in answers if isinstance(it, CommandResult | ParameterReport)]
-    return told[-1] if told else None
+    outcomes = [it.outcome for it in answers if isinstance(it, CommandResult | ParameterReport)]
+    return outcomes[-1] if outcomes else None
 
 
 def test_the_table_of_transitions_is_complete() -> None:
@@ -109,9 +109,9 @@ def test_every_request_in_every_state_acts_as_specified(request_name: str, state
         assert outcome(answers) in (Outcome.ACCEPTED, None)
     else:
         assert bench.drive.state.label == state
-        said = outcome(answers)
-        assert said is not None
-        assert said.label == cell
+        outcome_sent = outcome(answers)
+        assert outcome_sent is not None
+        assert outcome_sent.label == cell
     for answer in answers:
         if isinstance(answer, CommandResult | ParameterReport | Identity):
             assert answer.state is bench.drive.state
@@ -200,8 +200,8 @@ def test_every_row_of_the_table_of_answers_is_covered() -> None:
 
 def test_requests_in_one_read_are_answered_in_order() -> None:
     bench = DriveUnderTest()
-    said = bench.decode(bench.drive.receive(b"".join(map(encode, [HELLO, HELLO, Arm(SESSION), GetParameter(3)]))))
-    assert [type(it).__name__ for it in said] == ["Identity", "Identity", "CommandResult", "ParameterReport"]
+    answers = bench.decode(bench.drive.receive(b"".join(map(encode, [HELLO, HELLO, Arm(SESSION), GetParameter(3)]))))
+    assert [type(it).__name__ for it in answers] == ["Identity", "Identity", "CommandResult", "ParameterReport"]
 
 
 def test_a_fault_latched_before_any_session_clears_to_boot() -> None:
@@ -236,9 +236,9 @@ def test_a_new_session_keeps_the_parameters_and_a_reset_does_not() -> None:
 def test_the_first_fault_is_kept_and_sent_after_the_identity() -> None:
     bench = DriveUnderTest().running()
     bench.send(sample(0, reference_rad=math.inf))
-    told, _ = bench.send(EmergencyStop())
-    assert isinstance(told, FaultReport)
-    assert told.code is FaultCode.EMERGENCY_STOP
+    report, _ = bench.send(EmergencyStop())
+    assert isinstance(report, FaultReport)
+    assert report.code is FaultCode.EMERGENCY_STOP
     _, kept = bench.send(Hello(1, OTHER))
     assert isinstance(kept, FaultReport)
     assert kept.code is FaultCode.REFERENCE_NOT_FINITE
@@ -275,8 +275,8 @@ def test_every_parameter_accepts_exactly_its_range(index: int) -> None:
         outside = [ParameterValue.u32(it) for it in (low, high) if it >= 0]
         wrong = ParameterValue.f32(1.0)
     else:
-        beside = (spec.min.value - 1e-3, spec.max.value * 1.001, math.inf, -math.inf, math.nan)
-        outside = [ParameterValue.f32(it) for it in beside]
+        outside_values = (spec.min.value - 1e-3, spec.max.value * 1.001, math.inf, -math.inf, math.nan)
+        outside = [ParameterValue.f32(it) for it in outside_values]
         wrong = ParameterValue.u32(1)
     for value in outside:
         report = bench.only(ParameterReport, SetParameter(index, value))

@@ -54,12 +54,14 @@ def test_counts_beyond_24_bits_wrap_around() -> None:
 
 
 @pytest.mark.parametrize(
-    ("motor", "load", "said"), [(2**23, 0, "motor_counts = 8388608"), (0, -(2**23) - 1, "load_counts = -8388609")]
+    ("motor", "load", "expected"), [(2**23, 0, "motor_counts = 8388608"), (0, -(2**23) - 1, "load_counts = -8388609")]
 )
-def test_a_first_sample_beyond_24_bits_is_not_sent(motor: int, load: int, said: str) -> None:
+def test_a_first_sample_beyond_24_bits_is_not_sent(motor: int, load: int, expected: str) -> None:
     link = SimulatedLink()
     host = running(link)
-    with pytest.raises(StartTooFarError, match=f"{said}: the first sample of a run allows -8388608 to 8388607; use"):
+    with pytest.raises(
+        StartTooFarError, match=f"{expected}: the first sample of a run allows -8388608 to 8388607; use"
+    ):
         host.torque(motor_counts=motor, load_counts=load, reference_rad=0.0)
     assert link.count(EncoderSample) == 0
 
