@@ -84,7 +84,7 @@ fn drive_seeds() -> Vec<Seed> {
     };
     let mut seeds: Vec<Seed> =
         examples::from_host().iter().map(|m| seed(&name_of(m), &[hello.clone(), told(m)])).collect();
-    for (name, law) in [("run_pd", 1), ("run_merzouki", 2), ("run_literal", 3)] {
+    for (name, law) in [("run_pd", 1), ("run_merzouki", 2), ("run_merzouki_as_printed", 3)] {
         seeds.push(seed(name, &[run(law)]));
     }
     let emergency =
