@@ -1,4 +1,4 @@
-//! The invariants of the drive hold in any history. `action` converts bytes to a history.
+//! The drive and all it promises, on any history. How bytes become a history stands in `action`.
 
 #![no_main]
 

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::EncoderCounts;
+use crate::counts::EncoderCounts;
 use crate::enums::{ParameterValue, TorqueStatus, Version};
 use crate::layout::{FieldLayout, FieldType, FlagSet};
 use crate::wire::Wire;

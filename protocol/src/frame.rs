@@ -65,7 +65,7 @@ pub enum FrameError {
         bytes: usize,
     },
     /// The COBS chain does not end at the end of the frame.
-    #[error("a frame of {bytes} bytes is not stuffed as COBS asks")]
+    #[error("a frame of {bytes} bytes is not valid COBS")]
     Stuffing {
         /// Length received, in bytes.
         bytes: usize,

@@ -1,12 +1,11 @@
 //! The numbers of the contract that do not depend on a message: version, delimiter and sizes of a frame.
 
-/// Version of the wire contract, carried by [`Hello`](struct@crate::message::Hello) and
-/// [`Identity`](struct@crate::message::Identity).
+/// Version of the wire contract, carried by `Hello` and `Identity`.
 ///
 /// The wire version is independent of the release version of the crates. A change of the bytes or of the meaning of an
 /// existing message increments the version. A new kind of message that an old peer may ignore does not.
 ///
-/// `Hello`, `Identity` and `Reset` keep their layout in every version, and [`State`](crate::enums::State) its five
+/// `Hello`, `Identity` and `Reset` keep their layout in every version, and `State` its five
 /// values. Two sides of different versions can therefore always identify each other and report the mismatch.
 pub const PROTOCOL_VERSION: u8 = 1;
 

@@ -371,7 +371,7 @@ local function show_field(tree, field, range)
     return tostring(ty == i24 and range:le_int() or range:le_uint()) .. unit
 end
 
--- The info column: what one wants to see without opening the tree ------------------------------------------------------
+-- The info column: the main fields of each message ------------------------------------------------------
 
 local IN_INFO = {
     Hello = { "session" }, Arm = { "session" }, Start = { "session" },
@@ -446,7 +446,7 @@ function lashloop.dissector(buffer, pinfo, root)
     end
     local unstuffed = unstuff(wire:sub(1, -2))
     if not unstuffed then
-        return bad(experts.malformed, "not stuffed as COBS asks")
+        return bad(experts.malformed, "not valid COBS")
     end
     local body_len = #unstuffed - CRC_LEN
     if body_len < 1 then

@@ -33,15 +33,15 @@ def fault(answers: list[DriveMessage]) -> FaultReport:
 
 def running_at(*sequences: int) -> DriveUnderTest:
     """A running drive that has taken samples of these sequences."""
-    bench = DriveUnderTest().running(**QUIET)
+    dut = DriveUnderTest().running(**QUIET)
     for sequence in sequences:
-        bench.send(sample(sequence))
-    return bench
+        dut.send(sample(sequence))
+    return dut
 
 
-def classification(bench: DriveUnderTest, sequence: int) -> str:
+def classification(dut: DriveUnderTest, sequence: int) -> str:
     """Classification of a sample by the drive, in the terms of the specification's table."""
-    (answer,) = bench.send(sample(sequence))
+    (answer,) = dut.send(sample(sequence))
     if isinstance(answer, CommandResult):
         assert (answer.request, answer.outcome) == (EncoderSample.KIND, Outcome.OUT_OF_SEQUENCE)
         return "stray"

@@ -20,7 +20,7 @@ class SimulatedLink:
 
     def __init__(self) -> None:
         """Power up a drive and connect it."""
-        self.bench = DriveUnderTest()
+        self.dut = DriveUnderTest()
         self.now_s = 0.0
         self.sent: list[HostMessage] = []
         self.closed = False
@@ -42,7 +42,7 @@ class SimulatedLink:
                 message = decode(frame, FROM_HOST)
                 self.sent.append(message)
                 if not self.loses_request(message):
-                    self._answer(self.bench.drive.receive(frame + b"\0"))
+                    self._answer(self.dut.drive.receive(frame + b"\0"))
         return len(data)
 
     def _answer(self, data: bytes) -> None:
@@ -58,13 +58,13 @@ class SimulatedLink:
         """Return received bytes, or advance the time of both sides."""
         self._arrive()
         if not self._coming:
-            left_s = self.bench.drive.time_left_s
+            left_s = self.dut.drive.time_left_s
             waited_s = timeout_s if left_s is None else min(timeout_s, left_s + 1e-6)
             if self._under_way:
                 waited_s = min(waited_s, self._under_way[0][0] - self.now_s)
             self.now_s += waited_s
-            self.bench.clock.pass_us(waited_s * 1e6)
-            self._answer(self.bench.drive.tick())
+            self.dut.clock.pass_us(waited_s * 1e6)
+            self._answer(self.dut.drive.tick())
             self._arrive()
         data, self._coming = bytes(self._coming[:7]), self._coming[7:]
         return data

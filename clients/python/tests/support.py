@@ -73,7 +73,7 @@ class Clock:
 
 @dataclass
 class DriveUnderTest:
-    """A drive that is addressed by messages."""
+    """The device under test: a drive that is addressed by messages."""
 
     clock: Clock = field(default_factory=Clock)
     drive: Drive = field(init=False)

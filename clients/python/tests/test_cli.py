@@ -22,32 +22,32 @@ def run(*words: str) -> tuple[int, str, str]:
 
 def test_a_drive_prints_its_path_and_reports_its_identity() -> None:
     with python_drive() as program:
-        code, said, _ = run("identify", "--port", program.path)
+        code, output, _ = run("identify", "--port", program.path)
         assert code == 0
-        lines = dict(line.split(maxsplit=1) for line in said.splitlines() if not line.startswith(("control", "pro")))
+        lines = dict(line.split(maxsplit=1) for line in output.splitlines() if not line.startswith(("control", "pro")))
         assert (lines["board"], lines["state"], lines["parameters"]) == (
             "python",
             "Idle",
             str(PARAMETER_COUNT),
         )
-        assert "control laws          Pd\n" in said
-        assert "protocol version      1\n" in said
+        assert "control laws          Pd\n" in output
+        assert "protocol version      1\n" in output
 
 
 def test_identify_names_a_latched_fault() -> None:
     with python_drive() as program:
         with Host.open(program.path) as host:
             host.emergency_stop()
-        code, said, _ = run("identify", "--port", program.path)
+        code, output, _ = run("identify", "--port", program.path)
     assert code == 0
-    assert "fault                 EmergencyStop (sequence 0)\n" in said
+    assert "fault                 EmergencyStop (sequence 0)\n" in output
 
 
 def test_parameters_are_listed_set_and_retained() -> None:
     with python_drive() as program:
-        code, said, _ = run("parameters", "--port", program.path, "torque_limit_nm=2.5", "telemetry_every=7")
+        code, output, _ = run("parameters", "--port", program.path, "torque_limit_nm=2.5", "telemetry_every=7")
         assert code == 0
-        for text in (said, run("parameters", "--port", program.path)[1]):
+        for text in (output, run("parameters", "--port", program.path)[1]):
             rows = {line.split()[0]: line.split()[1:] for line in text.splitlines()}
             assert len(rows) == 1 + PARAMETER_COUNT
             assert rows["torque_limit_nm"] == ["2.5", "20", "no", "0", "to", "1000", "N", "m"]
@@ -56,7 +56,7 @@ def test_parameters_are_listed_set_and_retained() -> None:
 
 
 @pytest.mark.parametrize(
-    ("setting", "said"),
+    ("setting", "output"),
     [
         ("torque_limit=5", "lashloop: the drive has no parameter torque_limit; did you mean torque_limit_nm"),
         ("torque_limit_nm=2000", "lashloop: torque_limit_nm = 2000.0: the drive accepts 0 to 1000 N m\n"),
@@ -64,19 +64,19 @@ def test_parameters_are_listed_set_and_retained() -> None:
         ("torque_limit_nm=five", "torque_limit_nm=five is no setting; expected NAME=NUMBER\n"),
     ],
 )
-def test_invalid_settings_are_named_and_set_nothing(setting: str, said: str) -> None:
+def test_invalid_settings_are_named_and_set_nothing(setting: str, output: str) -> None:
     with python_drive() as program:
         code, _, error = run("parameters", "--port", program.path, "k_p1=2", setting)
         assert code == 2
-        assert said in error
+        assert output in error
         _, text, _ = run("parameters", "--port", program.path)
         assert next(line.split()[1] for line in text.splitlines() if line.startswith("k_p1 ")) == "1"
 
 
 def test_a_missing_port_is_named() -> None:
     for command in ("identify", "parameters", "drive"):
-        code, said, error = run(command, "--port", "/dev/nothing")
-        assert (code, said) == (4, "")
+        code, output, error = run(command, "--port", "/dev/nothing")
+        assert (code, output) == (4, "")
         assert error.startswith("lashloop: the port /dev/nothing can't be opened: ")
 
 
@@ -101,20 +101,20 @@ def test_an_interrupted_drive_ends_without_a_traceback() -> None:
 
 @pytest.mark.parametrize("words", [[], ["fly"], ["identify"], ["drive", "--baud", "9"], ["drive", "--baud", "fast"]])
 def test_bad_usage_prints_the_usage(words: list[str]) -> None:
-    code, said, error = run(*words)
-    assert (code, said) == (2, "")
+    code, output, error = run(*words)
+    assert (code, output) == (2, "")
     assert error.startswith("usage: python -m lashloop")
 
 
 def test_every_command_has_help_and_ports_prints_a_line() -> None:
     for command in ("drive", "ports", "identify", "parameters"):
-        code, said, _ = run(command, "--help")
+        code, output, _ = run(command, "--help")
         assert code == 0
-        assert said.startswith(f"usage: python -m lashloop {command}")
+        assert output.startswith(f"usage: python -m lashloop {command}")
         assert command in run("--help")[1]
-    code, said, _ = run("ports")
+    code, output, _ = run("ports")
     assert code == 0
-    assert said
+    assert output
 
 
 def test_a_closed_output_pipe_is_no_error() -> None:

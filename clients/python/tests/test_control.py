@@ -131,15 +131,15 @@ def test_the_specification_s_example_is_reproduced_byte_for_byte() -> None:
     clock = Clock(step_ns=5_700)
     laws = [PD, *(ControlLaw(number, (), PD.build) for number in (2, 3, 4))]
     drive = Drive(laws, board="stm32f405", build_id=12_648_430, clock_ns=clock)
-    asked = 0
+    requests = 0
     answers = bytearray(drive.receive(b"\0"))
     wanted = bytearray()
     for frame in shown:
         if frame[1] < 0x80:
-            asked += 1
-            assert answers == wanted, f"before request {asked}"
+            requests += 1
+            assert answers == wanted, f"before request {requests}"
             answers, wanted = bytearray(drive.receive(frame)), bytearray()
         else:
             wanted += frame
     assert answers == wanted
-    assert asked == 7
+    assert requests == 7

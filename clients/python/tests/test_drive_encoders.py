@@ -31,15 +31,15 @@ def test_the_speed_limit_allows_one_count_more(side: str, way: int, periods: int
     code = FaultCode.MOTOR_ENCODER_JUMP if side == "motor" else FaultCode.LOAD_ENCODER_JUMP
 
     def moved(distance: int) -> list[DriveMessage]:
-        bench = DriveUnderTest().running(
+        dut = DriveUnderTest().running(
             **QUIET,
             **{
                 f"{side}_counts_per_rev": ParameterValue.u32(65_536),
                 f"{side}_speed_limit_rad_s": ParameterValue.f32(limit),
             },
         )
-        bench.send(sample(0))
-        return bench.send(sample(periods, **{side: way * distance}))
+        dut.send(sample(0))
+        return dut.send(sample(periods, **{side: way * distance}))
 
     assert torque(moved(counts + 1)).status.state is State.RUNNING
     it = fault(moved(counts + periods + 1))
@@ -48,9 +48,9 @@ def test_the_speed_limit_allows_one_count_more(side: str, way: int, periods: int
 
 
 def test_a_wraparound_of_an_encoder_is_no_jump() -> None:
-    bench = running_at()
+    dut = running_at()
     for sequence, counts in ((0, 2**23 - 1), (1, -(2**23)), (2, 2**23 - 1)):
-        assert torque(bench.send(sample(sequence, motor=counts, load=counts))).status.state is State.RUNNING
+        assert torque(dut.send(sample(sequence, motor=counts, load=counts))).status.state is State.RUNNING
 
 
 @pytest.mark.parametrize(
@@ -63,25 +63,25 @@ def test_a_wraparound_of_an_encoder_is_no_jump() -> None:
     ],
 )
 def test_the_longest_gap_keeps_positions_unambiguous(settings: dict[str, ParameterValue], longest: int) -> None:
-    bench = DriveUnderTest().running(**QUIET, **settings)
-    bench.send(sample(0))
-    assert classification(bench, longest + 1) == "stray"
-    assert classification(bench, longest) == "after a gap"
+    dut = DriveUnderTest().running(**QUIET, **settings)
+    dut.send(sample(0))
+    assert classification(dut, longest + 1) == "stray"
+    assert classification(dut, longest) == "after a gap"
 
 
 @pytest.mark.parametrize("side", ["motor", "load"])
 def test_arming_rejects_an_ambiguous_encoder(side: str) -> None:
-    bench = DriveUnderTest().idle()
-    bench.set(f"{side}_counts_per_rev", ParameterValue.u32(2**24))
+    dut = DriveUnderTest().idle()
+    dut.set(f"{side}_counts_per_rev", ParameterValue.u32(2**24))
     # 3142 rad/s are half a revolution in a millisecond, and half a revolution is 2^23 counts.
-    bench.set(f"{side}_speed_limit_rad_s", ParameterValue.f32(3142.0))
-    log, result = bench.send(Arm(SESSION))
+    dut.set(f"{side}_speed_limit_rad_s", ParameterValue.f32(3142.0))
+    log, result = dut.send(Arm(SESSION))
     assert isinstance(log, Log)
     assert log.text == f"{side}_speed_limit_rad_s does not go with the others"
     assert isinstance(result, CommandResult)
     assert (result.outcome, result.state) == (Outcome.INCONSISTENT, State.IDLE)
-    bench.set(f"{side}_speed_limit_rad_s", ParameterValue.f32(3141.0))
-    result = bench.only(CommandResult, Arm(SESSION))
+    dut.set(f"{side}_speed_limit_rad_s", ParameterValue.f32(3141.0))
+    result = dut.only(CommandResult, Arm(SESSION))
     assert result.outcome is Outcome.ACCEPTED
 
 
@@ -93,12 +93,12 @@ def test_a_law_gets_positions_without_wraparound() -> None:
             seen.append((sample.motor_counts, sample.load_counts))
             return ControlOutput(0.0)
 
-    bench = DriveUnderTest()
-    bench.drive = Drive([ControlLaw(1, (), lambda _: Listening())], clock_ns=bench.clock)
-    bench.running(**QUIET)
+    dut = DriveUnderTest()
+    dut.drive = Drive([ControlLaw(1, (), lambda _: Listening())], clock_ns=dut.clock)
+    dut.running(**QUIET)
     stands = [(20_000 * step, -2_000 * step) for step in range(10_000)]
     for step, (motor, load) in enumerate(stands):
-        bench.send(sample(of_step(step), motor=wrapped(motor), load=wrapped(load)))
+        dut.send(sample(of_step(step), motor=wrapped(motor), load=wrapped(load)))
     assert seen == stands
     assert stands[-1][0] > 2**27
     assert stands[-1][1] < -(2**24)

@@ -80,15 +80,15 @@ TRANSITIONS = [
 
 def faulted() -> DriveUnderTest:
     """A drive with a session and a latched emergency stop."""
-    bench = DriveUnderTest().idle()
-    bench.send(EmergencyStop())
-    return bench
+    dut = DriveUnderTest().idle()
+    dut.send(EmergencyStop())
+    return dut
 
 
 def outcome(answers: list[DriveMessage]) -> Outcome | None:
     """Outcome of a request; None without an answer that carries one."""
-    told = [it.outcome for it in answers if isinstance(it, CommandResult | ParameterReport)]
-    return told[-1] if told else None
+    outcomes = [it.outcome for it in answers if isinstance(it, CommandResult | ParameterReport)]
+    return outcomes[-1] if outcomes else None
 
 
 def test_the_table_of_transitions_is_complete() -> None:
@@ -98,46 +98,46 @@ def test_the_table_of_transitions_is_complete() -> None:
 
 @pytest.mark.parametrize(("request_name", "state", "cell"), TRANSITIONS)
 def test_every_request_in_every_state_acts_as_specified(request_name: str, state: str, cell: str) -> None:
-    bench = ENTER[state]()
-    assert bench.drive.state.label == state
-    answers = bench.send(REQUESTS[request_name])
+    dut = ENTER[state]()
+    assert dut.drive.state.label == state
+    answers = dut.send(REQUESTS[request_name])
     if cell.startswith("-> "):
-        assert bench.drive.state.label == cell[3:]
+        assert dut.drive.state.label == cell[3:]
         assert outcome(answers) in (Outcome.ACCEPTED, None)
     else:
-        assert bench.drive.state.label == state
-        said = outcome(answers)
-        assert said is not None
-        assert said.label == cell
+        assert dut.drive.state.label == state
+        outcome_sent = outcome(answers)
+        assert outcome_sent is not None
+        assert outcome_sent.label == cell
     for answer in answers:
         if isinstance(answer, CommandResult | ParameterReport | Identity):
-            assert answer.state is bench.drive.state
+            assert answer.state is dut.drive.state
         if isinstance(answer, TorqueAnswer):
-            assert answer.status.state is bench.drive.state
+            assert answer.status.state is dut.drive.state
 
 
 def inconsistent() -> DriveUnderTest:
     """An idle drive whose encoder resolutions differ too much."""
-    bench = DriveUnderTest().idle()
-    bench.set("motor_counts_per_rev", ParameterValue.u32(16_777_216))
-    bench.set("load_counts_per_rev", ParameterValue.u32(4))
-    bench.set("reduction_ratio", ParameterValue.f32(10.0))
-    return bench
+    dut = DriveUnderTest().idle()
+    dut.set("motor_counts_per_rev", ParameterValue.u32(16_777_216))
+    dut.set("load_counts_per_rev", ParameterValue.u32(4))
+    dut.set("reduction_ratio", ParameterValue.f32(10.0))
+    return dut
 
 
 def with_telemetry(every: int) -> DriveUnderTest:
     """A running drive after sample 0."""
-    bench = DriveUnderTest().running(telemetry_every=ParameterValue.u32(every))
-    bench.send(sample(0))
-    return bench
+    dut = DriveUnderTest().running(telemetry_every=ParameterValue.u32(every))
+    dut.send(sample(0))
+    return dut
 
 
 def late() -> DriveUnderTest:
     """A running drive after its watchdog time, before any check of the watchdog."""
-    bench = DriveUnderTest().running()
-    bench.send(sample(0))
-    bench.clock.pass_us(20_001)
-    return bench
+    dut = DriveUnderTest().running()
+    dut.send(sample(0))
+    dut.clock.pass_us(20_001)
+    return dut
 
 
 ANSWERS: dict[tuple[str, str], list[tuple[Callable[[], DriveUnderTest], HostMessage]]] = {
@@ -185,10 +185,10 @@ def test_every_request_has_its_rows_in_the_table_of_answers(row: list[str]) -> N
 @pytest.mark.parametrize(("request_name", "case", "wanted"), table(ORDER_OF_ANSWERS))
 def test_answers_are_sent_in_the_specified_order(request_name: str, case: str, wanted: str) -> None:
     for enter, request in ANSWERS[request_name, case]:
-        bench = enter()
+        dut = enter()
         assert type(request).__name__ == request_name
-        answers = bench.send(request)
-        assert [type(it).__name__ for it in answers] == wanted.split(", "), (bench.drive.state, request)
+        answers = dut.send(request)
+        assert [type(it).__name__ for it in answers] == wanted.split(", "), (dut.drive.state, request)
 
 
 def test_every_row_of_the_table_of_answers_is_covered() -> None:
@@ -196,56 +196,56 @@ def test_every_row_of_the_table_of_answers_is_covered() -> None:
 
 
 def test_requests_in_one_read_are_answered_in_order() -> None:
-    bench = DriveUnderTest()
-    said = bench.decode(bench.drive.receive(b"".join(map(encode, [HELLO, HELLO, Arm(SESSION), GetParameter(3)]))))
-    assert [type(it).__name__ for it in said] == ["Identity", "Identity", "CommandResult", "ParameterReport"]
+    dut = DriveUnderTest()
+    answers = dut.decode(dut.drive.receive(b"".join(map(encode, [HELLO, HELLO, Arm(SESSION), GetParameter(3)]))))
+    assert [type(it).__name__ for it in answers] == ["Identity", "Identity", "CommandResult", "ParameterReport"]
 
 
 def test_a_fault_latched_before_any_session_clears_to_boot() -> None:
-    bench = DriveUnderTest()
-    bench.send(EmergencyStop())
-    assert bench.only(CommandResult, ClearFault()) == CommandResult(ClearFault.KIND, Outcome.ACCEPTED, State.BOOT)
+    dut = DriveUnderTest()
+    dut.send(EmergencyStop())
+    assert dut.only(CommandResult, ClearFault()) == CommandResult(ClearFault.KIND, Outcome.ACCEPTED, State.BOOT)
 
 
 def test_a_hello_of_another_version_gets_an_identity_only() -> None:
-    bench = DriveUnderTest().running()
-    bench.send(sample(0))
-    torque_nm = bench.drive.torque_nm
-    identity, result = bench.send(Hello(9, OTHER))
+    dut = DriveUnderTest().running()
+    dut.send(sample(0))
+    torque_nm = dut.drive.torque_nm
+    identity, result = dut.send(Hello(9, OTHER))
     assert isinstance(identity, Identity)
     assert (identity.protocol_version, identity.session, identity.state) == (1, OTHER, State.RUNNING)
     assert isinstance(result, CommandResult)
     assert result.outcome is Outcome.VERSION_MISMATCH
-    assert bench.drive.torque_nm == torque_nm != 0.0
-    assert bench.drive.state is State.RUNNING
+    assert dut.drive.torque_nm == torque_nm != 0.0
+    assert dut.drive.state is State.RUNNING
 
 
 def test_a_new_session_keeps_the_parameters_and_a_reset_does_not() -> None:
-    bench = DriveUnderTest().idle()
-    bench.set("torque_limit_nm", ParameterValue.f32(3.0))
-    bench.send(Hello(1, OTHER))
-    assert bench.drive.parameters["torque_limit_nm"] == 3.0
-    bench.send(Reset())
-    assert bench.drive.parameters["torque_limit_nm"] == 20.0
-    assert bench.only(CommandResult, Arm(OTHER)).outcome is Outcome.WRONG_SESSION
+    dut = DriveUnderTest().idle()
+    dut.set("torque_limit_nm", ParameterValue.f32(3.0))
+    dut.send(Hello(1, OTHER))
+    assert dut.drive.parameters["torque_limit_nm"] == 3.0
+    dut.send(Reset())
+    assert dut.drive.parameters["torque_limit_nm"] == 20.0
+    assert dut.only(CommandResult, Arm(OTHER)).outcome is Outcome.WRONG_SESSION
 
 
 def test_the_first_fault_is_kept_and_sent_after_the_identity() -> None:
-    bench = DriveUnderTest().running()
-    bench.send(sample(0, reference_rad=math.inf))
-    told, _ = bench.send(EmergencyStop())
-    assert isinstance(told, FaultReport)
-    assert told.code is FaultCode.EMERGENCY_STOP
-    _, kept = bench.send(Hello(1, OTHER))
+    dut = DriveUnderTest().running()
+    dut.send(sample(0, reference_rad=math.inf))
+    report, _ = dut.send(EmergencyStop())
+    assert isinstance(report, FaultReport)
+    assert report.code is FaultCode.EMERGENCY_STOP
+    _, kept = dut.send(Hello(1, OTHER))
     assert isinstance(kept, FaultReport)
     assert kept.code is FaultCode.REFERENCE_NOT_FINITE
 
 
 def test_parameters_match_the_specification_except_controller() -> None:
-    bench = DriveUnderTest()
+    dut = DriveUnderTest()
     described = []
-    for index in range(len(bench.drive.parameters)):
-        it = bench.only(ParameterDescription, DescribeParameter(index))
+    for index in range(len(dut.drive.parameters)):
+        it = dut.only(ParameterDescription, DescribeParameter(index))
         numbers = [it.default, it.min, it.max]
         described.append(
             [str(index), it.name, it.unit, it.default.type.label, *map(str, numbers), "yes" if it.live else ""]
@@ -262,43 +262,43 @@ def test_parameters_match_the_specification_except_controller() -> None:
 
 @pytest.mark.parametrize("index", range(PARAMETER_COUNT))
 def test_every_parameter_accepts_exactly_its_range(index: int) -> None:
-    bench = DriveUnderTest().idle()
-    spec = bench.drive.parameters.specs[index]
+    dut = DriveUnderTest().idle()
+    spec = dut.drive.parameters.specs[index]
     for value in (spec.min, spec.max, spec.default):
-        report = bench.only(ParameterReport, SetParameter(index, value))
+        report = dut.only(ParameterReport, SetParameter(index, value))
         assert (report.outcome, report.value) == (Outcome.ACCEPTED, value)
     if spec.default.type is ParameterType.U32:
         low, high = int(spec.min.value) - 1, int(spec.max.value) + 1
         outside = [ParameterValue.u32(it) for it in (low, high) if it >= 0]
         wrong = ParameterValue.f32(1.0)
     else:
-        beside = (spec.min.value - 1e-3, spec.max.value * 1.001, math.inf, -math.inf, math.nan)
-        outside = [ParameterValue.f32(it) for it in beside]
+        outside_values = (spec.min.value - 1e-3, spec.max.value * 1.001, math.inf, -math.inf, math.nan)
+        outside = [ParameterValue.f32(it) for it in outside_values]
         wrong = ParameterValue.u32(1)
     for value in outside:
-        report = bench.only(ParameterReport, SetParameter(index, value))
+        report = dut.only(ParameterReport, SetParameter(index, value))
         assert (report.outcome, report.value) == (Outcome.OUT_OF_RANGE, spec.default)
-    report = bench.only(ParameterReport, SetParameter(index, wrong))
+    report = dut.only(ParameterReport, SetParameter(index, wrong))
     assert (report.outcome, report.value) == (Outcome.WRONG_TYPE, spec.default)
 
 
 def test_an_unknown_index_is_rejected_before_any_other_check() -> None:
-    bench = DriveUnderTest()
-    report = bench.only(ParameterReport, SetParameter(PARAMETER_COUNT, ParameterValue.u32(1)))
+    dut = DriveUnderTest()
+    report = dut.only(ParameterReport, SetParameter(PARAMETER_COUNT, ParameterValue.u32(1)))
     assert (report.outcome, report.value) == (Outcome.UNKNOWN_PARAMETER, ParameterValue.u32(0))
 
 
 def test_the_identity_has_the_period_and_the_encoders_in_force() -> None:
-    bench = DriveUnderTest().idle()
+    dut = DriveUnderTest().idle()
     for name, number in (("period_us", 2000), ("motor_counts_per_rev", 4096), ("load_counts_per_rev", 8192)):
-        bench.set(name, ParameterValue.u32(number))
-    it = bench.only(Identity, HELLO)
+        dut.set(name, ParameterValue.u32(number))
+    it = dut.only(Identity, HELLO)
     assert (it.period_us, it.motor_counts_per_rev, it.load_counts_per_rev) == (2000, 4096, 8192)
 
 
 def test_arming_rejects_inconsistent_parameters_by_name() -> None:
-    bench = inconsistent()
-    log, result = bench.send(Arm(SESSION))
+    dut = inconsistent()
+    log, result = dut.send(Arm(SESSION))
     assert isinstance(log, Log)
     assert log.text == "motor counts per load count does not go with the others"[:52]
     assert isinstance(result, CommandResult)
@@ -308,14 +308,14 @@ def test_arming_rejects_inconsistent_parameters_by_name() -> None:
 def test_a_drive_lists_its_laws_and_arms_no_other() -> None:
     laws = [PD, ControlLaw(3, (), lambda _: CascadedPd(DriveUnderTest().drive.parameters))]
     drive = Drive(laws)
-    bench = DriveUnderTest()
-    bench.drive = drive
-    it = bench.only(Identity, HELLO)
+    dut = DriveUnderTest()
+    dut.drive = drive
+    it = dut.only(Identity, HELLO)
     assert [it.controllers.offers(number) for number in range(5)] == [False, True, False, True, False]
     for number, wanted in ((1, Outcome.ACCEPTED), (2, Outcome.INCONSISTENT), (3, Outcome.ACCEPTED)):
-        bench.set("controller", ParameterValue.u32(number))
-        assert outcome(bench.send(Arm(SESSION))) is wanted
-        bench.send(Stop())
+        dut.set("controller", ParameterValue.u32(number))
+        assert outcome(dut.send(Arm(SESSION))) is wanted
+        dut.send(Stop())
 
 
 def test_a_drive_needs_a_law_and_unique_parameter_names() -> None:
@@ -328,8 +328,8 @@ def test_a_drive_needs_a_law_and_unique_parameter_names() -> None:
 
 def test_a_sample_while_not_running_gets_zero_torque() -> None:
     for enter in (ENTER["Idle"], ENTER["Armed"], ENTER["Faulted"]):
-        bench = enter()
+        dut = enter()
         wild = EncoderSample(99, 2**23 - 1, -(2**23), math.nan)
         for _ in range(2):
-            answer = bench.only(TorqueAnswer, wild)
+            answer = dut.only(TorqueAnswer, wild)
             assert (answer.sequence, answer.torque_nm, answer.status.flags) == (99, 0.0, 0)

@@ -25,12 +25,12 @@ LAST = 2**16 - 2  # so that what follows wraps
 
 def at_last() -> DriveUnderTest:
     """A running drive whose last sequence is `LAST`, reached by gaps to save time."""
-    bench = DriveUnderTest()
-    bench.running(**QUIET, **SLOW)
+    dut = DriveUnderTest()
+    dut.running(**QUIET, **SLOW)
     for sequence in (*range(0, LAST - 1, 999), LAST - 1):
-        assert classification(bench, sequence) == ("after a gap" if sequence else "taken")
-    assert classification(bench, LAST) == "taken"
-    return bench
+        assert classification(dut, sequence) == ("after a gap" if sequence else "taken")
+    assert classification(dut, LAST) == "taken"
+    return dut
 
 
 @pytest.mark.parametrize(
@@ -62,9 +62,9 @@ def test_the_tests_cover_the_table_of_sequences() -> None:
 
 @pytest.mark.parametrize("sequence", [1, 5, 1000, 2**16 - 1])
 def test_only_sequence_0_starts_a_run(sequence: int) -> None:
-    bench = running_at()
-    assert classification(bench, sequence) == "stray"
-    assert classification(bench, 0) == "taken"
+    dut = running_at()
+    assert classification(dut, sequence) == "stray"
+    assert classification(dut, 0) == "taken"
 
 
 def test_a_repeated_sample_gets_the_same_answer_without_a_step() -> None:
@@ -101,22 +101,22 @@ def test_the_torque_is_clamped_to_the_limit_and_flagged() -> None:
     free_nm = torque(DriveUnderTest().running(**QUIET).send(sample(0))).torque_nm
     assert abs(free_nm) == pytest.approx(13.0, abs=0.01)
     for limit_nm, wanted_nm, flags in ((5.0, 5.0, TorqueFlags.SATURATED), (20.0, free_nm, TorqueFlags(0))):
-        bench = DriveUnderTest().running(torque_limit_nm=ParameterValue.f32(limit_nm))
-        answer, telemetry = bench.send(sample(0))
+        dut = DriveUnderTest().running(torque_limit_nm=ParameterValue.f32(limit_nm))
+        answer, telemetry = dut.send(sample(0))
         assert isinstance(answer, TorqueAnswer)
         assert isinstance(telemetry, Telemetry)
         assert (answer.torque_nm, answer.status.flags) == (math.copysign(wanted_nm, free_nm), flags)
         assert telemetry.requested_torque_nm == free_nm
-        assert bench.drive.torque_nm == answer.torque_nm
+        assert dut.drive.torque_nm == answer.torque_nm
 
 
 def test_telemetry_follows_every_n_th_sequence_and_can_be_changed_while_running() -> None:
-    bench = DriveUnderTest().running(telemetry_every=ParameterValue.u32(3))
-    assert [len(bench.send(sample(it))) for it in range(7)] == [2, 1, 1, 2, 1, 1, 2]
-    bench.set("telemetry_every", ParameterValue.u32(0))
-    assert [len(bench.send(sample(it))) for it in range(7, 14)] == [1] * 7
-    bench.set("telemetry_every", ParameterValue.u32(1))
-    assert [len(bench.send(sample(it))) for it in range(14, 17)] == [2] * 3
+    dut = DriveUnderTest().running(telemetry_every=ParameterValue.u32(3))
+    assert [len(dut.send(sample(it))) for it in range(7)] == [2, 1, 1, 2, 1, 1, 2]
+    dut.set("telemetry_every", ParameterValue.u32(0))
+    assert [len(dut.send(sample(it))) for it in range(7, 14)] == [1] * 7
+    dut.set("telemetry_every", ParameterValue.u32(1))
+    assert [len(dut.send(sample(it))) for it in range(14, 17)] == [2] * 3
 
 
 @pytest.mark.parametrize("reference_rad", [math.nan, math.inf, -math.inf])
@@ -140,16 +140,16 @@ class Wild:
 @pytest.mark.parametrize("wants_nm", [math.nan, math.inf, -math.inf, 1e39])
 def test_a_torque_that_is_not_finite_is_a_fault(wants_nm: float) -> None:
     wild = Wild()
-    bench = DriveUnderTest()
-    bench.drive = Drive([ControlLaw(1, (), lambda _: wild)], clock_ns=bench.clock)
-    bench.running()
-    telemetry = bench.send(sample(0))[-1]
+    dut = DriveUnderTest()
+    dut.drive = Drive([ControlLaw(1, (), lambda _: wild)], clock_ns=dut.clock)
+    dut.running()
+    telemetry = dut.send(sample(0))[-1]
     assert isinstance(telemetry, Telemetry)
     assert telemetry.load_error_rad == math.inf
     wild.wants_nm = wants_nm
-    it = fault(bench.send(sample(1)))
+    it = fault(dut.send(sample(1)))
     assert (it.code, it.limit) == (FaultCode.TORQUE_NOT_FINITE, 20.0)
-    assert bench.drive.torque_nm == 0.0
+    assert dut.drive.torque_nm == 0.0
 
 
 def test_a_law_gets_applied_torque_and_elapsed_periods() -> None:
@@ -160,11 +160,11 @@ def test_a_law_gets_applied_torque_and_elapsed_periods() -> None:
             seen.append(sample)
             return ControlOutput(100.0)
 
-    bench = DriveUnderTest()
-    bench.drive = Drive([ControlLaw(1, (), lambda _: Listening())], clock_ns=bench.clock)
-    bench.running(**QUIET)
+    dut = DriveUnderTest()
+    dut.drive = Drive([ControlLaw(1, (), lambda _: Listening())], clock_ns=dut.clock)
+    dut.running(**QUIET)
     for sequence in (0, 1, 4):
-        bench.send(sample(sequence, motor=sequence, load=-sequence))
+        dut.send(sample(sequence, motor=sequence, load=-sequence))
     assert seen == [
         ControlInput(0, 0, 1.0, 0.0, 1),
         ControlInput(1, -1, 1.0, 20.0, 1),
@@ -173,51 +173,51 @@ def test_a_law_gets_applied_torque_and_elapsed_periods() -> None:
 
 
 def test_limits_of_a_run_are_those_at_its_start() -> None:
-    bench = DriveUnderTest().armed()
+    dut = DriveUnderTest().armed()
     # Parameters that are not live can't be set while running, so the limits of a run are constant.
     for name in ("torque_limit_nm", "watchdog_us", "motor_speed_limit_rad_s", "load_speed_limit_rad_s"):
-        assert not bench.drive.parameters.specs[bench.index(name)].live
+        assert not dut.drive.parameters.specs[dut.index(name)].live
 
 
 def test_the_compute_time_is_device_time_and_saturates() -> None:
     for step_ns, wanted in ((5_730, 57), (6_553_500, 65_535), (7_000_000, 65_535)):
-        bench = running_at()
-        bench.clock.step_ns = step_ns
-        assert torque(bench.send(sample(0))).compute_tenths_us == wanted
+        dut = running_at()
+        dut.clock.step_ns = step_ns
+        assert torque(dut.send(sample(0))).compute_tenths_us == wanted
 
 
 def test_the_line_report_counts_per_run_including_the_stop() -> None:
-    bench = DriveUnderTest().idle()
+    dut = DriveUnderTest().idle()
     noise = b"\x05\x05\0" + b"\x55" * 100 + b"\0" + encode(LineReport(0, 0, 0, 0))
-    bench.drive.receive(noise)
-    bench.drive.note_overruns(5)
-    bench = bench.running(**QUIET)
-    bench.send(sample(0))
-    bench.drive.receive(noise + b"\0\0\0")
-    bench.drive.note_overruns(3)
-    report, _ = bench.send(Stop())
+    dut.drive.receive(noise)
+    dut.drive.note_overruns(5)
+    dut = dut.running(**QUIET)
+    dut.send(sample(0))
+    dut.drive.receive(noise + b"\0\0\0")
+    dut.drive.note_overruns(3)
+    report, _ = dut.send(Stop())
     assert report == LineReport(messages=2, damaged=2, refused=1, overruns=3)
-    bench.running(**QUIET)
-    report, _ = bench.send(Stop())
+    dut.running(**QUIET)
+    report, _ = dut.send(Stop())
     assert report == LineReport(messages=1, damaged=0, refused=0, overruns=0)
 
 
 def test_a_damaged_sample_changes_nothing_and_is_not_answered() -> None:
-    bench = running_at(0)
+    dut = running_at(0)
     frame = bytearray(encode(sample(1)))
     for bit in range(8 * (len(frame) - 1)):
         frame[bit // 8] ^= 1 << bit % 8
-        assert bench.drive.receive(bytes(frame)) == b""
+        assert dut.drive.receive(bytes(frame)) == b""
         frame[bit // 8] ^= 1 << bit % 8
-    assert classification(bench, 1) == "taken"
+    assert classification(dut, 1) == "taken"
 
 
 def test_a_new_start_resets_the_law() -> None:
-    bench = DriveUnderTest()
+    dut = DriveUnderTest()
     runs = []
     for _ in range(2):
-        bench.running(**QUIET)
+        dut.running(**QUIET)
         samples = [sample(it, motor=3 * it, load=it) for it in range(30)]
-        runs.append([torque(bench.send(it)).torque_nm for it in samples])
-        bench.send(Stop())
+        runs.append([torque(dut.send(it)).torque_nm for it in samples])
+        dut.send(Stop())
     assert runs[0] == runs[1]

@@ -29,17 +29,17 @@ def test_a_host_opens_a_session_sets_runs_and_stops() -> None:
         assert (report.messages, report.damaged, report.refused) == (6, 0, 0)
         assert (host.lost, host.counters.damaged) == (0, 0)
     assert link.closed
-    assert link.bench.drive.state is State.IDLE
+    assert link.dut.drive.state is State.IDLE
 
 
 def test_leaving_the_block_stops_the_run() -> None:
     link = SimulatedLink()
     host = running(link)
     step(host)
-    assert link.bench.drive.torque_nm != 0.0
+    assert link.dut.drive.torque_nm != 0.0
     with contextlib.suppress(RuntimeError), host:
         raise RuntimeError
-    assert (link.bench.drive.torque_nm, link.bench.drive.state) == (0.0, State.IDLE)
+    assert (link.dut.drive.torque_nm, link.dut.drive.state) == (0.0, State.IDLE)
     assert link.closed
 
 
@@ -54,12 +54,14 @@ def test_counts_beyond_24_bits_wrap_around() -> None:
 
 
 @pytest.mark.parametrize(
-    ("motor", "load", "said"), [(2**23, 0, "motor_counts = 8388608"), (0, -(2**23) - 1, "load_counts = -8388609")]
+    ("motor", "load", "expected"), [(2**23, 0, "motor_counts = 8388608"), (0, -(2**23) - 1, "load_counts = -8388609")]
 )
-def test_a_first_sample_beyond_24_bits_is_not_sent(motor: int, load: int, said: str) -> None:
+def test_a_first_sample_beyond_24_bits_is_not_sent(motor: int, load: int, expected: str) -> None:
     link = SimulatedLink()
     host = running(link)
-    with pytest.raises(StartTooFarError, match=f"{said}: the first sample of a run allows -8388608 to 8388607; take"):
+    with pytest.raises(
+        StartTooFarError, match=f"{expected}: the first sample of a run allows -8388608 to 8388607; use"
+    ):
         host.torque(motor_counts=motor, load_counts=load, reference_rad=0.0)
     assert link.count(EncoderSample) == 0
 
@@ -131,7 +133,7 @@ def test_a_sample_outside_of_a_run_is_rejected_by_name() -> None:
 def test_a_drive_that_was_reset_rejects_the_next_sample() -> None:
     link = SimulatedLink()
     host = running(link)
-    link.bench.send(Reset())
+    link.dut.send(Reset())
     with pytest.raises(RejectedError, match="rejected EncoderSample in state Boot: WrongState"):
         step(host)
 
@@ -145,7 +147,7 @@ def test_a_start_with_a_lost_answer_is_stopped_on_leaving() -> None:
         host.start()
     assert link.count(Start) == 1
     host.close()
-    assert link.bench.drive.state is not State.RUNNING
+    assert link.dut.drive.state is not State.RUNNING
 
 
 def test_messages_in_between_are_recorded() -> None:

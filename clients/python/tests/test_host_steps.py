@@ -59,8 +59,8 @@ def test_a_fault_names_its_sample_but_a_stopped_firmware_none() -> None:
         with pytest.raises(DriveFaultError) as raised:
             step(host)
         assert raised.value.fault == FaultAtStep(None, fault_frame)
-        said = f"the drive latched {name} (the firmware has stopped: reset the hardware), "
-        assert str(raised.value) == said + "detail 0x2a"
+        expected = f"the drive latched {name} (the firmware has stopped: reset the hardware), "
+        assert str(raised.value) == expected + "detail 0x2a"
 
 
 def test_a_fault_before_the_first_sample_has_no_step() -> None:
@@ -104,13 +104,15 @@ def test_2_5_s_without_an_answer_end_the_run() -> None:
     start_s = link.now_s
     step(host)
     step(host)
-    said = r"silent for 2.5 s after EncoderSample 1 \(last sample sent: 3, last torque: 0, last frame received: Tele"
-    with pytest.raises(SilenceError, match=said):
+    expected = (
+        r"silent for 2.5 s after EncoderSample 1 \(last sample sent: 3, last torque: 0, last frame received: Tele"
+    )
+    with pytest.raises(SilenceError, match=expected):
         step(host)
     assert link.now_s - start_s == pytest.approx(2.5)
     # Sample 3 may have been taken, so its sequence must not be used for other counts.
     sent = link.count(EncoderSample)
-    with pytest.raises(SilenceError, match=said):
+    with pytest.raises(SilenceError, match=expected):
         step(host)
     assert link.count(EncoderSample) == sent
 
@@ -137,8 +139,8 @@ def test_more_than_1000_periods_without_an_answer_end_the_run() -> None:
     start_s, sent = link.now_s, link.count(EncoderSample)
     assert {step(host) for _ in range(1000)} == {answer.message.torque_nm}
     link.loses_request = lambda _: False
-    said = "answered sample 1000 last, and a drive rejects a sample more than 1000 .* restart the drive"
-    with pytest.raises(GapTooLongError, match=said):
+    expected = "answered sample 1000 last, and a drive rejects a sample more than 1000 .* restart the drive"
+    with pytest.raises(GapTooLongError, match=expected):
         step(host)
     assert link.count(EncoderSample) - sent == 1000
     assert link.now_s - start_s == pytest.approx(1.0)

@@ -118,11 +118,11 @@ def test_a_host_that_does_not_read_can_t_keep_the_watchdog_from_tripping(served:
         host.arm()
         host.start()
         # Far more requests than the buffer of a terminal holds answers.
-        greeting = encode(Hello(1, host.identity.session)) * 100
+        hellos = encode(Hello(1, host.identity.session)) * 100
         line = host._line._link
         deadline = time.monotonic() + SOON_S
         while served.drive.state is State.RUNNING and time.monotonic() < deadline:
-            line.write(greeting, 0.01)
+            line.write(hellos, 0.01)
         assert served.drive.state is State.FAULTED
         assert served.drive.torque_nm == 0.0
 

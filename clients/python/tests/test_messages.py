@@ -133,7 +133,7 @@ def test_limits_are_those_of_the_specification() -> None:
 
 
 @pytest.mark.parametrize(
-    ("message", "said"),
+    ("message", "expected"),
     [
         (messages.Arm(2**32), "Arm.session is 4294967296, allowed is 0 to 4294967295"),
         (messages.Arm(-1), "Arm.session is -1, allowed is 0 to 4294967295"),
@@ -146,10 +146,10 @@ def test_limits_are_those_of_the_specification() -> None:
         (Log(LogLevel.INFO, "a\0b"), "Log.text is"),
     ],
 )
-def test_a_value_outside_its_field_is_named_with_the_range(message: Message, said: str) -> None:
+def test_a_value_outside_its_field_is_named_with_the_range(message: Message, expected: str) -> None:
     with pytest.raises(FieldError) as raised:
         frames.encode(message)
-    assert str(raised.value).startswith(said)
+    assert str(raised.value).startswith(expected)
 
 
 def sealed(body: bytes) -> bytes:

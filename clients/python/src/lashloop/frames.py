@@ -96,7 +96,7 @@ def open_frame(stuffed: bytes) -> bytes:
     try:
         unstuffed: bytes = cobs.decode(stuffed)
     except cobs.DecodeError:
-        raise MalformedError(f"a frame of {len(stuffed)} bytes is not stuffed as COBS asks") from None
+        raise MalformedError(f"a frame of {len(stuffed)} bytes is not valid COBS") from None
     body, found = unstuffed[:-_CRC_LEN], int.from_bytes(unstuffed[-_CRC_LEN:], "little")
     if not body:
         raise MalformedError(f"a frame of {len(stuffed)} bytes is too short for a kind and a CRC")
