@@ -1,6 +1,6 @@
-//! Gives the program the commit it was built from, and the Arm image its memory map and linker script.
+//! Passes the commit to the build, and memory map and linker script to the Arm image.
 //!
-//! The linker arguments are here and not in `.cargo/config.toml` because `RUSTFLAGS` would silently replace them there.
+//! The linker arguments are not in `.cargo/config.toml` because `RUSTFLAGS` would silently replace them there.
 
 use std::env;
 use std::path::Path;
@@ -11,15 +11,18 @@ fn main() {
     println!("cargo::rustc-env=LASHLOOP_BUILD_ID={}", build_id());
     if env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("none") {
         println!("cargo::rerun-if-changed=memory.x");
-        println!("cargo::rustc-link-search={}", env::var("CARGO_MANIFEST_DIR").expect("cargo sets it"));
+        println!(
+            "cargo::rustc-link-search={}",
+            env::var("CARGO_MANIFEST_DIR").expect("cargo sets CARGO_MANIFEST_DIR")
+        );
         println!("cargo::rustc-link-arg-bins=-Tlink.x");
     }
 }
 
-/// The first 32 bits of the commit in hexadecimal, or zeros where there is no repository or no git.
+/// First 32 bits of the commit in hexadecimal; zeros without a repository or without git.
 fn build_id() -> String {
     // Every commit, checkout and reset writes to the log of HEAD; HEAD itself covers repositories without logs.
-    // Only files that exist are named: cargo takes a missing one as changed and would build at every call.
+    // Cargo treats a missing file as changed and would rebuild on every call, so we list existing files only.
     for name in ["HEAD", "logs/HEAD"] {
         if let Some(path) = git(&["rev-parse", "--git-path", name]).filter(|path| Path::new(path).exists()) {
             println!("cargo::rerun-if-changed={path}");

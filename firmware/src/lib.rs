@@ -1,16 +1,16 @@
 //! The drive under test.
 //!
-//! Everything that decides a torque is here, free of registers, files and clocks, and is the same code in three places:
-//! the image on an STM32F405-class microcontroller, the native twin on a PC, and the bench's in-process device.
+//! Everything that determines a torque, without registers, files and clocks. The same code runs in the image on an
+//! STM32F405-class microcontroller, in the native twin on a PC and in the bench's in-process device.
 //!
 //! | module | is |
 //! |---|---|
-//! | [`control`] | the control laws of Merzouki and Cadiou, from encoder counts to a torque |
-//! | [`drive`] | session, parameters, safety: a state machine with bytes and device time in, bytes out |
+//! | [`control`] | control laws, from encoder counts to a torque |
+//! | [`drive`] | session, parameters and safety: a state machine with bytes and device time in, bytes and a torque out |
 //! | `board` (in the image) | the drive on the microcontroller |
 //!
-//! `no_std`, no allocation, no unsafe code; floating-point functions only from `libm`, so that every place computes the
-//! same bits.
+//! `no_std`, no allocation, no unsafe code. Floating-point functions come from `libm` only, so that every machine
+//! computes the same bits.
 
 #![no_std]
 #![forbid(unsafe_code)]

@@ -1,14 +1,14 @@
-//! The drive as the image of a board: the drive of the library between USART2 and the device clock.
+//! The image of the board: the library's drive between USART2 and the device clock.
 //!
-//! The image is four tasks. Every byte is taken by `receive` as it comes, every millisecond `tick` counts the
-//! device clock and lets the watchdog look, and `serve` feeds what was received to the drive and sends what it
-//! answers. The control law has no timer of its own: the encoder frame is the tick.
+//! The image has four tasks. `receive` queues every byte on arrival. `tick` counts the device clock and checks the
+//! watchdog every millisecond. `serve` feeds received bytes to the drive and transmits its output. The control law has
+//! no timer: the encoder frame is the tick.
 //!
 //! | task | bound to | priority | why there |
 //! |---|---|---|---|
 //! | `receive` | USART2 | 3 | 11 us from one byte to the next |
 //! | `tick` | SysTick | 2 | the watchdog counts while `serve` is sending |
-//! | `serve` | EXTI0, pended by the others | 1 | a pended interrupt is never lost, however often it is asked for |
+//! | `serve` | EXTI0, pended by the others | 1 | a pended interrupt is never lost, however often it is pended |
 //! | `idle` | | 0 | sleeps |
 
 #![no_std]
@@ -16,7 +16,7 @@
 
 mod board;
 
-// RTIC's expansion takes the peripherals and unmasks interrupts; there is no unsafe code written by hand here.
+// RTIC's expansion takes the peripherals and unmasks interrupts. This file contains no other unsafe code.
 #[allow(unsafe_code)]
 #[rtic::app(device = stm32f4xx_hal::pac)]
 mod app {
@@ -89,7 +89,8 @@ mod app {
                 rest = &rest[drive.receive(rest, cx.local.clock)..];
                 cx.local.outbox.load(drive)
             });
-            // Sending takes longer than deciding, so it happens outside the lock, where `tick` can interrupt it.
+            // Transmission takes longer than a control step, so it runs outside the lock, where `tick` can interrupt
+            // it.
             while to_send {
                 cx.local.outbox.send();
                 to_send = cx.shared.drive.lock(|drive| cx.local.outbox.load(drive));

@@ -1,4 +1,4 @@
-//! The decoder against its specification, on any stream in any pieces. The first byte is the length of the pieces.
+//! The decoder agrees with its specification on any stream in any pieces. The first byte is the length of the pieces.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! The drive and all it promises, on any history. How bytes become a history stands in `action`.
+//! The invariants of the drive hold in any history. `action` converts bytes to a history.
 
 #![no_main]
 
@@ -6,12 +6,14 @@ use libfuzzer_sys::fuzz_target;
 
 #[path = "../../firmware/tests/properties/action.rs"]
 mod action;
-#[allow(dead_code, reason = "what a history met is for the property tests")]
-#[path = "../../firmware/tests/properties/watched.rs"]
-mod watched;
+#[allow(dead_code, reason = "only the property tests read the coverage of a history")]
+#[path = "../../firmware/tests/properties/invariants.rs"]
+mod invariants;
+#[path = "../../firmware/tests/properties/transitions.rs"]
+mod transitions;
 
 fuzz_target!(|input: &[u8]| {
-    let mut drive = watched::Watched::new();
+    let mut drive = invariants::CheckedDrive::new();
     let mut rest = input;
     while let Some(action) = action::Action::read(&mut rest) {
         drive.act(&action);

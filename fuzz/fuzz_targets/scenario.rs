@@ -1,4 +1,4 @@
-//! Any text is a scenario or is refused with messages, and a scenario that is printed reads back as itself.
+//! Any text is a scenario or is rejected with messages, and a printed scenario reads back as the same scenario.
 
 #![no_main]
 
@@ -8,10 +8,10 @@ use libfuzzer_sys::fuzz_target;
 fuzz_target!(|text: &str| {
     match Scenario::from_str("fuzz.toml", text, &[]) {
         Ok(scenario) => {
-            let printed = scenario.to_toml().expect("what was read can be printed");
-            let again = Scenario::from_str("fuzz.toml", &printed, &[]).expect("what was printed can be read");
-            // Compared as printed: the scenarios themselves also know the lines their parameters stood on.
-            assert_eq!(again.to_toml().expect("as before"), printed);
+            let printed = scenario.to_toml().expect("a scenario can be printed");
+            let again = Scenario::from_str("fuzz.toml", &printed, &[]).expect("a printed scenario is valid");
+            // Compared as text, because scenarios also hold the line numbers of their parameters.
+            assert_eq!(again.to_toml().expect("a scenario can be printed"), printed);
         }
         Err(errors) => assert!(!errors.to_string().is_empty()),
     }

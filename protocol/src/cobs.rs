@@ -1,26 +1,26 @@
 //! Consistent overhead byte stuffing (Cheshire and Baker 1999) for frames that fit into one block.
 //!
-//! A frame here is far shorter than the 254 bytes after which general COBS starts a new block, so one code byte in
-//! front is all it costs, and both ways work in place in a single pass: the zeros of the body become a chain of
-//! distances. The tests hold it against the `cobs` crate.
+//! A frame is shorter than the 254 bytes after which COBS starts a new block. One code byte in front is therefore the whole
+//! overhead, and both directions work in place in a single pass: the zeros of the body become a chain of distances. We do not
+//! use the `cobs` crate, which needs a second buffer; the tests compare with it.
 
 /// Stuffs `frame[1..]` in place: `frame[0]` and every zero become the distance to the next zero or to the end.
 ///
-/// `frame` is at most 254 bytes long; [`crate::MAX_FRAME`] sees to that.
+/// `frame` is at most 254 bytes long, which [`MAX_FRAME`](crate::limits::MAX_FRAME) ensures.
 #[inline]
 pub fn stuff(frame: &mut [u8]) {
     let mut code_at = 0;
     for at in 1..frame.len() {
-        // No branch on the byte: where zeros lie is beyond any processor's guess.
+        // No branch on the byte, because the position of zeros is unpredictable.
         frame[code_at] = (at - code_at) as u8;
         code_at = if frame[at] == 0 { at } else { code_at };
     }
     frame[code_at] = (frame.len() - code_at) as u8;
 }
 
-/// Where the first zero of `bytes` is.
+/// Index of the first zero in `bytes`.
 ///
-/// A word at a time: `(x - 1) & !x` has its highest bit set in a byte that is zero, and in none below it that isn't.
+/// Word by word: the lowest byte of `(x - 1) & !x` with its highest bit set is the first zero byte of `x`.
 #[inline]
 pub(crate) fn find_zero(bytes: &[u8]) -> Option<usize> {
     const WORD: usize = size_of::<usize>();
@@ -37,14 +37,14 @@ pub(crate) fn find_zero(bytes: &[u8]) -> Option<usize> {
             return Some(WORD * at + zero);
         }
     }
-    // It overlaps the word before, in which there is no zero.
+    // The last word overlaps the word before it, which holds no zero.
     zero_in(last).map(|zero| bytes.len() - WORD + zero)
 }
 
-/// Takes the stuffing out of `frame` in place and returns the body, or `None` if the chain of distances does not end
-/// at the end of the frame.
+/// Removes the stuffing of `frame` in place and returns the bytes after the code byte; `None` if the chain of distances does
+/// not end at the end of the frame.
 ///
-/// `frame` is what stands between two delimiters, so it holds no zero; one that does is refused as well.
+/// `frame` holds the bytes between two delimiters. A zero byte in the chain is rejected.
 #[inline]
 pub fn unstuff(frame: &mut [u8]) -> Option<&[u8]> {
     let mut at = 0;
@@ -73,30 +73,30 @@ mod tests {
         frame
     }
 
-    /// Bodies of every length up to a frame's, with zeros in many places.
+    /// Bodies of every length up to that of a frame, with zeros at various distances.
     fn bodies() -> impl Iterator<Item = Vec<u8>> {
-        (0..=crate::MAX_FRAME - 2).flat_map(|len| {
+        (0..=crate::limits::MAX_FRAME - 2).flat_map(|len| {
             (1..=9_usize)
                 .map(move |stride| (0..len).map(|i| if i % stride == 0 { 0 } else { i as u8 }).collect())
         })
     }
 
     #[test]
-    fn stuffing_gives_the_bytes_of_the_cobs_crate() {
+    fn stuffing_agrees_with_the_cobs_crate() {
         for body in bodies() {
             assert_eq!(stuffed(&body), cobs::encode_vec(&body), "body {body:02x?}");
         }
     }
 
     #[test]
-    fn unstuffing_gives_the_body_back() {
+    fn unstuffing_restores_the_body() {
         for body in bodies() {
             assert_eq!(unstuff(&mut stuffed(&body)), Some(&body[..]));
         }
     }
 
     #[test]
-    fn the_first_zero_is_found_wherever_it_is() {
+    fn the_first_zero_is_found_at_any_position() {
         for len in 0..20 {
             let mut bytes = vec![1; len];
             assert_eq!(find_zero(&bytes), None);
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn a_chain_that_ends_elsewhere_is_refused() {
+    fn a_chain_with_another_end_is_rejected() {
         assert_eq!(unstuff(&mut [3, 1]), None);
         assert_eq!(unstuff(&mut [2, 7, 9]), None);
         assert_eq!(unstuff(&mut [1, 0, 1]), None);

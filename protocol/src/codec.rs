@@ -6,12 +6,13 @@ use std::io;
 use bytes::{Buf, BytesMut};
 
 use crate::decoder::{Counters, Decoder};
-use crate::frame::{FrameError, MAX_FRAME};
+use crate::frame::FrameError;
+use crate::limits::MAX_FRAME;
 use crate::message::Message;
 
-/// Reads messages of type `In` and writes messages of type `Out`.
+/// Decodes messages of type `In` and encodes messages of type `Out`.
 ///
-/// A bad frame is an item and not the end of the stream: lines have noise.
+/// A bad frame is an item of the stream and does not end it, because noise on a line is normal.
 #[derive(Clone, Debug)]
 pub struct Codec<In, Out> {
     decoder: Decoder,
@@ -25,7 +26,7 @@ impl<In, Out> Default for Codec<In, Out> {
 }
 
 impl<In, Out> Codec<In, Out> {
-    /// What has been seen so far.
+    /// Counters since the codec was created.
     #[must_use]
     pub const fn counters(&self) -> &Counters {
         self.decoder.counters()

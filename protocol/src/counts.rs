@@ -1,12 +1,12 @@
-//! Encoder counts as they travel: 24 bits of them.
+//! Encoder counts on the wire: 24 bits with wraparound.
 
 use crate::layout::FieldType;
 use crate::wire::Wire;
 
 /// Reading of an encoder, modulo 2^24: two's complement, 3 bytes on the wire.
 ///
-/// What lies 2^24 counts apart reads the same. So only the difference between two readings says how far an encoder has
-/// moved, and only if that was less than 2^23 counts; the position itself is told by the first reading after a start.
+/// Positions that differ by 2^24 counts give the same reading. Only the difference of two readings gives the travel of an
+/// encoder, provided that it is less than 2^23 counts. The first reading after a start defines the position.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct EncoderCounts(i32);
 
@@ -18,7 +18,7 @@ impl EncoderCounts {
     /// The smallest reading.
     pub const MIN: Self = Self(-1 << (Self::BITS - 1));
 
-    /// The reading of an encoder that stands at `counts`, however far it has turned.
+    /// The reading at position `counts`, any number of revolutions from zero.
     #[inline]
     #[must_use]
     pub const fn wrapping(counts: i64) -> Self {
@@ -32,21 +32,21 @@ impl EncoderCounts {
         self.0
     }
 
-    /// The reading so many counts further on.
+    /// The reading `counts` further.
     #[inline]
     #[must_use]
     pub const fn wrapping_add(self, counts: i32) -> Self {
         Self::of_low_bits(self.0.wrapping_add(counts))
     }
 
-    /// The least number of counts by which the encoder can have moved from `before` to here, from -2^23 to 2^23 - 1.
+    /// The shortest travel from `before` to this reading, from -2^23 to 2^23 - 1 counts.
     #[inline]
     #[must_use]
     pub const fn wrapping_sub(self, before: Self) -> i32 {
         Self::of_low_bits(self.0 - before.0).0
     }
 
-    /// The lowest 24 bits, the highest of them being the sign.
+    /// The lowest 24 bits, sign-extended.
     #[inline]
     const fn of_low_bits(bits: i32) -> Self {
         let rest = i32::BITS - Self::BITS;
@@ -84,11 +84,11 @@ mod tests {
     const RANGE: i64 = 1 << EncoderCounts::BITS;
 
     #[test]
-    fn every_turn_of_the_range_reads_the_same() {
+    fn positions_a_whole_range_apart_read_the_same() {
         for counts in [0, 1, -1, 8_388_607, -8_388_608] {
             for turns in [0, 1, -1, 300, -300] {
                 let read = EncoderCounts::wrapping(counts + turns * RANGE);
-                assert_eq!(i64::from(read.get()), counts, "{turns} turns of the range further");
+                assert_eq!(i64::from(read.get()), counts, "{turns} ranges further");
             }
         }
         assert_eq!(EncoderCounts::wrapping(8_388_608), EncoderCounts::MIN);
@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn the_difference_of_two_readings_is_what_the_encoder_moved() {
+    fn the_difference_of_two_readings_is_the_travel() {
         for from in [0, 8_388_600, -8_388_600, 5 * RANGE + 3] {
             for moved in [0, 1, -1, 8_388_607, -8_388_607, -8_388_608] {
                 let [before, after] = [from, from + i64::from(moved)].map(EncoderCounts::wrapping);

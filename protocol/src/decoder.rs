@@ -1,31 +1,32 @@
-//! From a stream of bytes to messages, in pieces of any size, with anything in between.
+//! A stream of bytes, in pieces of any size, to messages.
 //!
-//! The decoder keeps at most one frame. Bytes that belong to no frame are counted and dropped; whatever they were,
-//! the frame after the next delimiter is read correctly again. There is one decoder for both ends of the line.
+//! The decoder buffers at most one frame. It counts and discards bytes that belong to no frame, and decodes the frame after the
+//! next delimiter correctly. Host and drive use the same decoder.
 
 use crate::cobs;
-use crate::frame::{self, FrameError, MAX_FRAME};
+use crate::frame::{self, FrameError};
+use crate::limits::MAX_FRAME;
 use crate::message::Message;
 
-/// What a decoder has seen. All counts stay at their largest value instead of wrapping.
+/// Statistics of a decoder. All counts saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
-    /// Good messages.
+    /// Messages decoded.
     pub messages: u32,
-    /// Bytes thrown away with bad frames, their delimiters included.
+    /// Bytes of rejected frames, delimiters included.
     pub discarded_bytes: u32,
-    /// Frames longer than a frame can be.
+    /// Frames longer than [`MAX_FRAME`].
     pub oversized: u32,
-    /// Frames with broken stuffing or too short for a CRC.
+    /// Frames with invalid stuffing, or too short for a CRC.
     pub malformed: u32,
-    /// Frames whose CRC was wrong.
+    /// Frames with a wrong CRC.
     pub crc_errors: u32,
-    /// Whole frames that were no message of this direction and version.
+    /// Whole frames that are no message of this direction and protocol version.
     pub refused: u32,
 }
 
 impl Counters {
-    /// Frames that arrived damaged, in whatever way.
+    /// Damaged frames: oversized, malformed, or with a wrong CRC.
     #[must_use]
     pub const fn damaged(&self) -> u32 {
         self.oversized.saturating_add(self.malformed).saturating_add(self.crc_errors)
@@ -49,7 +50,7 @@ impl Counters {
 #[derive(Clone, Debug)]
 pub struct Decoder {
     partial: [u8; MAX_FRAME - 1],
-    /// Bytes since the last delimiter; beyond `partial`'s length they are only counted.
+    /// Bytes since the last delimiter; those beyond the length of `partial` are counted but not kept.
     pending: usize,
     counters: Counters,
 }
@@ -78,12 +79,12 @@ impl Decoder {
         }
     }
 
-    /// The next message or bad frame in `input`, which is advanced past it; `None` once `input` is used up.
+    /// The next message or bad frame in `input`, which advances past it; `None` at the end of `input`.
     ///
-    /// Delimiters without anything between them are not frames: they are how a sender clears the line.
+    /// Consecutive delimiters are not frames: a sender clears the line with them.
     ///
     /// # Errors
-    /// The inner result says what was wrong with a frame; the decoder has already gone past it.
+    /// The inner result holds the error of a bad frame. The decoder continues after that frame.
     #[cfg_attr(feature = "fast-path", inline(always))]
     pub fn next<M: Message>(&mut self, input: &mut &[u8]) -> Option<Result<M, FrameError>> {
         #[cfg(feature = "fast-path")]
@@ -115,7 +116,7 @@ impl Decoder {
     /// Ends the stream.
     ///
     /// # Errors
-    /// [`FrameError::Truncated`] if it ends inside a frame; between frames is where a stream may end.
+    /// [`FrameError::Truncated`] if the stream ends inside a frame. A stream may end between frames.
     pub fn finish(&mut self) -> Result<(), FrameError> {
         let bytes = core::mem::take(&mut self.pending);
         if bytes == 0 {
@@ -126,20 +127,20 @@ impl Decoder {
         Err(error)
     }
 
-    /// Forgets the frame it is in, which will not go on: the line was opened anew. Nothing is counted.
+    /// Discards a partial frame without counting it, after the line was reopened.
     pub fn forget_partial(&mut self) {
         self.pending = 0;
     }
 
-    /// What has been seen so far.
+    /// Statistics since the decoder was created.
     #[must_use]
     pub const fn counters(&self) -> &Counters {
         &self.counters
     }
 
     fn append(&mut self, piece: &[u8]) {
-        if let Some(room) = self.partial.get_mut(self.pending..self.pending + piece.len()) {
-            room.copy_from_slice(piece);
+        if let Some(free) = self.partial.get_mut(self.pending..self.pending + piece.len()) {
+            free.copy_from_slice(piece);
         }
         self.pending = self.pending.saturating_add(piece.len());
     }

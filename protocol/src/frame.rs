@@ -1,20 +1,12 @@
-//! A message as the bytes of one frame, and what can be wrong with a frame.
+//! A body to a frame and back: CRC, COBS and delimiter together, and the errors of a single frame.
 
 use core::ops::Deref;
 
+pub use crate::limits::{DELIMITER, MAX_BODY, MAX_FRAME, OVERHEAD};
 use crate::wire::{BodyError, Payload};
 use crate::{cobs, crc};
 
-/// Bytes a frame needs beyond its body: COBS code, CRC, delimiter.
-pub const OVERHEAD: usize = 1 + crc::LEN + 1;
-/// Longest frame in bytes, everything included.
-pub const MAX_FRAME: usize = 64;
-/// Longest body in bytes: kind and fields.
-pub const MAX_BODY: usize = MAX_FRAME - OVERHEAD;
-/// The byte that ends every frame and occurs nowhere else.
-pub const DELIMITER: u8 = 0;
-
-/// The bytes of one frame, delimiter included. Dereferences to them.
+/// The bytes of one frame, delimiter included.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     bytes: [u8; MAX_FRAME],
@@ -26,7 +18,7 @@ impl Frame {
     #[inline]
     #[must_use]
     pub fn of<P: Payload>(payload: &P) -> Self {
-        Self::written_by(|room| write(payload, room))
+        Self::written_by(|buffer| write(payload, buffer))
     }
 
     #[inline(always)]
@@ -45,70 +37,68 @@ impl Deref for Frame {
     }
 }
 
-/// Writes the frame of a message to the beginning of `room` and gives that part of it.
-///
-/// What `room` holds before doesn't matter.
+/// Writes the frame of a message to the beginning of `buffer` and returns that part. `buffer` need not be cleared.
 #[inline]
-pub fn write<'room, P: Payload>(payload: &P, room: &'room mut [u8; MAX_FRAME]) -> &'room [u8] {
-    payload.put(&mut room[1..=P::LAYOUT.body_len]);
-    close(room, P::LAYOUT.body_len);
-    &room[..P::LAYOUT.frame_len()]
+pub fn write<'buffer, P: Payload>(payload: &P, buffer: &'buffer mut [u8; MAX_FRAME]) -> &'buffer [u8] {
+    payload.put(&mut buffer[1..=P::LAYOUT.body_len]);
+    close(buffer, P::LAYOUT.body_len);
+    &buffer[..P::LAYOUT.frame_len()]
 }
 
-/// Adds all that is not the body: one piece of code for every kind of message.
-fn close(room: &mut [u8; MAX_FRAME], body_len: usize) {
+/// Adds CRC, stuffing and delimiter to the body in `buffer[1..]`. Not generic, so that the image holds the code once.
+fn close(buffer: &mut [u8; MAX_FRAME], body_len: usize) {
     let body_end = 1 + body_len;
     let crc_end = body_end + crc::LEN;
-    let checksum = crc::checksum(&room[1..body_end]);
-    room[body_end..crc_end].copy_from_slice(&checksum.to_le_bytes());
-    cobs::stuff(&mut room[..crc_end]);
-    room[crc_end] = DELIMITER;
+    let checksum = crc::checksum(&buffer[1..body_end]);
+    buffer[body_end..crc_end].copy_from_slice(&checksum.to_le_bytes());
+    cobs::stuff(&mut buffer[..crc_end]);
+    buffer[crc_end] = DELIMITER;
 }
 
-/// Why the bytes between two delimiters are no message. Nothing of them has been used.
+/// The bytes between two delimiters are no message. The receiver discards them whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FrameError {
     /// No delimiter within the longest frame.
     #[error("{bytes} bytes without a delimiter, a frame has at most {MAX_FRAME}")]
     Oversized {
-        /// Bytes thrown away.
+        /// Length received, in bytes.
         bytes: usize,
     },
     /// The COBS chain does not end at the end of the frame.
     #[error("a frame of {bytes} bytes is not stuffed as COBS asks")]
     Stuffing {
-        /// Bytes thrown away.
+        /// Length received, in bytes.
         bytes: usize,
     },
     /// Too short to hold a kind and a CRC.
     #[error("a frame of {bytes} bytes is too short for a kind and a CRC")]
     TooShort {
-        /// Bytes thrown away.
+        /// Length received, in bytes.
         bytes: usize,
     },
-    /// The CRC over the body is not the one in the frame.
+    /// The CRC over the body differs from the CRC in the frame.
     #[error("CRC {found:#010x} in the frame, {expected:#010x} over its body")]
     Crc {
-        /// Over the body that arrived.
+        /// CRC over the received body.
         expected: u32,
-        /// In the frame.
+        /// CRC in the frame.
         found: u32,
     },
-    /// The frame arrived whole but is no message of this version and direction.
+    /// The frame is whole but is no message of this protocol version and direction.
     #[error(transparent)]
     Body(#[from] BodyError),
     /// The stream ended inside a frame.
     #[error("the stream ended {bytes} bytes into a frame")]
     Truncated {
-        /// Bytes of the frame that had arrived.
+        /// Bytes of the frame received before the end.
         bytes: usize,
     },
 }
 
-/// The body of a frame, given the bytes between two delimiters; they are unstuffed in place.
+/// Unstuffs the bytes between two delimiters in place, checks the CRC and returns the body.
 ///
 /// # Errors
-/// Everything in [`FrameError`] that a single frame can show.
+/// [`FrameError::Stuffing`], [`FrameError::TooShort`] and [`FrameError::Crc`].
 #[inline]
 pub fn open(stuffed: &mut [u8]) -> Result<&[u8], FrameError> {
     let bytes = stuffed.len();

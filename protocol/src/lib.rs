@@ -1,8 +1,7 @@
-//! The contract between the Lashloop bench and a drive: what may be said on the line, and how it looks in bytes.
+//! The contract between the Lashloop bench and a drive: messages, and their bytes on the line.
 //!
-//! The host simulates the mechanics and sends what the two encoders would read; the drive runs its controller and
-//! answers with a torque. Nothing else passes between them, so this crate is all that a foreign implementation of
-//! either side has to match.
+//! The host simulates the mechanics and sends the readings of two encoders; the drive runs its control law and answers with a
+//! torque. Nothing else passes between them. An independent implementation of either side has to match this crate only.
 //!
 //! # A frame
 //!
@@ -12,24 +11,30 @@
 //!         └ COBS └──────────── stuffed, so never 0x00 ───┘ └ delimiter
 //! ```
 //!
-//! - All numbers are little endian; every kind of message has one fixed length ([`message`] lists them,
-//!   [`layout::MessageLayout`] describes each as data).
-//! - The CRC ([`crc`]) covers kind and fields as they are before stuffing.
-//! - COBS ([`cobs`]) removes every zero from the frame, so a zero always ends one: a receiver that lost its place
-//!   waits for the next zero and is in step again ([`decoder`]).
-//! - No frame is longer than [`MAX_FRAME`] bytes. That keeps a USB full-speed packet whole and the COBS code byte
-//!   the only overhead.
+//! - All numbers are little endian. Every kind of message has one fixed length.
+//! - The CRC covers kind and fields before stuffing.
+//! - COBS removes every zero from the frame, so a zero always ends a frame. A receiver that lost synchronisation resumes
+//!   after the next zero.
+//! - No frame is longer than [`MAX_FRAME`] bytes.
 //!
-//! # Layers, in the order of the bytes
+//! # Modules, in the order of the bytes
 //!
-//! | module | does |
+//! | module | holds |
 //! |---|---|
-//! | [`message`], [`vocabulary`], [`counts`], [`sequence`], [`text`] | values: what is said |
-//! | [`wire`], [`layout`] | bytes: where each field lies and how it is checked |
-//! | [`crc`], [`cobs`], [`frame`] | a body becomes a frame |
-//! | [`decoder`] | a stream becomes messages again, whatever lies between them |
-//! | `quick` (feature `fast-path`) | the same bytes for samples and torques, faster on a PC |
-//! | `codec` (feature `tokio-codec`) | the same decoder as a tokio-util codec |
+//! | [`limits`] | version, delimiter, sizes of a frame |
+//! | [`layout`] | description of messages and fields as data: name, type, offset, length, unit |
+//! | [`wire`] | how one field and one body are written and read, and the check of a body |
+//! | [`enums`], [`counts`], [`text`] | types of fields |
+//! | [`message`] | the messages: fields, sender, and when each is sent |
+//! | [`field_value`] | value of any field, read by its layout |
+//! | [`crc`] | the check value of a body |
+//! | [`cobs`] | stuffing: a frame without zeros |
+//! | [`frame`] | a body to a frame and back: CRC, COBS and delimiter together |
+//! | [`decoder`] | a stream of bytes to messages; resynchronises after noise |
+//! | [`sequence`] | sequence numbers of samples across their wraparound |
+//! | `fast_path` (feature `fast-path`) | the same frames for samples and torques, faster on a PC |
+//! | `codec` (feature `tokio-codec`) | the decoder as a tokio-util codec |
+//! | [`hex`] | bytes as hexadecimal digits |
 //!
 //! `no_std`, no allocation, no unsafe code.
 
@@ -51,8 +56,11 @@ pub mod decoder;
 pub mod enums;
 #[cfg(feature = "fast-path")]
 mod fast_path;
+pub mod field_value;
 pub mod frame;
+pub mod hex;
 pub mod layout;
+pub mod limits;
 pub mod message;
 pub mod sequence;
 pub mod text;
@@ -60,13 +68,6 @@ pub mod wire;
 
 pub use counts::EncoderCounts;
 pub use decoder::{Counters, Decoder};
-pub use frame::{Frame, FrameError, MAX_BODY, MAX_FRAME};
+pub use frame::{Frame, FrameError};
+pub use limits::{MAX_BODY, MAX_FRAME, PROTOCOL_VERSION};
 pub use message::{DriveMessage, HostMessage, Message};
-
-/// Version of the wire contract, carried by [`message::Hello`] and [`message::Identity`].
-///
-/// It is apart from the release version of the crates. It changes whenever the bytes or the meaning of an existing
-/// message change; a new kind of message that an old peer may ignore does not change it. `Hello`, `Identity` and
-/// `Reset` keep their layout in every version, and [`enums::State`] its five values, so that two versions can always
-/// tell each other who they are and refuse each other by name.
-pub const PROTOCOL_VERSION: u8 = 1;

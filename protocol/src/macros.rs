@@ -1,10 +1,15 @@
-//! Declarations that are written once and give the value type, its bytes and its description together.
+//! Declarations that yield a value type, its bytes and its layout together.
 
-/// A byte out of a closed list of names.
+/// A closed list of values of one byte. Zero is never a value, so that a cleared byte is rejected.
 ///
-/// Zero is never a name, so that a cleared byte can't pass for a value.
+/// A value's name is its identifier, unless another name follows after `as`.
 macro_rules! wire_enum {
-    ($(#[$meta:meta])* pub enum $name:ident { $( $(#[doc = $doc:expr])+ $variant:ident = $value:literal, )+ }) => {
+    (
+        $(#[$meta:meta])*
+        pub enum $name:ident {
+            $( $(#[doc = $doc:expr])+ $variant:ident = $value:literal $(as $text:literal)?, )+
+        }
+    ) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[repr(u8)]
@@ -14,10 +19,19 @@ macro_rules! wire_enum {
             /// Every value, in the order of its byte.
             pub const ALL: &'static [Self] = &[$(Self::$variant),+];
 
-            /// Every byte with its name.
-            pub const NAMES: &'static [(u8, &'static str)] = &[$(($value, stringify!($variant))),+];
+            /// The list as data, with the identifiers of the specification.
+            pub const LIST: $crate::layout::ValueList = $crate::layout::ValueList {
+                name: stringify!($name),
+                values: &[$(($value, stringify!($variant))),+],
+            };
 
-            /// The value of a byte, if it has one.
+            /// Name of the value; also its `Display`.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$variant => wire_enum!(@name $variant $($text)?),)+ }
+            }
+
+            /// The value with this byte; `None` if the list has no such value.
             #[must_use]
             pub const fn from_byte(byte: u8) -> Option<Self> {
                 match byte {
@@ -27,9 +41,15 @@ macro_rules! wire_enum {
             }
         }
 
+        impl core::fmt::Display for $name {
+            fn fmt(&self, out: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                out.pad(self.name())
+            }
+        }
+
         impl $crate::wire::Wire for $name {
             const LEN: usize = 1;
-            const TYPE: $crate::layout::FieldType = $crate::layout::FieldType::Enum(Self::NAMES);
+            const TYPE: $crate::layout::FieldType = $crate::layout::FieldType::Enum(Self::LIST);
 
             #[inline]
             fn put(self, out: &mut [u8]) {
@@ -42,11 +62,35 @@ macro_rules! wire_enum {
             }
         }
     };
+    (@name $variant:ident) => { stringify!($variant) };
+    (@name $variant:ident $text:literal) => { $text };
+}
+
+/// The flags of a `bitflags` type as data: `SET`.
+macro_rules! flag_set {
+    ($name:ident) => {
+        impl $name {
+            /// The set as data.
+            pub const SET: $crate::layout::FlagSet = $crate::layout::FlagSet {
+                name: stringify!($name),
+                flags: &{
+                    const FLAGS: &[bitflags::Flag<$name>] = <$name as bitflags::Flags>::FLAGS;
+                    let mut flags = [(0, ""); FLAGS.len()];
+                    let mut at = 0;
+                    while at < FLAGS.len() {
+                        flags[at] = (FLAGS[at].value().bits() as u16, FLAGS[at].name());
+                        at += 1;
+                    }
+                    flags
+                },
+            };
+        }
+    };
 }
 
 /// One kind of message: its value type, its bytes and its layout.
 ///
-/// Offsets follow from the order and the lengths of the fields and are computed nowhere else.
+/// Offsets follow from the order and the lengths of the fields; no other code computes them.
 macro_rules! payload {
     (
         $(#[doc = $doc:expr])+
@@ -118,13 +162,13 @@ macro_rules! payload {
         }
 
         const _: () = assert!(
-            <$name as $crate::wire::Payload>::LAYOUT.body_len <= $crate::frame::MAX_BODY,
+            <$name as $crate::wire::Payload>::LAYOUT.body_len <= $crate::limits::MAX_BODY,
             concat!(stringify!($name), " does not fit into a frame")
         );
     };
 }
 
-/// All messages of one direction as one type, and which of them is sent in every control period.
+/// All messages of one direction as one type, and the one that is sent in every control period.
 macro_rules! direction {
     ($(#[$meta:meta])* pub enum $name:ident { $($variant:ident,)+ } in every period $periodic:ident) => {
         $(#[$meta])*
@@ -167,23 +211,23 @@ macro_rules! direction {
 
             #[cfg_attr(feature = "fast-path", inline(always))]
             #[cfg_attr(not(feature = "fast-path"), inline)]
-            fn write_frame<'room>(&self, room: &'room mut [u8; $crate::MAX_FRAME]) -> &'room [u8] {
+            fn write_frame<'buffer>(&self, buffer: &'buffer mut [u8; $crate::limits::MAX_FRAME]) -> &'buffer [u8] {
                 #[cfg(feature = "fast-path")]
                 if let Self::$periodic(payload) = self {
-                    return $crate::fast_path::write(payload, room);
+                    return $crate::fast_path::write(payload, buffer);
                 }
-                self.write_frame_of_any_kind(room)
+                self.write_frame_of_any_kind(buffer)
             }
         }
 
         impl $name {
             #[cfg_attr(feature = "fast-path", inline(never))]
             #[cfg_attr(not(feature = "fast-path"), inline)]
-            pub(crate) fn write_frame_of_any_kind<'room>(
+            pub(crate) fn write_frame_of_any_kind<'buffer>(
                 &self,
-                room: &'room mut [u8; $crate::MAX_FRAME],
-            ) -> &'room [u8] {
-                match self { $(Self::$variant(payload) => $crate::frame::write(payload, room),)+ }
+                buffer: &'buffer mut [u8; $crate::limits::MAX_FRAME],
+            ) -> &'buffer [u8] {
+                match self { $(Self::$variant(payload) => $crate::frame::write(payload, buffer),)+ }
             }
         }
     };

@@ -13,10 +13,10 @@ pub struct Text<const N: usize> {
 }
 
 impl<const N: usize> Text<N> {
-    /// No text.
+    /// The empty text.
     pub const EMPTY: Self = Self { bytes: [0; N], len: 0 };
 
-    /// The text, cut at the last whole character that fits; zeros are dropped, because they are the padding.
+    /// The text, truncated after the last whole character that fits. Zeros are dropped, because zero is the padding.
     #[must_use]
     pub fn new(text: &str) -> Self {
         let mut this = Self::EMPTY;
@@ -24,11 +24,11 @@ impl<const N: usize> Text<N> {
         this
     }
 
-    /// Adds as much of `text` as fits.
+    /// Appends as many whole characters of `text` as fit.
     pub fn push(&mut self, text: &str) {
         for character in text.chars().filter(|&c| c != '\0') {
-            let Some(room) = self.bytes[self.len..].get_mut(..character.len_utf8()) else { break };
-            character.encode_utf8(room);
+            let Some(free) = self.bytes[self.len..].get_mut(..character.len_utf8()) else { break };
+            character.encode_utf8(free);
             self.len += character.len_utf8();
         }
     }
@@ -60,7 +60,7 @@ impl<const N: usize> Wire for Text<N> {
         out.copy_from_slice(&self.bytes);
     }
 
-    /// Refuses what is not UTF-8 and bytes after the first zero, so that a text has one form only.
+    /// Rejects invalid UTF-8 and bytes after the first zero, so that every text has one encoding.
     fn get(bytes: &[u8]) -> Option<Self> {
         let bytes: [u8; N] = bytes.try_into().ok()?;
         let len = bytes.iter().position(|&b| b == 0).unwrap_or(N);
@@ -74,13 +74,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_long_text_is_cut_between_characters() {
+    fn a_long_text_is_truncated_between_characters() {
         assert_eq!(Text::<4>::new("N·m²").as_str(), "N·m");
         assert_eq!(Text::<3>::new("N·m²").as_str(), "N·");
     }
 
     #[test]
-    fn bytes_after_the_padding_began_are_refused() {
+    fn bytes_after_the_padding_are_rejected() {
         assert!(Text::<4>::get(b"a\0\0\0").is_some());
         assert!(Text::<4>::get(b"a\0b\0").is_none());
         assert!(Text::<4>::get(&[0xff, 0, 0, 0]).is_none());

@@ -1,64 +1,65 @@
-//! From values to bytes and back: how each type of field lies on the wire, and the one place where bytes are checked.
+//! How each type of field, and a body made of fields, is written to bytes and read back. All checks of a body are here.
 
 use crate::layout::{FieldType, MessageLayout};
+use crate::limits;
 
 /// A type that occupies a fixed number of bytes in a message.
 pub trait Wire: Copy {
-    /// Number of bytes.
+    /// Length, in bytes.
     const LEN: usize;
-    /// How a stranger has to read them.
+    /// Type of the field, for its layout.
     const TYPE: FieldType;
 
     /// Writes the value to `out`, which is exactly [`Self::LEN`] bytes long.
     fn put(self, out: &mut [u8]);
 
-    /// Reads the value from exactly [`Self::LEN`] bytes; `None` where they stand for no value of this type.
+    /// Reads the value from exactly [`Self::LEN`] bytes; `None` if the bytes are no value of this type.
     fn get(bytes: &[u8]) -> Option<Self>;
 }
 
-/// One kind of message as a value that knows its layout.
+/// One kind of message as a value with a layout.
 pub trait Payload: Copy {
-    /// The layout, as data.
+    /// Layout of the message.
     const LAYOUT: MessageLayout;
 
     /// Writes kind and fields to `body`, which is exactly `LAYOUT.body_len` bytes long.
     fn put(&self, body: &mut [u8]);
 
-    /// Reads the fields from `body`.
+    /// Reads the fields from `body`. The caller has checked the kind byte.
     ///
     /// # Errors
-    /// [`BodyError::Length`] and [`BodyError::Value`]; the kind byte has been looked at by the caller.
+    /// [`BodyError::Length`] and [`BodyError::Value`].
     fn get(body: &[u8]) -> Result<Self, BodyError>;
 }
 
-/// A body whose CRC was right but which is no message of this version.
+/// A body with a correct CRC that is no message of this protocol version.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BodyError {
     /// No message of this direction has this kind byte.
     #[error(
         "kind {kind:#04x} is not a message of this direction in protocol version {}",
-        crate::PROTOCOL_VERSION
+        limits::PROTOCOL_VERSION
     )]
     UnknownKind {
-        /// The byte found.
+        /// Kind byte received.
         kind: u8,
     },
-    /// The body is longer or shorter than its kind says.
+    /// The length of the body is not that of its kind.
     #[error("{name} takes {expected} bytes, got {found}")]
     Length {
-        /// The message.
+        /// Name of the message.
         name: &'static str,
-        /// Length by its layout.
+        /// Length of the layout, in bytes.
         expected: usize,
-        /// Length found.
+        /// Length received, in bytes.
         found: usize,
     },
-    /// A field holds bytes that stand for no value of its type.
+    /// A field holds bytes that are no value of its type.
     #[error("{name}.{field} holds bytes that are no value of its type")]
     Value {
-        /// The message.
+        /// Name of the message.
         name: &'static str,
-        /// The field.
+        /// Name of the field.
         field: &'static str,
     },
 }

@@ -11,7 +11,7 @@ use std::process::Command;
 
 use anyhow::{Result, bail};
 
-use crate::command;
+use crate::{command, paths};
 
 pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 
@@ -64,7 +64,7 @@ impl ArmToolchain {
             // Called by its path: `cargo clippy` would find the one of rustup's compiler.
             Self::CoreFromSource { .. } => {
                 let mut command = Command::new(DEBIAN_CARGO_CLIPPY);
-                command.current_dir(crate::root());
+                command.current_dir(paths::root());
                 command
             }
         };
@@ -79,7 +79,7 @@ impl ArmToolchain {
         command.args(["--features", if program == CODEC_COST { CODEC_COST } else { "image" }]);
         // The folder is ours to name: the image has one well-known place, whatever CARGO_TARGET_DIR says.
         command.args(["--target", TARGET, "--profile", "image", "--target-dir"]);
-        command.arg(crate::root().join("target"));
+        command.arg(paths::root().join("target"));
         if let Self::CoreFromSource { linker } = self {
             command.env("RUSTC", DEBIAN_RUSTC);
             command.env("RUSTC_BOOTSTRAP", "1");

@@ -9,7 +9,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 
-use crate::command;
+use crate::{command, paths};
 
 const TARGETS: [&str; 3] = ["decoder", "drive", "scenario"];
 
@@ -29,9 +29,9 @@ pub(crate) fn run(seconds: u32) -> Result<()> {
     )?;
     for target in TARGETS {
         println!("== fuzz {target}, {seconds} s");
-        let learnt = crate::root().join("target/fuzz/corpus").join(target);
+        let learnt = paths::root().join("target/fuzz/corpus").join(target);
         fs::create_dir_all(&learnt).with_context(|| format!("{} cannot be made", learnt.display()))?;
-        let seeds = crate::root().join("fuzz/corpus").join(target);
+        let seeds = paths::root().join("fuzz/corpus").join(target);
         let limits =
             [&format!("-max_total_time={seconds}"), "-timeout=10", "-verbosity=0", "-print_final_stats=1"];
         command::run(fuzz(&program, "run").arg(target).args([learnt, seeds]).arg("--").args(limits))
@@ -44,10 +44,10 @@ pub(crate) fn run(seconds: u32) -> Result<()> {
 
 fn fuzz(program: &PathBuf, chore: &str) -> Command {
     let mut command = Command::new(program);
-    command.current_dir(crate::root());
+    command.current_dir(paths::root());
     command
         .args(["fuzz", chore, "--sanitizer", "none", "--target-dir"])
-        .arg(crate::root().join("target/fuzz"));
+        .arg(paths::root().join("target/fuzz"));
     command
 }
 
@@ -56,7 +56,7 @@ fn cargo_fuzz() -> Result<PathBuf> {
     if let Some(installed) = command::find_program("cargo-fuzz") {
         return Ok(installed);
     }
-    let tools = crate::root().join("target/tools");
+    let tools = paths::root().join("target/tools");
     let program = tools.join("bin/cargo-fuzz");
     if !program.is_file() {
         let mut install = command::cargo();

@@ -4,15 +4,19 @@ mod arm_toolchain;
 mod checks;
 mod codec_size;
 mod command;
+mod directions;
+mod dissector;
 mod fuzz;
 mod header;
 mod image;
+mod metadata;
+mod paths;
+mod production;
 mod python;
 mod setup;
 mod size;
 mod test_counts;
 
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -30,7 +34,8 @@ enum Chore {
     Image,
     /// Print the size of the Arm image and fail if it is beyond its limits
     Size,
-    /// Write the C header of the wire contract, protocol/include/lashloop.h, from the layouts of the messages
+    /// Write the C header of the wire contract, protocol/include/lashloop.h, and the tables of the Wireshark dissector, from the
+    /// layouts of the messages
     Header,
     /// Install what the tests need and is missing here: QEMU, tshark, a core library for Arm, and the Python package into
     /// target/python
@@ -41,6 +46,8 @@ enum Chore {
         #[arg(long, default_value_t = 20)]
         seconds: u32,
     },
+    /// Check the directions of dependencies between crates and between files
+    Directions,
     /// Run every check and every test; the last line is the sum
     Test,
 }
@@ -49,9 +56,10 @@ fn main() -> ExitCode {
     let outcome = match Arguments::parse().chore {
         Chore::Image => image::build().and_then(|()| size::print().map(drop)),
         Chore::Size => size::check(),
-        Chore::Header => header::write(),
+        Chore::Header => header::write().and_then(|()| dissector::write()),
         Chore::Setup => setup::install_missing(),
         Chore::Fuzz { seconds } => fuzz::run(seconds),
+        Chore::Directions => directions::check(),
         Chore::Test => return checks::run_all(),
     };
     match outcome {
@@ -61,14 +69,4 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
-}
-
-/// The workspace.
-fn root() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the package is a folder of the workspace")
-}
-
-/// Where everybody finds the Arm image of a program.
-fn image_path(program: &str) -> PathBuf {
-    root().join("target").join(program).with_extension("elf")
 }

@@ -7,8 +7,8 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
 
-use crate::command;
 use crate::test_counts::Counts;
+use crate::{command, paths};
 
 /// The oldest Python the package runs with, as `requires-python` in its `pyproject.toml` has it.
 const OLDEST: (u32, u32) = (3, 10);
@@ -49,11 +49,11 @@ pub(crate) fn lint() -> Result<()> {
 /// It can't be run.
 pub(crate) fn test() -> Result<Counts> {
     // The package drives the Rust twin, built as the Rust tests build it.
-    let twin = crate::root().join("target/release/lashloop");
+    let twin = paths::root().join("target/release/lashloop");
     command::run(
         command::cargo()
             .args(["build", "--quiet", "--release", "--workspace", "--bin", "lashloop", "--target-dir"])
-            .arg(crate::root().join("target")),
+            .arg(paths::root().join("target")),
     )?;
     let mut tests = tool("pytest");
     tests.env("LASHLOOP_BIN", twin).stdin(Stdio::null()).stdout(Stdio::piped());
@@ -73,11 +73,11 @@ pub(crate) fn test() -> Result<Counts> {
 }
 
 fn package() -> PathBuf {
-    crate::root().join("clients/python")
+    paths::root().join("clients/python")
 }
 
 fn environment() -> PathBuf {
-    crate::root().join("target/python")
+    paths::root().join("target/python")
 }
 
 fn interpreter() -> PathBuf {

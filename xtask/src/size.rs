@@ -8,6 +8,7 @@ use object::{Object, ObjectSection, ObjectSymbol, SectionFlags};
 
 use crate::arm_toolchain::DRIVE;
 use crate::codec_size::CodecSize;
+use crate::paths;
 
 /// Most flash for vectors, code and constants (bytes). The chip has 1 MiB: the limit is an alarm, not a shortage.
 const TEXT_LIMIT: u64 = 32 * 1024;
@@ -24,7 +25,7 @@ pub(crate) struct Size {
 
 /// Prints the sizes.
 pub(crate) fn print() -> Result<Size> {
-    let path = crate::image_path(DRIVE);
+    let path = paths::image(DRIVE);
     let elf =
         fs::read(&path).with_context(|| format!("{}: run `cargo xtask image` first", path.display()))?;
     let size = Size::of(&elf).with_context(|| path.display().to_string())?;

@@ -1,4 +1,4 @@
-//! What bench and drive tell each other in a control cycle, as plain values, and a run's worth of them.
+//! The messages of a control cycle as plain values, and those of a run.
 
 use lashloop_protocol::EncoderCounts;
 use rand_pcg::Pcg64Mcg;
@@ -27,7 +27,7 @@ pub struct Torque {
     pub compute_tenths_us: u16,
 }
 
-/// Four seconds of a run from its middle: sequences in order, counts and numbers as they come.
+/// Samples of four seconds in the middle of a run: consecutive sequences, random counts and references.
 pub fn samples() -> Vec<Sample> {
     let mut random = Pcg64Mcg::seed_from_u64(1);
     (0..COUNT as u16)
@@ -40,7 +40,7 @@ pub fn samples() -> Vec<Sample> {
         .collect()
 }
 
-/// The answers.
+/// The torques for these samples.
 pub fn torques() -> Vec<Torque> {
     let mut random = Pcg64Mcg::seed_from_u64(2);
     (0..COUNT as u16)
@@ -54,10 +54,10 @@ pub fn torques() -> Vec<Torque> {
         .collect()
 }
 
-/// Of the 24 bits that a message of ours can carry.
+/// Extremes of 24 bits.
 const EXTREME_COUNTS: [i32; 4] = [0, -1, EncoderCounts::MIN.get(), EncoderCounts::MAX.get()];
 
-/// Every sample of the values at which encodings are longest or shortest.
+/// Samples of all values at which encodings are longest or shortest.
 pub fn extreme_samples() -> Vec<Sample> {
     let mut samples = Vec::new();
     for sequence in [0, u16::MAX] {

@@ -1,4 +1,4 @@
-//! What was asked of the codec, and whether this run shows it.
+//! The performance goals of the codec, and whether this run meets them.
 
 use crate::measure::{Cost, Figures};
 use crate::stream;
@@ -22,15 +22,15 @@ impl Goal {
 pub fn table(figures: &[Figures], streams: &[stream::Figures]) {
     println!("| goal | found | |\n|---|---|---|");
     for Goal { what, found, holds } in goals(figures, streams) {
-        println!("| {what} | {found:.2} | {} |", if holds { "holds" } else { "does not hold" });
+        println!("| {what} | {found:.2} | {} |", if holds { "met" } else { "not met" });
     }
 }
 
-/// One of the figures.
+/// Selects one of the figures.
 type Of<T> = fn(&T) -> f64;
 
 fn goals(figures: &[Figures], streams: &[stream::Figures]) -> Vec<Goal> {
-    let [ours, floor, postcard, others @ ..] = figures else { panic!("three sides at least") };
+    let [ours, floor, postcard, others @ ..] = figures else { panic!("at least three sides") };
     let mut goals = Vec::new();
     let tasks: [(&str, Of<Figures>, f64); 4] = [
         ("sample, encode", |side| side.sample.encode_ns, 2.5),

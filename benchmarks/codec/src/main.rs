@@ -1,8 +1,7 @@
-//! The codec beside others: `cargo run --release --manifest-path benchmarks/codec/Cargo.toml`.
+//! The codec compared with others: `cargo run --release --manifest-path benchmarks/codec/Cargo.toml`.
 //!
-//! All sides run in one process, in turn, round after round; each figure is the median of the rounds, so that what
-//! disturbs the machine disturbs all of them. Values vary from message to message. What is printed stands in
-//! docs/performance.md as it is.
+//! All sides run in one process, in turn, round after round. Each figure is the median of the rounds, so that other load affects
+//! all sides. Values vary from message to message. docs/performance.md holds the output.
 
 mod codec;
 mod cycle;

@@ -1,4 +1,4 @@
-//! All sides in turn, round after round, and the medians.
+//! Measures all sides in turn, round after round, and computes medians.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -8,19 +8,19 @@ use crate::cycle::{COUNT, Sample, Torque, extreme_samples, extreme_torques};
 
 const ROUNDS: usize = 201;
 
-/// Of one kind of message.
+/// Cost of one kind of message.
 pub struct Cost {
     pub encode_ns: f64,
     pub decode_ns: f64,
     pub bytes: Length,
 }
 
-/// Of frames, in bytes.
+/// Length of frames, in bytes.
 #[derive(Clone, Copy)]
 pub struct Length {
-    /// Over the values of the run.
+    /// Mean over the values of the run.
     pub mean: f64,
-    /// Over those and the extreme values: what a link has to have room for.
+    /// Maximum over these and the extreme values.
     pub longest: usize,
 }
 
@@ -31,14 +31,14 @@ pub struct Figures {
     pub torque: Cost,
 }
 
-/// What is timed: sample and torque, encoding and decoding.
+/// Timed tasks: sample and torque, encoding and decoding.
 const TASKS: usize = 4;
 
 /// A codec with values to encode and frames to decode.
 pub trait Side {
     fn name(&self) -> &'static str;
 
-    /// Whether it finds damage.
+    /// Whether the codec detects damage.
     fn checked(&self) -> bool;
 
     /// Lengths of the frames of a sample and of a torque.
@@ -56,18 +56,18 @@ impl dyn Side {
         let mut codec = C::default();
         let samples = Work::new(&mut codec, samples, &extreme_samples());
         let torques = Work::new(&mut codec, torques, &extreme_torques());
-        Box::new(Bench { name, codec, samples, torques })
+        Box::new(Timed { name, codec, samples, torques })
     }
 }
 
-struct Bench<C> {
+struct Timed<C> {
     name: &'static str,
     codec: C,
     samples: Work<Sample>,
     torques: Work<Torque>,
 }
 
-impl<C: Codec<Sample> + Codec<Torque>> Side for Bench<C> {
+impl<C: Codec<Sample> + Codec<Torque>> Side for Timed<C> {
     fn name(&self) -> &'static str {
         self.name
     }
@@ -92,7 +92,7 @@ impl<C: Codec<Sample> + Codec<Torque>> Side for Bench<C> {
 
 struct Work<V> {
     values: Vec<V>,
-    /// Frame after frame, as they come in from a line.
+    /// Consecutive frames, as received from a line.
     line: Vec<u8>,
     lengths: Vec<usize>,
     longest: usize,
@@ -113,14 +113,14 @@ impl<V: Copy + PartialEq + std::fmt::Debug> Work<V> {
         }
         let this = Self { values: values.to_vec(), line, lengths, longest };
         for (value, frame) in values.iter().zip(this.frames()) {
-            assert_eq!(codec.decode(frame), *value, "comes back as it went");
+            assert_eq!(codec.decode(frame), *value, "decodes to the same value");
         }
         this
     }
 
     fn frames(&self) -> impl Iterator<Item = &[u8]> {
         let mut line = &self.line[..];
-        self.lengths.iter().map(move |&len| line.split_off(..len).expect("all of them are there"))
+        self.lengths.iter().map(move |&len| line.split_off(..len).expect("one length per frame"))
     }
 
     fn bytes(&self) -> Length {
@@ -148,7 +148,7 @@ impl<V: Copy + PartialEq + std::fmt::Debug> Work<V> {
     }
 }
 
-/// Runs all sides and gives their medians, in their order.
+/// Runs all sides and returns their medians, in the order of the sides.
 pub fn measure(sides: &mut [Box<dyn Side>]) -> Vec<Figures> {
     let mut times = vec![[const { Vec::new() }; TASKS]; sides.len()];
     for _ in 0..ROUNDS {

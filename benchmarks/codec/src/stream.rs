@@ -17,8 +17,8 @@ use crate::measure::median;
 
 const PIECE: usize = 4096;
 const ROUNDS: usize = 401;
-/// Messages in the stream: 0.2 MB of ours. A round takes less than a millisecond, so that on a busy machine most rounds
-/// are not interrupted.
+/// Messages in the stream, 0.2 MB in our encoding. A round takes less than 1 ms, so that most rounds on a busy machine are not
+/// interrupted.
 const MESSAGES: usize = 8_192;
 
 pub struct Figures {
@@ -109,13 +109,13 @@ fn read_cobs(stream: &[u8]) -> usize {
 }
 
 const MAGIC: u8 = 0xfd;
-/// Magic, length, flags, flags, sequence, system, component, three bytes of message.
+/// Magic, length, two flag bytes, sequence, system, component, three bytes of message id.
 const HEADER: usize = 10;
-/// The fields in the types that there are: a count takes four bytes.
+/// Fields in standard types: a count takes four bytes.
 const PAYLOAD: usize = 14;
 const CRC_LEN: usize = 2;
 
-/// As users write it.
+/// As in typical applications.
 static CRC_16: Crc<u16> = Crc::<u16>::new(&CRC_16_MCRF4XX);
 static CRC_16_WIDE: Crc<u16, Table<16>> = Crc::<u16, Table<16>>::new(&CRC_16_MCRF4XX);
 
@@ -130,7 +130,7 @@ fn put_mavlink_like(sample: &Sample, line: &mut Vec<u8>) {
     line.extend_from_slice(&crc.to_le_bytes());
 }
 
-/// Magic, length, CRC: the framing of MAVLink, in the way tokio's users write it.
+/// The framing of MAVLink (magic, length, CRC) as a typical tokio codec.
 struct MavlinkLike<C> {
     checksum: C,
 }

@@ -1,6 +1,6 @@
-/* The steps of the three plants as a C programmer writes them: Runge-Kutta of fourth order, events located with the
- * Illinois method, energies integrated beside. Reads "NAME PERIODS" line by line and answers with the time taken in ns,
- * the load position and the motor position at the end. */
+/* The steps of the three plants in plain C: fourth-order Runge-Kutta, events located by the Illinois method, energies
+ * integrated as additional states. Reads lines "NAME PERIODS" and prints the time in ns and the final positions of load
+ * and motor. */
 #define _POSIX_C_SOURCE 199309L
 #include <math.h>
 #include <stdio.h>
@@ -15,13 +15,13 @@ static const double Jm = 9.72e-4, fm = 4.3e-4, Js = 7.5, fs = 16.0, N0 = 3.0, K 
 /* Hard gap. */
 static const double Fc = 3.84;
 
-/* Bench. */
+/* Backlash shaft. */
 static const double c_shaft = 3.1e-3, lag_s = 5e-4, saturation = 20.0;
 static const double FcL = 3.40, FsL = 3.82, vsL = 0.03, FcM = 0.02, FsM = 0.025, vsM = 0.2;
 
 typedef struct {
     double x[N];
-    double gap, tau;      /* bench only */
+    double gap, tau;      /* backlash shaft only */
     int contact;          /* -1, 0, 1 */
     int load, motor;      /* friction */
 } State;
@@ -132,9 +132,9 @@ static void hard_settle(State *s, double torque) {
     if (s->x[LOAD_V] == 0.0) s->load = at_rest(N0 * hard_torque(s, s->x), Fc);
 }
 
-/* ---- bench ---- */
+/* ---- backlash shaft ---- */
 
-static Stride bench_stride(double h) {
+static Stride shaft_stride(double h) {
     double half = exp(-0.5 * h / lag_s);
     return (Stride){h, half, half * half, exp(-h * K / c_shaft)};
 }
@@ -151,7 +151,7 @@ static double stribeck(double v, double fc, double fs_, double vs) {
     return q > 40.0 ? fc : fc + (fs_ - fc) * exp(-q);
 }
 
-static void bench_rates(const State *s, const double *x, double tau, double *k) {
+static void shaft_rates(const State *s, const double *x, double tau, double *k) {
     double vl = x[LOAD_V], vm = x[MOTOR_V], C = 0.0, lost = 0.0;
     if (s->contact) {
         double dz = vm - N0 * vl;
@@ -177,11 +177,11 @@ static void bench_rates(const State *s, const double *x, double tau, double *k) 
 
 static double command(double torque) { return fmax(-saturation, fmin(saturation, torque)); }
 
-static void bench_flow(const State *s, double torque, const Stride *stride, State *next) {
+static void shaft_flow(const State *s, double torque, const Stride *stride, State *next) {
     const double u = command(torque);
     const double taus[3] = {s->tau, u + (s->tau - u) * stride->half_lag, u + (s->tau - u) * stride->lag};
-#define BENCH(X, STAGE, OUT) bench_rates(s, X, taus[STAGE], OUT)
-    RUNGE_KUTTA(BENCH)
+#define SHAFT(X, STAGE, OUT) shaft_rates(s, X, taus[STAGE], OUT)
+    RUNGE_KUTTA(SHAFT)
     next->tau = taus[2];
     if (!s->contact) {
         double before = twist(s->x) - s->gap, after = before * stride->relaxation;
@@ -190,7 +190,7 @@ static void bench_flow(const State *s, double torque, const Stride *stride, Stat
     }
 }
 
-static double bench_guard(int guard, const State *s) {
+static double shaft_guard(int guard, const State *s) {
     switch (guard) {
     case 0: return s->contact == 0 ? s->gap + j0 : s->contact < 0 ? -shaft(s, s->x) : j0;
     case 1: return s->contact == 0 ? j0 - s->gap : s->contact > 0 ? shaft(s, s->x) : j0;
@@ -199,13 +199,13 @@ static double bench_guard(int guard, const State *s) {
     }
 }
 
-static void bench_settle(State *s, double torque) {
+static void shaft_settle(State *s, double torque) {
     (void)torque;
     if (s->x[LOAD_V] == 0.0) s->load = at_rest(N0 * transmitted(s), FsL);
     if (s->x[MOTOR_V] == 0.0) s->motor = at_rest(s->tau - transmitted(s), FsM);
 }
 
-static void bench_become(int guard, State *s) {
+static void shaft_become(int guard, State *s) {
     if (guard == 2) {
         s->x[LOAD_V] = 0.0;
         s->load = friction_after(s->load, N0 * transmitted(s), FsL);
@@ -216,7 +216,7 @@ static void bench_become(int guard, State *s) {
         int side = guard ? 1 : -1;
         s->gap = side * j0;
         s->contact = s->contact ? 0 : side;
-        bench_settle(s, 0.0);
+        shaft_settle(s, 0.0);
     }
 }
 
@@ -281,7 +281,7 @@ static void with_events(const Plant *p, State *s, double torque, double h) {
     }
 }
 
-/* Inlined into each plant's own loop, so that the compiler sees through the table of functions. */
+/* Inlined into each plant's own loop, so that the compiler resolves the table of functions. */
 static inline __attribute__((always_inline)) void period(const Plant *p, State *s, double torque) {
     const double h = 1e-3 / p->substeps;
     p->settle(s, torque);
@@ -304,7 +304,7 @@ static double push(long k) {
 
 static const Plant SMOOTH_PLANT = {0, 4, plain_stride, smooth_flow, 0, 0, no_settle};
 static const Plant HARD_PLANT = {3, 4, plain_stride, hard_flow, hard_guard, hard_become, hard_settle};
-static const Plant BENCH_PLANT = {4, 16, bench_stride, bench_flow, bench_guard, bench_become, bench_settle};
+static const Plant SHAFT_PLANT = {4, 16, shaft_stride, shaft_flow, shaft_guard, shaft_become, shaft_settle};
 
 int main(void) {
     char name[32];
@@ -317,7 +317,7 @@ int main(void) {
         clock_gettime(CLOCK_MONOTONIC, &from);
         if (!strcmp(name, "smooth")) for (long k = 0; k < periods; k++) period(&SMOOTH_PLANT, &s, push(k));
         else if (!strcmp(name, "hard-coulomb")) for (long k = 0; k < periods; k++) period(&HARD_PLANT, &s, push(k));
-        else if (!strcmp(name, "bench")) for (long k = 0; k < periods; k++) period(&BENCH_PLANT, &s, push(k));
+        else if (!strcmp(name, "backlash-shaft")) for (long k = 0; k < periods; k++) period(&SHAFT_PLANT, &s, push(k));
         clock_gettime(CLOCK_MONOTONIC, &to);
         double ns = (double)(to.tv_sec - from.tv_sec) * 1e9 + (double)(to.tv_nsec - from.tv_nsec);
         printf("%.17g %.17g %.17g\n", ns, s.x[LOAD], s.x[MOTOR]);

@@ -1,4 +1,4 @@
-//! The C program: compiled once, then asked round by round.
+//! The C program: compiled once, then run round by round over pipes.
 
 use std::error::Error;
 use std::io::{BufRead, BufReader, Write};
@@ -11,17 +11,17 @@ use crate::Round;
 const SOURCE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/c/plants.c");
 const FLAGS: [&str; 4] = ["-std=c11", "-O3", "-march=native", "-fno-tree-vectorize"];
 
-/// The C program, waiting for a question.
+/// The C program, waiting for a request.
 pub struct CSide {
     child: Child,
-    questions: ChildStdin,
+    requests: ChildStdin,
     answers: BufReader<ChildStdout>,
     compiler: String,
     _directory: TempDir,
 }
 
 impl CSide {
-    /// Compiles and starts it.
+    /// Compiles and starts the program.
     pub fn build() -> Result<Self, Box<dyn Error>> {
         let directory = tempfile::tempdir()?;
         let program = directory.path().join("plants");
@@ -33,10 +33,10 @@ impl CSide {
         let version = Command::new("cc").arg("--version").output()?.stdout;
         let version = String::from_utf8_lossy(&version).lines().next().unwrap_or("cc").to_owned();
         let mut child = Command::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
-        let questions = child.stdin.take().ok_or("the C program has no input")?;
+        let requests = child.stdin.take().ok_or("the C program has no input")?;
         let answers = BufReader::new(child.stdout.take().ok_or("the C program has no output")?);
         let compiler = format!("{version}, {}", FLAGS.join(" "));
-        Ok(Self { child, questions, answers, compiler, _directory: directory })
+        Ok(Self { child, requests, answers, compiler, _directory: directory })
     }
 
     /// Compiler and flags.
@@ -44,14 +44,14 @@ impl CSide {
         &self.compiler
     }
 
-    /// One round.
+    /// Integrates one plant for a number of control periods.
     pub fn round(&mut self, plant: &str, periods: u32) -> Result<Round, Box<dyn Error>> {
-        writeln!(self.questions, "{plant} {periods}")?;
+        writeln!(self.requests, "{plant} {periods}")?;
         let mut line = String::new();
         self.answers.read_line(&mut line)?;
         let numbers = line.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>()?;
         let [ns, load_rad, motor_rad] = numbers[..] else {
-            return Err(format!("the C program says {line:?}").into());
+            return Err(format!("the C program printed {line:?}, expected three numbers").into());
         };
         Ok(Round { ns, ends_rad: [load_rad, motor_rad] })
     }
@@ -59,7 +59,7 @@ impl CSide {
 
 impl Drop for CSide {
     fn drop(&mut self) {
-        // It ends by itself at the end of its input; this is for one that doesn't.
+        // The program exits at the end of its input; this covers a hung one.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

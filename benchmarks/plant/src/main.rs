@@ -1,9 +1,8 @@
-//! The plants' steps beside the same steps in C: `cargo run --release --manifest-path benchmarks/plant/Cargo.toml`.
+//! Steps of the plants compared with the same steps in C: `cargo run --release --manifest-path benchmarks/plant/Cargo.toml`.
 //!
-//! Both sides integrate the same 20 s under the same torque, in turn, round after round; each figure is the median of the
-//! rounds, so that what disturbs the machine disturbs both. Their trajectories have to agree, or nothing is compared. The
-//! C compiler is `cc` with `-O3 -march=native`; Rust is built as the program is released, for any x86-64, unless
-//! `RUSTFLAGS` says otherwise.
+//! Both sides integrate the same 20 s under the same torque, in turn, round after round. Each figure is the median of the
+//! rounds, so that other load affects both sides. The comparison fails if the trajectories disagree. The C compiler is `cc` with
+//! `-O3 -march=native`; Rust is built as in a release, for any x86-64, unless `RUSTFLAGS` changes that.
 
 mod c_side;
 mod rust_side;
@@ -12,17 +11,17 @@ use std::error::Error;
 
 use c_side::CSide;
 
-/// Rounds of which the median is taken.
+/// Number of rounds.
 const ROUNDS: usize = 21;
-/// Control periods of a millisecond in a round.
+/// Control periods of 1 ms in a round.
 const PERIODS: u32 = 20_000;
 
 /// One round of one plant on one side.
 #[derive(Debug, Clone, Copy)]
 pub struct Round {
-    /// Time on the wall.
+    /// Wall-clock time.
     pub ns: f64,
-    /// Where load and motor came to.
+    /// Final positions of load and motor.
     pub ends_rad: [f64; 2],
 }
 

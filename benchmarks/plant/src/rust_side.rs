@@ -1,32 +1,32 @@
-//! The plants themselves.
+//! The plants in Rust.
 
 use std::error::Error;
 use std::time::Instant;
 
-use lashloop_plant::backlash_shaft::{ShaftParameters, BacklashShaft};
+use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;
 use lashloop_plant::{Mechanics, Plant, Start};
 
 use crate::Round;
 
-/// A plant with the substeps its scenarios have.
+/// A plant with the substeps of its scenarios.
 pub struct Named {
-    /// As scenarios write it.
+    /// Name in scenarios.
     pub name: &'static str,
     /// Integration steps per millisecond.
     pub substeps: u32,
 }
 
-/// What is compared.
+/// The plants to compare.
 pub const PLANTS: [Named; 3] = [
     Named { name: "smooth", substeps: 4 },
     Named { name: "hard-coulomb", substeps: 4 },
-    Named { name: "bench", substeps: 16 },
+    Named { name: "backlash-shaft", substeps: 16 },
 ];
 
 impl Named {
-    /// One round.
+    /// Integrates the plant for a number of control periods.
     pub fn round(&self, periods: u32) -> Result<Round, Box<dyn Error>> {
         let mechanics = Mechanics::paper();
         match self.name {
@@ -41,7 +41,7 @@ fn run<P: Plant>(plant: &P, periods: u32) -> Result<Round, Box<dyn Error>> {
     let mut state = plant.initial_state(Start::at_rest(0.0, 0.0));
     let started = Instant::now();
     for k in 0..periods {
-        plant.step(&mut state, push_nm(k), 1e-3)?;
+        plant.step(&mut state, triangle_nm(k), 1e-3)?;
     }
     let ns = started.elapsed().as_nanos() as f64;
     let truth = plant.truth(&state);
@@ -49,7 +49,7 @@ fn run<P: Plant>(plant: &P, periods: u32) -> Result<Round, Box<dyn Error>> {
 }
 
 /// A triangle of +-2 N m every 2 s, exact in binary.
-fn push_nm(k: u32) -> f64 {
+fn triangle_nm(k: u32) -> f64 {
     let t = k % 2000;
     f64::from(if t < 1000 { t } else { 2000 - t }) / 250.0 - 2.0
 }

@@ -1,4 +1,4 @@
-"""What the tests stand on: the specification as tables, a drive with a clock of ours, and programs with deadlines."""
+"""Test fixtures: tables of the specification, a drive with a virtual clock, programs with deadlines."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from lashloop.messages import Arm, DriveMessage, EncoderSample, Hello, SetParame
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from lashloop.messages import HostMessage
     from lashloop.enums import ParameterValue
+    from lashloop.messages import HostMessage
 
 WORKSPACE = Path(__file__).parents[3]
 SESSION = 0x4C41_5348
@@ -30,7 +30,7 @@ M = TypeVar("M", bound=DriveMessage)
 PARAMETER_COUNT = len(Drive([PD]).parameters)
 
 SOON_S = 30.0
-"""For what happens soon on a machine that isn't busy, and still does on one that is."""
+"""Deadline for events that are immediate on an idle machine; sufficient on a busy one."""
 
 
 def document() -> str:
@@ -56,47 +56,47 @@ def table(above: str) -> list[list[str]]:
 
 @dataclass
 class Clock:
-    """Device time that passes only when told, or by `step_ns` each time somebody looks."""
+    """Device time that advances on request, and by `step_ns` at each reading."""
 
     now_ns: int = 0
     step_ns: int = 0
 
     def __call__(self) -> int:
-        """Look."""
+        """Read the clock."""
         self.now_ns += self.step_ns
         return self.now_ns
 
     def pass_us(self, time_us: float) -> None:
-        """Let time pass."""
+        """Advance the time."""
         self.now_ns += round(time_us * 1000)
 
 
 @dataclass
-class Bench:
-    """A drive and somebody who talks to it in messages."""
+class DriveUnderTest:
+    """A drive that is addressed by messages."""
 
     clock: Clock = field(default_factory=Clock)
     drive: Drive = field(init=False)
 
     def __post_init__(self) -> None:
-        """Power the drive."""
+        """Power up the drive."""
         self.drive = Drive([PD], clock_ns=self.clock)
         self.decoder = Decoder(FROM_DRIVE)
 
-    def heard(self, data: bytes) -> list[DriveMessage]:
-        """What the drive says, all of it whole."""
+    def decode(self, data: bytes) -> list[DriveMessage]:
+        """Messages in the bytes of the drive."""
         messages = list(self.decoder.feed(data))
         return [it for it in messages if not isinstance(it, FrameError)]
 
-    def say(self, message: HostMessage) -> list[DriveMessage]:
-        """Send a message and give what comes."""
-        answers = self.heard(self.drive.receive(encode(message)))
+    def send(self, message: HostMessage) -> list[DriveMessage]:
+        """Send a message and return all answers."""
+        answers = self.decode(self.drive.receive(encode(message)))
         assert self.decoder.counters.damaged + self.decoder.counters.refused == 0
         return answers
 
     def only(self, kind: type[M], message: HostMessage) -> M:
-        """Send a message that has one answer of this kind."""
-        (answer,) = self.say(message)
+        """Send a message and return its only answer, of this kind."""
+        (answer,) = self.send(message)
         assert isinstance(answer, kind), answer
         return answer
 
@@ -105,40 +105,40 @@ class Bench:
         return [spec.name for spec in self.drive.parameters.specs].index(name)
 
     def set(self, name: str, value: ParameterValue) -> None:
-        """Set a parameter that has to be taken."""
-        self.say(SetParameter(self.index(name), value))
+        """Set a parameter, which the drive must accept."""
+        self.send(SetParameter(self.index(name), value))
         assert self.drive.parameters.value(self.drive.parameters.specs[self.index(name)]) == value
 
-    def idle(self) -> Bench:
-        """Greet."""
-        self.say(Hello(1, SESSION))
+    def idle(self) -> DriveUnderTest:
+        """Open the session."""
+        self.send(Hello(1, SESSION))
         return self
 
-    def armed(self) -> Bench:
-        """Greet and arm."""
-        self.idle().say(Arm(SESSION))
+    def armed(self) -> DriveUnderTest:
+        """Open the session and arm."""
+        self.idle().send(Arm(SESSION))
         return self
 
-    def running(self, **settings: ParameterValue) -> Bench:
-        """Greet, set, arm and start."""
+    def running(self, **settings: ParameterValue) -> DriveUnderTest:
+        """Open the session, set, arm and start."""
         self.idle()
         for name, value in settings.items():
             self.set(name, value)
-        self.say(Arm(SESSION))
-        self.say(Start(SESSION))
+        self.send(Arm(SESSION))
+        self.send(Start(SESSION))
         return self
 
 
 def sample(sequence: int, motor: int = 0, load: int = 0, reference_rad: float = 1.0) -> EncoderSample:
-    """A sample; by default the mechanics rest at zero and the load is wanted at 1 rad, so that any law pushes."""
+    """A sample; by default of mechanics at rest at zero with a reference of 1 rad, so that any law gives torque."""
     return EncoderSample(sequence, motor, load, reference_rad)
 
 
 class Program:
-    """A program that prints the path of its terminal and serves there. Leaving the block kills it."""
+    """A program that prints the path of its pseudo-terminal and serves it. Leaving the block kills the program."""
 
     def __init__(self, words: Sequence[str | Path]) -> None:
-        """Start it and wait for the path."""
+        """Start the program and wait for the path."""
         self._process = subprocess.Popen(
             list(map(str, words)), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )
@@ -152,27 +152,27 @@ class Program:
             self.path = ""
         if not Path(self.path or "/nowhere").exists():
             self.end()
-            raise AssertionError(f"{words} said {self.path!r} in place of the path of a terminal")
+            raise AssertionError(f"{words} printed {self.path!r} instead of the path of a pseudo-terminal")
 
     def signal(self, number: int) -> None:
-        """Send it a signal."""
+        """Send a signal to the program."""
         self._process.send_signal(number)
 
     def __enter__(self) -> Program:
-        """Give the program itself."""
+        """Return the program itself."""
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Kill it."""
+        """Kill the program."""
         self.end()
 
     def end(self) -> None:
-        """Kill it, if it is still there."""
+        """Kill the program, if it still runs."""
         self._process.kill()
         self._process.communicate(timeout=SOON_S)
 
     def ended(self) -> tuple[int, str]:
-        """Wait for its own end, and give exit code and standard error."""
+        """Wait for the program to exit and return exit code and standard error."""
         _, stderr = self._process.communicate(timeout=SOON_S)
         return self._process.returncode, stderr
 
@@ -183,9 +183,9 @@ def python_drive() -> Program:
 
 
 def rust_twin() -> Program:
-    """`lashloop device` of the Rust workspace: never left out."""
+    """`lashloop device` of the Rust workspace; never omitted."""
     binary = Path(os.environ.get("LASHLOOP_BIN", WORKSPACE / "target/release/lashloop"))
     assert binary.is_file(), (
-        f"there is no {binary}: build it with `cargo build --release -p lashloop`, or name one in LASHLOOP_BIN"
+        f"{binary} is missing: build it with `cargo build --release -p lashloop`, or name one in LASHLOOP_BIN"
     )
     return Program([binary, "device"])

@@ -13,14 +13,14 @@ from support import PARAMETER_COUNT, SOON_S, Program, python_drive
 
 
 def run(*words: str) -> tuple[int, str, str]:
-    """Run it to its end and give exit code, standard output and standard error."""
+    """Run the command and return exit code, standard output and standard error."""
     ended = subprocess.run(
         [sys.executable, "-m", "lashloop", *words], capture_output=True, text=True, timeout=SOON_S, check=False
     )
     return ended.returncode, ended.stdout, ended.stderr
 
 
-def test_a_drive_prints_its_path_and_says_who_it_is() -> None:
+def test_a_drive_prints_its_path_and_reports_its_identity() -> None:
     with python_drive() as program:
         code, said, _ = run("identify", "--port", program.path)
         assert code == 0
@@ -34,7 +34,7 @@ def test_a_drive_prints_its_path_and_says_who_it_is() -> None:
         assert "protocol version      1\n" in said
 
 
-def test_a_drive_with_a_fault_says_which() -> None:
+def test_identify_names_a_latched_fault() -> None:
     with python_drive() as program:
         with Host.open(program.path) as host:
             host.emergency_stop()
@@ -43,7 +43,7 @@ def test_a_drive_with_a_fault_says_which() -> None:
     assert "fault                 EmergencyStop (sequence 0)\n" in said
 
 
-def test_parameters_are_listed_and_set_and_stay() -> None:
+def test_parameters_are_listed_set_and_retained() -> None:
     with python_drive() as program:
         code, said, _ = run("parameters", "--port", program.path, "torque_limit_nm=2.5", "telemetry_every=7")
         assert code == 0
@@ -59,12 +59,12 @@ def test_parameters_are_listed_and_set_and_stay() -> None:
     ("setting", "said"),
     [
         ("torque_limit=5", "lashloop: the drive has no parameter torque_limit; did you mean torque_limit_nm"),
-        ("torque_limit_nm=2000", "lashloop: torque_limit_nm = 2000.0: the drive takes 0 to 1000 N m\n"),
-        ("torque_limit_nm", "torque_limit_nm is no setting; it must be NAME=NUMBER\n"),
-        ("torque_limit_nm=five", "torque_limit_nm=five is no setting; it must be NAME=NUMBER\n"),
+        ("torque_limit_nm=2000", "lashloop: torque_limit_nm = 2000.0: the drive accepts 0 to 1000 N m\n"),
+        ("torque_limit_nm", "torque_limit_nm is no setting; expected NAME=NUMBER\n"),
+        ("torque_limit_nm=five", "torque_limit_nm=five is no setting; expected NAME=NUMBER\n"),
     ],
 )
-def test_mistakes_are_named_and_set_nothing(setting: str, said: str) -> None:
+def test_invalid_settings_are_named_and_set_nothing(setting: str, said: str) -> None:
     with python_drive() as program:
         code, _, error = run("parameters", "--port", program.path, "k_p1=2", setting)
         assert code == 2
@@ -73,14 +73,14 @@ def test_mistakes_are_named_and_set_nothing(setting: str, said: str) -> None:
         assert next(line.split()[1] for line in text.splitlines() if line.startswith("k_p1 ")) == "1"
 
 
-def test_a_port_that_is_not_there_is_named() -> None:
+def test_a_missing_port_is_named() -> None:
     for command in ("identify", "parameters", "drive"):
         code, said, error = run(command, "--port", "/dev/nothing")
         assert (code, said) == (4, "")
         assert error.startswith("lashloop: the port /dev/nothing can't be opened: ")
 
 
-def test_a_drive_that_hangs_is_given_up() -> None:
+def test_a_hung_drive_times_out() -> None:
     with python_drive() as program:
         program.signal(signal.SIGSTOP)
         code, _, error = run("identify", "--port", program.path)
@@ -89,7 +89,7 @@ def test_a_drive_that_hangs_is_given_up() -> None:
 
 
 def test_an_interrupted_drive_ends_without_a_traceback() -> None:
-    # As a shell starts it: whoever runs these tests in the background has interrupts ignored, and that is inherited.
+    # Restores the default handler: a test run in the background inherits ignored interrupts.
     as_from_a_shell = (
         "import runpy, signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
         "runpy.run_module('lashloop', run_name='__main__', alter_sys=True)"
@@ -100,13 +100,13 @@ def test_an_interrupted_drive_ends_without_a_traceback() -> None:
 
 
 @pytest.mark.parametrize("words", [[], ["fly"], ["identify"], ["drive", "--baud", "9"], ["drive", "--baud", "fast"]])
-def test_bad_usage_is_told_with_the_usage(words: list[str]) -> None:
+def test_bad_usage_prints_the_usage(words: list[str]) -> None:
     code, said, error = run(*words)
     assert (code, said) == (2, "")
     assert error.startswith("usage: python -m lashloop")
 
 
-def test_every_command_has_help_and_ports_always_says_something() -> None:
+def test_every_command_has_help_and_ports_prints_a_line() -> None:
     for command in ("drive", "ports", "identify", "parameters"):
         code, said, _ = run(command, "--help")
         assert code == 0
@@ -117,7 +117,7 @@ def test_every_command_has_help_and_ports_always_says_something() -> None:
     assert said
 
 
-def test_a_reader_that_has_read_enough_is_no_error() -> None:
+def test_a_closed_output_pipe_is_no_error() -> None:
     with python_drive() as program:
         words = [sys.executable, "-m", "lashloop", "parameters", "--port", program.path]
         pipe = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)

@@ -1,4 +1,4 @@
-"""The cascaded PD law: its closed form, single precision, and the specification's conversation to the byte."""
+"""The cascaded PD law: closed form, single precision, and the specification's example byte for byte."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from lashloop.control.sensing import Sensing
 from lashloop.counts import wrapped, wrapping_difference
 from lashloop.drive import Drive, Parameters
 from lashloop.drive.parameters import COMMON_PARAMETERS
-from lashloop.sequence import nearest_step, of_step
 from lashloop.enums import single
+from lashloop.sequence import nearest_step, of_step
 from support import Clock, document
 
 DEFAULTS = dict(Parameters([*COMMON_PARAMETERS, *PD.parameters]))
@@ -43,7 +43,7 @@ def test_the_first_torque_is_the_closed_form_of_the_law(motor: int, load: int, r
     assert have.dead_zone_estimate_rad == single(0.16)
 
 
-def test_velocities_reach_their_share_of_a_step_exactly() -> None:
+def test_velocities_follow_a_step_with_the_exact_lag() -> None:
     sensing = Sensing(DEFAULTS)
     sensing.step(at(0, 0))
     for step in range(1, 11):
@@ -71,7 +71,7 @@ def test_the_rate_terms_are_those_of_the_law() -> None:
     assert have.torque_nm == pytest.approx(feed_forward - elastic_error - 0.01 * rate - motor_error, rel=1e-5)
 
 
-def test_a_jump_of_the_reference_is_no_velocity() -> None:
+def test_a_jump_of_the_reference_has_no_velocity() -> None:
     sensing = Sensing(DEFAULTS)
     rates = []
     for reference_rad in (0.0, 1.0, 1.01, 1.02, 1.03):
@@ -80,7 +80,7 @@ def test_a_jump_of_the_reference_is_no_velocity() -> None:
     assert rates == [(0, 0), (0, 0), (10, 0), (10, 0), (10, 0)]
 
 
-def test_velocity_and_twist_survive_a_thousand_radians_in_single_precision() -> None:
+def test_velocity_and_twist_are_exact_at_1000_rad() -> None:
     fine = DEFAULTS | {"motor_counts_per_rev": 2**20, "load_counts_per_rev": 2**20, "motor_filter_rad_s": 1e6}
     sensing = Sensing(fine | {"load_filter_rad_s": 1e6})
     load = 166_886_053
@@ -92,7 +92,7 @@ def test_velocity_and_twist_survive_a_thousand_radians_in_single_precision() -> 
     assert float(it.twist_rad) == pytest.approx(5 * count, rel=1e-6)
 
 
-def test_an_encoder_that_has_turned_beyond_any_reading_keeps_position_and_velocity() -> None:
+def test_positions_beyond_24_bits_keep_their_velocity() -> None:
     sensing = Sensing(DEFAULTS)
     sensing.step(at(2**31 - 2, 0))
     it = sensing.step(at(2**31 + 1, 0))
@@ -108,25 +108,25 @@ def test_everything_is_computed_in_single_precision() -> None:
             assert number == float(np.float32(number))
 
 
-def test_resolutions_that_are_too_far_apart_are_named() -> None:
+def test_resolutions_that_differ_too_much_are_named() -> None:
     far = {"motor_counts_per_rev": 2**24, "load_counts_per_rev": 4, "reduction_ratio": 10.0}
     with pytest.raises(InconsistentError, match="motor counts per load count"):
         PD.build(DEFAULTS | far)
 
 
 @given(st.integers(-(2**23), 2**23 - 1), st.integers(-(2**23) + 1, 2**23 - 1))
-def test_the_difference_of_two_readings_is_what_the_encoder_moved(before: int, moved: int) -> None:
+def test_the_difference_of_two_readings_is_the_travel(before: int, moved: int) -> None:
     assert wrapping_difference(wrapped(before + moved), before) == moved
 
 
 @given(st.integers(0, 2**40), st.integers(-(2**15), 2**15 - 1))
-def test_a_step_is_found_again_from_its_sequence(step: int, ahead: int) -> None:
+def test_a_step_is_recovered_from_its_sequence(step: int, ahead: int) -> None:
     meant = step + ahead
     assert nearest_step(of_step(meant), step) == (meant if meant >= 0 else None)
 
 
-def test_the_conversation_of_the_specification_comes_to_the_byte() -> None:
-    # A drive with the name plate of the example. Its other laws are never asked.
+def test_the_specification_s_example_is_reproduced_byte_for_byte() -> None:
+    # A drive with the identity of the example. Its other laws are never run.
     shown = [bytes.fromhex(line[7:]) for line in document().splitlines() if line.startswith("frame: ")]
     clock = Clock(step_ns=5_700)
     laws = [PD, *(ControlLaw(number, (), PD.build) for number in (2, 3, 4))]

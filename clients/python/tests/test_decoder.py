@@ -1,4 +1,4 @@
-"""The decoder finds its way through splits, noise and damage, and counts what it met."""
+"""The decoder handles splits, noise and damage, and counts them."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lashloop.decoder import Counters, Decoder
+from lashloop.enums import ParameterValue
 from lashloop.frames import FROM_HOST, FrameError, crc32c, encode
 from lashloop.messages import Arm, EncoderSample, GetParameter, HostMessage, LineReport, SetParameter, Stop
-from lashloop.enums import ParameterValue
 
 SESSIONS = st.integers(0, 2**32 - 1)
 SEQUENCES = st.integers(0, 2**16 - 1)
@@ -27,29 +27,29 @@ MESSAGES: st.SearchStrategy[HostMessage] = st.one_of(
 
 
 def decoded(pieces: list[bytes]) -> tuple[list[HostMessage], Counters]:
-    """The good messages of a stream in pieces, and what was counted."""
+    """The messages of a stream in pieces, and the counters."""
     decoder = Decoder(FROM_HOST)
     items = [item for piece in pieces for item in decoder.feed(piece)]
     return [item for item in items if not isinstance(item, FrameError)], decoder.counters
 
 
 def split(data: bytes, places: list[int]) -> list[bytes]:
-    """A stream cut at these places."""
+    """A stream divided at these places."""
     cuts = [0, *sorted(place % (len(data) + 1) for place in places), len(data)]
     return [data[start:end] for start, end in pairwise(cuts)]
 
 
 @given(st.lists(MESSAGES), st.lists(st.integers(0, 10**6)))
-def test_messages_come_whole_however_the_stream_is_cut(messages: list[HostMessage], places: list[int]) -> None:
+def test_messages_are_decoded_from_any_pieces(messages: list[HostMessage], places: list[int]) -> None:
     stream = b"".join(map(encode, messages))
     assert decoded(split(stream, places)) == (messages, Counters(messages=len(messages)))
 
 
 @given(st.binary(), MESSAGES, st.lists(st.integers(0, 10**6)))
-def test_after_a_delimiter_any_noise_is_forgotten(noise: bytes, message: HostMessage, places: list[int]) -> None:
+def test_noise_before_a_delimiter_has_no_effect_after_it(noise: bytes, message: HostMessage, places: list[int]) -> None:
     messages, counters = decoded(split(noise + b"\0" + encode(message), places))
     assert messages[-1] == message
-    # Every byte belongs to a good frame, a bad one, or is a delimiter alone.
+    # Every byte belongs to a good frame, to a bad frame, or is an idle delimiter.
     alone = sum(not piece for piece in (noise + b"\0").split(b"\0")[:-1])
     good = sum(len(encode(it)) for it in messages[:-1])
     assert counters.discarded_bytes + alone + good == len(noise) + 1
@@ -66,7 +66,7 @@ def test_a_frame_with_a_flipped_bit_is_no_message(message: HostMessage, place: i
     assert counters.damaged + frame[:-1].count(0) >= 1
 
 
-def test_each_sort_of_damage_has_its_counter() -> None:
+def test_every_kind_of_damage_has_a_counter() -> None:
     whole = encode(GetParameter(3))
     bad_crc = whole[:-2] + bytes([whole[-2] ^ 2]) + b"\0"
     stream = [
@@ -91,8 +91,8 @@ def test_each_sort_of_damage_has_its_counter() -> None:
     )
 
 
-def test_the_longest_frame_is_taken_and_one_byte_more_is_not() -> None:
-    # 63 bytes before the delimiter are whole, and refused for what they hold; 64 can't be a frame.
+def test_the_longest_frame_has_64_bytes() -> None:
+    # 63 bytes before the delimiter are a whole frame, rejected for its body; 64 exceed a frame.
     for length, wanted in (
         (58, Counters(refused=1, discarded_bytes=64)),
         (59, Counters(oversized=1, discarded_bytes=65)),
@@ -102,13 +102,13 @@ def test_the_longest_frame_is_taken_and_one_byte_more_is_not() -> None:
         assert decoded([stuffed + b"\0"]) == ([], wanted)
 
 
-def test_counters_are_those_at_the_message_given_last() -> None:
+def test_counters_include_the_last_item_returned() -> None:
     decoder = Decoder(FROM_HOST)
     seen = [decoder.counters.messages for _ in decoder.feed(encode(Stop()) * 3)]
     assert seen == [1, 2, 3]
 
 
-def test_noise_without_end_takes_no_room() -> None:
+def test_endless_noise_needs_no_memory() -> None:
     decoder = Decoder(FROM_HOST)
     for _ in range(1000):
         assert list(decoder.feed(b"\x55" * 1000)) == []

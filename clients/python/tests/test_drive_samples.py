@@ -8,6 +8,7 @@ import pytest
 
 from lashloop.control import ControlInput, ControlLaw, ControlOutput
 from lashloop.drive import Drive
+from lashloop.enums import FaultCode, ParameterValue, TorqueFlags
 from lashloop.frames import encode
 from lashloop.messages import (
     EncoderSample,
@@ -16,20 +17,19 @@ from lashloop.messages import (
     Telemetry,
     TorqueAnswer,
 )
-from lashloop.enums import FaultCode, ParameterValue, TorqueFlags
-from running import QUIET, SLOW, fault, place, running_at, torque
-from support import Bench, sample, table
+from running_drive import QUIET, SLOW, classification, fault, running_at, torque
+from support import DriveUnderTest, sample, table
 
 LAST = 2**16 - 2  # so that what follows wraps
 
 
-def at_last() -> Bench:
-    """A running drive whose last sequence is `LAST`. It is brought there by gaps, to be there soon."""
-    bench = Bench()
+def at_last() -> DriveUnderTest:
+    """A running drive whose last sequence is `LAST`, reached by gaps to save time."""
+    bench = DriveUnderTest()
     bench.running(**QUIET, **SLOW)
     for sequence in (*range(0, LAST - 1, 999), LAST - 1):
-        assert place(bench, sequence) == ("after a gap" if sequence else "taken")
-    assert place(bench, LAST) == "taken"
+        assert classification(bench, sequence) == ("after a gap" if sequence else "taken")
+    assert classification(bench, LAST) == "taken"
     return bench
 
 
@@ -45,11 +45,11 @@ def at_last() -> Bench:
         ((LAST + 2**15) % 2**16, "stray"),
     ],
 )
-def test_where_a_sample_stands_is_told_by_its_sequence_modulo_2_to_the_16(sequence: int, is_: str) -> None:
-    assert place(at_last(), sequence) == is_
+def test_a_sample_is_classified_by_its_sequence_modulo_2_16(sequence: int, is_: str) -> None:
+    assert classification(at_last(), sequence) == is_
 
 
-def test_the_table_of_sequences_is_the_one_tested() -> None:
+def test_the_tests_cover_the_table_of_sequences() -> None:
     rows = [row[:2] for row in table("## 7. Samples and torques")]
     assert rows == [
         ["0, none taken yet", "first"],
@@ -61,48 +61,48 @@ def test_the_table_of_sequences_is_the_one_tested() -> None:
 
 
 @pytest.mark.parametrize("sequence", [1, 5, 1000, 2**16 - 1])
-def test_only_sequence_0_begins_a_run(sequence: int) -> None:
+def test_only_sequence_0_starts_a_run(sequence: int) -> None:
     bench = running_at()
-    assert place(bench, sequence) == "stray"
-    assert place(bench, 0) == "taken"
+    assert classification(bench, sequence) == "stray"
+    assert classification(bench, 0) == "taken"
 
 
-def test_a_repeated_sample_gets_the_same_answer_whatever_it_carries_and_makes_no_step() -> None:
+def test_a_repeated_sample_gets_the_same_answer_without_a_step() -> None:
     disturbed, quiet = running_at(), running_at()
     for sequence in range(20):
         it = sample(sequence, motor=3 * sequence, load=sequence)
-        first = torque(disturbed.say(it))
-        again = torque(disturbed.say(EncoderSample(sequence, 999, -999, math.nan)))
+        first = torque(disturbed.send(it))
+        again = torque(disturbed.send(EncoderSample(sequence, 999, -999, math.nan)))
         assert again.torque_nm == first.torque_nm
         assert again.status.flags == first.status.flags | TorqueFlags.REPEATED
-        assert first.torque_nm == torque(quiet.say(it)).torque_nm
+        assert first.torque_nm == torque(quiet.send(it)).torque_nm
 
 
 def test_a_stray_sample_makes_no_step() -> None:
     disturbed, quiet = running_at(), running_at()
     for sequence in range(20):
         it = sample(sequence, motor=3 * sequence, load=sequence)
-        assert torque(disturbed.say(it)).torque_nm == torque(quiet.say(it)).torque_nm
-        assert place(disturbed, (sequence + 2**15) % 2**16) == "stray"
+        assert torque(disturbed.send(it)).torque_nm == torque(quiet.send(it)).torque_nm
+        assert classification(disturbed, (sequence + 2**15) % 2**16) == "stray"
 
 
-def test_a_gap_is_told_once_and_velocities_are_over_the_time_that_passed() -> None:
+def test_a_gap_is_flagged_once_and_velocities_span_it() -> None:
     every, gappy = running_at(), running_at()
     for sequence in range(61):
         it = sample(sequence, motor=12 * sequence, load=4 * sequence)
-        wanted = torque(every.say(it))
+        wanted = torque(every.send(it))
         if sequence % 3 == 0:
-            have = torque(gappy.say(it))
+            have = torque(gappy.send(it))
             assert (TorqueFlags.GAP in have.status.flags) == (sequence > 0)
             assert have.torque_nm == pytest.approx(wanted.torque_nm, rel=1e-5)
 
 
-def test_the_torque_is_cut_to_the_limit_and_flagged() -> None:
-    free_nm = torque(Bench().running(**QUIET).say(sample(0))).torque_nm
+def test_the_torque_is_clamped_to_the_limit_and_flagged() -> None:
+    free_nm = torque(DriveUnderTest().running(**QUIET).send(sample(0))).torque_nm
     assert abs(free_nm) == pytest.approx(13.0, abs=0.01)
     for limit_nm, wanted_nm, flags in ((5.0, 5.0, TorqueFlags.SATURATED), (20.0, free_nm, TorqueFlags(0))):
-        bench = Bench().running(torque_limit_nm=ParameterValue.f32(limit_nm))
-        answer, telemetry = bench.say(sample(0))
+        bench = DriveUnderTest().running(torque_limit_nm=ParameterValue.f32(limit_nm))
+        answer, telemetry = bench.send(sample(0))
         assert isinstance(answer, TorqueAnswer)
         assert isinstance(telemetry, Telemetry)
         assert (answer.torque_nm, answer.status.flags) == (math.copysign(wanted_nm, free_nm), flags)
@@ -111,48 +111,48 @@ def test_the_torque_is_cut_to_the_limit_and_flagged() -> None:
 
 
 def test_telemetry_follows_every_n_th_sequence_and_can_be_changed_while_running() -> None:
-    bench = Bench().running(telemetry_every=ParameterValue.u32(3))
-    assert [len(bench.say(sample(it))) for it in range(7)] == [2, 1, 1, 2, 1, 1, 2]
+    bench = DriveUnderTest().running(telemetry_every=ParameterValue.u32(3))
+    assert [len(bench.send(sample(it))) for it in range(7)] == [2, 1, 1, 2, 1, 1, 2]
     bench.set("telemetry_every", ParameterValue.u32(0))
-    assert [len(bench.say(sample(it))) for it in range(7, 14)] == [1] * 7
+    assert [len(bench.send(sample(it))) for it in range(7, 14)] == [1] * 7
     bench.set("telemetry_every", ParameterValue.u32(1))
-    assert [len(bench.say(sample(it))) for it in range(14, 17)] == [2] * 3
+    assert [len(bench.send(sample(it))) for it in range(14, 17)] == [2] * 3
 
 
 @pytest.mark.parametrize("reference_rad", [math.nan, math.inf, -math.inf])
-def test_a_reference_that_is_no_number_is_a_fault(reference_rad: float) -> None:
-    it = fault(running_at(0, 1).say(sample(2, reference_rad=reference_rad)))
+def test_a_reference_that_is_not_finite_is_a_fault(reference_rad: float) -> None:
+    it = fault(running_at(0, 1).send(sample(2, reference_rad=reference_rad)))
     assert (it.code, it.sequence, it.limit) == (FaultCode.REFERENCE_NOT_FINITE, 2, 0.0)
     assert str(it.value) == str(reference_rad)
 
 
 class Wild:
-    """A law that asks for what it is told."""
+    """A law whose torque is given by the test."""
 
     wants_nm = 0.0
 
     def step(self, sample: ControlInput) -> ControlOutput:
-        """Ask."""
+        """Return the torque."""
         del sample
         return ControlOutput(self.wants_nm, load_error_rad=1e300)
 
 
 @pytest.mark.parametrize("wants_nm", [math.nan, math.inf, -math.inf, 1e39])
-def test_a_torque_that_is_no_number_of_single_precision_is_a_fault(wants_nm: float) -> None:
+def test_a_torque_that_is_not_finite_is_a_fault(wants_nm: float) -> None:
     wild = Wild()
-    bench = Bench()
+    bench = DriveUnderTest()
     bench.drive = Drive([ControlLaw(1, (), lambda _: wild)], clock_ns=bench.clock)
     bench.running()
-    telemetry = bench.say(sample(0))[-1]
+    telemetry = bench.send(sample(0))[-1]
     assert isinstance(telemetry, Telemetry)
     assert telemetry.load_error_rad == math.inf
     wild.wants_nm = wants_nm
-    it = fault(bench.say(sample(1)))
+    it = fault(bench.send(sample(1)))
     assert (it.code, it.limit) == (FaultCode.TORQUE_NOT_FINITE, 20.0)
     assert bench.drive.torque_nm == 0.0
 
 
-def test_a_law_is_told_the_torque_that_was_applied_and_the_periods_that_passed() -> None:
+def test_a_law_gets_applied_torque_and_elapsed_periods() -> None:
     seen: list[ControlInput] = []
 
     class Listening:
@@ -160,11 +160,11 @@ def test_a_law_is_told_the_torque_that_was_applied_and_the_periods_that_passed()
             seen.append(sample)
             return ControlOutput(100.0)
 
-    bench = Bench()
+    bench = DriveUnderTest()
     bench.drive = Drive([ControlLaw(1, (), lambda _: Listening())], clock_ns=bench.clock)
     bench.running(**QUIET)
     for sequence in (0, 1, 4):
-        bench.say(sample(sequence, motor=sequence, load=-sequence))
+        bench.send(sample(sequence, motor=sequence, load=-sequence))
     assert seen == [
         ControlInput(0, 0, 1.0, 0.0, 1),
         ControlInput(1, -1, 1.0, 20.0, 1),
@@ -172,33 +172,33 @@ def test_a_law_is_told_the_torque_that_was_applied_and_the_periods_that_passed()
     ]
 
 
-def test_limits_are_those_at_the_start() -> None:
-    bench = Bench().armed()
-    # What is not live can't be set any more, so nothing can change a run's limits.
+def test_limits_of_a_run_are_those_at_its_start() -> None:
+    bench = DriveUnderTest().armed()
+    # Parameters that are not live can't be set while running, so the limits of a run are constant.
     for name in ("torque_limit_nm", "watchdog_us", "motor_speed_limit_rad_s", "load_speed_limit_rad_s"):
         assert not bench.drive.parameters.specs[bench.index(name)].live
 
 
-def test_the_time_of_an_answer_is_device_time_and_stays_at_its_largest_value() -> None:
+def test_the_compute_time_is_device_time_and_saturates() -> None:
     for step_ns, wanted in ((5_730, 57), (6_553_500, 65_535), (7_000_000, 65_535)):
         bench = running_at()
         bench.clock.step_ns = step_ns
-        assert torque(bench.say(sample(0))).compute_tenths_us == wanted
+        assert torque(bench.send(sample(0))).compute_tenths_us == wanted
 
 
-def test_the_line_report_counts_each_run_anew_and_the_stop_as_the_last() -> None:
-    bench = Bench().idle()
+def test_the_line_report_counts_per_run_including_the_stop() -> None:
+    bench = DriveUnderTest().idle()
     noise = b"\x05\x05\0" + b"\x55" * 100 + b"\0" + encode(LineReport(0, 0, 0, 0))
     bench.drive.receive(noise)
     bench.drive.note_overruns(5)
     bench = bench.running(**QUIET)
-    bench.say(sample(0))
+    bench.send(sample(0))
     bench.drive.receive(noise + b"\0\0\0")
     bench.drive.note_overruns(3)
-    report, _ = bench.say(Stop())
+    report, _ = bench.send(Stop())
     assert report == LineReport(messages=2, damaged=2, refused=1, overruns=3)
     bench.running(**QUIET)
-    report, _ = bench.say(Stop())
+    report, _ = bench.send(Stop())
     assert report == LineReport(messages=1, damaged=0, refused=0, overruns=0)
 
 
@@ -209,15 +209,15 @@ def test_a_damaged_sample_changes_nothing_and_is_not_answered() -> None:
         frame[bit // 8] ^= 1 << bit % 8
         assert bench.drive.receive(bytes(frame)) == b""
         frame[bit // 8] ^= 1 << bit % 8
-    assert place(bench, 1) == "taken"
+    assert classification(bench, 1) == "taken"
 
 
-def test_a_new_start_begins_anew() -> None:
-    bench = Bench()
+def test_a_new_start_resets_the_law() -> None:
+    bench = DriveUnderTest()
     runs = []
     for _ in range(2):
         bench.running(**QUIET)
         samples = [sample(it, motor=3 * it, load=it) for it in range(30)]
-        runs.append([torque(bench.say(it)).torque_nm for it in samples])
-        bench.say(Stop())
+        runs.append([torque(bench.send(it)).torque_nm for it in samples])
+        bench.send(Stop())
     assert runs[0] == runs[1]

@@ -1,4 +1,4 @@
-"""Messages and frames against the frames that all languages share, and against the specification."""
+"""Messages and frames agree with the golden frames and with the specification."""
 
 from __future__ import annotations
 
@@ -9,9 +9,6 @@ import pytest
 from cobs import cobs
 
 from lashloop import frames, messages
-from lashloop.errors import FieldError
-from lashloop.frames import FROM_DRIVE, FROM_HOST, CrcError, MalformedError, OversizedError, RefusedError
-from lashloop.messages import DRIVE_MESSAGES, HOST_MESSAGES, LAYOUTS, Log, Message
 from lashloop.enums import (
     ControllerId,
     Controllers,
@@ -26,9 +23,12 @@ from lashloop.enums import (
     TorqueStatus,
     Version,
     WireEnum,
+    shortest,
     single,
-    spell,
 )
+from lashloop.errors import FieldError
+from lashloop.frames import FROM_DRIVE, FROM_HOST, BodyError, CrcError, MalformedError, OversizedError
+from lashloop.messages import DRIVE_MESSAGES, HOST_MESSAGES, LAYOUTS, Log, Message
 from support import WORKSPACE, document, table
 
 GOLDEN = json.loads((WORKSPACE / "protocol/golden/v1.json").read_text())
@@ -42,7 +42,7 @@ def direction(kind: int) -> Any:
 
 
 def from_json(name: str, value: Any) -> Any:
-    """A field as the shared file has it, as the message has it."""
+    """A field of the golden file, converted to the value of the message."""
     if name == "status":
         return TorqueStatus(**{part: from_json(part, it) for part, it in value.items()})
     if isinstance(value, dict):
@@ -61,7 +61,7 @@ def from_json(name: str, value: Any) -> Any:
 
 
 @pytest.mark.parametrize("golden", GOLDEN["frames"], ids=lambda it: str(it["name"]))
-def test_shared_frames_are_read_field_by_field_and_written_again_byte_by_byte(golden: dict[str, Any]) -> None:
+def test_golden_frames_decode_and_encode_to_the_same_bytes(golden: dict[str, Any]) -> None:
     frame = bytes.fromhex(golden["frame"])
     message_type = getattr(messages, golden["name"])
     fields = {name: from_json(name, value) for name, value in golden["fields"].items()}
@@ -69,7 +69,7 @@ def test_shared_frames_are_read_field_by_field_and_written_again_byte_by_byte(go
     assert frames.encode(message_type(**fields)) == frame
 
 
-def test_the_shared_file_has_every_message_of_this_version() -> None:
+def test_the_golden_file_has_every_message() -> None:
     assert GOLDEN["protocol_version"] == messages.PROTOCOL_VERSION
     assert [it["name"] for it in GOLDEN["frames"]] == [it.__name__ for it in ALL]
 
@@ -114,7 +114,7 @@ def test_the_crc_has_the_check_value_and_residue_of_the_specification() -> None:
     rows = dict(row[:2] for row in table("### CRC"))
     checksum = frames.crc32c(b"123456789")
     assert checksum == int(rows["check value"], 16)
-    # The residue is what stays in the register after a body and its own CRC, before the final xor.
+    # The residue is the register after a body with its CRC, before the final xor.
     with_crc = frames.crc32c(b"123456789" + checksum.to_bytes(4, "little"))
     assert with_crc ^ 0xFFFFFFFF == int(rows["residue"], 16)
 
@@ -146,14 +146,14 @@ def test_limits_are_those_of_the_specification() -> None:
         (Log(LogLevel.INFO, "a\0b"), "Log.text is"),
     ],
 )
-def test_a_value_that_a_field_can_t_hold_is_named_with_its_limits(message: Message, said: str) -> None:
+def test_a_value_outside_its_field_is_named_with_the_range(message: Message, said: str) -> None:
     with pytest.raises(FieldError) as raised:
         frames.encode(message)
     assert str(raised.value).startswith(said)
 
 
 def sealed(body: bytes) -> bytes:
-    """A body as a whole frame, whatever it is."""
+    """A frame around any body."""
     stuffed: bytes = cobs.encode(body + frames.crc32c(body).to_bytes(4, "little"))
     return stuffed + b"\0"
 
@@ -171,8 +171,8 @@ def sealed(body: bytes) -> bytes:
     ],
     ids=["kind 0", "unknown kind", "other direction", "too short", "too long", "value of type 3", "value of type 0"],
 )
-def test_a_whole_frame_that_is_no_message_is_refused(body: bytes) -> None:
-    with pytest.raises(RefusedError):
+def test_a_whole_frame_that_is_no_message_is_rejected(body: bytes) -> None:
+    with pytest.raises(BodyError):
         frames.decode(sealed(body), FROM_HOST)
 
 
@@ -201,12 +201,12 @@ def test_a_whole_frame_that_is_no_message_is_refused(body: bytes) -> None:
         "not UTF-8",
     ],
 )
-def test_a_field_that_holds_no_value_of_its_type_is_refused(body: bytes) -> None:
-    with pytest.raises(RefusedError):
+def test_a_field_with_an_invalid_value_is_rejected(body: bytes) -> None:
+    with pytest.raises(BodyError):
         frames.decode(sealed(body), FROM_DRIVE)
 
 
-def test_a_control_law_without_a_name_is_no_reason_to_refuse_an_identity() -> None:
+def test_an_identity_may_offer_unnamed_control_laws() -> None:
     golden = next(it for it in GOLDEN["frames"] if it["name"] == "Identity")
     body = bytearray(frames.open_frame(bytes.fromhex(golden["frame"])[:-1]))
     body[42:44] = b"\x02\x80"
@@ -216,7 +216,7 @@ def test_a_control_law_without_a_name_is_no_reason_to_refuse_an_identity() -> No
     assert identity.controllers.offers(15)
 
 
-def test_damage_is_told_apart() -> None:
+def test_kinds_of_damage_are_distinguished() -> None:
     whole = frames.encode(messages.Stop())
     with pytest.raises(CrcError):
         frames.decode(whole[:2] + bytes([whole[2] ^ 1]) + whole[3:], FROM_HOST)
@@ -228,7 +228,7 @@ def test_damage_is_told_apart() -> None:
         frames.decode(b"\x01" * 64 + b"\0", FROM_HOST)
 
 
-def test_the_frames_of_the_specification_s_conversation_are_read_and_written_again() -> None:
+def test_frames_of_the_specification_decode_and_encode_again() -> None:
     shown = [bytes.fromhex(line[7:]) for line in document().splitlines() if line.startswith("frame: ")]
     assert len(shown) == 16
     for frame in shown:
@@ -236,6 +236,6 @@ def test_the_frames_of_the_specification_s_conversation_are_read_and_written_aga
         assert frames.encode(frames.decode(frame, direction(kind))) == frame
 
 
-def test_numbers_are_spelt_with_the_fewest_digits_that_give_them_again() -> None:
+def test_numbers_have_the_fewest_digits_that_read_back() -> None:
     for text in ["0.1", "0.333333", "0.3333333", "1000000", "-20.5", "0.000972", "1e-09", "nan", "inf", "0"]:
-        assert spell(single(float(text))) == text
+        assert shortest(single(float(text))) == text

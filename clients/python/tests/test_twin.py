@@ -1,4 +1,4 @@
-"""The host drives the Rust drive: the native twin as a process on a pseudo-terminal."""
+"""The host with the Rust drive: the native twin as a process on a pseudo-terminal."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import pytest
 from lashloop.control import ControlInput
 from lashloop.control.cascade import PD
 from lashloop.drive import Drive
-from lashloop.host import DriveFaultError, Host
 from lashloop.enums import FaultCode, State
+from lashloop.host import DriveFaultError, Host
 from support import rust_twin
 
 PERIOD_S = 1e-3
@@ -18,15 +18,15 @@ COUNTS_PER_REV = 131_072
 
 
 class Plant:
-    """Motor and load with a spring and a gap between them, integrated in small steps: enough to close a loop."""
+    """Motor and load with a spring and a gap, integrated in small steps."""
 
     def __init__(self) -> None:
-        """The load a quarter of a turn from zero, the motor in line, both at rest. Table 1 of the paper."""
+        """The load a quarter of a revolution from zero, the motor aligned, both at rest. Table 1 of the paper."""
         self.motor_rad, self.motor_rad_s = 1.5 * math.pi, 0.0
         self.load_rad, self.load_rad_s = 0.5 * math.pi, 0.0
 
     def counts(self) -> dict[str, int]:
-        """What the encoders read."""
+        """Readings of the encoders."""
         per_rad = COUNTS_PER_REV / math.tau
         return {
             "motor_counts": math.floor(self.motor_rad * per_rad),
@@ -34,7 +34,7 @@ class Plant:
         }
 
     def step(self, torque_nm: float) -> None:
-        """Let a control period pass."""
+        """Advance by one control period."""
         steps = 50
         for _ in range(steps):
             twist = self.motor_rad - 3.0 * self.load_rad
@@ -48,7 +48,7 @@ class Plant:
 
 
 def prepared(host: Host) -> Host:
-    """A host that has set up the plain cascade."""
+    """A host in a run of the cascade."""
     host.reset()
     host.set("controller", 1)
     host.set("torque_limit_nm", 25.0)
@@ -58,7 +58,7 @@ def prepared(host: Host) -> Host:
     return host
 
 
-def test_a_closed_loop_with_the_twin_has_the_torque_of_the_law_and_brings_the_load_home() -> None:
+def test_a_closed_loop_with_the_twin_moves_the_load_to_the_reference() -> None:
     plant = Plant()
     law = PD.build(dict(Drive([PD]).parameters))
     with rust_twin() as twin, Host.open(twin.path) as host:
@@ -70,12 +70,12 @@ def test_a_closed_loop_with_the_twin_has_the_torque_of_the_law_and_brings_the_lo
             torque_nm = host.torque(**counts, reference_rad=0.0)
             if step == 0:
                 # At rest and without twist, encoders read at the middle of their counts: -(K_P2 + N0) K_P1 theta_s,
-                # but for the count by which the motor's middle is off three times the load's.
+                # apart from one count between the motor's middle and three times the load's.
                 theta_e, theta_s = ((it + 0.5) * math.tau / COUNTS_PER_REV for it in counts.values())
                 wanted_nm = -(theta_e - 3 * theta_s) - (theta_e + 10 * theta_s)
                 assert torque_nm == pytest.approx(wanted_nm, abs=1e-5)
                 assert torque_nm == pytest.approx(-13 * math.pi / 2, abs=1e-3)
-            # The law of this package gives the same number, to the last bit.
+            # The law of this package gives the same torque bit for bit.
             ours = law.step(ControlInput(**counts, reference_rad=0.0, applied_torque_nm=applied_nm, elapsed_periods=1))
             assert torque_nm == ours.torque_nm, f"sample {step}"
             applied_nm = torque_nm
@@ -85,11 +85,11 @@ def test_a_closed_loop_with_the_twin_has_the_torque_of_the_law_and_brings_the_lo
         assert host.lost == 0
         assert host.telemetry is not None
         assert host.telemetry.step == 2990
-    # The load creeps home: less than half of its way is left after 3 s, and it has not run past.
+    # The load approaches zero slowly: less than half of its travel remains after 3 s, without overshoot.
     assert 0.0 < plant.load_rad < 0.25 * math.pi
 
 
-def test_the_twin_s_parameters_are_learnt_set_and_read_back() -> None:
+def test_the_twin_s_parameters_are_described_set_and_read_back() -> None:
     with rust_twin() as twin, Host.open(twin.path) as host:
         ours = {spec.name: spec for spec in Drive([PD]).parameters.specs}
         assert list(host.parameters) == list(ours)
@@ -106,7 +106,7 @@ def test_the_twin_s_parameters_are_learnt_set_and_read_back() -> None:
         assert [number for number in range(16) if host.identity.controllers.offers(number)] == [1, 2, 3, 4]
 
 
-def test_a_jump_of_an_encoder_is_a_fault_of_the_twin_with_value_and_limit() -> None:
+def test_an_encoder_jump_on_the_twin_reports_value_and_limit() -> None:
     with rust_twin() as twin, Host.open(twin.path) as host:
         prepared(host)
         host.torque(motor_counts=0, load_counts=0, reference_rad=0.0)
@@ -114,7 +114,7 @@ def test_a_jump_of_an_encoder_is_a_fault_of_the_twin_with_value_and_limit() -> N
             host.torque(motor_counts=0, load_counts=50_000, reference_rad=0.0)
         fault = it.value.fault.message
         assert (fault.code, fault.sequence, fault.limit) == (FaultCode.LOAD_ENCODER_JUMP, 1, 100.0)
-        # A count is taken off: an encoder that shows one count more may have turned hardly at all.
+        # One count is subtracted, because a difference of one count may result from a negligible travel.
         assert fault.value == pytest.approx(49_999 * math.tau / COUNTS_PER_REV / PERIOD_S, rel=1e-6)
         host.clear_fault()
         assert host.emergency_stop().message.code is FaultCode.EMERGENCY_STOP
@@ -122,7 +122,7 @@ def test_a_jump_of_an_encoder_is_a_fault_of_the_twin_with_value_and_limit() -> N
         host.arm()
 
 
-def test_a_twin_with_a_fault_tells_the_next_host() -> None:
+def test_a_latched_fault_is_reported_to_the_next_host() -> None:
     with rust_twin() as twin:
         with Host.open(twin.path) as host:
             host.emergency_stop()

@@ -1,8 +1,8 @@
-//! What reading and writing the two messages of a control period costs on a Cortex-M4F, in instructions.
+//! Instructions on a Cortex-M4F to encode and decode the two messages of a control period.
 //!
-//! An image for the emulator, built as the drive's is. With `-icount shift=6` every instruction takes QEMU 64 ns and
-//! SysTick counts at 168 MHz, so 10.752 counts are an instruction. Lines go out on USART2: first a loop whose
-//! instructions are known, then for each message its bytes and the instructions to encode and to decode it.
+//! An image for the emulator, built like the drive's. With `-icount shift=6` QEMU executes one instruction in 64 ns and
+//! counts SysTick at 168 MHz, so 10.752 counts are one instruction. The image prints lines on USART2: first a loop of a
+//! known number of instructions, then for each message its bytes and the instructions to encode and to decode it.
 
 #![no_std]
 #![no_main]
@@ -21,7 +21,7 @@ use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Config;
 use stm32f4xx_hal::serial;
 
-/// Calls between two looks at the time: the instructions of the look are spread over all of them.
+/// Calls between two readings of the time, so that the instructions of a reading weigh little.
 const CALLS: u32 = 256;
 /// SysTick's counter has 24 bits.
 const LAST_COUNT: u32 = 0x00ff_ffff;
@@ -29,13 +29,15 @@ const LAST_COUNT: u32 = 0x00ff_ffff;
 #[entry]
 fn main() -> ! {
     let (Some(core), Some(device)) = (cortex_m::Peripherals::take(), Peripherals::take()) else {
-        unreachable!("nobody has taken them before");
+        unreachable!("the peripherals are taken once, here");
     };
     start(core.SYST);
     let mut rcc = device.RCC.freeze(Config::hsi());
     let pin = device.GPIOA.split(&mut rcc).pa2;
-    let mut out =
-        device.USART2.tx(pin, serial::Config::default(), &mut rcc).expect("9600 bit/s are possible");
+    let mut out = device
+        .USART2
+        .tx(pin, serial::Config::default(), &mut rcc)
+        .expect("9600 bit/s are in the range of the divider");
 
     let sample = |sequence, counts: [i64; 2], reference| {
         let [motor_counts, load_counts] = counts.map(EncoderCounts::wrapping);
@@ -46,10 +48,11 @@ fn main() -> ! {
         let status = TorqueStatus { state: State::Running, flags };
         DriveMessage::from(TorqueAnswer { sequence, torque_nm, status, compute_tenths_us })
     };
-    // A round more than asked for, of two instructions each, and a few to align the loop.
+    // The loop has one round more than its argument, of two instructions each, and a few to align it.
     let known = instructions(|| cortex_m::asm::delay(1000));
     let _ = writeln!(out, "loop-of-2002 {known}");
-    // The second cycle of the conversation in the protocol's document; then the bytes that are the extremes of stuffing.
+    // The second cycle of the conversation in the protocol's document; then the bytes that are the extremes of
+    // stuffing.
     report(&mut out, "sample", &sample(1, [98_104, 32_766], 0));
     report(&mut out, "sample-zeros", &sample(0, [0; 2], 0));
     report(&mut out, "sample-no-zeros", &sample(u16::MAX, [-1; 2], u32::MAX));
@@ -69,7 +72,7 @@ fn start(mut syst: SYST) {
     syst.enable_counter();
 }
 
-/// Encodes and decodes a message, and says at what cost.
+/// Prints the instructions to encode and to decode a message.
 fn report<M: Message>(out: &mut impl Write, name: &str, message: &M) {
     let frame = message.frame();
     let mut decoder = Decoder::new();
@@ -81,17 +84,17 @@ fn report<M: Message>(out: &mut impl Write, name: &str, message: &M) {
         black_box(decoder.next::<M>(&mut input));
     });
     let all_read = decoder.counters().messages == CALLS;
-    assert!(all_read, "a frame was refused");
+    assert!(all_read, "the decoder rejected a frame");
     let _ = writeln!(out, "{name} {} {encode} {decode}", frame.len());
 }
 
-/// Instructions of a call, without those of the loop around it.
+/// Instructions of a call, without the loop around it.
 fn instructions(task: impl FnMut()) -> u32 {
-    let nothing = counts(|| {
+    let empty = counts(|| {
         black_box(());
     });
     // 10.752 is 1344 / 125; the product stays below 2^31.
-    let (counts, one) = ((counts(task) - nothing) * 125, CALLS * 1344);
+    let (counts, one) = ((counts(task) - empty) * 125, CALLS * 1344);
     (counts + one / 2) / one
 }
 
@@ -103,7 +106,7 @@ fn counts(mut task: impl FnMut()) -> u32 {
     before.wrapping_sub(SYST::get_current()) & LAST_COUNT
 }
 
-/// An illegal instruction: the emulator ends and says why.
+/// An illegal instruction ends the emulator with an error message.
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     cortex_m::asm::udf()

@@ -4,37 +4,37 @@ use stm32f4xx_hal::pac::RCC;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Config, Rcc};
 
-/// Core clock (hertz), the highest of the STM32F405 and what QEMU's machine counts SysTick with.
+/// Core clock (hertz): the maximum of the STM32F405, and the rate of SysTick in QEMU.
 pub(crate) const CORE_HZ: u32 = 168_000_000;
 
-/// Frequency of the crystal on OSC_IN and OSC_OUT (hertz). A board with another one must have it written here: the
-/// PLL would run at a wrong multiple.
+/// Frequency of the crystal on OSC_IN and OSC_OUT (hertz). Change it for a board with another crystal: otherwise the
+/// PLL runs at a wrong frequency.
 const CRYSTAL_HZ: u32 = 8_000_000;
 
-/// How often to look for a steady crystal. A look takes at least 8 cycles of the 16 MHz the chip starts with, so
-/// this is 100 ms or a little more; a crystal needs some 2 ms by the data sheet.
-const CRYSTAL_LOOKS: u32 = 200_000;
+/// Polls of the crystal's ready flag before the internal oscillator is used. A poll takes at least 8 cycles at the
+/// initial 16 MHz, so the limit is 100 ms or slightly more; the data sheet gives 2 ms for a crystal.
+const CRYSTAL_POLLS: u32 = 200_000;
 
-/// What drives the core.
+/// Source of the core clock.
 #[derive(Clone, Copy)]
 pub(crate) enum Source {
-    /// QEMU: always 168 MHz, nothing to set.
+    /// QEMU: always 168 MHz, without a clock tree to configure.
     Emulator,
-    /// The crystal, some 50 ppm.
+    /// The crystal, about 50 ppm.
     Crystal,
-    /// The internal RC oscillator, 1 % at room temperature: good enough for the link, not for timing.
+    /// The internal RC oscillator, 1 % at room temperature: accurate enough for the link, not for timing.
     InternalOscillator,
 }
 
-/// Sets the clock tree up.
+/// Configures the clock tree.
 pub(crate) fn start(rcc: RCC, emulated: bool) -> (Rcc, Source) {
     if emulated {
-        // The HAL would wait for ready flags that never come; this configuration has none to wait for.
+        // With any other configuration the HAL waits for ready flags that QEMU never sets.
         return (rcc.freeze(Config::hsi()), Source::Emulator);
     }
-    // The HAL waits for the crystal without end, so we start it ourselves and give the HAL only one that runs.
+    // The HAL waits for the crystal without a timeout, so we start it first and select it only if it runs.
     rcc.cr().modify(|_, w| w.hseon().on());
-    let steady = (0..CRYSTAL_LOOKS).any(|_| rcc.cr().read().hserdy().is_ready());
+    let steady = (0..CRYSTAL_POLLS).any(|_| rcc.cr().read().hserdy().is_ready());
     let (config, source) = if steady {
         (Config::hse(CRYSTAL_HZ.Hz()), Source::Crystal)
     } else {

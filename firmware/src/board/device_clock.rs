@@ -1,12 +1,12 @@
-//! Device time: milliseconds counted by SysTick plus the cycles since the last of them.
+//! Device time: milliseconds counted by SysTick, plus the cycles since the last millisecond.
 //!
-//! SysTick counts down to 0 and asks for its interrupt on the step to 0, so a millisecond begins at 0. Between that
-//! step and the interrupt's task the count has started over while the milliseconds haven't; the pending flag tells. The
-//! count is then read again, for it may be from before the step. All of it happens with interrupts off, so that no
-//! task can count in between.
+//! SysTick counts down to 0 and raises its interrupt on the step to 0, so a millisecond begins at 0. Between that step
+//! and the interrupt's task the count has restarted and the millisecond is not yet counted; the pending flag marks this
+//! interval. The count is then read again, because the first value may be from before the step. Interrupts are off
+//! throughout, so that no task can count in between.
 //!
-//! A millisecond is lost when the task of SysTick is kept waiting for longer than one: never on silicon, but in QEMU
-//! when its host is busy. Device time lags then. It never runs backwards, whatever happens.
+//! A millisecond is lost if the task of SysTick is delayed by more than one: never on silicon, but in QEMU on a busy
+//! host. Device time lags then. Device time never runs backwards.
 
 use core::cell::Cell;
 use core::time::Duration;
@@ -20,14 +20,14 @@ use super::clock_tree::CORE_HZ;
 
 const CYCLES_PER_MILLISECOND: u32 = CORE_HZ / 1_000;
 
-/// What the clock remembers.
+/// State of the clock.
 struct Memory {
     counted: Cell<Counted>,
-    /// The latest time given.
+    /// The latest time returned.
     latest: Cell<Duration>,
 }
 
-/// Milliseconds counted so far, kept in two parts because the core divides 64-bit numbers in software.
+/// Milliseconds counted, in two parts because the core divides 64-bit numbers in software.
 #[derive(Clone, Copy)]
 struct Counted {
     seconds: u64,
@@ -48,11 +48,11 @@ static MEMORY: Mutex<Memory> = Mutex::new(Memory {
     latest: Cell::new(Duration::ZERO),
 });
 
-/// The clock of the board, with a resolution of one cycle (6 ns). It is right for tasks up to the priority of SysTick;
-/// one above could read it between SysTick's interrupt and [`Ticker::count_millisecond`].
+/// The clock of the board, with a resolution of one cycle (6 ns). Valid for tasks up to the priority of SysTick: a task
+/// above could read the clock between SysTick's interrupt and [`Ticker::count_millisecond`].
 pub(crate) struct DeviceClock(());
 
-/// The side of SysTick's task.
+/// The counter, owned by SysTick's task.
 pub(crate) struct Ticker(());
 
 /// Starts SysTick.
@@ -66,7 +66,7 @@ pub(crate) fn start(mut syst: SYST) -> (DeviceClock, Ticker) {
 }
 
 impl Ticker {
-    /// Counts one millisecond, once per interrupt, and gives the device time.
+    /// Counts one millisecond and returns the device time. To be called once per interrupt.
     pub(crate) fn count_millisecond(&mut self) -> Duration {
         interrupt::free(|token| {
             let counted = &MEMORY.borrow(token).counted;

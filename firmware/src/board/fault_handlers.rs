@@ -1,7 +1,7 @@
-//! The end: a panic, a fault of the processor or an interrupt nobody expects. The drive says so in one frame and
-//! stops for good; only a reset brings it back.
+//! Handlers of panics, processor faults and unexpected interrupts: each sends one fault report and stops until a reset.
 //!
-//! There is no torque to take away: see the [board](super). The host sees the fault, or the silence.
+//! The board drives no power stage, so no torque has to be switched off. The host receives the fault report or times
+//! out.
 
 use core::panic::{Location, PanicInfo};
 
@@ -12,7 +12,7 @@ use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::frame::DELIMITER;
 use stm32f4xx_hal::pac::{Interrupt, USART2};
 
-/// How often to ask the transmitter whether it is ready for a byte: at 168 MHz some 100 times as long as a byte needs.
+/// Polls of the transmitter before a byte is given up: at 168 MHz about 100 times the duration of a byte.
 const POLLS_PER_BYTE: u32 = 20_000;
 
 #[panic_handler]
@@ -20,8 +20,8 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     stop(FaultCode::Panic, info.location().map_or(0, Location::line))
 }
 
-// SAFETY: the attribute asks for `unsafe` because the handler may come in the middle of anything; `stop` relies on
-// nothing but the USART's registers.
+// SAFETY: the attribute requires `unsafe` because the handler may interrupt any code; `stop` uses no state besides the
+// USART's registers.
 #[allow(unsafe_code)]
 #[exception]
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
@@ -35,16 +35,16 @@ unsafe fn DefaultHandler(interrupt: i16) {
     stop(FaultCode::ProcessorFault, interrupt.unsigned_abs().into())
 }
 
-/// Says `code` and sleeps until the reset.
+/// Sends a fault report and sleeps until a reset.
 fn stop(code: FaultCode, detail: u32) -> ! {
     cortex_m::interrupt::disable();
-    // A frame may be on its way: the delimiter closes it.
+    // The delimiter ends a frame in transmission.
     send(&[DELIMITER]);
     send(&fault_frame(code, detail));
-    // What stays enabled and pending would end every sleep at once.
+    // An interrupt that stays enabled and pending would end every sleep at once.
     NVIC::mask(Interrupt::USART2);
     NVIC::mask(Interrupt::EXTI0);
-    // SAFETY: as in `send`: nobody comes back to use SysTick.
+    // SAFETY: as in `send`: the owner of SysTick never runs again.
     #[allow(unsafe_code)]
     let mut syst = unsafe { Peripherals::steal() }.SYST;
     syst.disable_interrupt();
@@ -53,9 +53,9 @@ fn stop(code: FaultCode, detail: u32) -> ! {
     }
 }
 
-/// Sends as long as the transmitter takes bytes. Where it doesn't (a panic before the link is open) we give up.
+/// Transmits until the transmitter accepts no more bytes, as in a panic before the link is open.
 fn send(bytes: &[u8]) {
-    // SAFETY: interrupts are off and we never return to the owner of the USART, so nobody else is using it.
+    // SAFETY: interrupts are off and control never returns to the owner of the USART.
     #[allow(unsafe_code)]
     let usart = unsafe { USART2::steal() };
     for byte in bytes {

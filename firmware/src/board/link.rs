@@ -1,8 +1,7 @@
 //! The link: USART2 on PA2 (out) and PA3 (in), 8N1.
 //!
-//! Received bytes come by interrupt and wait in a queue. Answers are sent by polling: QEMU never raises the
-//! transmitter's interrupts, and a path that ran nowhere but on silicon would be the one path no test has seen. The
-//! processor has nothing better to do meanwhile, and what does come (bytes, ticks) interrupts it.
+//! The receive interrupt queues bytes. Transmission polls: QEMU never raises the transmitter's interrupts, so an
+//! interrupt-driven path would run on silicon only and stay untested. Bytes and ticks interrupt the polling.
 
 use heapless::{Vec, spsc};
 use lashloop_firmware::drive::Drive;
@@ -13,49 +12,49 @@ use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::{Config, Rx, RxListen, Tx};
 
-/// Bits per second, as hosts take by default. Our divider makes 913,043 of it (42 MHz by 46), the common USB adapters
-/// 923,077 (3 MHz by 3.25): they are 1.1 % apart, and the receiver bears 3.3 % (RM0090 30.3.5).
+/// Bits per second, the default of hosts. The divider gives 913,043 (42 MHz by 46), common USB adapters give 923,077
+/// (3 MHz by 3.25): the difference is 1.1 %, and the receiver tolerates 3.3 % (RM0090 30.3.5).
 const BAUD: u32 = 921_600;
 
-/// Received bytes that may wait: 11 ms of the line, far more than one frame's work.
+/// Capacity of the receive queue: 11 ms of line time, far more than the handling of one frame takes.
 const QUEUE_BYTES: usize = 1024;
 
-/// Bytes handed to the drive, or copied from it, at once.
+/// Bytes passed to or from the drive at once.
 const CHUNK_BYTES: usize = 64;
 
-/// Where received bytes wait.
+/// The receive queue.
 pub(crate) type Queue = spsc::Queue<u8, QUEUE_BYTES>;
 
-/// Something was lost on the way in: an overrun of the USART or the queue, a framing error or noise.
+/// A received byte was lost: overrun of the USART or the queue, framing error or noise.
 pub(crate) struct LineError;
 
-/// The side of the receive interrupt.
+/// Owned by the receive interrupt.
 pub(crate) struct Receiver {
     rx: Rx<USART2>,
     queue: spsc::Producer<'static, u8>,
 }
 
-/// The side of the task that reads.
+/// Owned by the task that reads.
 pub(crate) struct Inbox {
     queue: spsc::Consumer<'static, u8>,
 }
 
-/// A piece of the drive's output, and the way out.
+/// A piece of the drive's output, and the transmitter.
 pub(crate) struct Outbox {
     tx: Tx<USART2>,
     piece: Vec<u8, CHUNK_BYTES>,
-    /// Bytes of the drive's output that were loaded since it was cleared.
+    /// Bytes of the drive's output loaded since it was cleared.
     loaded: usize,
 }
 
-/// Opens the link and listens.
+/// Opens the link and enables the receive interrupt.
 pub(crate) fn open(
     usart: USART2,
     (out_pin, in_pin): (PA2, PA3),
     rcc: &mut Rcc,
     queue: &'static mut Queue,
 ) -> (Receiver, Inbox, Outbox) {
-    // The pull-up keeps an open input at rest: without it noise would look like bytes.
+    // The pull-up holds an open input idle: without it noise is received as bytes.
     let pins = (out_pin, in_pin.internal_resistor(Pull::Up));
     let config = Config::default().baudrate(BAUD.bps());
     let serial =
@@ -78,21 +77,21 @@ impl Receiver {
 }
 
 impl Inbox {
-    /// Takes what has come, at most a chunk.
+    /// Takes received bytes, at most a chunk.
     pub(crate) fn take(&mut self) -> Vec<u8, CHUNK_BYTES> {
         core::iter::from_fn(|| self.queue.dequeue()).take(CHUNK_BYTES).collect()
     }
 
-    /// Whether nothing waits.
+    /// Whether the queue is empty.
     pub(crate) fn is_empty(&self) -> bool {
         !self.queue.ready()
     }
 }
 
 impl Outbox {
-    /// Copies the next piece of the drive's output. When all of it has been sent, clears it and returns `false`.
+    /// Copies the next piece of the drive's output. After the last piece it clears the output and returns `false`.
     ///
-    /// Piece by piece, because the drive is locked only while we copy and may add to its output while we send.
+    /// Piece by piece: the drive is locked only during the copy and may append to its output during the transmission.
     pub(crate) fn load(&mut self, drive: &mut Drive) -> bool {
         self.piece = drive.output().iter().skip(self.loaded).take(CHUNK_BYTES).copied().collect();
         self.loaded += self.piece.len();
@@ -104,10 +103,10 @@ impl Outbox {
         more
     }
 
-    /// Sends the piece, 11 us a byte.
+    /// Transmits the piece, at 11 us per byte.
     pub(crate) fn send(&mut self) {
         for byte in &self.piece {
-            // A transmitter has no error to report (RM0090 30.6.1), it only makes us wait.
+            // A transmitter reports no error (RM0090 30.6.1), only that it is busy.
             let _ = nb::block!(self.tx.write(*byte));
         }
     }

@@ -1,10 +1,10 @@
-//! The STM32F405: everything that touches a register.
+//! The STM32F405: all register access.
 //!
 //! One image serves the chip and QEMU's `netduinoplus2`, which models the core, SysTick and the USARTs but neither
-//! the clock tree nor the timers. What differs between the two is decided at run time, in [`start`] and nowhere else.
+//! the clock tree nor the timers. [`start`] alone distinguishes the two, at run time.
 //!
-//! The image gives its torque over the link only. No pin of a power stage is configured, so the gate inputs keep the
-//! high impedance they have after reset, and a panic has nothing to switch off.
+//! The image outputs its torque over the link only. It configures no pin of a power stage: the gate inputs keep their
+//! high impedance after reset, and a panic has no output to switch off.
 
 pub(crate) mod clock_tree;
 pub(crate) mod device_clock;
@@ -19,11 +19,11 @@ use clock_tree::Source;
 use device_clock::{DeviceClock, Ticker};
 use link::{Inbox, Outbox, Queue, Receiver};
 
-/// The board at work: clocks run, the link listens.
+/// The started board: clocks run, the link receives.
 pub(crate) struct Board {
-    /// What the drive calls itself.
+    /// Name of the board in the identity.
     pub(crate) name: &'static str,
-    /// What the host should know about the start.
+    /// Log line about the start for the host.
     pub(crate) notice: Option<(LogLevel, &'static str)>,
     pub(crate) clock: DeviceClock,
     pub(crate) ticker: Ticker,
@@ -32,7 +32,7 @@ pub(crate) struct Board {
     pub(crate) outbox: Outbox,
 }
 
-/// Brings the board up. Takes at most 0.2 s, however the crystal behaves.
+/// Starts the board within 0.2 s, with or without a crystal.
 pub(crate) fn start(
     syst: cortex_m::peripheral::SYST,
     device: Peripherals,
@@ -51,8 +51,8 @@ pub(crate) fn start(
     Board { name, notice, clock, ticker, receiver, inbox, outbox }
 }
 
-/// Whether this is QEMU. It answers 0 for the clock control and the chip's identity; on silicon the first has the
-/// internal oscillator's bits set from reset (RM0090 7.3.1) and the second is never 0 (RM0090 38.6.1).
+/// Whether this is QEMU, where clock control and chip identity read 0. On silicon the first has the internal
+/// oscillator's bits set from reset (RM0090 7.3.1) and the second is never 0 (RM0090 38.6.1).
 fn is_emulated(rcc: &RCC, dbgmcu: &DBGMCU) -> bool {
     rcc.cr().read().bits() == 0 && dbgmcu.idcode().read().bits() == 0
 }

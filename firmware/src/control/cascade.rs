@@ -1,20 +1,11 @@
 //! The two cascaded loops, equations (16) and (17).
 //!
-//! C2 turns the load error into a wanted motor position, C1 turns the motor error and the elastic torque error into a
-//! torque. Before compensation, after it and as printed differ only in the [`Compensation`] they hand to the cascade.
+//! C2 turns the load error into a wanted motor position; C1 turns the motor error and the elastic torque error into a
+//! torque. The laws of the paper differ only in the [`Compensation`] they add to the cascade.
 
 use crate::control::feed_forward::FeedForward;
 use crate::control::nominal_model::NominalModel;
-use crate::control::parameter::{GAIN_MAX, Limits, all_within};
-use crate::control::{ControlOutput, Measurement, ParameterError, Real};
-
-const LIMITS: [Limits; 5] = [
-    ("motor_position", 0.0, GAIN_MAX),
-    ("motor_velocity", 0.0, GAIN_MAX),
-    ("load_position", 0.0, GAIN_MAX),
-    ("load_velocity", 0.0, GAIN_MAX),
-    ("elastic", 0.0, GAIN_MAX),
-];
+use crate::control::{ControlOutput, Measurement, Real};
 
 /// Gains of the cascade.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,33 +33,22 @@ impl<F: Real> CascadeGains<F> {
             elastic: F::ONE,
         }
     }
-
-    /// Checks every gain.
-    ///
-    /// # Errors
-    /// Names the first gain outside its range.
-    pub fn validate(&self) -> Result<(), ParameterError> {
-        all_within(
-            &LIMITS,
-            [self.motor_position, self.motor_velocity, self.load_position, self.load_velocity, self.elastic],
-        )
-    }
 }
 
-/// What is added to the bare cascade.
+/// The terms that a law adds to the cascade.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Compensation<F> {
-    /// Amplitude j_hat in rad the estimate below was made with.
+    /// Amplitude j_hat in rad behind the estimate below.
     pub dead_zone_estimate_rad: F,
     /// Estimated disturbing torque w_hat in N m, equation (19).
     pub disturbing_torque_nm: F,
-    /// How far the motor is sent ahead of the load in rad.
+    /// Lead of the motor over the load in rad.
     pub lead_rad: F,
     /// The free control u of equation (16) in N m.
     pub free_torque_nm: F,
 }
 
-/// The cascade with its gains and the mechanics it needs.
+/// The cascade with its gains and the nominal mechanics.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cascade<F> {
     gains: CascadeGains<F>,
@@ -79,18 +59,13 @@ pub struct Cascade<F> {
 
 impl<F: Real> Cascade<F> {
     /// The cascade for the mechanics of `model`.
-    ///
-    /// # Errors
-    /// Names the parameter outside its range.
-    pub fn new(model: &NominalModel<F>, gains: CascadeGains<F>) -> Result<Self, ParameterError> {
-        model.validate()?;
-        gains.validate()?;
-        Ok(Self {
+    pub fn new(model: &NominalModel<F>, gains: CascadeGains<F>) -> Self {
+        Self {
             gains,
             ratio: model.ratio,
             stiffness_nm_rad: model.stiffness_nm_rad,
             feed_forward: FeedForward::new(model),
-        })
+        }
     }
 
     /// Torque and errors at one sample.
@@ -107,7 +82,7 @@ impl<F: Real> Cascade<F> {
             - self.gains.load_position * load_error
             + compensation.lead_rad;
         let motor_error = m.motor_position_rad - motor_reference;
-        // Of the rate of theta_e_d only the reference's own part is known without another derivative.
+        // Of the rate of theta_e_d only the reference's part is available without another derivative.
         let motor_error_rate = m.motor_velocity_rad_s - self.ratio * m.reference_velocity_rad_s;
         // (15), (16)
         let torque = self.feed_forward.motor_torque_nm(m)

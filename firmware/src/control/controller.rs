@@ -1,15 +1,15 @@
-//! What every control law offers.
+//! The interface of a control law.
 
 use crate::control::{ControlOutput, Measurement, Real};
 
-/// A control law. Parameters live in the implementor and never change in a run; what changes lives in the state.
+/// The configuration of a control law, constant in a run. What changes is in the state.
 pub trait Controller<F: Real> {
-    /// What the law remembers from sample to sample.
+    /// State of the law from sample to sample.
     type State;
 
-    /// The state at the first sample.
+    /// The state before the first sample.
     fn initial_state(&self) -> Self::State;
 
-    /// One sample: the torque wanted now, before any limit of the drive.
+    /// The torque for one sample, before the drive's limit.
     fn step(&self, state: &mut Self::State, measurement: &Measurement<F>) -> ControlOutput<F>;
 }

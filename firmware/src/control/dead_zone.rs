@@ -8,7 +8,7 @@
 use crate::control::Real;
 use crate::control::nominal_model::NominalModel;
 
-/// The smoothed dead zone with its amplitude left open.
+/// The smoothed dead zone of any amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeadZone<F> {
     four_stiffness_nm_rad: F,
@@ -46,7 +46,7 @@ mod tests {
     }
 
     #[test]
-    fn dead_zone_takes_four_amplitudes_off_a_wound_spring() {
+    fn dead_zone_subtracts_four_amplitudes_from_a_wound_spring() {
         let dead_zone = DeadZone::new(&NominalModel::<f64>::paper());
         assert!((dead_zone.disturbing_torque_nm(0.2, -50.0) - 0.8).abs() < 1e-15);
     }

@@ -1,13 +1,13 @@
-//! What a moving reference asks for, equations (11) and (15).
+//! The torques of a moving reference, equations (11) and (15).
 //!
 //! The second derivative of zeta_d in (15) holds that of w_hat and with it an algebraic loop through the twist's
-//! acceleration, with gain one at z = 0: it can't be implemented and is left out, and the f_m/K part, 4e-4 of the
-//! torque, goes with it. With a constant reference everything here is nought.
+//! acceleration, with gain one at z = 0. The derivative can't be implemented and is omitted, with its f_m/K part, 4e-4
+//! of the torque. With a constant reference both torques are zero.
 
 use crate::control::nominal_model::NominalModel;
 use crate::control::{Measurement, Real};
 
-/// The torques a moving reference needs.
+/// Feed-forward of a moving reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeedForward<F> {
     load_inertia_at_motor: F,
@@ -29,13 +29,13 @@ impl<F: Real> FeedForward<F> {
         }
     }
 
-    /// The reference's part of the wanted elastic torque zeta_d in N m, equation (11): what moves the load.
+    /// The reference's part of the wanted elastic torque zeta_d in N m, equation (11): it accelerates the load.
     pub fn elastic_torque_nm(&self, measurement: &Measurement<F>) -> F {
         self.load_inertia_at_motor * measurement.reference_acceleration_rad_s2
             + self.load_friction_at_motor * measurement.reference_velocity_rad_s
     }
 
-    /// The reference's part of the motor torque in N m, equation (15): what moves motor and load.
+    /// The reference's part of the motor torque in N m, equation (15): it accelerates motor and load.
     pub fn motor_torque_nm(&self, measurement: &Measurement<F>) -> F {
         self.whole_inertia * measurement.reference_acceleration_rad_s2
             + self.whole_friction * measurement.reference_velocity_rad_s

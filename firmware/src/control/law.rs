@@ -1,64 +1,58 @@
 //! The choice of a control law at run time.
 
-use crate::control::backlash_inverse::{BacklashInverse, BacklashInverseState};
-use crate::control::merzouki::{Merzouki, MerzoukiState};
-use crate::control::merzouki_as_printed::{MerzoukiAsPrinted, MerzoukiAsPrintedState};
+use crate::control::backlash_inverse::BacklashInverse;
+use crate::control::merzouki::Merzouki;
+use crate::control::merzouki_as_printed::MerzoukiAsPrinted;
 use crate::control::pd::Pd;
-use crate::control::{ControlOutput, Controller, Measurement, Real};
+use crate::control::stateful::Stateful;
+use crate::control::{ControlOutput, Measurement, Real};
 
-/// Any of the control laws.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Law<F> {
+/// Any of the control laws, with its state.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Law<F: Real> {
     /// The cascade before compensation.
-    Pd(Pd<F>),
+    Pd(Stateful<F, Pd<F>>),
     /// The cascade after compensation, in the reading that meets the paper's figures.
-    Merzouki(Merzouki<F>),
+    Merzouki(Stateful<F, Merzouki<F>>),
     /// The cascade after compensation, as printed.
-    MerzoukiAsPrinted(MerzoukiAsPrinted<F>),
+    MerzoukiAsPrinted(Stateful<F, MerzoukiAsPrinted<F>>),
     /// The gap inverted in the torque domain.
-    BacklashInverse(BacklashInverse<F>),
+    BacklashInverse(Stateful<F, BacklashInverse<F>>),
 }
 
-/// The state of any of the control laws.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LawState<F: Real> {
-    /// [`Pd`] remembers nothing.
-    Pd,
-    /// State of [`Merzouki`].
-    Merzouki(MerzoukiState<F>),
-    /// State of [`MerzoukiAsPrinted`].
-    MerzoukiAsPrinted(MerzoukiAsPrintedState<F>),
-    /// State of [`BacklashInverse`].
-    BacklashInverse(BacklashInverseState<F>),
-}
-
-impl<F: Real> Controller<F> for Law<F> {
-    type State = LawState<F>;
-
-    fn initial_state(&self) -> Self::State {
+impl<F: Real> Law<F> {
+    /// The torque for one sample, before the drive's limit.
+    pub fn step(&mut self, measurement: &Measurement<F>) -> ControlOutput<F> {
         match self {
-            Self::Pd(_) => LawState::Pd,
-            Self::Merzouki(law) => LawState::Merzouki(law.initial_state()),
-            Self::MerzoukiAsPrinted(law) => LawState::MerzoukiAsPrinted(law.initial_state()),
-            Self::BacklashInverse(law) => LawState::BacklashInverse(law.initial_state()),
+            Self::Pd(law) => law.step(measurement),
+            Self::Merzouki(law) => law.step(measurement),
+            Self::MerzoukiAsPrinted(law) => law.step(measurement),
+            Self::BacklashInverse(law) => law.step(measurement),
         }
     }
+}
 
-    /// One sample. The state of another law is replaced by this one's initial state first: after a change of law
-    /// nothing the old one remembered has a meaning for the new one.
-    fn step(&self, state: &mut Self::State, measurement: &Measurement<F>) -> ControlOutput<F> {
-        match (self, state) {
-            (Self::Pd(law), LawState::Pd) => law.step(&mut (), measurement),
-            (Self::Merzouki(law), LawState::Merzouki(state)) => law.step(state, measurement),
-            (Self::MerzoukiAsPrinted(law), LawState::MerzoukiAsPrinted(state)) => {
-                law.step(state, measurement)
-            }
-            (Self::BacklashInverse(law), LawState::BacklashInverse(state)) => law.step(state, measurement),
-            (_, foreign) => {
-                *foreign = self.initial_state();
-                self.step(foreign, measurement)
-            }
-        }
+impl<F: Real> From<Pd<F>> for Law<F> {
+    fn from(law: Pd<F>) -> Self {
+        Self::Pd(Stateful::new(law))
+    }
+}
+
+impl<F: Real> From<Merzouki<F>> for Law<F> {
+    fn from(law: Merzouki<F>) -> Self {
+        Self::Merzouki(Stateful::new(law))
+    }
+}
+
+impl<F: Real> From<MerzoukiAsPrinted<F>> for Law<F> {
+    fn from(law: MerzoukiAsPrinted<F>) -> Self {
+        Self::MerzoukiAsPrinted(Stateful::new(law))
+    }
+}
+
+impl<F: Real> From<BacklashInverse<F>> for Law<F> {
+    fn from(law: BacklashInverse<F>) -> Self {
+        Self::BacklashInverse(Stateful::new(law))
     }
 }
 
@@ -73,18 +67,12 @@ mod tests {
     use crate::control::merzouki::DisturbingTorqueSource;
     use crate::control::nominal_model::NominalModel;
 
-    /// The paper's start: at rest at pi/2, the motor at 3 pi/2.
+    /// The paper's start: at rest, the load at pi/2 and the motor at 3 pi/2.
     fn start() -> Measurement<f64> {
         Measurement {
             motor_position_rad: 3.0 * FRAC_PI_2,
-            motor_velocity_rad_s: 0.0,
             load_position_rad: FRAC_PI_2,
-            load_velocity_rad_s: 0.0,
-            twist_rad: 0.0,
-            reference_position_rad: 0.0,
-            reference_velocity_rad_s: 0.0,
-            reference_acceleration_rad_s2: 0.0,
-            applied_torque_nm: 0.0,
+            ..Measurement::at_rest()
         }
     }
 
@@ -98,26 +86,26 @@ mod tests {
             period_s: 1e-3,
         };
         let law = BacklashInverse::new(&NominalModel::paper(), BacklashInverseGains::paper(), setting);
-        Law::BacklashInverse(law.expect("valid"))
+        law.expect("valid").into()
     }
 
-    /// The paper's.
+    /// The laws of the paper.
     fn laws() -> [Law<f64>; 3] {
         let (model, gains, observer) =
             (NominalModel::paper(), CascadeGains::paper(), DeadZoneObserver::paper());
         let source = DisturbingTorqueSource::Observed { pole_rad_s: 60.0 };
         [
-            Law::Pd(Pd::new(&model, gains).expect("valid")),
-            Law::Merzouki(Merzouki::new(&model, gains, observer, source, 1e-3).expect("valid")),
-            Law::MerzoukiAsPrinted(MerzoukiAsPrinted::new(&model, gains, observer, 1e-3).expect("valid")),
+            Pd::new(&model, gains).into(),
+            Merzouki::new(&model, gains, observer, source, 1e-3).expect("valid").into(),
+            MerzoukiAsPrinted::new(&model, gains, observer, 1e-3).expect("valid").into(),
         ]
     }
 
     #[test]
-    fn first_torque_is_the_same_in_every_law_of_the_paper() {
-        for law in laws() {
-            let output = law.step(&mut law.initial_state(), &start());
-            // Without twist there is nothing to compensate: -(theta_e + 10 theta_s).
+    fn without_twist_every_law_of_the_paper_gives_one_torque() {
+        for mut law in laws() {
+            let output = law.step(&start());
+            // Without twist the compensation is zero: -(theta_e + 10 theta_s).
             assert!((output.torque_nm + 13.0 * FRAC_PI_2).abs() < 1e-9, "have {} N m", output.torque_nm);
             assert_eq!(output.dead_zone_estimate_rad, 0.16);
         }
@@ -126,11 +114,10 @@ mod tests {
     #[test]
     fn laws_differ_by_lead_and_free_torque_at_a_wound_spring() {
         let wound = Measurement { twist_rad: 2.0, motor_position_rad: 3.0 * FRAC_PI_2 + 2.0, ..start() };
-        let [pd, merzouki, as_printed] =
-            laws().map(|law| law.step(&mut law.initial_state(), &wound).torque_nm);
+        let [pd, merzouki, as_printed] = laws().map(|mut law| law.step(&wound).torque_nm);
         let w_hat = -0.64 * libm::tanh(2.0 / 0.64);
         assert!((as_printed - (pd - w_hat)).abs() < 1e-12, "merzouki-as-printed: have {as_printed}, pd {pd}");
-        // Lead -w_hat, and w - w_hat with nothing observed yet: C_obs = 0, w = -K z.
+        // Lead -w_hat, and w - w_hat before any observation: C_obs = 0, w = -K z.
         assert!(
             (merzouki - (pd - w_hat - w_hat - 2.0 - w_hat)).abs() < 1e-12,
             "merzouki: have {merzouki}, pd {pd}"
@@ -138,12 +125,11 @@ mod tests {
     }
 
     #[test]
-    fn literal_and_merzouki_use_the_estimate_of_before_its_update() {
+    fn merzouki_laws_use_the_estimate_from_before_its_update() {
         let wound = Measurement { twist_rad: 2.0, ..start() };
-        for law in laws().into_iter().skip(1) {
-            let mut state = law.initial_state();
-            let first = law.step(&mut state, &wound);
-            let second = law.step(&mut state, &wound);
+        for mut law in laws().into_iter().skip(1) {
+            let first = law.step(&wound);
+            let second = law.step(&wound);
             assert_eq!(first.dead_zone_estimate_rad, 0.16);
             let rate = 0.01 * first.load_error_rad + 0.5 * first.elastic_error_nm;
             assert!((second.dead_zone_estimate_rad - 0.16 - 1e-3 * rate).abs() < 1e-15);
@@ -151,20 +137,9 @@ mod tests {
     }
 
     #[test]
-    fn state_of_another_law_is_begun_anew() {
-        let [pd, merzouki, _] = laws();
-        for (before, law) in [(pd, merzouki), (merzouki, backlash_inverse()), (backlash_inverse(), pd)] {
-            let mut state = before.initial_state();
-            let mut own = law.initial_state();
-            assert_eq!(law.step(&mut state, &start()), law.step(&mut own, &start()));
-            assert_eq!(state, own);
-        }
-    }
-
-    #[test]
-    fn perfect_tracking_asks_for_the_torque_of_the_rigid_mechanics() {
-        // On the reference in position and velocity, the spring wound by exactly zeta_d and the motor where (17) wants
-        // it, nothing but the feed-forward is left.
+    fn perfect_tracking_needs_the_torque_of_the_rigid_mechanics() {
+        // On the reference in position and velocity, the spring wound by exactly zeta_d and the motor at the position
+        // of (17), only the feed-forward remains.
         let moving = Measurement {
             motor_position_rad: 3.0,
             motor_velocity_rad_s: 1.5,
@@ -176,17 +151,17 @@ mod tests {
             reference_acceleration_rad_s2: 0.2,
             applied_torque_nm: 0.0,
         };
-        let [pd, ..] = laws();
+        let [mut pd, ..] = laws();
         let want = (9.72e-4 * 3.0 + 7.5 / 3.0) * 0.2 + (4.3e-4 * 3.0 + 16.0 / 3.0) * 0.5;
-        let have = pd.step(&mut pd.initial_state(), &moving).torque_nm;
+        let have = pd.step(&moving).torque_nm;
         assert!((have - want).abs() < 1e-12, "have {have}, want {want} N m");
     }
 
     #[test]
-    fn a_number_that_is_none_shows_in_the_output() {
-        for law in laws().into_iter().chain([backlash_inverse()]) {
-            let blind = Measurement { load_position_rad: f64::NAN, ..start() };
-            assert!(!law.step(&mut law.initial_state(), &blind).is_finite());
+    fn a_measurement_of_nan_makes_the_output_non_finite() {
+        for mut law in laws().into_iter().chain([backlash_inverse()]) {
+            let invalid = Measurement { load_position_rad: f64::NAN, ..start() };
+            assert!(!law.step(&invalid).is_finite());
         }
     }
 }

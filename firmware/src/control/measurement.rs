@@ -1,8 +1,8 @@
-//! What a control law sees and what it answers.
+//! Input and output of a control law.
 
 use crate::control::Real;
 
-/// One sample of the drive's own view of the bench.
+/// One sample as the drive measures it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measurement<F> {
     /// Motor position theta_e in rad.
@@ -13,10 +13,10 @@ pub struct Measurement<F> {
     pub load_position_rad: F,
     /// Load velocity in rad/s.
     pub load_velocity_rad_s: F,
-    /// Twist z = theta_e - N0 theta_s in rad. It is a field of its own because the difference of two large positions
-    /// has lost its digits in single precision, while the difference of their counts has not.
+    /// Twist z = theta_e - N0 theta_s in rad. A field of its own: in single precision the difference of two large
+    /// positions loses the digits that the difference of their counts keeps.
     pub twist_rad: F,
-    /// Where the load should be, r, in rad.
+    /// Reference r of the load position in rad.
     pub reference_position_rad: F,
     /// Velocity of the reference in rad/s.
     pub reference_velocity_rad_s: F,
@@ -28,7 +28,7 @@ pub struct Measurement<F> {
 
 #[cfg(test)]
 impl<F: Real> Measurement<F> {
-    /// Everything at nought.
+    /// All zero.
     pub(crate) fn at_rest() -> Self {
         Self {
             motor_position_rad: F::ZERO,
@@ -44,14 +44,14 @@ impl<F: Real> Measurement<F> {
     }
 }
 
-/// What a control law answers to one [`Measurement`].
+/// Output of a control law for one [`Measurement`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControlOutput<F> {
     /// Motor torque U in N m, before the drive's limit.
     pub torque_nm: F,
-    /// Dead-zone amplitude j_hat in rad, as used in this very torque.
+    /// Dead-zone amplitude j_hat in rad, as used in this torque.
     pub dead_zone_estimate_rad: F,
-    /// Estimated disturbing torque w_hat in N m; nought for a law without compensation.
+    /// Estimated disturbing torque w_hat in N m; zero for a law without compensation.
     pub disturbing_torque_nm: F,
     /// Load error e_s = theta_s - r in rad.
     pub load_error_rad: F,
@@ -62,7 +62,7 @@ pub struct ControlOutput<F> {
 }
 
 impl<F: Real> ControlOutput<F> {
-    /// Whether every number can be acted upon and recorded.
+    /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {
         [
             self.torque_nm,

@@ -1,12 +1,11 @@
 //! The cascade after compensation, in the reading that meets the paper's figures.
 //!
-//! The paper leaves the free control u of equation (16) open. Taken as u = w - w_hat, equation (24) with H = 0, and
-//! with the motor sent ahead by zeta_d / K, as (13) and (18) imply, the simulated transients and the static error of the
-//! bench come out together. With a constant reference zeta_d / K is -w_hat / K; under a slow sine the reference's own
-//! part of zeta_d in the lead is what lets the motor run ahead of the dead zone (lost motion 0.003 instead of 0.13 rad
-//! on the hard gap).
+//! The paper leaves the free control u of equation (16) open. With u = w - w_hat, equation (24) with H = 0, and a lead
+//! of the motor by zeta_d / K, as (13) and (18) imply, both the simulated transients and the measured static error of
+//! the paper result. With a constant reference zeta_d / K is -w_hat / K. Under a slow sine the reference's part of
+//! zeta_d in the lead moves the motor ahead of the dead zone: lost motion is 0.003 instead of 0.13 rad on the hard gap.
 //!
-//! The disturbing torque w is known on the paper's smooth plant, from equation (4). Everywhere else it is observed:
+//! On the paper's smooth plant equation (4) gives the disturbing torque w. On any other plant w is observed:
 //! w = C_obs - K z with the momentum observer's C_obs.
 
 use crate::control::cascade::{Cascade, CascadeGains, Compensation};
@@ -17,14 +16,14 @@ use crate::control::momentum_observer::{MomentumObserver, MomentumObserverState}
 use crate::control::nominal_model::NominalModel;
 use crate::control::{ControlOutput, Controller, Measurement, ParameterError, Real};
 
-/// Where the law takes the disturbing torque w from.
+/// Source of the disturbing torque w.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DisturbingTorqueSource<F> {
-    /// Equation (4) with the nominal amplitude: right for the paper's smooth plant only.
+    /// Equation (4) with the nominal amplitude: valid on the paper's smooth plant only.
     NominalModel,
-    /// What the momentum observer misses on the motor side.
+    /// The momentum observer on the motor side: valid on any plant.
     Observed {
-        /// Pole of the observer in rad/s; 60 suits the paper's bench.
+        /// Pole of the observer in rad/s; 60 suits the paper's machine.
         pole_rad_s: F,
     },
 }
@@ -48,19 +47,20 @@ pub struct Merzouki<F> {
     period_s: F,
 }
 
-/// What the law remembers.
+/// State of the law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MerzoukiState<F> {
     /// Dead-zone amplitude j_hat in rad, for the next torque.
     pub dead_zone_estimate_rad: F,
-    momentum: Option<MomentumObserverState<F>>,
+    /// At its initial value unless the law observes the disturbing torque.
+    momentum: MomentumObserverState<F>,
 }
 
 impl<F: Real> Merzouki<F> {
     /// The law for the mechanics of `model`, run every `period_s` seconds.
     ///
     /// # Errors
-    /// Names the parameter outside its range.
+    /// If the observer's parameters don't go together.
     pub fn new(
         model: &NominalModel<F>,
         gains: CascadeGains<F>,
@@ -68,15 +68,15 @@ impl<F: Real> Merzouki<F> {
         source: DisturbingTorqueSource<F>,
         period_s: F,
     ) -> Result<Self, ParameterError> {
-        observer.validate(period_s)?;
+        observer.validate()?;
         let source = match source {
             DisturbingTorqueSource::NominalModel => Source::NominalModel,
             DisturbingTorqueSource::Observed { pole_rad_s } => {
-                Source::Observed(MomentumObserver::new(model, pole_rad_s, period_s)?)
+                Source::Observed(MomentumObserver::new(model, pole_rad_s, period_s))
             }
         };
         Ok(Self {
-            cascade: Cascade::new(model, gains)?,
+            cascade: Cascade::new(model, gains),
             feed_forward: FeedForward::new(model),
             dead_zone: DeadZone::new(model),
             nominal_dead_zone_rad: model.dead_zone_rad,
@@ -94,10 +94,7 @@ impl<F: Real> Controller<F> for Merzouki<F> {
     fn initial_state(&self) -> Self::State {
         MerzoukiState {
             dead_zone_estimate_rad: self.observer.initial_rad,
-            momentum: match &self.source {
-                Source::NominalModel => None,
-                Source::Observed(observer) => Some(observer.initial_state()),
-            },
+            momentum: MomentumObserverState::at_rest(),
         }
     }
 
@@ -106,8 +103,7 @@ impl<F: Real> Controller<F> for Merzouki<F> {
         let disturbing_torque = match &self.source {
             Source::NominalModel => self.dead_zone.disturbing_torque_nm(self.nominal_dead_zone_rad, twist),
             Source::Observed(observer) => {
-                let momentum = state.momentum.get_or_insert_with(|| observer.initial_state());
-                observer.step(momentum, measurement) - self.stiffness_nm_rad * twist
+                observer.step(&mut state.momentum, measurement) - self.stiffness_nm_rad * twist
             }
         };
         let estimate = state.dead_zone_estimate_rad;

@@ -1,7 +1,7 @@
 //! The cascade after compensation, as the paper prints it.
 //!
-//! Estimate and observer of equation (19), but no lead of the motor position and no free control. It is kept to show
-//! what those two are worth.
+//! Estimate and observer of equation (19), without lead of the motor position and without free control: an ablation
+//! that shows the effect of those two.
 
 use crate::control::cascade::{Cascade, CascadeGains, Compensation};
 use crate::control::dead_zone::DeadZone;
@@ -18,7 +18,7 @@ pub struct MerzoukiAsPrinted<F> {
     period_s: F,
 }
 
-/// What the law remembers.
+/// State of the law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MerzoukiAsPrintedState<F> {
     /// Dead-zone amplitude j_hat in rad, for the next torque.
@@ -29,16 +29,15 @@ impl<F: Real> MerzoukiAsPrinted<F> {
     /// The law for the mechanics of `model`, run every `period_s` seconds.
     ///
     /// # Errors
-    /// Names the parameter outside its range.
+    /// If the observer's parameters don't go together.
     pub fn new(
         model: &NominalModel<F>,
         gains: CascadeGains<F>,
         observer: DeadZoneObserver<F>,
         period_s: F,
     ) -> Result<Self, ParameterError> {
-        observer.validate(period_s)?;
-        let cascade = Cascade::new(model, gains)?;
-        Ok(Self { cascade, dead_zone: DeadZone::new(model), observer, period_s })
+        observer.validate()?;
+        Ok(Self { cascade: Cascade::new(model, gains), dead_zone: DeadZone::new(model), observer, period_s })
     }
 }
 

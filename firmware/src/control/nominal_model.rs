@@ -1,20 +1,8 @@
-//! The mechanics the laws believe in.
+//! The nominal mechanics.
 
-use crate::control::parameter::{Limits, all_within};
-use crate::control::{ParameterError, Real};
+use crate::control::Real;
 
-const LIMITS: [Limits; 8] = [
-    ("motor_inertia_kg_m2", 1e-9, 1e3),
-    ("motor_friction_nm_s_rad", 0.0, 1e4),
-    ("load_inertia_kg_m2", 1e-9, 1e6),
-    ("load_friction_nm_s_rad", 0.0, 1e6),
-    ("ratio", 1e-3, 1e4),
-    ("stiffness_nm_rad", 1e-6, 1e9),
-    ("dead_zone_rad", 1e-6, 10.0),
-    ("motor_coulomb_nm", 0.0, 1e3),
-];
-
-/// Nominal parameters of motor, reducer and load; the true plant may differ.
+/// Nominal parameters of motor, reducer and load; the plant may differ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NominalModel<F> {
     /// Motor inertia J_m in kg m^2.
@@ -31,7 +19,7 @@ pub struct NominalModel<F> {
     pub stiffness_nm_rad: F,
     /// Dead-zone amplitude j0 in rad, half the gap; it fixes the steepness gamma = 1 / (2 j0) of equation (5).
     pub dead_zone_rad: F,
-    /// Coulomb friction of the motor F_cM in N m, which the momentum observer takes off.
+    /// Coulomb friction of the motor F_cM in N m, which the momentum observer subtracts.
     pub motor_coulomb_nm: F,
 }
 
@@ -48,39 +36,5 @@ impl<F: Real> NominalModel<F> {
             dead_zone_rad: F::from_f64(0.16),
             motor_coulomb_nm: F::ZERO,
         }
-    }
-
-    /// Checks every parameter.
-    ///
-    /// # Errors
-    /// Names the first parameter outside its range.
-    pub fn validate(&self) -> Result<(), ParameterError> {
-        all_within(
-            &LIMITS,
-            [
-                self.motor_inertia_kg_m2,
-                self.motor_friction_nm_s_rad,
-                self.load_inertia_kg_m2,
-                self.load_friction_nm_s_rad,
-                self.ratio,
-                self.stiffness_nm_rad,
-                self.dead_zone_rad,
-                self.motor_coulomb_nm,
-            ],
-        )
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::string::ToString;
-
-    #[test]
-    fn a_dead_zone_of_nothing_is_refused_by_name() {
-        let model = NominalModel { dead_zone_rad: 0.0_f32, ..NominalModel::paper() };
-        let error = model.validate().expect_err("gamma would be infinite");
-        assert_eq!(error.to_string(), "control parameter dead_zone_rad is 0, allowed is 0.000001 to 10");
-        assert!(NominalModel { ratio: f32::NAN, ..NominalModel::paper() }.validate().is_err());
     }
 }

@@ -1,11 +1,11 @@
 //! The cascade before compensation: "only a PD controller".
 //!
-//! No estimate of the disturbing torque, no lead, no free control. The elastic feedback k1 stays: without it neither
-//! the paper's 13 s nor its static error of 0.32 rad comes out.
+//! No estimate of the disturbing torque, no lead, no free control. The elastic feedback k1 stays: only with it do the
+//! paper's 13 s and its static error of 0.32 rad result.
 
 use crate::control::cascade::{Cascade, CascadeGains, Compensation};
 use crate::control::nominal_model::NominalModel;
-use crate::control::{ControlOutput, Controller, Measurement, ParameterError, Real};
+use crate::control::{ControlOutput, Controller, Measurement, Real};
 
 /// The two loops alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,11 +16,8 @@ pub struct Pd<F> {
 
 impl<F: Real> Pd<F> {
     /// The law for the mechanics of `model`.
-    ///
-    /// # Errors
-    /// Names the parameter outside its range.
-    pub fn new(model: &NominalModel<F>, gains: CascadeGains<F>) -> Result<Self, ParameterError> {
-        Ok(Self { cascade: Cascade::new(model, gains)?, nominal_dead_zone_rad: model.dead_zone_rad })
+    pub fn new(model: &NominalModel<F>, gains: CascadeGains<F>) -> Self {
+        Self { cascade: Cascade::new(model, gains), nominal_dead_zone_rad: model.dead_zone_rad }
     }
 }
 
@@ -30,12 +27,12 @@ impl<F: Real> Controller<F> for Pd<F> {
     fn initial_state(&self) -> Self::State {}
 
     fn step(&self, (): &mut Self::State, measurement: &Measurement<F>) -> ControlOutput<F> {
-        let nothing = Compensation {
+        let none = Compensation {
             dead_zone_estimate_rad: self.nominal_dead_zone_rad,
             disturbing_torque_nm: F::ZERO,
             lead_rad: F::ZERO,
             free_torque_nm: F::ZERO,
         };
-        self.cascade.output(measurement, &nothing)
+        self.cascade.output(measurement, &none)
     }
 }

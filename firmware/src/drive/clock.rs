@@ -1,22 +1,53 @@
-//! Device time, given by whoever owns the drive.
+//! Device time, supplied by the drive's owner.
 
 use core::time::Duration;
 
 /// A monotonic clock.
 pub trait Clock {
-    /// Time since boot, to 0.1 us or better where the hardware can.
+    /// Time since boot, with a resolution of 0.1 us or better where the hardware has one.
     fn now(&self) -> Duration;
 }
 
-/// A clock that stands still: for tests and for in-process runs, in which no device time passes.
+/// A clock that moves only when its owner sets or advances it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ManualClock(
-    /// What it shows.
-    pub Duration,
-);
+pub struct ManualClock {
+    now: Duration,
+}
+
+impl ManualClock {
+    /// A clock at zero, the instant of boot.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { now: Duration::ZERO }
+    }
+
+    /// Sets the time since boot. [`Clock`] is monotonic: an earlier time leaves the clock unchanged.
+    pub fn set(&mut self, now: Duration) {
+        self.now = self.now.max(now);
+    }
+
+    /// Moves the clock forward. Device time saturates at its largest value.
+    pub fn advance(&mut self, elapsed: Duration) {
+        self.now = self.now.saturating_add(elapsed);
+    }
+}
 
 impl Clock for ManualClock {
     fn now(&self) -> Duration {
-        self.0
+        self.now
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn manual_clock_moves_forward_only() {
+        let mut clock = ManualClock::new();
+        clock.advance(Duration::from_millis(3));
+        clock.set(Duration::from_millis(5));
+        clock.set(Duration::from_millis(4));
+        assert_eq!(clock.now(), Duration::from_millis(5));
     }
 }

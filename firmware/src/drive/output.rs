@@ -1,11 +1,11 @@
-//! What the drive wants sent.
+//! The transmit buffer.
 
-use lashloop_protocol::enums::LogLevel;
-use lashloop_protocol::message::Log;
+use lashloop_protocol::enums::{FaultCode, LogLevel};
+use lashloop_protocol::message::{FaultReport, Log};
 use lashloop_protocol::text::Text;
-use lashloop_protocol::{DriveMessage, MAX_FRAME, Message};
+use lashloop_protocol::{DriveMessage, Frame, MAX_FRAME, Message};
 
-/// One sample can cause a torque, a telemetry and a fault; one request an identity and a fault. A tick can add a fault.
+/// Reserve for the answers to one received frame: at most three frames.
 const LONGEST_ANSWER: usize = 3 * MAX_FRAME;
 const CAPACITY: usize = 2 * LONGEST_ANSWER;
 
@@ -23,21 +23,33 @@ impl Output {
         self.bytes.clear();
     }
 
-    pub(super) fn has_room_for_an_answer(&self) -> bool {
+    pub(super) fn fits_an_answer(&self) -> bool {
         self.bytes.len() + LONGEST_ANSWER <= CAPACITY
     }
 
-    /// Whole frames only: one that does not fit is left out rather than cut, and the room kept by
-    /// [`Self::has_room_for_an_answer`] sees to it that answers fit.
+    /// Appends a whole frame. A frame that does not fit is omitted, never cut; the reserve that
+    /// [`Self::fits_an_answer`] checks guarantees that answers fit.
     pub(super) fn send(&mut self, message: impl Into<DriveMessage>) {
-        let _ = self.bytes.extend_from_slice(&message.into().frame());
+        self.append(&message.into());
     }
 
+    /// One function for all messages: an encoder per message type would cost the image a kilobyte.
+    fn append(&mut self, message: &DriveMessage) {
+        let _ = self.bytes.extend_from_slice(&message.frame());
+    }
+
+    /// Appends a log line, unless it would displace an answer.
     pub(super) fn log(&mut self, level: LogLevel, pieces: &[&str]) {
-        if self.has_room_for_an_answer() {
+        if self.fits_an_answer() {
             let mut text = Text::EMPTY;
             pieces.iter().for_each(|piece| text.push(piece));
             self.send(Log { level, text });
         }
     }
+}
+
+/// The fault report of a failed firmware as a whole frame, for panic and fault handlers that can't reach the drive.
+#[must_use]
+pub fn fault_frame(code: FaultCode, detail: u32) -> Frame {
+    Frame::of(&FaultReport { code, sequence: 0, value: 0.0, limit: 0.0, detail })
 }

@@ -1,10 +1,17 @@
 //! The parameters of the drive: each declared once, with unit, default, range and meaning.
 //!
-//! The index on the wire is the place in [`TABLE`]. Defaults are table 1 of Merzouki and Cadiou.
+//! The index on the wire is the index in [`TABLE`]. Defaults are table 1 of Merzouki and Cadiou.
 
-use lashloop_protocol::enums::{Outcome, ParameterValue};
+use lashloop_protocol::EncoderCounts;
+use lashloop_protocol::enums::{ControllerId, DisturbingTorqueSource, Outcome, ParameterValue};
 
-/// One parameter, as the host may learn it.
+/// Finest encoder in counts per revolution: one revolution takes the whole range of a reading.
+pub const COUNTS_PER_REV_MAX: u32 = 1 << EncoderCounts::BITS;
+
+const CONTROLLER_MAX: u32 = ControllerId::ALL.len() as u32;
+const DISTURBING_TORQUE_SOURCE_MAX: u32 = DisturbingTorqueSource::ALL.len() as u32;
+
+/// One parameter, as described to the host.
 pub struct Entry {
     /// Name, with the unit at its end.
     pub name: &'static str,
@@ -12,18 +19,18 @@ pub struct Entry {
     pub unit: &'static str,
     /// Value after power-up.
     pub default: ParameterValue,
-    /// Smallest value taken.
+    /// Smallest allowed value.
     pub min: ParameterValue,
-    /// Largest value taken.
+    /// Largest allowed value.
     pub max: ParameterValue,
-    /// Whether it may be set while running.
+    /// Whether it may be set while armed or running.
     pub live: bool,
     get: fn(&Parameters) -> ParameterValue,
-    place: fn(&mut Parameters) -> Place<'_>,
+    field: fn(&mut Parameters) -> Field<'_>,
 }
 
-/// Where a value is kept.
-enum Place<'a> {
+/// The field of a parameter in [`Parameters`].
+enum Field<'a> {
     U32(&'a mut u32),
     F32(&'a mut f32),
 }
@@ -38,26 +45,26 @@ impl Entry {
     /// Sets the value if it is of the right type and in range; otherwise nothing changes.
     pub fn set(&self, parameters: &mut Parameters, value: ParameterValue) -> Outcome {
         use ParameterValue::{F32, U32};
-        // Once for all of them: a check per parameter would cost the image two kilobytes.
-        match ((self.place)(parameters), value, self.min, self.max) {
-            (Place::U32(place), U32(value), U32(min), U32(max)) => put(place, value, min, max),
-            (Place::F32(place), F32(value), F32(min), F32(max)) => put(place, value, min, max),
+        // One check for all: a check per parameter would cost the image two kilobytes.
+        match ((self.field)(parameters), value, self.min, self.max) {
+            (Field::U32(field), U32(value), U32(min), U32(max)) => put(field, value, min, max),
+            (Field::F32(field), F32(value), F32(min), F32(max)) => put(field, value, min, max),
             _ => Outcome::WrongType,
         }
     }
 }
 
-fn put<T: PartialOrd>(place: &mut T, value: T, min: T, max: T) -> Outcome {
+fn put<T: PartialOrd>(field: &mut T, value: T, min: T, max: T) -> Outcome {
     // NaN is in no range.
     if !(min..=max).contains(&value) {
         return Outcome::OutOfRange;
     }
-    *place = value;
+    *field = value;
     Outcome::Accepted
 }
 
 macro_rules! parameters {
-    ($( $(#[doc = $doc:expr])+ $name:ident: $ty:ident = $default:literal in $min:literal..=$max:literal $unit:literal $($live:ident)?; )+) => {
+    ($( $(#[doc = $doc:expr])+ $name:ident: $ty:ident = $default:literal in $min:tt..=$max:tt $unit:literal $($live:ident)?; )+) => {
         /// The values in force.
         #[derive(Clone, Debug, PartialEq)]
         pub struct Parameters { $( $(#[doc = $doc])+ pub $name: wire!($ty), )+ }
@@ -77,7 +84,7 @@ macro_rules! parameters {
             max: ParameterValue::$ty($max),
             live: is_live!($($live)?),
             get: |parameters| ParameterValue::$ty(parameters.$name),
-            place: |parameters| Place::$ty(&mut parameters.$name),
+            field: |parameters| Field::$ty(&mut parameters.$name),
         }),+];
     };
 }
@@ -101,29 +108,29 @@ macro_rules! is_live {
 }
 
 parameters! {
-    /// Control law: a [`ControllerId`](lashloop_protocol::enums::ControllerId).
-    controller: U32 = 1 in 1..=4 "";
+    /// Control law: a [`ControllerId`].
+    controller: U32 = 1 in 1..=CONTROLLER_MAX "";
     /// Control period.
     period_us: U32 = 1000 in 100..=100_000 "us";
     /// Resolution of the motor encoder, after quadrature.
-    motor_counts_per_rev: U32 = 131_072 in 4..=16_777_216 "counts/rev";
+    motor_counts_per_rev: U32 = 131_072 in 4..=COUNTS_PER_REV_MAX "counts/rev";
     /// Resolution of the load encoder, after quadrature.
-    load_counts_per_rev: U32 = 131_072 in 4..=16_777_216 "counts/rev";
+    load_counts_per_rev: U32 = 131_072 in 4..=COUNTS_PER_REV_MAX "counts/rev";
 
-    /// Largest torque given, either way.
+    /// Largest torque, either way.
     torque_limit_nm: F32 = 20.0 in 0.0..=1000.0 "N m";
     /// Longest time without a new sample while running, in device time.
     watchdog_us: U32 = 20_000 in 200..=60_000_000 "us";
-    /// Fastest motor that is believed.
+    /// Largest plausible speed of the motor.
     motor_speed_limit_rad_s: F32 = 1000.0 in 0.1..=1e6 "rad/s";
-    /// Fastest load that is believed.
+    /// Largest plausible speed of the load.
     load_speed_limit_rad_s: F32 = 100.0 in 0.1..=1e6 "rad/s";
     /// Telemetry follows every n-th torque; 0 for never.
     telemetry_every: U32 = 10 in 0..=65_535 "" live;
 
-    /// Bandwidth of the filter that gives the motor velocity.
+    /// Bandwidth of the motor velocity filter.
     motor_filter_rad_s: F32 = 400.0 in 0.01..=1e6 "rad/s";
-    /// Bandwidth of the filter that gives the load velocity.
+    /// Bandwidth of the load velocity filter.
     load_filter_rad_s: F32 = 200.0 in 0.01..=1e6 "rad/s";
 
     /// K_P1, motor position to torque.
@@ -140,13 +147,12 @@ parameters! {
     k_21: F32 = 0.01 in 0.0..=1e6 "1/s";
     /// k22, elastic torque error to the dead-zone estimate.
     k_22: F32 = 0.5 in 0.0..=1e6 "1/(N m s)";
-    /// Dead-zone estimate at the start.
+    /// Initial dead-zone estimate.
     dead_zone_initial_rad: F32 = 0.16 in 0.0..=3.0 "rad";
-    /// Largest dead-zone estimate. The paper's transient passes 1.7 rad; a bound below 2 rad spoils it.
+    /// Largest dead-zone estimate. The paper's transient passes 1.7 rad; a bound below 2 rad distorts it.
     dead_zone_max_rad: F32 = 3.0 in 0.0..=100.0 "rad";
-    /// Where the disturbing torque comes from: a
-    /// [`DisturbingTorqueSource`](lashloop_protocol::enums::DisturbingTorqueSource).
-    disturbing_torque_source: U32 = 2 in 1..=2 "";
+    /// Source of the disturbing torque: a [`DisturbingTorqueSource`].
+    disturbing_torque_source: U32 = 2 in 1..=DISTURBING_TORQUE_SOURCE_MAX "";
     /// Pole of the momentum observer.
     momentum_observer_rad_s: F32 = 60.0 in 0.1..=10_000.0 "rad/s";
 
@@ -167,9 +173,9 @@ parameters! {
     /// Nominal dead-zone amplitude j0, half the gap.
     dead_zone_rad: F32 = 0.16 in 1e-6..=10.0 "rad";
 
-    /// Load error to wanted load velocity; this and what follows is of the law `BacklashInverse`.
+    /// Load error to wanted load velocity; this parameter and those below belong to the law `BacklashInverse`.
     approach_rate_1_s: F32 = 2.5 in 0.0..=1e6 "1/s";
-    /// Fastest wanted load velocity beyond the reference's own.
+    /// Largest wanted load velocity relative to the reference.
     approach_speed_rad_s: F32 = 1.5 in 0.0..=1e6 "rad/s";
     /// Load velocity error to torque at the load.
     load_velocity_gain_nm_s_rad: F32 = 30.0 in 0.0..=1e6 "N m s/rad";
@@ -177,20 +183,20 @@ parameters! {
     load_integral_gain_nm_rad: F32 = 150.0 in 0.0..=1e6 "N m/rad";
     /// Largest torque of that integral, at the load.
     load_integral_limit_nm: F32 = 8.0 in 0.0..=1e6 "N m";
-    /// Largest torque asked of the transmission, at the motor's side; never more than `torque_limit_nm`.
+    /// Largest requested transmitted torque at the motor's side; never more than `torque_limit_nm`.
     transmitted_limit_nm: F32 = 8.0 in 0.0..=1e6 "N m";
-    /// Transmitted torque within which the motor is sent from one side of the gap to the other.
+    /// Transmitted torque within which the motor crosses the gap.
     gap_crossing_nm: F32 = 0.05 in 1e-6..=1e6 "N m";
     /// Twist error to torque.
     twist_gain_nm_rad: F32 = 1.0 in 0.0..=1e6 "N m/rad";
     /// Velocity of the twist to torque; at most the motor's inertia over the control period.
     twist_damping_nm_s_rad: F32 = 0.04 in 0.0..=1e6 "N m s/rad";
-    /// Poles of the observer of the load's velocity; at most half of 1 over the control period.
+    /// Triple pole of the load observer; at most half of 1 over the control period.
     load_observer_rad_s: F32 = 12.0 in 0.1..=1e4 "rad/s";
     /// Smallest transmitted torque at which the gap is identified.
     identification_min_nm: F32 = 0.4 in 0.0..=1e6 "N m";
-    /// Load error that counts as arrived; at least 1.05 counts of the load encoder are taken.
+    /// Load error that counts as arrived; at least 1.05 counts of the load encoder are used.
     arrival_band_rad: F32 = 0.002 in 0.0..=1.0 "rad";
-    /// Share of the integral that is kept on arrival.
+    /// Fraction of the integral kept on arrival.
     hold_fraction: F32 = 0.3 in 0.0..=1.0 "";
 }

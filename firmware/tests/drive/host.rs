@@ -1,8 +1,8 @@
-//! A host in a few lines, with the clock in its hand.
+//! A host that sets the device time.
 
 use std::time::Duration;
 
-use lashloop_firmware::drive::{Drive, ManualClock};
+use lashloop_firmware::drive::{Clock, Drive, ManualClock};
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
     Arm, CommandResult, EncoderSample, FaultReport, Hello, Identity, ParameterReport, SetParameter, Start,
@@ -19,17 +19,17 @@ pub struct Host {
 
 impl Host {
     pub fn new() -> Self {
-        Self { drive: Drive::new("test"), clock: ManualClock::default() }
+        Self { drive: Drive::new("test"), clock: ManualClock::new() }
     }
 
-    /// Greeted, and disarmed.
+    /// A host of a disarmed drive in a session.
     pub fn idle() -> Self {
         let mut host = Self::new();
-        host.say(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION });
+        host.send(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION });
         host
     }
 
-    /// Armed and started with these parameters.
+    /// A host of a drive that runs with these parameters.
     pub fn running(parameters: &[(&str, ParameterValue)]) -> Self {
         let mut host = Self::idle();
         for (name, value) in parameters {
@@ -40,38 +40,39 @@ impl Host {
         host
     }
 
-    pub fn pass(&mut self, time: Duration) {
-        self.clock.0 += time;
-        self.drive.tick(self.clock.0);
+    /// Advances device time and ticks the drive.
+    pub fn advance(&mut self, time: Duration) {
+        self.clock.advance(time);
+        self.drive.tick(self.clock.now());
     }
 
-    /// Sends bytes and returns everything the drive has to say, what a tick made it say included.
-    pub fn send(&mut self, mut bytes: &[u8]) -> Vec<DriveMessage> {
-        let mut answers = self.listen();
+    /// Sends bytes and returns the drive's whole output, that of earlier ticks included.
+    pub fn send_bytes(&mut self, mut bytes: &[u8]) -> Vec<DriveMessage> {
+        let mut answers = self.take_output();
         while !bytes.is_empty() {
             let used = self.drive.receive(bytes, &self.clock);
             bytes = &bytes[used..];
-            answers.extend(self.listen());
+            answers.extend(self.take_output());
         }
         answers
     }
 
-    pub fn listen(&mut self) -> Vec<DriveMessage> {
+    pub fn take_output(&mut self) -> Vec<DriveMessage> {
         let mut decoder = Decoder::new();
-        let mut said = self.drive.output();
+        let mut bytes = self.drive.output();
         let messages =
-            std::iter::from_fn(|| decoder.next(&mut said)).map(|m| m.expect("a good frame")).collect();
+            std::iter::from_fn(|| decoder.next(&mut bytes)).map(|m| m.expect("a good frame")).collect();
         decoder.finish().expect("whole frames");
         self.drive.clear_output();
         messages
     }
 
-    pub fn say(&mut self, message: impl Into<HostMessage>) -> Vec<DriveMessage> {
-        self.send(&message.into().frame())
+    pub fn send(&mut self, message: impl Into<HostMessage>) -> Vec<DriveMessage> {
+        self.send_bytes(&message.into().frame())
     }
 
     pub fn command(&mut self, message: impl Into<HostMessage>) -> (Outcome, State) {
-        let answers = self.say(message);
+        let answers = self.send(message);
         let result = answers.iter().find_map(|answer| match answer {
             DriveMessage::CommandResult(CommandResult { outcome, state, .. }) => Some((*outcome, *state)),
             _ => None,
@@ -80,7 +81,7 @@ impl Host {
     }
 
     pub fn identity(&mut self, hello: Hello) -> Identity {
-        let answers = self.say(hello);
+        let answers = self.send(hello);
         let identity = answers.iter().find_map(|answer| match answer {
             DriveMessage::Identity(identity) => Some(*identity),
             _ => None,
@@ -91,19 +92,18 @@ impl Host {
     pub fn set(&mut self, name: &str, value: ParameterValue) -> ParameterReport {
         let index = lashloop_firmware::drive::parameters::TABLE.iter().position(|entry| entry.name == name);
         let index = index.unwrap_or_else(|| panic!("no parameter {name}")) as u8;
-        match self.say(SetParameter { index, value })[..] {
+        match self.send(SetParameter { index, value })[..] {
             [DriveMessage::ParameterReport(report)] => report,
             ref other => panic!("{other:?}"),
         }
     }
 
-    /// A sample at rest, `counts` off on the load.
     pub fn sample(&mut self, sequence: u16, motor_counts: i64, load_counts: i64) -> Vec<DriveMessage> {
-        self.say(sample(sequence, motor_counts, load_counts))
+        self.send(sample(sequence, motor_counts, load_counts))
     }
 }
 
-/// What encoders show that stand at these counts, with the load wanted at 0.
+/// A sample at these counts with the reference at zero.
 pub fn sample(sequence: u16, motor_counts: i64, load_counts: i64) -> EncoderSample {
     let [motor_counts, load_counts] = [motor_counts, load_counts].map(EncoderCounts::wrapping);
     EncoderSample { sequence, motor_counts, load_counts, reference_rad: 0.0 }
@@ -112,7 +112,7 @@ pub fn sample(sequence: u16, motor_counts: i64, load_counts: i64) -> EncoderSamp
 pub fn torque(answers: &[DriveMessage]) -> TorqueAnswer {
     match answers.first() {
         Some(DriveMessage::TorqueAnswer(answer)) => *answer,
-        _ => panic!("the first answer to a sample is the torque: {answers:?}"),
+        _ => panic!("the first answer to a sample is its torque: {answers:?}"),
     }
 }
 

@@ -1,8 +1,8 @@
-//! The drive as a host meets it: bytes in, bytes out, device time by hand.
+//! The drive from the host's side: bytes in, bytes out, manual device time.
 
 mod host;
 mod parameters;
 mod running;
 mod safety;
 mod session;
-mod wrapping;
+mod wraparound;

@@ -1,4 +1,4 @@
-//! Parameters over the wire.
+//! The parameter table and its requests.
 
 use std::fmt::Write;
 
@@ -14,7 +14,7 @@ fn the_drive_describes_its_parameters() {
     let mut host = Host::idle();
     let mut table = String::new();
     for index in 0..TABLE.len() as u8 {
-        match host.say(DescribeParameter { index })[..] {
+        match host.send(DescribeParameter { index })[..] {
             [DriveMessage::ParameterDescription(it)] => {
                 let live = if it.live == 1 { "live" } else { "" };
                 let _ = writeln!(
@@ -34,10 +34,10 @@ fn the_drive_describes_its_parameters() {
 }
 
 #[test]
-fn names_and_units_reach_the_host_uncut_and_defaults_are_in_range() {
+fn names_and_units_fit_and_defaults_are_in_range() {
     let mut host = Host::idle();
     for (index, entry) in TABLE.iter().enumerate() {
-        match host.say(DescribeParameter { index: index as u8 })[..] {
+        match host.send(DescribeParameter { index: index as u8 })[..] {
             [DriveMessage::ParameterDescription(it)] => {
                 assert_eq!((it.name.as_str(), it.unit.as_str()), (entry.name, entry.unit));
             }
@@ -51,33 +51,51 @@ fn names_and_units_reach_the_host_uncut_and_defaults_are_in_range() {
 }
 
 #[test]
-fn a_value_out_of_range_changes_nothing_and_the_old_one_is_read_back() {
+fn a_value_outside_its_range_is_rejected_and_changes_nothing() {
     let mut host = Host::idle();
-    for value in [-1.0, 1000.1, f32::NAN, f32::INFINITY] {
-        let report = host.set("torque_limit_nm", ParameterValue::F32(value));
-        assert_eq!(
-            (report.outcome, report.value),
-            (Outcome::OutOfRange, ParameterValue::F32(20.0)),
-            "{value}"
-        );
+    for entry in TABLE {
+        for value in outside(entry.min, entry.max) {
+            let report = host.set(entry.name, value);
+            assert_eq!(
+                (report.outcome, report.value),
+                (Outcome::OutOfRange, entry.default),
+                "{} = {value:?}",
+                entry.name
+            );
+        }
+    }
+}
+
+/// The nearest values outside a range, and those that are in no range.
+fn outside(min: ParameterValue, max: ParameterValue) -> Vec<ParameterValue> {
+    match (min, max) {
+        (ParameterValue::U32(min), ParameterValue::U32(max)) => {
+            [min.checked_sub(1), max.checked_add(1)].into_iter().flatten().map(ParameterValue::U32).collect()
+        }
+        (ParameterValue::F32(min), ParameterValue::F32(max)) => {
+            [min.next_down(), max.next_up(), f32::NAN, f32::INFINITY, f32::NEG_INFINITY]
+                .map(ParameterValue::F32)
+                .to_vec()
+        }
+        other => panic!("{other:?}"),
     }
 }
 
 #[test]
-fn a_value_of_the_wrong_type_is_refused() {
+fn a_value_of_the_wrong_type_is_rejected() {
     let report = Host::idle().set("torque_limit_nm", ParameterValue::U32(5));
     assert_eq!((report.outcome, report.value), (Outcome::WrongType, ParameterValue::F32(20.0)));
 }
 
 #[test]
-fn an_unknown_index_is_refused() {
+fn an_unknown_index_is_rejected() {
     let mut host = Host::idle();
     let index = TABLE.len() as u8;
     let value = ParameterValue::U32(0);
     for answers in [
-        host.say(DescribeParameter { index }),
-        host.say(GetParameter { index: 255 }),
-        host.say(SetParameter { index, value }),
+        host.send(DescribeParameter { index }),
+        host.send(GetParameter { index: 255 }),
+        host.send(SetParameter { index, value }),
     ] {
         assert!(
             matches!(answers[..], [DriveMessage::ParameterReport(r)] if r.outcome == Outcome::UnknownParameter),
@@ -87,37 +105,62 @@ fn an_unknown_index_is_refused() {
 }
 
 #[test]
-fn while_running_only_live_parameters_can_be_set() {
+fn only_live_parameters_can_be_set_while_running() {
     let mut host = Host::running(&[]);
-    let refused = host.set("k_p1", ParameterValue::F32(2.0));
-    assert_eq!((refused.outcome, refused.state), (Outcome::WrongState, State::Running));
-    assert_eq!(refused.value, ParameterValue::F32(1.0));
+    let rejected = host.set("k_p1", ParameterValue::F32(2.0));
+    assert_eq!((rejected.outcome, rejected.state), (Outcome::WrongState, State::Running));
+    assert_eq!(rejected.value, ParameterValue::F32(1.0));
     assert_eq!(host.set("telemetry_every", ParameterValue::U32(1)).outcome, Outcome::Accepted);
 }
 
 #[test]
-fn before_the_greeting_nothing_can_be_set() {
+fn no_parameter_can_be_set_in_boot() {
     let mut host = Host::new();
     assert_eq!(host.set("k_p1", ParameterValue::F32(2.0)).outcome, Outcome::WrongState);
 }
 
+/// Each value is in its range; the last parameter set is beyond what the others allow.
 #[test]
-fn parameters_of_the_compensating_law_that_do_not_go_together_are_named_when_arming() {
-    let mut host = Host::idle();
-    host.set("controller", ParameterValue::U32(4));
-    // Each in its range; but what a held torque damps in 20 ms is more than this motor's momentum.
-    host.set("period_us", ParameterValue::U32(20_000));
-    host.set("twist_damping_nm_s_rad", ParameterValue::F32(0.06));
-    let answers = host.say(Arm { session: SESSION });
-    let texts: Vec<_> = answers
-        .iter()
-        .filter_map(|answer| match answer {
-            DriveMessage::Log(log) => Some(log.text.as_str()),
-            _ => None,
-        })
-        .collect();
-    assert_eq!(texts, ["twist_damping_nm_s_rad does not go with the others"]);
-    assert_eq!(host.command(Arm { session: SESSION }), (Outcome::Inconsistent, State::Idle));
-    host.set("twist_damping_nm_s_rad", ParameterValue::F32(0.04));
-    assert_eq!(host.command(Arm { session: SESSION }), (Outcome::Accepted, State::Armed));
+fn inconsistent_parameters_are_named_when_arming() {
+    use ParameterValue::{F32, U32};
+    let (merzouki, as_printed, inverse) = (2, 3, 4);
+    let cases: [(&str, &[(&str, ParameterValue)]); 6] = [
+        ("dead_zone_initial_rad", &[("controller", U32(merzouki)), ("dead_zone_max_rad", F32(0.1))]),
+        ("dead_zone_initial_rad", &[("controller", U32(as_printed)), ("dead_zone_max_rad", F32(0.1))]),
+        ("dead_zone_initial_rad", &[("controller", U32(inverse)), ("dead_zone_max_rad", F32(0.1))]),
+        // In 20 ms a held torque damps more than the momentum of this motor.
+        (
+            "twist_damping_nm_s_rad",
+            &[
+                ("controller", U32(inverse)),
+                ("period_us", U32(20_000)),
+                ("twist_damping_nm_s_rad", F32(0.06)),
+            ],
+        ),
+        (
+            "load_observer_rad_s",
+            &[("controller", U32(inverse)), ("period_us", U32(20_000)), ("load_observer_rad_s", F32(26.0))],
+        ),
+        (
+            "motor counts per load count",
+            &[
+                ("reduction_ratio", F32(1e4)),
+                ("motor_counts_per_rev", U32(1 << 24)),
+                ("load_counts_per_rev", U32(4)),
+            ],
+        ),
+    ];
+    for (name, settings) in cases {
+        let mut host = Host::idle();
+        for (name, value) in settings {
+            assert_eq!(host.set(name, *value).outcome, Outcome::Accepted, "{name}");
+        }
+        let answers = host.send(Arm { session: SESSION });
+        let [DriveMessage::Log(log), DriveMessage::CommandResult(result)] = answers[..] else {
+            panic!("{answers:?}")
+        };
+        // A text longer than its field is cut.
+        assert!(format!("{name} does not go with the others").starts_with(log.text.as_str()), "{log:?}");
+        assert_eq!((result.outcome, result.state), (Outcome::Inconsistent, State::Idle));
+    }
 }

@@ -1,10 +1,10 @@
 //! The control path.
 
 use lashloop_protocol::DriveMessage;
-use lashloop_protocol::enums::{ParameterValue, State, TorqueFlags, TorqueStatus};
-use lashloop_protocol::message::LineReport;
+use lashloop_protocol::enums::{ControllerId, ParameterValue, State, TorqueFlags, TorqueStatus};
+use lashloop_protocol::message::{Arm, LineReport, Start, Stop};
 
-use crate::host::{Host, torque};
+use crate::host::{Host, SESSION, torque};
 
 /// Quarter of a turn on the load with the reducer in line, in counts of the default encoders.
 const MOTOR: i64 = 3 * 32_768;
@@ -15,33 +15,33 @@ fn running(flags: TorqueFlags) -> TorqueStatus {
 }
 
 #[test]
-fn pd_gives_the_paper_s_torque_for_a_position_error() {
+fn pd_gives_the_torque_of_the_paper_for_a_position_error() {
     // e_s = pi/2, z = 0: theta_e_d = -10 e_s, U = -(theta_e - theta_e_d) = -(3 pi/2 + 10 pi/2).
     let mut host = Host::running(&[("torque_limit_nm", ParameterValue::F32(100.0))]);
     let answer = torque(&host.sample(0, MOTOR, LOAD));
     let want = -13.0 * std::f32::consts::FRAC_PI_2;
-    // The middle of a count is half a count, 2.4e-5 rad, off, thirteenfold.
+    // The middle of a count is half a count, 2.4e-5 rad, off; the gain is 13.
     assert!((answer.torque_nm - want).abs() < 1e-3, "have {}, want {want}", answer.torque_nm);
     assert_eq!((answer.sequence, answer.status), (0, running(TorqueFlags::empty())));
     assert_eq!(host.drive.torque_nm(), answer.torque_nm);
 }
 
 #[test]
-fn torque_is_limited_and_flagged() {
+fn torque_is_clamped_and_flagged() {
     let mut host = Host::running(&[("torque_limit_nm", ParameterValue::F32(5.0))]);
     let answer = torque(&host.sample(0, MOTOR, LOAD));
     assert_eq!((answer.torque_nm, answer.status), (-5.0, running(TorqueFlags::SATURATED)));
 }
 
 #[test]
-fn a_repeated_sample_gets_the_same_answer_and_makes_no_step() {
+fn a_repeated_sample_gets_the_same_answer_without_a_step() {
     let merzouki = [("controller", ParameterValue::U32(2)), ("torque_limit_nm", ParameterValue::F32(100.0))];
     let (mut once, mut twice) = (Host::running(&merzouki), Host::running(&merzouki));
     let first = torque(&once.sample(0, MOTOR, LOAD));
     twice.sample(0, MOTOR, LOAD);
     let again = torque(&twice.sample(0, MOTOR, LOAD));
     assert_eq!((again.torque_nm, again.status), (first.torque_nm, running(TorqueFlags::REPEATED)));
-    // A step more would have moved the estimate and the filters.
+    // Another step would have changed the estimate and the filters.
     let (a, b) = (torque(&once.sample(1, MOTOR - 500, LOAD)), torque(&twice.sample(1, MOTOR - 500, LOAD)));
     assert_eq!(a.torque_nm.to_bits(), b.torque_nm.to_bits());
 }
@@ -61,7 +61,7 @@ fn a_gap_is_flagged_and_does_not_double_the_velocity() {
 }
 
 #[test]
-fn a_sample_of_another_run_is_refused_and_moves_nothing() {
+fn a_sample_of_another_run_is_rejected_and_changes_nothing() {
     let mut host = Host::running(&[]);
     assert!(matches!(host.sample(5, 9, 9)[..], [DriveMessage::CommandResult(_)]), "a run begins with 0");
     host.sample(0, 0, 0);
@@ -78,15 +78,18 @@ fn a_sample_of_another_run_is_refused_and_moves_nothing() {
 
 #[test]
 fn every_law_gives_a_torque_of_its_own() {
-    let torques: Vec<f32> = (1..=3)
+    let torques: Vec<f32> = ControllerId::ALL
+        .iter()
         .map(|law| {
             let limit = ("torque_limit_nm", ParameterValue::F32(100.0));
-            let mut host = Host::running(&[("controller", ParameterValue::U32(law)), limit]);
+            let mut host = Host::running(&[("controller", ParameterValue::U32(*law as u32)), limit]);
             host.sample(0, MOTOR + 20_000, LOAD);
             torque(&host.sample(1, MOTOR + 20_500, LOAD)).torque_nm
         })
         .collect();
-    assert!(torques[0] != torques[1] && torques[1] != torques[2] && torques[0] != torques[2], "{torques:?}");
+    for (k, torque) in torques.iter().enumerate() {
+        assert!(!torques[..k].contains(torque), "{torques:?}");
+    }
 }
 
 #[test]
@@ -108,7 +111,6 @@ fn telemetry_comes_every_n_th_step_after_its_torque() {
 
 #[test]
 fn a_new_run_starts_from_the_initial_state() {
-    use lashloop_protocol::message::{Arm, Start, Stop};
     let merzouki = [("controller", ParameterValue::U32(2)), ("torque_limit_nm", ParameterValue::F32(100.0))];
     let mut host = Host::running(&merzouki);
     let run = |host: &mut Host| -> Vec<u32> {
@@ -117,21 +119,21 @@ fn a_new_run_starts_from_the_initial_state() {
             .collect()
     };
     let first = run(&mut host);
-    host.say(Stop {});
-    let session = crate::host::SESSION;
-    host.say(Arm { session });
-    host.say(Start { session });
+    host.send(Stop {});
+    let session = SESSION;
+    host.send(Arm { session });
+    host.send(Start { session });
     assert_eq!(run(&mut host), first);
 }
 
 #[test]
-fn after_a_run_on_a_noisy_line_the_drive_tells_of_the_damage() {
+fn the_line_report_counts_the_damage_of_the_run() {
     let mut host = Host::running(&[]);
-    host.send(b"noise\0more noise\0");
+    host.send_bytes(b"noise\0more noise\0");
     host.drive.note_overruns(3);
     host.sample(0, 0, 0);
-    let answers = host.say(lashloop_protocol::message::Stop {});
-    // The sample and the stop itself are the good ones.
+    let answers = host.send(Stop {});
+    // The good messages are the sample and the stop.
     let want = LineReport { messages: 2, damaged: 2, refused: 0, overruns: 3 };
     assert_eq!(answers[0], DriveMessage::LineReport(want));
 }

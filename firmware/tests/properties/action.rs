@@ -1,47 +1,46 @@
-//! What may happen to a drive, and the same as bytes for the fuzzer.
+//! Actions on a drive, and their encoding as bytes for the fuzzer.
 //!
 //! ```text
-//! 0 n bytes[n]                noise on the line
-//! 1 k fields                  a message of the host, k modulo the number of kinds, in a good frame
-//! 2 motor load reference      the next sample of the run: counts moved (i16), reference (f32)
-//! 3 us                        time passes (u32)
+//! 0 n bytes[n]                bytes on the line
+//! 1 k fields                  a host message in a valid frame, k modulo the number of kinds
+//! 2 motor load reference      the next sample of the run: moved counts (i16), reference (f32)
+//! 3 us                        device time elapses (u32)
 //! 4 n                         bytes lost by the hardware
-//! 5                           the line takes what the drive has to say
+//! 5                           the output is transmitted
 //! ```
 //!
-//! Numbers are little endian. Any bytes are a history: the first is taken modulo 6, and what is missing at the end
-//! reads as zeros.
+//! Numbers are little endian. Any bytes are a history: tags count modulo 6, and bytes missing at the end read as zero.
 
 use std::time::Duration;
 
 use lashloop_protocol::{HostMessage, Message};
 
-/// One thing that happens to a drive.
+/// One action on a drive.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
-    /// Bytes as they come off a line, whole frames or not.
+    /// Received bytes, whole frames or not.
     Line(Vec<u8>),
-    /// A body of any content in a good frame.
+    /// Any body in a valid frame.
     Body(Vec<u8>),
-    /// The next sample of the run, the encoders having moved by so many counts.
+    /// The next sample of the run.
     Sample {
-        /// Motor counts since the last one.
+        /// Motor counts since the last sample.
         motor: i16,
-        /// Load counts since the last one.
+        /// Load counts since the last sample.
         load: i16,
-        /// In rad, any bits.
+        /// Reference in rad, any bits.
         reference_rad: f32,
     },
-    /// Device time.
-    Pass(Duration),
-    /// Bytes that never came out of the hardware.
+    /// Device time elapses; the drive ticks.
+    Elapse(Duration),
+    /// The hardware loses this number of bytes.
     Overruns(u8),
-    /// The output goes out and is cleared.
+    /// The output is transmitted and cleared.
     Drain,
 }
 
 impl Action {
-    /// Reads one action off the front of `bytes`; `None` at their end.
+    /// Decodes one action from the front of `bytes`; `None` at their end.
     pub fn read(bytes: &mut &[u8]) -> Option<Self> {
         let (&tag, rest) = bytes.split_first()?;
         *bytes = rest;
@@ -64,7 +63,7 @@ impl Action {
                 load: i16::from_le_bytes(take(bytes)),
                 reference_rad: f32::from_le_bytes(take(bytes)),
             },
-            3 => Self::Pass(Duration::from_micros(u32::from_le_bytes(take(bytes)).into())),
+            3 => Self::Elapse(Duration::from_micros(u32::from_le_bytes(take(bytes)).into())),
             4 => Self::Overruns(u8::from_le_bytes(take(bytes))),
             _ => Self::Drain,
         })

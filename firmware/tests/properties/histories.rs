@@ -1,4 +1,4 @@
-//! Arbitrary histories of a drive, begun in every state.
+//! Arbitrary histories of a drive from every state.
 
 use std::cell::RefCell;
 use std::time::Duration;
@@ -16,31 +16,31 @@ use proptest::sample::select;
 use proptest::test_runner::{Config, RngSeed, TestError, TestRunner};
 
 use crate::action::Action;
-use crate::invariants::{Seen, Watched, frame_around};
+use crate::invariants::{CheckedDrive, Coverage, frame_around};
 
 const SESSION: u32 = 7;
 
-fn say<P: Payload>(message: P) -> Action {
+fn request<P: Payload>(message: P) -> Action {
     let mut body = vec![0; P::LAYOUT.body_len];
     message.put(&mut body);
     Action::Body(body)
 }
 
-/// How a host brings a drive into a state.
+/// The requests that lead from power-up to a state.
 fn way_to(state: State, parameters: Vec<Action>) -> Vec<Action> {
-    let hello = say(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION });
-    let (arm, start) = (say(Arm { session: SESSION }), say(Start { session: SESSION }));
+    let hello = request(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION });
+    let (arm, start) = (request(Arm { session: SESSION }), request(Start { session: SESSION }));
     let to_running = || [vec![hello.clone()], parameters.clone(), vec![arm.clone(), start.clone()]].concat();
     match state {
         State::Boot => Vec::new(),
         State::Idle => vec![hello],
         State::Armed => [vec![hello], parameters, vec![arm]].concat(),
         State::Running => to_running(),
-        State::Faulted => [to_running(), vec![say(EmergencyStop {})]].concat(),
+        State::Faulted => [to_running(), vec![request(EmergencyStop {})]].concat(),
     }
 }
 
-/// A value the drive takes for this parameter, with the ends of the range more often than chance would have them.
+/// An allowed value of a parameter, with extra weight on the ends of its range.
 fn setting() -> impl Strategy<Value = Action> {
     (0..TABLE.len(), 0.0..=1.0_f32, 0..8_u8).prop_map(|(index, part, end)| {
         let part = match end {
@@ -52,21 +52,21 @@ fn setting() -> impl Strategy<Value = Action> {
             (ParameterValue::U32(min), ParameterValue::U32(max), _) => {
                 ParameterValue::U32(min + (f64::from(max - min) * f64::from(part)) as u32)
             }
-            // Near the default four times in eight, so that many controllers can be built.
+            // Half of the values are near the default, so that many sets are consistent.
             (.., ParameterValue::F32(default)) if end >= 4 => ParameterValue::F32(default * (0.5 + part)),
             (ParameterValue::F32(min), ParameterValue::F32(max), _) => {
                 ParameterValue::F32(min + (max - min) * part.powi(8))
             }
             (min, ..) => min,
         };
-        say(SetParameter { index: index as u8, value })
+        request(SetParameter { index: index as u8, value })
     })
 }
 
 /// Any index, type and value.
 fn wild_setting() -> impl Strategy<Value = Action> {
     let value = prop_oneof![any::<u32>().prop_map(ParameterValue::U32), ANY.prop_map(ParameterValue::F32)];
-    (0..TABLE.len() as u8 + 2, value).prop_map(|(index, value)| say(SetParameter { index, value }))
+    (0..TABLE.len() as u8 + 2, value).prop_map(|(index, value)| request(SetParameter { index, value }))
 }
 
 fn host_body() -> impl Strategy<Value = Action> {
@@ -101,8 +101,8 @@ fn action() -> impl Strategy<Value = Action> {
         1 => wild_setting(),
         1 => vec(any::<u8>(), 0..9).prop_map(Action::Body),
         1 => vec(any::<u8>(), 0..200).prop_map(Action::Line),
-        3 => (0..2_000_u64).prop_map(|us| Action::Pass(Duration::from_micros(us))),
-        1 => any::<u32>().prop_map(|us| Action::Pass(Duration::from_micros(us.into()))),
+        3 => (0..2_000_u64).prop_map(|us| Action::Elapse(Duration::from_micros(us))),
+        1 => any::<u32>().prop_map(|us| Action::Elapse(Duration::from_micros(us.into()))),
         1 => any::<u8>().prop_map(Action::Overruns),
         3 => Just(Action::Drain),
     ]
@@ -113,62 +113,64 @@ fn history() -> impl Strategy<Value = Vec<Action>> {
         .prop_map(|(state, parameters, actions)| [way_to(state, parameters), actions].concat())
 }
 
-/// The same cases in every run; `cargo xtask fuzz` is the one that looks for new ones.
+/// The same cases in every run; `cargo xtask fuzz` looks for new ones.
 fn config(cases: u32) -> Config {
     Config { cases, rng_seed: RngSeed::Fixed(0x1a54_100b), failure_persistence: None, ..Config::default() }
 }
 
-fn live(history: &[Action]) -> Seen {
-    let mut watched = Watched::new();
-    history.iter().for_each(|action| watched.act(action));
-    watched.seen
+fn run(history: &[Action]) -> Coverage {
+    let mut drive = CheckedDrive::new();
+    history.iter().for_each(|action| drive.act(action));
+    drive.coverage
 }
 
 #[test]
-fn no_history_makes_the_drive_break_a_promise() {
-    let met = RefCell::new(Seen::default());
+fn no_history_violates_an_invariant() {
+    let reached = RefCell::new(Coverage::default());
     let outcome = TestRunner::new(config(10_000)).run(&history(), |history| {
-        let seen = live(&history);
-        let mut met = met.borrow_mut();
-        met.states.extend(seen.states);
-        met.faults.extend(seen.faults);
-        met.outcomes.extend(seen.outcomes);
-        met.torques += seen.torques;
-        met.full += seen.full;
+        let coverage = run(&history);
+        let mut reached = reached.borrow_mut();
+        reached.states.extend(coverage.states);
+        reached.faults.extend(coverage.faults);
+        reached.outcomes.extend(coverage.outcomes);
+        reached.torques += coverage.torques;
+        reached.full += coverage.full;
         Ok(())
     });
     if let Err(TestError::Fail(reason, history)) = outcome {
         panic!("{reason} after {history:#?}");
     }
 
-    // The histories come everywhere: else nothing would have been shown.
-    let met = met.into_inner();
-    assert!(State::ALL.iter().all(|state| met.states.contains(state)));
+    // The histories must reach every state, fault and outcome to prove the invariants.
+    let reached = reached.into_inner();
+    assert!(State::ALL.iter().all(|state| reached.states.contains(state)));
     let never = [FaultCode::Panic, FaultCode::ProcessorFault];
-    let missing: Vec<_> =
-        FaultCode::ALL.iter().filter(|code| !met.faults.contains(code) && !never.contains(code)).collect();
+    let missing: Vec<_> = FaultCode::ALL
+        .iter()
+        .filter(|code| !reached.faults.contains(code) && !never.contains(code))
+        .collect();
     assert!(missing.is_empty(), "no history led to {missing:?}");
-    let missing: Vec<_> = Outcome::ALL.iter().filter(|outcome| !met.outcomes.contains(outcome)).collect();
+    let missing: Vec<_> = Outcome::ALL.iter().filter(|outcome| !reached.outcomes.contains(outcome)).collect();
     assert!(missing.is_empty(), "no history led to {missing:?}");
-    assert!(met.torques > 10_000, "{} torques", met.torques);
-    assert!(met.full > 100, "the output was full {} times", met.full);
+    assert!(reached.torques > 10_000, "{} torques", reached.torques);
+    assert!(reached.full > 100, "the output was full {} times", reached.full);
 }
 
 proptest! {
     #![proptest_config(config(2000))]
 
-    /// What the fuzzer feeds.
+    /// The input of the fuzzer.
     #[test]
-    fn any_bytes_are_a_history_that_breaks_no_promise(bytes in vec(any::<u8>(), 0..3000)) {
+    fn any_bytes_are_a_history_without_violation(bytes in vec(any::<u8>(), 0..3000)) {
         let mut rest = &bytes[..];
-        live(&std::iter::from_fn(|| Action::read(&mut rest)).collect::<Vec<_>>());
+        run(&std::iter::from_fn(|| Action::read(&mut rest)).collect::<Vec<_>>());
         prop_assert!(rest.is_empty());
     }
 
-    /// The decoder keeps what is left of a frame, so a cut may fall anywhere.
+    /// The decoder buffers a partial frame, so input may be cut anywhere.
     #[test]
-    fn the_same_bytes_in_other_pieces_give_the_same_answers(history in history(), pieces in vec(1..70_usize, 1..9)) {
-        // Time and hardware stand still: only the line speaks.
+    fn the_cut_of_the_input_does_not_change_the_answers(history in history(), pieces in vec(1..70_usize, 1..9)) {
+        // Without elapsed time and overruns: bytes only.
         let line: Vec<u8> = history.iter().flat_map(bytes_of).collect();
         prop_assert_eq!(answers(&line, &[line.len().max(1)]), answers(&line, &pieces));
     }
@@ -184,15 +186,15 @@ fn bytes_of(action: &Action) -> Vec<u8> {
 
 fn answers(line: &[u8], piece_lens: &[usize]) -> Vec<u8> {
     let mut drive = Drive::new("pieces");
-    let (mut said, mut rest) = (Vec::new(), line);
+    let (mut sent, mut rest) = (Vec::new(), line);
     for &len in piece_lens.iter().cycle() {
         if rest.is_empty() {
             break;
         }
-        let used = drive.receive(&rest[..len.min(rest.len())], &ManualClock::default());
+        let used = drive.receive(&rest[..len.min(rest.len())], &ManualClock::new());
         rest = &rest[used..];
-        said.extend_from_slice(drive.output());
+        sent.extend_from_slice(drive.output());
         drive.clear_output();
     }
-    said
+    sent
 }

@@ -1,9 +1,9 @@
-//! A drive under watch: after everything that happens to it, all it promises is checked. Property tests and fuzzer share it.
+//! A drive whose invariants are checked after every action, for property tests and fuzzer.
 
 use std::time::Duration;
 
 use lashloop_firmware::drive::parameters::{Parameters, TABLE};
-use lashloop_firmware::drive::{Drive, ManualClock};
+use lashloop_firmware::drive::{Clock, Drive, ManualClock};
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::message::{CommandResult, EncoderSample, FaultReport, ParameterReport, Reset};
 use lashloop_protocol::wire::Payload;
@@ -12,53 +12,47 @@ use lashloop_protocol::{
 };
 
 use crate::action::Action;
+use crate::transitions::{Cause, may_change};
 
-/// A drive, what we know it has been told, and what it said last.
-pub struct Watched {
+/// A drive, and what its requests and answers imply about it.
+pub struct CheckedDrive {
     drive: Drive,
     clock: ManualClock,
-    /// Reads the bytes the drive takes.
-    ear: Decoder,
-    /// Bytes of the output that have been looked at.
-    heard: usize,
+    /// Decodes the bytes that the drive takes.
+    decoder: Decoder,
+    /// Bytes of the output already checked.
+    checked_bytes: usize,
     torque_limit_nm: f32,
-    /// The one that is latched.
+    /// The latched fault.
     fault: Option<FaultReport>,
     next_sample: EncoderSample,
-    /// What was met on the way.
-    pub seen: Seen,
+    /// What the history reached.
+    pub coverage: Coverage,
 }
 
-/// How far a history came; a watch that sees nothing proves nothing.
+/// What a history reached; invariants checked in few states prove little.
 #[derive(Clone, Debug, Default)]
-pub struct Seen {
-    /// States it was in.
+pub struct Coverage {
+    /// States entered.
     pub states: Vec<State>,
-    /// Faults it latched.
+    /// Faults latched.
     pub faults: Vec<FaultCode>,
-    /// Outcomes it told.
+    /// Outcomes sent.
     pub outcomes: Vec<Outcome>,
-    /// Torques other than zero it gave.
+    /// Number of torques other than zero.
     pub torques: usize,
-    /// Times it took nothing before its output was cleared.
+    /// Number of stalls by a full output buffer.
     pub full: usize,
 }
 
-/// Why a state may change.
-enum Cause {
-    Told(HostMessage),
-    /// Time passed, or bytes came that are no message.
-    Nothing,
-}
-
-impl Watched {
-    /// A drive that has just been powered.
+impl CheckedDrive {
+    /// A drive after power-up.
     pub fn new() -> Self {
         Self {
-            drive: Drive::new("watched"),
-            clock: ManualClock::default(),
-            ear: Decoder::new(),
-            heard: 0,
+            drive: Drive::new("checked"),
+            clock: ManualClock::new(),
+            decoder: Decoder::new(),
+            checked_bytes: 0,
             torque_limit_nm: Parameters::default().torque_limit_nm,
             fault: None,
             next_sample: EncoderSample {
@@ -67,33 +61,33 @@ impl Watched {
                 load_counts: EncoderCounts::default(),
                 reference_rad: 0.0,
             },
-            seen: Seen::default(),
+            coverage: Coverage::default(),
         }
     }
 
-    /// Lets it happen.
+    /// Applies one action and checks every invariant.
     ///
     /// # Panics
-    /// If the drive breaks a promise.
+    /// If the drive violates an invariant.
     pub fn act(&mut self, action: &Action) {
         match action {
-            Action::Line(bytes) => self.offer(bytes),
-            Action::Body(body) => self.offer(&frame_around(body)),
+            Action::Line(bytes) => self.receive(bytes),
+            Action::Body(body) => self.receive(&frame_around(body)),
             Action::Sample { motor, load, reference_rad } => {
                 let sample = &mut self.next_sample;
                 sample.motor_counts = sample.motor_counts.wrapping_add((*motor).into());
                 sample.load_counts = sample.load_counts.wrapping_add((*load).into());
                 sample.reference_rad = *reference_rad;
                 let frame = HostMessage::from(*sample).frame();
-                self.offer(&frame);
+                self.receive(&frame);
             }
-            Action::Pass(time) => self.pass(*time),
+            Action::Elapse(time) => self.elapse(*time),
             Action::Overruns(count) => self.drive.note_overruns((*count).into()),
             Action::Drain => self.drain(),
         }
     }
 
-    fn offer(&mut self, mut bytes: &[u8]) {
+    fn receive(&mut self, mut bytes: &[u8]) {
         while !bytes.is_empty() {
             let before = self.drive.state();
             let used = self.drive.receive(bytes, &self.clock);
@@ -101,78 +95,78 @@ impl Watched {
             let (mut taken, rest) = bytes.split_at(used);
             bytes = rest;
             if used == 0 {
-                assert!(!self.drive.output().is_empty(), "stalled with nothing left to send");
-                self.seen.full += 1;
+                assert!(!self.drive.output().is_empty(), "stalled with an empty output buffer");
+                self.coverage.full += 1;
                 self.drain();
                 continue;
             }
-            let message = self.ear.next::<HostMessage>(&mut taken);
+            let message = self.decoder.next::<HostMessage>(&mut taken);
             assert!(taken.is_empty(), "takes one frame at a time");
-            assert_eq!(self.drive.counters(), self.ear.counters());
+            assert_eq!(self.drive.counters(), self.decoder.counters());
             let cause = match message {
-                Some(Ok(message)) => Cause::Told(message),
-                Some(Err(_)) | None => Cause::Nothing,
+                Some(Ok(message)) => Cause::Request(message),
+                Some(Err(_)) | None => Cause::NoRequest,
             };
-            self.look(before, &cause);
+            self.check(before, &cause);
         }
     }
 
-    fn pass(&mut self, time: Duration) {
+    fn elapse(&mut self, time: Duration) {
         let (before, due) = (self.drive.state(), self.drive.next_tick());
-        assert_eq!(due.is_some(), before == State::Running, "ticks are asked for while running");
-        self.clock.0 += time;
-        self.drive.tick(self.clock.0);
-        self.look(before, &Cause::Nothing);
-        if due.is_some_and(|due| self.clock.0 > due) {
+        assert_eq!(due.is_some(), before == State::Running, "ticks are due while running only");
+        self.clock.advance(time);
+        self.drive.tick(self.clock.now());
+        self.check(before, &Cause::NoRequest);
+        if due.is_some_and(|due| self.clock.now() > due) {
             assert_eq!(self.drive.state(), State::Faulted, "the watchdog trips");
         }
     }
 
     fn drain(&mut self) {
         self.drive.clear_output();
-        self.heard = 0;
+        self.checked_bytes = 0;
         assert!(self.drive.output().is_empty());
     }
 
-    /// Everything promised, after something happened in the state `before`.
-    fn look(&mut self, before: State, cause: &Cause) {
+    /// Checks every invariant after something happened in the state `before`.
+    fn check(&mut self, before: State, cause: &Cause) {
         let after = self.drive.state();
-        let said = self.listen();
+        let sent = self.take_new_output();
         if after != State::Faulted {
             self.fault = None;
         }
-        assert!(may_change(before, after, cause), "{before:?} became {after:?}, having said {said:?}");
-        if let Cause::Told(message) = cause {
-            assert!(!said.is_empty(), "no answer to {message:?} in {before:?}");
-            self.note_told(message, after);
-            self.check_told(message, before, after, &said);
+        assert!(may_change(before, after, cause), "{before:?} became {after:?}, with {sent:?}");
+        if let Cause::Request(message) = cause {
+            assert!(!sent.is_empty(), "no answer to {message:?} in {before:?}");
+            self.note_request(message, after);
+            self.check_answers(message, before, after, &sent);
         }
-        for message in &said {
-            self.check_said(message, after);
+        for message in &sent {
+            self.check_message(message, after);
         }
         if after == State::Faulted && before != State::Faulted {
-            let report = said.iter().any(|message| matches!(message, DriveMessage::FaultReport(_)));
-            assert!(report, "a fault is told: {said:?}");
+            let report = sent.iter().any(|message| matches!(message, DriveMessage::FaultReport(_)));
+            assert!(report, "an unreported fault: {sent:?}");
         }
         self.check_torque(self.drive.torque_nm(), after);
-        self.seen.torques += usize::from(self.drive.torque_nm() != 0.0);
-        if !self.seen.states.contains(&after) {
-            self.seen.states.push(after);
+        self.coverage.torques += usize::from(self.drive.torque_nm() != 0.0);
+        if !self.coverage.states.contains(&after) {
+            self.coverage.states.push(after);
         }
     }
 
-    /// The new part of the output: whole frames and nothing else.
-    fn listen(&mut self) -> Vec<DriveMessage> {
-        let mut new = &self.drive.output()[self.heard..];
-        self.heard = self.drive.output().len();
+    /// The unchecked part of the output, which must be whole frames.
+    fn take_new_output(&mut self) -> Vec<DriveMessage> {
+        let mut new = &self.drive.output()[self.checked_bytes..];
+        self.checked_bytes = self.drive.output().len();
         let mut decoder = Decoder::new();
-        let said =
+        let sent =
             std::iter::from_fn(|| decoder.next(&mut new)).map(|item| item.expect("a good frame")).collect();
         decoder.finish().expect("whole frames");
-        said
+        sent
     }
 
-    fn note_told(&mut self, message: &HostMessage, after: State) {
+    fn note_request(&mut self, message: &HostMessage, after: State) {
         match message {
             HostMessage::Start(_) if after == State::Running => self.next_sample.sequence = 0,
             HostMessage::EncoderSample(sample) if after == State::Running => {
@@ -182,30 +176,30 @@ impl Watched {
         }
     }
 
-    fn check_told(&self, message: &HostMessage, before: State, after: State, said: &[DriveMessage]) {
+    fn check_answers(&self, message: &HostMessage, before: State, after: State, sent: &[DriveMessage]) {
         match message {
             HostMessage::EncoderSample(sample) => {
-                let answered = match said[0] {
+                let answered = match sent[0] {
                     DriveMessage::TorqueAnswer(answer) => answer.sequence == sample.sequence,
                     DriveMessage::CommandResult(_) => matches!(before, State::Boot | State::Running),
                     _ => false,
                 };
-                assert!(answered, "the answer comes first: {sample:?} in {before:?}: {said:?}");
+                assert!(answered, "the answer comes first: {sample:?} in {before:?}: {sent:?}");
             }
             HostMessage::Hello(hello)
                 if hello.protocol_version == PROTOCOL_VERSION && after == State::Faulted =>
             {
-                let told_again = said.iter().any(|message| match (message, self.fault) {
+                let reported_again = sent.iter().any(|message| match (message, self.fault) {
                     (DriveMessage::FaultReport(report), Some(fault)) => same(report, &fault),
                     _ => false,
                 });
-                assert!(told_again, "a greeting host learns of the latched fault: {said:?}");
+                assert!(reported_again, "a handshake reports the latched fault: {sent:?}");
             }
             _ => {}
         }
     }
 
-    fn check_said(&mut self, message: &DriveMessage, state: State) {
+    fn check_message(&mut self, message: &DriveMessage, state: State) {
         match message {
             DriveMessage::TorqueAnswer(answer) => {
                 assert_eq!(answer.status.state, state);
@@ -213,15 +207,15 @@ impl Watched {
                 assert_eq!(
                     answer.torque_nm.to_bits(),
                     self.drive.torque_nm().to_bits(),
-                    "what is told is given"
+                    "the sent torque is the held torque"
                 );
             }
             DriveMessage::FaultReport(report) => {
                 assert_eq!(state, State::Faulted);
-                // The first one is kept until it is cleared.
+                // The first fault stays latched until it is cleared.
                 self.fault.get_or_insert(*report);
-                if !self.seen.faults.contains(&report.code) {
-                    self.seen.faults.push(report.code);
+                if !self.coverage.faults.contains(&report.code) {
+                    self.coverage.faults.push(report.code);
                 }
             }
             DriveMessage::ParameterReport(report) => self.note_parameter(report),
@@ -249,8 +243,8 @@ impl Watched {
     }
 
     fn note_outcome(&mut self, outcome: Outcome) {
-        if !self.seen.outcomes.contains(&outcome) {
-            self.seen.outcomes.push(outcome);
+        if !self.coverage.outcomes.contains(&outcome) {
+            self.coverage.outcomes.push(outcome);
         }
     }
 
@@ -258,24 +252,6 @@ impl Watched {
         assert!(torque_nm.is_finite(), "{torque_nm} N m");
         assert!(torque_nm.abs() <= self.torque_limit_nm, "{torque_nm} N m of {} N m", self.torque_limit_nm);
         assert!(torque_nm == 0.0 || state == State::Running, "{torque_nm} N m in {state:?}");
-    }
-}
-
-/// The arrows of the state diagram.
-fn may_change(before: State, after: State, cause: &Cause) -> bool {
-    use HostMessage as Told;
-    use State::{Armed, Boot, Faulted, Idle, Running};
-    match (before, after, cause) {
-        (_, Boot, Cause::Told(Told::Reset(_))) | (_, Faulted, Cause::Told(Told::EmergencyStop(_))) => true,
-        (_, _, Cause::Told(Told::Reset(_) | Told::EmergencyStop(_))) => false,
-        (Faulted, Idle | Boot, Cause::Told(Told::ClearFault(_))) => true,
-        (Faulted, _, Cause::Told(Told::ClearFault(_))) => false,
-        (Running, Faulted, Cause::Nothing | Cause::Told(Told::EncoderSample(_))) => true,
-        (Armed | Running, Idle, Cause::Told(Told::Stop(_) | Told::Hello(_))) => true,
-        (Boot, Idle, Cause::Told(Told::Hello(_))) => true,
-        (Idle, Armed, Cause::Told(Told::Arm(_))) => true,
-        (Armed, Running, Cause::Told(Told::Start(_))) => true,
-        _ => before == after,
     }
 }
 
@@ -291,12 +267,12 @@ fn in_range(value: ParameterValue, min: ParameterValue, max: ParameterValue) -> 
     }
 }
 
-/// Equal in every bit: a fault may carry NaN.
+/// Bitwise equality: a fault may carry NaN.
 fn same(a: &FaultReport, b: &FaultReport) -> bool {
     DriveMessage::from(*a).frame()[..] == DriveMessage::from(*b).frame()[..]
 }
 
-/// The frame around any body, with a right CRC.
+/// Any body in a frame with a valid CRC.
 pub fn frame_around(body: &[u8]) -> Vec<u8> {
     let mut frame = [&[0], body, &crc::checksum(body).to_le_bytes()].concat();
     cobs::stuff(&mut frame);

@@ -1,5 +1,6 @@
-//! What the drive never does, whatever it is told in whatever state.
+//! Invariants of the drive under arbitrary histories, in every state.
 
 mod action;
 mod histories;
 mod invariants;
+mod transitions;

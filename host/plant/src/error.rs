@@ -1,15 +1,14 @@
-//! What a plant refuses.
+//! Errors of plants and encoders.
 
-use crate::backlash_shaft::MAX_SUBSTEPS;
-use crate::integrator::MAX_EVENTS;
+use crate::limits::{MAX_EVENTS, MAX_SUBSTEPS};
 
 /// A parameter outside its allowed range.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("plant parameter {name} is {value}, allowed is {low} to {high}")]
+#[error("parameter {name} of the simulated plant is {value}, allowed is {low} to {high}")]
 pub struct ParameterError {
     /// Name of the parameter, with its unit.
     pub name: &'static str,
-    /// The value given.
+    /// The rejected value.
     pub value: f64,
     /// Smallest allowed value.
     pub low: f64,
@@ -17,24 +16,29 @@ pub struct ParameterError {
     pub high: f64,
 }
 
-/// Checks that a parameter lies in `low..=high`; NaN lies nowhere.
+/// Checks that a parameter lies in `low..=high`. NaN is rejected.
 pub(crate) fn within(name: &'static str, value: f64, low: f64, high: f64) -> Result<(), ParameterError> {
     if (low..=high).contains(&value) { Ok(()) } else { Err(ParameterError { name, value, low, high }) }
 }
 
-/// Why a plant could not take a step.
+/// Checks a number of substeps, 1 to [`MAX_SUBSTEPS`].
+pub(crate) fn validate_substeps(substeps: u32) -> Result<(), ParameterError> {
+    within("substeps", f64::from(substeps), 1.0, f64::from(MAX_SUBSTEPS))
+}
+
+/// Why a plant rejected a step or a change.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum PlantError {
     /// The torque is NaN or infinite.
     #[error("plant was given a torque of {torque_nm} N m, needs a finite one")]
     Torque {
-        /// The torque given.
+        /// The rejected torque.
         torque_nm: f64,
     },
     /// The duration is negative, NaN or infinite.
     #[error("plant was given a step of {dt_s} s, needs a finite one of at least 0")]
     Duration {
-        /// The duration given.
+        /// The rejected duration.
         dt_s: f64,
     },
     /// Contact or sticking changes without end.
@@ -44,17 +48,17 @@ pub enum PlantError {
         limit = MAX_EVENTS
     )]
     Chattering {
-        /// Length of the substep in which it happened.
+        /// Length of the substep that did not end.
         substep_s: f64,
     },
-    /// The plant is too fast for the step, whatever the allowed number of substeps.
+    /// The plant is too fast for the step, even with the largest allowed number of substeps.
     #[error(
         "plant is too stiff: a step of {dt_s} s would need {needed} substeps, at most {limit} are allowed; \
          make the shaft or the bristles softer, the inertias larger or the control period shorter",
         limit = MAX_SUBSTEPS
     )]
     TooStiff {
-        /// Substeps it would need.
+        /// Substeps that stability needs.
         needed: f64,
         /// Length of the step.
         dt_s: f64,
@@ -64,24 +68,18 @@ pub enum PlantError {
         "plant state is no longer finite after a torque of {torque_nm} N m; use more substeps or check the parameters"
     )]
     NotFinite {
-        /// Torque of the step in which it happened.
+        /// Torque of the step that diverged.
         torque_nm: f64,
     },
-    /// A value around the plant is outside its range.
+    /// A value of the environment is outside its range.
     #[error(transparent)]
     Environment(#[from] ParameterError),
-    /// The profile takes no load torque and its gap does not wear.
-    #[error("a {plant} plant has no load torque and no wear; use the bench profile for them")]
-    FixedSurroundings {
-        /// AnyPlant of the plant.
-        plant: &'static str,
-    },
-    /// The state belongs to another profile.
-    #[error("state belongs to a {state} plant, this one is {plant}; start from its own initial state")]
-    ForeignState {
-        /// AnyPlant of the state.
-        state: &'static str,
-        /// AnyPlant of the plant.
+    /// The plant's environment and parameters are fixed.
+    #[error(
+        "a {plant} plant takes no load torque, wear or change of parameters; use the backlash-shaft plant for them"
+    )]
+    FixedEnvironment {
+        /// Name of the plant, as scenarios write it.
         plant: &'static str,
     },
 }

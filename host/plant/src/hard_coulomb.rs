@@ -1,18 +1,18 @@
-//! A hard gap and dry friction on the load: the bench of the paper as its static error shows it.
+//! A hard gap and Coulomb friction on the load: the simplest plant with the static error of the paper's experiment.
 //!
-//! C = K (z - j0) in positive contact, K (z + j0) in negative contact, nought in the gap; the contact never pulls.
-//! The load carries Coulomb friction F_c besides its viscous one and sticks while |N0 C| <= F_c. With F_c = 3.84 N m the
-//! proportional-derivative cascade stops at (3 F_c / N0 + 2 j0) / 13 = 0.3200 rad, the paper's experiment.
+//! C = K (z - j0) in positive contact, K (z + j0) in negative contact, zero in the gap; the contact never pulls. The load
+//! carries Coulomb friction F_c and viscous friction, and sticks while |N0 C| <= F_c. With F_c = 3.84 N m the
+//! proportional-derivative cascade stops at (3 F_c / N0 + 2 j0) / 13 = 0.3200 rad, the paper's static error.
 
 use nalgebra::Vector6;
 
-use crate::error::within;
+use crate::coordinates::{LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION};
+use crate::error::{validate_substeps, within};
 use crate::integrator::{self, HybridSystem, runge_kutta};
-use crate::mechanics::{LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION};
-use crate::truth::{Contact, DryFriction, Truth};
-use crate::{Mechanics, ParameterError, Plant, PlantError, Start};
+use crate::mode::{Contact, DryFriction, Flank};
+use crate::{Mechanics, ParameterError, Plant, PlantError, Start, Truth};
 
-/// The plant with a hard gap and dry friction.
+/// Parameters of the plant with a hard gap and Coulomb friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HardCoulomb {
     mechanics: Mechanics,
@@ -20,7 +20,7 @@ pub struct HardCoulomb {
     substeps: u32,
 }
 
-/// Which right-hand side holds.
+/// The mode, which selects the right-hand side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HardCoulombMode {
     contact: Contact,
@@ -35,22 +35,24 @@ pub struct HardCoulombState {
     torque_nm: f64,
 }
 
-/// Mode function: the lower flank of the gap, or the one in contact.
-const LOWER_FLANK: usize = 0;
-/// Mode function: the upper flank of the gap, or the one in contact.
-const UPPER_FLANK: usize = 1;
-/// Mode function: dry friction.
-const FRICTION: usize = 2;
+/// What may end a mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HardCoulombGuard {
+    /// Contact at a flank begins or ends.
+    Flank(Flank),
+    /// The load sticks or breaks away.
+    LoadFriction,
+}
 
 impl HardCoulomb {
-    /// A plant with `load_coulomb_nm` of dry friction F_c on the load, integrated in `substeps` steps per call.
+    /// A plant with `load_coulomb_nm` of dry friction F_c on the load, integrated in `substeps` substeps per step.
     ///
     /// # Errors
     /// Names the first parameter outside its range.
     pub fn new(mechanics: Mechanics, load_coulomb_nm: f64, substeps: u32) -> Result<Self, ParameterError> {
         mechanics.validate()?;
         within("load_coulomb_nm", load_coulomb_nm, 0.0, 1e6)?;
-        within("substeps", f64::from(substeps), 1.0, 4096.0)?;
+        validate_substeps(substeps)?;
         Ok(Self { mechanics, load_coulomb_nm, substeps })
     }
 
@@ -80,7 +82,7 @@ impl HardCoulomb {
         DryFriction::at_rest(self.drive_nm(x, contact), [self.load_coulomb_nm; 2])
     }
 
-    /// What drives the load, N0 C in N m.
+    /// Torque that drives the load against its friction, N0 C, in N m.
     fn drive_nm(&self, x: &Vector6<f64>, contact: Contact) -> f64 {
         self.mechanics.ratio * self.transmitted_torque_nm(x, contact)
     }
@@ -102,7 +104,12 @@ impl HybridSystem for HardCoulomb {
     type State = Vector6<f64>;
     type Mode = HardCoulombMode;
     type Stride = f64;
-    const GUARDS: usize = 3;
+    type Guard = HardCoulombGuard;
+    const GUARDS: &'static [HardCoulombGuard] = &[
+        HardCoulombGuard::Flank(Flank::Lower),
+        HardCoulombGuard::Flank(Flank::Upper),
+        HardCoulombGuard::LoadFriction,
+    ];
 
     fn stride(&self, h_s: f64) -> f64 {
         h_s
@@ -113,45 +120,57 @@ impl HybridSystem for HardCoulomb {
         runge_kutta(x, h_s, &|x: &Vector6<f64>, _| self.rates(x, mode, torque_nm))
     }
 
-    fn guard(&self, guard: usize, x: &Vector6<f64>, mode: HardCoulombMode, _torque_nm: f64) -> f64 {
+    fn guard(
+        &self,
+        guard: HardCoulombGuard,
+        x: &Vector6<f64>,
+        mode: HardCoulombMode,
+        _torque_nm: f64,
+    ) -> f64 {
         let twist = self.mechanics.twist_rad(x);
         let half_gap = self.mechanics.dead_zone_rad;
         match (guard, mode.contact) {
-            (LOWER_FLANK, Contact::Gap) => twist + half_gap,
-            (LOWER_FLANK, Contact::Negative) => -half_gap - twist,
-            (UPPER_FLANK, Contact::Gap) => half_gap - twist,
-            (UPPER_FLANK, Contact::Positive) => twist - half_gap,
-            // The flank on the far side of the gap is reached only by way of the gap.
-            (LOWER_FLANK | UPPER_FLANK, _) => half_gap,
-            _ => match mode.load_friction {
+            (HardCoulombGuard::Flank(Flank::Lower), Contact::Gap) => twist + half_gap,
+            (HardCoulombGuard::Flank(Flank::Lower), Contact::Negative) => -half_gap - twist,
+            (HardCoulombGuard::Flank(Flank::Upper), Contact::Gap) => half_gap - twist,
+            (HardCoulombGuard::Flank(Flank::Upper), Contact::Positive) => twist - half_gap,
+            // From one flank the other is reached through the gap only.
+            (HardCoulombGuard::Flank(_), Contact::Negative | Contact::Positive) => half_gap,
+            (HardCoulombGuard::LoadFriction, contact) => match mode.load_friction {
                 DryFriction::SlipPositive => x[LOAD_VELOCITY],
                 DryFriction::SlipNegative => -x[LOAD_VELOCITY],
-                DryFriction::Stick => self.load_coulomb_nm - libm::fabs(self.drive_nm(x, mode.contact)),
+                DryFriction::Stick => self.load_coulomb_nm - libm::fabs(self.drive_nm(x, contact)),
             },
         }
     }
 
     fn switch(
         &self,
-        guard: usize,
+        guard: HardCoulombGuard,
         x: &mut Vector6<f64>,
         mode: HardCoulombMode,
         _torque_nm: f64,
     ) -> HardCoulombMode {
-        if guard == FRICTION {
-            let load_friction = match (mode.load_friction, mode.contact) {
-                (DryFriction::Stick, Contact::Negative) => DryFriction::SlipNegative,
-                (DryFriction::Stick, _) => DryFriction::SlipPositive,
-                _ => self.friction_at_rest(x, mode.contact),
-            };
-            x[LOAD_VELOCITY] = 0.0;
-            return HardCoulombMode { load_friction, ..mode };
+        match guard {
+            HardCoulombGuard::LoadFriction => {
+                let load_friction = match (mode.load_friction, mode.contact) {
+                    (DryFriction::Stick, Contact::Negative) => DryFriction::SlipNegative,
+                    (DryFriction::Stick, Contact::Gap | Contact::Positive) => DryFriction::SlipPositive,
+                    (DryFriction::SlipNegative | DryFriction::SlipPositive, contact) => {
+                        self.friction_at_rest(x, contact)
+                    }
+                };
+                x[LOAD_VELOCITY] = 0.0;
+                HardCoulombMode { load_friction, ..mode }
+            }
+            HardCoulombGuard::Flank(flank) => {
+                let side = flank.side();
+                x[MOTOR_POSITION] =
+                    self.mechanics.ratio * x[LOAD_POSITION] + side.sign() * self.mechanics.dead_zone_rad;
+                let contact = if mode.contact == Contact::Gap { side } else { Contact::Gap };
+                HardCoulombMode { contact, ..mode }
+            }
         }
-        let side = if guard == UPPER_FLANK { Contact::Positive } else { Contact::Negative };
-        x[MOTOR_POSITION] =
-            self.mechanics.ratio * x[LOAD_POSITION] + side.sign() * self.mechanics.dead_zone_rad;
-        let contact = if mode.contact == Contact::Gap { side } else { Contact::Gap };
-        HardCoulombMode { contact, ..mode }
     }
 
     fn settle(&self, x: &mut Vector6<f64>, mode: HardCoulombMode, _torque_nm: f64) -> HardCoulombMode {
@@ -174,7 +193,7 @@ impl Plant for HardCoulomb {
         let x = start.coordinates();
         let contact = self.contact(&x);
         let load_friction =
-            DryFriction::of(x[LOAD_VELOCITY], self.drive_nm(&x, contact), [self.load_coulomb_nm; 2]);
+            DryFriction::released(x[LOAD_VELOCITY], self.drive_nm(&x, contact), [self.load_coulomb_nm; 2]);
         HardCoulombState { x, mode: HardCoulombMode { contact, load_friction }, torque_nm: 0.0 }
     }
 
@@ -185,7 +204,7 @@ impl Plant for HardCoulomb {
     }
 
     fn truth(&self, state: &HardCoulombState) -> Truth {
-        // Right at a flank rounding may leave the twist an ulp inside the gap; the contact doesn't pull for that.
+        // At a flank, rounding may leave the twist an ulp inside the gap; even then the contact must not pull.
         let side = state.mode.contact.sign();
         let transmitted =
             side * libm::fmax(side * self.transmitted_torque_nm(&state.x, state.mode.contact), 0.0);

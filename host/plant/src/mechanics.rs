@@ -1,24 +1,14 @@
-//! What all profiles share: the two masses, and the order of their coordinates.
+//! The two masses and the spring of every plant.
 
 use nalgebra::Vector6;
 
 use crate::ParameterError;
+use crate::coordinates::{
+    DISSIPATED, LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION, MOTOR_VELOCITY, SUPPLIED,
+};
 use crate::error::within;
-use crate::truth::{Contact, DryFriction, Truth};
-
-/// Index of the load position in a state vector.
-pub(crate) const LOAD_POSITION: usize = 0;
-/// Index of the load velocity in a state vector.
-pub(crate) const LOAD_VELOCITY: usize = 1;
-/// Index of the motor position in a state vector.
-pub(crate) const MOTOR_POSITION: usize = 2;
-/// Index of the motor velocity in a state vector.
-pub(crate) const MOTOR_VELOCITY: usize = 3;
-
-/// Index of the energy supplied so far in a state vector.
-pub(crate) const SUPPLIED: usize = 4;
-/// Index of the energy dissipated so far in a state vector.
-pub(crate) const DISSIPATED: usize = 5;
+use crate::mode::{Contact, DryFriction};
+use crate::truth::Truth;
 
 /// True parameters of motor, reducer and load.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,39 +27,6 @@ pub struct Mechanics {
     pub stiffness_nm_rad: f64,
     /// Dead-zone amplitude j0 in rad, half the gap.
     pub dead_zone_rad: f64,
-}
-
-/// Where a plant is released, and how fast it moves then.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Start {
-    /// Load position theta_s in rad.
-    pub load_position_rad: f64,
-    /// Load velocity in rad/s.
-    pub load_velocity_rad_s: f64,
-    /// Motor position theta_e in rad.
-    pub motor_position_rad: f64,
-    /// Motor velocity in rad/s.
-    pub motor_velocity_rad_s: f64,
-}
-
-impl Start {
-    /// Released without a push.
-    pub const fn at_rest(load_position_rad: f64, motor_position_rad: f64) -> Self {
-        Self { load_position_rad, load_velocity_rad_s: 0.0, motor_position_rad, motor_velocity_rad_s: 0.0 }
-    }
-
-    /// The coordinates of it, and no energy supplied or dissipated yet.
-    pub(crate) fn coordinates(&self) -> Vector6<f64> {
-        let Self { load_position_rad, load_velocity_rad_s, motor_position_rad, motor_velocity_rad_s } = *self;
-        Vector6::new(
-            load_position_rad,
-            load_velocity_rad_s,
-            motor_position_rad,
-            motor_velocity_rad_s,
-            0.0,
-            0.0,
-        )
-    }
 }
 
 impl Mechanics {
@@ -105,14 +62,14 @@ impl Mechanics {
         self.twist_of(x[LOAD_POSITION], x[MOTOR_POSITION])
     }
 
-    /// Twist z in rad of these positions.
+    /// Twist z in rad at these positions.
     #[inline]
     pub(crate) fn twist_of(&self, load_position_rad: f64, motor_position_rad: f64) -> f64 {
         motor_position_rad - self.ratio * load_position_rad
     }
 
-    /// Rates of change when the load moves freely, equation (6), with dry friction as a given torque on the load; the
-    /// last two are the power supplied and the power dissipated.
+    /// Rates of change while the load moves, equation (6), with dry friction as a given torque on the load. The last two
+    /// are the power supplied and the power dissipated.
     #[inline]
     pub(crate) fn rates(
         &self,
@@ -141,8 +98,8 @@ impl Mechanics {
             + self.motor_inertia_kg_m2 * motor_velocity_rad_s * motor_velocity_rad_s)
     }
 
-    /// Everything about a state that carries `transmitted_torque_nm` with `elastic_energy_j` in its spring and has no
-    /// dry friction.
+    /// The truth of a plant without dry friction that transmits `transmitted_torque_nm` with `elastic_energy_j` in its
+    /// spring.
     pub(crate) fn truth(
         &self,
         x: &Vector6<f64>,

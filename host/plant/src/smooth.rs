@@ -1,17 +1,19 @@
-//! The paper's own plant: a dead zone smoothed by a spring, viscous friction, no switches.
+//! The paper's plant: a smooth dead zone and viscous friction, without modes.
 //!
 //! C = K (z - 4 j0 tanh(gamma z / 2)), equation (1), with gamma = 1 / (2 j0), equation (5), so that C has no slope at
 //! z = 0. Far outside, the line is offset by 4 j0 and not by j0: the gap is four times as wide as its parameter says.
 
+use core::convert::Infallible;
+
 use nalgebra::Vector6;
 
-use crate::error::within;
-use crate::exponential::decay;
+use crate::error::validate_substeps;
+use crate::exponential_decay::decay;
 use crate::integrator::{self, HybridSystem, runge_kutta};
-use crate::truth::{Contact, Truth};
-use crate::{Mechanics, ParameterError, Plant, PlantError, Start};
+use crate::mode::Contact;
+use crate::{Mechanics, ParameterError, Plant, PlantError, Start, Truth};
 
-/// The smooth plant.
+/// Parameters of the smooth plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Smooth {
     mechanics: Mechanics,
@@ -26,21 +28,22 @@ pub struct SmoothState {
 }
 
 impl Smooth {
-    /// A smooth plant, integrated in `substeps` steps per call; four per millisecond leave 3e-12 rad at the load.
+    /// A smooth plant, integrated in `substeps` substeps per step; four per millisecond leave an error of 3e-12 rad at
+    /// the load.
     ///
     /// # Errors
     /// Names the first parameter outside its range.
     pub fn new(mechanics: Mechanics, substeps: u32) -> Result<Self, ParameterError> {
         mechanics.validate()?;
-        within("substeps", f64::from(substeps), 1.0, 4096.0)?;
+        validate_substeps(substeps)?;
         Ok(Self { mechanics, substeps })
     }
 
     /// Half width of the smoothed gap 4 j0 in rad, and the shape tanh(gamma z / 2) = tanh(z / (4 j0)).
     fn shape(&self, twist_rad: f64) -> (f64, f64) {
         let half_width_rad = 4.0 * self.mechanics.dead_zone_rad;
-        // tanh u = (1 - e^(-2 |u|)) / (1 + e^(-2 |u|)), twice as fast as a tanh that is exact to the last bit near nought,
-        // where C is nought anyhow.
+        // tanh u = (1 - e^(-2 |u|)) / (1 + e^(-2 |u|)): half the time of a tanh that is exact near zero, where C vanishes
+        // anyway.
         let decayed = decay(2.0 * libm::fabs(twist_rad) / half_width_rad);
         (half_width_rad, libm::copysign((1.0 - decayed) / (1.0 + decayed), twist_rad))
     }
@@ -56,7 +59,8 @@ impl HybridSystem for Smooth {
     type State = Vector6<f64>;
     type Mode = ();
     type Stride = f64;
-    const GUARDS: usize = 0;
+    type Guard = Infallible;
+    const GUARDS: &'static [Infallible] = &[];
 
     fn stride(&self, h_s: f64) -> f64 {
         h_s
@@ -69,11 +73,13 @@ impl HybridSystem for Smooth {
         })
     }
 
-    fn guard(&self, _guard: usize, _x: &Vector6<f64>, (): (), _torque_nm: f64) -> f64 {
-        0.0
+    fn guard(&self, guard: Infallible, _x: &Vector6<f64>, (): (), _torque_nm: f64) -> f64 {
+        match guard {}
     }
 
-    fn switch(&self, _guard: usize, _x: &mut Vector6<f64>, (): (), _torque_nm: f64) {}
+    fn switch(&self, guard: Infallible, _x: &mut Vector6<f64>, (): (), _torque_nm: f64) {
+        match guard {}
+    }
 
     fn settle(&self, _x: &mut Vector6<f64>, (): (), _torque_nm: f64) {}
 
@@ -99,7 +105,7 @@ impl Plant for Smooth {
         let twist = self.mechanics.twist_rad(&state.x);
         let transmitted = self.transmitted_torque_nm(&state.x);
         let (half_width, _) = self.shape(twist);
-        // ln cosh u = |u| + ln(1 + e^(-2 |u|)) - ln 2, which doesn't overflow.
+        // ln cosh u = |u| + ln(1 + e^(-2 |u|)) - ln 2, which can't overflow.
         let u = libm::fabs(twist / half_width);
         let ln_cosh = u + libm::log1p(libm::exp(-2.0 * u)) - core::f64::consts::LN_2;
         let elastic =

@@ -1,41 +1,45 @@
-//! The way from the drive to the motor takes time.
+//! The transport delay from the drive's torque command to the motor.
 //!
-//! A torque that the drive gives at a sample is held at the motor for one control period, but later. A delay of whole
-//! periods only shifts the torques; of any other, each period begins with the older of two torques and ends with the newer.
+//! A torque is held at the motor for one control period, which begins after the delay. A delay of whole periods only
+//! shifts the torques. With any other delay, each period begins with the older of two torques and ends with the newer.
 
 use std::collections::VecDeque;
 
-/// A delay line for held torques, and what is in it.
+/// A delay line for held torques, with its contents.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TransportDelay {
     period_s: f64,
-    /// How long in each period the older torque is still there.
-    rest_s: f64,
-    /// Torques on their way, oldest first.
-    on_the_way_nm: VecDeque<f64>,
+    /// Time from the beginning of each period to the change of torque.
+    remainder_s: f64,
+    /// Torques that have not arrived yet, oldest first.
+    in_transit_nm: VecDeque<f64>,
 }
 
 impl TransportDelay {
-    /// A delay with no torque in it. Both times are in microseconds, so that whole periods are whole.
+    /// A delay line that holds zero torque. Both times are in microseconds, so that whole periods are exact.
     ///
     /// # Panics
-    /// The period is nought.
+    /// The period is zero.
     pub fn new(delay_us: u32, period_us: u32) -> Self {
-        let (whole, rest_us) = (delay_us / period_us, delay_us % period_us);
-        let torques = whole as usize + usize::from(rest_us > 0);
-        // With room for the one that comes before the oldest goes: a step takes no memory.
-        let mut on_the_way_nm = VecDeque::with_capacity(torques + 1);
-        on_the_way_nm.resize(torques, 0.0);
-        Self { period_s: f64::from(period_us) / 1e6, rest_s: f64::from(rest_us) / 1e6, on_the_way_nm }
+        let (periods, remainder_us) = (delay_us / period_us, delay_us % period_us);
+        let torques = periods as usize + usize::from(remainder_us > 0);
+        // One more, because a step adds the newest torque before it removes the oldest: a step allocates nothing.
+        let mut in_transit_nm = VecDeque::with_capacity(torques + 1);
+        in_transit_nm.resize(torques, 0.0);
+        Self {
+            period_s: f64::from(period_us) / 1e6,
+            remainder_s: f64::from(remainder_us) / 1e6,
+            in_transit_nm,
+        }
     }
 
-    /// Takes the torque of this period and gives what is held at the motor during it: torques and for how long each.
+    /// Takes the torque of this period; returns the torques held at the motor during it, each with its duration in s.
     pub fn step(&mut self, torque_nm: f64) -> impl Iterator<Item = (f64, f64)> + use<> {
-        self.on_the_way_nm.push_back(torque_nm);
-        let oldest_nm = self.on_the_way_nm.pop_front().unwrap_or(torque_nm);
-        let newer_nm = self.on_the_way_nm.front().copied().unwrap_or(torque_nm);
-        let parts = if self.rest_s > 0.0 {
-            [(oldest_nm, self.rest_s), (newer_nm, self.period_s - self.rest_s)]
+        self.in_transit_nm.push_back(torque_nm);
+        let oldest_nm = self.in_transit_nm.pop_front().unwrap_or(torque_nm);
+        let newer_nm = self.in_transit_nm.front().copied().unwrap_or(torque_nm);
+        let parts = if self.remainder_s > 0.0 {
+            [(oldest_nm, self.remainder_s), (newer_nm, self.period_s - self.remainder_s)]
         } else {
             [(oldest_nm, self.period_s), (oldest_nm, 0.0)]
         };
@@ -58,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn torque_of_a_sample_is_held_from_that_many_samples_later_on() {
+    fn delay_of_whole_periods_shifts_the_torques() {
         assert_eq!(held(1000, &[1.0, 2.0, 3.0]), [[(0.0, 1e-3)], [(1.0, 1e-3)], [(2.0, 1e-3)]]);
         assert_eq!(held(2000, &[1.0, 2.0, 3.0]), [[(0.0, 1e-3)], [(0.0, 1e-3)], [(1.0, 1e-3)]]);
     }

@@ -3,7 +3,7 @@
 //! It answers figures 7, 15 and 17 of Merzouki and Cadiou (Control Engineering Practice 13, 2005, 973-983) and
 //! sets our measured numbers beside theirs, also where ours say something else.
 
-use super::{Axis, Figure, Panel, Role, Series};
+use crate::plot::{Axis, Figure, Panel, Role, Series};
 
 /// The band around the target within which the load counts as settled, in rad. The paper names none; with this one the
 /// uncompensated transient lasts its 13 s.

@@ -1,19 +1,20 @@
 //! Plots as SVG: data in, text out.
 //!
-//! A [`Figure`] is a grid of [`Panel`]s, a panel shows [`Series`] over one pair of [`Axis`]. All of it is plain data;
-//! [`Figure::to_svg`] is a pure function of it, so equal runs give equal files. The stages, in order:
+//! A [`Figure`] is a grid of [`Panel`]s; a panel shows [`Series`] over one pair of [`Axis`]. All of it is plain data;
+//! [`Figure::to_svg`] is a pure function of it, so equal runs give equal files. The stages of [`plot`], in order:
 //!
 //! | stage | file | does |
 //! |---|---|---|
-//! | vocabulary | `figure` | what a plot says, nothing of how it looks |
-//! | scale | `ticks`, `scale` | 1-2-5 ticks that cover the data; values to pixels |
-//! | curve | `curve` | breaks at values that are no numbers; thins without losing a peak |
-//! | placement | `placement` | finds room for the labels of marked points beside the curves |
-//! | look | `theme`, `text` | colours, sizes, widths and line breaks of text |
-//! | document | `layout`, `panel`, `legend`, `axes`, `svg` | the grid, one panel and its parts, escaped XML |
+//! | data | `figure` | what a plot shows |
+//! | scale | `span`, `ticks`, `scale` | 1-2-5 ticks that cover the data; values to pixels |
+//! | curve | `curve` | breaks at non-finite values; thins without losing a peak |
+//! | style | `theme`, `text` | colours, sizes, widths and line breaks of text |
+//! | placement | `frame`, `placement` | the area of a plot; free space for the labels of marked points |
+//! | drawing | `axes`, `legend`, `panel` | one panel and its parts |
+//! | document | `svg`, `render` | escaped XML; the grid with title and caption |
 //!
-//! The file carries its own background and generic fonts only, has no ids, scripts or style sheets, and can therefore
-//! be shown by an image viewer, in a README and inline in a report beside other figures.
+//! The file carries its own background, uses generic fonts only and has no ids, scripts or style sheets. An image viewer
+//! shows it, and so does a README or an HTML report next to other figures.
 
 #![forbid(unsafe_code)]
 
@@ -21,6 +22,7 @@ pub mod demo;
 pub mod paper;
 pub mod plot;
 pub mod runs;
+mod xml;
 
 #[cfg(test)]
 mod tests;

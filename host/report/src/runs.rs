@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use super::{Axis, Figure, Panel, Role, Series};
+use crate::plot::{Axis, Figure, Panel, Role, Series};
 use lashloop_bench::record::reader::{ReadError, Record, Table};
 
 /// Why records can't be drawn.

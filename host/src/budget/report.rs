@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use lashloop_protocol::layout::MessageLayout;
 
-use super::{Budget, Cycle, SAMPLE, TELEMETRY, TORQUE, USUAL_BAUD};
+use super::wire_time::{Budget, Cycle, SAMPLE, TELEMETRY, TORQUE, USUAL_BAUD};
 
 /// A budget as several lines of text.
 #[derive(Debug, Clone, Copy)]

@@ -4,9 +4,9 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::plan::Law;
-use super::quantiles::{Quantile, Spread};
-use super::score::{Figure, Score};
+use super::law::Law;
+use super::quantiles::{Quantile, Quantiles};
+use super::score::{Criterion, Score};
 
 /// The law that the limits are for.
 pub const LAW: Law = Law::BacklashInverse;
@@ -15,7 +15,8 @@ pub const LAW: Law = Law::BacklashInverse;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Limit {
     /// What is limited.
-    pub figure: Figure,
+    #[serde(rename = "figure")]
+    pub criterion: Criterion,
     /// Over the random plants.
     pub quantile: Quantile,
     /// In the unit of the metric. The value itself is too much already.
@@ -24,15 +25,15 @@ pub struct Limit {
 
 /// Every limit.
 pub const LIMITS: [Limit; 4] = [
-    Limit { figure: Figure::SettleTime, quantile: Quantile::P95, below: 3.0 },
-    Limit { figure: Figure::StaticError, quantile: Quantile::Max, below: 3.5e-3 },
-    Limit { figure: Figure::Hunting, quantile: Quantile::Max, below: 1.5e-3 },
-    Limit { figure: Figure::DeadZoneError, quantile: Quantile::P95, below: 25e-3 },
+    Limit { criterion: Criterion::SettleTime, quantile: Quantile::P95, below: 3.0 },
+    Limit { criterion: Criterion::StaticError, quantile: Quantile::Max, below: 3.5e-3 },
+    Limit { criterion: Criterion::Hunting, quantile: Quantile::Max, below: 1.5e-3 },
+    Limit { criterion: Criterion::DeadZoneError, quantile: Quantile::P95, below: 25e-3 },
 ];
 
 /// A limit held against what came out.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Finding {
+pub struct LimitResult {
     /// The limit.
     #[serde(flatten)]
     pub limit: Limit,
@@ -45,21 +46,21 @@ pub struct Finding {
 impl Limit {
     /// Holds the limit against the spread of its figure.
     #[must_use]
-    pub fn judge(self, spread: &Spread) -> Finding {
-        let value = spread.get(self.quantile);
-        Finding { limit: self, value, met: value.value().is_some_and(|value| value < self.below) }
+    pub fn judge(self, quantiles: &Quantiles) -> LimitResult {
+        let value = quantiles.get(self.quantile);
+        LimitResult { limit: self, value, met: value.value().is_some_and(|value| value < self.below) }
     }
 }
 
-impl fmt::Display for Finding {
+impl fmt::Display for LimitResult {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { limit: Limit { figure, quantile, below }, value, met } = self;
+        let Self { limit: Limit { criterion, quantile, below }, value, met } = self;
         let value = match value {
-            Score::Value(value) => figure.show(*value),
-            Score::Without(lack) => lack.to_string(),
+            Score::Value(value) => criterion.show(*value),
+            Score::Missing(reason) => reason.to_string(),
         };
-        let what = format!("{}, {}", figure.name(), quantile.name());
-        let limit = format!("< {} {}", figure.show(*below), figure.unit());
+        let what = format!("{}, {}", criterion.name(), quantile.name());
+        let limit = format!("< {} {}", criterion.show(*below), criterion.unit());
         write!(out, "{:<6} {what:<24}{value:>10}   {limit}", if *met { "met" } else { "MISSED" })
     }
 }
@@ -72,19 +73,19 @@ mod tests {
     #[test]
     fn a_limit_is_missed_at_its_value_and_by_whatever_has_none() {
         for limit in LIMITS {
-            let judged = |score| limit.judge(&Spread::of([score]).expect("a run")).met;
+            let judged = |score| limit.judge(&Quantiles::of([score]).expect("a run")).met;
             assert!(judged(Score::Value(limit.below * 0.999)), "{limit:?}");
             assert!(judged(Score::Value(-limit.below * 0.999)), "{limit:?}");
             for bad in [limit.below, -limit.below, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
                 assert!(!judged(Score::Value(bad)), "{limit:?} at {bad}");
             }
-            for lack in [
+            for reason in [
                 MissingReason::Unmeasured,
                 MissingReason::Never,
                 MissingReason::CutShort,
                 MissingReason::NotFinite,
             ] {
-                assert!(!judged(Score::Without(lack)), "{limit:?}: {lack}");
+                assert!(!judged(Score::Missing(reason)), "{limit:?}: {reason}");
             }
         }
     }

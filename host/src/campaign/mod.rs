@@ -13,7 +13,10 @@
 //! A run that diverges, latches a fault or never settles has no figure, and that is worse than any figure: it is counted, is
 //! never left out of a quantile, and misses every limit that it reaches.
 
+pub mod case;
+mod error;
 pub mod journal;
+pub mod law;
 pub mod limits;
 pub mod plan;
 pub mod plants;
@@ -27,40 +30,26 @@ pub mod table;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 
-use self::journal::JournalError;
-use self::plan::{Case, CaseId, Settings};
-use self::report::Report;
-use self::runs::{CaseResult, Ended};
-use lashloop_bench::run::RunError;
 use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_bench::supervisor::Supervisor;
 
-/// Why a battery could not be finished.
-#[derive(Debug, thiserror::Error)]
-pub enum BatteryError {
-    /// A run could not be made.
-    #[error("{case}: {source}")]
-    Run {
-        /// Which.
-        case: CaseId,
-        /// Why.
-        source: Box<RunError>,
-    },
-    /// A result could not be kept.
-    #[error(transparent)]
-    Journal(#[from] JournalError),
-}
+use case::{Case, CaseId};
+pub use error::CampaignError;
+use journal::JournalError;
+use plan::Settings;
+use report::Report;
+use runs::{CaseResult, Ended};
 
 /// A battery and the results it has so far.
 #[derive(Debug)]
-pub struct Battery {
+pub struct Campaign {
     settings: Settings,
     cases: Vec<Case>,
     /// In the order of the tables.
     results: BTreeMap<CaseId, CaseResult>,
 }
 
-impl Battery {
+impl Campaign {
     /// A battery without any results.
     ///
     /// # Errors
@@ -111,7 +100,7 @@ impl Battery {
         jobs: NonZeroUsize,
         supervisor: &Supervisor,
         mut keep: impl FnMut(&CaseResult) -> Result<(), JournalError>,
-    ) -> Result<Ended, BatteryError> {
+    ) -> Result<Ended, CampaignError> {
         let Self { cases, results, .. } = self;
         let missing: Vec<_> = cases.iter().filter(|case| !results.contains_key(&case.id)).collect();
         runs::run_all(&missing, jobs, supervisor, |result| {

@@ -1,70 +1,12 @@
 //! Which runs a battery consists of, in the order of its tables.
 
-use std::fmt;
-use std::str::FromStr;
-
+use lashloop_bench::scenario::{Override, Scenario, ScenarioErrors};
 use serde::{Deserialize, Serialize};
 
+use super::case::{Case, CaseId, Part};
+use super::law::Law;
 use super::plants::RandomPlant;
 use super::sweeps::SWEEPS;
-use lashloop_bench::scenario::{Override, Scenario, ScenarioErrors};
-
-/// A control law that is put to the test.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Law {
-    /// The paper's cascade before compensation.
-    Pd,
-    /// The paper's cascade with compensation.
-    Merzouki,
-    /// The gap inverted in the torque domain and identified.
-    BacklashInverse,
-}
-
-impl Law {
-    /// Every law, in the order of the tables.
-    pub const ALL: [Self; 3] = [Self::Pd, Self::Merzouki, Self::BacklashInverse];
-
-    /// The name in scenarios.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Pd => "pd",
-            Self::Merzouki => "merzouki",
-            Self::BacklashInverse => "backlash-inverse",
-        }
-    }
-
-    /// The scenario that its runs are made of: file and text. The drive's parameters in it are those of the nominal plant
-    /// and stay what they are.
-    const fn scenario(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Pd => ("scenarios/shaft-pd.toml", include_str!("../../../scenarios/shaft-pd.toml")),
-            Self::Merzouki => {
-                ("scenarios/shaft-merzouki.toml", include_str!("../../../scenarios/shaft-merzouki.toml"))
-            }
-            Self::BacklashInverse => (
-                "scenarios/shaft-backlash-inverse.toml",
-                include_str!("../../../scenarios/shaft-backlash-inverse.toml"),
-            ),
-        }
-    }
-}
-
-impl fmt::Display for Law {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.pad(self.name())
-    }
-}
-
-impl FromStr for Law {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let law = Self::ALL.into_iter().find(|law| law.name() == text);
-        law.ok_or_else(|| "expected pd, merzouki or backlash-inverse".to_owned())
-    }
-}
 
 /// What a battery is made of. The same settings give the same runs.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -78,66 +20,6 @@ pub struct Settings {
     pub laws: Vec<Law>,
     /// Whether the sweeps are run as well.
     pub sweeps: bool,
-}
-
-/// A part of the battery: a table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Part {
-    /// Plants nobody tuned a controller for.
-    RandomPlants,
-    /// The nominal plant with another gap.
-    DeadZone,
-    /// The nominal plant behind other encoders.
-    EncoderCounts,
-    /// The nominal plant with another limit of the drive's torque.
-    TorqueLimit,
-    /// The nominal plant with another delay of the torque.
-    TorqueDelay,
-}
-
-impl Part {
-    /// The name in records.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::RandomPlants => "random-plants",
-            Self::DeadZone => "dead-zone",
-            Self::EncoderCounts => "encoder-counts",
-            Self::TorqueLimit => "torque-limit",
-            Self::TorqueDelay => "torque-delay",
-        }
-    }
-}
-
-/// Where a run belongs: the table, its row from 0, and the law.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CaseId {
-    /// The table.
-    pub part: Part,
-    /// The number of the plant or of the value.
-    pub row: u32,
-    /// The law.
-    pub law: Law,
-}
-
-/// One run to be made.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Case {
-    /// Where it belongs.
-    pub id: CaseId,
-    /// What is other than in the law's scenario, as `--set` takes it.
-    pub settings: Vec<String>,
-    /// The run.
-    pub scenario: Scenario,
-}
-
-impl fmt::Display for CaseId {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { part, row, law } = self;
-        write!(out, "{law} in row {row} of {}", part.name())
-    }
 }
 
 /// Every run of a battery, in the order of the tables.

@@ -6,11 +6,12 @@
 //! whatever is added to the list.
 
 use rand_pcg::Pcg64;
-use rand_pcg::rand_core::{Rng, SeedableRng};
+use rand_pcg::rand_core::SeedableRng;
 use sha2::{Digest, Sha256};
 
 use lashloop_plant::Mechanics;
 use lashloop_plant::backlash_shaft::ShaftParameters;
+use lashloop_plant::random;
 
 /// Share by which a parameter may lie above or below its nominal value.
 const TOLERANCE: f64 = 0.3;
@@ -103,9 +104,9 @@ impl RandomPlant {
 /// Number `index` of a stream, evenly in [0, 1).
 fn uniform(seed: u64, stream: &str, index: u32) -> f64 {
     let name = Sha256::new().chain_update(seed.to_le_bytes()).chain_update(stream).finalize();
-    let mut random = Pcg64::from_seed(name.into());
-    random.advance(index.into());
-    (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+    let mut generator = Pcg64::from_seed(name.into());
+    generator.advance(index.into());
+    random::uniform(&mut generator)
 }
 
 #[cfg(test)]

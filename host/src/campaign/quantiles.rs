@@ -45,13 +45,13 @@ impl Quantile {
 
 /// Median, 95 % quantile and maximum of the size of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spread {
+pub struct Quantiles {
     median: Score,
     p95: Score,
     max: Score,
 }
 
-impl Spread {
+impl Quantiles {
     /// The quantiles of these runs; `None` without any run.
     #[must_use]
     pub fn of(scores: impl IntoIterator<Item = Score>) -> Option<Self> {
@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn quantiles_are_figures_of_runs_by_nearest_rank() {
-        let spread = |runs: u32| Spread::of((1..=runs).rev().map(|n| Score::Value(n.into())));
+        let spread = |runs: u32| Quantiles::of((1..=runs).rev().map(|n| Score::Value(n.into())));
         let ranks = |runs| Quantile::ALL.map(|it| spread(runs).expect("runs").get(it).value());
         assert_eq!(ranks(1), [Some(1.0); 3]);
         assert_eq!(ranks(20), [Some(10.0), Some(19.0), Some(20.0)]);
@@ -91,8 +91,8 @@ mod tests {
     fn a_run_that_diverged_is_in_every_quantile_it_belongs_to() {
         let runs = |bad: usize| {
             let good = [Score::Value(-1.0)].into_iter().cycle().take(20 - bad);
-            let all = [Score::Without(MissingReason::NotFinite)].into_iter().cycle().take(bad).chain(good);
-            let spread = Spread::of(all).expect("runs");
+            let all = [Score::Missing(MissingReason::NotFinite)].into_iter().cycle().take(bad).chain(good);
+            let spread = Quantiles::of(all).expect("runs");
             Quantile::ALL.map(|it| spread.get(it).value())
         };
         assert_eq!(runs(0), [Some(1.0); 3]);

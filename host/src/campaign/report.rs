@@ -4,11 +4,13 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::limits::{self, Finding, LIMITS};
-use super::plan::{Law, Part, Settings};
-use super::quantiles::{Quantile, Spread};
+use super::case::Part;
+use super::law::Law;
+use super::limits::{self, LIMITS, LimitResult};
+use super::plan::Settings;
+use super::quantiles::{Quantile, Quantiles};
 use super::runs::CaseResult;
-use super::score::{Figure, MissingReason, Score, Scores};
+use super::score::{Criterion, MissingReason, Score, Scores};
 use super::sweeps::{SWEEPS, Sweep};
 use lashloop_bench::run::End;
 use lashloop_bench::verdict::Verdict;
@@ -23,7 +25,7 @@ pub struct Report {
     /// The laws on the random plants.
     pub random_plants: Vec<LawReport>,
     /// The limits; empty without the law that they are for.
-    pub limits: Vec<Finding>,
+    pub limits: Vec<LimitResult>,
     /// The laws on the nominal plant with one thing varied.
     pub sweeps: Vec<SweepReport>,
 }
@@ -39,15 +41,17 @@ pub struct LawReport {
     cut_short: usize,
     /// Runs that left the finite numbers or whose plant could not be followed.
     not_finite: usize,
-    /// In the order of [`Figure::ALL`].
-    spreads: Vec<FigureSpread>,
+    /// In the order of [`Criterion::ALL`].
+    #[serde(rename = "spreads")]
+    quantiles: Vec<CriterionQuantiles>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-struct FigureSpread {
-    figure: Figure,
+struct CriterionQuantiles {
+    #[serde(rename = "figure")]
+    criterion: Criterion,
     #[serde(flatten)]
-    spread: Spread,
+    quantiles: Quantiles,
 }
 
 /// One sweep.
@@ -76,10 +80,10 @@ impl Report {
         let judged = random_plants.iter().filter(|report| report.law == limits::LAW);
         let limits: Vec<_> = judged
             .flat_map(|report| {
-                LIMITS.iter().filter_map(|limit| Some(limit.judge(report.spread(limit.figure)?)))
+                LIMITS.iter().filter_map(|limit| Some(limit.judge(report.quantiles(limit.criterion)?)))
             })
             .collect();
-        let verdict = if limits.iter().all(|finding| finding.met) { Verdict::Pass } else { Verdict::Fail };
+        let verdict = if limits.iter().all(|result| result.met) { Verdict::Pass } else { Verdict::Fail };
         let sweeps = SWEEPS.iter().map(|sweep| SweepReport::new(sweep, results.clone()));
         Self {
             verdict,
@@ -98,13 +102,13 @@ impl LawReport {
             .filter(|result| result.case.part == Part::RandomPlants && result.case.law == law)
             .map(|result| result.scores)
             .collect();
-        let spreads = Figure::ALL.map(|figure| {
-            let spread = Spread::of(mine.iter().map(|scores| scores.get(figure)))?;
-            Some(FigureSpread { figure, spread })
+        let quantiles = Criterion::ALL.map(|criterion| {
+            let quantiles = Quantiles::of(mine.iter().map(|scores| scores.get(criterion)))?;
+            Some(CriterionQuantiles { criterion, quantiles })
         });
-        let without = |lack| {
-            let settled = mine.iter().map(|scores| scores.get(Figure::SettleTime));
-            settled.filter(|score| *score == Score::Without(lack)).count()
+        let without = |reason| {
+            let settled = mine.iter().map(|scores| scores.get(Criterion::SettleTime));
+            settled.filter(|score| *score == Score::Missing(reason)).count()
         };
         Some(Self {
             law,
@@ -112,12 +116,12 @@ impl LawReport {
             never_settled: without(MissingReason::Never),
             cut_short: without(MissingReason::CutShort),
             not_finite: without(MissingReason::NotFinite),
-            spreads: spreads.into_iter().collect::<Option<_>>()?,
+            quantiles: quantiles.into_iter().collect::<Option<_>>()?,
         })
     }
 
-    fn spread(&self, figure: Figure) -> Option<&Spread> {
-        self.spreads.iter().find(|it| it.figure == figure).map(|it| &it.spread)
+    fn quantiles(&self, criterion: Criterion) -> Option<&Quantiles> {
+        self.quantiles.iter().find(|it| it.criterion == criterion).map(|it| &it.quantiles)
     }
 }
 
@@ -137,15 +141,15 @@ impl SweepReport {
 }
 
 /// The size of a figure, or why there is none.
-fn cell(figure: Figure, score: Score) -> String {
+fn cell(criterion: Criterion, score: Score) -> String {
     match score.size() {
-        Score::Value(size) => figure.show(size),
-        Score::Without(lack) => lack.to_string(),
+        Score::Value(size) => criterion.show(size),
+        Score::Missing(reason) => reason.to_string(),
     }
 }
 
-fn heading(figure: Figure) -> String {
-    format!("{}, {}", figure.name(), figure.unit())
+fn heading(criterion: Criterion) -> String {
+    format!("{}, {}", criterion.name(), criterion.unit())
 }
 
 impl fmt::Display for Report {
@@ -157,11 +161,12 @@ impl fmt::Display for Report {
             "{:<40}{median:>12}{p95:>12}{max:>12}",
             format!("{plants} random plants, seed {seed}")
         )?;
-        for figure in Figure::ALL {
-            let mut name = heading(figure);
+        for criterion in Criterion::ALL {
+            let mut name = heading(criterion);
             for report in &self.random_plants {
-                let Some(spread) = report.spread(figure) else { continue };
-                let [median, p95, max] = Quantile::ALL.map(|quantile| cell(figure, spread.get(quantile)));
+                let Some(quantiles) = report.quantiles(criterion) else { continue };
+                let [median, p95, max] =
+                    Quantile::ALL.map(|quantile| cell(criterion, quantiles.get(quantile)));
                 writeln!(out, "{name:<26}{:<14}{median:>12}{p95:>12}{max:>12}", report.law)?;
                 name.clear();
             }
@@ -182,7 +187,7 @@ impl fmt::Display for Report {
             return write!(out, "\nno limits: they are those of {}", limits::LAW);
         }
         writeln!(out, "\nlimits of {} on the random plants", limits::LAW)?;
-        self.limits.iter().try_for_each(|finding| writeln!(out, "{finding}"))?;
+        self.limits.iter().try_for_each(|result| writeln!(out, "{result}"))?;
         write!(out, "{}", self.verdict)
     }
 }
@@ -191,19 +196,19 @@ impl fmt::Display for SweepReport {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, unit, rows, .. } = self;
         write!(out, "{:<18}{:<14}", format!("{name}, {unit}"), "")?;
-        for figure in Figure::ALL {
-            write!(out, "{:>14}", figure.name())?;
+        for criterion in Criterion::ALL {
+            write!(out, "{:>14}", criterion.name())?;
         }
         write!(out, "\n{:<32}", "")?;
-        for figure in Figure::ALL {
-            write!(out, "{:>14}", figure.unit())?;
+        for criterion in Criterion::ALL {
+            write!(out, "{:>14}", criterion.unit())?;
         }
         let mut last = None;
         for SweepRow { value, law, scores, .. } in rows {
             let value = Some(*value).filter(|_| last.replace(*value) != Some(*value));
             write!(out, "\n{:<18}{law:<14}", value.map_or_else(String::new, |value| value.to_string()))?;
-            for figure in Figure::ALL {
-                write!(out, "{:>14}", cell(figure, scores.get(figure)))?;
+            for criterion in Criterion::ALL {
+                write!(out, "{:>14}", cell(criterion, scores.get(criterion)))?;
             }
         }
         for SweepRow { value, law, end, .. } in rows.iter().filter(|row| row.end != End::Complete.to_string())

@@ -10,8 +10,8 @@ use std::thread;
 
 use serde::{Deserialize, Serialize};
 
-use super::BatteryError;
-use super::plan::{Case, CaseId};
+use super::case::{Case, CaseId};
+use super::error::CampaignError;
 use super::score::Scores;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::{Device, DeviceChoice};
@@ -49,8 +49,8 @@ pub fn run_all(
     cases: &[&Case],
     jobs: NonZeroUsize,
     supervisor: &Supervisor,
-    mut keep: impl FnMut(CaseResult) -> Result<(), BatteryError>,
-) -> Result<Ended, BatteryError> {
+    mut keep: impl FnMut(CaseResult) -> Result<(), CampaignError>,
+) -> Result<Ended, CampaignError> {
     let next = AtomicUsize::new(0);
     let stop = Stop { failed: AtomicBool::new(false), supervisor };
     let mut count = 0;
@@ -82,8 +82,8 @@ pub fn run_all(
 }
 
 /// `None` if it was asked to stop.
-fn run_one(case: &Case, stop: &Stop<'_>) -> Result<Option<CaseResult>, BatteryError> {
-    let failed = |source: RunError| BatteryError::Run { case: case.id, source: Box::new(source) };
+fn run_one(case: &Case, stop: &Stop<'_>) -> Result<Option<CaseResult>, CampaignError> {
+    let failed = |source: RunError| CampaignError::Run { case: case.id, source: Box::new(source) };
     let mut device = Device::open(&DeviceChoice::InProcess, case.scenario.link.baud, stop.supervisor)
         .map_err(|source| failed(source.into()))?;
     let mut watcher = stop;
@@ -124,8 +124,10 @@ impl Watcher for &Stop<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::campaign::plan::{self, Law, Part, Settings};
-    use crate::campaign::score::{Figure, MissingReason, Score};
+    use crate::campaign::case::Part;
+    use crate::campaign::law::Law;
+    use crate::campaign::plan::{self, Settings};
+    use crate::campaign::score::{Criterion, MissingReason, Score};
     use lashloop_bench::scenario::{Override, Scenario};
 
     fn case(settings: &[&str]) -> Case {
@@ -155,13 +157,17 @@ mod tests {
         let stiff = ["plant.load_friction=lugre", "plant.bristle_stiffness_nm_rad=1e8"];
         let jump = ["controller.parameters.motor_speed_limit_rad_s=2"];
         let results = results_of(&[case(&jump), case(&stiff)], 1);
-        let lacks = [
+        let reasons = [
             (MissingReason::CutShort, "the drive latched MotorEncoderJump"),
             (MissingReason::NotFinite, "the plant can't be followed any further"),
         ];
-        for (result, (lack, end)) in results.iter().zip(lacks) {
+        for (result, (reason, end)) in results.iter().zip(reasons) {
             assert!(result.end.starts_with(end), "{result:?}");
-            assert_eq!(Figure::ALL.map(|it| result.scores.get(it)), [Score::Without(lack); 6], "{result:?}");
+            assert_eq!(
+                Criterion::ALL.map(|it| result.scores.get(it)),
+                [Score::Missing(reason); 6],
+                "{result:?}"
+            );
         }
     }
 
@@ -191,7 +197,7 @@ mod tests {
             let path = "runs.jsonl".into();
             Err(crate::campaign::journal::JournalError::InUse { path }.into())
         });
-        assert!(matches!(ended, Err(BatteryError::Journal(_))), "{ended:?}");
+        assert!(matches!(ended, Err(CampaignError::Journal(_))), "{ended:?}");
         assert_eq!(count, 1);
     }
 }

@@ -12,7 +12,7 @@ use lashloop_plant::metrics::{Measured, Metric, Metrics};
 /// A figure that the battery looks at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Figure {
+pub enum Criterion {
     /// Time into 0.05 rad, for good.
     SettleTime,
     /// Error of the last second.
@@ -27,7 +27,7 @@ pub enum Figure {
     TorqueVariation,
 }
 
-impl Figure {
+impl Criterion {
     /// Every figure, in the order of the tables.
     pub const ALL: [Self; 6] = [
         Self::SettleTime,
@@ -93,7 +93,7 @@ pub enum Score {
     /// A finite number in the unit of the metric.
     Value(f64),
     /// Why there is no number.
-    Without(MissingReason),
+    Missing(MissingReason),
 }
 
 /// Why a run has no figure; the worse the later.
@@ -119,7 +119,7 @@ impl Score {
     pub const fn value(self) -> Option<f64> {
         match self {
             Self::Value(value) => Some(value),
-            Self::Without(_) => None,
+            Self::Missing(_) => None,
         }
     }
 
@@ -128,7 +128,7 @@ impl Score {
     pub fn size(self) -> Self {
         match self {
             Self::Value(value) => Self::Value(value.abs()),
-            lack @ Self::Without(_) => lack,
+            reason @ Self::Missing(_) => reason,
         }
     }
 
@@ -138,10 +138,10 @@ impl Score {
         let rank = |score: &Self| match score {
             Self::Value(value) if value.is_finite() => (*value, None),
             Self::Value(_) => (f64::INFINITY, Some(MissingReason::NotFinite)),
-            Self::Without(lack) => (f64::INFINITY, Some(*lack)),
+            Self::Missing(reason) => (f64::INFINITY, Some(*reason)),
         };
-        let ((one, one_lack), (two, two_lack)) = (rank(self), rank(other));
-        one.total_cmp(&two).then(one_lack.cmp(&two_lack))
+        let ((one, one_reason), (two, two_reason)) = (rank(self), rank(other));
+        one.total_cmp(&two).then(one_reason.cmp(&two_reason))
     }
 }
 
@@ -176,37 +176,37 @@ impl Scores {
     }
 
     fn judged(end: &End, verdict: Verdict, metrics: &Metrics) -> Self {
-        let score = |figure: Figure| match (end, metrics.get(figure.metric())) {
-            (End::Diverged(_), _) | (_, Measured::NotFinite) => Score::Without(MissingReason::NotFinite),
+        let score = |criterion: Criterion| match (end, metrics.get(criterion.metric())) {
+            (End::Diverged(_), _) | (_, Measured::NotFinite) => Score::Missing(MissingReason::NotFinite),
             // What was measured up to the fault is no figure of the whole run.
             (End::DriveFault(_) | End::DriveRestarted | End::Interrupted, _) => {
-                Score::Without(MissingReason::CutShort)
+                Score::Missing(MissingReason::CutShort)
             }
-            _ if verdict == Verdict::Invalid => Score::Without(MissingReason::CutShort),
+            _ if verdict == Verdict::Invalid => Score::Missing(MissingReason::CutShort),
             (End::Complete, Measured::Value(value)) => Score::Value(value),
-            (End::Complete, Measured::Never) => Score::Without(MissingReason::Never),
-            (End::Complete, _) => Score::Without(MissingReason::Unmeasured),
+            (End::Complete, Measured::Never) => Score::Missing(MissingReason::Never),
+            (End::Complete, _) => Score::Missing(MissingReason::Unmeasured),
         };
         Self {
-            settle_time_s: score(Figure::SettleTime),
-            static_error_rad: score(Figure::StaticError),
-            hunting_rad: score(Figure::Hunting),
-            dead_zone_error_rad: score(Figure::DeadZoneError),
-            effort_nm2s: score(Figure::Effort),
-            torque_total_variation_nm: score(Figure::TorqueVariation),
+            settle_time_s: score(Criterion::SettleTime),
+            static_error_rad: score(Criterion::StaticError),
+            hunting_rad: score(Criterion::Hunting),
+            dead_zone_error_rad: score(Criterion::DeadZoneError),
+            effort_nm2s: score(Criterion::Effort),
+            torque_total_variation_nm: score(Criterion::TorqueVariation),
         }
     }
 
     /// One of them.
     #[must_use]
-    pub const fn get(&self, figure: Figure) -> Score {
-        match figure {
-            Figure::SettleTime => self.settle_time_s,
-            Figure::StaticError => self.static_error_rad,
-            Figure::Hunting => self.hunting_rad,
-            Figure::DeadZoneError => self.dead_zone_error_rad,
-            Figure::Effort => self.effort_nm2s,
-            Figure::TorqueVariation => self.torque_total_variation_nm,
+    pub const fn get(&self, criterion: Criterion) -> Score {
+        match criterion {
+            Criterion::SettleTime => self.settle_time_s,
+            Criterion::StaticError => self.static_error_rad,
+            Criterion::Hunting => self.hunting_rad,
+            Criterion::DeadZoneError => self.dead_zone_error_rad,
+            Criterion::Effort => self.effort_nm2s,
+            Criterion::TorqueVariation => self.torque_total_variation_nm,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! One thing of the nominal plant at a time, from easy to hard.
 
-use super::plan::Part;
+use super::case::Part;
 
 /// A quantity and the values it takes.
 pub struct Sweep {

@@ -1,4 +1,4 @@
-//! `lashloop budget`: what a line leaves of a control period.
+//! `lashloop budget`: the time of a control cycle on a serial line.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -8,27 +8,29 @@ use lashloop::budget::{Budget, Cycle, Report};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::verdict::Exit;
 
-use super::DEFAULT_BAUD;
+use super::device_options::DEFAULT_BAUD;
 use super::error::CliError;
+use super::output::outln;
 
-/// Work out what a serial line leaves of a control period, and how fast a loop over it can be.
+/// Compute the time budget of a control period on a serial line
 ///
-/// Nothing is run: the bytes are those of the protocol's frames, ten bits each, both directions at once. Without a
-/// scenario it is 1 kHz with telemetry after every tenth torque. Ends with 1 if the period does not hold the worst cycle.
+/// Makes no run: the budget follows from the lengths of the protocol's frames at ten bits per byte, full duplex. Defaults
+/// without a scenario: 921600 bit/s, 1000 us, telemetry with every 10th torque. Exit code 1 if the worst cycle exceeds the
+/// period.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The scenario that says period, telemetry and speed
+    /// Scenario with period, telemetry and speed
     scenario: Option<PathBuf>,
 
-    /// Another speed of the line, in bits a second
+    /// Speed of the line, in bit/s, in place of the scenario's
     #[arg(long, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
     baud: Option<u32>,
 
-    /// Another control period
+    /// Control period, in us, in place of the scenario's
     #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(100..=100_000))]
     period_us: Option<u32>,
 
-    /// Telemetry after every so many torques; 0 for none
+    /// Torques per telemetry frame, in place of the scenario's; 0 for no telemetry
     #[arg(long, value_name = "STEPS")]
     telemetry_every: Option<u16>,
 }
@@ -36,16 +38,16 @@ pub(crate) struct Arguments {
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
         let scenario = self.scenario.map(|path| Scenario::from_file(&path, &[])).transpose()?;
-        let said = scenario.map_or((DEFAULT_BAUD, 1_000, 10), |scenario| {
+        let defaults = scenario.map_or((DEFAULT_BAUD, 1_000, 10), |scenario| {
             let baud = scenario.link.modelled_baud().unwrap_or(scenario.link.baud);
             (baud, scenario.run.control_period_us, scenario.telemetry.every_steps)
         });
         let budget = Budget {
-            baud: self.baud.unwrap_or(said.0),
-            period: Duration::from_micros(self.period_us.unwrap_or(said.1).into()),
-            telemetry_every: self.telemetry_every.unwrap_or(said.2),
+            baud: self.baud.unwrap_or(defaults.0),
+            period: Duration::from_micros(self.period_us.unwrap_or(defaults.1).into()),
+            telemetry_every: self.telemetry_every.unwrap_or(defaults.2),
         };
-        say!("{}", Report(budget));
+        outln!("{}", Report(budget));
         Ok(if budget.holds(Cycle::Worst) { Exit::Pass } else { Exit::Fail })
     }
 }

@@ -1,4 +1,4 @@
-//! The options that say what paces a run.
+//! The options of a run's clock.
 
 use std::time::Duration;
 
@@ -9,25 +9,25 @@ use lashloop_bench::run::real_time::RealTime;
 use super::error::CliError;
 
 #[derive(Args)]
-pub(crate) struct Pace {
-    /// What paces the run: in `lockstep` plant and drive wait for each other and a run is the same bit for bit; in
-    /// `real-time` the plant keeps to the clock on the wall, and a torque that is late is late
+pub(crate) struct ClockOptions {
+    /// Clock of the run: in `lockstep` plant and drive wait for each other, and a run is repeatable bit for bit; in
+    /// `real-time` the plant follows wall-clock time, and a torque can miss its deadline
     #[arg(long, value_enum, default_value_t = Choice::Lockstep, value_name = "CLOCK")]
     clock: Choice,
 
-    /// In real time: look at the clock without pause for so long before each step; a core is busy then
+    /// Real time: busy-wait before each step, in us; occupies a core
     #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(..=100_000))]
     spin_us: Option<u32>,
 
-    /// In real time: run the loop under SCHED_FIFO with this priority
+    /// Real time: SCHED_FIFO priority of the loop
     #[arg(long, value_name = "PRIORITY", value_parser = clap::value_parser!(u8).range(1..=99))]
     fifo: Option<u8>,
 
-    /// In real time: keep the bench's memory from being paged out
+    /// Real time: lock the bench's memory, so that it is never paged out
     #[arg(long)]
     lock_memory: bool,
 
-    /// In real time: keep the loop on this core
+    /// Real time: core of the loop, from 0
     #[arg(long, value_name = "NUMBER")]
     core: Option<usize>,
 }
@@ -38,7 +38,7 @@ enum Choice {
     RealTime,
 }
 
-impl Pace {
+impl ClockOptions {
     pub(crate) fn clock(&self) -> Result<Clock, CliError> {
         let options = [
             ("--spin-us", self.spin_us.is_some()),

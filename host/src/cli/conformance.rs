@@ -1,34 +1,34 @@
-//! `lashloop conformance`: whether a drive keeps to the protocol.
+//! `lashloop conformance`: whether a drive conforms to the protocol.
 
 use std::fs;
 use std::path::PathBuf;
 
 use clap::Args;
-use lashloop::conformance::{self, DeviceTime, Finding, Outcome, Watcher, junit};
+use lashloop::conformance::{self, CheckResult, CheckStatus, DeviceTime, Reporter, junit};
 use lashloop_bench::device::{Connection, DeviceChoice, session_number};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
 use lashloop_protocol::message::Identity;
 
+use super::device_options::{BaudOption, DeviceOption};
 use super::error::CliError;
-use super::{DEFAULT_BAUD, start_supervisor};
+use super::output::outln;
+use super::supervision::start_supervisor;
 
-/// Check whether a drive keeps to the protocol, rule by rule.
+/// Check a drive against the protocol, rule by rule
 ///
-/// The drive is reset before every check and at the end: what was set in it is gone. Nothing may be attached to it that
-/// a torque can move. Ends with 0 if every rule is kept, 1 if one is broken, 3 if interrupted, 4 if the drive or the line
-/// fails.
+/// Resets the drive before every check and at the end, so its parameters return to their defaults. Run it without
+/// mechanics: some checks produce torque. Exit code 1 if the drive breaks a rule, 3 if interrupted, 4 if the drive or the
+/// line fails.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The drive, as for `run`
-    #[arg(long, default_value = "native", value_name = "DEVICE")]
-    device: DeviceChoice,
+    #[command(flatten)]
+    drive: DeviceOption,
 
-    /// Bits a second, for a serial port
-    #[arg(long, default_value_t = DEFAULT_BAUD, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
-    baud: u32,
+    #[command(flatten)]
+    line: BaudOption,
 
-    /// Write the findings as JUnit XML into this file, too
+    /// File for the results as JUnit XML
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
 }
@@ -36,31 +36,31 @@ pub(crate) struct Arguments {
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
         let supervisor = start_supervisor()?;
-        let (link, connection) = Connection::open(&self.device, self.baud, &supervisor)?;
-        let time = match self.device {
+        let (link, connection) = Connection::open(&self.drive.device, self.line.baud, &supervisor)?;
+        let time = match self.drive.device {
             DeviceChoice::InProcess => DeviceTime::StandsStill,
             _ => DeviceTime::Passes,
         };
         let mut printer = Printer {
             connection: &connection,
-            device: self.device.to_string(),
-            findings: Vec::new(),
+            device: self.drive.device.to_string(),
+            results: Vec::new(),
             supervisor: &supervisor,
         };
-        let heed = supervisor.heed_signals();
+        let signals = supervisor.heed_signals();
         let ended = conformance::run(link, session_number(), time, &mut printer);
-        drop(heed);
-        let Printer { device, findings, .. } = printer;
-        let (passed, failed, left_out) = counts(&findings);
+        drop(signals);
+        let Printer { device, results, .. } = printer;
         if let Some(path) = &self.junit {
-            let xml = junit::report(&device, &findings).map_err(|error| CliError::System {
-                what: "write the findings as XML",
+            let xml = junit::report(&device, &results).map_err(|error| CliError::System {
+                what: "write the results as XML",
                 source: std::io::Error::other(error),
             })?;
             fs::write(path, xml).map_err(|source| CliError::Report { path: path.clone(), source })?;
         }
         ended.map_err(|source| connection.explain(source))?;
-        say!("{passed} passed, {failed} failed, {left_out} left out");
+        let [passed, failed, skipped] = counts(&results);
+        outln!("{passed} passed, {failed} failed, {skipped} skipped");
         Ok(match failed {
             _ if supervisor.interrupted() => Exit::Invalid,
             0 => Exit::Pass,
@@ -69,43 +69,43 @@ impl Arguments {
     }
 }
 
-fn counts(findings: &[Finding]) -> (usize, usize, usize) {
-    let count = |wanted: fn(&Outcome) -> bool| findings.iter().filter(|it| wanted(&it.outcome)).count();
-    (
-        count(|outcome| matches!(outcome, Outcome::Passed)),
-        count(|outcome| matches!(outcome, Outcome::Failed { .. })),
-        count(|outcome| matches!(outcome, Outcome::LeftOut { .. })),
-    )
+/// Numbers of checks passed, failed and skipped.
+fn counts(results: &[CheckResult]) -> [usize; 3] {
+    results.iter().fold([0; 3], |[passed, failed, skipped], result| match result.status {
+        CheckStatus::Passed => [passed + 1, failed, skipped],
+        CheckStatus::Failed { .. } => [passed, failed + 1, skipped],
+        CheckStatus::Skipped { .. } => [passed, failed, skipped + 1],
+    })
 }
 
 struct Printer<'a> {
     connection: &'a Connection,
-    /// Who is tested, in words.
+    /// Description of the drive under test.
     device: String,
-    findings: Vec<Finding>,
+    results: Vec<CheckResult>,
     supervisor: &'a Supervisor,
 }
 
-impl Watcher for Printer<'_> {
-    fn greeted(&mut self, identity: &Identity) {
+impl Reporter for Printer<'_> {
+    fn connected(&mut self, identity: &Identity) {
         self.device = self.connection.description(identity);
-        say!("{}", self.device);
+        outln!("{}", self.device);
     }
 
-    fn found(&mut self, finding: &Finding) {
-        let Finding { group, name, outcome, note, .. } = finding;
+    fn checked(&mut self, result: &CheckResult) {
+        let CheckResult { group, name, status, note, .. } = result;
         let note = if note.is_empty() { String::new() } else { format!(" ({note})") };
-        match outcome {
-            Outcome::Passed => say!("PASS      {group}: {name}{note}"),
-            Outcome::Failed { expected, came } => {
-                say!("FAIL      {group}: {name}{note}; expected {expected}, got {came}");
+        match status {
+            CheckStatus::Passed => outln!("PASS     {group}: {name}{note}"),
+            CheckStatus::Failed { expected, came } => {
+                outln!("FAIL     {group}: {name}{note}; expected {expected}, got {came}");
             }
-            Outcome::LeftOut { reason } => say!("LEFT OUT  {group}: {name}; {reason}"),
+            CheckStatus::Skipped { reason } => outln!("SKIPPED  {group}: {name}; {reason}"),
         }
-        self.findings.push(finding.clone());
+        self.results.push(result.clone());
     }
 
-    fn stop_asked(&self) -> bool {
+    fn is_interrupted(&self) -> bool {
         self.supervisor.interrupted()
     }
 }

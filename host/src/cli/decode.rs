@@ -1,4 +1,4 @@
-//! `lashloop decode`: the frames of a raw stream or of a capture.
+//! `lashloop decode`: the frames of a raw byte stream or of a capture.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
@@ -12,15 +12,15 @@ use lashloop_protocol::Counters;
 
 use super::error::CliError;
 
-/// Print the frames in a file: a raw byte stream of a serial line, or a .pcapng of `run --capture`.
+/// Decode the frames of a raw byte stream or of a .pcapng capture
 ///
-/// Both directions may be mixed. Bad frames are shown with what is wrong with them, and the last line counts.
+/// The stream may mix both directions. A bad frame is printed with its error, and the last line counts frames and errors.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The file; - is standard input
+    /// Raw bytes of a serial line, or a capture of `run --capture`; - is standard input
     file: PathBuf,
 
-    /// One JSON object a line instead of a table
+    /// Print one JSON object per line in place of a table
     #[arg(long)]
     json: bool,
 }
@@ -43,7 +43,7 @@ impl Arguments {
             printer.stream(&head, &mut source, &self.file)?
         };
         match printed {
-            // A reader that has gone away (`| head`) has seen what it wanted.
+            // A closed pipe (`| head`) is not an error.
             Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
                 Err(CliError::System { what: "print", source: error })
             }
@@ -71,7 +71,7 @@ impl<W: Write> Printer<W> {
                 Ok(0) => break,
                 Ok(count) => {
                     reader.push(&buffer[..count], |entry| self.entry(&entry, &mut printed));
-                    // Somebody may be watching a line that is alive.
+                    // Flushed per read, so that a live line can be watched.
                     printed = printed.and_then(|()| self.out.flush());
                 }
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}

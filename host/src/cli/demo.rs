@@ -1,11 +1,11 @@
-//! `lashloop demo`: the paper's four runs, a table and a picture.
+//! `lashloop demo`: the paper's four runs as a table and a figure.
 
 use std::fs;
 use std::path::PathBuf;
 
 use clap::Args;
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::device::Device;
 use lashloop_bench::record::trace::TraceRow;
 use lashloop_bench::run::{self, Clock, Outcome, Step, Watcher};
 use lashloop_bench::scenario::Scenario;
@@ -15,19 +15,14 @@ use lashloop_bench::verdict::{Exit, Verdict};
 use lashloop_plant::metrics::{Measured, Metric};
 use lashloop_report::demo::{DemoRun, DemoRuns, PlantRuns, before_after};
 
+use super::device_options::DeviceOption;
 use super::error::CliError;
+use super::output::outln;
+use super::paper_scenarios::SCENARIOS;
 use super::progress::Progress;
-use super::start_supervisor;
+use super::supervision::start_supervisor;
 
-/// The paper's scenarios, within the program, so that the demo runs anywhere.
-pub(super) const SCENARIOS: [(&str, &str); 4] = [
-    ("scenarios/smooth-before.toml", include_str!("../../../scenarios/smooth-before.toml")),
-    ("scenarios/smooth-after.toml", include_str!("../../../scenarios/smooth-after.toml")),
-    ("scenarios/friction-before.toml", include_str!("../../../scenarios/friction-before.toml")),
-    ("scenarios/friction-after.toml", include_str!("../../../scenarios/friction-after.toml")),
-];
-
-/// What the paper says to each scenario, and the metric that answers it.
+/// The paper's result for each scenario, and the metric to compare it with.
 const PAPER: [(&str, Metric, &str); 4] = [
     ("smooth plant, before: into 0.05 rad", Metric::SettleTime, "about 13 s"),
     ("smooth plant, after: into 0.05 rad", Metric::SettleTime, "about 5.2 s"),
@@ -35,16 +30,15 @@ const PAPER: [(&str, Metric, &str); 4] = [
     ("with friction, after: static error", Metric::StaticError, "eliminated"),
 ];
 
-const PICTURE: &str = "demo.svg";
+const FIGURE_FILE: &str = "demo.svg";
 
-/// Run the paper's four scenarios: a table and a picture of before and after.
+/// Run the paper's four scenarios: a table and a figure, before and after compensation
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The drive, as for `run`
-    #[arg(long, default_value = "native", value_name = "DEVICE")]
-    device: DeviceChoice,
+    #[command(flatten)]
+    drive: DeviceOption,
 
-    /// Folder for the picture, demo.svg
+    /// Folder for the figure, demo.svg
     #[arg(long, default_value = "out", value_name = "DIR")]
     out: PathBuf,
 }
@@ -66,13 +60,13 @@ impl Arguments {
                 None => device.insert(self.open(&scenario.link, &supervisor)?),
             };
             let mut history = History::new(&scenario, &supervisor);
-            let _heed = supervisor.heed_signals();
+            let _signals = supervisor.heed_signals();
             let outcome = run::run(&scenario, device, Clock::Lockstep, &mut history)?;
             let here = here(outcome.metrics.get(metric), metric);
             let verdict = outcome.judgement.verdict;
             dead_zone_rad = scenario.plant.dead_zone_rad;
             runs.push(history.into_run(&outcome));
-            say!("{what:<38} {paper:>12} {here:>12}  {verdict}");
+            outln!("{what:<38} {paper:>12} {here:>12}  {verdict}");
             worst = worst.max(verdict);
             if supervisor.interrupted() {
                 return Ok(worst.into());
@@ -85,17 +79,17 @@ impl Arguments {
             friction: PlantRuns { before: friction_before, after: friction_after },
             dead_zone_rad,
         });
-        let path = self.out.join(PICTURE);
+        let path = self.out.join(FIGURE_FILE);
         fs::write(&path, figure.to_svg())
             .map_err(|source| CliError::Output { path: path.clone(), source })?;
-        say!("picture: {}", path.display());
+        outln!("figure: {}", path.display());
         Ok(worst.into())
     }
 
     fn open(&self, link: &LinkSettings, supervisor: &Supervisor) -> Result<Device, CliError> {
-        let device = Device::open(&self.device, link, supervisor)?;
-        say!("{}", device.description());
-        say!("{:<38} {:>12} {:>12}  verdict", "", "paper", "here");
+        let device = Device::open(&self.drive.device, link, supervisor)?;
+        outln!("{}", device.description());
+        outln!("{:<38} {:>12} {:>12}  verdict", "", "paper", "here");
         Ok(device)
     }
 }
@@ -108,7 +102,7 @@ fn here(measured: Measured, metric: Metric) -> String {
     }
 }
 
-/// Keeps what the picture shows.
+/// The traces that the figure shows.
 struct History<'a> {
     rows: Vec<TraceRow>,
     progress: Progress,

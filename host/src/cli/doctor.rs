@@ -1,4 +1,4 @@
-//! `lashloop doctor`: is a terminal fit for a bench?
+//! `lashloop doctor`: whether a terminal is fit for a bench.
 
 use std::path::PathBuf;
 
@@ -6,32 +6,33 @@ use clap::Args;
 use lashloop::doctor::{self, LineUnderTest};
 use lashloop_bench::verdict::Exit;
 
+use super::device_options::BaudOption;
 use super::error::CliError;
+use super::output::outln;
 
-/// Examine a terminal with a drive: open, greet, measure the round trip, and say what to mend.
+/// Diagnose a terminal with a drive: open, handshake, round trip
 ///
-/// The drive is not armed and gives no torque. Exit code 1 says that there is something to mend, 4 that there is no
-/// conversation with a drive.
+/// The drive stays disarmed and produces no torque. Exit code 1 if a property needs a remedy, 4 if no drive completes the
+/// handshake.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The terminal, like /dev/ttyACM0 or /dev/pts/3
+    /// Terminal, such as /dev/ttyACM0 or /dev/pts/3
     terminal: PathBuf,
 
-    /// Speed of a serial port, in bits a second, as link.baud in a scenario
-    #[arg(long, default_value_t = 921_600, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
-    baud: u32,
+    #[command(flatten)]
+    line: BaudOption,
 
-    /// Samples to measure with
+    /// Samples of the round-trip measurement
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     rounds: u32,
 }
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
-        let patient = LineUnderTest { terminal: &self.terminal, baud: self.baud, rounds: self.rounds };
-        let examination = doctor::examine(&patient);
-        for finding in &examination.findings {
-            say!("{finding}");
+        let line = LineUnderTest { terminal: &self.terminal, baud: self.line.baud, rounds: self.rounds };
+        let examination = doctor::examine(&line);
+        for diagnosis in &examination.diagnoses {
+            outln!("{diagnosis}");
         }
         Ok(match (examination.reached, examination.is_healthy()) {
             (false, _) => Exit::DeviceOrLink,

@@ -1,9 +1,9 @@
-//! What ends a command early, and with which exit code.
+//! The errors of commands and their exit codes.
 
 use std::io;
 use std::path::PathBuf;
 
-use lashloop::campaign::BatteryError;
+use lashloop::campaign::CampaignError;
 use lashloop::parameter_set::SettingsError;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceError;
@@ -16,7 +16,7 @@ use lashloop_report::runs::DrawError;
 /// An error of a command: one sentence for the user.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CliError {
-    #[error("{option} is for --clock real-time; in lockstep nothing is due at any time")]
+    #[error("{option} needs --clock real-time; lockstep has no deadlines")]
     RealTimeAlone { option: &'static str },
     #[error(transparent)]
     Scenario(#[from] ScenarioErrors),
@@ -31,12 +31,12 @@ pub(crate) enum CliError {
     #[error("{}: can't be read: {source}", path.display())]
     Input { path: PathBuf, source: io::Error },
     #[error(transparent)]
-    Battery(#[from] BatteryError),
+    Campaign(#[from] CampaignError),
     #[error(transparent)]
     Record(#[from] ReadError),
     #[error(transparent)]
     Draw(#[from] DrawError),
-    #[error("--from {from} --until {until} leaves nothing to show; --until must be the later")]
+    #[error("--from {from} --until {until} is an empty range; --until must be later than --from")]
     Nothing { from: f64, until: f64 },
     #[error("can't {what}: {source}")]
     System { what: &'static str, source: io::Error },
@@ -45,7 +45,7 @@ pub(crate) enum CliError {
 impl CliError {
     pub(crate) fn exit(&self) -> Exit {
         match self {
-            Self::Battery(BatteryError::Run { source, .. }) if matches!(**source, RunError::Device(_)) => {
+            Self::Campaign(CampaignError::Run { source, .. }) if matches!(**source, RunError::Device(_)) => {
                 Exit::DeviceOrLink
             }
             Self::Run(RunError::Device(_))
@@ -54,7 +54,7 @@ impl CliError {
             Self::RealTimeAlone { .. }
             | Self::Scenario(_)
             | Self::Run(_)
-            | Self::Battery(_)
+            | Self::Campaign(_)
             | Self::Settings(_)
             | Self::Output { .. }
             | Self::Report { .. }

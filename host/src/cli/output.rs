@@ -1,4 +1,4 @@
-//! Standard output and standard error, whatever they are connected to.
+//! Standard output and standard error.
 
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write};
@@ -6,8 +6,17 @@ use std::process;
 
 use lashloop_bench::verdict::Exit;
 
-/// Prints a line on standard output. A reader that has gone away (`| head`) is no reason to fail a run; an output that
-/// can't be written otherwise is (`> /dev/full`), for the user believes that it was.
+/// Prints a formatted line on standard output.
+macro_rules! outln {
+    ($($text:tt)*) => {
+        $crate::cli::output::line(format_args!($($text)*))
+    };
+}
+
+pub(super) use outln;
+
+/// Prints a line on standard output. A closed pipe (`| head`) does not fail a run. Any other write error ends the program
+/// (`> /dev/full`), because the user relies on the output.
 pub(super) fn line(text: Arguments<'_>) {
     if let Err(error) = writeln!(io::stdout(), "{text}")
         && error.kind() != ErrorKind::BrokenPipe
@@ -17,7 +26,7 @@ pub(super) fn line(text: Arguments<'_>) {
     }
 }
 
-/// Prints a line on standard error; where that is gone too there is nobody left to tell.
+/// Prints a line on standard error. Its own write errors have no place to go and are ignored.
 pub(super) fn error_line(text: Arguments<'_>) {
     let _ = writeln!(io::stderr(), "{text}");
 }

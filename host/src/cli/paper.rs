@@ -1,4 +1,4 @@
-//! `lashloop paper`: the paper's figures and numbers, once more.
+//! `lashloop paper`: the paper's figures and numbers, reproduced.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::device::Device;
 use lashloop_bench::record::trace::TraceRow;
 use lashloop_bench::run::simulator::Simulator;
 use lashloop_bench::run::{self, Clock, RunError, Step, Watcher};
@@ -15,10 +15,12 @@ use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::{Exit, Verdict};
 use lashloop_report::paper::{Laws, Run, Runs, figures, file_name, page, tables};
 
-use super::demo::SCENARIOS;
+use super::device_options::DeviceOption;
 use super::error::CliError;
+use super::output::outln;
+use super::paper_scenarios::SCENARIOS;
 use super::progress::Progress;
-use super::start_supervisor;
+use super::supervision::start_supervisor;
 
 const BENCH: [(&str, &str); 5] = [
     ("scenarios/shaft-pd.toml", include_str!("../../../scenarios/shaft-pd.toml")),
@@ -31,13 +33,13 @@ const BENCH: [(&str, &str); 5] = [
     ),
 ];
 
-/// A scenario of which the law is another makes other numbers than it expects.
+/// The expectations of a scenario hold for its own control law.
 const WITHOUT_EXPECTATIONS: &str = "expect=[]";
 
 const BEFORE: &str = "pd";
 const BEYOND: &str = "backlash-inverse";
 
-/// A plant with three laws, a scenario for each and the law if it is not the scenario's.
+/// One plant under three laws: a scenario for each, and the law where it is not the scenario's.
 type Plan = [((&'static str, &'static str), Option<&'static str>); 3];
 
 const PLANS: [Plan; 4] = [
@@ -47,25 +49,24 @@ const PLANS: [Plan; 4] = [
     [(BENCH[3], Some(BEFORE)), (BENCH[3], None), (BENCH[4], None)],
 ];
 
-/// Of the slow sine the last period is drawn.
+/// Last period of the slow sine, which the figures show.
 const SINE_SHOWN_S: f64 = 20.0;
 
-/// Twists of figure 5.
+/// Range and steps of the twist in figure 5.
 const TWIST_RAD: f64 = 2.0;
 const TWISTS: i32 = 400;
 
 const INDEX: &str = "index.html";
 
-/// Draw the paper's figures and print its numbers, beside ours.
+/// Reproduce the paper's figures and print its numbers next to ours
 ///
 /// Runs three plants and a slow sine under three laws: the cascaded PD law (before), the paper's compensation (after) and
-/// the law that inverts the gap in the torque domain (beyond). Writes figure-05.svg, figure-07.svg to figure-17.svg and an
+/// the law that inverts the gap in the torque domain (beyond). Writes figure-05.svg, figure-07.svg to figure-17.svg, and
 /// index.html with all of them.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The drive, as for `run`
-    #[arg(long, default_value = "native", value_name = "DEVICE")]
-    device: DeviceChoice,
+    #[command(flatten)]
+    drive: DeviceOption,
 
     /// Folder for the figures and index.html
     #[arg(long, default_value = "out/paper", value_name = "DIR")]
@@ -88,7 +89,7 @@ impl Arguments {
                     None => device.insert(self.open(&scenario, &supervisor)?),
                 };
                 let (run, verdict) = make(&scenario, device, &supervisor)?;
-                say!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name.name());
+                outln!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name.name());
                 laws.push(run);
                 worst = worst.max(verdict);
                 if supervisor.interrupted() {
@@ -109,8 +110,8 @@ impl Arguments {
     }
 
     fn open(&self, scenario: &Scenario, supervisor: &Supervisor) -> Result<Device, CliError> {
-        let device = Device::open(&self.device, scenario.link.baud, supervisor)?;
-        say!("{}", device.description());
+        let device = Device::open(&self.drive.device, scenario.link.baud, supervisor)?;
+        outln!("{}", device.description());
         Ok(device)
     }
 
@@ -118,7 +119,7 @@ impl Arguments {
     fn report(&self, runs: &Runs, device: &str) -> Result<(), CliError> {
         let tables = tables(runs);
         for table in &tables {
-            say!("\n{table}");
+            outln!("\n{table}");
         }
         let figures = figures(runs);
         for (number, figure) in &figures {
@@ -130,12 +131,12 @@ impl Arguments {
             &index,
             &page(&figures, &tables, &format!("Drawn by lashloop {version} from runs on {device}.")),
         )?;
-        say!("\nfigures: {}", index.display());
+        outln!("\nfigures: {}", index.display());
         Ok(())
     }
 }
 
-/// Makes the folder. An old page goes first: if the runs are cut short, it must not pass for theirs.
+/// Creates the folder. Removes an old page first: after interrupted runs it would pass for theirs.
 fn prepare(folder: &Path) -> Result<(), CliError> {
     let failed = |source| CliError::Output { path: folder.to_owned(), source };
     fs::create_dir_all(folder).map_err(failed)?;
@@ -166,12 +167,12 @@ fn make(
     };
     let progress = Progress::of(scenario);
     let mut history = History { rows: Vec::new(), shown_from_s, progress, supervisor };
-    let _heed = supervisor.heed_signals();
+    let _signals = supervisor.heed_signals();
     let outcome = run::run(scenario, device, Clock::Lockstep, &mut history)?;
     Ok((Run { rows: history.rows, metrics: outcome.metrics }, outcome.judgement.verdict))
 }
 
-/// The plant of a scenario at rest, seen at one twist after the other.
+/// The plant of a scenario at rest, at each twist in turn.
 fn twist(mut scenario: Scenario) -> Result<Vec<TraceRow>, CliError> {
     let mut at = |twist_rad| -> Result<TraceRow, RunError> {
         let initial = &mut scenario.plant.initial;
@@ -183,7 +184,7 @@ fn twist(mut scenario: Scenario) -> Result<Vec<TraceRow>, CliError> {
     Ok(twists.map(&mut at).collect::<Result<_, _>>()?)
 }
 
-/// Keeps what the figures show.
+/// The traces that the figures show.
 struct History<'a> {
     rows: Vec<TraceRow>,
     shown_from_s: f64,

@@ -1,29 +1,29 @@
-//! `lashloop parameters`: what a drive has in force, kept and brought back.
+//! `lashloop parameters`: the parameters of a drive, listed, saved and restored.
 
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use lashloop::parameter_set::{ParameterSet, Settings, SettingsError, spell};
-use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::device::Device;
 use lashloop_bench::verdict::Exit;
 
+use super::device_options::{BaudOption, DeviceOption};
 use super::error::CliError;
-use super::{DEFAULT_BAUD, start_supervisor};
+use super::output::outln;
+use super::supervision::start_supervisor;
 
-/// List, keep, set and compare the parameters of a drive.
+/// List, save, set and compare the parameters of a drive
 ///
-/// Parameters live in the drive until it is reset or loses power. Every `lashloop run` resets the drive before it sets
-/// what its scenario says, so nothing set here reaches a run; a scenario's [controller] section does. And `inproc`,
-/// `native` and `qemu` are new drives each time: to set something now and read it later, use the path of a terminal.
+/// The drive keeps parameters until it is reset or loses power. Every `lashloop run` resets the drive and then applies the
+/// scenario's [controller] section, so parameters set here do not reach a run. inproc, native and qemu start a new drive
+/// for each command; only a drive at the path of a terminal keeps its parameters between commands.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The drive, as for `run`
-    #[arg(long, global = true, default_value = "native", value_name = "DEVICE")]
-    device: DeviceChoice,
+    #[command(flatten)]
+    drive: DeviceOption,
 
-    /// Bits a second, for a serial port
-    #[arg(long, global = true, default_value_t = DEFAULT_BAUD, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
-    baud: u32,
+    #[command(flatten)]
+    line: BaudOption,
 
     #[command(subcommand)]
     verb: Verb,
@@ -31,38 +31,38 @@ pub(crate) struct Arguments {
 
 #[derive(Subcommand)]
 enum Verb {
-    /// Print every parameter with value, default, range and unit
+    /// Print every parameter with its value, default, range and unit
     List,
-    /// Print every value in force as TOML, for `restore`
+    /// Print every value as TOML, for `restore`
     Dump,
-    /// Set parameters by name and read them back
+    /// Set parameters and read them back
     Set {
-        /// What to set: torque_limit_nm=5
+        /// Parameter and value, such as torque_limit_nm=5
         #[arg(required = true, value_name = "NAME=VALUE")]
         settings: Vec<String>,
     },
-    /// Set what a file of `dump` holds, all of it or a part, and read it back
+    /// Set the parameters in a file of `dump` and read them back
     Restore {
-        /// The file
+        /// File with some or all lines of a `dump`
         file: PathBuf,
     },
-    /// Print a SHA-256 over all values in force
+    /// Print a SHA-256 over all parameters
     ///
-    /// Over all parameters in the order of their index: the name in UTF-8, a zero byte, the type's byte (1 for a u32,
-    /// 2 for an f32), the four bytes of the value, little endian.
+    /// Input of the hash, in the order of the index: the name in UTF-8, a zero byte, the type (1 for u32, 2 for f32), and
+    /// the four bytes of the value, little endian.
     Hash,
 }
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
-        // Before a drive is started, so that a slip of the pen costs no time.
+        // Before the drive starts, so that a typing error costs no time.
         let settings = match &self.verb {
             Verb::Set { settings } => Settings::from_words(settings).map_err(CliError::Settings)?,
             Verb::Restore { file } => Settings::from_file(file).map_err(CliError::Settings)?,
             Verb::List | Verb::Dump | Verb::Hash => Settings::default(),
         };
         let supervisor = start_supervisor()?;
-        let mut device = Device::open(&self.device, self.baud, &supervisor)?;
+        let mut device = Device::open(&self.drive.device, self.line.baud, &supervisor)?;
         let in_force = settings.apply(&mut device.session).map_err(|error| match error {
             SettingsError::Session(source) => CliError::from(device.explain(source)),
             other => CliError::Settings(other),
@@ -71,29 +71,29 @@ impl Arguments {
             Verb::List => list(&in_force),
             Verb::Dump => dump(&device, &in_force),
             Verb::Set { .. } | Verb::Restore { .. } => confirm(&in_force, &settings),
-            Verb::Hash => say!("{}", in_force.sha256()),
+            Verb::Hash => outln!("{}", in_force.sha256()),
         }
         Ok(Exit::Pass)
     }
 }
 
 fn list(in_force: &ParameterSet) {
-    say!("{:<28} {:>12} {:>12}  {:<4} allowed", "name", "value", "default", "live");
+    outln!("{:<28} {:>12} {:>12}  {:<4} allowed", "name", "value", "default", "live");
     for (it, value) in in_force.iter() {
         let live = if it.live { "yes" } else { "no" };
         let (value, default) = (spell(*value), spell(it.default));
-        say!("{:<28} {value:>12} {default:>12}  {live:<4} {}", it.name, it.range());
+        outln!("{:<28} {value:>12} {default:>12}  {live:<4} {}", it.name, it.range());
     }
 }
 
 fn dump(device: &Device, in_force: &ParameterSet) {
-    say!("# {}", device.description());
-    say!("# sha256 {}", in_force.sha256());
-    say!("{}", in_force.to_toml().trim_end());
+    outln!("# {}", device.description());
+    outln!("# sha256 {}", in_force.sha256());
+    outln!("{}", in_force.to_toml().trim_end());
 }
 
 fn confirm(in_force: &ParameterSet, settings: &Settings) {
     for (it, value) in in_force.iter().filter(|(it, _)| settings.contains(&it.name)) {
-        say!("{} = {}", it.name, spell(*value));
+        outln!("{} = {}", it.name, spell(*value));
     }
 }

@@ -1,4 +1,4 @@
-//! `lashloop plot`: what a run did, as a picture.
+//! `lashloop plot`: the records of runs as a figure.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,27 +9,29 @@ use lashloop_bench::verdict::Exit;
 use lashloop_report::runs::figure;
 
 use super::error::CliError;
+use super::output::outln;
 
-const PICTURE: &str = "record.svg";
+const FIGURE_FILE: &str = "record.svg";
 
-/// Draw the records of one run or several side by side: position, error, torque, gap, estimate, round trip.
+/// Plot records: position, error, torque, gap, estimate and round trip
 ///
-/// A record is a folder that `run --out` has written, also of a run that was cut short.
+/// A record is a folder of `run --out`. The record of an interrupted run is plotted up to its last whole row. Several
+/// records share the axes.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Folders of runs
+    /// Folders of records
     #[arg(required = true, value_name = "DIR")]
     records: Vec<PathBuf>,
 
-    /// The picture [default: record.svg in the first folder]
+    /// File for the figure [default: record.svg in the first folder]
     #[arg(long, value_name = "FILE.svg")]
     out: Option<PathBuf>,
 
-    /// Leave out what was before this time, in s
+    /// Start of the plotted time, in s
     #[arg(long, default_value_t = 0.0, value_name = "S")]
     from: f64,
 
-    /// Leave out what was after this time, in s
+    /// End of the plotted time, in s [default: end of the record]
     #[arg(long, default_value_t = f64::INFINITY, value_name = "S", hide_default_value = true)]
     until: f64,
 }
@@ -45,14 +47,14 @@ impl Arguments {
             .iter()
             .map(|folder| Ok((self.name(folder), Record::read(folder)?)))
             .collect::<Result<Vec<_>, CliError>>()?;
-        let picture = figure(&runs, &(from..=until))?.to_svg();
-        let path = self.out.unwrap_or_else(|| self.records[0].join(PICTURE));
-        fs::write(&path, picture).map_err(|source| CliError::Output { path: path.clone(), source })?;
-        say!("picture: {}", path.display());
+        let svg = figure(&runs, &(from..=until))?.to_svg();
+        let path = self.out.unwrap_or_else(|| self.records[0].join(FIGURE_FILE));
+        fs::write(&path, svg).map_err(|source| CliError::Output { path: path.clone(), source })?;
+        outln!("figure: {}", path.display());
         Ok(Exit::Pass)
     }
 
-    /// The last part of its path, or all of it where another folder is called the same.
+    /// The last part of the path; the whole path where two folders share a name.
     fn name(&self, folder: &Path) -> String {
         let is_alone =
             self.records.iter().filter(|other| other.file_name() == folder.file_name()).count() == 1;

@@ -1,19 +1,20 @@
-//! `lashloop ports`: where a board may be.
+//! `lashloop ports`: the serial ports of this machine.
 
 use clap::Args;
 use lashloop::ports;
 use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
+use super::output::outln;
 
-/// List the serial ports, with what USB says of them and names that stay.
+/// List the serial ports with their USB identity and stable names
 #[derive(Args)]
 pub(crate) struct Arguments {}
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
         let ports = ports::list().map_err(|source| CliError::System { what: "list serial ports", source })?;
-        say!("{}", ports::describe(&ports));
+        outln!("{}", ports::describe(&ports));
         Ok(Exit::Pass)
     }
 }

@@ -1,9 +1,9 @@
-//! A progress bar on a terminal; nothing anywhere else.
+//! A progress bar on a terminal, and no output elsewhere.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use lashloop_bench::scenario::Scenario;
 
-/// Steps between two movements of the bar: a run makes tens of thousands in a second.
+/// Steps between two updates of the bar: a run makes tens of thousands per second.
 const STRIDE: u64 = 250;
 
 pub(super) struct Progress {
@@ -16,16 +16,16 @@ impl Progress {
         Self::over(scenario.title.clone(), scenario.run.steps().into())
     }
 
-    /// A bar over so many of anything.
-    pub(super) fn over(message: String, steps: u64) -> Self {
-        let bar = ProgressBar::new(steps);
+    /// A bar over `total` units of work.
+    pub(super) fn over(message: String, total: u64) -> Self {
+        let bar = ProgressBar::new(total);
         let style = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3}% {eta:>4}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.set_message(message);
         Self { bar, steps: 0 }
     }
 
-    /// So many of them are done.
+    /// Shows `done` units of work.
     pub(super) fn show(&self, done: u64) {
         self.bar.set_position(done);
     }
@@ -39,7 +39,7 @@ impl Progress {
 }
 
 impl Drop for Progress {
-    /// A run that fails leaves no half bar above its error.
+    /// Clears the bar, so that none remains above the error of a failed run.
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }

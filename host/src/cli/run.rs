@@ -19,39 +19,40 @@ use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
 use lashloop_protocol::PROTOCOL_VERSION;
 
-use super::clock_options::Pace;
+use super::clock_options::ClockOptions;
 use super::error::CliError;
 use super::progress::Progress;
-use super::{report, start_supervisor};
+use super::run_report;
+use super::supervision::start_supervisor;
 
-/// Run a scenario on a drive and judge it.
+/// Run a scenario on a drive and print its verdict
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The scenario: plant, encoders, controller, reference and expectations, as TOML
+    /// Scenario in TOML: plant, encoders, controller, reference and expectations
     scenario: PathBuf,
 
-    /// The drive: `inproc` calls it in this process, `native` runs it as a process on a pseudo-terminal, `qemu` boots
-    /// the Cortex-M image that `cargo xtask image` built (`qemu:ELF` another one), and a path like /dev/ttyACM0
-    /// or /dev/pts/3 is a terminal with a drive at its far end
+    /// Drive: `inproc` is a call in this process, `native` a process on a pseudo-terminal, `qemu` the Cortex-M image of
+    /// `cargo xtask image` in QEMU (`qemu:ELF` another image), and a path such as /dev/ttyACM0 or /dev/pts/3 a terminal
+    /// with a drive at its far end
     #[arg(long, default_value = "native", value_name = "DEVICE")]
     device: DeviceChoice,
 
-    /// Another controller than the scenario's: pd, merzouki, merzouki-as-printed or backlash-inverse
+    /// Controller in place of the scenario's: pd, merzouki, merzouki-as-printed or backlash-inverse
     #[arg(long, value_name = "NAME")]
     controller: Option<String>,
 
-    /// Another value for a key of the scenario, as often as needed: plant.dead_zone_rad=0.2
+    /// Value in place of the scenario's, such as plant.dead_zone_rad=0.2; repeatable
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     set: Vec<String>,
 
     #[command(flatten)]
-    pace: Pace,
+    clock: ClockOptions,
 
-    /// Write summary.json, trace.csv and timing.csv into this folder
+    /// Folder for the record: summary.json, trace.csv and timing.csv
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// Write every frame on the line into this file, for Wireshark or `lashloop decode`
+    /// File for every frame on the line, for Wireshark or `lashloop decode`
     #[arg(long, value_name = "FILE.pcapng")]
     capture: Option<PathBuf>,
 }
@@ -61,7 +62,7 @@ impl Arguments {
         let controller = self.controller.map(Override::Controller);
         let overrides: Vec<_> = self.set.into_iter().map(Override::Set).chain(controller).collect();
         let scenario = Scenario::from_file(&self.scenario, &overrides)?;
-        let clock = self.pace.clock()?;
+        let clock = self.clock.clock()?;
         let when_full = match clock.name() {
             ClockName::Lockstep => WhenFull::Wait,
             ClockName::RealTime => WhenFull::Fail,
@@ -74,11 +75,11 @@ impl Arguments {
             None => link,
         };
         let mut device = Device::open_for(&scenario, &self.device, &supervisor, listen)?;
-        // Not before there is a drive: an old record is worth more than none.
+        // Only once a drive is open: a failed start keeps the old record.
         let tables = self.out.as_deref().map(|folder| prepare(folder, &scenario)).transpose()?;
         let progress = Progress::of(&scenario);
         let mut watcher = RunWatcher { tables, capture, supervisor: &supervisor, progress };
-        let heed = supervisor.heed_signals();
+        let signals = supervisor.heed_signals();
         let outcome = run::run(&scenario, &mut device, clock, &mut watcher)?;
         let RunWatcher { tables, capture, progress, .. } = watcher;
         drop(progress);
@@ -87,7 +88,7 @@ impl Arguments {
             timing.finish()?;
         }
         let summary = summary(&scenario, &device, &outcome);
-        // With the link goes its end of the capture.
+        // Closes the link, and with it the sending end of the capture.
         drop(device);
         if let Some(capture) = capture {
             capture.finish()?;
@@ -95,9 +96,9 @@ impl Arguments {
         if let Some(folder) = &self.out {
             summary.write(&folder.join(SUMMARY))?;
         }
-        // Until here a signal would have cost the record its end.
-        drop(heed);
-        report::print(&scenario, &summary, &outcome);
+        // A signal before this point would truncate the record.
+        drop(signals);
+        run_report::print(&scenario, &summary, &outcome);
         Ok(summary.verdict.into())
     }
 }
@@ -111,8 +112,8 @@ struct Tables {
     timing: TimingWriter,
 }
 
-/// Makes the folder and begins the tables. An old summary goes first: if this run is cut short, it must not stand beside
-/// the new trace.
+/// Creates the folder and the tables. Removes an old summary first: next to the trace of an interrupted run it would be
+/// wrong.
 fn prepare(folder: &Path, scenario: &Scenario) -> Result<Tables, CliError> {
     let failed = |source| CliError::Output { path: folder.to_owned(), source };
     fs::create_dir_all(folder).map_err(failed)?;

@@ -1,4 +1,4 @@
-//! `lashloop tied`: become another program, one that dies with the bench that started it.
+//! `lashloop tied`: replaces itself by another program that the system kills when the bench ends.
 
 use std::ffi::OsString;
 use std::io;
@@ -14,11 +14,11 @@ use super::error::CliError;
 
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The core to stay on
+    /// Core of the program, from 0
     #[arg(long)]
     core: Option<usize>,
 
-    /// The program and its arguments
+    /// Program and its arguments
     #[arg(required = true, last = true)]
     program: Vec<OsString>,
 }
@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
         let failed = |what| move |source: io::Error| CliError::System { what, source };
-        // A wedged emulator ignores everything but a kill.
+        // A hung emulator ignores every other signal.
         set_parent_process_death_signal(Some(Signal::KILL))
             .map_err(|error| failed("tie a program to the bench")(error.into()))?;
         if let Some(core) = self.core {

@@ -1,4 +1,4 @@
-//! `lashloop show`: a scenario as it is understood.
+//! `lashloop show`: a scenario with every default.
 
 use std::path::PathBuf;
 
@@ -7,14 +7,15 @@ use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
+use super::output::outln;
 
-/// Check a scenario and print it with every default spelled out.
+/// Check a scenario and print every key with its value
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The scenario
+    /// Scenario in TOML
     scenario: PathBuf,
 
-    /// Another value for a key, as for `run`
+    /// Value in place of the scenario's, such as plant.dead_zone_rad=0.2; repeatable
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     set: Vec<String>,
 }
@@ -24,10 +25,10 @@ impl Arguments {
         let overrides: Vec<_> = self.set.into_iter().map(Override::Set).collect();
         let scenario = Scenario::from_file(&self.scenario, &overrides)?;
         let text = scenario.to_toml().map_err(|error| CliError::System {
-            what: "spell the scenario as TOML",
+            what: "write the scenario as TOML",
             source: std::io::Error::other(error),
         })?;
-        say!("{}", text.trim_end());
+        outln!("{}", text.trim_end());
         Ok(Exit::Pass)
     }
 }

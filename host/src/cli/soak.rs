@@ -1,4 +1,4 @@
-//! `lashloop soak`: a scenario over and over, with more and more going wrong.
+//! `lashloop soak`: one scenario repeated under rising faults.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -17,33 +17,34 @@ use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
 
+use super::device_options::DeviceOption;
 use super::error::CliError;
-use super::{output, start_supervisor};
+use super::output::{self, outln};
+use super::supervision::start_supervisor;
 
-/// A run that makes no step for so long hangs.
+/// Time without a step after which a run counts as hung.
 const HANG_LIMIT: Duration = Duration::from_secs(60);
 
-/// Run a scenario over and over while faults of line and encoders rise, and watch bench and drive.
+/// Repeat a scenario while faults of line and encoders rise
 ///
-/// Runs go through six levels, from no fault to 1 % of frames damaged, and begin anew; faults are drawn from the seed of the
-/// scenario and the number of the run. Each run opens the drive anew. The bench may grow by 8 MiB and 4 descriptors from the
-/// first round on, a drive's process by 8 MiB and 2 descriptors within a run. Ends with 0, or with 1 if a run hung (no step
-/// in 60 s), failed, grew, had a verdict that its own figures belie, or lost frames uncounted. Answers are waited for
-/// for 100 ms, and a silence may last for 10 s.
+/// Runs cycle through six levels, from no fault to 1 % of frames damaged. Faults follow from the scenario's seed and the
+/// number of the run. Each run opens the drive again. Answer timeout: 100 ms; longest silence: 10 s. Growth limits: 8 MiB
+/// and 4 descriptors for the bench after its first cycle, 8 MiB and 2 descriptors for the drive's process within a run.
+/// Exit code 1 if a run hangs (no step in 60 s), fails or exceeds a growth limit, if its verdict contradicts its counters,
+/// or if a damaged frame is not counted.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// The scenario
+    /// Scenario in TOML
     scenario: PathBuf,
 
-    /// For how long: 90s, 10m or 8h. The run that is under way then is finished
+    /// Duration, such as 90s, 10m or 8h; the last run is completed
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     lasts: Duration,
 
-    /// The drive, as for `run`
-    #[arg(long, default_value = "native", value_name = "DEVICE")]
-    device: DeviceChoice,
+    #[command(flatten)]
+    drive: DeviceOption,
 
-    /// Another value for a key, as for `run`
+    /// Value in place of the scenario's, such as plant.dead_zone_rad=0.2; repeatable
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
     set: Vec<String>,
 }
@@ -53,7 +54,7 @@ impl Arguments {
         let overrides: Vec<_> = self.set.into_iter().map(Override::Set).collect();
         let scenario = Scenario::from_file(&self.scenario, &overrides)?;
         let supervisor = start_supervisor()?;
-        let _heed = supervisor.heed_signals();
+        let _signals = supervisor.heed_signals();
         let shared = Arc::new(Shared::default());
         watch_for_hangs(Arc::clone(&shared));
         let started = Instant::now();
@@ -68,15 +69,15 @@ impl Arguments {
                 step: 0,
             };
             let begun = Instant::now();
-            let result = one_run(&plan, &self.device, &supervisor, &mut watcher);
+            let result = one_run(&plan, &self.drive.device, &supervisor, &mut watcher);
             let drive = watcher.growth;
             let bench = resource_usage::look(None)
-                .map_err(|source| CliError::System { what: "look at /proc", source })?;
+                .map_err(|source| CliError::System { what: "read /proc", source })?;
             let mut tally = shared.tally();
             let before = tally.problems.len();
             tally.push(&plan, &result, bench, &drive);
             tally.took = started.elapsed();
-            say!(
+            outln!(
                 "run {number:<5} level {} seed {:<6} {} in {:.2} s; bench {} KiB, {} descriptors",
                 plan::level(number),
                 plan.run.seed,
@@ -86,12 +87,12 @@ impl Arguments {
                 bench.descriptors
             );
             for problem in &tally.problems[before..] {
-                say!("WRONG {problem}");
+                outln!("WRONG {problem}");
             }
         }
         let tally = shared.tally();
-        say!("");
-        say!("{tally}");
+        outln!("");
+        outln!("{tally}");
         Ok(if tally.problems.is_empty() { Exit::Pass } else { Exit::Fail })
     }
 }
@@ -119,10 +120,10 @@ fn line_of(result: &Result<Outcome, RunError>) -> String {
     }
 }
 
-/// What the runs and the thread that looks for hangs share.
+/// State shared by the runs and the hang detector.
 #[derive(Default)]
 struct Shared {
-    /// Goes on with every step and every run.
+    /// Incremented with every step and every run.
     beats: AtomicU64,
     tally: Mutex<Tally>,
 }
@@ -134,7 +135,7 @@ impl Shared {
     }
 }
 
-/// Ends the soak when no step is made: nobody else could.
+/// Ends the program when no step is made. A hung run can't end itself.
 fn watch_for_hangs(shared: Arc<Shared>) {
     thread::spawn(move || {
         let mut last = (0, Instant::now());
@@ -165,7 +166,7 @@ struct SoakWatcher<'a> {
     step: u32,
 }
 
-/// Steps between two looks at the drive's process, and before the first: it takes what it needs by then.
+/// Steps between two readings of the drive's resources, and before the first: it has allocated what it needs by then.
 const STRIDE: u32 = 500;
 
 impl Watcher for SoakWatcher<'_> {
@@ -176,7 +177,7 @@ impl Watcher for SoakWatcher<'_> {
             && let Some(process) = self.process
             && let Ok(held) = resource_usage::look(Some(process))
         {
-            // A process that is gone is what the line is about to tell.
+            // If the process has ended, the link reports the error.
             self.growth.push(held);
         }
         Ok(())
@@ -187,7 +188,7 @@ impl Watcher for SoakWatcher<'_> {
     }
 }
 
-/// A time as a number and its unit.
+/// Parses a duration as a number and its unit.
 fn duration(text: &str) -> Result<Duration, String> {
     let (number, seconds) = match text.char_indices().next_back() {
         Some((at, 's')) => (&text[..at], 1.0),
@@ -196,7 +197,7 @@ fn duration(text: &str) -> Result<Duration, String> {
         _ => (text, f64::NAN),
     };
     let time_s = number.parse::<f64>().map_or(f64::NAN, |number| number * seconds);
-    // A week and more is a typing error, and so is nothing.
+    // Zero, or more than a week, is a typing error.
     if time_s > 0.0 && time_s <= 7.0 * 24.0 * 3600.0 {
         Ok(Duration::from_secs_f64(time_s))
     } else {

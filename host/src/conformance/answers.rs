@@ -1,62 +1,55 @@
-//! The time of answers: all in bounds, and how they are spread.
+//! The answers of a drive by kind, and the sample that most checks send.
 
-use std::time::{Duration, Instant};
-
-use lashloop_protocol::message::{DescribeParameter, EncoderSample, GetParameter, Hello};
-use lashloop_protocol::sequence::of_step;
+use lashloop_protocol::enums::Outcome;
+use lashloop_protocol::message::{EncoderSample, FaultReport, Identity, ParameterReport, TorqueAnswer};
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, EncoderCounts};
 
-use super::check::{Check, Failure, expect};
-use super::client::{Client, sample};
-use lashloop_bench::session::line::REQUEST_LIMIT;
+use super::assertion::{Failure, find};
 
-/// Longest time for an answer. A drive needs some 100 us; this is for an emulator on a machine that is busy with
-/// something else, so only a drive that hangs is beyond it.
-pub const LIMIT: Duration = Duration::from_secs(1);
-
-/// Round trips per kind of request.
-const ROUNDS: u32 = 200;
-
-pub(super) fn checks() -> Vec<Check> {
-    vec![
-        timed::<Hello>("Identity", |client, _| {
-            Hello { protocol_version: PROTOCOL_VERSION, session: client.session() }.into()
-        }),
-        timed::<DescribeParameter>("ParameterDescription", |_, _| DescribeParameter { index: 0 }.into()),
-        timed::<GetParameter>("ParameterReport", |_, _| GetParameter { index: 0 }.into()),
-        timed::<EncoderSample>("TorqueAnswer", |_, round| sample(of_step(round)).into()),
-    ]
+/// The mechanics at rest at zero, and the load wanted at 1 rad: any controller pushes.
+pub(super) fn sample(sequence: u16) -> EncoderSample {
+    let [motor_counts, load_counts] = [EncoderCounts::default(); 2];
+    EncoderSample { sequence, motor_counts, load_counts, reference_rad: 1.0 }
 }
 
-fn timed<Request: Payload>(answer: &'static str, request: fn(&Client, u32) -> HostMessage) -> Check {
-    let name = format!("every {} is answered within {} s", Request::LAYOUT.name, LIMIT.as_secs());
-    Check::new("answers", name, move |client| {
-        client.running(&[])?;
-        let mut times = Vec::new();
-        for round in 0..ROUNDS {
-            times.push(round_trip(client, request(client, round), answer)?);
-        }
-        times.sort();
-        let [median, high, longest] = [50, 99, 100].map(|percent| times[times.len() * percent / 100 - 1]);
-        client.note(format!("median {}, 99 % {}, longest {} us", us(median), us(high), us(longest)));
-        expect(longest <= LIMIT, format!("{answer} within {LIMIT:?}"), longest)
+/// The identity among answers.
+pub(super) fn identity(answers: &[DriveMessage]) -> Result<Identity, Failure> {
+    find("an Identity", answers, |answer| match answer {
+        DriveMessage::Identity(identity) => Some(*identity),
+        _ => None,
     })
 }
 
-fn us(time: Duration) -> u128 {
-    time.as_micros()
+/// The torque among answers.
+pub(super) fn torque(answers: &[DriveMessage]) -> Result<TorqueAnswer, Failure> {
+    find("a TorqueAnswer", answers, |answer| match answer {
+        DriveMessage::TorqueAnswer(answer) => Some(*answer),
+        _ => None,
+    })
 }
 
-fn round_trip(client: &mut Client, request: HostMessage, answer: &str) -> Result<Duration, Failure> {
-    use lashloop_protocol::Message;
-    let sent = Instant::now();
-    client.line().send(&request).map_err(Failure::Session)?;
-    let came = client.listen(REQUEST_LIMIT, |message: &DriveMessage| {
-        (message.layout().name == answer).then(|| sent.elapsed())
-    })?;
-    came.ok_or_else(|| Failure::Rule {
-        expected: format!("{answer} within {LIMIT:?}"),
-        came: format!("nothing within {REQUEST_LIMIT:?}"),
+/// The fault among answers.
+pub(super) fn fault(answers: &[DriveMessage]) -> Result<FaultReport, Failure> {
+    find("a FaultReport", answers, |answer| match answer {
+        DriveMessage::FaultReport(fault) => Some(*fault),
+        _ => None,
+    })
+}
+
+/// What became of a request among answers to it.
+pub(super) fn outcome<Request: Payload>(answers: &[DriveMessage]) -> Result<Outcome, Failure> {
+    let what = format!("a CommandResult for {}", Request::LAYOUT.name);
+    find(&what, answers, |answer| match answer {
+        DriveMessage::CommandResult(result) if result.request == Request::LAYOUT.kind => Some(result.outcome),
+        _ => None,
+    })
+}
+
+/// The report of a parameter among answers.
+pub(super) fn report(index: u8, answers: &[DriveMessage]) -> Result<ParameterReport, Failure> {
+    find(&format!("a ParameterReport for index {index}"), answers, |answer| match answer {
+        DriveMessage::ParameterReport(report) if report.index == index => Some(*report),
+        _ => None,
     })
 }

@@ -1,14 +1,9 @@
 //! One rule of the protocol, and how a drive can break it.
 
-use std::fmt::Debug;
 use std::sync::Arc;
 
-use lashloop_protocol::{DriveMessage, Message};
-
+use super::assertion::RuleResult;
 use super::client::Client;
-use lashloop_bench::session::SessionError;
-
-pub(super) type Checked = Result<(), Failure>;
 
 /// A rule and the code that tries it.
 #[derive(Clone)]
@@ -17,14 +12,14 @@ pub(super) struct Check {
     pub(super) name: String,
     /// Whether device time has to pass for it.
     pub(super) waits: bool,
-    pub(super) run: Arc<dyn Fn(&mut Client) -> Checked>,
+    pub(super) run: Arc<dyn Fn(&mut Client) -> RuleResult>,
 }
 
 impl Check {
     pub(super) fn new(
         group: &'static str,
         name: impl Into<String>,
-        run: impl Fn(&mut Client) -> Checked + 'static,
+        run: impl Fn(&mut Client) -> RuleResult + 'static,
     ) -> Self {
         Self { group, name: name.into(), waits: false, run: Arc::new(run) }
     }
@@ -33,41 +28,4 @@ impl Check {
     pub(super) fn waiting(self) -> Self {
         Self { waits: true, ..self }
     }
-}
-
-/// Why a check ended early.
-pub(super) enum Failure {
-    /// The rule is broken.
-    Rule { expected: String, came: String },
-    /// Nothing this drive takes would show whether it keeps the rule.
-    LeftOut { reason: &'static str },
-    /// The conversation can't go on.
-    Session(SessionError),
-}
-
-/// Holds what came against a condition.
-pub(super) fn expect(holds: bool, expected: impl Into<String>, came: impl Debug) -> Checked {
-    if holds { Ok(()) } else { Err(Failure::Rule { expected: expected.into(), came: format!("{came:?}") }) }
-}
-
-/// Holds what came against the one thing that may come.
-pub(super) fn equal<T: PartialEq + Debug>(what: &str, expected: T, came: T) -> Checked {
-    expect(expected == came, format!("{what} {expected:?}"), came)
-}
-
-/// The names of messages, for rules about what comes and in which order.
-pub(super) fn names(answers: &[DriveMessage]) -> Vec<&'static str> {
-    answers.iter().map(|answer| answer.layout().name).collect()
-}
-
-/// The first answer of the kind that `wanted` recognises.
-pub(super) fn find<T>(
-    what: &str,
-    answers: &[DriveMessage],
-    wanted: impl Fn(&DriveMessage) -> Option<T>,
-) -> Result<T, Failure> {
-    answers.iter().find_map(wanted).ok_or_else(|| Failure::Rule {
-        expected: what.to_owned(),
-        came: if answers.is_empty() { "nothing".to_owned() } else { format!("{answers:?}") },
-    })
 }

@@ -3,25 +3,22 @@
 use std::time::{Duration, Instant};
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::message::{
-    Arm, EmergencyStop, EncoderSample, FaultReport, GetParameter, Hello, Identity, ParameterReport, Reset,
-    SetParameter, Start, TorqueAnswer,
+    GetParameter, Hello, Identity, ParameterReport, Reset, SetParameter, TorqueAnswer,
 };
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
 
-use super::check::{Checked, Failure, equal, find};
 use lashloop_bench::link::Link;
 use lashloop_bench::session::line::{Line, REQUEST_LIMIT};
 use lashloop_bench::session::{Parameter, SessionError, greeting, parameters};
 
+use super::answers::{identity, report, sample, torque};
+use super::assertion::{Failure, RuleResult, equal, find};
+
 /// No drive has a parameter of this index, since a count of parameters is a byte. So a question for it changes nothing
 /// in any state, and its answer ends the answers to what was asked before.
 const NO_PARAMETER: u8 = u8::MAX;
-
-/// Long enough for any bench on any machine, so that no watchdog trips in a check of something else.
-const PATIENT_WATCHDOG_US: u32 = 30_000_000;
 
 /// A drive under test.
 pub(super) struct Client {
@@ -73,16 +70,16 @@ impl Client {
     }
 
     /// Sends a request and returns everything that comes before the answer to the question behind it.
-    pub(super) fn say(&mut self, request: impl Into<HostMessage>) -> Result<Vec<DriveMessage>, Failure> {
-        self.say_bytes(&request.into().frame())
+    pub(super) fn request(&mut self, request: impl Into<HostMessage>) -> Result<Vec<DriveMessage>, Failure> {
+        self.request_bytes(&request.into().frame())
     }
 
     /// The same for bytes that need not be frames.
-    pub(super) fn say_bytes(&mut self, bytes: &[u8]) -> Result<Vec<DriveMessage>, Failure> {
+    pub(super) fn request_bytes(&mut self, bytes: &[u8]) -> Result<Vec<DriveMessage>, Failure> {
         let question = HostMessage::from(GetParameter { index: NO_PARAMETER });
         self.send_bytes(&[bytes, &*question.frame()].concat())?;
         let mut answers = Vec::new();
-        let state = self.listen(REQUEST_LIMIT, |message| match message {
+        let state = self.wait_for(REQUEST_LIMIT, |message| match message {
             DriveMessage::ParameterReport(report) if report.index == NO_PARAMETER => Some(report.state),
             answer => {
                 answers.push(*answer);
@@ -102,12 +99,12 @@ impl Client {
         })
     }
 
-    pub(super) fn send_bytes(&mut self, bytes: &[u8]) -> Checked {
+    pub(super) fn send_bytes(&mut self, bytes: &[u8]) -> RuleResult {
         self.line.send_bytes(bytes).map_err(Failure::Session)
     }
 
     /// What comes unasked, until `wanted` recognises it or the limit has passed.
-    pub(super) fn listen<T>(
+    pub(super) fn wait_for<T>(
         &mut self,
         limit: Duration,
         wanted: impl FnMut(&DriveMessage) -> Option<T>,
@@ -120,7 +117,7 @@ impl Client {
         &mut self,
         command: C,
     ) -> Result<(Outcome, State), Failure> {
-        let answers = self.say(command)?;
+        let answers = self.request(command)?;
         find(&format!("a CommandResult for {}", C::LAYOUT.name), &answers, |answer| match answer {
             DriveMessage::CommandResult(result) if result.request == C::LAYOUT.kind => {
                 Some((result.outcome, result.state))
@@ -134,67 +131,8 @@ impl Client {
         self.state
     }
 
-    /// Brings the drive to where it is after power-up, whatever the check before has left.
-    pub(super) fn fresh(&mut self) -> Checked {
-        // Ends whatever half frame was left.
-        self.send_bytes(&[DELIMITER])?;
-        let came = self.command(Reset {})?;
-        equal("before the check, Reset", (Outcome::Accepted, State::Boot), came)
-    }
-
-    /// Greets with the session of this run.
-    pub(super) fn idle(&mut self) -> Checked {
-        let identity = self.greet(self.session)?;
-        equal("after the greeting, state", State::Idle, identity.state)
-    }
-
-    pub(super) fn armed(&mut self) -> Checked {
-        self.idle()?;
-        self.arm()
-    }
-
-    pub(super) fn arm(&mut self) -> Checked {
-        let session = self.session;
-        let came = self.command(Arm { session })?;
-        equal("Arm in Idle", (Outcome::Accepted, State::Armed), came)
-    }
-
-    pub(super) fn start(&mut self) -> Checked {
-        let session = self.session;
-        let came = self.command(Start { session })?;
-        equal("Start in Armed", (Outcome::Accepted, State::Running), came)
-    }
-
-    /// Greets, sets these parameters, arms and starts.
-    pub(super) fn running(&mut self, settings: &[(&str, ParameterValue)]) -> Checked {
-        self.idle()?;
-        self.put("watchdog_us", ParameterValue::U32(PATIENT_WATCHDOG_US))?;
-        for (name, value) in settings {
-            self.put(name, *value)?;
-        }
-        self.arm()?;
-        self.start()
-    }
-
-    pub(super) fn faulted(&mut self) -> Checked {
-        self.idle()?;
-        let came = self.command(EmergencyStop {})?;
-        equal("EmergencyStop", (Outcome::Accepted, State::Faulted), came)
-    }
-
-    /// Brings a fresh drive into this state.
-    pub(super) fn enter(&mut self, state: State) -> Checked {
-        match state {
-            State::Boot => Ok(()),
-            State::Idle => self.idle(),
-            State::Armed => self.armed(),
-            State::Running => self.running(&[]),
-            State::Faulted => self.faulted(),
-        }
-    }
-
-    pub(super) fn greet(&mut self, session: u32) -> Result<Identity, Failure> {
-        identity(&self.say(Hello { protocol_version: PROTOCOL_VERSION, session })?)
+    pub(super) fn handshake(&mut self, session: u32) -> Result<Identity, Failure> {
+        identity(&self.request(Hello { protocol_version: PROTOCOL_VERSION, session })?)
     }
 
     pub(super) fn parameter(&self, name: &str) -> Result<&Parameter, Failure> {
@@ -205,18 +143,18 @@ impl Client {
     }
 
     /// Sets a parameter that has to be taken.
-    pub(super) fn put(&mut self, name: &str, value: ParameterValue) -> Checked {
+    pub(super) fn put(&mut self, name: &str, value: ParameterValue) -> RuleResult {
         let index = self.parameter(name)?.index;
         let report = self.set(index, value)?;
         equal(&format!("{name} = {value}:"), (Outcome::Accepted, value), (report.outcome, report.value))
     }
 
     pub(super) fn set(&mut self, index: u8, value: ParameterValue) -> Result<ParameterReport, Failure> {
-        report(index, &self.say(SetParameter { index, value })?)
+        report(index, &self.request(SetParameter { index, value })?)
     }
 
     pub(super) fn get(&mut self, index: u8) -> Result<ParameterReport, Failure> {
-        report(index, &self.say(GetParameter { index })?)
+        report(index, &self.request(GetParameter { index })?)
     }
 
     /// The value in force of a real parameter.
@@ -233,58 +171,11 @@ impl Client {
 
     /// A sample with the mechanics at rest at zero, and all that comes for it.
     pub(super) fn sample(&mut self, sequence: u16) -> Result<Vec<DriveMessage>, Failure> {
-        self.say(sample(sequence))
+        self.request(sample(sequence))
     }
 
     /// The torque for a sample of [`Self::sample`].
     pub(super) fn torque(&mut self, sequence: u16) -> Result<TorqueAnswer, Failure> {
         torque(&self.sample(sequence)?)
     }
-}
-
-/// The mechanics at rest at zero, and the load wanted at 1 rad: any controller pushes.
-pub(super) fn sample(sequence: u16) -> EncoderSample {
-    let [motor_counts, load_counts] = [EncoderCounts::default(); 2];
-    EncoderSample { sequence, motor_counts, load_counts, reference_rad: 1.0 }
-}
-
-/// The identity among answers.
-pub(super) fn identity(answers: &[DriveMessage]) -> Result<Identity, Failure> {
-    find("an Identity", answers, |answer| match answer {
-        DriveMessage::Identity(identity) => Some(*identity),
-        _ => None,
-    })
-}
-
-/// The torque among answers.
-pub(super) fn torque(answers: &[DriveMessage]) -> Result<TorqueAnswer, Failure> {
-    find("a TorqueAnswer", answers, |answer| match answer {
-        DriveMessage::TorqueAnswer(answer) => Some(*answer),
-        _ => None,
-    })
-}
-
-/// The fault among answers.
-pub(super) fn fault(answers: &[DriveMessage]) -> Result<FaultReport, Failure> {
-    find("a FaultReport", answers, |answer| match answer {
-        DriveMessage::FaultReport(fault) => Some(*fault),
-        _ => None,
-    })
-}
-
-/// What became of a request among answers to it.
-pub(super) fn outcome<Request: Payload>(answers: &[DriveMessage]) -> Result<Outcome, Failure> {
-    let what = format!("a CommandResult for {}", Request::LAYOUT.name);
-    find(&what, answers, |answer| match answer {
-        DriveMessage::CommandResult(result) if result.request == Request::LAYOUT.kind => Some(result.outcome),
-        _ => None,
-    })
-}
-
-/// The report of a parameter among answers.
-pub(super) fn report(index: u8, answers: &[DriveMessage]) -> Result<ParameterReport, Failure> {
-    find(&format!("a ParameterReport for index {index}"), answers, |answer| match answer {
-        DriveMessage::ParameterReport(report) if report.index == index => Some(*report),
-        _ => None,
-    })
 }

@@ -4,16 +4,17 @@ use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::message::{GetParameter, LineReport, Stop};
 use lashloop_protocol::{DriveMessage, HostMessage, MAX_FRAME, Message};
 
-use super::check::{Check, Checked, Failure, equal, expect, find, names};
+use super::assertion::{Failure, RuleResult, equal, expect, find, names};
+use super::check::Check;
 use super::client::Client;
 
 /// More than a frame can have, without a delimiter.
 const OVERSIZED: [u8; 5 * MAX_FRAME] = [0x55; 5 * MAX_FRAME];
 
 pub(super) fn checks() -> Vec<Check> {
-    let check = |name, run: fn(&mut Client) -> Checked| Check::new("line", name, run);
+    let check = |name, run: fn(&mut Client) -> RuleResult| Check::new("line", name, run);
     vec![
-        check("garbage before a frame is dropped", |client| {
+        check("garbage before a frame is discarded", |client| {
             let garbage = [b"noise\0more noise\0", &*request(0)].concat();
             answered(client, &garbage, &[0])?;
             // Without a delimiter between them the garbage takes the frame with it, but not the one after.
@@ -26,10 +27,10 @@ pub(super) fn checks() -> Vec<Check> {
                 answered(client, &[&whole[..length], &[DELIMITER], &*request(1)].concat(), &[1])
             })
         }),
-        check("an oversized frame is dropped, and the next one answered", |client| {
+        check("an oversized frame is discarded, and the next one is answered", |client| {
             answered(client, &[&OVERSIZED[..], &[DELIMITER], &*request(0)].concat(), &[0])
         }),
-        check("a frame without its delimiter takes the next one with it and no more", |client| {
+        check("a frame without its delimiter corrupts the next one and no other", |client| {
             let whole = request(0);
             let bytes = [&whole[..whole.len() - 1], &*request(1), &*request(2)].concat();
             answered(client, &bytes, &[2])
@@ -37,20 +38,20 @@ pub(super) fn checks() -> Vec<Check> {
         check("frames in one write are answered in their order", |client| {
             answered(client, &[request(0), request(1), request(2)].concat(), &[0, 1, 2])
         }),
-        check("a frame that comes byte by byte is answered", |client| {
+        check("a frame that arrives byte by byte is answered", |client| {
             for byte in request(0) {
                 client.send_bytes(&[byte])?;
             }
             answered(client, &[], &[0])
         }),
-        check("a whole frame that is no request is not answered", |client| {
+        check("a good frame that is not a request is not answered", |client| {
             answered(client, &[no_request(), request(0)].concat(), &[0])
         }),
         check("Stop is answered with a LineReport before its result", |client| {
             client.running(&[])?;
-            equal("answers", vec!["LineReport", "CommandResult"], names(&client.say(Stop {})?))
+            equal("answers", vec!["LineReport", "CommandResult"], names(&client.request(Stop {})?))
         }),
-        check("the LineReport of a clean run tells of no damage, delimiters alone included", |client| {
+        check("the LineReport of a clean run counts no damage, with idle delimiters", |client| {
             client.running(&[])?;
             client.send_bytes(&[DELIMITER; 5])?;
             client.torque(0)?;
@@ -62,16 +63,16 @@ pub(super) fn checks() -> Vec<Check> {
             client.send_bytes(&damaged())?;
             reported(client, LineReport { messages: 2, damaged: 4, refused: 1, overruns: 0 })
         }),
-        check("the LineReport counts each run anew", |client| {
+        check("the LineReport counts each run from zero", |client| {
             client.running(&[])?;
             client.send_bytes(&damaged())?;
-            client.say(Stop {})?;
+            client.request(Stop {})?;
             client.send_bytes(b"noise between runs\0")?;
             client.arm()?;
             client.start()?;
             reported(client, LineReport { messages: 2, damaged: 0, refused: 0, overruns: 0 })
         }),
-        check("everything the drive has sent has arrived whole and is a message", |client| {
+        check("every frame from the drive was a good message", |client| {
             let counters = *client.line().decoder().counters();
             let came = (counters.damaged(), counters.refused);
             client.note(format!("{} messages", counters.messages));
@@ -102,8 +103,8 @@ fn damaged() -> Vec<u8> {
 }
 
 /// Sends bytes and checks that exactly these parameters are reported.
-fn answered(client: &mut Client, bytes: &[u8], indices: &[u8]) -> Checked {
-    let answers = client.say_bytes(bytes)?;
+fn answered(client: &mut Client, bytes: &[u8], indices: &[u8]) -> RuleResult {
+    let answers = client.request_bytes(bytes)?;
     let reports: Vec<_> = answers
         .iter()
         .filter_map(|answer| match answer {
@@ -116,7 +117,7 @@ fn answered(client: &mut Client, bytes: &[u8], indices: &[u8]) -> Checked {
 }
 
 /// Every bit of every byte but the delimiter, whose loss is a check of its own.
-fn flipped_bits(client: &mut Client) -> Checked {
+fn flipped_bits(client: &mut Client) -> RuleResult {
     let whole = request(0);
     for place in 0..whole.len() - 1 {
         for bit in 0..u8::BITS {
@@ -128,8 +129,8 @@ fn flipped_bits(client: &mut Client) -> Checked {
     Ok(())
 }
 
-fn reported(client: &mut Client, wanted: LineReport) -> Checked {
-    let answers = client.say(Stop {})?;
+fn reported(client: &mut Client, wanted: LineReport) -> RuleResult {
+    let answers = client.request(Stop {})?;
     let came: Result<LineReport, Failure> = find("a LineReport", &answers, |answer| match answer {
         DriveMessage::LineReport(report) => Some(*report),
         _ => None,

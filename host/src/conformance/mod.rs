@@ -19,25 +19,33 @@
 //! control law: that a standing load off its reference gets some torque is all they ask of it.
 
 mod answers;
+mod assertion;
 mod check;
 mod client;
 mod encoders;
-mod greeting;
+mod handshake;
 pub mod junit;
+mod latency;
 mod line;
 mod parameters;
+mod range;
+mod reactions;
+mod result;
 mod safety;
 mod samples;
+mod states;
 mod transitions;
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use lashloop_protocol::message::Identity;
 
-pub use answers::LIMIT as ANSWER_LIMIT;
+pub use latency::LIMIT as ANSWER_LIMIT;
 pub use parameters::REQUIRED_PARAMETERS;
+pub use result::{CheckResult, CheckStatus};
 
-use check::{Check, Failure};
+use assertion::Failure;
+use check::Check;
 use client::Client;
 use lashloop_bench::link::Link;
 use lashloop_bench::session::SessionError;
@@ -51,50 +59,16 @@ pub enum DeviceTime {
     StandsStill,
 }
 
-/// What came of a check.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Outcome {
-    /// The drive keeps the rule.
-    Passed,
-    /// The drive breaks the rule.
-    Failed {
-        /// What the rule asks for.
-        expected: String,
-        /// What came instead.
-        came: String,
-    },
-    /// The check was not made.
-    LeftOut {
-        /// Why not.
-        reason: &'static str,
-    },
-}
+/// Receives the results while the checks run.
+pub trait Reporter {
+    /// The handshake is complete.
+    fn connected(&mut self, _identity: &Identity) {}
 
-/// One check and what came of it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Finding {
-    /// The group of the check: the name of its module.
-    pub group: &'static str,
-    /// The rule, as a sentence.
-    pub name: String,
-    /// What came of it.
-    pub outcome: Outcome,
-    /// A figure worth knowing whatever came of it; empty if there is none.
-    pub note: String,
-    /// How long it took.
-    pub took: Duration,
-}
-
-/// Who is told of a battery while it runs.
-pub trait Watcher {
-    /// The drive has been greeted and said who it is.
-    fn greeted(&mut self, _identity: &Identity) {}
-
-    /// A check has been made, or left out.
-    fn found(&mut self, finding: &Finding);
+    /// A check has ended, or was skipped.
+    fn checked(&mut self, result: &CheckResult);
 
     /// Whether to end before the next check.
-    fn stop_asked(&self) -> bool {
+    fn is_interrupted(&self) -> bool {
         false
     }
 }
@@ -109,30 +83,30 @@ pub fn run(
     link: Box<dyn Link>,
     session: u32,
     time: DeviceTime,
-    watcher: &mut dyn Watcher,
+    reporter: &mut dyn Reporter,
 ) -> Result<(), SessionError> {
     let mut client = Client::open(link, session)?;
-    watcher.greeted(client.identity());
-    for check in battery() {
-        if watcher.stop_asked() {
+    reporter.connected(client.identity());
+    for check in all_checks() {
+        if reporter.is_interrupted() {
             break;
         }
         let started = Instant::now();
-        let outcome = match time {
+        let status = match time {
             DeviceTime::StandsStill if check.waits => {
-                Outcome::LeftOut { reason: "not run: in process no device time passes" }
+                CheckStatus::Skipped { reason: "not run: in process no device time passes" }
             }
-            _ => match client.fresh().and_then(|()| (check.run)(&mut client)) {
-                Ok(()) => Outcome::Passed,
-                Err(Failure::Rule { expected, came }) => Outcome::Failed { expected, came },
-                Err(Failure::LeftOut { reason }) => Outcome::LeftOut { reason },
+            _ => match client.reset().and_then(|()| (check.run)(&mut client)) {
+                Ok(()) => CheckStatus::Passed,
+                Err(Failure::Rule { expected, came }) => CheckStatus::Failed { expected, came },
+                Err(Failure::Skipped { reason }) => CheckStatus::Skipped { reason },
                 Err(Failure::Session(error)) => return Err(error),
             },
         };
-        watcher.found(&Finding {
+        reporter.checked(&CheckResult {
             group: check.group,
             name: check.name,
-            outcome,
+            status,
             note: client.take_note(),
             took: started.elapsed(),
         });
@@ -141,16 +115,16 @@ pub fn run(
 }
 
 /// All checks in the order in which they are made.
-fn battery() -> Vec<Check> {
+fn all_checks() -> Vec<Check> {
     [
-        greeting::checks(),
+        handshake::checks(),
         transitions::checks(),
         parameters::checks(),
         samples::checks(),
         encoders::checks(),
         safety::checks(),
         line::checks(),
-        answers::checks(),
+        latency::checks(),
     ]
     .concat()
 }

@@ -6,9 +6,13 @@ use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{DescribeParameter, GetParameter, SetParameter};
 
-use super::check::{Check, Checked, Failure, equal, expect, find};
-use super::client::{Client, report};
 use lashloop_bench::session::Parameter;
+
+use super::answers::report;
+use super::assertion::{RuleResult, equal, expect, find};
+use super::check::Check;
+use super::client::Client;
+use super::range::{holds, nearest_whole, outside};
 
 /// Parameters every drive must have, because every run sets them or a rule of safety speaks of them.
 pub const REQUIRED_PARAMETERS: [&str; 9] = [
@@ -24,18 +28,18 @@ pub const REQUIRED_PARAMETERS: [&str; 9] = [
 ];
 
 pub(super) fn checks() -> Vec<Check> {
-    let check = |name, run: fn(&mut Client) -> Checked| Check::new("parameters", name, run);
+    let check = |name, run: fn(&mut Client) -> RuleResult| Check::new("parameters", name, run);
     let mut checks = vec![
-        check("the drive has the parameters that every bench sets", |client| {
+        check("the drive has every required parameter", |client| {
             REQUIRED_PARAMETERS.iter().try_for_each(|name| client.parameter(name).map(drop))
         }),
-        check("every parameter has a name of its own", |client| {
+        check("every parameter name is unique", |client| {
             let mut seen = HashSet::new();
             client.parameters().iter().try_for_each(|it| {
                 expect(!it.name.is_empty() && seen.insert(&it.name), "a name no other has", &it.name)
             })
         }),
-        check("default, smallest and largest value are of one type", |client| {
+        check("default, minimum and maximum have one type", |client| {
             client.parameters().iter().try_for_each(|it| {
                 let types = (it.default.ty(), it.min.ty(), it.max.ty());
                 expect(types.0 == types.1 && types.1 == types.2, format!("{}: one type", it.name), types)
@@ -54,7 +58,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.idle()?;
             each(client, |client, it| in_force(client, it, it.default))
         }),
-        check("every parameter takes its smallest and its largest value and reads it back", |client| {
+        check("every parameter accepts its minimum and maximum and reads them back", |client| {
             client.idle()?;
             each(client, |client, it| {
                 for value in [it.min, it.max, it.default] {
@@ -82,16 +86,16 @@ pub(super) fn checks() -> Vec<Check> {
                 refused(client, it, value, Outcome::WrongType)
             })
         }),
-        check("an index that no parameter has is refused", unknown_index),
-        check("a reset brings back the default of what was set", |client| {
+        check("an unknown parameter index is refused", unknown_index),
+        check("a reset restores the default of a changed parameter", |client| {
             client.idle()?;
             let it = client.parameter("torque_limit_nm")?.clone();
             client.put(&it.name, it.min)?;
-            client.fresh()?;
+            client.reset()?;
             in_force(client, &it, it.default)
         }),
-        check("the identity has the period and the encoders that were set", identity_follows),
-        check("while running a parameter is taken if it is live and refused if not", |client| {
+        check("the identity follows the period and encoder parameters", identity_follows),
+        check("while running a live parameter is accepted and any other refused", |client| {
             client.running(&[])?;
             // The bench itself has set it.
             let watchdog = client.parameter("watchdog_us")?.index;
@@ -118,92 +122,49 @@ pub(super) fn checks() -> Vec<Check> {
     checks
 }
 
-fn each(client: &mut Client, mut check: impl FnMut(&mut Client, &Parameter) -> Checked) -> Checked {
+fn each(client: &mut Client, mut check: impl FnMut(&mut Client, &Parameter) -> RuleResult) -> RuleResult {
     client.parameters().to_vec().iter().try_for_each(|parameter| check(client, parameter))
 }
 
-fn in_force(client: &mut Client, parameter: &Parameter, value: ParameterValue) -> Checked {
+fn in_force(client: &mut Client, parameter: &Parameter, value: ParameterValue) -> RuleResult {
     let came = client.get(parameter.index)?;
     let what = format!("{} read back:", parameter.name);
     equal(&what, (Outcome::Accepted, value), (came.outcome, came.value))
 }
 
-fn refused(client: &mut Client, parameter: &Parameter, value: ParameterValue, outcome: Outcome) -> Checked {
+fn refused(
+    client: &mut Client,
+    parameter: &Parameter,
+    value: ParameterValue,
+    outcome: Outcome,
+) -> RuleResult {
     let came = client.set(parameter.index, value)?;
     let what = format!("{} set to {value}:", parameter.name);
     equal(&what, (outcome, parameter.default), (came.outcome, came.value))?;
     in_force(client, parameter, parameter.default)
 }
 
-/// Whether a value lies in the range of a parameter and is of its type.
-pub(super) fn holds(parameter: &Parameter, value: ParameterValue) -> bool {
-    use ParameterValue::{F32, U32};
-    match (parameter.min, value, parameter.max) {
-        (U32(min), U32(value), U32(max)) => (min..=max).contains(&value),
-        (F32(min), F32(value), F32(max)) => (min..=max).contains(&value),
-        _ => false,
-    }
-}
-
-/// The value in the range of a whole parameter that is nearest to this one.
-pub(super) fn nearest_whole(parameter: &Parameter, wished: u32) -> Result<u32, Failure> {
-    match (parameter.min, parameter.max) {
-        // A drive may say anything, even a range upside down, for which `clamp` would panic.
-        (ParameterValue::U32(min), ParameterValue::U32(max)) => Ok(wished.max(min).min(max)),
-        range => Err(Failure::Rule {
-            expected: format!("{}: a range of whole numbers", parameter.name),
-            came: format!("{range:?}"),
-        }),
-    }
-}
-
-/// The same for a real one.
-pub(super) fn nearest_real(parameter: &Parameter, wished: f32) -> Result<f32, Failure> {
-    match (parameter.min, parameter.max) {
-        (ParameterValue::F32(min), ParameterValue::F32(max)) => Ok(wished.max(min).min(max)),
-        range => Err(Failure::Rule {
-            expected: format!("{}: a range of real numbers", parameter.name),
-            came: format!("{range:?}"),
-        }),
-    }
-}
-
-/// The values next to the range, and those that are no numbers.
-fn outside(parameter: &Parameter) -> Vec<ParameterValue> {
-    use ParameterValue::{F32, U32};
-    match (parameter.min, parameter.max) {
-        (U32(min), U32(max)) => {
-            [min.checked_sub(1), max.checked_add(1)].into_iter().flatten().map(U32).collect()
-        }
-        (F32(min), F32(max)) => {
-            let beside = [min.next_down(), max.next_up(), f32::NEG_INFINITY, f32::INFINITY, f32::NAN];
-            beside.into_iter().filter(|value| !(min..=max).contains(value)).map(F32).collect()
-        }
-        _ => Vec::new(),
-    }
-}
-
-fn unknown_index(client: &mut Client) -> Checked {
+fn unknown_index(client: &mut Client) -> RuleResult {
     client.idle()?;
     let index = client.identity().parameter_count;
     let value = ParameterValue::U32(0);
     for (what, answers) in [
-        ("DescribeParameter", client.say(DescribeParameter { index })?),
-        ("GetParameter", client.say(GetParameter { index })?),
-        ("SetParameter", client.say(SetParameter { index, value })?),
+        ("DescribeParameter", client.request(DescribeParameter { index })?),
+        ("GetParameter", client.request(GetParameter { index })?),
+        ("SetParameter", client.request(SetParameter { index, value })?),
     ] {
         equal(&format!("{what} {index}:"), Outcome::UnknownParameter, report(index, &answers)?.outcome)?;
     }
     // And the last one that there is, is described under its own index.
     let Some(last) = index.checked_sub(1) else { return Ok(()) };
-    let answers = client.say(DescribeParameter { index: last })?;
+    let answers = client.request(DescribeParameter { index: last })?;
     find(&format!("a ParameterDescription for index {last}"), &answers, |answer| match answer {
         DriveMessage::ParameterDescription(it) if it.index == last => Some(()),
         _ => None,
     })
 }
 
-fn identity_follows(client: &mut Client) -> Checked {
+fn identity_follows(client: &mut Client) -> RuleResult {
     client.idle()?;
     let wished = [("period_us", 2_000), ("motor_counts_per_rev", 4_096), ("load_counts_per_rev", 8_192)];
     let mut wanted = [0; 3];
@@ -211,7 +172,7 @@ fn identity_follows(client: &mut Client) -> Checked {
         *wanted = nearest_whole(client.parameter(name)?, wished)?;
         client.put(name, ParameterValue::U32(*wanted))?;
     }
-    let it = client.greet(client.session())?;
+    let it = client.handshake(client.session())?;
     let came = [it.period_us, it.motor_counts_per_rev, it.load_counts_per_rev];
     equal("period and counts per revolution of motor and load", wanted, came)
 }

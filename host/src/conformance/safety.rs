@@ -6,8 +6,11 @@ use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, Torque
 use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, FaultReport, Hello, Reset, Stop};
 use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
 
-use super::check::{Check, Checked, Failure, equal, expect, names};
-use super::client::{Client, fault, sample, torque};
+use super::answers::{fault, sample};
+use super::assertion::{Failure, RuleResult, equal, expect, names};
+use super::check::Check;
+use super::client::Client;
+use super::reactions::{fault_answer, no_torque};
 
 /// Short, so that nobody waits long; long enough that a busy bench gets its first sample through.
 const WATCHDOG: Duration = Duration::from_millis(100);
@@ -17,39 +20,39 @@ const WATCHDOG_PATIENCE: Duration = Duration::from_secs(5);
 const CLOCK_TOLERANCE: f64 = 0.1;
 
 pub(super) fn checks() -> Vec<Check> {
-    let check = |name, run: fn(&mut Client) -> Checked| Check::new("safety", name, run);
+    let check = |name, run: fn(&mut Client) -> RuleResult| Check::new("safety", name, run);
     let mut checks = vec![
         check("a torque beyond the limit is limited and flagged SATURATED", limited),
         check("EmergencyStop is answered with its fault", |client| {
             client.running(&[])?;
             client.torque(0)?;
-            let answers = client.say(EmergencyStop {})?;
+            let answers = client.request(EmergencyStop {})?;
             equal("answers", vec!["FaultReport", "CommandResult"], names(&answers))?;
             let it = fault(&answers)?;
             equal("code and sequence", (FaultCode::EmergencyStop, 0), (it.code, it.sequence))
         }),
         check("a fault stays latched through Stop and samples", |client| {
             client.faulted()?;
-            client.say(Stop {})?;
+            client.request(Stop {})?;
             client.sample(0)?;
             equal("state", State::Faulted, client.state())
         }),
-        check("the first fault is the one that is kept", |client| {
+        check("the first fault stays latched", |client| {
             client.running(&[])?;
-            client.say(EncoderSample { reference_rad: f32::NAN, ..sample(0) })?;
-            client.say(EmergencyStop {})?;
+            client.request(EncoderSample { reference_rad: f32::NAN, ..sample(0) })?;
+            client.request(EmergencyStop {})?;
             let session = client.session();
-            let answers = client.say(Hello { protocol_version: PROTOCOL_VERSION, session })?;
+            let answers = client.request(Hello { protocol_version: PROTOCOL_VERSION, session })?;
             equal("fault told after the identity", FaultCode::ReferenceNotFinite, fault(&answers)?.code)
         }),
-        check("a fault that is cleared gives no torque back", |client| {
+        check("a cleared fault restores no torque", |client| {
             client.running(&[])?;
             client.torque(0)?;
-            client.say(EmergencyStop {})?;
+            client.request(EmergencyStop {})?;
             equal("ClearFault", (Outcome::Accepted, State::Idle), client.command(ClearFault {})?)?;
             no_torque(client, 1, State::Idle)
         }),
-        check("without samples the watchdog trips, not before its time", watchdog_trips).waiting(),
+        check("without samples the watchdog trips, and not early", watchdog_trips).waiting(),
         check("after the watchdog has tripped there is no torque", |client| {
             await_watchdog(client)?;
             no_torque(client, 1, State::Faulted)
@@ -66,11 +69,11 @@ pub(super) fn checks() -> Vec<Check> {
         .waiting(),
         check("a reference that is not finite is a fault", |client| {
             for reference_rad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-                client.fresh()?;
+                client.reset()?;
                 client.running(&[])?;
                 client.torque(0)?;
-                let answers = client.say(EncoderSample { reference_rad, ..sample(1) })?;
-                faulted(&answers, FaultCode::ReferenceNotFinite)?;
+                let answers = client.request(EncoderSample { reference_rad, ..sample(1) })?;
+                fault_answer(&answers, FaultCode::ReferenceNotFinite)?;
                 no_torque(client, 2, State::Faulted)?;
             }
             Ok(())
@@ -97,7 +100,7 @@ fn ends_of_torque() -> impl Iterator<Item = Check> {
         Check::new("safety", format!("{name} takes the torque away"), move |client| {
             client.running(&[])?;
             expect(client.torque(0)?.torque_nm != 0.0, "a torque while running", "none")?;
-            client.say(end(client.session()))?;
+            client.request(end(client.session()))?;
             if state == State::Boot {
                 return equal("answers", vec!["CommandResult"], names(&client.sample(1)?));
             }
@@ -106,27 +109,22 @@ fn ends_of_torque() -> impl Iterator<Item = Check> {
     })
 }
 
-pub(super) fn no_torque(client: &mut Client, sequence: u16, state: State) -> Checked {
-    let answer = client.torque(sequence)?;
-    equal("torque and state", (0.0, state), (answer.torque_nm, answer.status.state))
-}
-
-fn limited(client: &mut Client) -> Checked {
+fn limited(client: &mut Client) -> RuleResult {
     client.running(&[])?;
     let free = client.torque(0)?;
     let limit_nm = free.torque_nm.abs() / 2.0;
-    client.fresh()?;
+    client.reset()?;
     client.running(&[("torque_limit_nm", ParameterValue::F32(limit_nm))])?;
     let answer = client.torque(0)?;
     let wanted = (limit_nm.copysign(free.torque_nm), TorqueFlags::SATURATED);
     equal("torque and flags", wanted, (answer.torque_nm, answer.status.flags))?;
-    client.fresh()?;
+    client.reset()?;
     client.running(&[("torque_limit_nm", ParameterValue::F32(4.0 * limit_nm))])?;
     equal("far from the limit the flags", TorqueFlags::empty(), client.torque(0)?.status.flags)
 }
 
 /// Running with a short watchdog, after one sample.
-fn watched(client: &mut Client) -> Checked {
+fn watched(client: &mut Client) -> RuleResult {
     client.idle()?;
     client.put("watchdog_us", ParameterValue::U32(WATCHDOG.as_micros() as u32))?;
     client.arm()?;
@@ -136,7 +134,7 @@ fn watched(client: &mut Client) -> Checked {
 
 fn await_watchdog(client: &mut Client) -> Result<FaultReport, Failure> {
     watched(client)?;
-    let tripped = client.listen(WATCHDOG_PATIENCE, |message| match message {
+    let tripped = client.wait_for(WATCHDOG_PATIENCE, |message| match message {
         DriveMessage::FaultReport(fault) => Some(*fault),
         _ => None,
     })?;
@@ -146,7 +144,7 @@ fn await_watchdog(client: &mut Client) -> Result<FaultReport, Failure> {
     })
 }
 
-fn watchdog_trips(client: &mut Client) -> Checked {
+fn watchdog_trips(client: &mut Client) -> RuleResult {
     let asked = Instant::now();
     let it = await_watchdog(client)?;
     let waited_s = asked.elapsed().as_secs_f64();
@@ -158,14 +156,4 @@ fn watchdog_trips(client: &mut Client) -> Checked {
     expect(waited_s >= least_s, format!("at least {least_s} s on the bench's clock"), waited_s)?;
     client.note(format!("tripped {:.1} ms after the last sample, device time", 1e3 * it.value));
     Ok(())
-}
-
-/// The answers to a sample that is a fault: torque zero, then the report.
-pub(super) fn faulted(answers: &[DriveMessage], code: FaultCode) -> Result<FaultReport, Failure> {
-    equal("answers", vec!["TorqueAnswer", "FaultReport"], names(answers))?;
-    let answer = torque(answers)?;
-    equal("torque and state", (0.0, State::Faulted), (answer.torque_nm, answer.status.state))?;
-    let it = fault(answers)?;
-    equal("code", code, it.code)?;
-    Ok(it)
 }

@@ -4,9 +4,13 @@ use lashloop_protocol::enums::{ControllerId, Outcome, ParameterValue, State, Tor
 use lashloop_protocol::message::{EncoderSample, Stop};
 use lashloop_protocol::{DriveMessage, EncoderCounts};
 
-use super::check::{Check, Checked, Failure, equal, expect, find, names};
-use super::client::{Client, outcome, sample, torque};
-use super::encoders::Setup;
+use super::encoders::setup::Setup;
+
+use super::answers::{outcome, sample, torque};
+use super::assertion::{Failure, RuleResult, equal, expect, find, names};
+use super::check::Check;
+use super::client::Client;
+use super::reactions::refused_sample;
 
 /// Steps that are enough for any memory a controller has to show.
 const STEPS: u16 = 50;
@@ -14,9 +18,9 @@ const STEPS: u16 = 50;
 const GAP: u16 = 100;
 
 pub(super) fn checks() -> Vec<Check> {
-    let check = |name, run: fn(&mut Client) -> Checked| Check::new("samples", name, run);
+    let check = |name, run: fn(&mut Client) -> RuleResult| Check::new("samples", name, run);
     let mut checks = vec![
-        check("a sample before the greeting is refused", |client| {
+        check("a sample before the handshake is refused", |client| {
             let answers = client.sample(0)?;
             equal("answers", vec!["CommandResult"], names(&answers))?;
             equal("outcome", Outcome::WrongState, outcome::<EncoderSample>(&answers)?)
@@ -36,11 +40,11 @@ pub(super) fn checks() -> Vec<Check> {
             }
             Ok(())
         }),
-        check("every controller that is offered gives a torque", every_controller),
+        check("every controller that the drive offers returns a torque", every_controller),
         check("the first sample of a run must carry sequence 0", |client| {
             client.running(&[])?;
-            stray(client, 1)?;
-            stray(client, 5)?;
+            refused_sample(client, 1)?;
+            refused_sample(client, 5)?;
             equal("answers", "TorqueAnswer", names(&client.sample(0)?).first().copied().unwrap_or("nothing"))
         }),
         check("a repeated sample gets the same torque, flagged REPEATED", |client| {
@@ -55,13 +59,13 @@ pub(super) fn checks() -> Vec<Check> {
         }),
         check("a repeated sample makes no control step", |client| {
             let once = torques(client, |_, _| Ok(()))?;
-            let twice = torques(client, |client, sample| client.say(*sample).map(drop))?;
+            let twice = torques(client, |client, sample| client.request(*sample).map(drop))?;
             equal("torques", once, twice)
         }),
         check("a gap is flagged GAP, once", |client| {
             let gap = leaping(client)?;
             if gap < 2 {
-                return Err(Failure::LeftOut {
+                return Err(Failure::Skipped {
                     reason: "not run: the drive takes no encoders that allow a gap",
                 });
             }
@@ -73,7 +77,7 @@ pub(super) fn checks() -> Vec<Check> {
             }
             Ok(())
         }),
-        check("after sequence 65535 comes 0", |client| {
+        check("sequence 65535 wraps around to 0", |client| {
             let gap = leaping(client)?;
             for sequence in (0..u16::MAX).step_by(gap.into()).chain([u16::MAX]) {
                 client.torque(sequence)?;
@@ -82,26 +86,26 @@ pub(super) fn checks() -> Vec<Check> {
             let wanted = (0, State::Running, TorqueFlags::empty());
             let flags = answer.status.flags - TorqueFlags::SATURATED;
             equal("sequence, state and flags", wanted, (answer.sequence, answer.status.state, flags))?;
-            stray(client, u16::MAX)
+            refused_sample(client, u16::MAX)
         }),
         check("a sample older than the last or far ahead of it is refused", |client| {
             client.running(&[])?;
             for sequence in 0..3 {
                 client.torque(sequence)?;
             }
-            [0, 1, u16::MAX, 1 << 15].into_iter().try_for_each(|sequence| stray(client, sequence))
+            [0, 1, u16::MAX, 1 << 15].into_iter().try_for_each(|sequence| refused_sample(client, sequence))
         }),
-        check("a stray sample makes no control step", |client| {
+        check("a refused sample makes no control step", |client| {
             let quiet = torques(client, |_, _| Ok(()))?;
             let disturbed = torques(client, |client, sample| {
                 // Half the numbers away, and moved a little, so that a step with it would show.
                 let sequence = sample.sequence ^ 1 << 15;
                 let load_counts = sample.load_counts.wrapping_add(90);
-                client.say(EncoderSample { sequence, load_counts, ..*sample }).map(drop)
+                client.request(EncoderSample { sequence, load_counts, ..*sample }).map(drop)
             })?;
             equal("torques", quiet, disturbed)
         }),
-        check("a new start begins anew: the same samples get the same torques", |client| {
+        check("a new start resets the controller: equal samples get equal torques", |client| {
             let first = torques(client, |_, _| Ok(()))?;
             let again = torques(client, |_, _| Ok(()))?;
             equal("torques", first, again)
@@ -125,7 +129,7 @@ pub(super) fn checks() -> Vec<Check> {
                 equal("answers", vec!["TorqueAnswer"], names(&client.sample(sequence)?))
             })
         }),
-        check("telemetry has the torque asked for before the limit", |client| {
+        check("telemetry carries the requested torque before the limit", |client| {
             client.running(&[("telemetry_every", ParameterValue::U32(1))])?;
             let limit_nm = client.real("torque_limit_nm")?;
             (0..3).try_for_each(|sequence| {
@@ -165,7 +169,7 @@ fn leaping(client: &mut Client) -> Result<u16, Failure> {
 /// The torques of a run, as bits, with something done after every sample.
 fn torques(
     client: &mut Client,
-    after_each: impl Fn(&mut Client, &EncoderSample) -> Checked,
+    after_each: impl Fn(&mut Client, &EncoderSample) -> RuleResult,
 ) -> Result<Vec<u32>, Failure> {
     client.running(&[])?;
     let mut torques = Vec::new();
@@ -173,18 +177,11 @@ fn torques(
         let place = i64::from(sequence);
         let [motor_counts, load_counts] = [3 * place, place].map(EncoderCounts::wrapping);
         let sample = EncoderSample { motor_counts, load_counts, ..sample(sequence) };
-        torques.push(torque(&client.say(sample)?)?.torque_nm.to_bits());
+        torques.push(torque(&client.request(sample)?)?.torque_nm.to_bits());
         after_each(client, &sample)?;
     }
     client.command(Stop {})?;
     Ok(torques)
-}
-
-pub(super) fn stray(client: &mut Client, sequence: u16) -> Checked {
-    let answers = client.sample(sequence)?;
-    equal(&format!("to sample {sequence}"), vec!["CommandResult"], names(&answers))?;
-    equal("outcome", Outcome::OutOfSequence, outcome::<EncoderSample>(&answers)?)?;
-    equal("state", State::Running, client.state())
 }
 
 /// Sequence and requested torque of the telemetry among answers.
@@ -195,10 +192,10 @@ fn requested(answers: &[DriveMessage]) -> Result<(u16, f32), Failure> {
     })
 }
 
-fn every_controller(client: &mut Client) -> Checked {
+fn every_controller(client: &mut Client) -> RuleResult {
     let offered = client.identity().controllers;
     for controller in ControllerId::ALL.iter().copied().filter(|&controller| offered.offers(controller)) {
-        client.fresh()?;
+        client.reset()?;
         client.running(&[("controller", ParameterValue::U32(controller as u32))])?;
         let answer = client.torque(0)?;
         equal(&format!("with {controller:?} the state"), State::Running, answer.status.state)?;

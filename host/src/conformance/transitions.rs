@@ -5,7 +5,8 @@ use lashloop_protocol::enums::{Outcome, State};
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Reset, Start, Stop};
 use lashloop_protocol::{DriveMessage, Message};
 
-use super::check::{Check, Checked, Failure, equal, find};
+use super::assertion::{Failure, RuleResult, equal, find};
+use super::check::Check;
 use super::client::Client;
 
 /// What has to become of a request.
@@ -61,7 +62,7 @@ fn transition(state: State, request: fn(u32) -> HostMessage, reaction: Reaction)
 }
 
 fn sessions() -> Vec<Check> {
-    let check = |name, run: fn(&mut Client) -> Checked| Check::new("transitions", name, run);
+    let check = |name, run: fn(&mut Client) -> RuleResult| Check::new("transitions", name, run);
     vec![
         check("Arm of another session is refused", |client| {
             client.idle()?;
@@ -73,14 +74,14 @@ fn sessions() -> Vec<Check> {
             let session = client.session() ^ 1;
             equal("Start", (Outcome::WrongSession, Armed), client.command(Start { session })?)
         }),
-        check("a new session makes the one before it stale", |client| {
+        check("a new session makes the previous one stale", |client| {
             client.idle()?;
-            client.greet(client.session() ^ 1)?;
+            client.handshake(client.session() ^ 1)?;
             let session = client.session();
             equal("Arm", (Outcome::WrongSession, Idle), client.command(Arm { session })?)
         }),
-        check("a fault cleared before the greeting leads back to Boot", |client| {
-            client.say(EmergencyStop {})?;
+        check("a fault cleared before the handshake leads back to Boot", |client| {
+            client.request(EmergencyStop {})?;
             equal("ClearFault", (Outcome::Accepted, Boot), client.command(ClearFault {})?)
         }),
     ]
@@ -88,7 +89,7 @@ fn sessions() -> Vec<Check> {
 
 fn ask(client: &mut Client, request: HostMessage) -> Result<(Outcome, State), Failure> {
     let layout = request.layout();
-    let answers = client.say(request)?;
+    let answers = client.request(request)?;
     find(&format!("a CommandResult for {}", layout.name), &answers, |answer| match answer {
         DriveMessage::CommandResult(result) if result.request == layout.kind => {
             Some((result.outcome, result.state))

@@ -15,21 +15,21 @@ use lashloop_protocol::layout::Direction;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
+use super::entry::{Entry, Location};
 use super::value::{Field, Value};
-use super::{Entry, Place};
 
 /// One entry as a line of JSON, without the end of line.
 ///
 /// # Errors
 /// None that is known: every value has a form in JSON.
 pub fn line(entry: &Entry) -> serde_json::Result<String> {
-    let (found, error) = match &entry.outcome {
-        Ok(found) => (Some(found), None),
+    let (message, error) = match &entry.message {
+        Ok(message) => (Some(message), None),
         Err(error) => (None, Some(error.to_string())),
     };
-    let (offset, packet, time_ns) = match entry.place {
-        Place::Offset(offset) => (Some(offset), None, None),
-        Place::Packet { number, time_ns, .. } => (None, Some(number), Some(time_ns)),
+    let (offset, packet, time_ns) = match entry.location {
+        Location::Offset(offset) => (Some(offset), None, None),
+        Location::Packet { number, time_ns, .. } => (None, Some(number), Some(time_ns)),
     };
     serde_json::to_string(&Line {
         offset,
@@ -40,10 +40,10 @@ pub fn line(entry: &Entry) -> serde_json::Result<String> {
             Direction::HostToDrive => "host_to_drive",
             Direction::DriveToHost => "drive_to_host",
         }),
-        message: found.map(|found| found.layout.name),
-        kind: found.map(|found| found.layout.kind),
-        fields: found.map(|found| Fields(&found.fields)),
-        units: found.map(|found| Units(&found.fields)),
+        message: message.map(|message| message.layout.name),
+        kind: message.map(|message| message.layout.kind),
+        fields: message.map(|message| Fields(&message.fields)),
+        units: message.map(|message| Units(&message.fields)),
         bytes: error.is_some().then(|| entry.bytes.iter().map(|byte| format!("{byte:02x}")).collect()),
         error,
     })

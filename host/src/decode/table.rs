@@ -5,7 +5,7 @@ use std::fmt::{self, Write};
 use lashloop_protocol::Counters;
 use lashloop_protocol::layout::Direction;
 
-use super::{Entry, Place};
+use super::entry::{Entry, Location};
 
 /// Bytes of a bad frame that are shown.
 const SHOWN: usize = 24;
@@ -23,9 +23,9 @@ pub fn heading(capture: bool) -> String {
 /// One entry.
 #[must_use]
 pub fn line(entry: &Entry) -> String {
-    let mut line = match entry.place {
-        Place::Offset(offset) => format!("{offset:>8}"),
-        Place::Packet { number, time_ns, .. } => {
+    let mut line = match entry.location {
+        Location::Offset(offset) => format!("{offset:>8}"),
+        Location::Packet { number, time_ns, .. } => {
             format!("{number:>8} {:>6}.{:09}", time_ns / 1_000_000_000, time_ns % 1_000_000_000)
         }
     };
@@ -42,10 +42,10 @@ fn describe(line: &mut String, entry: &Entry) -> fmt::Result {
         None => "?",
     };
     write!(line, "  {direction:<13}  ")?;
-    match &entry.outcome {
-        Ok(found) => {
-            write!(line, "{:<20}  ", found.layout.name)?;
-            for (at, field) in found.fields.iter().enumerate() {
+    match &entry.message {
+        Ok(message) => {
+            write!(line, "{:<20}  ", message.layout.name)?;
+            for (at, field) in message.fields.iter().enumerate() {
                 let separator = if at == 0 { "" } else { ", " };
                 write!(line, "{separator}{} {}", field.name, field.value)?;
                 if let Some(unit) = field.unit {

@@ -99,11 +99,11 @@ fn value(ty: &FieldType, bytes: &[u8]) -> Option<Value> {
         FieldType::U8 | FieldType::U16 | FieldType::U32 => Value::Unsigned(unsigned()),
         FieldType::I24 => Value::Signed(<EncoderCounts as Wire>::get(bytes)?.get()),
         FieldType::F32 => Value::Real(f32::from_bits(unsigned())),
-        FieldType::Enum(names) => Value::Name(name(names, unsigned())?),
-        FieldType::Flags(names) => Value::Flags(set_flags(names, unsigned())),
+        FieldType::Enum(names) => Value::Name(name(names.values, unsigned())?),
+        FieldType::Flags(names) => Value::Flags(set_flags(names.flags, unsigned())),
         FieldType::Status { states, flags } => {
             let low = u32::from(TorqueStatus::STATE_MASK);
-            Value::Status(name(states, unsigned() & low)?, set_flags(flags, unsigned() & !low))
+            Value::Status(name(states.values, unsigned() & low)?, set_flags(flags.flags, unsigned() & !low))
         }
         FieldType::Text => Value::Text(std::str::from_utf8(bytes).ok()?.trim_end_matches('\0').to_owned()),
         FieldType::ParameterValue => Value::Parameter(ParameterValue::get(bytes)?),
@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn a_flag_without_a_name_is_called_by_its_bit() {
-        let names = &[(2, "PD")];
+        let names = lashloop_protocol::layout::FlagSet { name: "Controllers", flags: &[(2, "PD")] };
         let flags = value(&FieldType::Flags(names), &[0b10, 0b10]).unwrap();
         assert_eq!(flags.to_string(), "PD|bit 9");
     }

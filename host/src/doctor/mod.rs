@@ -5,19 +5,20 @@
 //! | [`holder`] | who has the terminal open |
 //! | [`latency_timer`] | how long a USB adapter keeps bytes to itself |
 //! | [`round_trip`] | how long a sample takes to its torque |
-//! | [`finding`] | what each of these means |
+//! | [`diagnosis`] | what each of these means |
 //!
 //! The kernel's low-latency flag (`ASYNC_LOW_LATENCY`) needs an ioctl for which there is no safe wrapper. What the flag
 //! does for USB adapters is to shorten their latency timer, and that can be written in sysfs, so we do it there.
 
-pub mod finding;
+mod assessment;
+pub mod diagnosis;
 pub mod latency_timer;
 pub mod round_trip;
 pub mod tty_users;
 
 use std::path::Path;
 
-use finding::Finding;
+use diagnosis::Diagnosis;
 use lashloop_bench::device::{self, DeviceError};
 use lashloop_bench::link::pty;
 use lashloop_bench::session::Session;
@@ -38,7 +39,7 @@ pub struct LineUnderTest<'a> {
 #[derive(Debug)]
 pub struct Examination {
     /// One line each.
-    pub findings: Vec<Finding>,
+    pub diagnoses: Vec<Diagnosis>,
     /// Whether the conversation came about.
     pub reached: bool,
 }
@@ -47,57 +48,57 @@ impl Examination {
     /// Whether there is something to be mended.
     #[must_use]
     pub fn is_healthy(&self) -> bool {
-        self.reached && !self.findings.iter().any(Finding::is_wrong)
+        self.reached && !self.diagnoses.iter().any(Diagnosis::is_wrong)
     }
 }
 
 /// Opens the terminal as a run does, greets the drive and measures. The drive is left in `Idle`, unarmed; a latency timer
 /// that could be shortened stays short until the adapter is unplugged.
 #[must_use]
-pub fn examine(patient: &LineUnderTest<'_>) -> Examination {
-    let mut findings = Vec::new();
-    let reached = look(patient, &mut findings).is_some();
-    Examination { findings, reached }
+pub fn examine(line: &LineUnderTest<'_>) -> Examination {
+    let mut diagnoses = Vec::new();
+    let reached = look(line, &mut diagnoses).is_some();
+    Examination { diagnoses, reached }
 }
 
 /// `None` as soon as there is nothing more to look at.
-fn look(patient: &LineUnderTest<'_>, findings: &mut Vec<Finding>) -> Option<()> {
-    let &LineUnderTest { terminal, baud, rounds } = patient;
+fn look(line: &LineUnderTest<'_>, diagnoses: &mut Vec<Diagnosis>) -> Option<()> {
+    let &LineUnderTest { terminal, baud, rounds } = line;
     let is_pty = terminal.starts_with(pty::DIRECTORY);
     let link = match device::open_terminal(terminal, baud) {
         Ok(link) => link,
         Err(error) => {
-            findings.push(finding::not_opened(&error, &tty_users::of(terminal)));
+            diagnoses.push(assessment::not_opened(&error, &tty_users::of(terminal)));
             return None;
         }
     };
-    findings.push(finding::opened((!is_pty).then_some(baud)));
-    findings.push(finding::dtr(is_pty));
+    diagnoses.push(assessment::opened((!is_pty).then_some(baud)));
+    diagnoses.push(assessment::dtr(is_pty));
     let timer = if is_pty { None } else { Some(LatencyTimer::shorten(terminal)) };
-    findings.push(finding::latency_timer(timer.as_ref()));
+    diagnoses.push(assessment::latency_timer(timer.as_ref()));
     let broken = |about, source| {
         let device = terminal.display().to_string();
-        Finding::wrong(about, DeviceError::Session { device, source }.to_string())
+        Diagnosis::wrong(about, DeviceError::Session { device, source }.to_string())
     };
-    findings.push(finding::drained());
+    diagnoses.push(assessment::drained());
     let mut session = match Session::open(link, device::session_number()) {
         Ok(session) => session,
         Err(source) => {
-            findings.push(broken("greeting", source));
+            diagnoses.push(broken("handshake", source));
             return None;
         }
     };
-    findings.push(finding::greeted(session.identity()));
+    diagnoses.push(assessment::handshake(session.identity()));
     let timing = match round_trip::measure(&mut session, rounds) {
         Ok(timing) => timing,
         Err(source) => {
-            findings.push(broken("round trip", source));
+            diagnoses.push(broken("round trip", source));
             return None;
         }
     };
-    findings.push(finding::round_trip(&timing));
-    findings.extend(finding::losses(&timing, session.traffic().damaged));
+    diagnoses.push(assessment::round_trip(&timing));
+    diagnoses.extend(assessment::losses(&timing, session.traffic().damaged));
     let wire = (!is_pty).then(|| round_trip::wire_time(baud));
-    findings.push(finding::speed(&timing, wire, timer.as_ref()));
+    diagnoses.push(assessment::speed(&timing, wire, timer.as_ref()));
     Some(())
 }

@@ -55,7 +55,7 @@ fn uncounted(outcome: &Outcome) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::soak::scenario_with as scenario;
+    use crate::soak::short_scenario::with_faults;
     use lashloop_bench::fault::log::FaultRecord;
     use lashloop_bench::timing::{ClockName, Timings};
     use lashloop_bench::verdict::Judgement;
@@ -80,7 +80,7 @@ mod tests {
     }
 
     fn wrong_with(outcome: &Outcome) -> Option<String> {
-        wrong(&scenario(&[]), outcome)
+        wrong(&with_faults(&[]), outcome)
     }
 
     #[test]

@@ -63,12 +63,12 @@ fn faults(scenario: &Scenario, level: usize) -> Vec<InjectedFault> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::soak::scenario_with as of_the_user;
+    use crate::soak::short_scenario::with_faults;
 
     #[test]
     fn every_level_is_a_scenario_that_could_stand_in_a_file() {
         for run in 0..6 {
-            let scenario = scenario(&of_the_user(&[]), run);
+            let scenario = scenario(&with_faults(&[]), run);
             let text = scenario.to_toml().expect("TOML");
             let read =
                 Scenario::from_str(&scenario.name, &text, &[]).unwrap_or_else(|errors| panic!("{errors}"));
@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn faults_rise_from_level_to_level_and_begin_anew() {
         let shares = (0..7).map(|run| {
-            let scenario = scenario(&of_the_user(&[]), run);
+            let scenario = scenario(&with_faults(&[]), run);
             scenario.faults.iter().find_map(|fault| match fault.kind {
                 FaultKind::Frame { fault: FrameFault::BitFlip { share }, .. } => Some(share),
                 _ => None,
@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn a_run_depends_on_its_number_and_the_seed_alone_and_a_level_comes_with_other_seeds() {
-        let user = of_the_user(&[]);
+        let user = with_faults(&[]);
         assert_eq!(scenario(&user, 8), scenario(&user, 8));
         assert_ne!(scenario(&user, 2).run.seed, scenario(&user, 8).run.seed);
         assert_eq!(scenario(&user, 0), scenario(&user, 6), "those without faults are the same run");
@@ -100,7 +100,7 @@ mod tests {
 
     #[test]
     fn faults_of_the_user_stay_and_all_are_over_before_the_end() {
-        let user = of_the_user(&["kind = \"torque-dead\"\nat_s = 0.5"]);
+        let user = with_faults(&["kind = \"torque-dead\"\nat_s = 0.5"]);
         let scenario = scenario(&user, 5);
         assert_eq!(scenario.faults[0], user.faults[0]);
         for fault in &scenario.faults[1..] {

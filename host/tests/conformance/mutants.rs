@@ -1,111 +1,111 @@
-//! The real drive with something between it and the line that breaks a rule.
+//! Mutants: the real drive behind a filter on requests or answers that breaks one rule.
 
 use std::time::{Duration, Instant};
 
 use lashloop_bench::link::{Link, LinkError};
-use lashloop_firmware::drive::{Drive, ManualClock};
+use lashloop_firmware::drive::{Clock, Drive, ManualClock};
 use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 
-/// What a broken drive remembers.
+/// State of a mutant between frames.
 #[derive(Default)]
-pub struct Past {
-    /// The request that is being answered; `None` for a damaged frame and for what comes unasked.
+pub struct Memory {
+    /// The request being answered; `None` for a damaged frame and for an unsolicited message.
     pub request: Option<HostMessage>,
-    /// Whether what is being answered was damaged.
+    /// Whether the frame being answered was damaged.
     pub damaged: bool,
-    /// For whatever the variant wants to keep.
+    /// Free for use by the variant.
     pub number: u32,
     pub torque_nm: f32,
     pub kept: Option<HostMessage>,
-    /// Counts from zero at which an encoder was at first in a run, and is now.
+    /// Encoder counts from zero: at the start of the run, and now.
     pub counts: (i64, i64),
 }
 
-/// A way to be wrong.
+/// One broken rule.
 #[derive(Clone, Copy)]
 pub struct Variant {
-    /// What it does, as a sentence.
+    /// Behaviour of the mutant; the subject is `a drive that`.
     pub does: &'static str,
-    /// The check that has to find out.
+    /// Name of the check that must fail.
     pub caught_by: &'static str,
-    /// What the drive is told in place of a request.
-    pub hear: fn(&mut Past, HostMessage) -> Vec<HostMessage>,
-    /// What the line gets in place of the answers to one frame.
-    pub say: fn(&mut Past, Vec<DriveMessage>) -> Vec<DriveMessage>,
-    /// Whether no time passes for the drive.
-    pub timeless: bool,
+    /// Requests that reach the drive in place of one on the line.
+    pub on_request: fn(&mut Memory, HostMessage) -> Vec<HostMessage>,
+    /// Answers that reach the line in place of those to one frame.
+    pub on_answers: fn(&mut Memory, Vec<DriveMessage>) -> Vec<DriveMessage>,
+    /// Whether device time stands still.
+    pub clock_stands: bool,
 }
 
 impl Variant {
-    /// The drive as it is.
+    /// The unchanged drive.
     pub const MERZOUKI: Self = Self {
-        does: "is right",
+        does: "keeps every rule",
         caught_by: "",
-        hear: |_, request| vec![request],
-        say: |_, answers| answers,
-        timeless: false,
+        on_request: |_, request| vec![request],
+        on_answers: |_, answers| answers,
+        clock_stands: false,
     };
 }
 
-/// Device time that a request takes. Counted and not measured, so that no busy machine trips a watchdog.
+/// Device time of a request. It is simulated, so that a busy machine trips no watchdog.
 const REQUEST: Duration = Duration::from_micros(500);
-/// A moment past a deadline, because the watchdog lets the limit itself pass.
-const PAST: Duration = Duration::from_micros(100);
+/// Time past a deadline: the watchdog trips beyond its limit, not at it.
+const OVERSHOOT: Duration = Duration::from_micros(100);
 
-/// A link to an altered drive in this process. Device time passes with requests and while the bench waits.
-pub struct Altered {
+/// A link to a mutant in this process. Device time passes with requests and while the bench waits.
+pub struct Mutant {
     drive: Drive,
     clock: ManualClock,
     variant: Variant,
-    past: Past,
+    memory: Memory,
     partial: Vec<u8>,
-    said: Vec<u8>,
+    output: Vec<u8>,
 }
 
-impl Altered {
+impl Mutant {
     pub fn new(variant: Variant) -> Self {
         Self {
-            drive: Drive::new("altered"),
+            drive: Drive::new("mutant"),
             clock: ManualClock::default(),
             variant,
-            past: Past::default(),
+            memory: Memory::default(),
             partial: Vec::new(),
-            said: Vec::new(),
+            output: Vec::new(),
         }
     }
 
-    fn hear(&mut self, frame: &[u8]) {
-        if !self.variant.timeless {
-            self.clock.0 += REQUEST;
+    fn receive_frame(&mut self, frame: &[u8]) {
+        if !self.variant.clock_stands {
+            self.clock.advance(REQUEST);
         }
         let request = Decoder::new().next::<HostMessage>(&mut &*frame);
-        self.past.damaged = matches!(request, Some(Err(_)));
-        self.past.request = request.and_then(Result::ok);
-        let altered = match self.past.request {
-            Some(request) => (self.variant.hear)(&mut self.past, request)
+        self.memory.damaged = matches!(request, Some(Err(_)));
+        self.memory.request = request.and_then(Result::ok);
+        let forwarded = match self.memory.request {
+            Some(request) => (self.variant.on_request)(&mut self.memory, request)
                 .iter()
                 .flat_map(|request| request.frame().to_vec())
                 .collect(),
             None => frame.to_vec(),
         };
         let mut answers = Vec::new();
-        let mut rest = &altered[..];
+        let mut rest = &forwarded[..];
         while !rest.is_empty() {
             let used = self.drive.receive(rest, &self.clock);
             rest = &rest[used..];
-            answers.extend(self.listen());
+            answers.extend(self.drain());
         }
-        self.say(answers);
+        self.queue(answers);
     }
 
-    fn say(&mut self, answers: Vec<DriveMessage>) {
-        for answer in (self.variant.say)(&mut self.past, answers) {
-            self.said.extend_from_slice(&answer.frame());
+    fn queue(&mut self, answers: Vec<DriveMessage>) {
+        for answer in (self.variant.on_answers)(&mut self.memory, answers) {
+            self.output.extend_from_slice(&answer.frame());
         }
     }
 
-    fn listen(&mut self) -> Vec<DriveMessage> {
+    fn drain(&mut self) -> Vec<DriveMessage> {
         let (mut decoder, mut bytes) = (Decoder::new(), self.drive.output());
         let answers = std::iter::from_fn(|| decoder.next(&mut bytes)).map(|it| it.expect("a good frame"));
         let answers = answers.collect();
@@ -114,41 +114,41 @@ impl Altered {
     }
 }
 
-impl Link for Altered {
+impl Link for Mutant {
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         for &byte in bytes {
             self.partial.push(byte);
             if byte == DELIMITER {
                 let frame = std::mem::take(&mut self.partial);
-                self.hear(&frame);
+                self.receive_frame(&frame);
             }
         }
         Ok(())
     }
 
-    /// Waits for the watchdog alone: everything else has been said when [`Link::send`] returns.
+    /// Waits for the watchdog alone: everything else has been output when [`Link::send`] returns.
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
-        if self.said.is_empty()
+        if self.output.is_empty()
             && let Some(due) = self.drive.next_tick()
-            && !self.variant.timeless
+            && !self.variant.clock_stands
         {
-            let bearable = deadline.saturating_duration_since(Instant::now());
-            let wait = (due + PAST).saturating_sub(self.clock.0).min(bearable);
+            let patience = deadline.saturating_duration_since(Instant::now());
+            let wait = (due + OVERSHOOT).saturating_sub(self.clock.now()).min(patience);
             std::thread::sleep(wait);
-            self.clock.0 += wait;
-            self.drive.tick(self.clock.0);
-            (self.past.request, self.past.damaged) = (None, false);
-            let answers = self.listen();
-            self.say(answers);
+            self.clock.advance(wait);
+            self.drive.tick(self.clock.now());
+            (self.memory.request, self.memory.damaged) = (None, false);
+            let answers = self.drain();
+            self.queue(answers);
         }
-        let count = self.said.len().min(buffer.len());
-        buffer[..count].copy_from_slice(&self.said[..count]);
-        self.said.drain(..count);
+        let count = self.output.len().min(buffer.len());
+        buffer[..count].copy_from_slice(&self.output[..count]);
+        self.output.drain(..count);
         Ok(count)
     }
 
     fn discard_input(&mut self) -> Result<(), LinkError> {
-        self.said.clear();
+        self.output.clear();
         Ok(())
     }
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use lashloop::decode::message::AnyMessage;
 use lashloop::decode::value::Value;
-use lashloop::decode::{Found, StreamReader};
+use lashloop::decode::{DecodedMessage, StreamReader};
 use lashloop_bench::capture::pcapng;
 use lashloop_protocol::Message;
 use lashloop_protocol::enums::ParameterValue;
@@ -52,15 +52,16 @@ fn the_script_names_every_message_field_and_value_of_the_layouts() {
             assert!(at < end, "{}.{} is not among its fields", layout.name, field.name);
             let names: Vec<_> = match field.ty {
                 FieldType::Enum(names) => {
-                    names.iter().map(|(byte, name)| format!("[{byte}] = \"{name}\"")).collect()
+                    names.values.iter().map(|(byte, name)| format!("[{byte}] = \"{name}\"")).collect()
                 }
                 FieldType::Flags(names) => {
-                    names.iter().map(|(mask, name)| format!("[{mask}] = \"{name}\"")).collect()
+                    names.flags.iter().map(|(mask, name)| format!("[{mask}] = \"{name}\"")).collect()
                 }
                 FieldType::Status { states, flags } => states
+                    .values
                     .iter()
                     .map(|(value, name)| format!("[{value}] = \"{name}\""))
-                    .chain(flags.iter().map(|(mask, name)| format!("[{mask}] = \"{name}\"")))
+                    .chain(flags.flags.iter().map(|(mask, name)| format!("[{mask}] = \"{name}\"")))
                     .collect(),
                 _ => Vec::new(),
             };
@@ -93,21 +94,21 @@ fn every_field_of_every_pinned_message_is_read_as_we_read_it() {
                 Value::Real(value) => assert_eq!(shown(name).parse(), Ok(*value), "{name}"),
                 Value::Name(value) => {
                     let FieldType::Enum(names) = layout.ty else { panic!("{name} is no list of names") };
-                    let byte = names.iter().find(|(_, name)| name == value).unwrap().0;
+                    let byte = names.values.iter().find(|(_, name)| name == value).unwrap().0;
                     assert_eq!(shown(name), byte.to_string(), "{name}");
                 }
                 Value::Flags(flags) => {
                     let FieldType::Flags(names) = layout.ty else { panic!("{name} has no flags") };
-                    assert_eq!(number(&shown(name)), bits(names, flags), "{name}");
+                    assert_eq!(number(&shown(name)), bits(names.flags, flags), "{name}");
                 }
                 Value::Status(state, flags) => {
                     let FieldType::Status { states, flags: names } = layout.ty else {
                         panic!("{name} is no status")
                     };
-                    let value = states.iter().find(|(_, name)| name == state).unwrap().0;
+                    let value = states.values.iter().find(|(_, name)| name == state).unwrap().0;
                     let below = &layer[format!("lashloop.{name}_tree")];
                     assert_eq!(below[format!("lashloop.{name}.state")], value.to_string(), "{name}");
-                    let whole = bits(names, flags) | u16::from(value);
+                    let whole = bits(names.flags, flags) | u16::from(value);
                     assert_eq!(number(&shown(name)), whole, "{name}");
                 }
                 Value::Text(value) => assert_eq!(shown(name), *value, "{name}"),
@@ -136,9 +137,9 @@ fn number(shown: &str) -> u16 {
     u16::from_str_radix(shown.trim_start_matches("0x"), 16).unwrap()
 }
 
-fn found(frame: &[u8]) -> Found {
+fn found(frame: &[u8]) -> DecodedMessage {
     let mut found = None;
-    StreamReader::default().push(frame, |entry| found = entry.outcome.ok());
+    StreamReader::default().push(frame, |entry| found = entry.message.ok());
     found.expect("a whole frame")
 }
 

@@ -5,7 +5,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::thread;
 
-use lashloop::doctor::finding::Health;
+use lashloop::doctor::diagnosis::Health;
 use lashloop::doctor::{Examination, LineUnderTest, examine};
 use lashloop_bench::device::twin::Twin;
 use lashloop_bench::link::pty::Pty;
@@ -15,7 +15,7 @@ use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use crate::examples;
 use crate::support::{lashloop, text};
 
-fn patient(terminal: &Path) -> Examination {
+fn line(terminal: &Path) -> Examination {
     examine(&LineUnderTest { terminal, baud: 921_600, rounds: 100 })
 }
 
@@ -28,17 +28,17 @@ fn twin() -> PathBuf {
 }
 
 fn wrong(examination: &Examination) -> String {
-    let wrong = examination.findings.iter().filter(|finding| finding.health == Health::Wrong);
+    let wrong = examination.diagnoses.iter().filter(|diagnosis| diagnosis.health == Health::Wrong);
     wrong.map(ToString::to_string).collect::<Vec<_>>().join("\n")
 }
 
 #[test]
 fn a_twin_is_healthy_and_what_a_pty_has_not_does_not_apply() {
-    let examination = patient(&twin());
-    assert!(examination.is_healthy(), "{:#?}", examination.findings);
+    let examination = line(&twin());
+    assert!(examination.is_healthy(), "{:#?}", examination.diagnoses);
     let not_applicable =
-        examination.findings.iter().filter(|finding| finding.health == Health::NotApplicable);
-    let about: Vec<_> = not_applicable.map(|finding| finding.about).collect();
+        examination.diagnoses.iter().filter(|diagnosis| diagnosis.health == Health::NotApplicable);
+    let about: Vec<_> = not_applicable.map(|diagnosis| diagnosis.subject).collect();
     assert_eq!(about, ["DTR", "latency timer", "speed"]);
 }
 
@@ -58,7 +58,7 @@ fn the_command_prints_times_that_took_time() {
 fn a_terminal_that_is_held_is_told_with_its_holder() {
     let path = twin();
     let _holder = Pty::open(&path).unwrap();
-    let examination = patient(&path);
+    let examination = line(&path);
     assert!(!examination.reached);
     let said = wrong(&examination);
     assert!(said.contains("another program holds it"), "{said}");
@@ -68,7 +68,7 @@ fn a_terminal_that_is_held_is_told_with_its_holder() {
 #[test]
 fn a_silent_far_end_is_told() {
     let twin = Twin::open().unwrap();
-    let examination = patient(twin.path());
+    let examination = line(twin.path());
     assert!(!examination.reached);
     let said = wrong(&examination);
     assert!(said.contains("silent for 2.5 s after Hello") && said.contains("baud rate"), "{said}");
@@ -92,7 +92,7 @@ fn a_drive_of_another_protocol_version_is_told_with_the_remedy() {
             far_end.write_all(&DriveMessage::from(identity).frame()).unwrap();
         }
     });
-    let said = wrong(&patient(&path));
+    let said = wrong(&line(&path));
     assert!(said.contains("speaks protocol version 2, this bench speaks version 1: flash"), "{said}");
 }
 

@@ -103,7 +103,7 @@ fn a_part_of_the_time_is_shown_alone() {
     let svg = fs::read_to_string(one.join("record.svg")).unwrap();
     assert!(svg.contains(">0.050<") && svg.contains(">0.060<") && !svg.contains(">0.10<"), "other times");
     let error = plot(&[&one, Path::new("--from=2"), Path::new("--until=1")]).unwrap_err();
-    assert!(error.contains("--until must be the later"), "{error}");
+    assert!(error.contains("--until must be later than --from"), "{error}");
     let error = plot(&[&one, Path::new("--from=30")]).unwrap_err();
     assert!(error.contains("there is nothing from 30 s on; the records end at 0.099 s"), "{error}");
 }

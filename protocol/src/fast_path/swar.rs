@@ -1,4 +1,4 @@
-//! Sixteen bytes in two registers, and the zeros among them.
+//! SIMD within a register: COBS distances and zeros of sixteen bytes in two words.
 
 /// Bytes in a word.
 pub(super) const WORD: usize = size_of::<u64>();
@@ -7,8 +7,8 @@ pub(super) const WORD: usize = size_of::<u64>();
 const ONES: u64 = u64::from_ne_bytes([0x01; WORD]);
 const HIGHS: u64 = ONES << 7;
 
-/// How many bytes come before the first zero, and the words with the distance to the next in place of each. Behind the
-/// last byte, a zero is taken to follow.
+/// Number of bytes before the first zero, and the words with each zero replaced by the distance to the next. A zero is assumed
+/// after the last byte.
 #[inline(always)]
 pub(super) fn with_distances([low, high]: [u64; 2]) -> (usize, [u64; 2]) {
     let others = [low, high].map(others_in);
@@ -19,7 +19,7 @@ pub(super) fn with_distances([low, high]: [u64; 2]) -> (usize, [u64; 2]) {
     (first, [low, high | high_chain.distances])
 }
 
-/// The words with zeros for the bytes whose bit is set.
+/// The words with the bytes cleared whose bit in `bytes` is set.
 #[inline(always)]
 pub(super) fn without([low, high]: [u64; 2], bytes: usize) -> [u64; 2] {
     [low & KEPT[bytes & 0xff], high & KEPT[bytes >> WORD & 0xff]]
@@ -45,9 +45,9 @@ fn others_in(word: u64) -> usize {
 /// The distances in a word.
 #[derive(Clone, Copy)]
 struct Chain {
-    /// In each byte that is zero, the distance to the next; in the last of them, to the end of the word.
+    /// In each zero byte, the distance to the next; in the last zero byte, to the end of the word.
     distances: u64,
-    /// 1 in the last byte that is zero: there the way from the end of the word to the next zero is still to be added.
+    /// 1 in the last zero byte, whose distance lacks the bytes from the end of the word to the next zero.
     last: u64,
 }
 
@@ -73,7 +73,7 @@ static CHAINS: [Chain; 256] = {
     chains
 };
 
-/// For each set of bytes, a mask that clears them.
+/// For each set of bytes, the mask that clears them.
 static KEPT: [u64; 256] = {
     let mut masks = [u64::MAX; 256];
     let mut set = 0;
@@ -95,18 +95,18 @@ mod tests {
     use super::*;
     use crate::cobs;
 
-    /// Sixteen bytes that are zero where a bit is set, and what else they can be.
+    /// Sixteen bytes, zero where a bit is set and `other` elsewhere.
     fn bytes(zeros: usize, other: u8) -> [u8; 2 * WORD] {
         core::array::from_fn(|at| if zeros >> at & 1 == 1 { 0 } else { other })
     }
 
     fn words(bytes: [u8; 2 * WORD]) -> [u64; 2] {
-        let [low, high] = bytes.as_chunks().0 else { unreachable!("two of them") };
+        let [low, high] = bytes.as_chunks().0 else { unreachable!("sixteen bytes are two words") };
         [u64::from_le_bytes(*low), u64::from_le_bytes(*high)]
     }
 
     #[test]
-    fn wherever_zeros_are_distances_are_those_of_cobs_and_go_away_again() {
+    fn distances_are_those_of_cobs_and_can_be_removed() {
         for zeros in 0..=usize::from(u16::MAX) {
             for other in [0x01, 0x7f, 0x80, 0xff] {
                 let plain = bytes(zeros, other);
@@ -114,12 +114,12 @@ mod tests {
                 stuffed[1..].copy_from_slice(&plain);
                 cobs::stuff(&mut stuffed);
 
-                let (first, laid) = with_distances(words(plain));
+                let (first, stuffed_words) = with_distances(words(plain));
                 assert_eq!(first + 1, usize::from(stuffed[0]), "{plain:02x?}");
-                assert_eq!(laid.map(u64::to_le_bytes).as_flattened(), &stuffed[1..], "{plain:02x?}");
-                assert_eq!(without(laid, zeros), words(plain));
+                assert_eq!(stuffed_words.map(u64::to_le_bytes).as_flattened(), &stuffed[1..], "{plain:02x?}");
+                assert_eq!(without(stuffed_words, zeros), words(plain));
                 assert_eq!(has_zero(words(plain)), zeros != 0, "{plain:02x?}");
-                assert!(!has_zero(laid), "{plain:02x?}");
+                assert!(!has_zero(stuffed_words), "{plain:02x?}");
             }
         }
     }

@@ -1,14 +1,13 @@
-/* A decoder and encoder written from docs/protocol.md and lashloop.h alone, held against golden frames.
+/* A decoder and encoder written from docs/protocol.md and lashloop.h alone, tested with golden frames.
  *
- * Reads one case a line from standard input, bytes as hexadecimal digits without spaces, reals as the bits of
- * their IEEE 754 form:
+ * Reads one case per line from standard input, bytes as hexadecimal digits without spaces, reals as IEEE 754 bits:
  *
- *   frame  KIND BODY_LENGTH FRAME                        opens, and closes again to the same bytes
- *   bad    FRAME                                         is refused
- *   sample FRAME SEQUENCE MOTOR LOAD REFERENCE           holds, and is written from, these values
+ *   frame  KIND BODY_LENGTH FRAME                        decodes, and encodes to the same bytes
+ *   bad    FRAME                                         is rejected
+ *   sample FRAME SEQUENCE MOTOR LOAD REFERENCE           decodes to, and is encoded from, these values
  *   torque FRAME SEQUENCE TORQUE STATE FLAGS COMPUTE     the same
  *
- * Prints the number of cases that came out as they should. Ends with 1 at the first that did not.
+ * Prints the number of passed cases. Exits with 1 at the first failed case.
  */
 
 #include <inttypes.h>
@@ -20,7 +19,7 @@
 
 #include "lashloop.h"
 
-_Static_assert(sizeof(float) == 4, "a float of this machine is no IEEE 754 binary32");
+_Static_assert(sizeof(float) == 4, "a float of this machine is not IEEE 754 binary32");
 _Static_assert(LASHLOOP_MAX_BODY + LASHLOOP_OVERHEAD == LASHLOOP_MAX_FRAME, "lengths of the header");
 
 #define COUNT_OF(array) (sizeof(array) / sizeof((array)[0]))
@@ -67,7 +66,7 @@ static int32_t get_i24(const uint8_t *at)
     return bits < 0x800000 ? bits : bits - 0x1000000;
 }
 
-/* Takes any count; further bits are those of whole turns of the 24. */
+/* Takes any count modulo 2^24. */
 static void put_i24(uint8_t *at, int32_t value)
 {
     uint32_t bits = (uint32_t)value;
@@ -108,7 +107,7 @@ static size_t close_frame(const uint8_t *body, size_t len, uint8_t frame[LASHLOO
     return end + 1;
 }
 
-/* Takes the body out of a frame with its delimiter; returns its length, or 0 if the frame is damaged. */
+/* Extracts the body of a frame with its delimiter; returns its length, or 0 if the frame is damaged. */
 static size_t open_frame(const uint8_t *frame, size_t len, uint8_t body[LASHLOOP_MAX_FRAME])
 {
     if (len <= LASHLOOP_OVERHEAD || len > LASHLOOP_MAX_FRAME || frame[len - 1] != LASHLOOP_DELIMITER)
@@ -140,7 +139,7 @@ static const struct { uint8_t kind; size_t body_len; } MESSAGES[] = {
     LASHLOOP_HOST_MESSAGES(ROW) LASHLOOP_DRIVE_MESSAGES(ROW)
 };
 
-/* Length of the body of this kind; 0 if there is no such kind. */
+/* Length of the body of this kind; 0 for an unknown kind. */
 static size_t body_len_of(uint8_t kind)
 {
     for (size_t i = 0; i < COUNT_OF(MESSAGES); i++)
@@ -326,7 +325,7 @@ int main(void)
     unsigned passed = 0;
     for (; fgets(line, sizeof line, stdin); passed++) {
         if (!passes(line)) {
-            fprintf(stderr, "not as it should be: %s", line);
+            fprintf(stderr, "failed: %s", line);
             return EXIT_FAILURE;
         }
     }

@@ -1,4 +1,4 @@
-//! Arbitrary bodies, from the layouts: a kind of message that is added is tried without being named here.
+//! Arbitrary bodies, generated from the layouts, so that a new kind of message is covered without a change here.
 
 use lashloop_protocol::layout::{FieldType, MessageLayout};
 use lashloop_protocol::{Message, cobs, crc};
@@ -6,12 +6,12 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::select;
 
-/// A body that holds any value of any message of one direction.
+/// The body of any message of one direction, with valid values.
 pub fn body_of<M: Message>() -> impl Strategy<Value = Vec<u8>> {
     select(M::LAYOUTS).prop_flat_map(|layout| of_layout(&layout))
 }
 
-/// A body of any message of one direction with any bytes in its fields.
+/// The body of any message of one direction, with any bytes in its fields.
 pub fn wild_body_of<M: Message>() -> impl Strategy<Value = Vec<u8>> {
     select(M::LAYOUTS).prop_flat_map(|layout| {
         vec(any::<u8>(), layout.body_len).prop_map(move |mut body| {
@@ -21,7 +21,7 @@ pub fn wild_body_of<M: Message>() -> impl Strategy<Value = Vec<u8>> {
     })
 }
 
-/// The frame around any body, with a right CRC.
+/// The frame around any body, with a correct CRC.
 pub fn frame_around(body: &[u8]) -> Vec<u8> {
     let mut frame = [&[0], body, &crc::checksum(body).to_le_bytes()].concat();
     cobs::stuff(&mut frame);
@@ -37,9 +37,9 @@ fn of_layout(layout: &MessageLayout) -> BoxedStrategy<Vec<u8>> {
 
 fn value_of(ty: &FieldType, len: usize) -> BoxedStrategy<Vec<u8>> {
     match *ty {
-        FieldType::Enum(names) => select(names).prop_map(|(byte, _)| vec![byte]).boxed(),
-        FieldType::Flags(names) => {
-            let all = names.iter().fold(0, |all, (mask, _)| all | mask);
+        FieldType::Enum(list) => select(list.values).prop_map(|(byte, _)| vec![byte]).boxed(),
+        FieldType::Flags(set) => {
+            let all = set.flags.iter().fold(0, |all, (mask, _)| all | mask);
             any::<u16>().prop_map(move |bits| (bits & all).to_le_bytes()[..len].to_vec()).boxed()
         }
         FieldType::Status { states, flags } => {
@@ -51,11 +51,16 @@ fn value_of(ty: &FieldType, len: usize) -> BoxedStrategy<Vec<u8>> {
         FieldType::ParameterValue => {
             (1..=2_u8, edgy(4)).prop_map(|(ty, value)| [vec![ty], value].concat()).boxed()
         }
-        _ => edgy(len).boxed(),
+        FieldType::U8
+        | FieldType::U16
+        | FieldType::U32
+        | FieldType::I24
+        | FieldType::F32
+        | FieldType::Version => edgy(len).boxed(),
     }
 }
 
-/// Any bytes, but more often the ones at which stuffing and numbers have their edges.
+/// Any bytes, with the edge cases of stuffing and numbers more frequent.
 fn edgy(len: usize) -> impl Strategy<Value = Vec<u8>> {
     let byte = prop_oneof![3 => any::<u8>(), 2 => Just(0_u8), 1 => select(&[1_u8, 0x7f, 0x80, 0xff][..])];
     vec(byte, len)

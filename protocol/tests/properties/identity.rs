@@ -1,4 +1,4 @@
-//! A message is its bytes: nothing is lost, nothing has two forms.
+//! Messages and bytes correspond one to one.
 
 use std::fmt::Debug;
 
@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use crate::bodies::{body_of, frame_around, wild_body_of};
 use crate::cases;
 
-/// Body to message to frame to message to frame. Compared are bytes, so NaN counts with all its bits.
+/// Body to message to frame to message to frame. Bytes are compared, so that all bits of NaN count.
 fn passes_unchanged<M: Message + Debug>(body: &[u8]) -> Result<(), TestCaseError> {
     let message = M::decode_body(body);
     prop_assert!(message.is_ok(), "{message:?} of {body:02x?}");
@@ -35,8 +35,8 @@ fn crc_of(body: &[u8]) -> [u8; 4] {
     lashloop_protocol::crc::checksum(body).to_le_bytes()
 }
 
-/// Bytes are refused or are the only form of their message.
-fn has_one_form<M: Message>(body: &[u8]) -> Result<(), TestCaseError> {
+/// The bytes are rejected, or they are the only encoding of their message.
+fn has_one_encoding<M: Message>(body: &[u8]) -> Result<(), TestCaseError> {
     if let Ok(message) = M::decode_body(body) {
         prop_assert_eq!(&message.frame()[..], &frame_around(body)[..]);
     }
@@ -57,11 +57,11 @@ proptest! {
     }
 
     #[test]
-    fn bytes_that_are_taken_are_the_only_form_of_their_message(
+    fn every_message_has_one_encoding(
         from_host in wild_body_of::<HostMessage>(),
         from_drive in wild_body_of::<DriveMessage>(),
     ) {
-        has_one_form::<HostMessage>(&from_host)?;
-        has_one_form::<DriveMessage>(&from_drive)?;
+        has_one_encoding::<HostMessage>(&from_host)?;
+        has_one_encoding::<DriveMessage>(&from_drive)?;
     }
 }

@@ -1,4 +1,4 @@
-//! What holds for every message and for every stream, tried on arbitrary ones.
+//! Properties of every message and of every stream.
 
 mod bodies;
 mod identity;
@@ -7,7 +7,7 @@ mod stream;
 
 use proptest::test_runner::{Config, RngSeed};
 
-/// The same cases in every run; `cargo xtask fuzz` is the one that looks for new ones.
+/// The same cases in every run; `cargo xtask fuzz` searches for new ones.
 fn cases(cases: u32) -> Config {
     Config { cases, rng_seed: RngSeed::Fixed(0x1a54_100b), failure_persistence: None, ..Config::default() }
 }

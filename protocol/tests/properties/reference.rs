@@ -1,12 +1,12 @@
-//! The decoder as its specification reads: the whole stream at once, one step after the other, no cleverness. The
-//! property tests and the fuzzer hold the real one against it.
+//! A second decoder, written from the specification: the whole stream at once, step by step. Property tests and the fuzzer
+//! compare the decoder of the crate with it.
 
 use std::fmt::Debug;
 
 use lashloop_protocol::frame::FrameError;
 use lashloop_protocol::{Counters, Decoder, MAX_FRAME, Message};
 
-/// What a stream holds.
+/// Contents of a stream.
 struct Contents<M> {
     items: Vec<Result<M, FrameError>>,
     /// Bytes in good frames.
@@ -19,11 +19,11 @@ struct Contents<M> {
     unfinished: usize,
 }
 
-/// Offers `stream` to a decoder in pieces of the given lengths, again and again, and compares all it says with the
-/// specification. Returns what the decoder found.
+/// Decodes `stream` in pieces of the given lengths, repeated in turn, and compares items and counters with the specification.
+/// Returns the items.
 ///
 /// # Panics
-/// Where they differ.
+/// If they differ.
 pub fn check<M: Message + Debug>(stream: &[u8], piece_lens: &[usize]) -> Vec<Result<M, FrameError>> {
     let expected = contents::<M>(stream);
     let mut decoder = Decoder::new();
@@ -37,7 +37,7 @@ pub fn check<M: Message + Debug>(stream: &[u8], piece_lens: &[usize]) -> Vec<Res
         while let Some(item) = decoder.next::<M>(&mut piece) {
             found.push(item);
         }
-        assert!(piece.is_empty(), "the decoder takes every byte it is offered");
+        assert!(piece.is_empty(), "the decoder consumes all input");
         rest = later;
     }
 
@@ -56,12 +56,12 @@ pub fn check<M: Message + Debug>(stream: &[u8], piece_lens: &[usize]) -> Vec<Res
     assert_eq!(
         expected.good + discarded + expected.idle,
         stream.len(),
-        "the counters add up to the bytes offered"
+        "the counters add up to the length of the stream"
     );
     found
 }
 
-/// Equal in every bit: the messages' own `==` finds no number equal to NaN.
+/// Equal in every bit, NaN included, for which `==` of the messages fails.
 fn same<M: Message>(found: &Result<M, FrameError>, expected: &Result<M, FrameError>) -> bool {
     match (found, expected) {
         (Ok(found), Ok(expected)) => found.frame()[..] == expected.frame()[..],
@@ -117,8 +117,8 @@ fn open(stuffed: &[u8]) -> Result<Vec<u8>, FrameError> {
     if expected == found { Ok(body) } else { Err(FrameError::Crc { expected, found }) }
 }
 
-/// COBS as its inventors describe it: a code byte `n` stands for the `n - 1` bytes after it and a zero, of which the
-/// last one is not part of the data.
+/// COBS as originally described: a code byte `n` stands for the `n - 1` bytes after it and a zero. The last zero is not part
+/// of the data.
 fn unstuff(mut stuffed: &[u8]) -> Option<Vec<u8>> {
     let mut data = Vec::new();
     while let Some((&code, rest)) = stuffed.split_first() {

@@ -1,4 +1,4 @@
-//! Streams with every damage a line can do, in pieces of every size.
+//! Streams with every kind of damage on a line, in pieces of every size.
 
 use lashloop_protocol::frame::FrameError;
 use lashloop_protocol::{DriveMessage, HostMessage, MAX_FRAME, Message};
@@ -9,13 +9,13 @@ use proptest::sample::Index;
 use crate::bodies::{body_of, frame_around, wild_body_of};
 use crate::{cases, reference};
 
-/// A stretch of a line.
+/// A section of a stream.
 #[derive(Clone, Debug)]
 enum Stretch {
     Whole(Vec<u8>),
-    /// The frame with these bits flipped.
+    /// A frame with these bits flipped.
     Flipped(Vec<u8>, Vec<Index>),
-    /// The frame without its end or its beginning.
+    /// A frame without its end or its beginning.
     Cut(Vec<u8>, Index, bool),
     Twice(Vec<u8>),
     Noise(Vec<u8>),
@@ -80,7 +80,7 @@ proptest! {
     #![proptest_config(cases(2048))]
 
     #[test]
-    fn any_line_in_any_pieces_is_read_as_the_specification_says(
+    fn any_stream_in_any_pieces_decodes_as_specified(
         line in line(),
         pieces in vec(1..90_usize, 0..40),
     ) {
@@ -89,7 +89,7 @@ proptest! {
     }
 
     #[test]
-    fn after_any_garbage_and_a_delimiter_every_frame_is_read(
+    fn every_frame_after_garbage_and_a_delimiter_is_decoded(
         garbage in vec(any::<u8>(), 0..200),
         bodies in vec(body_of::<HostMessage>(), 1..9),
         pieces in vec(1..90_usize, 0..9),
@@ -100,7 +100,7 @@ proptest! {
         prop_assert!(read.ends_with(&frames));
     }
 
-    /// CRC-32C lets one in 2^32 random damages through; among these cases is none. `undetected_errors` counts them.
+    /// CRC-32C passes one of 2^32 random errors, none of them among these cases. `undetected_errors` measures the rate.
     #[test]
     fn flipped_bits_make_no_other_message(body in body_of::<HostMessage>(), bits in vec(any::<Index>(), 1..40)) {
         let good = frame_around(&body);

@@ -1,18 +1,18 @@
-//! A decoder and encoder in C, built on the committed header, reads and writes the same frames.
+//! An independent codec in C, built on the committed header, reads and writes the same frames.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use lashloop_protocol::{Message, cobs};
+use lashloop_protocol::hex::Hex;
+use lashloop_protocol::{DriveMessage, HostMessage, Message, cobs};
 
 use crate::examples;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-/// The compiled program; `None` where there is no C compiler, which is said aloud and allowed only if leaving things
-/// out is.
+/// The compiled program; `None` without a C compiler. The omission is reported, and fails where omissions are not allowed.
 fn program() -> Option<PathBuf> {
     let program = Path::new(env!("CARGO_TARGET_TMPDIR")).join("golden");
     let built = Command::new("cc")
@@ -23,69 +23,63 @@ fn program() -> Option<PathBuf> {
         .output();
     match built {
         Ok(output) => {
-            let said = String::from_utf8_lossy(&output.stderr);
-            assert!(output.status.success(), "cc does not take the header or golden.c:\n{said}");
+            let errors = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "cc rejects the header or golden.c:\n{errors}");
             Some(program)
         }
         Err(error) => {
-            let notice = format!("LEFT OUT: no C compiler to try lashloop.h with: `cc`: {error}");
+            let notice = format!("LEFT OUT: no C compiler to test lashloop.h with: `cc`: {error}");
             assert!(std::env::var_os("LASHLOOP_LEAVE_NOTHING_OUT").is_none(), "{notice}");
-            // Not by `eprintln!`, which is captured and shown for tests that fail only.
+            // Not `eprintln!`, whose output is captured and shown for failed tests only.
             let _ = writeln!(std::io::stderr(), "{notice}");
             None
         }
     }
 }
 
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-/// The frame of every message, each with its kind and the length of its body.
+/// The frame of every message, with its kind and the length of its body.
 fn frame_cases<M: Message>(messages: &[M]) -> String {
     let mut cases = String::new();
     for message in messages {
         let (layout, frame) = (message.layout(), message.frame());
-        let _ = writeln!(cases, "frame {} {} {}", layout.kind, layout.body_len, hex(&frame));
+        let _ = writeln!(cases, "frame {} {} {}", layout.kind, layout.body_len, Hex(&frame));
     }
     cases
 }
 
-/// The sample with every bit flipped in turn, cut at every length, and around a body that a flip of the kind spoils.
+/// The sample with every bit flipped in turn, truncated at every length, and with a flipped bit in the kind.
 fn bad_cases() -> String {
-    let good = lashloop_protocol::HostMessage::from(examples::SAMPLE).frame();
+    let good = HostMessage::from(examples::SAMPLE).frame();
     let mut cases = String::new();
     for bit in 0..good.len() * 8 {
         let mut bad = good.to_vec();
         bad[bit / 8] ^= 1 << (bit % 8);
-        let _ = writeln!(cases, "bad {}", hex(&bad));
+        let _ = writeln!(cases, "bad {}", Hex(&bad));
     }
     for len in 1..good.len() {
-        let _ = writeln!(cases, "bad {}", hex(&good[..len]));
+        let _ = writeln!(cases, "bad {}", Hex(&good[..len]));
     }
     let mut body = good[..good.len() - 1].to_vec();
-    cobs::unstuff(&mut body).expect("a frame of ours is stuffed as COBS asks");
+    cobs::unstuff(&mut body).expect("an encoded frame is valid");
     body[1] ^= 0x01;
     cobs::stuff(&mut body);
     body.push(0);
-    let _ = writeln!(cases, "bad {}", hex(&body));
+    let _ = writeln!(cases, "bad {}", Hex(&body));
     cases
 }
 
 fn value_cases() -> String {
     let (sample, torque) = (examples::SAMPLE, examples::TORQUE);
-    let (sample_frame, torque_frame) = (
-        lashloop_protocol::HostMessage::from(sample).frame(),
-        lashloop_protocol::DriveMessage::from(torque).frame(),
-    );
+    let (sample_frame, torque_frame) =
+        (HostMessage::from(sample).frame(), DriveMessage::from(torque).frame());
     format!(
         "sample {} {} {} {} {:x}\ntorque {} {} {:x} {} {} {}\n",
-        hex(&sample_frame),
+        Hex(&sample_frame),
         sample.sequence,
         sample.motor_counts,
         sample.load_counts,
         sample.reference_rad.to_bits(),
-        hex(&torque_frame),
+        Hex(&torque_frame),
         torque.sequence,
         torque.torque_nm.to_bits(),
         torque.status.state as u8,
@@ -106,12 +100,12 @@ fn c_reads_and_writes_the_golden_frames() {
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
-        .expect("what cc made can be run");
-    // The program ends at the first case it does not like; then the rest can't be written, and its words tell why.
+        .expect("a compiled program starts");
+    // The program exits at the first failed case, with the reason on standard error; the remaining cases can't be written then.
     let _ = child.stdin.take().expect("stdin is a pipe").write_all(cases.as_bytes());
     let output = child.wait_with_output().expect("the program ends when its input does");
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
     let passed = String::from_utf8_lossy(&output.stdout);
-    assert_eq!(passed.trim(), cases.lines().count().to_string(), "every case was tried");
+    assert_eq!(passed.trim(), cases.lines().count().to_string(), "every case ran");
 }

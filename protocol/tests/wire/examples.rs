@@ -1,4 +1,4 @@
-//! One message of each kind, with values that show the order of bytes and hold zeros.
+//! One message of each kind, with values that show the byte order and contain zeros.
 
 use lashloop_protocol::enums::{
     Controllers, FaultCode, LogLevel, Outcome, ParameterValue, State, TorqueFlags, TorqueStatus, Version,

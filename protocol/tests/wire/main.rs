@@ -1,9 +1,11 @@
-//! The wire contract seen from outside the crate.
+//! The wire contract through the public interface of the crate.
 
 mod c;
 #[cfg(feature = "tokio-codec")]
 mod codec;
+mod crc_distance;
 mod data_sheet;
+mod digits;
 mod document;
 mod examples;
 mod golden;

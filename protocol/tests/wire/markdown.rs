@@ -1,22 +1,22 @@
-//! Just enough Markdown to take tables and fences out of `docs/protocol.md`.
+//! Tables and fences of `docs/protocol.md`.
 
 /// The document.
 pub const PROTOCOL: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/protocol.md"));
 
-/// What stands between this heading and the next one of any level.
+/// The text between this heading and the next one of any level.
 pub fn section(heading: &str) -> &'static str {
     let (_, after) = (PROTOCOL.split_once(&format!("\n{heading}\n")))
         .unwrap_or_else(|| panic!("docs/protocol.md has no heading {heading:?}"));
     after.split("\n#").next().unwrap_or(after)
 }
 
-/// The rows of the table in `section` whose first column has this header, without marks.
+/// The rows of the table in `section` whose first column has this header, without markup.
 pub fn table(section: &str, first_header: &str) -> Vec<Vec<String>> {
     let mut lines =
         section.lines().skip_while(|line| cells(line).first().is_none_or(|it| it != first_header));
     assert!(lines.next().is_some(), "no table with {first_header:?} first in: {section}");
     let rows: Vec<_> = lines.skip(1).take_while(|line| line.starts_with('|')).map(cells).collect();
-    assert!(!rows.is_empty(), "nothing in the table with {first_header:?} first");
+    assert!(!rows.is_empty(), "the table with {first_header:?} first is empty");
     rows
 }
 
@@ -27,7 +27,7 @@ fn cells(line: &str) -> Vec<String> {
     inner.split('|').map(|cell| cell.trim().replace('`', "")).collect()
 }
 
-/// The fenced pieces of `section`.
+/// The fenced blocks of `section`.
 pub fn fences(section: &'static str) -> Vec<&'static str> {
     section
         .split("```")

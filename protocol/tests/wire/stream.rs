@@ -1,4 +1,4 @@
-//! The decoder on streams as lines make them: in pieces, with noise, cut, doubled.
+//! The decoder on realistic streams: in pieces, with noise, truncated.
 
 use lashloop_protocol::frame::FrameError;
 use lashloop_protocol::message::{EncoderSample, Stop};
@@ -17,7 +17,7 @@ fn sample_frame() -> Vec<u8> {
     HostMessage::from(examples::SAMPLE).frame().to_vec()
 }
 
-/// A frame around any body, with a right CRC.
+/// A frame around any body, with a correct CRC.
 fn frame_around(body: &[u8]) -> Vec<u8> {
     let mut frame = vec![0];
     frame.extend_from_slice(body);
@@ -28,7 +28,7 @@ fn frame_around(body: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn a_stream_cut_at_any_two_places_gives_the_same_messages() {
+fn a_stream_in_any_three_pieces_gives_the_same_messages() {
     let messages = examples::from_host();
     let stream: Vec<u8> = messages.iter().flat_map(|message| message.frame().to_vec()).collect();
     let expected: Vec<Item> = messages.into_iter().map(Ok).collect();
@@ -45,8 +45,8 @@ fn a_stream_cut_at_any_two_places_gives_the_same_messages() {
 }
 
 #[test]
-fn after_any_garbage_the_second_frame_at_the_latest_is_read() {
-    // Every length up to past a frame, of bytes that are no delimiter: they spoil the frame they touch and no other.
+fn garbage_corrupts_only_the_frame_that_follows_it() {
+    // Garbage of every length beyond a frame, without a delimiter.
     for len in 1..3 * MAX_FRAME {
         let garbage: Vec<u8> = (0..len).map(|i| (i * 37 % 255 + 1) as u8).collect();
         let stream = [garbage.clone(), sample_frame(), sample_frame()].concat();
@@ -56,12 +56,12 @@ fn after_any_garbage_the_second_frame_at_the_latest_is_read() {
         assert!(items[0].is_err(), "garbage of {len} bytes");
         assert_eq!(items[1], Ok(examples::SAMPLE.into()), "garbage of {len} bytes");
         let discarded = decoder.counters().discarded_bytes as usize;
-        assert_eq!(discarded, len + sample_frame().len(), "every byte thrown away is counted");
+        assert_eq!(discarded, len + sample_frame().len(), "every discarded byte is counted");
     }
 }
 
 #[test]
-fn a_delimiter_after_the_garbage_saves_the_first_frame_too() {
+fn a_delimiter_after_garbage_preserves_the_next_frame() {
     let stream = [b"garbage\0".to_vec(), sample_frame()].concat();
     let items = decode_all(&mut Decoder::new(), &stream);
     assert_eq!(items.last(), Some(&Ok(examples::SAMPLE.into())));
@@ -75,13 +75,13 @@ fn delimiters_alone_are_no_frames() {
 }
 
 #[test]
-fn every_flipped_bit_is_found() {
+fn every_flipped_bit_is_detected() {
     let good = sample_frame();
     for bit in 0..good.len() * 8 {
         let mut bad = good.clone();
         bad[bit / 8] ^= 1 << (bit % 8);
         let mut decoder = Decoder::new();
-        // A flip in the last byte takes the delimiter away; the next one closes the frame.
+        // A flip in the last byte removes the delimiter; the next delimiter closes the frame.
         bad.push(0);
         let items = decode_all(&mut decoder, &bad);
         assert!(!items.is_empty() && items.iter().all(Result::is_err), "bit {bit}: {items:?}");
@@ -89,7 +89,7 @@ fn every_flipped_bit_is_found() {
 }
 
 #[test]
-fn a_wrong_crc_names_both_values() {
+fn a_crc_error_names_both_values() {
     let mut body = frame_around(&[0x07]);
     body[2] ^= 0x01;
     let items = decode_all(&mut Decoder::new(), &body);
@@ -100,9 +100,9 @@ fn a_wrong_crc_names_both_values() {
 }
 
 #[test]
-fn a_frame_without_room_for_a_crc_is_too_short() {
+fn a_frame_shorter_than_kind_and_crc_is_rejected() {
     assert_eq!(decode_all(&mut Decoder::new(), &[3, 7, 7, 0]), [Err(FrameError::TooShort { bytes: 3 })]);
-    // Four bytes of body would all be CRC and leave no kind.
+    // Four bytes would all be CRC, without a kind.
     assert_eq!(
         decode_all(&mut Decoder::new(), &[5, 7, 7, 7, 7, 0]),
         [Err(FrameError::TooShort { bytes: 5 })]
@@ -110,7 +110,7 @@ fn a_frame_without_room_for_a_crc_is_too_short() {
 }
 
 #[test]
-fn an_oversized_frame_is_thrown_away_whole() {
+fn an_oversized_frame_is_discarded_whole() {
     let stream = [vec![1; MAX_FRAME], vec![0], sample_frame()].concat();
     let mut decoder = Decoder::new();
     let items = decode_all(&mut decoder, &stream);
@@ -119,7 +119,7 @@ fn an_oversized_frame_is_thrown_away_whole() {
 }
 
 #[test]
-fn a_frame_of_the_other_direction_is_refused_by_its_kind() {
+fn a_frame_of_the_other_direction_is_rejected() {
     let frame = DriveMessage::from(examples::TORQUE).frame();
     let items = decode_all(&mut Decoder::new(), &frame);
     assert_eq!(items, [Err(FrameError::Body(BodyError::UnknownKind { kind: 0x90 }))]);
@@ -133,7 +133,7 @@ fn a_body_of_the_wrong_length_names_both_lengths() {
 }
 
 #[test]
-fn a_byte_without_a_name_is_refused_by_its_field() {
+fn a_byte_outside_its_list_is_rejected_by_field_name() {
     let mut decoder = Decoder::new();
     let mut input = &frame_around(&[0x85, 6, 99, 4])[..];
     let expected = BodyError::Value { name: "CommandResult", field: "outcome" };
@@ -142,21 +142,21 @@ fn a_byte_without_a_name_is_refused_by_its_field() {
 }
 
 #[test]
-fn a_status_without_a_name_is_refused() {
+fn a_status_outside_its_lists_is_rejected() {
     let status = |status: u8| {
         let body = [0x90, 1, 0, 0, 0, 0, 0, status, 0, 0];
         Decoder::new().next::<DriveMessage>(&mut &frame_around(&body)[..]).expect("a whole frame")
     };
-    let refused = BodyError::Value { name: "TorqueAnswer", field: "status" };
+    let rejected = BodyError::Value { name: "TorqueAnswer", field: "status" };
     for byte in 0..=u8::MAX {
         // Five states, and three flags above them.
         if (1..=5).contains(&(byte & 0x0f)) && byte & 0x80 == 0 {
             let Ok(DriveMessage::TorqueAnswer(answer)) = status(byte) else {
-                panic!("{byte:#04x} is refused")
+                panic!("{byte:#04x} is rejected")
             };
             assert_eq!((answer.status.state as u8, answer.status.flags.bits()), (byte & 0x0f, byte & 0xf0));
         } else {
-            assert_eq!(status(byte), Err(FrameError::Body(refused)), "{byte:#04x}");
+            assert_eq!(status(byte), Err(FrameError::Body(rejected)), "{byte:#04x}");
         }
     }
 }
@@ -168,11 +168,7 @@ fn a_stream_may_end_between_frames_but_not_inside_one() {
         let mut decoder = Decoder::new();
         assert_eq!(decode_all(&mut decoder, &frame[..end]), []);
         assert_eq!(decoder.finish(), Err(FrameError::Truncated { bytes: end }));
-        assert_eq!(
-            decode_all(&mut decoder, &frame),
-            [Ok(examples::SAMPLE.into())],
-            "usable again after the end"
-        );
+        assert_eq!(decode_all(&mut decoder, &frame), [Ok(examples::SAMPLE.into())], "usable after the end");
     }
 }
 
@@ -199,7 +195,7 @@ fn counters_add_up_over_a_noisy_stream() {
 }
 
 #[test]
-fn not_a_number_travels_unchanged_for_the_drive_to_judge() {
+fn nan_passes_unchanged_because_the_drive_rejects_it() {
     let sample = EncoderSample { reference_rad: f32::NAN, ..examples::SAMPLE };
     let items = decode_all(&mut Decoder::new(), &HostMessage::from(sample).frame());
     assert!(matches!(items[..], [Ok(HostMessage::EncoderSample(s))] if s.reference_rad.is_nan()));
@@ -220,7 +216,7 @@ fn errors_are_sentences_with_both_sides() {
 }
 
 #[test]
-fn a_frame_that_will_not_go_on_is_forgotten_and_counted_nowhere() {
+fn a_discarded_partial_frame_is_not_counted() {
     let mut decoder = Decoder::new();
     let frame = sample_frame();
     assert_eq!(decode_all(&mut decoder, &frame[..10]), []);

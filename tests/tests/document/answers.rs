@@ -71,7 +71,7 @@ fn answers(message: &str, case: &str) -> Vec<Vec<DriveMessage>> {
 
 #[test]
 fn every_request_is_answered_by_these_messages_in_this_order() {
-    for row in table(section("## 4. Messages"), "request") {
+    for row in table(section("### Answers"), "request") {
         for have in answers(&row[0], &row[1]) {
             assert_eq!(names(&have), row[2], "{}: {}", row[0], row[1]);
         }

@@ -6,6 +6,7 @@ mod markdown;
 
 mod answers;
 mod conversation;
+mod links;
 mod parameters;
 mod sequence;
 mod states;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use lashloop_firmware::drive::{Drive, ManualClock};
+use lashloop_firmware::drive::{Clock, Drive, ManualClock};
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
     Arm, ClearFault, EmergencyStop, EncoderSample, GetParameter, Hello, Reset, SetParameter, Start, Stop,
@@ -66,12 +66,12 @@ impl Talk {
 
     /// Lets device time pass without a look at the watchdog.
     pub fn wait(&mut self, time: Duration) {
-        self.clock.0 += time;
+        self.clock.advance(time);
     }
 
     /// The drive looks at its watchdog.
     pub fn tick(&mut self) -> Vec<DriveMessage> {
-        self.drive.tick(self.clock.0);
+        self.drive.tick(self.clock.now());
         self.listen()
     }
 

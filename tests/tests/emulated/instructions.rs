@@ -73,15 +73,14 @@ fn of_a_run(session: &mut Session, controller: ControllerId, samples: u32) -> Ve
     session.start().expect("a start");
     let plant = BacklashShaft::new(Mechanics::paper(), ShaftParameters::paper(), 16).expect("valid plant");
     let mut state = plant.initial_state(Start::at_rest(1.57, 4.71));
-    let encoder = Encoder::new(4000, 0.0).expect("valid encoder");
-    let mut readings = [encoder.initial_state(1), encoder.initial_state(2)];
+    let [mut motor, mut load] = [1, 2].map(|seed| Encoder::new(4000, 0.0, seed).expect("valid encoder"));
     let mut steps = Vec::new();
     for step in 0..samples {
         let truth = plant.truth(&state);
         let sample = EncoderSample {
             sequence: of_step(step),
-            motor_counts: EncoderCounts::wrapping(encoder.step(&mut readings[0], truth.motor_position_rad)),
-            load_counts: EncoderCounts::wrapping(encoder.step(&mut readings[1], truth.load_position_rad)),
+            motor_counts: EncoderCounts::wrapping(motor.read(truth.motor_position_rad)),
+            load_counts: EncoderCounts::wrapping(load.read(truth.load_position_rad)),
             reference_rad: 0.0,
         };
         let answer = match session

@@ -33,7 +33,7 @@ fn assert_within(have: Difference, bound: Difference) {
 
 #[test]
 fn held_pd_on_the_smooth_plant_agrees() {
-    let rows = run::<f64, _, _>(
+    let rows = run::<f64, _>(
         &paper::smooth(4),
         paper::START,
         &paper::pd(),

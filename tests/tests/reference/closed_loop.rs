@@ -3,9 +3,10 @@
 //! Row `k` holds the state at `k` periods and the torque applied from there on; the dead-zone estimate is the one used
 //! in that torque.
 
-use lashloop_firmware::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig, SensingState};
-use lashloop_firmware::control::{Controller, Measurement, Real};
-use lashloop_plant::encoder::{Encoder, EncoderState};
+use lashloop_firmware::control::law::Law;
+use lashloop_firmware::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig};
+use lashloop_firmware::control::{Measurement, Real};
+use lashloop_plant::encoder::Encoder;
 use lashloop_plant::{Plant, Start, Truth};
 
 /// One sample of a trajectory.
@@ -70,10 +71,8 @@ impl<F: Real> Sensors<F> for Ideal {
 
 /// Two encoders and the drive's own sensing.
 pub(crate) struct Quantised<F> {
-    encoder: Encoder,
-    encoder_states: [EncoderState; 2],
+    encoders: [Encoder; 2],
     sensing: Sensing<F>,
-    sensing_state: SensingState<F>,
 }
 
 impl<F: Real> Quantised<F> {
@@ -83,7 +82,7 @@ impl<F: Real> Quantised<F> {
         load_bandwidth_rad_s: f64,
         period_s: f64,
     ) -> Self {
-        let encoder = Encoder::new(counts, 0.0).expect("valid encoder");
+        let encoders = [1, 2].map(|seed| Encoder::new(counts, 0.0, seed).expect("valid encoder"));
         let channel = |bandwidth| EncoderConfig {
             counts_per_revolution: counts,
             velocity_bandwidth_rad_s: F::from_f64(bandwidth),
@@ -95,48 +94,42 @@ impl<F: Real> Quantised<F> {
             period_s: F::from_f64(period_s),
         })
         .expect("valid sensing");
-        let sensing_state = sensing.initial_state();
-        Self {
-            encoder,
-            encoder_states: [encoder.initial_state(1), encoder.initial_state(2)],
-            sensing,
-            sensing_state,
-        }
+        Self { encoders, sensing }
     }
 }
 
 impl<F: Real> Sensors<F> for Quantised<F> {
     fn measure(&mut self, truth: &Truth, reference: Reference, applied_torque_nm: f64) -> Measurement<F> {
-        let [motor, load] = &mut self.encoder_states;
+        let [motor, load] = &mut self.encoders;
         let sample = Sample {
-            motor_counts: self.encoder.step(motor, truth.motor_position_rad) as i32,
-            load_counts: self.encoder.step(load, truth.load_position_rad) as i32,
+            motor_counts: motor.read(truth.motor_position_rad) as i32,
+            load_counts: load.read(truth.load_position_rad) as i32,
             reference_rad: F::from_f64(reference.position_rad),
             applied_torque_nm: F::from_f64(applied_torque_nm),
             elapsed_periods: 1,
         };
-        self.sensing.step(&mut self.sensing_state, &sample)
+        self.sensing.step(&sample)
     }
 }
 
 /// Runs the loop; the first row is the start, the last the state after `timing.periods`.
-pub(crate) fn run<F: Real, P: Plant, C: Controller<F>>(
+pub(crate) fn run<F: Real, P: Plant>(
     plant: &P,
     start: Start,
-    law: &C,
+    law: &Law<F>,
     mut sensors: impl Sensors<F>,
     reference: impl Fn(f64) -> Reference,
     timing: Timing,
 ) -> Vec<Row> {
     let mut state = plant.initial_state(start);
-    let mut law_state = law.initial_state();
+    let mut law = law.clone();
     let mut applied_nm = 0.0;
     let mut rows = Vec::with_capacity(timing.periods + 1);
     for k in 0..=timing.periods {
         let time_s = k as f64 * timing.period_s;
         let truth = plant.truth(&state);
         let measurement = sensors.measure(&truth, reference(time_s), applied_nm);
-        let output = law.step(&mut law_state, &measurement);
+        let output = law.step(&measurement);
         applied_nm = output.torque_nm.to_f64().clamp(-timing.torque_limit_nm, timing.torque_limit_nm);
         rows.push(Row {
             time_s,

@@ -4,8 +4,8 @@
 //! whole count of it; that is a property of the encoder. So the loop is closed in double precision, and single precision
 //! listens.
 
-use lashloop_firmware::control::law::{Law, LawState};
-use lashloop_firmware::control::{Controller, Measurement, Real};
+use lashloop_firmware::control::law::Law;
+use lashloop_firmware::control::{Measurement, Real};
 use lashloop_plant::Truth;
 
 use crate::closed_loop::{Quantised, Reference, Sensors};
@@ -15,7 +15,6 @@ pub struct Listener<'a> {
     double: Quantised<f64>,
     single: Quantised<f32>,
     laws: (Law<f64>, Law<f32>),
-    states: (LawState<f64>, LawState<f32>),
     largest_nm: &'a mut f64,
 }
 
@@ -26,7 +25,7 @@ impl<'a> Listener<'a> {
         laws: (Law<f64>, Law<f32>),
         largest_nm: &'a mut f64,
     ) -> Self {
-        Self { double, single, states: (laws.0.initial_state(), laws.1.initial_state()), laws, largest_nm }
+        Self { double, single, laws, largest_nm }
     }
 }
 
@@ -34,8 +33,8 @@ impl Sensors<f64> for Listener<'_> {
     fn measure(&mut self, truth: &Truth, reference: Reference, applied_torque_nm: f64) -> Measurement<f64> {
         let double = self.double.measure(truth, reference, applied_torque_nm);
         let single = self.single.measure(truth, reference, applied_torque_nm);
-        let want = self.laws.0.step(&mut self.states.0, &double).torque_nm;
-        let have = self.laws.1.step(&mut self.states.1, &single).torque_nm;
+        let want = self.laws.0.step(&double).torque_nm;
+        let have = self.laws.1.step(&single).torque_nm;
         *self.largest_nm = self.largest_nm.max((have.to_f64() - want).abs());
         double
     }

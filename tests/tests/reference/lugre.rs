@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 use lashloop_plant::backlash_shaft::{BristleParameters, Environment, ShaftParameters};
-use lashloop_plant::{Plant, PlantError, Start, Truth};
+use lashloop_plant::{PlantError, RunningPlant, Start, Truth};
 
 use crate::backlash::{recorded_imbalance, truths};
 use crate::closed_loop::{Ideal, Timing, regulate_to_nought, run};
@@ -18,15 +18,14 @@ fn bristles(stiffness_nm_rad: f64) -> ShaftParameters {
 
 /// The load alone, under a torque from outside, for so many milliseconds from rest.
 fn under_load_torque(parameters: ShaftParameters, torque_nm: impl Fn(f64) -> f64, steps: u32) -> Truth {
-    let plant = paper::bench_with(parameters, 16);
-    let mut state = plant.initial_state(Start::at_rest(0.0, 0.0));
+    let mut plant = RunningPlant::released(paper::bench_with(parameters, 16), Start::at_rest(0.0, 0.0));
     for k in 0..steps {
         let load_torque_nm = torque_nm(f64::from(k) * 1e-3);
-        let surroundings = Environment { dead_zone_rad: 10.0, load_torque_nm };
-        plant.surround(&mut state, surroundings).expect("in range");
-        plant.step(&mut state, 0.0, 1e-3).expect("the plant steps");
+        let environment = Environment { dead_zone_rad: 10.0, load_torque_nm };
+        plant.set_environment(environment).expect("in range");
+        plant.step(0.0, 1e-3).expect("the plant steps");
     }
-    plant.truth(&state)
+    plant.truth()
 }
 
 /// From nought to one without a corner.

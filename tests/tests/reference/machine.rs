@@ -71,9 +71,7 @@ impl Machine {
             torque_limit_nm: F::from_f64(self.torque_limit_nm),
             period_s: F::from_f64(1e-3),
         };
-        Law::BacklashInverse(
-            BacklashInverse::new(&model, BacklashInverseGains::paper(), setting).expect("valid law"),
-        )
+        BacklashInverse::new(&model, BacklashInverseGains::paper(), setting).expect("valid law").into()
     }
 
     /// What the drive's encoders and velocity filters make of it.

@@ -15,7 +15,7 @@ fn errors<P: Plant, const N: usize>(
     substeps: [u32; N],
 ) -> [f64; N] {
     fn motor<P: Plant>(plant: &P) -> Vec<f64> {
-        let rows = run::<f64, _, _>(plant, paper::START, &paper::pd(), Ideal, regulate_to_nought, TIMING);
+        let rows = run::<f64, _>(plant, paper::START, &paper::pd(), Ideal, regulate_to_nought, TIMING);
         rows.iter().map(|row| row.truth.motor_position_rad).collect()
     }
     let best = motor(best);

@@ -42,7 +42,7 @@ pub(crate) fn unlimited() -> ShaftParameters {
 }
 
 pub(crate) fn pd<F: Real>() -> Law<F> {
-    Law::Pd(Pd::new(&NominalModel::paper(), CascadeGains::paper()).expect("valid law"))
+    Pd::new(&NominalModel::paper(), CascadeGains::paper()).into()
 }
 
 fn merzouki<F: Real>(source: DisturbingTorqueSource<F>, period_s: f64) -> Law<F> {
@@ -53,7 +53,7 @@ fn merzouki<F: Real>(source: DisturbingTorqueSource<F>, period_s: f64) -> Law<F>
         source,
         F::from_f64(period_s),
     );
-    Law::Merzouki(law.expect("valid law"))
+    law.expect("valid law").into()
 }
 
 /// The merzouki law on the paper's own plant, where the disturbing torque is known.

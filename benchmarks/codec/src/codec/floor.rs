@@ -1,4 +1,4 @@
-//! What nobody gets below: the fields copied, and the CRC. No delimiter, no kinds, no resynchronisation.
+//! The lower bound: fields copied, and the CRC. No delimiter, no kinds, no resynchronisation.
 
 use lashloop_protocol::crc::checksum;
 
@@ -8,13 +8,13 @@ use crate::cycle::{Sample, Torque};
 #[derive(Default)]
 pub struct Floor;
 
-/// As long as the body of ours: there is a kind byte.
+/// Length of the body, as in our protocol: a kind byte and the fields.
 const SAMPLE: usize = 13;
 const TORQUE: usize = 10;
-/// Of the CRC.
+/// Length of the CRC.
 const CRC: usize = 4;
 
-/// The lowest `N` bytes of a field, `at` so many bytes behind the kind.
+/// A field of `N` bytes at offset `at` after the kind.
 #[inline(always)]
 fn field<const N: usize>(bytes: [u8; N], at: usize) -> u128 {
     let mut word = [0; size_of::<u128>()];
@@ -22,7 +22,7 @@ fn field<const N: usize>(bytes: [u8; N], at: usize) -> u128 {
     u128::from_le_bytes(word) << (8 * at)
 }
 
-/// By value: what is written field by field and read word by word waits for its own bytes.
+/// By value, because fields written to memory and read back as words would stall on store forwarding.
 #[inline(always)]
 fn close<const BODY: usize, const ALL: usize>(kind: u8, fields: u128) -> [u8; ALL] {
     let bytes = |word: u128| {
@@ -31,12 +31,12 @@ fn close<const BODY: usize, const ALL: usize>(kind: u8, fields: u128) -> [u8; AL
         bytes
     };
     let crc = checksum(&bytes(fields)[..BODY]);
-    *bytes(fields | field(crc.to_le_bytes(), BODY - 1)).first_chunk().expect("all of it")
+    *bytes(fields | field(crc.to_le_bytes(), BODY - 1)).first_chunk().expect("a whole frame")
 }
 
 #[inline(always)]
 fn open<const BODY: usize>(frame: &[u8]) -> &[u8; BODY] {
-    let (body, crc) = frame.split_first_chunk().expect("there is a body");
+    let (body, crc) = frame.split_first_chunk().expect("a body");
     assert!(checksum(body).to_le_bytes() == crc, "the CRC");
     body
 }

@@ -1,5 +1,5 @@
-//! MAVLink 2 as simulators use it: `HIL_SENSOR` to the autopilot, `HIL_ACTUATOR_CONTROLS` back. Our values go where
-//! they fit best; the other fields hold what a flight would.
+//! MAVLink 2 as simulators use it: `HIL_SENSOR` to the autopilot, `HIL_ACTUATOR_CONTROLS` back. Our values take the fields that
+//! fit best; the other fields hold typical values of a flight.
 
 use ::mavlink::dialects::common::{
     HIL_ACTUATOR_CONTROLS_DATA, HIL_SENSOR_DATA, HilActuatorControlsFlags, HilSensorUpdatedFlags, MavMessage,
@@ -40,7 +40,7 @@ impl Codec<Sample> for Mavlink {
     fn encode(&mut self, value: &Sample, send: impl FnOnce(&[u8])) {
         let data = HIL_SENSOR_DATA {
             time_usec: value.sequence.into(),
-            // Counts of 24 bits are whole in a float.
+            // A float holds counts of 24 bits exactly.
             xacc: value.motor_counts as f32,
             yacc: value.load_counts as f32,
             zacc: value.reference_rad,

@@ -1,4 +1,4 @@
-//! The sides: each with the fastest way its crates offer, into a buffer that is there already.
+//! The codecs, each by the fastest method of its crates, into a preallocated buffer.
 
 pub mod floor;
 pub mod mavlink;
@@ -8,18 +8,17 @@ pub mod protobuf;
 
 use crc::{CRC_32_ISCSI, Crc, Table};
 
-/// The CRC the other sides are given: the fastest of the crate, and the same as ours.
+/// CRC of the other codecs: the same as ours, in the fastest variant of the `crc` crate.
 pub static CRC_32: Crc<u32, Table<16>> = Crc::<u32, Table<16>>::new(&CRC_32_ISCSI);
 
-/// A way from a value to the bytes on the line and back. Inlined into the loop that takes the time where
-/// that makes a side faster.
+/// A codec of one kind of message. Inlined into the measuring loop where that is faster.
 pub trait Codec<V>: Default {
-    /// Whether a damaged frame would be found.
+    /// Whether the codec detects a damaged frame.
     const CHECKED: bool = true;
 
-    /// Gives the bytes to `send`.
+    /// Encodes a value and passes the frame to `send`.
     fn encode(&mut self, value: &V, send: impl FnOnce(&[u8]));
 
-    /// Reads a frame that is good and whole.
+    /// Decodes a whole and correct frame.
     fn decode(&mut self, frame: &[u8]) -> V;
 }

@@ -1,7 +1,7 @@
 //! The protocol as the bench uses it.
 
-use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
 use lashloop_protocol::enums::TorqueStatus;
+use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
 use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, MAX_FRAME, Message};
 
 use super::Codec;
@@ -9,12 +9,12 @@ use crate::cycle::{Sample, Torque};
 
 pub struct Ours {
     decoder: Decoder,
-    outbox: [u8; MAX_FRAME],
+    buffer: [u8; MAX_FRAME],
 }
 
 impl Default for Ours {
     fn default() -> Self {
-        Self { decoder: Decoder::new(), outbox: [0; MAX_FRAME] }
+        Self { decoder: Decoder::new(), buffer: [0; MAX_FRAME] }
     }
 }
 
@@ -25,7 +25,7 @@ impl Codec<Sample> for Ours {
         let [motor_counts, load_counts] =
             [motor_counts, load_counts].map(|counts| EncoderCounts::wrapping(counts.into()));
         let sample = EncoderSample { sequence, motor_counts, load_counts, reference_rad };
-        send(HostMessage::from(sample).write_frame(&mut self.outbox));
+        send(HostMessage::from(sample).write_frame(&mut self.buffer));
     }
 
     #[inline(always)]
@@ -45,7 +45,7 @@ impl Codec<Torque> for Ours {
         let Torque { sequence, torque_nm, state, flags, compute_tenths_us } = *value;
         let status = TorqueStatus::from_byte(state | flags).expect("a status");
         let answer = TorqueAnswer { sequence, torque_nm, status, compute_tenths_us };
-        send(DriveMessage::from(answer).write_frame(&mut self.outbox));
+        send(DriveMessage::from(answer).write_frame(&mut self.buffer));
     }
 
     #[inline(always)]

@@ -1,5 +1,5 @@
-//! serde and variable-length integers, framed by hand: postcard's own CRC flavour takes one byte at a time, so we
-//! close the frame with the wide tables and the `cobs` crate, which is faster.
+//! postcard (serde, variable-length integers) with framing of our own. The CRC flavour of postcard processes single bytes, so we
+//! use the wide tables and the `cobs` crate, which is faster.
 
 use ::postcard::{from_bytes, to_slice};
 use serde::{Deserialize, Serialize};
@@ -32,7 +32,7 @@ impl Default for Postcard {
 
 impl Postcard {
     fn send(&mut self, message: &impl Serialize, send: impl FnOnce(&[u8])) {
-        let body = to_slice(message, &mut self.plain).expect("room").len();
+        let body = to_slice(message, &mut self.plain).expect("a large enough buffer").len();
         let crc = CRC_32.checksum(&self.plain[..body]);
         self.plain[body..body + 4].copy_from_slice(&crc.to_le_bytes());
         let end = cobs::encode(&self.plain[..body + 4], &mut self.stuffed);
@@ -42,7 +42,7 @@ impl Postcard {
 
     fn open<'a, M: Deserialize<'a>>(&'a mut self, frame: &[u8]) -> M {
         let end = cobs::decode(&frame[..frame.len() - 1], &mut self.plain).expect("stuffed").frame_size();
-        let (body, crc) = self.plain[..end].split_last_chunk().expect("there is a CRC");
+        let (body, crc) = self.plain[..end].split_last_chunk().expect("a CRC");
         assert_eq!(CRC_32.checksum(body), u32::from_le_bytes(*crc));
         from_bytes(body).expect("a message")
     }

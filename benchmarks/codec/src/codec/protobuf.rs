@@ -1,6 +1,6 @@
-//! Protocol buffers, delimited by the `cobs` crate: without a CRC, as users of both leave it, and with ours.
+//! Protocol buffers delimited by the `cobs` crate, without a CRC (the usual combination) and with ours.
 //!
-//! There is one message per direction with a `oneof` over its kinds, as users of prost tell them apart.
+//! One message per direction has a `oneof` over its kinds, the usual way to distinguish kinds with prost.
 
 use prost::{Message, Oneof};
 
@@ -67,7 +67,7 @@ struct TorqueMessage {
 #[derive(Clone, PartialEq, Message)]
 struct StoppedMessage {}
 
-/// With the CRC-32C of all others, or without any.
+/// With the CRC-32C of the other codecs, or without a CRC.
 pub struct Protobuf<const CRC: bool> {
     plain: [u8; 64],
     stuffed: [u8; 64],
@@ -81,9 +81,9 @@ impl<const CRC: bool> Default for Protobuf<CRC> {
 
 impl<const CRC: bool> Protobuf<CRC> {
     fn send(&mut self, message: &impl Message, send: impl FnOnce(&[u8])) {
-        let mut room = &mut self.plain[..];
-        message.encode(&mut room).expect("room");
-        let left = room.len();
+        let mut free = &mut self.plain[..];
+        message.encode(&mut free).expect("a large enough buffer");
+        let left = free.len();
         let mut len = self.plain.len() - left;
         if CRC {
             let crc = CRC_32.checksum(&self.plain[..len]);
@@ -99,7 +99,7 @@ impl<const CRC: bool> Protobuf<CRC> {
         let end = cobs::decode(&frame[..frame.len() - 1], &mut self.plain).expect("stuffed").frame_size();
         let mut body = &self.plain[..end];
         if CRC {
-            let (checked, crc) = body.split_last_chunk().expect("there is a CRC");
+            let (checked, crc) = body.split_last_chunk().expect("a CRC");
             assert_eq!(CRC_32.checksum(checked), u32::from_le_bytes(*crc));
             body = checked;
         }

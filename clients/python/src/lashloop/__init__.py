@@ -2,10 +2,10 @@
 
 | module | is |
 |---|---|
-| `messages`, `vocabulary`, `layout` | what passes between host and drive |
-| `frames`, `decoder` | how it passes: COBS, CRC, resynchronisation |
-| `lines` | serial ports and pseudo-terminals |
-| `host` | the host's side of a conversation |
-| `drive` | a drive: state machine without I/O, and what runs it on a line |
-| `control` | control laws, the plug-in of a drive |
+| `messages`, `enums`, `layout` | messages, lists of values, types of fields |
+| `frames`, `decoder` | frames: COBS, CRC, resynchronisation |
+| `link` | serial ports and pseudo-terminals |
+| `host` | the host's side of the protocol |
+| `drive` | a drive: state machine without I/O, and the loop that runs it on a link |
+| `control` | control laws of a drive |
 """

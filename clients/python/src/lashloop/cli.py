@@ -1,6 +1,6 @@
-"""`python -m lashloop`: be a drive, or ask one.
+"""`python -m lashloop`: emulate a drive, or query one.
 
-Exit codes as those of the bench: 0 for done, 2 for bad usage, 4 when device or link failed.
+Exit codes are those of the bench: 0 for success, 2 for bad usage, 4 for a failure of device or link.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 
 from serial.tools import list_ports
 
+from lashloop.enums import ControllerId
 from lashloop.errors import LashloopError
 from lashloop.host import Host, ParameterRangeError, UnknownParameterError
-from lashloop.lines import DEFAULT_BAUD, PseudoTerminal, open_port
-from lashloop.enums import ControllerId
+from lashloop.link import DEFAULT_BAUD, PseudoTerminal, open_port
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,23 +26,23 @@ _INTERRUPTED = 130
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Run the command line and give its exit code."""
+    """Run the command line and return its exit code."""
     arguments = _parser().parse_args(words)
     try:
         arguments.run(arguments)
     except (UnknownParameterError, ParameterRangeError) as error:
-        return _complain(error, _USAGE)
+        return _report(error, _USAGE)
     except LashloopError as error:
-        return _complain(error, _DEVICE)
+        return _report(error, _DEVICE)
     except KeyboardInterrupt:
         return _INTERRUPTED
     except BrokenPipeError:
-        # Whoever read has read enough; and nothing more may be written when Python closes its output.
+        # The reader has closed the pipe; Python must write nothing when it closes its output.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return 0
 
 
-def _complain(error: Exception, code: int) -> int:
+def _report(error: Exception, code: int) -> int:
     print(f"lashloop: {error}", file=sys.stderr)
     return code
 
@@ -51,24 +51,24 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m lashloop",
         description="Host and drive of the Lashloop bench, over serial ports and pseudo-terminals.",
-        epilog="Exit codes: 0 done, 2 bad usage, 4 device or link failed.",
+        epilog="Exit codes: 0 success, 2 bad usage, 4 failure of device or link.",
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
     drive = commands.add_parser(
         "drive",
-        help="be a drive until killed",
-        description="Be a drive until killed, with the cascaded PD law. Without --port it opens a pseudo-terminal and "
-        "prints its path on standard output; reach it with `lashloop run SCENARIO --device PATH`.",
+        help="emulate a drive until killed",
+        description="Emulate a drive with the cascaded PD law until killed. Without --port the drive opens a "
+        "pseudo-terminal and prints its path on standard output; use it with `lashloop run SCENARIO --device PATH`.",
     )
-    _add_port(drive, required=False, meaning="serial port on which a host asks; default: a new pseudo-terminal")
+    _add_port(drive, required=False, meaning="serial port to the host; default: a new pseudo-terminal")
     drive.set_defaults(run=_drive)
 
     ports = commands.add_parser("ports", help="list the serial ports", description="List the serial ports.")
     ports.set_defaults(run=_ports)
 
     identify = commands.add_parser(
-        "identify", help="ask a drive who it is", description="Greet a drive and print who it says it is."
+        "identify", help="print the identity of a drive", description="Open a session and print the identity."
     )
     _add_port(identify)
     identify.set_defaults(run=_identify)
@@ -77,7 +77,7 @@ def _parser() -> argparse.ArgumentParser:
         "parameters",
         help="list or set the parameters of a drive",
         description="Print every parameter with value, default, range and unit; with NAME=VALUE set these first. "
-        "What is set stays until the drive is reset, as `lashloop run` does before it begins.",
+        "The values hold until a reset of the drive, which `lashloop run` sends before a run.",
     )
     _add_port(parameters)
     parameters.add_argument("settings", nargs="*", type=_setting, metavar="NAME=VALUE", help="torque_limit_nm=5")
@@ -85,10 +85,16 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _add_port(parser: argparse.ArgumentParser, *, required: bool = True, meaning: str = "where the drive is") -> None:
+def _add_port(
+    parser: argparse.ArgumentParser, *, required: bool = True, meaning: str = "serial port to the drive"
+) -> None:
     parser.add_argument("--port", required=required, metavar="TTY", help=meaning)
     parser.add_argument(
-        "--baud", type=_baud, default=DEFAULT_BAUD, metavar="N", help="bits a second, for a serial port (%(default)s)"
+        "--baud",
+        type=_baud,
+        default=DEFAULT_BAUD,
+        metavar="N",
+        help="bit rate of a serial port, in bit/s (%(default)s)",
     )
 
 
@@ -105,20 +111,20 @@ def _setting(text: str) -> tuple[str, float]:
             raise ValueError(text)
         return name, float(number)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text} is no setting; it must be NAME=NUMBER") from None
+        raise argparse.ArgumentTypeError(f"{text} is no setting; expected NAME=NUMBER") from None
 
 
 def _drive(arguments: argparse.Namespace) -> None:
-    # Only here, because the control law takes numpy with it, for which a host need not wait.
+    # Imported here, because the control law imports numpy, which delays the start of a host.
     from lashloop.control.cascade import PD
     from lashloop.drive import Drive, serve
 
     line = open_port(arguments.port, arguments.baud) if arguments.port else PseudoTerminal()
     if isinstance(line, PseudoTerminal):
-        # Whoever started this waits for the line, so it must not stay in a buffer.
+        # The parent process waits for this line, so it is flushed.
         print(line.path, flush=True)
         if sys.stderr.isatty():
-            hint = "A drive listens there. In another shell: lashloop run SCENARIO.toml --device"
+            hint = "The drive is ready. In another shell: lashloop run SCENARIO.toml --device"
             print(f"{hint} {line.path}", file=sys.stderr)
     serve(line, Drive([PD]))
 
@@ -129,23 +135,25 @@ def _ports(_: argparse.Namespace) -> None:
         usb = "not on USB" if port.vid is None else f"USB {port.vid:04x}:{port.pid:04x}  {port.description}"
         print(f"{port.device:<16} {usb}")
     if not ports:
-        print("No serial port here. Without a board: `python -m lashloop drive` is a drive on a pseudo-terminal.")
+        print(
+            "No serial port found. Without a board, `python -m lashloop drive` emulates a drive on a pseudo-terminal."
+        )
 
 
 def _identify(arguments: argparse.Namespace) -> None:
     with Host.open(arguments.port, arguments.baud) as host:
-        it = host.identity
-        print(f"board                 {it.board}")
-        print(f"firmware              {it.firmware}, build {it.build_id:08x}")
-        print(f"protocol version      {it.protocol_version}")
-        print(f"state                 {it.state}")
+        identity = host.identity
+        print(f"board                 {identity.board}")
+        print(f"firmware              {identity.firmware}, build {identity.build_id:08x}")
+        print(f"protocol version      {identity.protocol_version}")
+        print(f"state                 {identity.state}")
         if host.fault is not None:
             print(f"fault                 {host.fault}")
-        print(f"control period        {it.period_us} us")
-        print(f"motor encoder         {it.motor_counts_per_rev} counts/rev")
-        print(f"load encoder          {it.load_counts_per_rev} counts/rev")
-        print(f"control laws          {', '.join(_laws(it.controllers.value))}")
-        print(f"parameters            {it.parameter_count}")
+        print(f"control period        {identity.period_us} us")
+        print(f"motor encoder         {identity.motor_counts_per_rev} counts/rev")
+        print(f"load encoder          {identity.load_counts_per_rev} counts/rev")
+        print(f"control laws          {', '.join(_laws(identity.controllers.value))}")
+        print(f"parameters            {identity.parameter_count}")
 
 
 def _laws(bits: int) -> list[str]:
@@ -155,7 +163,7 @@ def _laws(bits: int) -> list[str]:
 
 def _parameters(arguments: argparse.Namespace) -> None:
     with Host.open(arguments.port, arguments.baud) as host:
-        # All of them are looked at before the first is set, so that a slip of the pen changes nothing.
+        # All values are checked before the first is set, so that a typing error changes nothing.
         for name, number in arguments.settings:
             host.parameter(name).value(number)
         for name, number in arguments.settings:

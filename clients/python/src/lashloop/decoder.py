@@ -1,4 +1,4 @@
-"""From a stream of bytes to messages, in pieces of any size, with anything in between."""
+"""A stream of bytes, in pieces of any size, to messages."""
 
 from __future__ import annotations
 
@@ -22,29 +22,29 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class Counters:
-    """What a decoder has seen."""
+    """Statistics of a decoder."""
 
     messages: int = 0
-    """Good messages."""
+    """Messages decoded."""
     discarded_bytes: int = 0
-    """Bytes thrown away with bad frames, their delimiters included."""
+    """Bytes of rejected frames, delimiters included."""
     oversized: int = 0
-    """Frames longer than a frame can be."""
+    """Frames longer than `MAX_FRAME`."""
     malformed: int = 0
-    """Frames with broken stuffing or too short for a CRC."""
+    """Frames with invalid stuffing, or too short for a CRC."""
     crc_errors: int = 0
-    """Frames whose CRC was wrong."""
+    """Frames with a wrong CRC."""
     refused: int = 0
-    """Whole frames that were no message of this direction and version."""
+    """Whole frames that are no message of this direction and version."""
 
     @property
     def damaged(self) -> int:
-        """Frames that arrived damaged, in whatever way."""
+        """Damaged frames: oversized, malformed, or with a wrong CRC."""
         return self.oversized + self.malformed + self.crc_errors
 
 
 class Decoder(Generic[M]):
-    """The incremental decoder of one direction. It keeps at most one frame."""
+    """The incremental decoder of one direction. It buffers at most one frame."""
 
     def __init__(self, direction: Direction[M]) -> None:
         """Begin at the start of a frame."""
@@ -55,13 +55,13 @@ class Decoder(Generic[M]):
 
     @property
     def counters(self) -> Counters:
-        """What has been seen up to the item that was given last."""
+        """Statistics up to the last item returned."""
         return replace(self._counters)
 
     def feed(self, data: bytes) -> Iterator[M | FrameError]:
-        """Give the messages and bad frames that end in `data`, in order. Use the iterator up before the next call.
+        """Yield the messages and bad frames that end in `data`. Exhaust the iterator before the next call.
 
-        Delimiters without anything between them are no frames: they are how a sender clears the line.
+        Consecutive delimiters are not frames: a sender clears the line with them.
         """
         *ended, rest = data.split(b"\0")
         for piece in ended:
@@ -71,10 +71,10 @@ class Decoder(Generic[M]):
         self._append(rest)
 
     def _append(self, piece: bytes) -> None:
-        # Beyond the longest frame bytes are only counted.
-        room = MAX_FRAME - len(self._partial)
-        self._partial += piece[:room]
-        self._dropped += max(len(piece) - room, 0)
+        # Bytes beyond the longest frame are counted but not kept.
+        free = MAX_FRAME - len(self._partial)
+        self._partial += piece[:free]
+        self._dropped += max(len(piece) - free, 0)
 
     def _close(self) -> M | FrameError:
         stuffed, dropped = self._partial, self._dropped

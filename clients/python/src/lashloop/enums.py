@@ -1,6 +1,6 @@
 """The lists of values on the wire, section 5 of `docs/protocol.md`.
 
-Lists are closed: a byte that is in none of them makes its message refused.
+Lists are closed: a message with any other byte is rejected.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 
 _SINGLE = struct.Struct("<f")
-_SPELT_OUT = 1e9
+_MAX_PLAIN_INTEGER = 1e9
 
 
 def single(number: float) -> float:
-    """Round to the nearest binary32; what is too large for one becomes an infinity."""
+    """Round to the nearest binary32; a number out of its range becomes infinite."""
     try:
         rounded: float = _SINGLE.unpack(_SINGLE.pack(number))[0]
     except OverflowError:
@@ -23,29 +23,29 @@ def single(number: float) -> float:
     return rounded
 
 
-def spell(number: float) -> str:
-    """Spell a number in single precision with the fewest digits that give it again."""
-    if number.is_integer() and abs(number) < _SPELT_OUT:
+def shortest(number: float) -> str:
+    """Format a number of single precision with the fewest digits that read back as it."""
+    if number.is_integer() and abs(number) < _MAX_PLAIN_INTEGER:
         return str(int(number))
     digits = (f"{number:.{count}g}" for count in range(1, 10))
     return next((text for text in digits if single(float(text)) == number), str(number))
 
 
 class WireEnum(IntEnum):
-    """A list of values, a byte each."""
+    """A closed list of values of one byte."""
 
     @property
     def label(self) -> str:
-        """The name as the specification spells it."""
+        """Name in the specification."""
         return "".join(word.capitalize() for word in self.name.split("_"))
 
     def __str__(self) -> str:
-        """Give the name as the specification spells it."""
+        """Return the name in the specification."""
         return self.label
 
 
 class State(WireEnum):
-    """Where a drive is in its life."""
+    """State of a drive."""
 
     BOOT = 1
     IDLE = 2
@@ -55,7 +55,7 @@ class State(WireEnum):
 
 
 class FaultCode(WireEnum):
-    """What put a drive into `Faulted`."""
+    """Cause of a latched fault."""
 
     WATCHDOG = 1
     EMERGENCY_STOP = 2
@@ -67,13 +67,13 @@ class FaultCode(WireEnum):
     PROCESSOR_FAULT = 8
 
     @property
-    def is_last_words(self) -> bool:
-        """Whether these are a firmware's last words, section 8: their sequence is 0 and names no sample."""
+    def is_firmware_stop(self) -> bool:
+        """Whether the firmware has stopped, section 8: the sequence is 0 and refers to no sample."""
         return self in (FaultCode.PANIC, FaultCode.PROCESSOR_FAULT)
 
 
 class Outcome(WireEnum):
-    """What became of a request."""
+    """Outcome of a request."""
 
     ACCEPTED = 1
     WRONG_STATE = 2
@@ -87,7 +87,7 @@ class Outcome(WireEnum):
 
 
 class LogLevel(WireEnum):
-    """Weight of a line for people."""
+    """Severity of a log text."""
 
     DEBUG = 1
     INFO = 2
@@ -96,14 +96,14 @@ class LogLevel(WireEnum):
 
 
 class ParameterType(WireEnum):
-    """What the four bytes of a parameter's value are."""
+    """Type of a parameter's value."""
 
     U32 = 1
     F32 = 2
 
 
 class ControllerId(WireEnum):
-    """Values of the parameter `controller` that have a name."""
+    """Control laws: values of the parameter `controller` with a name."""
 
     PD = 1
     MERZOUKI = 2
@@ -119,7 +119,7 @@ class DisturbingTorqueSource(WireEnum):
 
 
 class TorqueFlags(IntFlag):
-    """What is to be known of a torque."""
+    """Conditions of a torque."""
 
     SATURATED = 0x10
     REPEATED = 0x20
@@ -128,14 +128,14 @@ class TorqueFlags(IntFlag):
 
 @dataclass(frozen=True, slots=True)
 class TorqueStatus:
-    """State after a control step, and what is to be known of its torque: one byte, `state | flags`."""
+    """State after a control step, and the flags of its torque: one byte, `state | flags`."""
 
     state: State
     flags: TorqueFlags
 
 
 class Controllers(IntFlag):
-    """Control laws a drive offers: bit n stands for the law n. A drive may offer more than have a name."""
+    """Control laws that a drive offers: bit n stands for law n. A law need not have a name."""
 
     PD = 0x0002
     MERZOUKI = 0x0004
@@ -143,7 +143,7 @@ class Controllers(IntFlag):
     BACKLASH_INVERSE = 0x0010
 
     def offers(self, controller: int) -> bool:
-        """Whether the law of this number is offered."""
+        """Whether the drive offers the law with this number."""
         return bool(self.value >> controller & 1)
 
 
@@ -156,7 +156,7 @@ class Version:
     patch: int
 
     def __str__(self) -> str:
-        """Give `major.minor.patch`."""
+        """Return `major.minor.patch`."""
         return f"{self.major}.{self.minor}.{self.patch}"
 
 
@@ -169,14 +169,14 @@ class ParameterValue:
 
     @classmethod
     def u32(cls, value: int) -> ParameterValue:
-        """Make an unsigned number."""
+        """Return an unsigned integer value."""
         return cls(ParameterType.U32, value)
 
     @classmethod
     def f32(cls, value: float) -> ParameterValue:
-        """Make a real number, rounded to single precision: the one that arrives."""
+        """Return a real value, rounded to single precision as on the wire."""
         return cls(ParameterType.F32, single(value))
 
     def __str__(self) -> str:
-        """Give the number with the digits that its type holds."""
-        return str(self.value) if self.type is ParameterType.U32 else spell(float(self.value))
+        """Return the number with the digits of its type."""
+        return str(self.value) if self.type is ParameterType.U32 else shortest(float(self.value))

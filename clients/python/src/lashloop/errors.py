@@ -1,6 +1,6 @@
-"""Everything this package raises on purpose, below one class.
+"""The base class of all errors of this package.
 
-An error says which side it happened on, which value, which limit, and what to do where something can be done.
+An error names the side, the value, the limit and, where possible, the remedy.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ class LashloopError(Exception):
 
 
 class FieldError(LashloopError, ValueError):
-    """A value that its field on the wire can't hold."""
+    """A value outside the range of its field on the wire."""
 
     def __init__(self, message: str, field: str, value: object, allowed: str) -> None:
-        """Name the field, the value and what is allowed."""
+        """Name the field, the value and the range."""
         super().__init__(f"{message}.{field} is {value!r}, allowed is {allowed}")
         self.message, self.field, self.value, self.allowed = message, field, value, allowed

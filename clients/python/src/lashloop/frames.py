@@ -1,4 +1,4 @@
-"""A message as the bytes of one frame, and back, section 2 of `docs/protocol.md`."""
+"""A message to a frame and back, section 2 of `docs/protocol.md`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
 MAX_FRAME = 64
-"""Longest frame in bytes, everything included."""
+"""Longest frame in bytes, COBS code and delimiter included."""
 OVERHEAD = 6
 """Bytes of a frame beyond its body."""
 MAX_BODY = MAX_FRAME - OVERHEAD
@@ -27,48 +27,48 @@ M = TypeVar("M", bound=Message)
 
 
 class FrameError(LashloopError):
-    """The bytes between two delimiters are no message. Nothing of them has been used."""
+    """The bytes between two delimiters are no message. They are discarded whole."""
 
 
 class OversizedError(FrameError):
-    """There was no delimiter within the longest frame."""
+    """No delimiter within the longest frame."""
 
     def __init__(self, length: int) -> None:
-        """Say how many bytes there were, the delimiter not counted."""
+        """Name the number of bytes, without the delimiter."""
         super().__init__(f"{length} bytes without a delimiter, a frame has at most {MAX_FRAME} with it")
 
 
 class MalformedError(FrameError):
-    """The stuffing is broken, or the frame is too short for a kind and a CRC."""
+    """The stuffing is invalid, or the frame is too short for a kind and a CRC."""
 
 
 class CrcError(FrameError):
-    """The CRC over the body is not the one in the frame."""
+    """The CRC over the body differs from the CRC in the frame."""
 
 
-class RefusedError(FrameError):
-    """The frame is whole, but no message of this version and direction."""
+class BodyError(FrameError):
+    """The frame is whole but is no message of this version and direction."""
 
 
 class Direction(Generic[M]):
-    """One of the two sides that send: which messages may come from it."""
+    """One direction, with the messages of its sender."""
 
     def __init__(self, sender: str, messages: Iterable[type[M]]) -> None:
-        """Gather the messages by their kind."""
+        """Index the messages by kind."""
         self.sender = sender
         self._layouts = {LAYOUTS[it].kind: LAYOUTS[it] for it in messages}
 
     def read_body(self, body: bytes) -> M:
-        """Read a message from a whole body; `RefusedError` says what keeps it from being one."""
+        """Decode a body; `BodyError` if it is no message of this direction."""
         layout = self._layouts.get(body[0])
         if layout is None:
-            raise RefusedError(f"kind {body[0]:#04x} is none of a {self.sender}'s")
+            raise BodyError(f"kind {body[0]:#04x} is not a message of the {self.sender}")
         if len(body) != layout.body_len:
-            raise RefusedError(f"a body of {len(body)} bytes, {layout.name} has {layout.body_len}")
+            raise BodyError(f"a body of {len(body)} bytes, {layout.name} has {layout.body_len}")
         try:
             message: M = layout.decode(body)
         except ValueError as error:
-            raise RefusedError(f"a field of {layout.name} holds no value of its type: {error}") from error
+            raise BodyError(f"a field of {layout.name} holds no value of its type: {error}") from error
         return message
 
 
@@ -77,20 +77,20 @@ FROM_DRIVE: Direction[DriveMessage] = Direction("drive", DRIVE_MESSAGES)
 
 
 def crc32c(data: bytes) -> int:
-    """CRC-32/ISCSI of some bytes."""
+    """Return the CRC-32/ISCSI."""
     checksum: int = google_crc32c.value(data)
     return checksum
 
 
 def encode(message: Message) -> bytes:
-    """Give the frame of a message, delimiter included; `FieldError` names what a field can't hold."""
+    """Return the frame of a message, delimiter included; `FieldError` for a value outside its field's range."""
     body = LAYOUTS[type(message)].encode(message)
     stuffed: bytes = cobs.encode(body + crc32c(body).to_bytes(_CRC_LEN, "little"))
     return stuffed + DELIMITER
 
 
 def open_frame(stuffed: bytes) -> bytes:
-    """Give the body of the bytes between two delimiters; a `FrameError` says what is wrong with them."""
+    """Return the body in the bytes between two delimiters; `FrameError` if they are no frame."""
     if len(stuffed) >= MAX_FRAME:
         raise OversizedError(len(stuffed))
     try:
@@ -107,5 +107,5 @@ def open_frame(stuffed: bytes) -> bytes:
 
 
 def decode(frame: bytes, direction: Direction[M]) -> M:
-    """Read the message of one whole frame, with or without its delimiter; a `FrameError` says why it is none."""
+    """Decode one whole frame, with or without its delimiter; `FrameError` if it is no message."""
     return direction.read_body(open_frame(frame.removesuffix(DELIMITER)))

@@ -1,6 +1,6 @@
-"""How the fields of a message lie in its body, section 3 of `docs/protocol.md`.
+"""The layout of fields in a body, section 3 of `docs/protocol.md`.
 
-A message class declares each field once, with its wire type as annotation; the layout is worked out from that.
+A message class declares each field once, annotated with its wire type; the layout follows from the declaration.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from dataclasses import dataclass, fields
 from operator import attrgetter, index
 from typing import TYPE_CHECKING, Annotated, Any, Protocol, get_type_hints
 
-from lashloop.errors import FieldError
 from lashloop.enums import (
     Controllers,
     FaultCode,
@@ -23,6 +22,7 @@ from lashloop.enums import (
     TorqueStatus,
     Version,
 )
+from lashloop.errors import FieldError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,10 +30,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """A wire type: its name in the specification, and how its values become bytes.
+    """A wire type: its name in the specification, and the conversion of its values.
 
-    `pack` and `unpack` lie between the value and what `struct` takes for `code`; they raise `ValueError` for what the
-    type does not hold. None stands for nothing to do.
+    `pack` and `unpack` convert between the value and the operand of `struct` for `code`; they raise `ValueError` for
+    a value outside the type. None means no conversion.
     """
 
     name: str
@@ -96,7 +96,7 @@ def _named_flags(bits: int) -> TorqueFlags:
 
 
 _ALL_TORQUE_FLAGS = sum(TorqueFlags)
-# The bits of a status that are its state; the others are flags.
+# Bits of a status byte that hold the state; the others are flags.
 _STATE_MASK = 0x0F
 
 U8 = Annotated[int, Wire("u8", "B", "0 to 255")]
@@ -124,12 +124,12 @@ FaultCodeField = Annotated[FaultCode, _enum(FaultCode)]
 OutcomeField = Annotated[Outcome, _enum(Outcome)]
 LogLevelField = Annotated[LogLevel, _enum(LogLevel)]
 StatusField = Annotated[TorqueStatus, Wire("status8", "B", "a State with TorqueFlags", _pack_status, _unpack_status)]
-# Unlike its flags, a set bit without a name is a law that has none, and no reason to refuse an identity.
+# A bit without a name is a law of a newer drive and, unlike an unknown torque flag, no error.
 ControllersField = Annotated[Controllers, Wire("flags16", "H", "16 bits", None, Controllers)]
 
 
 class Declared(Protocol):
-    """A class of messages, as far as a layout needs it."""
+    """A message class, as a layout requires it."""
 
     KIND: int
 
@@ -147,7 +147,7 @@ class Layout:
     """The body of one kind of message: the kind byte, then the fields."""
 
     def __init__(self, message: type[Any]) -> None:
-        """Work out the layout of a message class from its annotations."""
+        """Derive the layout of a message class from its annotations."""
         hints = get_type_hints(message, include_extras=True)
         wires = [(field.name, _wire_of(hints[field.name])) for field in fields(message)]
         self.name = message.__name__
@@ -164,7 +164,7 @@ class Layout:
         self._unpacks = [(place, wire.unpack) for place, (_, wire) in enumerate(wires) if wire.unpack]
 
     def encode(self, message: object) -> bytes:
-        """Give the body of a message; `FieldError` names what a field can't hold."""
+        """Return the body of a message; `FieldError` for a value outside its field's range."""
         values = list(self._values(message))
         try:
             for place, pack in self._packs:
@@ -175,7 +175,7 @@ class Layout:
             raise
 
     def decode(self, body: bytes) -> Any:
-        """Read a body of this kind and length; `ValueError` if a field holds no value of its type."""
+        """Decode a body of this kind and length; `ValueError` if a field holds no value of its type."""
         values = list(self._struct.unpack(body)[1:])
         for place, unpack in self._unpacks:
             values[place] = unpack(values[place])

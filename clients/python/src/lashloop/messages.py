@@ -1,4 +1,4 @@
-"""The messages of protocol version 1, section 4 of `docs/protocol.md`. Units stand in the names of the fields."""
+"""The messages of protocol version 1, section 4 of `docs/protocol.md`. A field's name ends in its unit."""
 
 from __future__ import annotations
 
@@ -30,27 +30,27 @@ PROTOCOL_VERSION = 1
 
 
 class Message:
-    """Anything that is sent."""
+    """A message of either direction."""
 
     __slots__ = ()
     KIND: ClassVar[int]
 
 
 class HostMessage(Message):
-    """What a host sends."""
+    """A message of the host."""
 
     __slots__ = ()
 
 
 class DriveMessage(Message):
-    """What a drive sends."""
+    """A message of the drive."""
 
     __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Hello(HostMessage):
-    """Opens a session, and asks who is there."""
+    """Opens a session and requests the identity."""
 
     KIND: ClassVar[int] = 0x01
     protocol_version: U8
@@ -59,7 +59,7 @@ class Hello(HostMessage):
 
 @dataclass(frozen=True, slots=True)
 class DescribeParameter(HostMessage):
-    """Asks what a parameter is."""
+    """Requests name, unit, type and range of a parameter."""
 
     KIND: ClassVar[int] = 0x02
     index: U8
@@ -67,7 +67,7 @@ class DescribeParameter(HostMessage):
 
 @dataclass(frozen=True, slots=True)
 class GetParameter(HostMessage):
-    """Asks for the value in force."""
+    """Requests the value in force."""
 
     KIND: ClassVar[int] = 0x03
     index: U8
@@ -92,7 +92,7 @@ class Arm(HostMessage):
 
 @dataclass(frozen=True, slots=True)
 class Start(HostMessage):
-    """Starts the controller; the next sample carries sequence 0."""
+    """Starts the control law; the next sample carries sequence 0."""
 
     KIND: ClassVar[int] = 0x06
     session: U32
@@ -100,7 +100,7 @@ class Start(HostMessage):
 
 @dataclass(frozen=True, slots=True)
 class Stop(HostMessage):
-    """Ends a run in good order."""
+    """Ends a run."""
 
     KIND: ClassVar[int] = 0x07
 
@@ -114,21 +114,21 @@ class EmergencyStop(HostMessage):
 
 @dataclass(frozen=True, slots=True)
 class ClearFault(HostMessage):
-    """Acknowledges the latched fault."""
+    """Clears the latched fault."""
 
     KIND: ClassVar[int] = 0x09
 
 
 @dataclass(frozen=True, slots=True)
 class Reset(HostMessage):
-    """Puts the drive where it is after power-up."""
+    """Returns the drive to its state after power-up."""
 
     KIND: ClassVar[int] = 0x0A
 
 
 @dataclass(frozen=True, slots=True)
 class EncoderSample(HostMessage):
-    """What the two encoders read at the start of a control period."""
+    """Readings of the two encoders at the start of a control period."""
 
     KIND: ClassVar[int] = 0x10
     sequence: U16
@@ -139,7 +139,7 @@ class EncoderSample(HostMessage):
 
 @dataclass(frozen=True, slots=True)
 class Identity(DriveMessage):
-    """Who the drive is."""
+    """Identity of the drive."""
 
     KIND: ClassVar[int] = 0x81
     protocol_version: U8
@@ -157,7 +157,7 @@ class Identity(DriveMessage):
 
 @dataclass(frozen=True, slots=True)
 class ParameterDescription(DriveMessage):
-    """What a parameter is."""
+    """Name, unit, type and range of a parameter."""
 
     KIND: ClassVar[int] = 0x82
     index: U8
@@ -171,7 +171,7 @@ class ParameterDescription(DriveMessage):
 
 @dataclass(frozen=True, slots=True)
 class ParameterReport(DriveMessage):
-    """The value in force of a parameter after a get or a set."""
+    """Value in force of a parameter after a get or a set."""
 
     KIND: ClassVar[int] = 0x83
     index: U8
@@ -182,7 +182,7 @@ class ParameterReport(DriveMessage):
 
 @dataclass(frozen=True, slots=True)
 class CommandResult(DriveMessage):
-    """What became of a request that has no answer of its own."""
+    """Outcome of a request that has no answer of its own."""
 
     KIND: ClassVar[int] = 0x85
     request: U8
@@ -192,7 +192,7 @@ class CommandResult(DriveMessage):
 
 @dataclass(frozen=True, slots=True)
 class TorqueAnswer(DriveMessage):
-    """The torque for one sample."""
+    """Torque for one sample."""
 
     KIND: ClassVar[int] = 0x90
     sequence: U16
@@ -203,7 +203,7 @@ class TorqueAnswer(DriveMessage):
 
 @dataclass(frozen=True, slots=True)
 class Telemetry(DriveMessage):
-    """What the controller thinks."""
+    """Signals of the control law."""
 
     KIND: ClassVar[int] = 0x91
     sequence: U16
@@ -217,7 +217,7 @@ class Telemetry(DriveMessage):
 
 @dataclass(frozen=True, slots=True)
 class FaultReport(DriveMessage):
-    """A fault that has been latched."""
+    """The latched fault."""
 
     KIND: ClassVar[int] = 0x92
     code: FaultCodeField
@@ -229,7 +229,7 @@ class FaultReport(DriveMessage):
 
 @dataclass(frozen=True, slots=True)
 class Log(DriveMessage):
-    """A line for people."""
+    """Log text of the drive."""
 
     KIND: ClassVar[int] = 0x93
     level: LogLevelField
@@ -238,7 +238,7 @@ class Log(DriveMessage):
 
 @dataclass(frozen=True, slots=True)
 class LineReport(DriveMessage):
-    """What the drive's receiver has seen since the last start."""
+    """Receive statistics of the drive since the last start."""
 
     KIND: ClassVar[int] = 0x94
     messages: U32

@@ -1,29 +1,14 @@
-//! What may be tuned in the backlash inverse.
+//! Gains and limits of the backlash inverse.
 
-use crate::control::parameter::{GAIN_MAX, Limits, all_within, within};
+use crate::control::parameter_error::at_most;
 use crate::control::{ParameterError, Real};
 
-/// What each of them may be, but for the two that depend on the period.
-const LIMITS: [Limits; 11] = [
-    ("approach_rate_1_s", 0.0, GAIN_MAX),
-    ("approach_speed_rad_s", 0.0, GAIN_MAX),
-    ("load_velocity_gain_nm_s_rad", 0.0, GAIN_MAX),
-    ("load_integral_gain_nm_rad", 0.0, GAIN_MAX),
-    ("load_integral_limit_nm", 0.0, GAIN_MAX),
-    ("transmitted_limit_nm", 0.0, GAIN_MAX),
-    ("gap_crossing_nm", 1e-6, GAIN_MAX),
-    ("twist_gain_nm_rad", 0.0, GAIN_MAX),
-    ("identification_min_nm", 0.0, GAIN_MAX),
-    ("arrival_band_rad", 0.0, 1.0),
-    ("hold_fraction", 0.0, 1.0),
-];
-
-/// Gains and limits of the backlash inverse.
+/// Gains and limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BacklashInverseGains<F> {
     /// Load error to wanted load velocity, 1/s.
     pub approach_rate_1_s: F,
-    /// Fastest wanted load velocity beyond the reference's own, in rad/s.
+    /// Largest wanted load velocity relative to the reference, in rad/s.
     pub approach_speed_rad_s: F,
     /// Load velocity error to torque at the load, N m s/rad.
     pub load_velocity_gain_nm_s_rad: F,
@@ -31,9 +16,9 @@ pub struct BacklashInverseGains<F> {
     pub load_integral_gain_nm_rad: F,
     /// Largest torque of that integral at the load in N m.
     pub load_integral_limit_nm: F,
-    /// Largest torque asked of the transmission, at the motor's side, in N m.
+    /// Largest requested transmitted torque at the motor's side in N m.
     pub transmitted_limit_nm: F,
-    /// Transmitted torque in N m within which the motor is sent from one side of the gap to the other.
+    /// Transmitted torque in N m within which the motor crosses the gap.
     pub gap_crossing_nm: F,
     /// Twist error to torque, N m/rad.
     pub twist_gain_nm_rad: F,
@@ -43,9 +28,9 @@ pub struct BacklashInverseGains<F> {
     pub load_observer_rad_s: F,
     /// Smallest transmitted torque in N m at which the gap is identified.
     pub identification_min_nm: F,
-    /// Load error in rad that counts as arrived, if the load encoder can tell it.
+    /// Load error in rad that counts as arrived; at least 1.05 counts of the load encoder are used.
     pub arrival_band_rad: F,
-    /// Share of the integral that is kept on arrival.
+    /// Fraction of the integral kept on arrival.
     pub hold_fraction: F,
 }
 
@@ -69,32 +54,24 @@ impl<F: Real> BacklashInverseGains<F> {
         }
     }
 
-    /// Checks every gain, and those that the period and the motor's inertia set a limit to.
+    /// Checks the gains that the period and the motor's inertia limit.
     ///
     /// # Errors
-    /// Names the first gain outside its range.
+    /// Names the first gain beyond its limit.
     pub fn validate(&self, motor_inertia_kg_m2: F, period_s: F) -> Result<(), ParameterError> {
-        all_within(
-            &LIMITS,
-            [
-                self.approach_rate_1_s,
-                self.approach_speed_rad_s,
-                self.load_velocity_gain_nm_s_rad,
-                self.load_integral_gain_nm_rad,
-                self.load_integral_limit_nm,
-                self.transmitted_limit_nm,
-                self.gap_crossing_nm,
-                self.twist_gain_nm_rad,
-                self.identification_min_nm,
-                self.arrival_band_rad,
-                self.hold_fraction,
-            ],
+        // A held torque damps the motor within one period at most; a larger gain reverses the motion every period.
+        at_most(
+            "twist_damping_nm_s_rad",
+            self.twist_damping_nm_s_rad,
+            motor_inertia_kg_m2 / period_s,
+            "motor_inertia_kg_m2 over the control period",
         )?;
-        // A held torque damps the motor within one period at most; beyond that it drives it to and fro.
-        let damping_max = (motor_inertia_kg_m2 / period_s).to_f64() as f32;
-        within("twist_damping_nm_s_rad", self.twist_damping_nm_s_rad, 0.0, damping_max)?;
-        // The observer is advanced by Euler's rule, which is unstable beyond 2 / period and coarse long before.
-        let pole_max = (F::from_f64(0.5) / period_s).to_f64() as f32;
-        within("load_observer_rad_s", self.load_observer_rad_s, 0.1, pole_max)
+        // Euler's rule advances the observer: it is unstable beyond 2 / period and coarse long before.
+        at_most(
+            "load_observer_rad_s",
+            self.load_observer_rad_s,
+            F::from_f64(0.5) / period_s,
+            "half of 1 over the control period",
+        )
     }
 }

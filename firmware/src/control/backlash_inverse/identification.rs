@@ -1,30 +1,30 @@
 //! Compliance and half gap of the transmission, by recursive least squares.
 //!
-//! In contact |z| = kappa |C| + j, with kappa = 1 / K. Twist and transmitted torque are both known at the motor's side,
-//! so friction on the load, which spoils the paper's estimate, is in neither. Both estimates are held within bounds.
-//! The half gap is let wander a little, so that one that wears is followed; the compliance of a shaft doesn't change.
+//! In contact |z| = kappa |C| + j, with kappa = 1 / K. Twist and transmitted torque are both measured at the motor's
+//! side, so neither contains the friction on the load, which biases the paper's estimate. Both estimates are clamped to
+//! bounds. Process noise on the half gap lets the estimate follow wear; the compliance of a shaft is constant.
 //!
-//! A sample counts if torque and twist are of one sign and the torque is large enough for contact to be certain. It also
-//! has to be a slow one: while the twist moves, every delay between torque and position looks like a piece of gap.
+//! A sample counts if torque and twist have one sign and the torque is large enough for contact to be certain. The
+//! twist must also be slow: while it moves, every delay between torque and position looks like a piece of gap.
 
 use nalgebra::{Matrix2, Vector2};
 
 use crate::control::Real;
 
-/// Weight of one sample, as the variance of its twist in rad^2. Samples are a period apart and their errors are anything
-/// but independent, hence so much.
+/// Variance of the twist of one sample in rad^2. It is large because the errors of samples one period apart are
+/// strongly correlated.
 const SAMPLE_VARIANCE_RAD2: f64 = 2.0;
-/// Variance of the initial half gap in rad^2, and of the compliance in units of the nominal one.
+/// Variance of the initial half gap in rad^2, and of the compliance relative to the nominal one.
 const INITIAL_VARIANCE: f64 = 0.09;
-/// What the half gap's variance grows by with each sample, in rad^2, up to the initial one: a gap that wears is followed
-/// within some ten seconds of contact.
-pub(super) const GAP_WANDER_RAD2: f64 = 1e-7;
-/// Range of the compliance in units of the nominal one.
+/// Growth of the half gap's variance per sample in rad^2, up to the initial variance. The estimate follows wear within
+/// some ten seconds of contact.
+pub(super) const GAP_PROCESS_NOISE_RAD2: f64 = 1e-7;
+/// Range of the compliance relative to the nominal one.
 const COMPLIANCE_RANGE: (f64, f64) = (0.5, 2.0);
-/// Fastest twist in rad/s at which a sample counts.
+/// Largest rate of the twist in rad/s at which a sample counts.
 const FASTEST_TWIST_RAD_S: f64 = 3.0;
 
-/// What the identification is to know beforehand.
+/// Prior values and bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Identification<F> {
     /// Nominal compliance 1 / K in rad/(N m).
@@ -35,11 +35,11 @@ pub(super) struct Identification<F> {
     pub(super) max_rad: F,
     /// Smallest transmitted torque in N m at which a sample counts.
     pub(super) min_torque_nm: F,
-    /// Growth of the half gap's variance per sample in rad^2; nought gives plain least squares.
-    pub(super) wander_rad2: F,
+    /// Growth of the half gap's variance per sample in rad^2; zero gives plain least squares.
+    pub(super) process_noise_rad2: F,
 }
 
-/// The estimates and how uncertain they are.
+/// The estimates and their covariance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Estimate<F: Real> {
     /// Compliance in rad/(N m), half gap in rad.
@@ -60,7 +60,7 @@ impl<F: Real> Estimate<F> {
 }
 
 impl<F: Real> Identification<F> {
-    /// Nothing but what is known beforehand.
+    /// The prior values.
     pub(super) fn initial_estimate(&self) -> Estimate<F> {
         let variance = F::from_f64(INITIAL_VARIANCE);
         let nominal = self.nominal_rad_nm;
@@ -70,7 +70,7 @@ impl<F: Real> Identification<F> {
         }
     }
 
-    /// Learns from one sample, if it is one to learn from.
+    /// Updates the estimate by one sample, if the sample counts.
     pub(super) fn step(
         &self,
         estimate: &mut Estimate<F>,
@@ -83,11 +83,11 @@ impl<F: Real> Identification<F> {
             && transmitted_nm * twist_rad > F::ZERO
             && twist_rate_rad_s.abs() < F::from_f64(FASTEST_TWIST_RAD_S)
         {
-            self.learn(estimate, torque, twist_rad.abs());
+            self.update(estimate, torque, twist_rad.abs());
         }
     }
 
-    fn learn(&self, estimate: &mut Estimate<F>, torque_nm: F, twist_rad: F) {
+    fn update(&self, estimate: &mut Estimate<F>, torque_nm: F, twist_rad: F) {
         let regressor = Vector2::new(torque_nm, F::ONE);
         let spread = estimate.covariance * regressor;
         let gain = spread / (F::from_f64(SAMPLE_VARIANCE_RAD2) + regressor.dot(&spread));
@@ -95,7 +95,7 @@ impl<F: Real> Identification<F> {
         estimate.covariance -= gain * spread.transpose();
         estimate.parameters += gain * error;
         if estimate.covariance.m22 < F::from_f64(INITIAL_VARIANCE) {
-            estimate.covariance.m22 += self.wander_rad2;
+            estimate.covariance.m22 += self.process_noise_rad2;
         }
         let (low, high) = COMPLIANCE_RANGE;
         let nominal = self.nominal_rad_nm;
@@ -115,16 +115,16 @@ mod tests {
             initial_rad: 0.3,
             max_rad: 0.8,
             min_torque_nm: 0.4,
-            wander_rad2: 0.0,
+            process_noise_rad2: 0.0,
         }
     }
 
-    /// Torques that wind the spring up and down on both sides.
+    /// Torques that wind the spring on both sides.
     fn torque_nm(k: i32) -> f64 {
         3.0 * (f64::from(k) * 1e-3).sin()
     }
 
-    fn taught(samples: i32, twist_rad: impl Fn(f64) -> f64) -> Estimate<f64> {
+    fn estimate_after(samples: i32, twist_rad: impl Fn(f64) -> f64) -> Estimate<f64> {
         let identification = identification();
         let mut estimate = identification.initial_estimate();
         for torque in (0..samples).map(torque_nm) {
@@ -134,15 +134,15 @@ mod tests {
     }
 
     #[test]
-    fn gap_and_compliance_are_found_from_contact_on_both_sides() {
-        let estimate = taught(20_000, |torque| 1.3 * torque + 0.1 * torque.signum());
+    fn contact_on_both_sides_identifies_gap_and_compliance() {
+        let estimate = estimate_after(20_000, |torque| 1.3 * torque + 0.1 * torque.signum());
         let (compliance, gap) = (estimate.compliance_rad_nm(), estimate.dead_zone_rad());
         assert!((compliance - 1.3).abs() < 2e-3, "have {compliance} rad/(N m), want 1.3");
         assert!((gap - 0.1).abs() < 4e-3, "have {gap} rad, want 0.1");
     }
 
     #[test]
-    fn least_squares_is_that_of_all_samples_at_once() {
+    fn recursion_equals_the_batch_solution() {
         // The recursion without bounds is the solution of (P0^-1 + sum phi phi' / R) x = P0^-1 x0 + sum phi y / R.
         let twist = |torque: f64| 1.2 * torque.abs() + 0.1 + 0.02 * (17.0 * torque).sin();
         let prior = identification().initial_estimate();
@@ -156,7 +156,7 @@ mod tests {
             information += regressor * twist(torque) / SAMPLE_VARIANCE_RAD2;
             identification().step(&mut estimate, torque, twist(torque) * torque.signum(), 0.0);
         }
-        // Cramer's rule: the inverse of nalgebra is for its own kind of reals.
+        // Cramer's rule: nalgebra's inverse needs its own trait for reals.
         let determinant = normal.m11 * normal.m22 - normal.m12 * normal.m21;
         let compliance = (normal.m22 * information.x - normal.m12 * information.y) / determinant;
         let gap = (normal.m11 * information.y - normal.m21 * information.x) / determinant;
@@ -165,9 +165,9 @@ mod tests {
     }
 
     #[test]
-    fn estimates_stay_in_their_bounds_whatever_is_measured() {
+    fn estimates_stay_in_their_bounds_for_any_measurement() {
         let identification = identification();
-        // Far too compliant, far too stiff, and noise that no transmission makes.
+        // Far too compliant, far too stiff, and noise of no physical transmission.
         let twists: [fn(f64) -> f64; 3] = [
             |torque| 9.0 * torque,
             |torque| 0.01 * torque,
@@ -186,11 +186,11 @@ mod tests {
                 }
             }
         }
-        assert_eq!((lowest, highest), ([0.5, 0.0], [2.0, 0.8]), "as far as they may go, and no farther");
+        assert_eq!((lowest, highest), ([0.5, 0.0], [2.0, 0.8]), "the bounds are reached and not exceeded");
     }
 
     #[test]
-    fn nothing_is_learnt_off_contact_at_little_torque_or_in_fast_motion() {
+    fn samples_off_contact_of_low_torque_or_in_fast_motion_do_not_count() {
         let identification = identification();
         let mut estimate = identification.initial_estimate();
         identification.step(&mut estimate, 2.0, -1.0, 0.0);
@@ -202,36 +202,37 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_that_wears_is_followed() {
-        let identification = Identification { wander_rad2: GAP_WANDER_RAD2, ..identification() };
+    fn the_estimate_follows_a_gap_that_wears() {
+        let identification =
+            Identification { process_noise_rad2: GAP_PROCESS_NOISE_RAD2, ..identification() };
         let mut estimate = identification.initial_estimate();
-        let mut teach = |samples: core::ops::Range<i32>, gap_rad: f64| {
+        let mut error_after = |samples: core::ops::Range<i32>, gap_rad: f64| {
             for torque in samples.map(torque_nm) {
                 identification.step(&mut estimate, torque, torque + gap_rad * torque.signum(), 0.0);
             }
             estimate.dead_zone_rad() - gap_rad
         };
-        assert!(teach(0..60_000, 0.1).abs() < 2e-3);
-        let (at_once, later) = (teach(60_000..60_010, 0.3), teach(60_010..90_000, 0.3));
+        assert!(error_after(0..60_000, 0.1).abs() < 2e-3);
+        let (at_once, later) = (error_after(60_000..60_010, 0.3), error_after(60_010..90_000, 0.3));
         assert!(at_once < -0.19 && later.abs() < 0.02, "{at_once} rad, half a minute later {later} rad");
     }
 
     #[test]
-    fn a_million_samples_at_one_torque_leave_single_precision_in_order() {
+    fn a_million_samples_at_one_torque_keep_single_precision_stable() {
         let identification = Identification {
             nominal_rad_nm: 1.0_f32,
             initial_rad: 0.3,
             max_rad: 0.8,
             min_torque_nm: 0.4,
-            wander_rad2: GAP_WANDER_RAD2 as f32,
+            process_noise_rad2: GAP_PROCESS_NOISE_RAD2 as f32,
         };
         let mut estimate = identification.initial_estimate();
         for _ in 0..1_000_000 {
             identification.step(&mut estimate, 1.5, 1.75, 0.0);
         }
-        // One torque gives one equation: the two share the error in the ratio of their variances, and stay there.
-        let told = estimate.compliance_rad_nm() * 1.5 + estimate.dead_zone_rad();
-        assert!((told - 1.75).abs() < 5e-4, "{estimate:?} tells {told} rad");
+        // One torque gives one equation: the error splits in the ratio of the variances.
+        let twist = estimate.compliance_rad_nm() * 1.5 + estimate.dead_zone_rad();
+        assert!((twist - 1.75).abs() < 5e-4, "{estimate:?} predicts {twist} rad");
         assert!(estimate.covariance.m11 > 0.0 && estimate.covariance.m22 > 0.0, "{estimate:?}");
         assert!((estimate.dead_zone_rad() - (0.3 - 0.05 / 3.25)).abs() < 1e-3, "{estimate:?}");
     }

@@ -1,13 +1,12 @@
-//! The load loop: from the load's error to the torque the transmission is to carry.
+//! The load loop: load error to requested transmitted torque.
 //!
 //! A proportional position loop around a proportional-integral velocity loop with feed-forward. On arrival inside the
-//! band the integral is unloaded once and frozen, and friction holds the load: an integral that goes on against dry
-//! friction hunts whatever its gain (B. Armstrong, B. Amin, "PID control in the presence of static friction", Automatica
-//! 32 (1996) 679-692). The hold ends when the reference moves or the load has left the band by
-//! [`RELEASE_BANDS`].
+//! band the integral is unloaded once and frozen, and friction holds the load: an integral that continues against dry
+//! friction hunts at any gain (B. Armstrong, B. Amin, "PID control in the presence of static friction", Automatica
+//! 32 (1996) 679-692). The hold ends when the reference moves or the load error exceeds [`RELEASE_BANDS`].
 //!
-//! Outside the band the whole error counts, not what exceeds the band. Otherwise a load that stopped just outside
-//! would be pushed again only after many seconds.
+//! Outside the band the loop acts on the whole error, not on the excess over the band. Otherwise a load that stopped
+//! just outside would move again only after many seconds.
 
 use super::gains::BacklashInverseGains;
 use crate::control::nominal_model::NominalModel;
@@ -15,10 +14,10 @@ use crate::control::{Measurement, Real};
 
 /// Load error that ends a hold, in bands.
 const RELEASE_BANDS: f64 = 4.0;
-/// A band is at least this many counts of the load encoder; otherwise no count might lie within it.
+/// Smallest band in counts of the load encoder; in a smaller band there may be no count.
 const BAND_COUNTS: f64 = 1.05;
 
-/// The loop with everything about it worked out.
+/// The loop with its constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LoadLoop<F> {
     gains: BacklashInverseGains<F>,
@@ -29,7 +28,7 @@ pub(super) struct LoadLoop<F> {
     release_rad: F,
 }
 
-/// What the loop remembers.
+/// State of the loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LoadLoopState<F> {
     integral_nm: F,
@@ -37,7 +36,7 @@ pub(super) struct LoadLoopState<F> {
 }
 
 impl<F: Real> LoadLoop<F> {
-    /// The loop for the load of `model` behind an encoder of this resolution. Gains have been checked.
+    /// The loop for the load of `model` behind an encoder of this resolution.
     pub(super) fn new(
         model: &NominalModel<F>,
         gains: BacklashInverseGains<F>,
@@ -56,12 +55,12 @@ impl<F: Real> LoadLoop<F> {
         }
     }
 
-    /// A loop that is not holding and has integrated nothing.
+    /// No hold, and an integral of zero.
     pub(super) fn initial_state() -> LoadLoopState<F> {
         LoadLoopState { integral_nm: F::ZERO, holding: false }
     }
 
-    /// The torque in N m the transmission is to carry, at the motor's side.
+    /// The requested transmitted torque at the motor's side in N m.
     pub(super) fn step(&self, state: &mut LoadLoopState<F>, m: &Measurement<F>, load_velocity_rad_s: F) -> F {
         let error = m.load_position_rad - m.reference_position_rad;
         let reference_velocity = m.reference_velocity_rad_s;
@@ -87,7 +86,7 @@ impl<F: Real> LoadLoop<F> {
                 + state.integral_nm);
         let limit_nm = self.gains.transmitted_limit_nm;
         let torque_nm = wanted_nm.clamp(-limit_nm, limit_nm);
-        // Nothing is integrated that would only lead deeper into the limit.
+        // Anti-windup: the integral doesn't drive further into the limit.
         let at_limit = torque_nm != wanted_nm && wanted_nm * velocity_error > F::ZERO;
         if !state.holding && !at_limit {
             let limit_nm = self.gains.load_integral_limit_nm;
@@ -112,8 +111,8 @@ mod tests {
         Measurement { load_position_rad, ..Measurement::at_rest() }
     }
 
-    /// The integral after a while at rest at one place.
-    fn waited(state: &mut LoadLoopState<f64>, load_position_rad: f64, samples: usize) -> f64 {
+    /// The integral after this number of samples at rest at one position.
+    fn integral_after(state: &mut LoadLoopState<f64>, load_position_rad: f64, samples: usize) -> f64 {
         for _ in 0..samples {
             load_loop().step(state, &at(load_position_rad), 0.0);
         }
@@ -123,22 +122,22 @@ mod tests {
     #[test]
     fn arrival_unloads_the_integral_once_and_freezes_it() {
         let mut state = LoadLoop::initial_state();
-        let before = waited(&mut state, 0.01, 500);
-        assert!(before < -1.0, "half a second beside the reference loads the integral: {before} N m");
-        let arrived = waited(&mut state, 0.001, 1);
+        let before = integral_after(&mut state, 0.01, 500);
+        assert!(before < -1.0, "half a second off the reference loads the integral: {before} N m");
+        let arrived = integral_after(&mut state, 0.001, 1);
         assert!(state.holding && (arrived - 0.3 * before).abs() < 1e-12, "have {arrived} N m");
-        assert_eq!(waited(&mut state, 0.001, 5000), arrived, "frozen");
-        assert_eq!(waited(&mut state, 0.0079, 5000), arrived, "a load within four bands is left alone");
+        assert_eq!(integral_after(&mut state, 0.001, 5000), arrived, "frozen");
+        assert_eq!(integral_after(&mut state, 0.0079, 5000), arrived, "no release within four bands");
     }
 
     #[test]
-    fn hold_is_released_by_a_moving_reference_and_by_a_load_that_left() {
+    fn a_moving_reference_or_a_load_off_its_place_ends_the_hold() {
         let mut state = LoadLoop::initial_state();
-        waited(&mut state, 0.0, 1);
+        integral_after(&mut state, 0.0, 1);
         assert!(state.holding);
-        waited(&mut state, 0.0081, 1);
+        integral_after(&mut state, 0.0081, 1);
         assert!(!state.holding, "four bands of 2 mrad are left");
-        waited(&mut state, 0.0, 1);
+        integral_after(&mut state, 0.0, 1);
         assert!(state.holding, "and back again");
         let moving = Measurement { reference_velocity_rad_s: 0.01, ..at(0.0) };
         load_loop().step(&mut state, &moving, 0.0);
@@ -146,29 +145,29 @@ mod tests {
     }
 
     #[test]
-    fn just_outside_the_band_the_integral_is_loaded_by_the_whole_error() {
+    fn outside_the_band_the_whole_error_loads_the_integral() {
         let mut state = LoadLoop::initial_state();
-        let after_a_second = waited(&mut state, 0.0021, 1000);
+        let after_a_second = integral_after(&mut state, 0.0021, 1000);
         // 150 N m/rad times 2.5 1/s times 2.1 mrad.
         assert!((after_a_second + 0.7875).abs() < 1e-9, "have {after_a_second} N m");
     }
 
     #[test]
-    fn no_band_is_finer_than_a_count() {
+    fn the_band_is_at_least_one_count_wide() {
         let coarse = LoadLoop::new(&NominalModel::paper(), BacklashInverseGains::paper(), 0.01, 1e-3);
         let mut state = LoadLoop::initial_state();
         coarse.step(&mut state, &at(0.01), 0.0);
-        assert!(state.holding, "one count beside the reference is as near as this encoder gets");
+        assert!(state.holding, "one count off the reference is within the resolution");
     }
 
     #[test]
-    fn nothing_is_wound_up_at_the_torque_limit() {
+    fn the_integral_does_not_wind_up_at_the_torque_limit() {
         let mut state = LoadLoop::initial_state();
         let far = at(2.0);
         let torque = load_loop().step(&mut state, &far, 0.0);
         assert_eq!(torque, -8.0, "the limit of the transmitted torque");
-        assert_eq!(waited(&mut state, 2.0, 10_000), 0.0, "ten seconds at the limit");
-        // A velocity beyond the wanted one leads out of the limit and is integrated.
+        assert_eq!(integral_after(&mut state, 2.0, 10_000), 0.0, "ten seconds at the limit");
+        // A velocity error that leads out of the limit is integrated.
         load_loop().step(&mut state, &far, -2.0);
         assert!(state.integral_nm > 0.0);
     }
@@ -176,6 +175,6 @@ mod tests {
     #[test]
     fn integral_stays_within_its_limit() {
         let mut state = LoadLoop::initial_state();
-        assert_eq!(waited(&mut state, 0.05, 100_000), -8.0);
+        assert_eq!(integral_after(&mut state, 0.05, 100_000), -8.0);
     }
 }

@@ -1,8 +1,8 @@
-//! The load's velocity, from its quantised position and the transmitted torque.
+//! Load velocity from its quantised position and the transmitted torque.
 //!
-//! One count of the load encoder within a millisecond is a velocity of more than 1 rad/s at 4000 counts, so a
-//! differenced position is of no use to a velocity loop. The observer knows the load instead: position, velocity om and
-//! a disturbing torque d with
+//! One count of the load encoder within a millisecond is a velocity of more than 1 rad/s at 4000 counts: a velocity
+//! loop can't use a differenced position. The observer models the load by its position, its velocity om and a
+//! disturbing torque d:
 //!
 //! ```text
 //! d(theta)/dt = om + l1 e                               e = theta_s - theta
@@ -10,14 +10,14 @@
 //! d(d)/dt     = l3 e
 //! ```
 //!
-//! and a triple pole at -p: l1 = 3 p - f_s/J_s, l2 = 3 p^2 - l1 f_s/J_s, l3 = -J_s p^3. Euler's rule moves a pole s of it
-//! to 1 + s T. The error e is kept instead of the position: far from nought a position has no digits left for what
-//! happens within one period in single precision, a difference of two positions has.
+//! and a triple pole at -p: l1 = 3 p - f_s/J_s, l2 = 3 p^2 - l1 f_s/J_s, l3 = -J_s p^3. Euler's rule moves a pole s of
+//! it to 1 + s T. The state holds the error e instead of the position: far from zero a single-precision position has no
+//! digits for the motion within one period, but the difference of two positions has.
 
 use crate::control::Real;
 use crate::control::nominal_model::NominalModel;
 
-/// The observer with everything about it worked out.
+/// The observer with its constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LoadObserver<F> {
     ratio: F,
@@ -29,11 +29,11 @@ pub(super) struct LoadObserver<F> {
     disturbance_gain: F,
 }
 
-/// What the observer remembers.
+/// State of the observer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LoadObserverState<F> {
     position_rad: F,
-    /// Measured minus observed position, for the position above.
+    /// Measured minus observed position in rad.
     error_rad: F,
     velocity_rad_s: F,
     disturbance_nm: F,
@@ -56,7 +56,7 @@ impl<F: Real> LoadObserver<F> {
         }
     }
 
-    /// The observer of a load at rest.
+    /// The state for a load at rest.
     pub(super) fn initial_state(position_rad: F) -> LoadObserverState<F> {
         LoadObserverState {
             position_rad,
@@ -66,7 +66,7 @@ impl<F: Real> LoadObserver<F> {
         }
     }
 
-    /// The load's velocity in rad/s after this sample.
+    /// Load velocity in rad/s after this sample.
     pub(super) fn step(&self, state: &mut LoadObserverState<F>, position_rad: F, transmitted_nm: F) -> F {
         let error = state.error_rad + (position_rad - state.position_rad);
         let velocity = state.velocity_rad_s;
@@ -91,10 +91,10 @@ mod tests {
     }
 
     #[test]
-    fn steady_motion_against_an_unknown_friction_is_seen_without_error() {
+    fn steady_motion_against_unknown_friction_has_no_error() {
         let observer = observer::<f64>();
         let mut state = LoadObserver::initial_state(1.5);
-        // 0.5 rad/s against 16 N m s/rad and 3.4 N m of friction nobody told of.
+        // 0.5 rad/s against 16 N m s/rad and 3.4 N m of friction outside the model.
         let transmitted_nm = (16.0 * 0.5 + 3.4) / 3.0;
         let mut velocity = 0.0;
         for k in 0..3000 {
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn error_of_the_observer_decays_with_its_triple_pole() {
+    fn observer_error_decays_with_the_triple_pole() {
         let observer = observer::<f64>();
         let mut state = LoadObserver::initial_state(0.0);
         state.error_rad = 0.01;
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn counts_of_a_slow_load_do_not_shake_the_velocity() {
+    fn quantisation_of_a_slow_load_ripples_the_velocity_little() {
         let observer = observer::<f64>();
         let lsb = core::f64::consts::TAU / 4000.0;
         let mut state = LoadObserver::initial_state(0.0);
@@ -134,11 +134,11 @@ mod tests {
             }
         }
         // One count per millisecond would be 1.57 rad/s.
-        assert!(lowest > 0.03 && highest < 0.07, "0.05 rad/s are seen as {lowest} to {highest} rad/s");
+        assert!(lowest > 0.03 && highest < 0.07, "0.05 rad/s are observed as {lowest} to {highest} rad/s");
     }
 
     #[test]
-    fn single_precision_sees_the_velocity_a_hundred_turns_away() {
+    fn single_precision_holds_a_hundred_turns_from_zero() {
         let observer = observer::<f32>();
         let begin = 628.0_f32;
         let mut state = LoadObserver::initial_state(begin);

@@ -1,8 +1,11 @@
-//! The law as a whole, sample by sample.
+//! The whole law, sample by sample.
 
 use std::string::ToString;
 
-use super::*;
+use super::gains::BacklashInverseGains;
+use super::inverse::{BacklashInverse, BacklashInverseSetting};
+use crate::control::nominal_model::NominalModel;
+use crate::control::{ControlOutput, Controller, Measurement};
 
 const LSB_RAD: f64 = core::f64::consts::TAU / 4000.0;
 
@@ -21,30 +24,30 @@ fn law() -> BacklashInverse<f64> {
     BacklashInverse::new(&NominalModel::paper(), BacklashInverseGains::paper(), setting()).expect("valid")
 }
 
-/// A blocked motor under a constant torque, for so many samples, and the last answer.
-fn blocked(m: Measurement<f64>, samples: usize) -> ControlOutput<f64> {
+/// The last output after `samples` identical measurements.
+fn output_after(m: Measurement<f64>, samples: usize) -> ControlOutput<f64> {
     let law = law();
     let mut state = law.initial_state();
     (0..samples).map(|_| law.step(&mut state, &m)).last().expect("at least one sample")
 }
 
 #[test]
-fn a_drive_at_rest_on_its_reference_asks_for_nothing() {
+fn at_rest_on_the_reference_the_torque_is_zero() {
     let anywhere = Measurement {
         load_position_rad: 40.0,
         reference_position_rad: 40.0,
         motor_position_rad: 120.0,
         ..Measurement::at_rest()
     };
-    let output = blocked(anywhere, 100);
+    let output = output_after(anywhere, 100);
     assert_eq!((output.torque_nm, output.load_error_rad, output.motor_error_rad), (0.0, 0.0, 0.0));
 }
 
 #[test]
-fn motor_is_sent_across_the_gap_ahead_of_the_torque() {
-    // 0.1 rad beside the reference a torque is wanted that the spring gives beyond the gap.
-    let beside = Measurement { load_position_rad: -0.1, ..Measurement::at_rest() };
-    let output = blocked(beside, 1);
+fn the_motor_leads_the_wanted_torque_by_the_gap() {
+    // 0.1 rad off the reference the load loop wants a torque that needs contact.
+    let off_reference = Measurement { load_position_rad: -0.1, ..Measurement::at_rest() };
+    let output = output_after(off_reference, 1);
     // (f_s + D_v) lam e / N0, with nothing integrated yet.
     let wanted_nm = 46.0 * 2.5 * 0.1 / 3.0;
     let twist_rad = wanted_nm / 1.0 + 0.16;
@@ -54,28 +57,28 @@ fn motor_is_sent_across_the_gap_ahead_of_the_torque() {
 }
 
 #[test]
-fn less_torque_than_the_crossing_sends_the_motor_part_of_the_way() {
-    // 2.5 mrad ask for 0.0958 N m; with a crossing twice as wide that is half of the gap.
-    let beside = Measurement { load_position_rad: -0.0025, ..Measurement::at_rest() };
+fn a_torque_below_the_crossing_moves_the_motor_part_of_the_gap() {
+    // 2.5 mrad request 0.0958 N m: half of the gap at a crossing twice as wide.
+    let off_reference = Measurement { load_position_rad: -0.0025, ..Measurement::at_rest() };
     let wanted_nm = 46.0 * 2.5 * 0.0025 / 3.0;
     let gains = BacklashInverseGains { gap_crossing_nm: 2.0 * wanted_nm, ..BacklashInverseGains::paper() };
     let law = BacklashInverse::new(&NominalModel::paper(), gains, setting()).expect("valid");
-    let output = law.step(&mut law.initial_state(), &beside);
+    let output = law.step(&mut law.initial_state(), &off_reference);
     assert!((output.motor_error_rad + wanted_nm + 0.08).abs() < 1e-12, "have {}", output.motor_error_rad);
 }
 
 #[test]
-fn disturbing_torque_is_what_the_spring_alone_would_not_carry() {
-    // Wound by 1.66 rad the paper's bench carries 1.5 N m: w = 1.5 - 1.66 N m.
+fn disturbing_torque_is_the_transmitted_less_the_spring_torque() {
+    // At a twist of 1.66 rad the paper's machine transmits 1.5 N m: w = 1.5 - 1.66 N m.
     let wound = Measurement { twist_rad: 1.66, applied_torque_nm: 1.5, ..Measurement::at_rest() };
-    let output = blocked(Measurement { motor_position_rad: 1.66, ..wound }, 2000);
+    let output = output_after(Measurement { motor_position_rad: 1.66, ..wound }, 2000);
     assert!((output.disturbing_torque_nm + 0.16).abs() < 1e-9, "have {} N m", output.disturbing_torque_nm);
     assert!((output.dead_zone_estimate_rad - 0.16).abs() < 1e-9);
 }
 
 #[test]
-fn friction_on_the_load_is_not_taken_for_a_piece_of_gap() {
-    // The load stands still, held by friction, whatever the spring carries: |z| = |C| / K + 0.1 all the same.
+fn load_friction_does_not_bias_the_gap_estimate() {
+    // Friction holds the load at any spring torque: |z| = |C| / K + 0.1.
     let law = law();
     let mut state = law.initial_state();
     let mut output = None;
@@ -90,15 +93,15 @@ fn friction_on_the_load_is_not_taken_for_a_piece_of_gap() {
 }
 
 #[test]
-fn nothing_is_learnt_while_friction_holds_the_load() {
+fn the_estimate_is_frozen_during_a_hold() {
     let wound = Measurement { twist_rad: 3.0, applied_torque_nm: 1.5, ..Measurement::at_rest() };
-    assert_eq!(blocked(wound, 5000).dead_zone_estimate_rad, 0.16, "on the reference: holding");
-    let beside = Measurement { load_position_rad: 0.1, ..wound };
-    assert!(blocked(beside, 5000).dead_zone_estimate_rad > 0.2, "beside it");
+    assert_eq!(output_after(wound, 5000).dead_zone_estimate_rad, 0.16, "a hold on the reference");
+    let off_reference = Measurement { load_position_rad: 0.1, ..wound };
+    assert!(output_after(off_reference, 5000).dead_zone_estimate_rad > 0.2, "off the reference");
 }
 
 #[test]
-fn transmission_is_asked_for_no_more_than_the_drive_can_give() {
+fn the_drive_limit_bounds_the_transmitted_torque() {
     let far = Measurement { load_position_rad: -2.0, ..Measurement::at_rest() };
     let weak = BacklashInverseSetting { torque_limit_nm: 2.0, ..setting() };
     for (setting, limit_nm) in [(setting(), 8.0), (weak, 2.0)] {
@@ -140,23 +143,29 @@ fn the_other_direction_is_the_mirror_image() {
 }
 
 #[test]
-fn parameters_that_do_not_go_together_are_refused_by_name() {
-    let refused = |gains, setting| {
-        BacklashInverse::new(&NominalModel::paper(), gains, setting).expect_err("refused").to_string()
+fn inconsistent_gains_are_rejected_by_name() {
+    let rejected = |gains, setting| {
+        BacklashInverse::new(&NominalModel::paper(), gains, setting).expect_err("rejected").to_string()
     };
     let gains = BacklashInverseGains::paper();
     let damped = BacklashInverseGains { twist_damping_nm_s_rad: 0.1, ..gains };
     let slow = BacklashInverseSetting { period_s: 0.01, ..setting() };
     assert_eq!(
-        refused(damped, slow),
-        "control parameter twist_damping_nm_s_rad is 0.1, allowed is 0 to 0.0972"
+        rejected(damped, slow),
+        "control parameter twist_damping_nm_s_rad is 0.1, allowed is at most 0.0972, \
+         given by motor_inertia_kg_m2 over the control period"
     );
     let fast = BacklashInverseGains { load_observer_rad_s: 51.0, ..gains };
-    assert_eq!(refused(fast, slow), "control parameter load_observer_rad_s is 51, allowed is 0.1 to 50");
-    let unbounded = BacklashInverseGains { hold_fraction: 1.5, ..gains };
-    assert_eq!(refused(unbounded, setting()), "control parameter hold_fraction is 1.5, allowed is 0 to 1");
+    assert_eq!(
+        rejected(fast, slow),
+        "control parameter load_observer_rad_s is 51, allowed is at most 50, \
+         given by half of 1 over the control period"
+    );
     let wide = BacklashInverseSetting { dead_zone_initial_rad: 3.5, ..setting() };
-    assert_eq!(refused(gains, wide), "control parameter dead_zone_initial_rad is 3.5, allowed is 0 to 3");
-    let missing = BacklashInverseGains { gap_crossing_nm: f64::NAN, ..gains };
-    assert!(refused(missing, setting()).starts_with("control parameter gap_crossing_nm is NaN"));
+    assert_eq!(
+        rejected(gains, wide),
+        "control parameter dead_zone_initial_rad is 3.5, allowed is at most 3, given by dead_zone_max_rad"
+    );
+    let missing = BacklashInverseGains { load_observer_rad_s: f64::NAN, ..gains };
+    assert!(rejected(missing, setting()).starts_with("control parameter load_observer_rad_s is NaN"));
 }

@@ -50,9 +50,6 @@ pub enum RunError {
     /// The scenario's plant can't be integrated.
     #[error(transparent)]
     Integration(#[from] PlantError),
-    /// The scenario's encoders can't be built.
-    #[error(transparent)]
-    Encoder(#[from] lashloop_plant::encoder::EncoderError),
     /// No reading says where an encoder stands, so no drive can be started here.
     #[error(
         "the {encoder} encoder, with its faults, stands at {counts} counts and a drive that starts knows of at most {}: \

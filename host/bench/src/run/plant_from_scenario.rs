@@ -7,16 +7,48 @@ use lashloop_plant::backlash_shaft::{
 };
 use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;
-use lashloop_plant::{AnyPlant, Mechanics};
+use lashloop_plant::{AnyPlant, Mechanics, PlantError, RunningPlant, Start};
 
 use super::RunError;
 
-/// The plant of a scenario.
+/// The plant of a scenario, released at `start`.
 ///
 /// # Errors
 /// A parameter is outside its range, or the plant is too stiff for the control period.
-pub(super) fn profile(settings: &PlantSettings, period_s: f64) -> Result<AnyPlant, RunError> {
-    let mechanics = Mechanics {
+pub(super) fn plant(settings: &PlantSettings, start: Start, period_s: f64) -> Result<AnyPlant, RunError> {
+    Ok(match settings.model {
+        PlantModel::BacklashShaft => {
+            AnyPlant::BacklashShaft(RunningPlant::released(changed(settings, period_s)?, start))
+        }
+        PlantModel::HardCoulomb => {
+            let coulomb_nm = settings.load_coulomb_nm.unwrap_or_default();
+            let plant = HardCoulomb::new(mechanics(settings), coulomb_nm, settings.substeps)?;
+            AnyPlant::HardCoulomb(RunningPlant::released(plant, start))
+        }
+        PlantModel::Smooth => {
+            let plant = Smooth::new(mechanics(settings), settings.substeps)?;
+            AnyPlant::Smooth(RunningPlant::released(plant, start))
+        }
+    })
+}
+
+/// The parameters of the one plant that changes while it runs.
+///
+/// # Errors
+/// As [`plant`], or the scenario has another plant.
+pub(super) fn changed(settings: &PlantSettings, period_s: f64) -> Result<BacklashShaft, RunError> {
+    let own = settings.backlash_shaft.as_ref();
+    let own = own.ok_or(PlantError::FixedEnvironment { plant: "smooth or hard-coulomb" })?;
+    let plant = BacklashShaft::new(mechanics(settings), parameters(own), settings.substeps)?;
+    // Bristles that can't be followed at the Stribeck velocity can't be followed anywhere. Others may turn out too
+    // stiff when the load gets faster; the run ends there.
+    let velocity_rad_s = settings.initial.load_velocity_rad_s.abs().max(own.load_stribeck_rad_s);
+    plant.substeps(period_s, velocity_rad_s)?;
+    Ok(plant)
+}
+
+fn mechanics(settings: &PlantSettings) -> Mechanics {
+    Mechanics {
         motor_inertia_kg_m2: settings.motor_inertia_kg_m2,
         motor_friction_nm_s_rad: settings.motor_friction_nm_s_rad,
         load_inertia_kg_m2: settings.load_inertia_kg_m2,
@@ -24,22 +56,7 @@ pub(super) fn profile(settings: &PlantSettings, period_s: f64) -> Result<AnyPlan
         ratio: settings.reduction_ratio,
         stiffness_nm_rad: settings.stiffness_nm_rad,
         dead_zone_rad: settings.dead_zone_rad,
-    };
-    Ok(match (settings.model, &settings.backlash_shaft) {
-        (PlantModel::BacklashShaft, Some(bench)) => {
-            let plant = BacklashShaft::new(mechanics, parameters(bench), settings.substeps)?;
-            // Bristles that can't be followed at the Stribeck velocity can't be followed anywhere. Others may turn out too
-            // stiff when the load gets faster; the run ends there.
-            let velocity_rad_s = settings.initial.load_velocity_rad_s.abs().max(bench.load_stribeck_rad_s);
-            plant.substeps(period_s, velocity_rad_s)?;
-            AnyPlant::BacklashShaft(plant)
-        }
-        (PlantModel::HardCoulomb | PlantModel::BacklashShaft, _) => {
-            let coulomb_nm = settings.load_coulomb_nm.unwrap_or_default();
-            AnyPlant::HardCoulomb(HardCoulomb::new(mechanics, coulomb_nm, settings.substeps)?)
-        }
-        (PlantModel::Smooth, _) => AnyPlant::Smooth(Smooth::new(mechanics, settings.substeps)?),
-    })
+    }
 }
 
 fn parameters(bench: &BacklashShaftSettings) -> ShaftParameters {
@@ -65,8 +82,8 @@ fn parameters(bench: &BacklashShaftSettings) -> ShaftParameters {
     }
 }
 
-/// What is around the plant at a time of the run; `None` where it never changes.
-pub(super) fn surroundings(settings: &PlantSettings, time_s: f64) -> Option<Environment> {
+/// Gap and load torque at a time of the run; `None` for a plant with a fixed environment.
+pub(super) fn environment(settings: &PlantSettings, time_s: f64) -> Option<Environment> {
     settings.backlash_shaft.as_ref().map(|bench| Environment {
         dead_zone_rad: settings.dead_zone_rad + bench.wear.at_rad(time_s),
         load_torque_nm: bench.load_torque.at_nm(time_s),

@@ -13,9 +13,10 @@ use crate::fault::plant::PlantFaults;
 use crate::record::trace::TraceRow;
 use crate::scenario::Scenario;
 use crate::scenario::plant::PlantSettings;
-use lashloop_plant::encoder::{Encoder, EncoderState};
+use lashloop_plant::backlash_shaft::BacklashShaft;
+use lashloop_plant::encoder::Encoder;
 use lashloop_plant::reference::Reference;
-use lashloop_plant::{AnyPlant, AnyPlantState, DryFriction, PlantError, Start, TransportDelay, Truth};
+use lashloop_plant::{AnyPlant, DryFriction, PlantError, Start, TransportDelay, Truth};
 
 /// Apart, so that the noise of one encoder is not that of the other.
 const LOAD_ENCODER_STREAM: u64 = 0x9e37_79b9_7f4a_7c15;
@@ -23,9 +24,8 @@ const LOAD_ENCODER_STREAM: u64 = 0x9e37_79b9_7f4a_7c15;
 /// Plant, encoders and reference of a scenario, with their state.
 pub struct Simulator {
     plant: AnyPlant,
-    state: AnyPlantState,
-    motor_encoder: (Encoder, EncoderState),
-    load_encoder: (Encoder, EncoderState),
+    motor_encoder: Encoder,
+    load_encoder: Encoder,
     /// Where the encoders of motor and load stood when they were read last.
     counts: [i64; 2],
     reference: Reference,
@@ -35,8 +35,8 @@ pub struct Simulator {
     sensors: EncoderFaults,
     actuator: MotorFaults,
     gears: PlantFaults,
-    /// The plants that faults make of this one, and from which step on.
-    next_plants: VecDeque<(u32, AnyPlant)>,
+    /// The parameters after each fault of the plant, with the first step they apply to.
+    next_parameters: VecDeque<(u32, BacklashShaft)>,
 }
 
 impl Simulator {
@@ -46,25 +46,23 @@ impl Simulator {
     /// A parameter of the plant or of an encoder is outside its range.
     pub fn new(scenario: &Scenario) -> Result<Self, RunError> {
         let period_s = scenario.run.control_period_s();
-        let plant = plant_from_scenario::profile(&scenario.plant, period_s)?;
         let gears = PlantFaults::new(scenario);
-        let next_plants = gears.changes(&scenario.plant).into_iter().map(|(step, settings)| {
-            plant_from_scenario::profile(&settings, period_s).map(|plant| (step, plant))
+        let next_parameters = gears.changes(&scenario.plant).into_iter().map(|(step, settings)| {
+            plant_from_scenario::changed(&settings, period_s).map(|parameters| (step, parameters))
         });
         let initial = &scenario.plant.initial;
+        let start = Start {
+            load_position_rad: initial.load_position_rad,
+            load_velocity_rad_s: initial.load_velocity_rad_s,
+            motor_position_rad: initial.motor_position_rad,
+            motor_velocity_rad_s: initial.motor_velocity_rad_s,
+        };
         let encoders = &scenario.encoders;
         let encoder = |counts_per_rev, seed| -> Result<_, RunError> {
-            let encoder = Encoder::new(counts_per_rev, encoders.noise_counts)?;
-            Ok((encoder, encoder.initial_state(seed)))
+            Ok(Encoder::new(counts_per_rev, encoders.noise_counts, seed)?)
         };
         Ok(Self {
-            state: plant.initial_state(Start {
-                load_position_rad: initial.load_position_rad,
-                load_velocity_rad_s: initial.load_velocity_rad_s,
-                motor_position_rad: initial.motor_position_rad,
-                motor_velocity_rad_s: initial.motor_velocity_rad_s,
-            }),
-            plant,
+            plant: plant_from_scenario::plant(&scenario.plant, start, period_s)?,
             motor_encoder: encoder(encoders.motor_counts_per_rev, scenario.run.seed)?,
             load_encoder: encoder(encoders.load_counts_per_rev, scenario.run.seed ^ LOAD_ENCODER_STREAM)?,
             counts: [0; 2],
@@ -72,7 +70,7 @@ impl Simulator {
             settings: scenario.plant.clone(),
             sensors: EncoderFaults::new(scenario),
             actuator: MotorFaults::new(scenario),
-            next_plants: next_plants.collect::<Result<_, _>>()?,
+            next_parameters: next_parameters.collect::<Result<_, _>>()?,
             gears,
             delay: TransportDelay::new(
                 scenario.plant.backlash_shaft.as_ref().map_or(0, |bench| bench.torque_delay_us),
@@ -86,24 +84,23 @@ impl Simulator {
     /// estimates still unknown: the drive has not been asked.
     ///
     /// # Errors
-    /// As [`AnyPlant::truth`] and [`AnyPlant::surround`].
+    /// As [`AnyPlant::set_environment`] and [`AnyPlant::change_parameters`].
     pub fn observe(&mut self, step: u32) -> Result<(EncoderSample, TraceRow), PlantError> {
         let time_s = f64::from(step) * self.period_s;
-        while let Some((_, plant)) = self.next_plants.pop_front_if(|(from, _)| *from <= step) {
-            plant.take_over(&self.plant, &mut self.state)?;
-            self.plant = plant;
+        while let Some((_, parameters)) = self.next_parameters.pop_front_if(|(from, _)| *from <= step) {
+            self.plant.change_parameters(parameters)?;
         }
-        if let Some(mut surroundings) = plant_from_scenario::surroundings(&self.settings, time_s) {
+        if let Some(mut environment) = plant_from_scenario::environment(&self.settings, time_s) {
             let faulty = self.gears.at(step, &self.settings);
-            surroundings.dead_zone_rad += faulty.growth_rad;
-            surroundings.load_torque_nm += faulty.load_torque_nm;
-            self.plant.surround(&mut self.state, surroundings)?;
+            environment.dead_zone_rad += faulty.growth_rad;
+            environment.load_torque_nm += faulty.load_torque_nm;
+            self.plant.set_environment(environment)?;
         }
-        let truth = self.plant.truth(&self.state)?;
+        let truth = self.plant.truth();
         let reference_rad = self.reference.position_rad(time_s);
         self.counts = [
-            self.motor_encoder.0.step(&mut self.motor_encoder.1, truth.motor_position_rad),
-            self.load_encoder.0.step(&mut self.load_encoder.1, truth.load_position_rad),
+            self.motor_encoder.read(truth.motor_position_rad),
+            self.load_encoder.read(truth.load_position_rad),
         ];
         let mut sample = EncoderSample {
             sequence: of_step(step),
@@ -139,7 +136,7 @@ impl Simulator {
     pub fn step(&mut self, step: u32, torque_nm: f32) -> Result<(), PlantError> {
         let torque_nm = self.actuator.apply(step, torque_nm);
         for (held_nm, held_s) in self.delay.step(torque_nm.into()) {
-            self.plant.step(&mut self.state, held_nm, held_s)?;
+            self.plant.step(held_nm, held_s)?;
         }
         Ok(())
     }

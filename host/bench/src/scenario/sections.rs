@@ -3,6 +3,7 @@
 
 use std::time::Duration;
 
+use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MAX_NOISE_COUNTS, MIN_COUNTS_PER_REV};
 use serde::Serialize;
 
 use super::range::{positive, within};
@@ -11,12 +12,6 @@ use super::unit;
 
 /// Largest TOML integer.
 const LARGEST: u64 = i64::MAX as u64;
-/// Smallest number of encoder counts per revolution, after quadrature: one line.
-const MIN_COUNTS_PER_REV: u32 = 4;
-/// Largest number of encoder counts per revolution: the count on the wire has 24 bits.
-const MAX_COUNTS_PER_REV: u32 = 1 << 24;
-/// Largest amplitude of encoder noise.
-const MAX_NOISE_COUNTS: f64 = 1000.0;
 
 /// `[run]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,24 +1,23 @@
-//! What the bench plant has besides its two masses and its spring.
+//! Parameters of shaft damping, dry friction and drive.
 
 use crate::ParameterError;
 use crate::error::within;
 
-/// Parameters of the bench profile. The defaults stand for the paper's experiment: with them the cascaded PD law stops at
-/// 0.3204 rad, the paper's static error, when its sensors are ideal.
+/// Parameters of the backlash shaft beyond masses and spring.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShaftParameters {
-    /// Damping c of the shaft in N m s/rad, in parallel to its spring; 3.1e-3 is 5 % of critical. Without any the gap is
-    /// that of the hard-coulomb profile.
+    /// Damping c of the shaft in N m s/rad, in parallel with its spring; 3.1e-3 is 5 % of critical. Without damping the gap is
+    /// that of the hard-coulomb plant.
     pub shaft_damping_nm_s_rad: f64,
-    /// Friction on the load.
+    /// Dry friction on the load.
     pub load: StribeckParameters,
-    /// Share by which friction on the load is larger forwards and smaller backwards.
+    /// Fraction by which friction on the load is larger forwards and smaller backwards.
     pub load_asymmetry: f64,
-    /// Stiffness and damping of the bristles, which make the load's friction LuGre's.
+    /// Bristles that make the load's friction LuGre friction; `None` for Stribeck friction.
     pub load_bristles: Option<BristleParameters>,
-    /// Friction on the motor.
+    /// Dry friction on the motor.
     pub motor: StribeckParameters,
-    /// Lag T_i of the current loop in s; nought for an ideal one.
+    /// Lag T_i of the current loop in s; zero for an ideal one.
     pub current_lag_s: f64,
     /// Largest torque U_max of the motor in N m.
     pub torque_saturation_nm: f64,
@@ -45,7 +44,8 @@ pub struct BristleParameters {
 }
 
 impl ShaftParameters {
-    /// The values that stand for the paper's experiment.
+    /// Values that stand for the paper's experiment: with ideal sensors the cascaded PD law stops at 0.3204 rad, the paper's
+    /// static error.
     pub fn paper() -> Self {
         Self {
             shaft_damping_nm_s_rad: 3.1e-3,
@@ -69,7 +69,7 @@ impl ShaftParameters {
         if let Some(bristles) = self.load_bristles {
             within("bristle_stiffness_nm_rad", bristles.stiffness_nm_rad, 1e-3, 1e12)?;
             within("bristle_damping_nm_s_rad", bristles.damping_nm_s_rad, 0.0, 1e9)?;
-            // Bristles slide at Coulomb friction; with none of it they would have no length to slide at.
+            // Bristles slide at Coulomb friction; without it their deflection would have no limit.
             within("load_coulomb_nm", self.load.coulomb_nm, 1e-6, 1e6)?;
         }
         self.motor.validate(["motor_coulomb_nm", "motor_stiction_nm", "motor_stribeck_rad_s"])?;

@@ -1,46 +1,30 @@
-//! Metrics computed sample by sample; memory is one window of errors and one of estimates, whatever the length of the run.
+//! Metrics computed sample by sample. Memory is bounded by one window of errors and one of estimates.
 
 use std::collections::VecDeque;
 
-use super::estimates::{BIAS_WINDOW_S, Estimates, EstimatorScore};
+use super::estimator_score::{BIAS_WINDOW_S, EstimatorScore};
+use super::lost_motion::Reversal;
+use super::measured::Measured;
+use super::metric::Metric;
+use super::run_metrics::Metrics;
+use super::sample::Sample;
 use super::settling::Settling;
-use super::{Measured, Metric, Metrics};
 
-/// The band of `settle_time_s`. The paper doesn't say what it calls the end of the transient; with this band
-/// its 13 s come out.
+/// The band of `settle_time_s`. The paper doesn't define the end of the transient; this band reproduces its 13 s.
 const SETTLED_RAD: f64 = 0.05;
-/// The bands of `settle_time_5pct_s` and its like, as shares of the initial error.
-const SETTLED_SHARES: [f64; 3] = [0.05, 0.02, 0.01];
+/// The bands of `settle_time_5pct_s` and its like, as fractions of the initial error.
+const SETTLED_FRACTIONS: [f64; 3] = [0.05, 0.02, 0.01];
 const STATIC_WINDOW_S: f64 = 1.0;
 const HUNTING_WINDOW_S: f64 = 10.0;
 
-/// What one control step contributes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample {
-    /// Time of the run.
-    pub time_s: f64,
-    /// Position asked for at that time.
-    pub reference_rad: f64,
-    /// True position of the load at that time.
-    pub load_position_rad: f64,
-    /// Torque held from that time on for one period.
-    pub torque_nm: f64,
-    /// What the drive estimated at that time, if it told.
-    pub estimates: Option<Estimates>,
-    /// True j0 at that time.
-    pub dead_zone_rad: f64,
-    /// True disturbing torque at that time.
-    pub disturbing_torque_nm: f64,
-}
-
-/// Takes the samples of one run and gives its metrics.
+/// Computes the metrics of one run from its samples.
 #[derive(Debug, Clone)]
 pub struct Measurement {
     period_s: f64,
     finite: bool,
     initial_error_rad: Option<f64>,
     settling: Settling,
-    settling_shares: [Settling; 3],
+    settling_relative: [Settling; 3],
     /// The errors of the longest window, oldest first.
     recent_rad: VecDeque<f64>,
     overshoot_rad: f64,
@@ -49,44 +33,6 @@ pub struct Measurement {
     variation_nm: f64,
     last_torque_nm: Option<f64>,
     estimators: EstimatorScore,
-}
-
-/// Where the load was when the reference last passed its middle in either direction.
-#[derive(Debug, Clone)]
-struct Reversal {
-    middle_rad: f64,
-    /// How far the reference was above its middle, and where the load was.
-    previous: Option<(f64, f64)>,
-    upwards_rad: Option<f64>,
-    downwards_rad: Option<f64>,
-}
-
-impl Reversal {
-    const fn new(middle_rad: f64) -> Self {
-        Self { middle_rad, previous: None, upwards_rad: None, downwards_rad: None }
-    }
-
-    fn push(&mut self, reference_rad: f64, load_position_rad: f64) {
-        let above_rad = reference_rad - self.middle_rad;
-        if let Some((before_rad, load_before_rad)) = self.previous {
-            // The load at the passage itself: between two samples it moves evenly enough.
-            let share = before_rad / (before_rad - above_rad);
-            let there_rad = load_before_rad + share * (load_position_rad - load_before_rad);
-            if before_rad < 0.0 && above_rad >= 0.0 {
-                self.upwards_rad = Some(there_rad);
-            } else if before_rad > 0.0 && above_rad <= 0.0 {
-                self.downwards_rad = Some(there_rad);
-            }
-        }
-        self.previous = Some((above_rad, load_position_rad));
-    }
-
-    fn measured(&self) -> Measured {
-        match (self.upwards_rad, self.downwards_rad) {
-            (Some(upwards_rad), Some(downwards_rad)) => Measured::finite((upwards_rad - downwards_rad).abs()),
-            _ => Measured::NoReversal,
-        }
-    }
 }
 
 impl Measurement {
@@ -98,7 +44,7 @@ impl Measurement {
             finite: true,
             initial_error_rad: None,
             settling: Settling::new(SETTLED_RAD),
-            settling_shares: [const { Settling::new(f64::NAN) }; 3],
+            settling_relative: [const { Settling::new(f64::NAN) }; 3],
             recent_rad: VecDeque::new(),
             overshoot_rad: 0.0,
             reversal: Reversal::new(f64::NAN),
@@ -109,18 +55,18 @@ impl Measurement {
         }
     }
 
-    /// The same for a reference that goes back and forth through its middle; `None` for any other.
+    /// Sets the middle of a reference that reverses; `None` for any other reference.
     #[must_use]
     pub fn with_middle_of_reference(self, middle_rad: Option<f64>) -> Self {
         Self { reversal: Reversal::new(middle_rad.unwrap_or(f64::NAN)), ..self }
     }
 
-    /// The plant could not be followed to the end, though every sample up to then was finite: the run has no figures.
+    /// Marks a run whose plant could not be integrated to the end, though every sample was finite: no metric has a value.
     pub fn diverged(&mut self) {
         self.finite = false;
     }
 
-    /// Takes the next sample; samples come in the order of time, one per period.
+    /// Adds the next sample, in the order of time, one per period.
     pub fn push(&mut self, sample: &Sample) {
         let &Sample { time_s, reference_rad, load_position_rad, torque_nm, .. } = sample;
         let error_rad = load_position_rad - reference_rad;
@@ -130,8 +76,8 @@ impl Measurement {
         }
         let initial_rad = *self.initial_error_rad.get_or_insert(error_rad);
         self.settling.push(time_s, error_rad);
-        for (settling, share) in self.settling_shares.iter_mut().zip(SETTLED_SHARES) {
-            settling.band_rad = share * initial_rad.abs();
+        for (settling, fraction) in self.settling_relative.iter_mut().zip(SETTLED_FRACTIONS) {
+            settling.band_rad = fraction * initial_rad.abs();
             settling.push(time_s, error_rad);
         }
         self.reversal.push(reference_rad, load_position_rad);
@@ -156,19 +102,19 @@ impl Measurement {
         if !self.finite {
             return Measured::NotFinite;
         }
-        // Without any sample nothing was measured, not even an effort of 0.
+        // Without a sample no metric has a value, not even the effort.
         let Some(initial_rad) = self.initial_error_rad else {
             return Measured::RunTooShort;
         };
-        let settled_to_share = |index: usize| match initial_rad {
+        let settled_to_fraction = |index: usize| match initial_rad {
             0.0 => Measured::NoInitialError,
-            _ => self.settling_shares[index].measured(),
+            _ => self.settling_relative[index].measured(),
         };
         match metric {
             Metric::SettleTime => self.settling.measured(),
-            Metric::SettleTime5Pct => settled_to_share(0),
-            Metric::SettleTime2Pct => settled_to_share(1),
-            Metric::SettleTime1Pct => settled_to_share(2),
+            Metric::SettleTime5Pct => settled_to_fraction(0),
+            Metric::SettleTime2Pct => settled_to_fraction(1),
+            Metric::SettleTime1Pct => settled_to_fraction(2),
             Metric::Overshoot if initial_rad == 0.0 => Measured::NoInitialError,
             Metric::Overshoot => Measured::finite(self.overshoot_rad),
             Metric::StaticError => self.over_last(STATIC_WINDOW_S, mean),
@@ -186,8 +132,8 @@ impl Measurement {
         }
     }
 
-    /// A figure of the errors of the last `window_s`. A run shorter than that has none: a mean over what there
-    /// is would call a transient a static error.
+    /// A metric over the errors of the last `window_s`. A shorter run has none: a mean over fewer samples would report a
+    /// transient as a static error.
     fn over_last(&self, window_s: f64, figure: fn(&mut dyn Iterator<Item = f64>) -> f64) -> Measured {
         match self.recent_rad.len().checked_sub(window(window_s, self.period_s)) {
             Some(earlier) => Measured::finite(figure(&mut self.recent_rad.range(earlier..).copied())),
@@ -196,7 +142,7 @@ impl Measurement {
     }
 }
 
-/// Samples in a window, counted rather than compared by time, which is inexact; at least 1.
+/// Number of samples in a window, at least 1. We count samples because comparing times is inexact.
 fn window(window_s: f64, period_s: f64) -> usize {
     ((window_s / period_s).round() as usize).max(1)
 }
@@ -206,7 +152,7 @@ fn mean(errors_rad: &mut dyn Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
-/// Of finite numbers: `f64::min` and `f64::max` would drop a NaN.
+/// Needs finite numbers: `f64::min` and `f64::max` would drop a NaN.
 fn peak_to_peak(errors_rad: &mut dyn Iterator<Item = f64>) -> f64 {
     let (low, high) = errors_rad.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), error_rad| {
         (error_rad.min(low), error_rad.max(high))

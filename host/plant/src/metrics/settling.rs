@@ -1,11 +1,11 @@
-//! Since when something has stayed inside a band.
+//! The settling time into a band.
 
-use super::Measured;
+use super::measured::Measured;
 
-/// The end of a transient, seen so far.
+/// The time since which an error has stayed inside a band.
 #[derive(Debug, Clone)]
 pub(super) struct Settling {
-    /// Half the band around zero, edges inside.
+    /// Half width of the band around zero, edges included.
     pub(super) band_rad: f64,
     inside_since_s: Option<f64>,
 }
@@ -16,7 +16,7 @@ impl Settling {
     }
 
     pub(super) fn push(&mut self, time_s: f64, error_rad: f64) {
-        // An error that is NaN is inside nothing.
+        // NaN is inside no band.
         if error_rad.abs() <= self.band_rad {
             self.inside_since_s.get_or_insert(time_s);
         } else {

@@ -1,13 +1,13 @@
-//! Single events of the bench plant against their closed forms. A millisecond is one substep here, so an instant within it
-//! comes out right only if it was located.
+//! Single events of the backlash shaft against their closed forms. A substep is a millisecond here, so an instant within
+//! it is correct only if it was located.
 
 use lashloop_plant::backlash_shaft::{BacklashShaft, Environment, ShaftParameters, StribeckParameters};
-use lashloop_plant::{Contact, DryFriction, Mechanics, Plant, PlantError, Start, Truth};
+use lashloop_plant::{Contact, DryFriction, Mechanics, PlantError, RunningPlant, Start, Truth};
 
 const NO_FRICTION: StribeckParameters =
     StribeckParameters { coulomb_nm: 0.0, stiction_nm: 0.0, velocity_rad_s: 1.0 };
 
-/// An ideal drive, no friction of any kind, no damping; the load is too heavy to move.
+/// An ideal drive without friction or damping.
 fn parameters() -> ShaftParameters {
     ShaftParameters {
         shaft_damping_nm_s_rad: 0.0,
@@ -19,6 +19,7 @@ fn parameters() -> ShaftParameters {
     }
 }
 
+/// A load too heavy to move.
 fn mechanics() -> Mechanics {
     Mechanics { motor_friction_nm_s_rad: 0.0, load_inertia_kg_m2: 1e6, ..Mechanics::paper() }
 }
@@ -30,13 +31,27 @@ fn motor_at(position_rad: f64, velocity_rad_s: f64) -> Start {
     Start { motor_velocity_rad_s: velocity_rad_s, ..Start::at_rest(0.0, position_rad) }
 }
 
+fn released(
+    mechanics: Mechanics,
+    parameters: ShaftParameters,
+    substeps: u32,
+    start: Start,
+) -> RunningPlant<BacklashShaft> {
+    let plant = BacklashShaft::new(mechanics, parameters, substeps).expect("valid plant");
+    RunningPlant::released(plant, start)
+}
+
+/// The paper's plant at 16 substeps.
+fn paper(start: Start) -> RunningPlant<BacklashShaft> {
+    released(Mechanics::paper(), ShaftParameters::paper(), 16, start)
+}
+
 /// The truth after each of `steps` milliseconds under a constant torque.
 fn run(parameters: ShaftParameters, start: Start, torque_nm: f64, steps: usize) -> Vec<Truth> {
-    let plant = BacklashShaft::new(mechanics(), parameters, 1).expect("valid plant");
-    let mut state = plant.initial_state(start);
+    let mut plant = released(mechanics(), parameters, 1, start);
     let mut step = || {
-        plant.step(&mut state, torque_nm, 1e-3).expect("the plant steps");
-        plant.truth(&state)
+        plant.step(torque_nm, 1e-3).expect("the plant steps");
+        plant.truth()
     };
     (0..steps).map(|_| step()).collect()
 }
@@ -47,7 +62,7 @@ fn assert_close(what: &str, have: f64, want: f64, tolerance: f64) {
 }
 
 #[test]
-fn motor_touches_the_flank_when_its_free_flight_ends() {
+fn motor_reaches_the_flank_at_the_end_of_its_free_flight() {
     // theta_e = t^2 U / 2 J reaches j0 at t = sqrt(2 J j0 / U) and goes on as an oscillator around j0 + U / K.
     let torque_nm = 1.0;
     let touch_s = (2.0 * INERTIA * HALF_GAP / torque_nm).sqrt();
@@ -70,9 +85,9 @@ fn motor_touches_the_flank_when_its_free_flight_ends() {
 }
 
 #[test]
-fn damped_contact_is_lost_when_it_would_pull_and_the_shaft_relaxes() {
-    // From rest at a twist A: y = A e^(-a t) (cos b t + a/b sin b t) until C = -J dd(y) is nought, at tan(b t) = b/a. Then
-    // the motor flies on and the shaft relaxes with K / c.
+fn contact_opens_when_it_would_pull_and_the_shaft_relaxes() {
+    // From rest at a twist A: y = A e^(-a t) (cos b t + a/b sin b t) until C = -J dd(y) is zero, at tan(b t) = b/a. Then
+    // the motor moves freely and the shaft relaxes with K / c.
     let (damping, stretch) = (0.02, 0.5);
     let (a, b) = {
         let a = damping / (2.0 * INERTIA);
@@ -82,7 +97,7 @@ fn damped_contact_is_lost_when_it_would_pull_and_the_shaft_relaxes() {
     let speed = -stretch / (INERTIA * b) * (-a * leave_s).exp() * (b * leave_s).sin();
     let left = stretch * (-a * leave_s).exp() * ((b * leave_s).cos() + a / b * (b * leave_s).sin());
     let parameters = ShaftParameters { shaft_damping_nm_s_rad: damping, ..parameters() };
-    // Long enough to leave, not so long that the other flank is reached.
+    // Long enough to open, too short to reach the other flank.
     let steps = (leave_s * 1e3) as usize + 12;
     let truths = run(parameters, motor_at(HALF_GAP + stretch, 0.0), 0.0, steps);
     for (k, truth) in (1..).zip(truths) {
@@ -101,26 +116,26 @@ fn damped_contact_is_lost_when_it_would_pull_and_the_shaft_relaxes() {
 }
 
 #[test]
-fn mass_stops_where_coulomb_friction_stops_it_and_stays() {
+fn mass_stops_where_coulomb_friction_stops_it_and_sticks() {
     // v^2 J / 2 F_c after v J / F_c, in the middle of a step.
     let friction = StribeckParameters { coulomb_nm: 0.05, stiction_nm: 0.05, velocity_rad_s: 1.0 };
-    let (velocity, wide) = (0.55, ShaftParameters { motor: friction, ..parameters() });
-    let truths = run(wide, motor_at(0.0, velocity), 0.0, 40);
+    let (velocity, parameters) = (0.55, ShaftParameters { motor: friction, ..parameters() });
+    let truths = run(parameters, motor_at(0.0, velocity), 0.0, 40);
     let stop_s = velocity * INERTIA / 0.05;
     let want = velocity * velocity * INERTIA / (2.0 * 0.05);
     for (k, truth) in (1..).zip(&truths) {
-        let stands = f64::from(k) * 1e-3 > stop_s;
-        assert_eq!(truth.motor_friction == DryFriction::Stick, stands, "after {k} ms");
-        assert_eq!(truth.motor_velocity_rad_s == 0.0, stands, "after {k} ms");
+        let sticks = f64::from(k) * 1e-3 > stop_s;
+        assert_eq!(truth.motor_friction == DryFriction::Stick, sticks, "after {k} ms");
+        assert_eq!(truth.motor_velocity_rad_s == 0.0, sticks, "after {k} ms");
     }
     assert_close("motor, rad", truths[39].motor_position_rad, want, 1e-12);
-    // What it lost is what friction took.
+    // Friction dissipates the whole kinetic energy.
     let kinetic_j = 0.5 * INERTIA * velocity * velocity;
     assert_close("dissipated, J", truths[39].dissipated_energy_j, kinetic_j, 1e-14);
 }
 
 #[test]
-fn mass_breaks_away_when_the_lagging_torque_reaches_stiction() {
+fn mass_breaks_away_when_lagging_torque_reaches_stiction() {
     // tau = U (1 - e^(-t / T)) reaches F_s at t = -T ln(1 - F_s / U).
     let (stiction, torque_nm, lag_s) = (0.3, 0.4, 5e-3);
     let friction = StribeckParameters { coulomb_nm: stiction, stiction_nm: stiction, velocity_rad_s: 1.0 };
@@ -145,94 +160,100 @@ fn mass_breaks_away_when_the_lagging_torque_reaches_stiction() {
 #[test]
 fn friction_falls_from_stiction_to_coulomb_as_speed_grows() {
     let friction = StribeckParameters { coulomb_nm: 0.1, stiction_nm: 0.2, velocity_rad_s: 2.0 };
-    let plant = BacklashShaft::new(mechanics(), ShaftParameters { motor: friction, ..parameters() }, 1)
-        .expect("valid");
     for velocity in [1e-9, 0.5, -2.0, 4.0, -30.0] {
-        let truth = plant.truth(&plant.initial_state(motor_at(0.0, velocity)));
+        let parameters = ShaftParameters { motor: friction, ..parameters() };
+        let truth = released(mechanics(), parameters, 1, motor_at(0.0, velocity)).truth();
         let want = (0.1 + 0.1 * (-velocity * velocity / 4.0_f64).exp()) * velocity.signum();
         assert_close("friction, N m", truth.motor_dry_friction_nm, want, 1e-15);
     }
 }
 
 #[test]
-fn friction_that_is_larger_forwards_holds_more_forwards() {
+fn asymmetric_friction_holds_more_in_its_stronger_direction() {
     let load = StribeckParameters { coulomb_nm: 3.0, stiction_nm: 4.0, velocity_rad_s: 0.03 };
-    let lopsided = ShaftParameters { load, load_asymmetry: 0.25, ..parameters() };
-    let plant = BacklashShaft::new(Mechanics::paper(), lopsided, 4).expect("valid plant");
+    let asymmetric = ShaftParameters { load, load_asymmetry: 0.25, ..parameters() };
     for (load_torque_nm, sticks) in [(4.99, true), (5.01, false), (-2.99, true), (-3.01, false)] {
-        let mut state = plant.initial_state(Start::at_rest(0.0, 0.0));
-        let surroundings = Environment { dead_zone_rad: HALF_GAP, load_torque_nm };
-        plant.surround(&mut state, surroundings).expect("in range");
-        plant.step(&mut state, 0.0, 1e-3).expect("the plant steps");
-        let truth = plant.truth(&state);
-        assert_eq!(truth.load_friction == DryFriction::Stick, sticks, "{load_torque_nm} N m");
+        let mut plant = released(Mechanics::paper(), asymmetric, 4, Start::at_rest(0.0, 0.0));
+        let environment = Environment { dead_zone_rad: HALF_GAP, load_torque_nm };
+        plant.set_environment(environment).expect("in range");
+        plant.step(0.0, 1e-3).expect("the plant steps");
+        assert_eq!(plant.truth().load_friction == DryFriction::Stick, sticks, "{load_torque_nm} N m");
     }
 }
 
 #[test]
 fn torque_saturates_at_its_limit() {
     let weak = ShaftParameters { torque_saturation_nm: 2.0, ..parameters() };
-    for (asked_nm, want_nm) in [(1.5, 1.5), (30.0, 2.0), (-30.0, -2.0)] {
-        let truth = run(weak, motor_at(0.0, 0.0), asked_nm, 1)[0];
+    for (command_nm, want_nm) in [(1.5, 1.5), (30.0, 2.0), (-30.0, -2.0)] {
+        let truth = run(weak, motor_at(0.0, 0.0), command_nm, 1)[0];
         assert_eq!(truth.motor_torque_nm, want_nm);
     }
 }
 
 #[test]
-fn a_pair_pressed_together_at_rest_stays_as_it_is() {
-    let plant = BacklashShaft::new(Mechanics::paper(), ShaftParameters::paper(), 16).expect("valid plant");
-    let mut state = plant.initial_state(Start::at_rest(0.0, 0.0));
-    let mut hold = |torque_nm, steps| {
+fn masses_pressed_together_at_rest_do_not_move() {
+    let mut plant = paper(Start::at_rest(0.0, 0.0));
+    let mut hold = |steps| {
         for _ in 0..steps {
-            plant.step(&mut state, torque_nm, 1e-3).expect("no chatter");
+            plant.step(1.0, 1e-3).expect("no chatter");
         }
-        state
+        plant.truth()
     };
-    // Both stand on the upper flank, then under less torque than friction and shaft hold.
-    let pressed = hold(1.0, 3_000);
-    let truth = plant.truth(&pressed);
+    // The torque closes the gap and stays below the stiction of the load.
+    let truth = hold(3_000);
     assert_eq!((truth.contact, truth.load_friction, truth.motor_friction), {
         (Contact::Positive, DryFriction::Stick, DryFriction::Stick)
     });
-    assert_eq!(plant.truth(&hold(1.0, 1_000)), truth);
+    assert_eq!(hold(1_000), truth);
 }
 
 #[test]
-fn a_gap_that_widens_lets_the_shaft_unwind_into_it() {
-    let plant = BacklashShaft::new(Mechanics::paper(), ShaftParameters::paper(), 16).expect("valid plant");
-    let mut state = plant.initial_state(Start::at_rest(0.0, HALF_GAP + 0.5));
-    let before = plant.truth(&state);
+fn gap_that_widens_lets_the_shaft_unwind() {
+    let mut plant = paper(Start::at_rest(0.0, HALF_GAP + 0.5));
+    let before = plant.truth();
     let worn = Environment { dead_zone_rad: HALF_GAP + 0.1, load_torque_nm: 0.0 };
-    plant.surround(&mut state, worn).expect("in range");
-    let after = plant.truth(&state);
+    plant.set_environment(worn).expect("in range");
+    let after = plant.truth();
     assert_eq!(after.gap_position_rad, HALF_GAP + 0.1);
     assert_close("C, N m", after.transmitted_torque_nm, 0.4, 1e-15);
     assert_close("J", after.dissipated_energy_j, before.energy_j() - after.energy_j(), 1e-15);
-    let error = plant.surround(&mut state, Environment { dead_zone_rad: f64::NAN, load_torque_nm: 0.0 });
+    let error = plant.set_environment(Environment { dead_zone_rad: f64::NAN, load_torque_nm: 0.0 });
     assert_eq!(error.expect_err("NaN").name, "dead_zone_rad");
 }
 
 #[test]
-fn a_plant_too_fast_for_any_number_of_substeps_is_refused_before_it_moves() {
-    let hard = Mechanics { stiffness_nm_rad: 1e9, ..mechanics() };
-    let plant = BacklashShaft::new(hard, parameters(), 1).expect("valid plant");
-    let mut state = plant.initial_state(motor_at(0.0, 1.0));
-    let error = plant.step(&mut state, 0.0, 1e-2).expect_err("too stiff");
-    assert!(matches!(error, PlantError::TooStiff { .. }));
-    assert!(error.to_string().starts_with("plant is too stiff: a step of 0.01 s would need "), "{error}");
-    assert_eq!(state, plant.initial_state(motor_at(0.0, 1.0)));
-    plant.step(&mut state, 0.0, 1e-3).expect("a shorter step is fine");
+fn changed_parameters_keep_the_state_and_the_energy_balance() {
+    let mut plant = paper(Start::at_rest(0.0, HALF_GAP + 0.5));
+    let before = plant.truth();
+    let soft = Mechanics { stiffness_nm_rad: 0.6, ..Mechanics::paper() };
+    plant.change_parameters(BacklashShaft::new(soft, ShaftParameters::paper(), 16).expect("valid plant"));
+    let after = plant.truth();
+    assert_eq!(after.motor_position_rad, before.motor_position_rad);
+    assert_close("C, N m", after.transmitted_torque_nm, 0.3, 1e-15);
+    assert_close("J", after.dissipated_energy_j, before.energy_j() - after.energy_j(), 1e-15);
 }
 
 #[test]
-fn parameters_that_contradict_each_other_are_refused_by_name() {
+fn plant_too_stiff_is_rejected_before_it_moves() {
+    let hard = Mechanics { stiffness_nm_rad: 1e9, ..mechanics() };
+    let mut plant = released(hard, parameters(), 1, motor_at(0.0, 1.0));
+    let before = plant;
+    let error = plant.step(0.0, 1e-2).expect_err("too stiff");
+    assert!(matches!(error, PlantError::TooStiff { .. }));
+    assert!(error.to_string().starts_with("plant is too stiff: a step of 0.01 s would need "), "{error}");
+    assert_eq!(plant, before);
+    plant.step(0.0, 1e-3).expect("a shorter step is fine");
+}
+
+#[test]
+fn parameters_out_of_range_are_rejected_by_name() {
     let paper = ShaftParameters::paper();
-    let refused =
-        |parameters| BacklashShaft::new(Mechanics::paper(), parameters, 16).expect_err("refused").name;
+    let rejected =
+        |parameters| BacklashShaft::new(Mechanics::paper(), parameters, 16).expect_err("out of range").name;
     let slippery = StribeckParameters { stiction_nm: 3.0, ..paper.load };
-    assert_eq!(refused(ShaftParameters { load: slippery, ..paper }), "load_stiction_nm");
+    assert_eq!(rejected(ShaftParameters { load: slippery, ..paper }), "load_stiction_nm");
     let jerky = StribeckParameters { velocity_rad_s: 0.0, ..paper.motor };
-    assert_eq!(refused(ShaftParameters { motor: jerky, ..paper }), "motor_stribeck_rad_s");
-    assert_eq!(refused(ShaftParameters { shaft_damping_nm_s_rad: -1.0, ..paper }), "shaft_damping_nm_s_rad");
-    assert_eq!(refused(ShaftParameters { current_lag_s: f64::INFINITY, ..paper }), "current_lag_s");
+    assert_eq!(rejected(ShaftParameters { motor: jerky, ..paper }), "motor_stribeck_rad_s");
+    assert_eq!(rejected(ShaftParameters { shaft_damping_nm_s_rad: -1.0, ..paper }), "shaft_damping_nm_s_rad");
+    assert_eq!(rejected(ShaftParameters { current_lag_s: f64::INFINITY, ..paper }), "current_lag_s");
 }

@@ -1,14 +1,14 @@
-//! Whatever the parameters and the torques: numbers or an error, never a panic, never a silent NaN.
+//! For all parameters and torques a plant returns finite numbers or an error, never a panic or NaN.
 
 use lashloop_plant::backlash_shaft::{
     BacklashShaft, BristleParameters, Environment, ShaftParameters, StribeckParameters,
 };
 use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;
-use lashloop_plant::{Mechanics, Plant, PlantError, Start, Truth};
+use lashloop_plant::{Mechanics, Plant, PlantError, RunningPlant, Start, Truth};
 use proptest::prelude::*;
 
-/// Any size between the bounds alike, the bounds themselves now and then.
+/// Magnitudes between the bounds, uniform in their logarithm; sometimes a bound.
 fn size(low: f64, high: f64) -> impl Strategy<Value = f64> {
     prop_oneof![
         8 => (low.ln()..=high.ln()).prop_map(move |exponent| exponent.exp().clamp(low, high)),
@@ -17,22 +17,21 @@ fn size(low: f64, high: f64) -> impl Strategy<Value = f64> {
     ]
 }
 
-/// As [`size`], or nought.
-fn size_or_nought(low: f64, high: f64) -> impl Strategy<Value = f64> {
+/// As [`size`], or zero.
+fn size_or_zero(low: f64, high: f64) -> impl Strategy<Value = f64> {
     prop_oneof![4 => size(low, high), 1 => Just(0.0)]
 }
 
 fn signed(low: f64, high: f64) -> impl Strategy<Value = f64> {
-    (size_or_nought(low, high), any::<bool>())
-        .prop_map(|(size, negative)| if negative { -size } else { size })
+    (size_or_zero(low, high), any::<bool>()).prop_map(|(size, negative)| if negative { -size } else { size })
 }
 
 prop_compose! {
     fn mechanics()(
         motor_inertia_kg_m2 in size(1e-9, 1e3),
-        motor_friction_nm_s_rad in size_or_nought(1e-9, 1e4),
+        motor_friction_nm_s_rad in size_or_zero(1e-9, 1e4),
         load_inertia_kg_m2 in size(1e-9, 1e6),
-        load_friction_nm_s_rad in size_or_nought(1e-9, 1e6),
+        load_friction_nm_s_rad in size_or_zero(1e-9, 1e6),
         ratio in size(1e-3, 1e4),
         stiffness_nm_rad in size(1e-6, 1e9),
         dead_zone_rad in size(1e-6, 10.0),
@@ -46,7 +45,7 @@ prop_compose! {
 
 prop_compose! {
     fn stribeck()(
-        coulomb_nm in size_or_nought(1e-6, 1e5),
+        coulomb_nm in size_or_zero(1e-6, 1e5),
         more in prop_oneof![Just(1.0), 1.0..10.0],
         velocity_rad_s in size(1e-6, 1e3),
     ) -> StribeckParameters {
@@ -56,14 +55,14 @@ prop_compose! {
 
 prop_compose! {
     fn parameters()(
-        shaft_damping_nm_s_rad in size_or_nought(1e-12, 1e6),
+        shaft_damping_nm_s_rad in size_or_zero(1e-12, 1e6),
         load in stribeck(),
         load_asymmetry in -0.9..=0.9,
         stiffness_nm_rad in size(1e-3, 1e12),
-        damping_nm_s_rad in size_or_nought(1e-6, 1e9),
+        damping_nm_s_rad in size_or_zero(1e-6, 1e9),
         bends in any::<bool>(),
         motor in stribeck(),
-        current_lag_s in size_or_nought(1e-9, 10.0),
+        current_lag_s in size_or_zero(1e-9, 10.0),
         torque_saturation_nm in size(1e-6, 1e6),
     ) -> ShaftParameters {
         let load_bristles = (bends && load.coulomb_nm > 0.0)
@@ -108,12 +107,12 @@ fn all_finite(truth: &Truth) -> bool {
     .all(|number| number.is_finite())
 }
 
-/// Runs a plant until the torques end or it refuses; every state on the way is finite.
-fn run<P: Plant>(plant: &P, start: Start, torques: &[f64], dt_s: f64) -> Result<(), TestCaseError> {
-    let mut state = plant.initial_state(start);
+/// Runs a plant until the torques end or the plant returns an error; every state before is finite.
+fn run<P: Plant>(plant: P, start: Start, torques: &[f64], dt_s: f64) -> Result<(), TestCaseError> {
+    let mut plant = RunningPlant::released(plant, start);
     for &torque_nm in torques {
-        match plant.step(&mut state, torque_nm, dt_s) {
-            Ok(()) => prop_assert!(all_finite(&plant.truth(&state)), "{:?}", plant.truth(&state)),
+        match plant.step(torque_nm, dt_s) {
+            Ok(()) => prop_assert!(all_finite(&plant.truth()), "{:?}", plant.truth()),
             Err(
                 PlantError::NotFinite { .. } | PlantError::TooStiff { .. } | PlantError::Chattering { .. },
             ) => break,
@@ -129,26 +128,26 @@ fn torques() -> impl Strategy<Value = Vec<f64>> {
 
 proptest! {
     #[test]
-    fn bench_gives_numbers_or_an_error(
+    fn backlash_shaft_returns_finite_numbers_or_an_error(
         mechanics in mechanics(), parameters in parameters(), start in start(), torques in torques(),
         dt_s in size(1e-5, 1e-2), substeps in 1_u32..32,
     ) {
         let plant = BacklashShaft::new(mechanics, parameters, substeps).expect("every value is in its range");
-        run(&plant, start, &torques, dt_s)?;
+        run(plant, start, &torques, dt_s)?;
     }
 
     #[test]
-    fn plants_without_a_drive_give_numbers_or_an_error(
-        mechanics in mechanics(), coulomb_nm in size_or_nought(1e-6, 1e6), start in start(), torques in torques(),
+    fn other_plants_return_finite_numbers_or_an_error(
+        mechanics in mechanics(), coulomb_nm in size_or_zero(1e-6, 1e6), start in start(), torques in torques(),
         dt_s in size(1e-5, 1e-2), substeps in 1_u32..32,
     ) {
-        run(&Smooth::new(mechanics, substeps).expect("in range"), start, &torques, dt_s)?;
-        run(&HardCoulomb::new(mechanics, coulomb_nm, substeps).expect("in range"), start, &torques, dt_s)?;
+        run(Smooth::new(mechanics, substeps).expect("in range"), start, &torques, dt_s)?;
+        run(HardCoulomb::new(mechanics, coulomb_nm, substeps).expect("in range"), start, &torques, dt_s)?;
     }
 
-    /// Within a factor of three of the paper's experiment the bench never gives up and always obeys conservation of energy.
+    /// Within a factor of three of the paper's experiment every step succeeds and conserves energy.
     #[test]
-    fn bench_near_the_paper_never_gives_up(
+    fn backlash_shaft_near_the_paper_never_fails(
         scale in prop::array::uniform10(0.33_f64..3.0), torques in prop::collection::vec(-10.0..10.0, 200),
         bends in any::<bool>(), asymmetry in -0.5..0.5, wear in 0.0..1e-3, load_torque_nm in -5.0..5.0,
     ) {
@@ -177,17 +176,17 @@ proptest! {
             ..paper
         };
         let plant = BacklashShaft::new(mechanics, parameters, 16).expect("in range");
-        let mut state = plant.initial_state(Start::at_rest(0.0, 0.0));
+        let mut plant = RunningPlant::released(plant, Start::at_rest(0.0, 0.0));
         let mut turned_over_j = 1.0;
         for (k, torque_nm) in torques.into_iter().enumerate() {
-            let surroundings = Environment { dead_zone_rad: mechanics.dead_zone_rad + wear * k as f64, load_torque_nm };
-            plant.surround(&mut state, surroundings).expect("in range");
-            let before_j = plant.truth(&state).supplied_energy_j;
+            let environment = Environment { dead_zone_rad: mechanics.dead_zone_rad + wear * k as f64, load_torque_nm };
+            plant.set_environment(environment).expect("in range");
+            let before_j = plant.truth().supplied_energy_j;
             // Five milliseconds of each torque.
             for _ in 0..5 {
-                plant.step(&mut state, torque_nm, 1e-3).expect("never gives up");
+                plant.step(torque_nm, 1e-3).expect("the plant steps");
             }
-            let truth = plant.truth(&state);
+            let truth = plant.truth();
             turned_over_j += (truth.supplied_energy_j - before_j).abs();
             let imbalance_j = truth.energy_j() - truth.supplied_energy_j + truth.dissipated_energy_j;
             prop_assert!(imbalance_j.abs() < 1e-5 * turned_over_j, "{imbalance_j} of {turned_over_j} J");

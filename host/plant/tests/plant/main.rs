@@ -1,4 +1,4 @@
-//! The bench plant against closed forms of its single events, and every plant against parameters at their extremes.
+//! The backlash shaft against closed forms of its single events, and every plant at extreme parameters.
 
 mod events;
 mod extremes;

@@ -1,10 +1,10 @@
 //! What the figures have in common: a curve for each law, and how a number is written.
 
-use crate::{Axis, Panel, Role, Series};
+use crate::plot::{Axis, Panel, Role, Series};
 use lashloop_bench::record::trace::TraceRow;
 use lashloop_plant::metrics::{Measured, Metric};
 
-use super::{Laws, Run};
+use super::laws::{Laws, Run};
 
 /// The band of the settling time, as `settle_time_s` has it.
 pub(super) const SETTLED_RAD: f64 = 0.05;

@@ -1,11 +1,11 @@
 //! Figures 5 and 14: the torque through the dead zone, and what compensation makes of it.
 
-use crate::{Axis, Figure, Panel, Role, Series};
+use crate::plot::{Axis, Figure, Panel, Role, Series};
 use lashloop_bench::record::trace::TraceRow;
 use lashloop_plant::metrics::Metric;
 
 use super::curves::{each, of, over_time, told};
-use super::{Laws, Runs};
+use super::laws::{Laws, Runs};
 
 pub(super) fn transmitted_torque(runs: &Runs) -> Figure {
     let twist_at = |row: &&TraceRow| row.transmitted_torque_nm == 0.0 && row.twist_rad >= 0.0;

@@ -1,11 +1,11 @@
 //! Figures 15 to 17: load and torque with friction, on the two plants that stand for the paper's experiment.
 
-use crate::{Axis, Figure, Panel};
+use crate::plot::{Axis, Figure, Panel};
 use lashloop_bench::record::trace::TraceRow;
 use lashloop_plant::metrics::Metric;
 
 use super::curves::{mark_static_error, of, over_time};
-use super::{Laws, Runs};
+use super::laws::{Laws, Runs};
 
 const FRICTION: &str = "Hard gap, Coulomb friction";
 const BENCH: &str = "Bench as it is built";

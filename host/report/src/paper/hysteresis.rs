@@ -1,11 +1,11 @@
 //! Figure 13: motor against load position, for the step of the paper and for a slow sine.
 
-use crate::{Axis, Figure};
+use crate::plot::{Axis, Figure};
 use lashloop_bench::record::trace::TraceRow;
 use lashloop_plant::metrics::{Measured, Metric};
 
 use super::curves::{each, of, written};
-use super::{Laws, Run, Runs};
+use super::laws::{Laws, Run, Runs};
 
 /// How thick the loop of motor against load is: the range of z / N0, the motor's position less the load's, both seen at the load.
 pub(super) fn thickness(run: &Run, ratio: f64) -> Measured {

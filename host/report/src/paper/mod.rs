@@ -18,68 +18,18 @@ mod curves;
 mod dead_zone;
 mod experiment;
 mod hysteresis;
+mod laws;
 mod page;
 mod simulation;
 mod table;
 #[cfg(test)]
 mod tests;
 
-use super::{Figure, Role};
-use lashloop_bench::record::trace::TraceRow;
-use lashloop_plant::metrics::Metrics;
+use crate::plot::Figure;
 
+pub use laws::{Laws, Run, Runs};
 pub use page::{file_name, page};
 pub use table::{Table, tables};
-
-/// One run.
-#[derive(Debug, Clone)]
-pub struct Run {
-    /// The steps to draw.
-    pub rows: Vec<TraceRow>,
-    /// What the whole run is worth.
-    pub metrics: Metrics,
-}
-
-/// The three laws on one plant.
-#[derive(Debug, Clone)]
-pub struct Laws {
-    /// The PD cascade.
-    pub before: Run,
-    /// The cascade with the paper's compensation.
-    pub after: Run,
-    /// The law that inverts the gap in the torque domain.
-    pub beyond: Run,
-}
-
-/// Everything the figures are drawn from.
-#[derive(Debug, Clone)]
-pub struct Runs {
-    /// The paper's simulation: smooth dead zone, viscous friction.
-    pub smooth: Laws,
-    /// Its experiment at its simplest: hard gap, Coulomb friction.
-    pub friction: Laws,
-    /// Its experiment as it is built: physical backlash, Stribeck friction, lag, delay, coarse encoders.
-    pub bench: Laws,
-    /// The same under a slow sine; the rows are those of its last period.
-    pub sine: Laws,
-    /// The smooth plant at rest, twisted by one angle after the other.
-    pub smooth_gap: Vec<TraceRow>,
-    /// The bench at rest, likewise.
-    pub hard_gap: Vec<TraceRow>,
-    /// Reduction ratio N0 of them all.
-    pub ratio: f64,
-}
-
-impl Laws {
-    /// Name and role of each law in the legends, with its run.
-    fn each(&self) -> [(&'static str, Role, &Run); 3] {
-        [
-            ("before: PD", Role::Before, &self.before),
-            ("after: compensation", Role::After, &self.after),
-            ("beyond: gap inverted", Role::Other(0), &self.beyond),
-        ]
-    }
-}
 
 /// The figures with their numbers in the paper.
 pub fn figures(runs: &Runs) -> Vec<(u8, Figure)> {

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use super::Table;
-use crate::Figure;
-use crate::plot::svg::Escaped;
+use super::table::Table;
+use crate::plot::Figure;
+use crate::xml::Escaped;
 
 const HEAD: &str = r#"<!doctype html>
 <html lang="en">

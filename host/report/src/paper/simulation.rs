@@ -1,11 +1,11 @@
 //! Figures 7 to 12: load and motor on the paper's smooth plant, from rest at pi/2 rad to zero.
 
-use crate::{Axis, Figure};
+use crate::plot::{Axis, Figure};
 use lashloop_bench::record::trace::TraceRow;
 use lashloop_plant::metrics::Metric;
 
-use super::Laws;
 use super::curves::{SETTLED_RAD, from, load_error_rad, mark_settling, of, over_time, told, within};
+use super::laws::Laws;
 
 /// How much of the error the second panel of figure 8 shows.
 const NEAR_LOAD_RAD: f64 = 0.2;

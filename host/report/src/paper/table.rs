@@ -6,7 +6,7 @@ use lashloop_plant::metrics::Metric;
 
 use super::curves::written;
 use super::hysteresis::thickness;
-use super::{Laws, Run, Runs};
+use super::laws::{Laws, Run, Runs};
 
 /// Lines of numbers under a title, for a terminal as text and for the page as cells.
 #[derive(Debug, Clone, PartialEq, Eq)]

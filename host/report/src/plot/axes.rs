@@ -1,7 +1,7 @@
 //! Axes: grid, ticks and their labels, names.
 
 use super::figure::Axis;
-use super::layout::Frame;
+use super::frame::Frame;
 use super::scale::Scale;
 use super::svg::{Anchor, Label, Svg};
 use super::text::superscript;

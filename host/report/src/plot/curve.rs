@@ -8,7 +8,8 @@
 
 use std::fmt::Write;
 
-use super::scale::{Point, Scale, Span, is_drawable};
+use super::scale::{Point, Scale};
+use super::span::{Span, is_drawable};
 
 /// Most points of one stroke, some 40 kB of path. A time series has four per column at most and stays below it.
 const BUDGET: usize = 4000;

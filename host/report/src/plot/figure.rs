@@ -1,4 +1,4 @@
-//! The vocabulary: what a plot says, and nothing of how it looks.
+//! What a plot shows, as data. Colours, sizes and positions are decided when it is rendered.
 
 /// What a curve or a mark stands for; it decides colour and dash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -146,10 +146,5 @@ impl Figure {
     pub fn panel(mut self, panel: Panel) -> Self {
         self.panels.push(panel);
         self
-    }
-
-    /// The figure as a stand-alone SVG document.
-    pub fn to_svg(&self) -> String {
-        super::layout::draw(self)
     }
 }

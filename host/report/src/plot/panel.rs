@@ -3,10 +3,11 @@
 use super::axes;
 use super::curve::{path_data, spans, strokes};
 use super::figure::Panel;
-use super::layout::Frame;
+use super::frame::Frame;
 use super::legend::Legend;
 use super::placement::{Area, place};
-use super::scale::{Point, Scale, Span, is_drawable};
+use super::scale::{Point, Scale};
+use super::span::{Span, is_drawable};
 use super::svg::{Anchor, Label, Svg};
 use super::text::{width_px, wrap};
 use super::theme::{self, LABEL_PX, PANEL_TITLE_PX, TICK_PX, pen};

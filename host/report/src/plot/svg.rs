@@ -4,6 +4,7 @@ use std::fmt::{Display, Write};
 
 use super::scale::Point;
 use super::theme;
+use crate::xml::Escaped;
 
 /// Where a text is anchored horizontally.
 #[derive(Debug, Clone, Copy)]
@@ -143,24 +144,5 @@ impl Display for Px {
     fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
         // Adding zero turns a rounded minus zero into plain zero.
         write!(formatter, "{}", (self.0 * 10.0).round() / 10.0 + 0.0)
-    }
-}
-
-/// Text as XML character data. Characters that XML 1.0 doesn't allow at all become U+FFFD.
-pub(crate) struct Escaped<'a>(pub(crate) &'a str);
-
-impl Display for Escaped<'_> {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter) -> std::fmt::Result {
-        for character in self.0.chars() {
-            match character {
-                '&' => formatter.write_str("&amp;")?,
-                '<' => formatter.write_str("&lt;")?,
-                '>' => formatter.write_str("&gt;")?,
-                '\t' | '\n' | '\r' => formatter.write_char(character)?,
-                '\0'..'\u{20}' | '\u{fffe}' | '\u{ffff}' => formatter.write_char('\u{fffd}')?,
-                _ => formatter.write_char(character)?,
-            }
-        }
-        Ok(())
     }
 }

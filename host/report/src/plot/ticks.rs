@@ -1,6 +1,6 @@
 //! Ticks at 1, 2 or 5 times a power of ten, so that their labels are short and their distance is read at a glance.
 
-use super::scale::Span;
+use super::span::Span;
 
 /// Data may pass the outermost tick by this part of a step, a tenth of a pixel at most. Without it a run of 25.001 s
 /// would get an axis to 30 s.

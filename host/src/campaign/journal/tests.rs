@@ -1,7 +1,8 @@
 use std::fs;
 
 use super::*;
-use crate::campaign::plan::{CaseId, Law, Part};
+use crate::campaign::case::{CaseId, Part};
+use crate::campaign::law::Law;
 use crate::campaign::score::Scores;
 
 fn header() -> Header {

@@ -1,5 +1,5 @@
 use super::*;
-use crate::campaign::plan::CaseId;
+use crate::campaign::case::CaseId;
 
 fn result(part: Part, row: u32, law: Law, settle_time: &str, end: &str) -> CaseResult {
     let other = if settle_time.starts_with('"') { settle_time } else { "-0.001" };
@@ -33,7 +33,7 @@ fn one_run_that_diverges_fails_the_battery_and_is_in_the_tables() {
     assert_eq!(report(0).verdict, Verdict::Pass);
     let report = report(1);
     assert_eq!(report.verdict, Verdict::Fail);
-    let met: Vec<_> = report.limits.iter().map(|finding| finding.met).collect();
+    let met: Vec<_> = report.limits.iter().map(|result| result.met).collect();
     assert_eq!(met, [true, false, false, true], "the 19th of 20 is the 95 % quantile");
     insta::assert_snapshot!(report);
 }

@@ -30,7 +30,7 @@ fn a_run_that_did_not_reach_its_end_never_scores_well() {
     let metrics = perfect();
     let of = |end: &End, verdict| {
         let scores = Scores::judged(end, verdict, &metrics);
-        Figure::ALL.map(|figure| scores.get(figure))
+        Criterion::ALL.map(|criterion| scores.get(criterion))
     };
     assert_eq!(of(&End::Complete, Verdict::Fail), [Score::Value(0.0); 6]);
     let fault =
@@ -38,14 +38,14 @@ fn a_run_that_did_not_reach_its_end_never_scores_well() {
     let fault = AtStep { step: 40, message: fault };
     let chattering = End::Diverged(PlantError::Chattering { substep_s: 1e-3 });
     let away = End::Diverged(PlantError::NotFinite { torque_nm: 1e300 });
-    for (end, verdict, lack) in [
+    for (end, verdict, reason) in [
         (chattering, Verdict::Invalid, MissingReason::NotFinite),
         (away, Verdict::Fail, MissingReason::NotFinite),
         (End::DriveFault(fault), Verdict::Fail, MissingReason::CutShort),
         (End::DriveRestarted, Verdict::Invalid, MissingReason::CutShort),
         (End::Complete, Verdict::Invalid, MissingReason::CutShort),
     ] {
-        assert_eq!(of(&end, verdict), [Score::Without(lack); 6], "{end:?}");
+        assert_eq!(of(&end, verdict), [Score::Missing(reason); 6], "{end:?}");
     }
 }
 
@@ -57,10 +57,10 @@ fn nothing_without_a_finite_number_ranks_before_a_number() {
         Score::Value(-f64::NAN),
         Score::Value(f64::INFINITY),
         Score::Value(f64::NEG_INFINITY),
-        Score::Without(MissingReason::Unmeasured),
-        Score::Without(MissingReason::Never),
-        Score::Without(MissingReason::CutShort),
-        Score::Without(MissingReason::NotFinite),
+        Score::Missing(MissingReason::Unmeasured),
+        Score::Missing(MissingReason::Never),
+        Score::Missing(MissingReason::CutShort),
+        Score::Missing(MissingReason::NotFinite),
     ] {
         assert_eq!(huge.order(&worse), Ordering::Less, "{worse:?}");
         assert_eq!(worse.order(&huge), Ordering::Greater, "{worse:?}");
@@ -72,10 +72,10 @@ fn a_score_reads_back_to_the_same_bits() {
     // A reader that is merely fast is one bit off for some percent of all numbers.
     let mut random = Pcg64::seed_from_u64(1);
     let values = (0..10_000).map(|_| f64::from_bits(random.next_u64())).filter(|value| value.is_finite());
-    let lacks =
+    let reasons =
         [MissingReason::Unmeasured, MissingReason::Never, MissingReason::CutShort, MissingReason::NotFinite]
-            .map(Score::Without);
-    for score in values.chain([-0.0, 5e-324]).map(Score::Value).chain(lacks) {
+            .map(Score::Missing);
+    for score in values.chain([-0.0, 5e-324]).map(Score::Value).chain(reasons) {
         let text = serde_json::to_string(&score).expect("a score is JSON");
         let read: Score = serde_json::from_str(&text).expect("what was written is read");
         assert_eq!(read, score, "{text}");

@@ -1,43 +1,43 @@
-//! Figures of both sides, and whether they are what they ought to be.
+//! Measurements of baseline and loop, each with its goal.
 
 use std::fmt;
 
-/// What was measured, line by line.
+/// The measurements, in the order of the lines.
 #[derive(Default)]
 pub(super) struct Goals(Vec<Goal>);
 
 struct Goal {
     what: &'static str,
-    bare: f64,
-    ours: f64,
-    wanted: Option<Wanted>,
+    baseline: f64,
+    of_loop: f64,
+    target: Option<Target>,
 }
 
-enum Wanted {
-    /// The loop has at least this share of the bare side.
+enum Target {
+    /// The loop reaches at least this ratio to the baseline.
     AtLeast(f64),
-    /// The loop has at most so many times the bare side.
+    /// The loop takes at most this ratio to the baseline.
     AtMost(f64),
-    /// The loop is below this, whatever the bare side is.
+    /// The loop stays below this value, independent of the baseline.
     Below(f64),
 }
 
 impl Goals {
-    pub(super) fn at_least(&mut self, what: &'static str, ratio: f64, bare: f64, ours: f64) {
-        self.0.push(Goal { what, bare, ours, wanted: Some(Wanted::AtLeast(ratio)) });
+    pub(super) fn at_least(&mut self, what: &'static str, ratio: f64, baseline: f64, of_loop: f64) {
+        self.0.push(Goal { what, baseline, of_loop, target: Some(Target::AtLeast(ratio)) });
     }
 
-    pub(super) fn at_most(&mut self, what: &'static str, ratio: f64, bare: f64, ours: f64) {
-        self.0.push(Goal { what, bare, ours, wanted: Some(Wanted::AtMost(ratio)) });
+    pub(super) fn at_most(&mut self, what: &'static str, ratio: f64, baseline: f64, of_loop: f64) {
+        self.0.push(Goal { what, baseline, of_loop, target: Some(Target::AtMost(ratio)) });
     }
 
-    pub(super) fn below(&mut self, what: &'static str, limit: f64, bare: f64, ours: f64) {
-        self.0.push(Goal { what, bare, ours, wanted: Some(Wanted::Below(limit)) });
+    pub(super) fn below(&mut self, what: &'static str, limit: f64, baseline: f64, of_loop: f64) {
+        self.0.push(Goal { what, baseline, of_loop, target: Some(Target::Below(limit)) });
     }
 
-    /// A figure without a goal.
-    pub(super) fn note(&mut self, what: &'static str, bare: f64, ours: f64) {
-        self.0.push(Goal { what, bare, ours, wanted: None });
+    /// A measurement without a goal.
+    pub(super) fn note(&mut self, what: &'static str, baseline: f64, of_loop: f64) {
+        self.0.push(Goal { what, baseline, of_loop, target: None });
     }
 
     pub(super) fn all_met(&self) -> bool {
@@ -47,36 +47,36 @@ impl Goals {
 
 impl Goal {
     fn ratio(&self) -> f64 {
-        self.ours / self.bare
+        self.of_loop / self.baseline
     }
 
-    /// A figure that could not be measured meets nothing.
+    /// A missing measurement misses its goal.
     fn is_met(&self) -> Option<bool> {
-        self.wanted.as_ref().map(|wanted| match *wanted {
-            Wanted::AtLeast(ratio) => self.ratio() >= ratio,
-            Wanted::AtMost(ratio) => self.ratio() <= ratio,
-            Wanted::Below(limit) => self.ours < limit,
+        self.target.as_ref().map(|target| match *target {
+            Target::AtLeast(ratio) => self.ratio() >= ratio,
+            Target::AtMost(ratio) => self.ratio() <= ratio,
+            Target::Below(limit) => self.of_loop < limit,
         })
     }
 }
 
 impl fmt::Display for Goals {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let heading = ["bare", "the loop", "ratio", "goal"];
-        let [bare, ours, ratio, wanted] = heading;
-        write!(out, "{:<44}{bare:>10}{ours:>10}{ratio:>8}  {wanted}", "medians")?;
+        let heading = ["baseline", "the loop", "ratio", "goal"];
+        let [baseline, of_loop, ratio, target] = heading;
+        write!(out, "{:<44}{baseline:>10}{of_loop:>10}{ratio:>8}  {target}", "medians")?;
         for goal in &self.0 {
-            let Goal { what, bare, ours, wanted } = goal;
-            write!(out, "\n{what:<44}{bare:>10.1}{ours:>10.1}")?;
-            let Some(wanted) = wanted else { continue };
+            let Goal { what, baseline, of_loop, target } = goal;
+            write!(out, "\n{what:<44}{baseline:>10.1}{of_loop:>10.1}")?;
+            let Some(target) = target else { continue };
             let met = if goal.is_met() == Some(true) { "met" } else { "MISSED" };
-            write!(out, "{:>8.2}  {wanted}: {met}", goal.ratio())?;
+            write!(out, "{:>8.2}  {target}: {met}", goal.ratio())?;
         }
         Ok(())
     }
 }
 
-impl fmt::Display for Wanted {
+impl fmt::Display for Target {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::AtLeast(ratio) => write!(out, "ratio >= {ratio}"),
@@ -86,7 +86,7 @@ impl fmt::Display for Wanted {
     }
 }
 
-/// The one in the middle; of an even number the upper of the two.
+/// The middle value; the upper of the two for an even number.
 pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
@@ -97,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_goal_is_met_by_its_own_measure() {
+    fn each_goal_compares_by_its_own_rule() {
         let met = |set: fn(&mut Goals)| {
             let mut goals = Goals::default();
             set(&mut goals);
@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn a_median_is_no_minimum_and_no_mean() {
+    fn median_is_the_middle_value() {
         assert_eq!(median(vec![9.0, 1.0, 2.0]), 2.0);
     }
 }

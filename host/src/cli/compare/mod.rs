@@ -1,9 +1,9 @@
-//! `lashloop compare`: what the loop costs beside what it can't do without.
+//! `lashloop compare`: the cost of the loop against a baseline.
 //!
-//! The other side is the least that could do the job: a thread that sleeps until the next period, and a ping-pong of the
-//! same bytes over a pseudo-terminal. In real time that has a deadline, as the loop has; what it takes without one is
-//! shown beside it. Both sides take turns within one command, round by round, and ask the system for the
-//! same; medians over the rounds are compared, because machines are noisy.
+//! The baseline is the minimum for the task: a thread that sleeps until the next period, and a ping-pong of the same bytes
+//! over a pseudo-terminal. In real time the ping-pong has the loop's deadline; its time without a deadline is printed as
+//! well. Loop and baseline alternate round by round within one command and request the same privileges. Medians over the
+//! rounds are compared, because machines are noisy.
 
 mod goals;
 mod sleep_baseline;
@@ -25,48 +25,46 @@ use rustix::io::Errno;
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 use rustix::time::Timespec;
 
-use super::demo::SCENARIOS;
 use super::error::CliError;
+use super::output::outln;
+use super::paper_scenarios::SCENARIOS;
 use super::ping_pong::NearEnd;
-use super::start_supervisor;
+use super::supervision::start_supervisor;
 use goals::{Goals, median};
+use sleep_baseline::{PERIOD, WARM_UP};
 
-/// Control period of everything here that is paced; that of the scenarios.
-const PERIOD: Duration = Duration::from_millis(1);
-/// How long an answer is waited for in such a period, by both sides.
+/// Answer timeout within a period, for loop and baseline.
 const REPLY_LIMIT: Timespec =
     Timespec { tv_sec: 0, tv_nsec: (PERIOD.as_nanos() - PERIOD.as_nanos() / PERIOD_MARGIN as u128) as i64 };
-/// Steps at the start of a round that are not looked at.
-const WARM_UP: u32 = 100;
 
-/// Measure the loop against the bare minimum: a sleeping thread, and a ping-pong of the same bytes.
+/// Measure the loop against a baseline: a sleeping thread and a ping-pong
 ///
-/// In lockstep the round trips a second, in real time at 1 kHz how late a step begins and how long its round trip
-/// takes. Every figure has a goal; ends with 1 if one is missed. On a busy machine the ratios say more than the times.
+/// Measures round trips per second in lockstep, and lateness and round-trip time of a step in real time at 1 kHz. Exit
+/// code 1 if a measurement misses its goal. On a busy machine rely on the ratios, not on the times.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Rounds of each side
+    /// Rounds of loop and baseline
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rounds: u32,
 
-    /// Control steps or round trips in a round of lockstep
+    /// Control steps or round trips per lockstep round
     #[arg(long, default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
     steps: u32,
 
-    /// Length of a round in real time
+    /// Duration of a real-time round, in s
     #[arg(long, default_value_t = 2, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..=3600))]
     seconds: u32,
 
-    /// In real time: look at the clock without pause for so long before each step, on both sides
+    /// Real time: busy-wait before each step, in us, for loop and baseline
     #[arg(long, default_value_t = 0, value_name = "US", value_parser = clap::value_parser!(u32).range(..=900))]
     spin_us: u32,
 
-    /// Keep all four on this core, the loop and the drive, the bare thread and its far end: where the system puts two
-    /// processes that talk to each other decides more about a round trip than anything they do
+    /// Core of loop, drive, baseline thread and its far end. The placement of two communicating processes dominates
+    /// their round-trip time
     #[arg(long, value_name = "NUMBER")]
     core: Option<usize>,
 
-    /// In real time: run both sides under SCHED_FIFO with this priority
+    /// Real time: SCHED_FIFO priority of loop and baseline
     #[arg(long, value_name = "PRIORITY", value_parser = clap::value_parser!(u8).range(1..=99))]
     fifo: Option<u8>,
 }
@@ -79,7 +77,7 @@ impl Arguments {
             here = CpuSet::new();
             here.set(core.min(CpuSet::MAX_CPU - 1));
         }
-        // Whoever is started from here on stays where this thread is.
+        // Processes started from here on inherit the core.
         let stay = |cores: &CpuSet| sched_setaffinity(None, cores).map_err(placing_failed);
         stay(&here)?;
         let supervisor = start_supervisor()?;
@@ -88,27 +86,27 @@ impl Arguments {
         let mut line = NearEnd::open(&path).map_err(ping_pong_failed)?;
         let mut goals = Goals::default();
         self.lockstep(&mut device, &mut line, &mut goals)?;
-        // In real time the loop has a thread of its own, and this one has to be out of its way.
+        // In real time the loop has its own thread, and this one must not compete for its core.
         stay(&anywhere)?;
         self.real_time(&mut device, &mut line, &mut goals)?;
         drop(far_end);
-        say!("{goals}");
+        outln!("{goals}");
         Ok(if goals.all_met() { Exit::Pass } else { Exit::Fail })
     }
 
     fn lockstep(&self, device: &mut Device, line: &mut NearEnd, goals: &mut Goals) -> Result<(), CliError> {
         let scenario = scenario(f64::from(self.steps) * PERIOD.as_secs_f64())?;
-        let (mut bare, mut loops) = (Vec::new(), Vec::new());
+        let (mut baseline, mut loops) = (Vec::new(), Vec::new());
         for _ in 0..self.rounds {
             let started = Instant::now();
             for _ in 0..self.steps {
                 line.round_trip().map_err(ping_pong_failed)?;
             }
-            bare.push(f64::from(self.steps) / started.elapsed().as_secs_f64());
-            let outcome = run::run(&scenario, device, Clock::Lockstep, &mut Nobody)?;
+            baseline.push(f64::from(self.steps) / started.elapsed().as_secs_f64());
+            let outcome = run::run(&scenario, device, Clock::Lockstep, &mut NoOutput)?;
             loops.push(outcome.steps as f64 / outcome.wall_s);
         }
-        goals.at_least("lockstep: round trips, 1/s", 0.8, median(bare), median(loops));
+        goals.at_least("lockstep: round trips, 1/s", 0.8, median(baseline), median(loops));
         Ok(())
     }
 
@@ -125,7 +123,7 @@ impl Arguments {
             blocking.push(sleep_baseline::paced(steps, &options, trip).map_err(ping_pong_failed)?);
             let trip = || line.round_trip_with_a_deadline(REPLY_LIMIT).map(Some);
             trips.push(sleep_baseline::paced(steps, &options, trip).map_err(ping_pong_failed)?);
-            let outcome = run::run(&scenario, device, Clock::RealTime(options), &mut Nobody)?;
+            let outcome = run::run(&scenario, device, Clock::RealTime(options), &mut NoOutput)?;
             loops.push(outcome.timing);
         }
         let of = |reports: &[TimingReport], value: fn(&TimingReport) -> Option<f64>| {
@@ -149,11 +147,11 @@ impl Arguments {
             .flat_map(|report| &report.refused)
             .collect::<BTreeSet<_>>()
         {
-            say!("not granted: {refusal}");
+            outln!("not granted: {refusal}");
         }
-        goals.note("1 kHz: round trip p50, bare: no deadline, us", of(&blocking, trip), of(&loops, trip));
-        // A sleeper that does nothing is woken sooner on a busy machine than one that works.
-        goals.note("1 kHz: lateness p99, bare: ping-pong, us", of(&trips, p99), of(&loops, p99));
+        goals.note("1 kHz: round trip p50, no deadline, us", of(&blocking, trip), of(&loops, trip));
+        // On a busy machine the system wakes an idle sleeper earlier than a busy one.
+        goals.note("1 kHz: lateness p99, ping-pong, us", of(&trips, p99), of(&loops, p99));
         goals.note(
             "1 kHz: late steps in all rounds",
             (late(&sleeps) + late(&blocking) + late(&trips)) as f64,
@@ -167,7 +165,7 @@ fn late(reports: &[TimingReport]) -> u64 {
     reports.iter().map(TimingReport::late).sum()
 }
 
-/// One of the paper's, for as long as asked. Its watchdog bears a machine that stops everything for a while.
+/// One of the paper's scenarios with this duration. Its long watchdog tolerates a machine that stalls.
 fn scenario(duration_s: f64) -> Result<Scenario, CliError> {
     let (name, text) = SCENARIOS[0];
     let settings = [
@@ -178,7 +176,7 @@ fn scenario(duration_s: f64) -> Result<Scenario, CliError> {
     Ok(Scenario::from_str(name, text, &settings.map(Override::Set))?)
 }
 
-/// The other end of the ping-pong: a process, as the drive is one.
+/// The far end of the ping-pong: a process, as the drive is.
 fn far_end(supervisor: &Supervisor) -> Result<(Process, PathBuf), CliError> {
     let program = Program {
         name: "ping-pong",
@@ -195,20 +193,20 @@ fn far_end(supervisor: &Supervisor) -> Result<(Process, PathBuf), CliError> {
 }
 
 fn ping_pong_failed(source: std::io::Error) -> CliError {
-    CliError::System { what: "play ping-pong", source }
+    CliError::System { what: "exchange ping-pong", source }
 }
 
 fn sleep_failed(source: std::io::Error) -> CliError {
-    CliError::System { what: "keep time", source }
+    CliError::System { what: "sleep until the next period", source }
 }
 
 fn placing_failed(error: Errno) -> CliError {
     CliError::System { what: "choose a core", source: error.into() }
 }
 
-struct Nobody;
+struct NoOutput;
 
-impl Watcher for Nobody {
+impl Watcher for NoOutput {
     fn step(&mut self, _step: &Step) -> Result<(), WriteError> {
         Ok(())
     }

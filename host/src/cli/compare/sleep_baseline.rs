@@ -1,4 +1,4 @@
-//! A thread that sleeps until the next period and does next to nothing then. Timed by the same histograms as the loop.
+//! The baseline of a paced loop: a thread that sleeps until the next period. The loop's own histograms time it.
 
 use std::hint;
 use std::io;
@@ -11,21 +11,23 @@ use rustix::io::Errno;
 use rustix::thread::{ClockId, clock_nanosleep_absolute};
 use rustix::time::{Timespec, clock_gettime};
 
-use super::{PERIOD, WARM_UP};
-
+/// Control period of both sides, which is that of the scenarios.
+pub(super) const PERIOD: Duration = Duration::from_millis(1);
+/// Steps at the start of a round that do not count.
+pub(super) const WARM_UP: u32 = 100;
 const PERIOD_NS: i64 = PERIOD.as_nanos() as i64;
 
-/// Calls `work` once in every period. It tells how long what it did took, if that is to be counted.
+/// Calls `work` once per period. `work` returns its round-trip time, or `None` if there is none to record.
 ///
 /// # Errors
-/// The system can't sleep, or what `work` said.
+/// Errors of the sleep and of `work`.
 pub(super) fn paced(
     steps: u32,
     options: &RealTime,
     mut work: impl FnMut() -> io::Result<Option<Duration>> + Send,
 ) -> io::Result<TimingReport> {
     let mut timings = Timings::new(ClockName::RealTime, PERIOD.as_micros() as u32, WARM_UP.into());
-    let looped = || -> io::Result<TimingReport> {
+    let run = || -> io::Result<TimingReport> {
         let refused = obtain(options);
         let spin_ns = options.spin.as_nanos() as i64;
         let started_ns = now_ns();
@@ -45,17 +47,17 @@ pub(super) fn paced(
             });
             let lateness = Duration::from_nanos(late_ns.unsigned_abs());
             timings.push(&StepTiming { lateness, outcome: StepOutcome::Answered, round_trip: trip });
-            // What was slept through is left out, as the loop does.
-            let slept_through = late_ns / PERIOD_NS;
-            for _ in 0..slept_through {
+            // Missed periods are omitted, as in the loop.
+            let missed = late_ns / PERIOD_NS;
+            for _ in 0..missed {
                 timings.push(&StepTiming { lateness, outcome: StepOutcome::Missed, round_trip: None });
             }
-            step += 1 + slept_through;
+            step += 1 + missed;
         }
         Ok(timings.report(refused))
     };
     thread::scope(|scope| {
-        let thread = thread::Builder::new().name("bare".to_owned()).spawn_scoped(scope, looped)?;
+        let thread = thread::Builder::new().name("baseline".to_owned()).spawn_scoped(scope, run)?;
         thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     })
 }
@@ -65,10 +67,10 @@ fn now_ns() -> i64 {
     tv_sec * 1_000_000_000 + tv_nsec
 }
 
-fn sleep_until(moment_ns: i64) -> io::Result<()> {
-    let moment = Timespec { tv_sec: moment_ns / 1_000_000_000, tv_nsec: moment_ns % 1_000_000_000 };
+fn sleep_until(due_ns: i64) -> io::Result<()> {
+    let due = Timespec { tv_sec: due_ns / 1_000_000_000, tv_nsec: due_ns % 1_000_000_000 };
     loop {
-        match clock_nanosleep_absolute(ClockId::Monotonic, &moment) {
+        match clock_nanosleep_absolute(ClockId::Monotonic, &due) {
             Ok(()) => return Ok(()),
             Err(Errno::INTR) => {}
             Err(error) => return Err(error.into()),

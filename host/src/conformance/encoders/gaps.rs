@@ -4,43 +4,47 @@ use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::Arm;
 use lashloop_protocol::sequence::LONGEST_GAP;
 
+use super::encoder::Encoder;
 use super::setup::{COUNTS_TOLD_APART, Setup};
-use super::{BOTH, Encoder, LOAD, MOTOR};
-use crate::conformance::check::{Check, Checked, Failure, equal, names};
-use crate::conformance::client::{Client, outcome, torque};
-use crate::conformance::samples::stray;
+
+use crate::conformance::answers::{outcome, torque};
+use crate::conformance::assertion::{Failure, RuleResult, equal, names};
+use crate::conformance::check::Check;
+use crate::conformance::client::Client;
+use crate::conformance::reactions::refused_sample;
 
 /// What most encoders of servo drives have: the limits that go with the gaps tried here are those of real machines.
 const GAP_COUNTS_PER_REV: u32 = 131_072;
 
 pub(super) fn checks() -> Vec<Check> {
-    let told = "a gap is taken as long as positions can be told apart, and no longer";
+    let told = "a gap is accepted up to the longest unambiguous one";
     let mut checks = vec![Check::new("encoders", told, |client| {
         // Periods that the encoders of motor and load allow.
         [(400, 800), (800, 400), (5_000, 5_000)]
             .into_iter()
             .try_for_each(|(motor, load)| longest_gap(client, motor, load))
     })];
-    checks.extend(BOTH.into_iter().map(|encoder| {
-        let name = format!("Arm is refused if no period tells positions of the {} apart", encoder.name);
+    checks.extend(Encoder::BOTH.into_iter().map(|encoder| {
+        let name =
+            format!("Arm is refused if one period leaves the position of the {} ambiguous", encoder.name());
         Check::new("encoders", name, move |client| never_told_apart(client, encoder))
     }));
     checks
 }
 
 /// Tries the longest gap of encoders that allow so many periods.
-fn longest_gap(client: &mut Client, motor: u16, load: u16) -> Checked {
+fn longest_gap(client: &mut Client, motor: u16, load: u16) -> RuleResult {
     let mut setup = Setup::of(client, GAP_COUNTS_PER_REV)?;
     for (scale, periods) in [(&mut setup.motor, motor), (&mut setup.load, load)] {
         // Half a period more, so that no rounding in the drive counts.
         scale.speed_limit_rad_s = scale.limit_rad_s(COUNTS_TOLD_APART / (f64::from(periods) + 0.5));
     }
     let (motor_rad_s, load_rad_s) = (setup.motor.speed_limit_rad_s, setup.load.speed_limit_rad_s);
-    client.fresh()?;
+    client.reset()?;
     setup.start(client)?;
     client.torque(0)?;
     let longest = motor.min(load).min(LONGEST_GAP);
-    stray(client, longest + 1)?;
+    refused_sample(client, longest + 1)?;
     let answer = torque(&client.sample(longest)?)?;
     let what = format!("{motor_rad_s} and {load_rad_s} rad/s, {longest} periods on: sequence, state, flags");
     let flags = answer.status.flags - TorqueFlags::SATURATED;
@@ -49,12 +53,12 @@ fn longest_gap(client: &mut Client, motor: u16, load: u16) -> Checked {
 }
 
 /// Arms with the finest encoder the drive takes, and a speed limit a little too high for it and a little lower.
-fn never_told_apart(client: &mut Client, encoder: Encoder) -> Checked {
+fn never_told_apart(client: &mut Client, encoder: Encoder) -> RuleResult {
     // Of one resolution if they can be, because laws may refuse resolutions that are too far apart.
-    let counts_per_rev = finest(client, MOTOR)?.min(finest(client, LOAD)?);
+    let counts_per_rev = finest(client, Encoder::Motor)?.min(finest(client, Encoder::Load)?);
     let mut setup = Setup::of(client, counts_per_rev)?;
     let [(high, high_rad_s), (low, _)] = [0.9, 1.5].map(|periods| {
-        let scale = (encoder.scale)(&mut setup);
+        let scale = setup.scale_mut(encoder);
         scale.speed_limit_rad_s = scale.limit_rad_s(COUNTS_TOLD_APART / periods);
         let limit_rad_s = scale.speed_limit_rad_s;
         (setup, limit_rad_s)
@@ -66,11 +70,11 @@ fn never_told_apart(client: &mut Client, encoder: Encoder) -> Checked {
         client.put(name, value)?;
     }
     let session = client.session();
-    let answers = client.say(Arm { session })?;
+    let answers = client.request(Arm { session })?;
     let mut came = names(&answers);
     // Why may take more than one line.
     came.dedup();
-    let what = format!("{} = {high_rad_s} with the finest encoder:", encoder.speed_limit);
+    let what = format!("{} = {high_rad_s} with the finest encoder:", encoder.speed_limit());
     equal(&format!("{what} answers"), vec!["Log", "CommandResult"], came)?;
     let came = (outcome::<Arm>(&answers)?, client.state());
     equal(&format!("{what} outcome and state"), (Outcome::Inconsistent, State::Idle), came)?;
@@ -82,10 +86,10 @@ fn never_told_apart(client: &mut Client, encoder: Encoder) -> Checked {
 
 /// The finest encoder that the drive takes, in counts per revolution.
 fn finest(client: &Client, encoder: Encoder) -> Result<u32, Failure> {
-    match client.parameter(encoder.counts_per_rev)?.max {
+    match client.parameter(encoder.counts_per_rev())?.max {
         ParameterValue::U32(max) => Ok(max),
         ParameterValue::F32(max) => Err(Failure::Rule {
-            expected: format!("a whole number as the largest {}", encoder.counts_per_rev),
+            expected: format!("a whole number as the largest {}", encoder.counts_per_rev()),
             came: format!("the real number {max}"),
         }),
     }

@@ -1,17 +1,21 @@
 //! Encoders: where they stand, how fast they may be, and (`gaps`) how long they may go unread.
 
+mod encoder;
 mod gaps;
-mod setup;
+pub(super) mod setup;
 
-use lashloop_protocol::enums::{FaultCode, State};
+use lashloop_protocol::enums::State;
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::{DriveMessage, EncoderCounts};
 
-use super::check::{Check, Checked, Failure, equal, expect};
-use super::client::{Client, sample, torque};
-use super::safety::{faulted, no_torque};
-use setup::Scale;
-pub(super) use setup::Setup;
+use encoder::Encoder;
+use setup::Setup;
+
+use super::answers::{sample, torque};
+use super::assertion::{Failure, RuleResult, equal, expect};
+use super::check::Check;
+use super::client::Client;
+use super::reactions::{fault_answer, no_torque};
 
 /// Samples that a way may take. A run of so many lasts seconds on a slow line.
 const LONGEST_WAY: i64 = 2_048;
@@ -19,59 +23,32 @@ const LONGEST_WAY: i64 = 2_048;
 /// encoder then stands millions of counts off: one more, and the velocity that it makes, are nothing to that.
 const SAME_TORQUE: f32 = 0.05;
 
-/// One of the two encoders, by the names of its parameters.
-#[derive(Clone, Copy)]
-struct Encoder {
-    name: &'static str,
-    speed_limit: &'static str,
-    counts_per_rev: &'static str,
-    code: FaultCode,
-    place: fn(&mut EncoderSample) -> &mut EncoderCounts,
-    scale: fn(&mut Setup) -> &mut Scale,
-}
-
-const MOTOR: Encoder = Encoder {
-    name: "motor",
-    speed_limit: "motor_speed_limit_rad_s",
-    counts_per_rev: "motor_counts_per_rev",
-    code: FaultCode::MotorEncoderJump,
-    place: |sample| &mut sample.motor_counts,
-    scale: |setup| &mut setup.motor,
-};
-const LOAD: Encoder = Encoder {
-    name: "load",
-    speed_limit: "load_speed_limit_rad_s",
-    counts_per_rev: "load_counts_per_rev",
-    code: FaultCode::LoadEncoderJump,
-    place: |sample| &mut sample.load_counts,
-    scale: |setup| &mut setup.load,
-};
-const BOTH: [Encoder; 2] = [MOTOR, LOAD];
-
 pub(super) fn checks() -> Vec<Check> {
-    let check = |name, run: fn(&mut Client) -> Checked| Check::new("encoders", name, run);
+    let check = |name, run: fn(&mut Client) -> RuleResult| Check::new("encoders", name, run);
     let mut checks = vec![
-        check("an encoder within its speed limit is believed", |client| {
-            for (encoder, sign) in [(MOTOR, 1), (MOTOR, -1), (LOAD, 1), (LOAD, -1)] {
-                let mut setup = Setup::coarse(client)?;
-                let limit_counts = (encoder.scale)(&mut setup).counts_per_period();
+        check("an encoder within its speed limit is accepted", |client| {
+            for (encoder, sign) in
+                [(Encoder::Motor, 1), (Encoder::Motor, -1), (Encoder::Load, 1), (Encoder::Load, -1)]
+            {
+                let setup = Setup::coarse(client)?;
+                let limit_counts = setup.scale(encoder).counts_per_period();
                 // One count more than it has turned is no fault of an encoder.
                 let counts = sign * ((0.9 * limit_counts) as i64 + 1);
                 let answer = torque(&moved(client, &setup, encoder, counts)?)?;
-                let what = format!("{} {counts} counts on, of {limit_counts} allowed: state", encoder.name);
+                let what = format!("{} {counts} counts on, of {limit_counts} allowed: state", encoder.name());
                 equal(&what, State::Running, answer.status.state)?;
             }
             Ok(())
         }),
-        check("an encoder that wraps around goes on where it was", |client| {
+        check("an encoder continues through its wraparound", |client| {
             let (top, bottom) = (i64::from(EncoderCounts::MAX.get()), i64::from(EncoderCounts::MIN.get()));
-            BOTH.into_iter().try_for_each(|encoder| {
+            Encoder::BOTH.into_iter().try_for_each(|encoder| {
                 alike(client, encoder, &[(0, top), (1, top + 1)], &[(0, top - 1), (1, top)])?;
                 alike(client, encoder, &[(0, bottom), (1, bottom - 1)], &[(0, bottom + 1), (1, bottom)])
             })
         }),
-        check("an encoder may go further than half its range from its first reading", |client| {
-            BOTH.into_iter().try_for_each(|encoder| {
+        check("an encoder may travel more than half its range from its first reading", |client| {
+            Encoder::BOTH.into_iter().try_for_each(|encoder| {
                 [1, -1].into_iter().try_for_each(|sign| {
                     let [further, earlier] = [1, -1].map(|more| far_way(client, encoder, sign, more));
                     alike(client, encoder, &further?, &earlier?)
@@ -79,8 +56,8 @@ pub(super) fn checks() -> Vec<Check> {
             })
         }),
     ];
-    checks.extend(BOTH.into_iter().map(|encoder| {
-        let name = format!("a {} encoder that jumps is a fault", encoder.name);
+    checks.extend(Encoder::BOTH.into_iter().map(|encoder| {
+        let name = format!("a {} encoder that jumps is a fault", encoder.name());
         Check::new("encoders", name, move |client| {
             [1, -1].into_iter().try_for_each(|sign| jump(client, encoder, sign))
         })
@@ -92,7 +69,7 @@ pub(super) fn checks() -> Vec<Check> {
 /// A sample with one encoder at so many counts from zero, and the other at zero.
 fn placed(encoder: Encoder, sequence: u16, counts: i64) -> EncoderSample {
     let mut sample = sample(sequence);
-    *(encoder.place)(&mut sample) = EncoderCounts::wrapping(counts);
+    *encoder.counts_mut(&mut sample) = EncoderCounts::wrapping(counts);
     sample
 }
 
@@ -100,14 +77,14 @@ fn placed(encoder: Encoder, sequence: u16, counts: i64) -> EncoderSample {
 /// wraps, what would is the way as a whole.
 fn far_way(client: &Client, encoder: Encoder, sign: i64, more: i64) -> Result<Vec<(u16, i64)>, Failure> {
     const QUARTER: i64 = 1 << 22;
-    let mut setup = Setup::coarse(client)?;
+    let setup = Setup::coarse(client)?;
     let gap = setup.longest_gap();
     // Half as fast as it may be.
-    let allowed_counts = (encoder.scale)(&mut setup).counts_per_period() * f64::from(gap);
+    let allowed_counts = setup.scale(encoder).counts_per_period() * f64::from(gap);
     let stride = ((0.5 * allowed_counts) as i64).clamp(1, QUARTER / 16);
     let strides = (2 * QUARTER + stride - 1) / stride;
     if strides > LONGEST_WAY {
-        return Err(Failure::LeftOut {
+        return Err(Failure::Skipped {
             reason: "not run: at the highest speed limits that the drive takes the way lasts too long",
         });
     }
@@ -122,14 +99,14 @@ fn far_way(client: &Client, encoder: Encoder, sign: i64, more: i64) -> Result<Ve
 /// No control law is known here, so no torque is either. But a law that goes by position pushes hard so far from its
 /// reference, to its limit perhaps, and a count more is nothing to it; only one that takes the position for another, a
 /// whole range of counts away on the other side of zero, pushes the other way.
-fn alike(client: &mut Client, encoder: Encoder, way: &[(u16, i64)], earlier: &[(u16, i64)]) -> Checked {
+fn alike(client: &mut Client, encoder: Encoder, way: &[(u16, i64)], earlier: &[(u16, i64)]) -> RuleResult {
     let wanted_nm = at_the_end(client, encoder, earlier)?;
     let came_nm = at_the_end(client, encoder, way)?;
     let near = (came_nm - wanted_nm).abs() <= SAME_TORQUE * came_nm.abs().max(wanted_nm.abs());
     let last = |way: &[(u16, i64)]| way.last().map_or(0, |it| it.1);
     let expected = format!(
         "with the {} at {} counts {wanted_nm} N m to {} %, the torque at {} counts",
-        encoder.name,
+        encoder.name(),
         last(way),
         100.0 * SAME_TORQUE,
         last(earlier)
@@ -139,12 +116,12 @@ fn alike(client: &mut Client, encoder: Encoder, way: &[(u16, i64)], earlier: &[(
 
 /// The torque at the end of a way.
 fn at_the_end(client: &mut Client, encoder: Encoder, way: &[(u16, i64)]) -> Result<f32, Failure> {
-    client.fresh()?;
+    client.reset()?;
     Setup::coarse(client)?.start(client)?;
     let mut torque_nm = 0.0;
     for &(sequence, counts) in way {
-        let answer = torque(&client.say(placed(encoder, sequence, counts))?)?;
-        let what = format!("{} at {counts} counts: state", encoder.name);
+        let answer = torque(&client.request(placed(encoder, sequence, counts))?)?;
+        let what = format!("{} at {counts} counts: state", encoder.name());
         equal(&what, State::Running, answer.status.state)?;
         torque_nm = answer.torque_nm;
     }
@@ -158,18 +135,18 @@ fn moved(
     encoder: Encoder,
     counts: i64,
 ) -> Result<Vec<DriveMessage>, Failure> {
-    client.fresh()?;
+    client.reset()?;
     setup.start(client)?;
     client.torque(0)?;
-    client.say(placed(encoder, 1, counts))
+    client.request(placed(encoder, 1, counts))
 }
 
-fn jump(client: &mut Client, encoder: Encoder, sign: i64) -> Checked {
-    let mut setup = Setup::coarse(client)?;
-    let scale = *(encoder.scale)(&mut setup);
+fn jump(client: &mut Client, encoder: Encoder, sign: i64) -> RuleResult {
+    let setup = Setup::coarse(client)?;
+    let scale = setup.scale(encoder);
     let counts = scale.jump_counts()?;
     let answers = moved(client, &setup, encoder, sign * counts)?;
-    let it = faulted(&answers, encoder.code)?;
+    let it = fault_answer(&answers, encoder.jump_fault())?;
     equal("sequence and limit", (1, scale.speed_limit_rad_s), (it.sequence, it.limit))?;
     // Which way it turned need not be said, and an encoder that shows one count more may have turned hardly at all.
     let per_count_rad_s = scale.speed_per_count_rad_s();

@@ -9,10 +9,11 @@ use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::sequence::LONGEST_GAP;
 
-use super::{Encoder, LOAD, MOTOR};
-use crate::conformance::check::{Checked, Failure};
+use super::encoder::Encoder;
+
+use crate::conformance::assertion::{Failure, RuleResult};
 use crate::conformance::client::Client;
-use crate::conformance::parameters::{holds, nearest_real, nearest_whole};
+use crate::conformance::range::{holds, nearest_real, nearest_whole};
 
 const PERIOD_US: u32 = 1_000;
 /// Coarse enough that the largest speed in a period fits into a counter, fine enough that a count is a small part of it.
@@ -41,10 +42,10 @@ impl Scale {
         period_us: u32,
         counts_per_rev: u32,
     ) -> Result<Self, Failure> {
-        let counts_per_rev = nearest_whole(client.parameter(encoder.counts_per_rev)?, counts_per_rev)?;
+        let counts_per_rev = nearest_whole(client.parameter(encoder.counts_per_rev())?, counts_per_rev)?;
         let mut scale = Self { period_us, counts_per_rev, speed_limit_rad_s: 0.0 };
         let wished_rad_s = scale.limit_rad_s(COUNTS_PER_PERIOD);
-        scale.speed_limit_rad_s = nearest_real(client.parameter(encoder.speed_limit)?, wished_rad_s)?;
+        scale.speed_limit_rad_s = nearest_real(client.parameter(encoder.speed_limit())?, wished_rad_s)?;
         Ok(scale)
     }
 
@@ -68,7 +69,7 @@ impl Scale {
         // A drive takes one count off, and the fraction is lost here.
         let counts = ((1.5 * self.counts_per_period()) as i64 + 2).min(EncoderCounts::MAX.get().into());
         if (counts - 1) as f64 <= (1.0 + ROUNDING) * self.counts_per_period() {
-            return Err(Failure::LeftOut {
+            return Err(Failure::Skipped {
                 reason: "not run: no reading is faster than the lowest speed limit that the drive takes",
             });
         }
@@ -93,7 +94,21 @@ impl Setup {
     pub(super) fn of(client: &Client, counts_per_rev: u32) -> Result<Self, Failure> {
         let period_us = nearest_whole(client.parameter("period_us")?, PERIOD_US)?;
         let scale = |encoder| Scale::fitted(client, encoder, period_us, counts_per_rev);
-        Ok(Self { motor: scale(MOTOR)?, load: scale(LOAD)? })
+        Ok(Self { motor: scale(Encoder::Motor)?, load: scale(Encoder::Load)? })
+    }
+
+    pub(super) const fn scale(&self, encoder: Encoder) -> Scale {
+        match encoder {
+            Encoder::Motor => self.motor,
+            Encoder::Load => self.load,
+        }
+    }
+
+    pub(super) const fn scale_mut(&mut self, encoder: Encoder) -> &mut Scale {
+        match encoder {
+            Encoder::Motor => &mut self.motor,
+            Encoder::Load => &mut self.load,
+        }
     }
 
     /// Periods after which a sample is still taken, however the drive rounds.
@@ -108,28 +123,28 @@ impl Setup {
         use ParameterValue::{F32, U32};
         [
             ("period_us", U32(self.motor.period_us)),
-            (MOTOR.counts_per_rev, U32(self.motor.counts_per_rev)),
-            (LOAD.counts_per_rev, U32(self.load.counts_per_rev)),
-            (MOTOR.speed_limit, F32(self.motor.speed_limit_rad_s)),
-            (LOAD.speed_limit, F32(self.load.speed_limit_rad_s)),
+            (Encoder::Motor.counts_per_rev(), U32(self.motor.counts_per_rev)),
+            (Encoder::Load.counts_per_rev(), U32(self.load.counts_per_rev)),
+            (Encoder::Motor.speed_limit(), F32(self.motor.speed_limit_rad_s)),
+            (Encoder::Load.speed_limit(), F32(self.load.speed_limit_rad_s)),
         ]
     }
 
     /// Leaves the check out if the drive's ranges don't hold these settings: which ones it offers is its own affair.
-    pub(super) fn allowed(&self, client: &Client) -> Checked {
+    pub(super) fn allowed(&self, client: &Client) -> RuleResult {
         for (name, value) in self.settings() {
             if !holds(client.parameter(name)?, value) {
-                return Err(Failure::LeftOut { reason: "not run: the drive takes no such speed limits" });
+                return Err(Failure::Skipped { reason: "not run: the drive takes no such speed limits" });
             }
         }
         Ok(())
     }
 
     /// Greets, sets all this, arms and starts. Leaves the check out if no drive may arm with it.
-    pub(in crate::conformance) fn start(&self, client: &mut Client) -> Checked {
+    pub(in crate::conformance) fn start(&self, client: &mut Client) -> RuleResult {
         self.allowed(client)?;
         if self.longest_gap() == 0 {
-            return Err(Failure::LeftOut {
+            return Err(Failure::Skipped {
                 reason: "not run: with the encoders, period and speed limits that the drive takes positions can't be told apart",
             });
         }

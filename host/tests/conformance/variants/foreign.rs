@@ -6,7 +6,7 @@ use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSI
 
 use super::encoders::is_fast;
 use super::{describing, torques};
-use crate::mutants::{Past, Variant};
+use crate::mutants::{Memory, Variant};
 
 const PERIOD: u8 = 1;
 /// `motor_counts_per_rev` and `load_counts_per_rev`.
@@ -18,12 +18,12 @@ const BUILT_WITH: [(u8, u32); 3] = [(PERIOD, 500), (ENCODERS[0], 131_072), (ENCO
 
 pub const FINE: Variant = Variant {
     does: "has fine encoders",
-    hear: |past, request| {
+    on_request: |memory, request| {
         let default = |index| SetParameter { index, value: FINE_COUNTS };
-        defaulting(past, request, &ENCODERS.map(default))
+        defaulting(memory, request, &ENCODERS.map(default))
     },
-    say: |past, answers| {
-        describing(unasked_left_out(past, answers), |it| {
+    on_answers: |memory, answers| {
+        describing(unasked_left_out(memory, answers), |it| {
             if ENCODERS.contains(&it.index) {
                 it.default = FINE_COUNTS;
             }
@@ -35,7 +35,7 @@ pub const FINE: Variant = Variant {
 /// Takes the one value only, as a drive with one timer and absolute encoders does.
 pub const FIXED: Variant = Variant {
     does: "has one period and one resolution",
-    hear: |past, request| {
+    on_request: |memory, request| {
         let default = |(index, value)| SetParameter { index, value: ParameterValue::U32(value) };
         let request = match request {
             HostMessage::SetParameter(SetParameter { index, value: ParameterValue::U32(value) })
@@ -46,10 +46,10 @@ pub const FIXED: Variant = Variant {
             }
             other => other,
         };
-        defaulting(past, request, &BUILT_WITH.map(default))
+        defaulting(memory, request, &BUILT_WITH.map(default))
     },
-    say: |past, answers| {
-        describing(unasked_left_out(past, answers), |it| {
+    on_answers: |memory, answers| {
+        describing(unasked_left_out(memory, answers), |it| {
             if let Some((_, only)) = BUILT_WITH.iter().find(|(index, _)| *index == it.index) {
                 [it.default, it.min, it.max] = [ParameterValue::U32(*only); 3];
             }
@@ -61,7 +61,7 @@ pub const FIXED: Variant = Variant {
 /// The same, but believes whatever its encoders show and doesn't tell of gaps.
 pub const FIXED_CREDULOUS: Variant = Variant {
     does: "has one period and one resolution and believes all it reads",
-    hear: |past, request| {
+    on_request: |memory, request| {
         let believable = |counts: EncoderCounts| {
             if is_fast(counts) { EncoderCounts::default() } else { counts }
         };
@@ -74,22 +74,24 @@ pub const FIXED_CREDULOUS: Variant = Variant {
             .into(),
             other => other,
         };
-        (FIXED.hear)(past, request)
+        (FIXED.on_request)(memory, request)
     },
-    say: |past, answers| torques((FIXED.say)(past, answers), |it| it.status.flags.remove(TorqueFlags::GAP)),
+    on_answers: |memory, answers| {
+        torques((FIXED.on_answers)(memory, answers), |it| it.status.flags.remove(TorqueFlags::GAP))
+    },
     ..Variant::MERZOUKI
 };
 
 /// The first greeting after a reset sets what is then said to be the default; the second one tells of it.
-fn defaulting(past: &mut Past, request: HostMessage, defaults: &[SetParameter]) -> Vec<HostMessage> {
+fn defaulting(memory: &mut Memory, request: HostMessage, defaults: &[SetParameter]) -> Vec<HostMessage> {
     match request {
-        HostMessage::Hello(hello) if past.number == 0 && hello.protocol_version == PROTOCOL_VERSION => {
-            past.number = 1;
+        HostMessage::Hello(hello) if memory.number == 0 && hello.protocol_version == PROTOCOL_VERSION => {
+            memory.number = 1;
             let set: Vec<_> = defaults.iter().map(|&it| it.into()).collect();
             [&[request], &set[..], &[request]].concat()
         }
         HostMessage::Reset(_) => {
-            past.number = 0;
+            memory.number = 0;
             vec![request]
         }
         other => vec![other],
@@ -97,8 +99,8 @@ fn defaulting(past: &mut Past, request: HostMessage, defaults: &[SetParameter]) 
 }
 
 /// The answers without those to what [`defaulting`] has put in.
-fn unasked_left_out(past: &Past, mut answers: Vec<DriveMessage>) -> Vec<DriveMessage> {
-    if matches!(past.request, Some(HostMessage::Hello(_)))
+fn unasked_left_out(memory: &Memory, mut answers: Vec<DriveMessage>) -> Vec<DriveMessage> {
+    if matches!(memory.request, Some(HostMessage::Hello(_)))
         && let Some(set) = answers.iter().rposition(|it| matches!(it, DriveMessage::ParameterReport(_)))
     {
         answers.drain(..=set);
@@ -109,7 +111,7 @@ fn unasked_left_out(past: &Past, mut answers: Vec<DriveMessage>) -> Vec<DriveMes
 /// Says that it takes no load faster than this.
 pub const SLOW: Variant = Variant {
     does: "has a slow load",
-    say: |_, answers| {
+    on_answers: |_, answers| {
         describing(answers, |it| {
             if it.name.as_str() == "load_speed_limit_rad_s" {
                 it.max = ParameterValue::F32(200.0);

@@ -1,8 +1,8 @@
-//! Drives that break one rule each, and the check that has to find out.
+//! One mutant per broken rule, and the check that must fail.
 
 mod encoders;
 mod foreign;
-mod greeting;
+mod handshake;
 mod line;
 mod parameters;
 mod safety;
@@ -16,13 +16,13 @@ use lashloop_protocol::message::{
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
-use crate::mutants::{Past, Variant};
+use crate::mutants::{Memory, Variant};
 pub use foreign::{FINE, FIXED, FIXED_CREDULOUS, SLOW};
 
-/// All of them, in the order of the battery.
+/// Every mutant, in the order of the checks.
 pub fn all() -> impl Iterator<Item = Variant> {
     [
-        greeting::VARIANTS,
+        handshake::VARIANTS,
         transitions::VARIANTS,
         parameters::VARIANTS,
         samples::VARIANTS,
@@ -35,22 +35,22 @@ pub fn all() -> impl Iterator<Item = Variant> {
     .copied()
 }
 
-/// Wrong in what it hears.
-const fn hears(
+/// A mutant that changes requests.
+const fn alters_requests(
     does: &'static str,
     caught_by: &'static str,
-    hear: fn(&mut Past, HostMessage) -> Vec<HostMessage>,
+    on_request: fn(&mut Memory, HostMessage) -> Vec<HostMessage>,
 ) -> Variant {
-    Variant { does, caught_by, hear, ..Variant::MERZOUKI }
+    Variant { does, caught_by, on_request, ..Variant::MERZOUKI }
 }
 
-/// Wrong in what it says.
-const fn says(
+/// A mutant that changes answers.
+const fn alters_answers(
     does: &'static str,
     caught_by: &'static str,
-    say: fn(&mut Past, Vec<DriveMessage>) -> Vec<DriveMessage>,
+    on_answers: fn(&mut Memory, Vec<DriveMessage>) -> Vec<DriveMessage>,
 ) -> Variant {
-    Variant { does, caught_by, say, ..Variant::MERZOUKI }
+    Variant { does, caught_by, on_answers, ..Variant::MERZOUKI }
 }
 
 fn each(mut answers: Vec<DriveMessage>, alter: impl FnMut(&mut DriveMessage)) -> Vec<DriveMessage> {
@@ -76,13 +76,13 @@ fn describing(answers: Vec<DriveMessage>, alter: impl Fn(&mut ParameterDescripti
 
 /// Alters the reports that answer a set.
 fn reporting(
-    past: &Past,
+    memory: &Memory,
     answers: Vec<DriveMessage>,
     alter: impl Fn(&mut ParameterReport, SetParameter),
 ) -> Vec<DriveMessage> {
     each(answers, |answer| {
         if let (DriveMessage::ParameterReport(it), Some(HostMessage::SetParameter(set))) =
-            (answer, past.request)
+            (answer, memory.request)
         {
             alter(it, set);
         }
@@ -91,13 +91,13 @@ fn reporting(
 
 /// Puts a torque in place of the refusal of a sample.
 fn answering(
-    past: &Past,
+    memory: &Memory,
     answers: Vec<DriveMessage>,
     torque: impl Fn(EncoderSample, CommandResult) -> Option<TorqueAnswer>,
 ) -> Vec<DriveMessage> {
     each(answers, |answer| {
         if let (DriveMessage::CommandResult(it), Some(HostMessage::EncoderSample(sample))) =
-            (&*answer, past.request)
+            (&*answer, memory.request)
             && let Some(torque) = torque(sample, *it)
         {
             *answer = torque.into();

@@ -5,34 +5,36 @@ use lashloop_protocol::message::{GetParameter, SetParameter};
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
-use super::{describing, each, hears, reporting, says};
+use super::{alters_answers, alters_requests, describing, each, reporting};
 use crate::mutants::Variant;
 
 pub const VARIANTS: &[Variant] = &[
-    says("has lost its watchdog", "the drive has the parameters that every bench sets", |_, answers| {
+    alters_answers("has lost its watchdog", "the drive has every required parameter", |_, answers| {
         describing(answers, |it| {
             if it.name.as_str() == "watchdog_us" {
                 it.name = Text::new("dog_us");
             }
         })
     }),
-    says("has one name for all", "every parameter has a name of its own", |_, answers| {
+    alters_answers("has one name for all", "every parameter name is unique", |_, answers| {
         describing(answers, |it| it.name = Text::new("gain"))
     }),
-    says(
+    alters_answers(
         "has ranges of another type",
-        "default, smallest and largest value are of one type",
+        "default, minimum and maximum have one type",
         |_, answers| describing(answers, |it| it.min = ParameterValue::U32(0)),
     ),
-    says("has defaults out of range", "every default lies in its range", |_, answers| {
+    alters_answers("has defaults out of range", "every default lies in its range", |_, answers| {
         describing(answers, |it| it.default = ParameterValue::F32(f32::MAX))
     }),
-    says("has other defaults than it says", "after a reset every parameter has its default", |_, answers| {
-        describing(answers, |it| it.default = it.min)
-    }),
-    says(
+    alters_answers(
+        "has other defaults than it says",
+        "after a reset every parameter has its default",
+        |_, answers| describing(answers, |it| it.default = it.min),
+    ),
+    alters_answers(
         "has wider ranges than it takes",
-        "every parameter takes its smallest and its largest value and reads it back",
+        "every parameter accepts its minimum and maximum and reads them back",
         |_, answers| {
             describing(answers, |it| {
                 if let ParameterValue::F32(max) = &mut it.max {
@@ -42,41 +44,43 @@ pub const VARIANTS: &[Variant] = &[
         },
     ),
     Variant {
-        hear: |_, request| match request {
+        on_request: |_, request| match request {
             // Any other request with one answer of its own.
             HostMessage::SetParameter(set) => {
                 vec![GetParameter { index: set.index }.into()]
             }
             other => vec![other],
         },
-        ..says(
+        ..alters_answers(
             "reads back what it was told instead of what it has",
-            "every parameter takes its smallest and its largest value and reads it back",
-            |past, answers| reporting(past, answers, |it, set| it.value = set.value),
+            "every parameter accepts its minimum and maximum and reads them back",
+            |memory, answers| reporting(memory, answers, |it, set| it.value = set.value),
         )
     },
-    says(
+    alters_answers(
         "takes what is out of range",
         "a value out of range is refused and changes nothing",
-        |past, answers| {
-            reporting(past, answers, |it, set| {
+        |memory, answers| {
+            reporting(memory, answers, |it, set| {
                 if it.outcome == Outcome::OutOfRange {
                     (it.outcome, it.value) = (Outcome::Accepted, set.value);
                 }
             })
         },
     ),
-    hears("converts types", "a value of the wrong type is refused and changes nothing", |_, request| {
-        match request {
+    alters_requests(
+        "converts types",
+        "a value of the wrong type is refused and changes nothing",
+        |_, request| match request {
             HostMessage::SetParameter(SetParameter { index, value: ParameterValue::U32(value) })
                 if index > 8 =>
             {
                 vec![SetParameter { index, value: ParameterValue::F32(value as f32) }.into()]
             }
             other => vec![other],
-        }
-    }),
-    says("knows every index", "an index that no parameter has is refused", |_, answers| {
+        },
+    ),
+    alters_answers("knows every index", "an unknown parameter index is refused", |_, answers| {
         each(answers, |answer| match answer {
             DriveMessage::ParameterReport(it) if it.outcome == Outcome::UnknownParameter => {
                 it.outcome = Outcome::Accepted;
@@ -84,18 +88,18 @@ pub const VARIANTS: &[Variant] = &[
             _ => {}
         })
     }),
-    says(
+    alters_answers(
         "keeps a parameter through Reset",
-        "a reset brings back the default of what was set",
-        |past, answers| {
-            if matches!(past.request, Some(HostMessage::Reset(_))) {
-                past.number += 1;
+        "a reset restores the default of a changed parameter",
+        |memory, answers| {
+            if matches!(memory.request, Some(HostMessage::Reset(_))) {
+                memory.number += 1;
             }
             // Wrong from the second value on that is read after a set of the torque limit.
-            if let Some(HostMessage::SetParameter(SetParameter { index: 4, .. })) = past.request {
-                past.kept = past.request;
+            if let Some(HostMessage::SetParameter(SetParameter { index: 4, .. })) = memory.request {
+                memory.kept = memory.request;
             }
-            let kept = past.kept;
+            let kept = memory.kept;
             each(answers, |answer| match (answer, kept) {
                 (DriveMessage::ParameterReport(it), Some(HostMessage::SetParameter(set)))
                     if it.index == 4 =>
@@ -106,9 +110,9 @@ pub const VARIANTS: &[Variant] = &[
             })
         },
     ),
-    says(
+    alters_answers(
         "has an identity of its own",
-        "the identity has the period and the encoders that were set",
+        "the identity follows the period and encoder parameters",
         |_, answers| {
             each(answers, |answer| {
                 if let DriveMessage::Identity(it) = answer {
@@ -117,9 +121,9 @@ pub const VARIANTS: &[Variant] = &[
             })
         },
     ),
-    says(
+    alters_answers(
         "takes everything while running",
-        "while running a parameter is taken if it is live and refused if not",
-        |past, answers| reporting(past, answers, |it, _| it.outcome = Outcome::Accepted),
+        "while running a live parameter is accepted and any other refused",
+        |memory, answers| reporting(memory, answers, |it, _| it.outcome = Outcome::Accepted),
     ),
 ];

@@ -5,40 +5,44 @@ use lashloop_protocol::message::{Arm, EmergencyStop, Start, Stop};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
-use super::{each, hears, is_result_of, says};
+use super::{alters_answers, alters_requests, each, is_result_of};
 use crate::mutants::Variant;
 
 pub const VARIANTS: &[Variant] = &[
-    hears("arms for any session", "Arm of another session is refused", |past, request| match request {
-        HostMessage::Hello(hello) => {
-            past.number = hello.session;
-            vec![request]
+    alters_requests("arms for any session", "Arm of another session is refused", |memory, request| {
+        match request {
+            HostMessage::Hello(hello) => {
+                memory.number = hello.session;
+                vec![request]
+            }
+            HostMessage::Arm(_) => vec![Arm { session: memory.number }.into()],
+            other => vec![other],
         }
-        HostMessage::Arm(_) => vec![Arm { session: past.number }.into()],
-        other => vec![other],
     }),
-    hears("starts for any session", "Start of another session is refused", |past, request| match request {
-        HostMessage::Hello(hello) => {
-            past.number = hello.session;
-            vec![request]
+    alters_requests("starts for any session", "Start of another session is refused", |memory, request| {
+        match request {
+            HostMessage::Hello(hello) => {
+                memory.number = hello.session;
+                vec![request]
+            }
+            HostMessage::Start(_) => vec![Start { session: memory.number }.into()],
+            other => vec![other],
         }
-        HostMessage::Start(_) => vec![Start { session: past.number }.into()],
-        other => vec![other],
     }),
     Variant {
-        hear: |past, request| match request {
+        on_request: |memory, request| match request {
             HostMessage::Hello(hello) => {
-                past.number = hello.session;
+                memory.number = hello.session;
                 vec![request]
             }
             HostMessage::Start(start) => vec![Arm { session: start.session }.into(), request],
             other => vec![other],
         },
-        ..says(
+        ..alters_answers(
             "starts without having been armed",
             "Start is refused in Idle as WrongState",
-            |past, mut answers| {
-                if matches!(past.request, Some(HostMessage::Start(_))) {
+            |memory, mut answers| {
+                if matches!(memory.request, Some(HostMessage::Start(_))) {
                     answers.retain(|answer| !is_result_of::<Arm>(answer));
                 }
                 answers
@@ -46,15 +50,15 @@ pub const VARIANTS: &[Variant] = &[
         )
     },
     Variant {
-        hear: |_, request| match request {
+        on_request: |_, request| match request {
             HostMessage::EmergencyStop(_) => vec![Stop {}.into()],
             other => vec![other],
         },
-        ..says(
+        ..alters_answers(
             "takes EmergencyStop for Stop",
             "EmergencyStop leads from Running to Faulted",
-            |past, answers| {
-                let emergency = matches!(past.request, Some(HostMessage::EmergencyStop(_)));
+            |memory, answers| {
+                let emergency = matches!(memory.request, Some(HostMessage::EmergencyStop(_)));
                 each(answers, |answer| {
                     if let (DriveMessage::CommandResult(it), true) = (answer, emergency) {
                         it.request = EmergencyStop::LAYOUT.kind;
@@ -63,14 +67,18 @@ pub const VARIANTS: &[Variant] = &[
             },
         )
     },
-    says("says that every refusal was done", "Arm is refused in Boot as WrongSession", |_, answers| {
-        each(answers, |answer| {
-            if let DriveMessage::CommandResult(it) = answer {
-                it.outcome = Outcome::Accepted;
-            }
-        })
-    }),
-    says("never says Idle", "Stop leads from Running to Idle", |_, answers| {
+    alters_answers(
+        "says that every refusal was done",
+        "Arm is refused in Boot as WrongSession",
+        |_, answers| {
+            each(answers, |answer| {
+                if let DriveMessage::CommandResult(it) = answer {
+                    it.outcome = Outcome::Accepted;
+                }
+            })
+        },
+    ),
+    alters_answers("never says Idle", "Stop leads from Running to Idle", |_, answers| {
         each(answers, |answer| {
             if let DriveMessage::CommandResult(it) = answer
                 && it.state == State::Idle
@@ -79,7 +87,7 @@ pub const VARIANTS: &[Variant] = &[
             }
         })
     }),
-    says("never says Armed", "Arm leads from Idle to Armed", |_, answers| {
+    alters_answers("never says Armed", "Arm leads from Idle to Armed", |_, answers| {
         each(answers, |answer| {
             if let DriveMessage::CommandResult(it) = answer
                 && it.state == State::Armed
@@ -88,7 +96,7 @@ pub const VARIANTS: &[Variant] = &[
             }
         })
     }),
-    says("never says Running", "Start leads from Armed to Running", |_, answers| {
+    alters_answers("never says Running", "Start leads from Armed to Running", |_, answers| {
         each(answers, |answer| {
             if let DriveMessage::CommandResult(it) = answer
                 && it.state == State::Running
@@ -97,11 +105,11 @@ pub const VARIANTS: &[Variant] = &[
             }
         })
     }),
-    says(
+    alters_answers(
         "clears faults to Idle without a greeting",
-        "a fault cleared before the greeting leads back to Boot",
-        |past, answers| {
-            let cleared = matches!(past.request, Some(HostMessage::ClearFault(_)));
+        "a fault cleared before the handshake leads back to Boot",
+        |memory, answers| {
+            let cleared = matches!(memory.request, Some(HostMessage::ClearFault(_)));
             each(answers, |answer| {
                 if let (DriveMessage::CommandResult(it), true) = (answer, cleared) {
                     it.state = State::Idle;

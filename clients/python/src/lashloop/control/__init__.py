@@ -1,7 +1,7 @@
-"""Control laws: what a drive asks for a torque.
+"""Control laws of a drive.
 
-A law of your own is a class with `step`, and a `ControlLaw` that tells the drive its number, its parameters and how it
-is built from their values. `lashloop.control.cascade` is an example: the law the drive ships with.
+A custom law is a class with `step`, and a `ControlLaw` with its number, its parameters and its constructor. See
+`lashloop.control.cascade`, the law of the drive in this package.
 """
 
 from __future__ import annotations
@@ -19,26 +19,26 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ControlInput:
-    """One encoder sample that the drive has found plausible."""
+    """One encoder sample that passed the plausibility check of the drive."""
 
     motor_counts: int
-    """Where the motor encoder stands: its count goes on where what is read of it wraps."""
+    """Position of the motor encoder, without wraparound."""
     load_counts: int
-    """Where the load encoder stands, likewise."""
+    """Position of the load encoder, without wraparound."""
     reference_rad: float
-    """Where the load is wanted."""
+    """Reference position of the load."""
     applied_torque_nm: float
-    """Torque the motor was given since the sample before, after the drive's limit."""
+    """Torque applied since the previous sample, after the torque limit."""
     elapsed_periods: int
-    """Control periods since the sample before, more than 1 if samples are missing; 1 at the first."""
+    """Control periods since the previous sample: more than 1 if samples are missing, 1 at the first sample."""
 
 
 @dataclass(frozen=True, slots=True)
 class ControlOutput:
-    """What a law wants, and what it thinks; the latter goes into the telemetry."""
+    """Torque of a law, and the signals for its telemetry."""
 
     torque_nm: float
-    """Torque before the drive's limit."""
+    """Torque before the torque limit."""
     dead_zone_estimate_rad: float = 0.0
     disturbing_torque_nm: float = 0.0
     load_error_rad: float = 0.0
@@ -47,10 +47,10 @@ class ControlOutput:
 
 
 class Controller(Protocol):
-    """A control law at work: a new one for each run, so that it may remember what it likes."""
+    """A control law with its state; built anew for each run."""
 
     def step(self, sample: ControlInput) -> ControlOutput:
-        """Take one sample and give the torque wanted now."""
+        """Process one sample and return the torque for it."""
 
 
 @dataclass(frozen=True)
@@ -58,16 +58,16 @@ class ControlLaw:
     """A control law that a drive offers."""
 
     number: int
-    """Value of the parameter `controller` that chooses it, 1 to 15."""
+    """Value of the parameter `controller` that selects the law, 1 to 15."""
     parameters: tuple[ParameterSpec, ...]
-    """Parameters it needs beside those that every drive has."""
+    """Parameters of the law, in addition to those of every drive."""
     build: Callable[[Mapping[str, float]], Controller]
-    """Makes a controller from all parameters by name; raises `InconsistentError` if they don't go together."""
+    """Builds a controller from all parameters by name; raises `InconsistentError` if they contradict each other."""
 
 
 class InconsistentError(LashloopError):
-    """Parameters, each in its range, that don't go together."""
+    """Parameters, each within its range, that contradict each other."""
 
     def __init__(self, name: str) -> None:
-        """Name the one that does not go with the others, in a few words."""
+        """Name the parameter."""
         super().__init__(f"{name} does not go with the others")

@@ -1,9 +1,9 @@
 """The cascaded PD law, "before compensation", of R. Merzouki and J. C. Cadiou.
 
 "Estimation of backlash phenomenon in the electromechanical actuator", Control Engineering Practice 13 (2005) 973-983,
-doi:10.1016/j.conengprac.2004.10.016. The outer loop, equation (17), turns the load error into a wanted motor position;
-the inner one, (16), turns the motor error and the error of the elastic torque into a torque. A moving reference adds
-the torques that move motor and load, (11) and (15).
+doi:10.1016/j.conengprac.2004.10.016. The outer loop, equation (17), computes the motor reference from the load error.
+The inner loop, (16), computes the torque from the motor error and the error of the elastic torque. A moving reference
+adds feed-forward torques for motor and load, (11) and (15).
 """
 
 from __future__ import annotations
@@ -62,13 +62,13 @@ PARAMETERS: tuple[ParameterSpec, ...] = (
 )
 """Gains and nominal mechanics of the firmware's laws, with the paper's tables 1 and 2 as defaults.
 
-Those of the laws with compensation, which this drive does not offer, are kept and have no effect, as in the firmware
-while it runs the plain cascade: so a scenario that sets them fits both.
+The parameters of the laws with compensation, which this drive does not offer, have no effect. They exist so that a
+scenario that sets them runs on both.
 """
 
 
 class CascadedPd:
-    """The two loops alone, in single precision and in the firmware's order of operations."""
+    """The two loops without compensation, in single precision and in the firmware's order of operations."""
 
     def __init__(self, parameters: Mapping[str, float]) -> None:
         """Take gains and nominal mechanics from the parameters of section 14 of `docs/protocol.md`."""
@@ -86,8 +86,8 @@ class CascadedPd:
         self._whole_friction = value["motor_friction_nm_s_rad"] * self._ratio + self._load_friction
 
     def step(self, sample: ControlInput) -> ControlOutput:
-        """Take one sample and give the torque wanted now."""
-        # What overflows becomes infinite or NaN, and the drive's own check of the torque meets it.
+        """Process one sample and return the torque for it."""
+        # An overflow gives infinity or NaN, which the torque check of the drive detects.
         with np.errstate(all="ignore"):
             return self._law(self._sensing.step(sample))
 
@@ -95,15 +95,15 @@ class CascadedPd:
         velocity, acceleration = m.reference_velocity_rad_s, m.reference_acceleration_rad_s2
         load_error = m.load_position_rad - m.reference_position_rad
         load_error_rate = m.load_velocity_rad_s - velocity
-        # (11): the elastic torque less the one that moves the load.
-        wanted_elastic = self._load_inertia * acceleration + self._load_friction * velocity
-        elastic_error = self._stiffness_nm_rad * m.twist_rad - wanted_elastic
-        # (17) around the motor position that belongs to the reference.
+        # (11): the elastic torque less the torque that moves the load.
+        elastic_reference = self._load_inertia * acceleration + self._load_friction * velocity
+        elastic_error = self._stiffness_nm_rad * m.twist_rad - elastic_reference
+        # (17), relative to the motor position of the reference.
         motor_reference = (
             self._ratio * m.reference_position_rad - self._k_d2 * load_error_rate - self._k_p2 * load_error
         )
         motor_error = m.motor_position_rad - motor_reference
-        # Of the rate of the wanted motor position only the reference's part is known without another derivative.
+        # The rate of the motor reference, without the part that needs another derivative.
         motor_error_rate = m.motor_velocity_rad_s - self._ratio * velocity
         # (15), (16)
         torque = (
@@ -122,4 +122,4 @@ class CascadedPd:
 
 
 PD = ControlLaw(number=ControllerId.PD, parameters=PARAMETERS, build=CascadedPd)
-"""The law as a drive offers it."""
+"""The law, for a drive to offer."""

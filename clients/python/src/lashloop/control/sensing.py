@@ -1,10 +1,9 @@
 """Encoder counts to positions and velocities, in single precision.
 
-Counts are handled as integers for as long as possible: single precision holds 24 bits, so a difference of two
-converted positions would have lost the velocity, and that of motor and load the twist. A position is decoded at the
-middle of its count. A velocity is the difference over the elapsed time behind a first-order lag, advanced exactly for
-a held input. Every operation rounds once to binary32, in the order in which the firmware does it, so that the torque
-is the same to the bit.
+Counts stay integers as long as possible. Single precision holds 24 bits, so the difference of two converted positions
+would lose the velocity, and the difference of motor and load the twist. A position is the middle of its count. A
+velocity is the difference quotient after a first-order lag, discretised exactly for a held input. Every operation
+rounds once to binary32, in the order of the firmware, so that the torque is the same to the bit.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
 f32 = np.float32
 
 REFERENCE_JUMP_RAD = 0.02
-"""Largest difference of the reference between two periods that is taken for motion."""
+"""Largest change of the reference per period that counts as motion."""
 _LARGEST_RATIO_IN_COUNTS = 2**24
 
 
@@ -35,19 +34,19 @@ class Measurement:
     load_position_rad: f32
     load_velocity_rad_s: f32
     twist_rad: f32
-    """Motor position less ratio times load position, formed from counts."""
+    """Motor position less ratio times load position, computed from counts."""
     reference_position_rad: f32
     reference_velocity_rad_s: f32
     reference_acceleration_rad_s2: f32
 
 
 class _Channel:
-    """One encoder, with what is remembered of it."""
+    """One encoder, with the state of its velocity filter."""
 
     def __init__(self, counts_per_rev: float, bandwidth_rad_s: float, period_s: f32) -> None:
         self.half_count_rad = f32(np.pi) / f32(counts_per_rev)
         self._bandwidth_rad_s = f32(bandwidth_rad_s)
-        self._share_per_period = _lag_share(self._bandwidth_rad_s, period_s)
+        self._alpha_per_period = _lag_alpha(self._bandwidth_rad_s, period_s)
         self._counts: int | None = None
         self.velocity_rad_s = f32(0.0)
 
@@ -55,13 +54,13 @@ class _Channel:
         if self._counts is not None:
             moved = counts - self._counts
             velocity = f32(2 * moved) * self.half_count_rad / elapsed_s
-            share = self._share_per_period if periods == 1 else _lag_share(self._bandwidth_rad_s, elapsed_s)
-            self.velocity_rad_s += share * (velocity - self.velocity_rad_s)
+            alpha = self._alpha_per_period if periods == 1 else _lag_alpha(self._bandwidth_rad_s, elapsed_s)
+            self.velocity_rad_s += alpha * (velocity - self.velocity_rad_s)
         self._counts = counts
 
 
 class _Reference:
-    """Rates of the reference. A jump is no velocity, and the first velocity after one has no acceleration."""
+    """Rates of the reference. A jump has no velocity, and the first velocity after a jump no acceleration."""
 
     def __init__(self) -> None:
         self._position_rad: f32 | None = None
@@ -85,10 +84,10 @@ class _Reference:
 
 
 class Sensing:
-    """The way from counts to measurements, from the first sample of a run on."""
+    """Conversion of counts to measurements, from the first sample of a run."""
 
     def __init__(self, parameters: Mapping[str, float]) -> None:
-        """Work out what the parameters fix; `InconsistentError` if the resolutions are too far apart."""
+        """Derive constants from the parameters; `InconsistentError` if the resolutions differ too much."""
         self._period_s = f32(parameters["period_us"]) * f32(1e-6)
         motor_counts, load_counts = (parameters[f"{side}_counts_per_rev"] for side in ("motor", "load"))
         self._motor = _Channel(motor_counts, parameters["motor_filter_rad_s"], self._period_s)
@@ -101,7 +100,7 @@ class Sensing:
         self._rest_of_ratio = ratio - f32(self._whole_ratio)
 
     def step(self, sample: ControlInput) -> Measurement:
-        """Take one sample. The first one has no velocities."""
+        """Process one sample. The first sample has zero velocities."""
         periods = sample.elapsed_periods
         elapsed_s = self._period_s * f32(periods)
         motor, load = self._motor, self._load
@@ -125,7 +124,7 @@ class Sensing:
         )
 
 
-def _lag_share(rate: f32, time: f32) -> f32:
-    """Share of the way a first-order lag of `rate` (1/s) goes towards a held input in `time` (s)."""
-    # Rounded once from double precision, in which expm1 is good to far more digits than single has.
+def _lag_alpha(rate: f32, time: f32) -> f32:
+    """Gain of a first-order lag of `rate` (1/s) towards an input held for `time` (s)."""
+    # Rounded once from double precision, where the error of expm1 is negligible in single precision.
     return f32(-np.expm1(np.float64(-(rate * time))))

@@ -1,7 +1,7 @@
-"""The drive: what a host talks to. A state machine without I/O, and what runs it on a line."""
+"""A drive: a state machine without I/O, and the loop that runs it on a link."""
 
-from lashloop.drive.machine import Drive
 from lashloop.drive.parameters import Parameters, ParameterSpec
 from lashloop.drive.serve import serve
+from lashloop.drive.state_machine import Drive
 
 __all__ = ["Drive", "ParameterSpec", "Parameters", "serve"]

@@ -1,10 +1,11 @@
-"""What a drive has to say, as messages."""
+"""The messages of a drive, built from its data."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from lashloop.enums import Controllers, FaultCode, LogLevel, State, Version, single
 from lashloop.frames import DELIMITER, encode
 from lashloop.messages import (
     PROTOCOL_VERSION,
@@ -15,7 +16,6 @@ from lashloop.messages import (
     ParameterDescription,
     Telemetry,
 )
-from lashloop.enums import Controllers, FaultCode, LogLevel, State, Version, single
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -31,7 +31,7 @@ _U32_MAX = 2**32 - 1
 
 @dataclass(frozen=True, slots=True)
 class Nameplate:
-    """Who the drive is, as long as it has power."""
+    """Constant part of the identity."""
 
     board: str
     firmware: Version
@@ -39,7 +39,7 @@ class Nameplate:
     laws: tuple[int, ...]
 
     def identity(self, session: int, state: State, parameters: Mapping[str, float]) -> Identity:
-        """Answer a greeting."""
+        """Return the answer to a `Hello`."""
         return Identity(
             protocol_version=PROTOCOL_VERSION,
             session=session,
@@ -56,39 +56,39 @@ class Nameplate:
 
 
 def description(index: int, spec: ParameterSpec) -> ParameterDescription:
-    """Say what a parameter is."""
+    """Return the description of a parameter."""
     return ParameterDescription(index, int(spec.live), spec.default, spec.min, spec.max, spec.name, spec.unit)
 
 
-def telemetry(sequence: int, opinion: ControlOutput) -> Telemetry:
-    """Say what the controller thinks. Its numbers may be too large for single precision, which makes them infinite."""
+def telemetry(sequence: int, output: ControlOutput) -> Telemetry:
+    """Return the signals of the law. A number too large for single precision becomes infinite."""
     return Telemetry(
         sequence,
-        single(opinion.dead_zone_estimate_rad),
-        single(opinion.disturbing_torque_nm),
-        single(opinion.load_error_rad),
-        single(opinion.motor_error_rad),
-        single(opinion.elastic_error_nm),
-        single(opinion.torque_nm),
+        single(output.dead_zone_estimate_rad),
+        single(output.disturbing_torque_nm),
+        single(output.load_error_rad),
+        single(output.motor_error_rad),
+        single(output.elastic_error_nm),
+        single(output.torque_nm),
     )
 
 
-def line_report(now: Counters, then: Counters, overruns: int) -> LineReport:
-    """Say what the receiver has seen between two moments."""
-    counts = (now.messages - then.messages, now.damaged - then.damaged, now.refused - then.refused, overruns)
+def line_report(now: Counters, before: Counters, overruns: int) -> LineReport:
+    """Return the receive statistics between two readings of the counters."""
+    counts = (now.messages - before.messages, now.damaged - before.damaged, now.refused - before.refused, overruns)
     return LineReport(*(min(count, _U32_MAX) for count in counts))
 
 
 def log(level: LogLevel, text: str) -> Log:
-    """Say something to people, as much of it as fits."""
+    """Return a log text, truncated to its field."""
     return Log(level, _fitted(text, _LOG_BYTES))
 
 
 def fault_frame(line_number: int) -> bytes:
-    """What a drive says when its program can't go on: a delimiter and a fault that names the source line."""
+    """Return the frame of a drive whose program has failed: a delimiter, and a fault with the source line."""
     return DELIMITER + encode(FaultReport(FaultCode.PANIC, 0, 0.0, 0.0, line_number))
 
 
 def _fitted(text: str, size: int) -> str:
-    """Cut a text at the last whole character that fits into `size` bytes; zeros, which are padding, are dropped."""
+    """Truncate a text after the last whole character within `size` bytes; zeros, the padding, are dropped."""
     return text.replace("\0", "").encode()[:size].decode(errors="ignore")

@@ -1,7 +1,7 @@
 """The parameters of a drive: each declared once, with unit, default and range.
 
-What every drive has is declared here, what a control law needs beside the law. Names, units, defaults and ranges are
-those of section 14 of `docs/protocol.md`, so that a scenario written for the firmware fits.
+Parameters of every drive are declared here, those of a control law next to the law. Names, units, defaults and ranges
+are those of section 14 of `docs/protocol.md`, so that scenarios written for the firmware apply.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _LARGEST_COUNT = 255
 
 @dataclass(frozen=True, slots=True)
 class ParameterSpec:
-    """A parameter as a host may learn it. The index on the wire is its place in the table."""
+    """Declaration of a parameter. Its index on the wire is its position in the table."""
 
     name: str
     unit: str
@@ -30,23 +30,23 @@ class ParameterSpec:
     live: bool = False
 
     def check(self, value: ParameterValue) -> Outcome:
-        """Say whether the value may be set."""
+        """Check type and range of a value."""
         if value.type is not self.default.type:
             return Outcome.WRONG_TYPE
-        # NaN is in no range.
+        # NaN is outside every range.
         in_range = self.min.value <= value.value <= self.max.value
         return Outcome.ACCEPTED if in_range else Outcome.OUT_OF_RANGE
 
 
 def u32(name: str, unit: str, default: int, low: int, high: int, *, live: bool = False) -> ParameterSpec:
-    """Declare a whole number."""
+    """Declare an integer parameter."""
     return ParameterSpec(
         name, unit, ParameterValue.u32(default), ParameterValue.u32(low), ParameterValue.u32(high), live
     )
 
 
 def f32(name: str, unit: str, default: float, low: float, high: float) -> ParameterSpec:
-    """Declare a real number."""
+    """Declare a real parameter."""
     return ParameterSpec(name, unit, ParameterValue.f32(default), ParameterValue.f32(low), ParameterValue.f32(high))
 
 
@@ -60,42 +60,42 @@ COMMON_PARAMETERS: tuple[ParameterSpec, ...] = (
     f32("load_speed_limit_rad_s", "rad/s", 100.0, 0.1, 1e6),
     u32("telemetry_every", "", 10, 0, 65_535, live=True),
 )
-"""What every drive has, behind the choice of its `controller`."""
+"""Parameters of every drive, after `controller`."""
 
 
 class Parameters(Mapping[str, float]):
-    """The values in force: by name as numbers, by spec as they are on the wire."""
+    """The values in force: by name as numbers, by declaration as wire values."""
 
     def __init__(self, specs: Iterable[ParameterSpec]) -> None:
-        """Begin with the defaults; `ValueError` if a name comes twice or there are more than an index can count."""
+        """Start with the defaults; `ValueError` if names repeat or an index can't count them."""
         self.specs = tuple(specs)
         self._values = {spec.name: spec.default for spec in self.specs}
         if len(self._values) != len(self.specs) or len(self.specs) > _LARGEST_COUNT:
             raise ValueError(f"{len(self.specs)} parameters: at most {_LARGEST_COUNT}, each with its own name")
 
     def __len__(self) -> int:
-        """Count them."""
+        """Return the number of parameters."""
         return len(self.specs)
 
     def __getitem__(self, name: str) -> float:
-        """Give a number in force."""
+        """Return the number in force."""
         return self._values[name].value
 
     def __iter__(self) -> Iterator[str]:
-        """Go through their names."""
+        """Iterate over the names."""
         return iter(self._values)
 
     def value(self, spec: ParameterSpec) -> ParameterValue:
-        """Give the value in force."""
+        """Return the value in force."""
         return self._values[spec.name]
 
     def set(self, spec: ParameterSpec, value: ParameterValue) -> Outcome:
-        """Set a value if it may be; otherwise nothing changes."""
+        """Set a value if it passes the check; otherwise nothing changes."""
         outcome = spec.check(value)
         if outcome is Outcome.ACCEPTED:
             self._values[spec.name] = value
         return outcome
 
     def restore_defaults(self) -> None:
-        """Forget all that was set."""
+        """Restore all defaults."""
         self._values = {spec.name: spec.default for spec in self.specs}

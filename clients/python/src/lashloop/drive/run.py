@@ -1,4 +1,4 @@
-"""One run: a controller from its arming on, and where each sample stands in it."""
+"""One run: a controller since arming, and the classification of samples by their sequence."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from lashloop.control import ControlInput, Controller, ControlOutput, InconsistentError
 from lashloop.counts import LARGEST, wrapping_difference
-from lashloop.sequence import LONGEST_GAP, SEQUENCES
 from lashloop.enums import TorqueFlags
+from lashloop.sequence import LONGEST_GAP, SEQUENCES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -19,30 +19,30 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Next:
-    """A new sample, this many periods after the one before; the first one counts as one."""
+    """A new sample, this many periods after the previous one; 1 for the first sample."""
 
     periods: int
 
 
 @dataclass(frozen=True, slots=True)
 class Repeated:
-    """The sample before, again, with the answer to be given again."""
+    """The previous sample again, with the answer to repeat."""
 
     answer: TorqueAnswer
 
 
 @dataclass(frozen=True, slots=True)
 class Stray:
-    """A sample of another run."""
+    """A sample outside the sequence of this run."""
 
 
 class Run:
-    """A controller at work."""
+    """A controller, and the sequence of its samples."""
 
     def __init__(self, controller: Controller, parameters: Mapping[str, float]) -> None:
-        """Take a controller that has seen nothing yet, and the parameters at its arming.
+        """Take a new controller, and the parameters at arming.
 
-        `InconsistentError` if an encoder may turn so far in a period that nobody could say which way.
+        `InconsistentError` if an encoder may exceed half its range in a period, so that its direction is ambiguous.
         """
         self._controller = controller
         period_s = parameters["period_us"] * 1e-6
@@ -50,7 +50,7 @@ class Run:
         self._load_rad_s_per_count = math.tau / (parameters["load_counts_per_rev"] * period_s)
         self._longest_gap = LONGEST_GAP
         for side, rad_s_per_count in (("motor", self._motor_rad_s_per_count), ("load", self._load_rad_s_per_count)):
-            # An encoder may show one count more than it has turned.
+            # An encoder may read one count more than its travel.
             fastest_rad_s = (LARGEST - 1) * rad_s_per_count
             periods = int(fastest_rad_s / parameters[f"{side}_speed_limit_rad_s"])
             if periods < 1:
@@ -60,8 +60,8 @@ class Run:
         self._motor_counts = self._load_counts = 0
         self.last_answer: TorqueAnswer | None = None
 
-    def place(self, sequence: int, last: int | None) -> Next | Repeated | Stray:
-        """Say where a sample of this sequence stands, given that of the last one taken."""
+    def classify(self, sequence: int, last: int | None) -> Next | Repeated | Stray:
+        """Classify a sample by its sequence and that of the last sample taken."""
         if last is None:
             return Next(1) if sequence == 0 else Stray()
         ahead = (sequence - last) % SEQUENCES
@@ -72,9 +72,9 @@ class Run:
         return Next(ahead) if 1 <= ahead <= self._longest_gap else Stray()
 
     def speeds(self, sample: EncoderSample, periods: int) -> tuple[float, float]:
-        """How fast motor and load must have turned at least since the sample before, in rad/s, either way.
+        """Return the least possible speeds of motor and load since the previous sample, in rad/s, unsigned.
 
-        A count is taken off: an encoder that shows one count more may have turned hardly at all.
+        One count is subtracted, because a difference of one count may result from a negligible travel.
         """
         if self._before is None:
             return 0.0, 0.0

@@ -1,7 +1,7 @@
-"""Everything that stands between a controller's opinion and the motor, in one place.
+"""All safety functions between a control law and the motor.
 
-Only `Running` gives torque. A fault sets it to zero at once and stays until it is cleared. Time is device time in
-nanoseconds.
+Only the state `Running` allows torque. A fault sets the torque to zero at once and stays latched until cleared. Time is
+device time in nanoseconds.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from lashloop.messages import FaultReport
 from lashloop.enums import FaultCode, Outcome, State, single
+from lashloop.messages import FaultReport
 
 if TYPE_CHECKING:
     from lashloop.drive.parameters import Parameters
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What is allowed in a run: the parameters at its start."""
+    """Limits of a run: the parameters at its start."""
 
     torque_nm: float = 0.0
     motor_speed_rad_s: float = 0.0
@@ -28,7 +28,7 @@ class Limits:
 
 
 class FaultError(Exception):
-    """A rule is broken; the run ends with this report."""
+    """A safety rule is violated; the run ends with this report."""
 
     def __init__(self, report: FaultReport) -> None:
         """Carry the report."""
@@ -40,7 +40,7 @@ class Safety:
     """State, fault and torque of a drive."""
 
     def __init__(self) -> None:
-        """Begin as after power-up."""
+        """Start as after power-up."""
         self.state = State.BOOT
         self.fault: FaultReport | None = None
         self.torque_nm = 0.0
@@ -48,8 +48,8 @@ class Safety:
         self._limits = Limits()
         self._last_sample_at_ns = 0
 
-    def greet(self) -> None:
-        """End `Boot` or a run; a latched fault stays."""
+    def open_session(self) -> None:
+        """Leave `Boot` or end a run; a latched fault stays."""
         if self.state is not State.FAULTED:
             self._rest(State.IDLE)
 
@@ -58,7 +58,7 @@ class Safety:
         return self._advance(State.IDLE, State.ARMED)
 
     def start(self, parameters: Parameters, now_ns: int) -> Outcome:
-        """Begin to give torque, within the limits that are in force now."""
+        """Allow torque, within the limits now in force."""
         outcome = self._advance(State.ARMED, State.RUNNING)
         if outcome is Outcome.ACCEPTED:
             self._limits = Limits(
@@ -72,55 +72,55 @@ class Safety:
         return outcome
 
     def stop(self) -> Outcome:
-        """End armed and running; where there is nothing to end nothing is wrong."""
+        """Leave `Armed` or `Running`; accepted in `Idle` without effect."""
         if self.state in (State.BOOT, State.FAULTED):
             return Outcome.WRONG_STATE
         self._rest(State.IDLE)
         return Outcome.ACCEPTED
 
-    def clear_fault(self, *, greeted: bool) -> Outcome:
-        """Go back to where a greeted drive rests, or to `Boot` if no host has greeted it yet."""
-        outcome = self._advance(State.FAULTED, State.IDLE if greeted else State.BOOT)
+    def clear_fault(self, *, has_session: bool) -> Outcome:
+        """Return to `Idle`, or to `Boot` without a session."""
+        outcome = self._advance(State.FAULTED, State.IDLE if has_session else State.BOOT)
         if outcome is Outcome.ACCEPTED:
             self.fault = None
         return outcome
 
     def latch(self, fault: FaultReport) -> None:
-        """Take the torque away, and keep the first fault: what comes after it is usually its consequence."""
+        """Set the torque to zero and keep the first fault; later ones are usually its consequence."""
         self._rest(State.FAULTED)
         if self.fault is None:
             self.fault = fault
 
     def emergency_stop(self) -> FaultReport:
-        """Give the report of an emergency stop."""
+        """Return the report of an emergency stop."""
         return self._report(FaultCode.EMERGENCY_STOP, 0.0, 0.0)
 
     @property
     def watchdog_deadline_ns(self) -> int | None:
-        """Device time up to which a running drive bears silence; None while it is not running."""
+        """Device time at which the watchdog trips without a new sample; None while not running."""
         if self.state is not State.RUNNING:
             return None
         return self._last_sample_at_ns + self._limits.watchdog_ns
 
     def check_watchdog(self, now_ns: int) -> None:
-        """Without a new sample in time the host is gone or blind. A silence of exactly the limit is in time."""
+        """Raise `FaultError` after more than the watchdog time without a new sample."""
         silence_ns = now_ns - self._last_sample_at_ns
         if self.state is State.RUNNING and silence_ns > self._limits.watchdog_ns:
             limit_s = self._limits.watchdog_ns * 1e-9
             raise FaultError(self._report(FaultCode.WATCHDOG, silence_ns * 1e-9, limit_s))
 
     def note_sample(self, sequence: int, now_ns: int) -> None:
-        """Begin the watchdog's time anew: a new sample is taken."""
+        """Restart the watchdog time at a new sample."""
         self.last_sequence = sequence
         self._last_sample_at_ns = now_ns
 
     def check_reference(self, reference_rad: float) -> None:
-        """Nothing can be done with a reference that is no number."""
+        """Raise `FaultError` for a reference that is not finite."""
         if not math.isfinite(reference_rad):
             raise FaultError(self._report(FaultCode.REFERENCE_NOT_FINITE, reference_rad, 0.0))
 
     def check_speeds(self, motor_rad_s: float, load_rad_s: float) -> None:
-        """An encoder that is faster than the mechanics can be is broken, unplugged or miscounted."""
+        """Raise `FaultError` for a speed beyond the mechanics: the encoder is broken, unplugged or miscounts."""
         for code, speed_rad_s, limit in (
             (FaultCode.MOTOR_ENCODER_JUMP, motor_rad_s, self._limits.motor_speed_rad_s),
             (FaultCode.LOAD_ENCODER_JUMP, load_rad_s, self._limits.load_speed_rad_s),
@@ -130,7 +130,7 @@ class Safety:
                 raise FaultError(self._report(code, speed_rad_s, limit))
 
     def allow(self, requested_nm: float) -> bool:
-        """Give the motor this torque as far as it is allowed, and say whether it was cut. The only way to a torque."""
+        """Apply the torque within its limit and return whether it was clamped. No other code sets a torque."""
         limit = self._limits.torque_nm
         if not math.isfinite(requested_nm):
             raise FaultError(self._report(FaultCode.TORQUE_NOT_FINITE, requested_nm, limit))

@@ -1,4 +1,4 @@
-"""A drive on a line: reads, answers, and looks at the watchdog in time."""
+"""The loop of a drive on a link: receives, answers, and checks the watchdog in time."""
 
 from __future__ import annotations
 
@@ -6,35 +6,35 @@ import contextlib
 from typing import TYPE_CHECKING
 
 from lashloop.drive.answers import fault_frame
-from lashloop.lines import LineError
+from lashloop.link import LinkError
 
 if TYPE_CHECKING:
-    from lashloop.drive.machine import Drive
-    from lashloop.lines import Line
+    from lashloop.drive.state_machine import Drive
+    from lashloop.link import Link
 
 _LONGEST_WAIT_S = 60.0
-"""While nothing can trip there is nothing to look at, so any time does."""
+"""Wait while no watchdog can trip; the value is arbitrary."""
 
 
-def serve(line: Line, drive: Drive) -> None:
-    """Run a drive until the line breaks, which is a `LineError`.
+def serve(link: Link, drive: Drive) -> None:
+    """Run a drive until the link fails with `LinkError`.
 
-    Sending does not hold it: a host that does not read can't keep the watchdog from tripping. An exception, of a
-    controller perhaps, takes the torque away with the drive and is told to the host as a panic before it is raised.
+    Sending never blocks: a host that does not read can't keep the watchdog from tripping. An exception, of a control
+    law for example, ends the drive and its torque. The drive reports it to the host as a panic, then raises it.
     """
     unsent = b""
     try:
         while True:
             left_s = drive.time_left_s
             wait_s = _LONGEST_WAIT_S if left_s is None else left_s
-            # What was asked is answered before anything else is read, so the answers can't pile up.
-            unsent = unsent[line.write(unsent, wait_s) :] if unsent else drive.receive(line.read(wait_s))
+            # Requests are answered before the next read, so that answers can't accumulate.
+            unsent = unsent[link.write(unsent, wait_s) :] if unsent else drive.receive(link.read(wait_s))
             unsent += drive.tick()
-    except LineError:
+    except LinkError:
         raise
     except Exception as error:
-        with contextlib.suppress(LineError):
-            line.write(fault_frame(_source_line(error)), 0.0)
+        with contextlib.suppress(LinkError):
+            link.write(fault_frame(_source_line(error)), 0.0)
         raise
 
 

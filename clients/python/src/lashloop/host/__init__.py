@@ -1,33 +1,33 @@
-"""The host's side of a conversation with a drive."""
+"""The host's side of the protocol."""
 
+from lashloop.host.at_step import AtStep, FaultAtStep
 from lashloop.host.client import Host
-from lashloop.host.conversation import TimeLimits
 from lashloop.host.errors import (
     DriveFaultError,
     GapTooLongError,
     HostError,
     ParameterRangeError,
-    ParameterRefusedError,
-    RefusedError,
+    ParameterRejectedError,
+    RejectedError,
     SilenceError,
     StartTooFarError,
     UnknownParameterError,
     VersionError,
 )
+from lashloop.host.line import TimeLimits
 from lashloop.host.parameters import Parameter
-from lashloop.host.placed import Placed, PlacedFault
 
 __all__ = [
+    "AtStep",
     "DriveFaultError",
+    "FaultAtStep",
     "GapTooLongError",
     "Host",
     "HostError",
     "Parameter",
     "ParameterRangeError",
-    "ParameterRefusedError",
-    "Placed",
-    "PlacedFault",
-    "RefusedError",
+    "ParameterRejectedError",
+    "RejectedError",
     "SilenceError",
     "StartTooFarError",
     "TimeLimits",

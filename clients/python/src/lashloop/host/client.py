@@ -1,4 +1,4 @@
-"""A host: greets, learns and sets parameters, arms, starts, gives samples and takes torques.
+"""A host: opens a session, sets parameters, arms and starts the drive, exchanges samples for torques.
 
 ```python
 with Host.open("/dev/ttyACM0") as host:
@@ -18,17 +18,18 @@ import secrets
 import time
 from typing import TYPE_CHECKING
 
-from lashloop.host.conversation import Conversation, TimeLimits
+from lashloop.enums import Outcome, State
 from lashloop.host.errors import (
-    ParameterRefusedError,
-    RefusedError,
+    ParameterRejectedError,
+    RejectedError,
     UnknownParameterError,
     VersionError,
 )
 from lashloop.host.exchange import reported_fault
+from lashloop.host.line import DriveLine, TimeLimits
 from lashloop.host.lockstep import Lockstep
 from lashloop.host.parameters import Parameter
-from lashloop.lines import DEFAULT_BAUD, LineError, open_port
+from lashloop.link import DEFAULT_BAUD, LinkError, open_port
 from lashloop.messages import (
     PROTOCOL_VERSION,
     Arm,
@@ -49,7 +50,6 @@ from lashloop.messages import (
     Start,
     Stop,
 )
-from lashloop.enums import Outcome, State
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -58,148 +58,148 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from lashloop.decoder import Counters
-    from lashloop.host.placed import Placed, PlacedFault
-    from lashloop.lines import Line
+    from lashloop.host.at_step import AtStep, FaultAtStep
+    from lashloop.link import Link
     from lashloop.messages import Telemetry, TorqueAnswer
 
 _SESSIONS = 2**32
 
 
 class Host:
-    """An open conversation with a drive that has been greeted."""
+    """An open session with a drive."""
 
     def __init__(
         self,
-        line: Line,
+        link: Link,
         *,
         session: int | None = None,
         limits: TimeLimits | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Greet the drive on an open line. Without a number the session gets a random one, as each should."""
-        self._talk = Conversation(line, limits or TimeLimits(), clock)
+        """Open a session on an open link, by default with a random number."""
+        self._line = DriveLine(link, limits or TimeLimits(), clock)
         self._session = secrets.randbelow(_SESSIONS) if session is None else session
         self._parameters: dict[str, Parameter] | None = None
-        self._may_give_torque = False
-        self._run = Lockstep(self._talk)
-        self._talk.clear()
-        self.identity = self._greet()
+        self._may_be_running = False
+        self._run = Lockstep(self._line)
+        self._line.clear()
+        self.identity = self._handshake()
 
     @classmethod
     def open(cls, path: str, baud: int = DEFAULT_BAUD, *, limits: TimeLimits | None = None) -> Self:
-        """Open a serial port or a pseudo-terminal and greet the drive there."""
-        line = open_port(path, baud)
+        """Open a serial port or a pseudo-terminal and a session with its drive."""
+        link = open_port(path, baud)
         try:
-            return cls(line, limits=limits)
+            return cls(link, limits=limits)
         except BaseException:
-            line.close()
+            link.close()
             raise
 
     def __enter__(self) -> Self:
-        """Give the host itself."""
+        """Return the host itself."""
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Take the torque away, if there may be one, and let go of the line."""
+        """Stop a possible run and close the link."""
         self.close()
 
     def close(self) -> None:
-        """Take the torque away, if there may be one, and let go of the line."""
-        if self._may_give_torque:
-            # The line may be what is broken; then the drive's watchdog does it.
-            with contextlib.suppress(LineError):
-                self._talk.send(Stop())
-        self._talk.close()
+        """Stop a possible run and close the link."""
+        if self._may_be_running:
+            # If the link has failed, the watchdog of the drive ends the run.
+            with contextlib.suppress(LinkError):
+                self._line.send(Stop())
+        self._line.close()
 
     @property
-    def last_answer(self) -> Placed[TorqueAnswer] | None:
-        """The last torque since the start that came in time, with its control period."""
+    def last_answer(self) -> AtStep[TorqueAnswer] | None:
+        """The last torque since the start that arrived in time, with its control period."""
         return self._run.last_answer
 
     @property
     def lost(self) -> int:
-        """How many samples since the start have had no answer in time."""
+        """Number of samples since the start without an answer in time."""
         return self._run.lost
 
     @property
-    def telemetry(self) -> Placed[Telemetry] | None:
+    def telemetry(self) -> AtStep[Telemetry] | None:
         """The last telemetry since the start, with its control period."""
-        return self._talk.telemetry
+        return self._line.telemetry
 
     @property
-    def fault(self) -> PlacedFault | None:
-        """The last fault that the drive reported, with its control period, until it is cleared."""
-        return self._talk.fault
+    def fault(self) -> FaultAtStep | None:
+        """The last fault report, with its control period, until cleared."""
+        return self._line.fault
 
     @property
     def logs(self) -> list[str]:
-        """What the drive had to say in words, the last hundred lines."""
-        return [log.text for log in self._talk.logs]
+        """The last hundred log texts of the drive."""
+        return [log.text for log in self._line.logs]
 
     @property
     def counters(self) -> Counters:
-        """What this end's receiver has seen."""
-        return self._talk.counters
+        """Receive statistics of the host."""
+        return self._line.counters
 
     @property
     def parameters(self) -> Mapping[str, Parameter]:
-        """What the drive says of its parameters, by name. Asked for once."""
+        """The drive's parameters by name, requested once."""
         if self._parameters is None:
             described = map(self._describe, range(self.identity.parameter_count))
             self._parameters = {parameter.name: parameter for parameter in described}
         return self._parameters
 
     def parameter(self, name: str) -> Parameter:
-        """Give one of them; `UnknownParameterError` names those most like it."""
+        """Return a parameter; `UnknownParameterError` names similar ones."""
         if name not in self.parameters:
             raise UnknownParameterError(name, difflib.get_close_matches(name, self.parameters))
         return self.parameters[name]
 
     def get(self, name: str) -> float:
-        """Give the value in force."""
+        """Return the value in force."""
         parameter = self.parameter(name)
-        report = self._talk.ask(GetParameter(parameter.index), _report_of(parameter.index))
+        report = self._line.request(GetParameter(parameter.index), _report_of(parameter.index))
         return report.value.value
 
     def set(self, name: str, value: float) -> float:
-        """Set a parameter, and give what is in force afterwards: the value in the parameter's precision."""
+        """Set a parameter and return the value then in force, in the parameter's precision."""
         parameter = self.parameter(name)
         wanted = parameter.value(value)
-        report = self._talk.ask(SetParameter(parameter.index, wanted), _report_of(parameter.index))
+        report = self._line.request(SetParameter(parameter.index, wanted), _report_of(parameter.index))
         if report.outcome is not Outcome.ACCEPTED or report.value != wanted:
-            raise ParameterRefusedError(name, wanted, report.outcome, report.value)
+            raise ParameterRejectedError(name, wanted, report.outcome, report.value)
         return report.value.value
 
     def arm(self) -> None:
-        """Let the drive build its controller from the parameters. Torque stays zero."""
+        """Arm the drive. Torque stays zero."""
         self._command(Arm(self._session))
 
     def start(self) -> None:
-        """Begin a run."""
-        self._may_give_torque = True
+        """Start a run."""
+        self._may_be_running = True
         self._command(Start(self._session))
-        self._run = Lockstep(self._talk)
+        self._run = Lockstep(self._line)
 
     def torque(self, *, motor_counts: int, load_counts: int, reference_rad: float) -> float:
-        """Send the encoder sample of the next control period and give the torque from then on, in N m.
+        """Send the encoder sample of the next control period and return the torque to hold until the next, in N m.
 
-        Each call that returns is a control period: mechanics stand still during a call, however long that takes, and
-        go on for a period between two. Counts may be of any size, as 24 bits of them are sent; only those of the first
-        sample say where the encoders stand, so `StartTooFarError` if they take more.
+        Each call is one control period. The mechanics stand still during a call and advance by one period between two
+        calls. Counts may have any size, because 24 bits of them are sent. The first sample defines the position of the
+        encoders: `StartTooFarError` if its counts exceed 24 bits.
 
-        A sample without an answer in time leaves the torque before in force and is counted as lost. The first one is
-        sent again as it was, because no other can be the first; the call after its answer is period 1. What goes on for
-        too long is an error, whichever comes first: `SilenceError` after `TimeLimits.silence_s` without an answer in
-        time, `GapTooLongError` where the next sample would be more than 1000 control periods after the last one
-        answered, in time or late. `RefusedError` if the drive does not take the sample, `DriveFaultError` if the run
-        has ended by a fault.
+        A sample without an answer in time counts as lost, and the previous torque is held. The first sample is
+        retransmitted instead, because the drive requires sequence 0.
+
+        `SilenceError` after `TimeLimits.silence_s` without an answer in time. `GapTooLongError` if the next sample
+        would follow the last one answered, in time or late, by more than 1000 control periods. `RejectedError` if the
+        drive rejects the sample. `DriveFaultError` if a fault has ended the run.
         """
         return self._run.torque(motor_counts, load_counts, reference_rad)
 
     def stop(self) -> LineReport:
-        """End the run in good order, and give what the drive's receiver has seen of it."""
+        """End the run and return the receive statistics of the drive."""
         reports: list[LineReport] = []
 
         def result(message: DriveMessage) -> CommandResult | None:
@@ -207,69 +207,69 @@ class Host:
                 reports.append(message)
             return _result_of(Stop.KIND)(message)
 
-        self._conclude(Stop(), self._talk.ask(Stop(), result))
-        self._may_give_torque = False
+        self._conclude(Stop(), self._line.request(Stop(), result))
+        self._may_be_running = False
         if not reports:
-            raise self._talk.silence("Stop, for a LineReport before its result,", self._talk.limits.request_s)
+            raise self._line.silence("Stop, for a LineReport before its result,", self._line.limits.request_s)
         return reports[-1]
 
-    def emergency_stop(self) -> PlacedFault:
-        """Take the torque away and latch a fault; gives the fault that this is reported as."""
-        self._talk.fault = None
+    def emergency_stop(self) -> FaultAtStep:
+        """Send an emergency stop and return the fault that the drive reports."""
+        self._line.fault = None
         self._command(EmergencyStop())
-        self._may_give_torque = False
-        return reported_fault(self._talk)
+        self._may_be_running = False
+        return reported_fault(self._line)
 
     def clear_fault(self) -> None:
-        """Acknowledge the latched fault."""
+        """Clear the latched fault."""
         self._command(ClearFault())
-        self._talk.fault = None
+        self._line.fault = None
 
     def reset(self) -> Identity:
-        """Put the drive where it is after power-up, and greet it again, in a new session.
+        """Return the drive to its state after power-up and open a new session.
 
-        The run is forgotten with it: `last_answer`, `telemetry` and `fault` are None, `lost` is 0.
+        The data of the run are discarded: `last_answer`, `telemetry` and `fault` are None, `lost` is 0.
         """
         self._command(Reset())
-        self._may_give_torque = False
-        self._run = Lockstep(self._talk)
-        self._talk.fault = None
+        self._may_be_running = False
+        self._run = Lockstep(self._line)
+        self._line.fault = None
         self._session = (self._session + 1) % _SESSIONS
-        self.identity = self._greet()
+        self.identity = self._handshake()
         return self.identity
 
-    def _greet(self) -> Identity:
-        limits, clock = self._talk.limits, self._talk.clock
+    def _handshake(self) -> Identity:
+        limits, clock = self._line.limits, self._line.clock
         hello = Hello(PROTOCOL_VERSION, self._session)
 
         def of_this_session(message: DriveMessage) -> Identity | None:
             return message if isinstance(message, Identity) and message.session == hello.session else None
 
-        deadline = clock() + limits.greeting_s
+        deadline = clock() + limits.handshake_s
         while (left_s := deadline - clock()) > 0:
-            self._talk.send(hello)
-            identity = self._talk.wait(of_this_session, min(limits.hello_every_s, left_s))
+            self._line.send(hello)
+            identity = self._line.wait(of_this_session, min(limits.hello_every_s, left_s))
             if identity is not None:
                 if identity.protocol_version != PROTOCOL_VERSION:
                     raise VersionError(identity.protocol_version)
                 if identity.state is State.FAULTED:
-                    reported_fault(self._talk)
+                    reported_fault(self._line)
                 return identity
-        raise self._talk.silence("Hello", limits.greeting_s)
+        raise self._line.silence("Hello", limits.handshake_s)
 
     def _describe(self, index: int) -> Parameter:
         def wanted(message: DriveMessage) -> ParameterDescription | None:
             return message if isinstance(message, ParameterDescription) and message.index == index else None
 
-        return Parameter.of(self._talk.ask(DescribeParameter(index), wanted))
+        return Parameter.of(self._line.request(DescribeParameter(index), wanted))
 
     def _command(self, request: HostMessage) -> None:
-        self._conclude(request, self._talk.ask(request, _result_of(request.KIND)))
+        self._conclude(request, self._line.request(request, _result_of(request.KIND)))
 
     def _conclude(self, request: HostMessage, result: CommandResult) -> None:
         if result.outcome is not Outcome.ACCEPTED:
-            said = self.logs[-1:] if result.outcome is Outcome.INCONSISTENT else []
-            raise RefusedError(type(request).__name__, result.outcome, result.state, said)
+            logs = self.logs[-1:] if result.outcome is Outcome.INCONSISTENT else []
+            raise RejectedError(type(request).__name__, result.outcome, result.state, logs)
 
 
 def _result_of(request: int) -> Callable[[DriveMessage], CommandResult | None]:

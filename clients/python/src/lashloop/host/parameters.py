@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from lashloop.host.errors import ParameterRangeError
 from lashloop.enums import ParameterType, ParameterValue
+from lashloop.host.errors import ParameterRangeError
 
 if TYPE_CHECKING:
     from lashloop.messages import ParameterDescription
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """What is known of a parameter; its index is the drive's affair."""
+    """A parameter of a drive."""
 
     index: int
     name: str
@@ -23,27 +23,27 @@ class Parameter:
     min: ParameterValue
     max: ParameterValue
     live: bool
-    """Whether it may be set while running."""
+    """Whether the parameter may be set while running."""
 
     @classmethod
     def of(cls, it: ParameterDescription) -> Parameter:
-        """Take what the drive said."""
+        """Convert the description from the wire."""
         return cls(it.index, it.name, it.unit, it.default, it.min, it.max, live=it.live == 1)
 
     @property
     def allowed(self) -> str:
-        """Range and unit in words."""
+        """Range and unit as text."""
         whole = "a whole number, " if self.default.type is ParameterType.U32 else ""
         return f"{whole}{self.min} to {self.max} {self.unit}".rstrip()
 
     def value(self, number: float) -> ParameterValue:
-        """Give a number as this parameter's type; `ParameterRangeError` if it is none of its values."""
+        """Return a number in this parameter's type; `ParameterRangeError` if it is outside the range."""
         if self.default.type is ParameterType.U32:
             whole = number == number and abs(number) != float("inf") and number == int(number)
             value = ParameterValue.u32(int(number)) if whole else None
         else:
             value = ParameterValue.f32(number)
-        # NaN is in no range.
+        # NaN is outside every range.
         if value is None or not self.min.value <= value.value <= self.max.value:
             raise ParameterRangeError(self.name, number, self.allowed)
         return value

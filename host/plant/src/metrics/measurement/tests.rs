@@ -1,7 +1,6 @@
-//! Runs whose metrics are known in closed form.
+//! Runs with metrics in closed form.
 
-use super::{Measurement, Sample};
-use crate::metrics::{Estimates, Measured, Metric, Metrics};
+use crate::metrics::{Estimates, Measured, Measurement, Metric, Metrics, Sample};
 
 const PERIOD_S: f64 = 0.001;
 
@@ -35,7 +34,7 @@ fn assert_close(metrics: &Metrics, metric: Metric, want: f64) {
 }
 
 #[test]
-fn an_exponential_settles_when_it_enters_each_band() {
+fn exponential_settles_when_it_enters_each_band() {
     // exp(-t) is 0.05 at 2.9957 s and 0.02 at 3.9120 s; the grid times after are 2.996 and 3.913.
     let metrics = error(10.0, |t_s| (-t_s).exp());
     assert_close(&metrics, Metric::SettleTime, 2.996);
@@ -46,19 +45,19 @@ fn an_exponential_settles_when_it_enters_each_band() {
 }
 
 #[test]
-fn leaving_the_band_once_more_starts_settling_anew() {
+fn leaving_the_band_again_restarts_settling() {
     let metrics = error(10.0, |t_s| if t_s < 1.0 || (t_s - 7.0).abs() < 1e-9 { 1.0 } else { 0.0 });
     assert_close(&metrics, Metric::SettleTime, 7.001);
 }
 
 #[test]
-fn a_last_sample_outside_the_band_means_never() {
+fn run_that_ends_outside_the_band_never_settles() {
     let metrics = error(10.0, |t_s| if t_s > 9.9985 { 0.051 } else { 0.0 });
     assert_eq!(metrics.get(Metric::SettleTime), Measured::Never);
 }
 
 #[test]
-fn an_error_of_exactly_the_band_is_inside() {
+fn error_on_the_edge_of_the_band_is_inside() {
     let mut measurement = Measurement::new(PERIOD_S);
     let sample = Sample {
         time_s: 0.0,
@@ -74,23 +73,23 @@ fn an_error_of_exactly_the_band_is_inside() {
 }
 
 #[test]
-fn static_error_is_the_signed_mean_of_the_last_second_only() {
+fn static_error_is_the_signed_mean_of_the_last_second() {
     // A ramp of -1 rad/s: over the last 1000 samples its mean is that of 9.0 to 9.999 s.
     assert_close(&error(10.0, |t_s| -t_s), Metric::StaticError, -9.4995);
 }
 
 #[test]
-fn hunting_is_peak_to_peak_over_the_last_ten_seconds_only() {
+fn hunting_is_peak_to_peak_over_the_last_ten_seconds() {
     let metrics = error(20.0, |t_s| if t_s < 9.9995 { 5.0 } else { (0.1 * t_s - 1.0) * 0.01 });
     assert_close(&metrics, Metric::Hunting, 0.009_999);
 }
 
 #[test]
-fn overshoot_counts_the_far_side_of_the_reference_only() {
+fn overshoot_counts_the_far_side_of_the_reference() {
     let swing = |t_s: f64| if t_s < 1.0 { 2.0 } else { -0.2 * (-t_s).exp() };
     assert_close(&error(10.0, swing), Metric::Overshoot, 0.2 * (-1.0_f64).exp());
     assert_close(&error(10.0, |t_s| -swing(t_s)), Metric::Overshoot, 0.2 * (-1.0_f64).exp());
-    // Running away on the near side isn't overshoot.
+    // A growing error on the near side isn't overshoot.
     assert_close(&error(10.0, |t_s| 1.0 + t_s), Metric::Overshoot, 0.0);
 }
 
@@ -103,7 +102,7 @@ fn effort_and_variation_follow_the_held_torque() {
 }
 
 #[test]
-fn a_run_shorter_than_a_window_has_no_figure_of_that_window() {
+fn run_shorter_than_a_window_has_no_metric_of_that_window() {
     let metrics = error(0.999, |_| 0.01);
     assert_eq!(metrics.get(Metric::StaticError), Measured::RunTooShort);
     assert_eq!(metrics.get(Metric::Hunting), Measured::RunTooShort);
@@ -115,13 +114,13 @@ fn a_run_shorter_than_a_window_has_no_figure_of_that_window() {
 }
 
 #[test]
-fn a_run_without_samples_has_no_figure_at_all() {
+fn run_without_samples_has_no_metric() {
     let metrics = Measurement::new(PERIOD_S).metrics();
     assert!(metrics.iter().all(|(_, measured)| measured == Measured::RunTooShort));
 }
 
 #[test]
-fn without_an_initial_error_nothing_is_measured_against_it() {
+fn relative_metrics_need_an_initial_error() {
     let metrics = error(10.0, |t_s| if t_s < 1.0 { 0.0 } else { 0.3 });
     for metric in [Metric::SettleTime5Pct, Metric::SettleTime2Pct, Metric::SettleTime1Pct] {
         assert_eq!(metrics.get(metric), Measured::NoInitialError);
@@ -130,7 +129,7 @@ fn without_an_initial_error_nothing_is_measured_against_it() {
 }
 
 #[test]
-fn one_sample_that_is_not_finite_takes_every_figure_of_the_run() {
+fn sample_that_is_not_finite_takes_every_metric_of_the_run() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for at_s in [0.0, 5.0, 19.999] {
             let is_bad = move |t_s: f64| (t_s - at_s).abs() < 1e-9;
@@ -147,7 +146,7 @@ fn one_sample_that_is_not_finite_takes_every_figure_of_the_run() {
 }
 
 #[test]
-fn a_run_that_diverges_within_the_finite_numbers_scores_by_its_size() {
+fn finite_divergence_is_scored_by_its_size() {
     let metrics = run(20.0, |t_s| (10.0 * t_s).exp(), |t_s| (30.0 * t_s).exp());
     assert_eq!(metrics.get(Metric::SettleTime), Measured::Never);
     assert!(metrics.get(Metric::StaticError).value().is_some_and(|error_rad| error_rad > 1e80));
@@ -156,7 +155,7 @@ fn a_run_that_diverges_within_the_finite_numbers_scores_by_its_size() {
 }
 
 #[test]
-fn a_plant_that_could_not_be_followed_takes_every_figure_of_the_run() {
+fn plant_that_failed_takes_every_metric_of_the_run() {
     let mut measurement = Measurement::new(PERIOD_S);
     for step in 0..20_000 {
         measurement.push(&Sample {
@@ -176,11 +175,11 @@ fn a_plant_that_could_not_be_followed_takes_every_figure_of_the_run() {
     assert!(metrics.iter().all(|(_, measured)| measured == Measured::NotFinite));
 }
 
-/// A load that lags behind a triangle of +-1 rad around 0.5 rad by `lag_rad`, 4 s to the period.
+/// A load that lags by `lag_rad` behind a triangle of +-1 rad around 0.5 rad with a period of 4 s.
 fn behind_a_triangle(seconds: f64, lag_rad: f64, middle_rad: Option<f64>) -> Metrics {
     let mut measurement = Measurement::new(PERIOD_S).with_middle_of_reference(middle_rad);
     for step in 0..(seconds / PERIOD_S).round() as u32 {
-        // Half a period off the passages, so that they lie between samples.
+        // Offset by half a period, so that the passages lie between samples.
         let time_s = (f64::from(step) + 0.5) * PERIOD_S;
         let phase = (time_s + 1.0).rem_euclid(4.0);
         let upwards = phase < 2.0;
@@ -199,14 +198,14 @@ fn behind_a_triangle(seconds: f64, lag_rad: f64, middle_rad: Option<f64>) -> Met
 }
 
 #[test]
-fn lost_motion_is_the_distance_between_the_two_ways_through_the_middle() {
+fn lost_motion_is_the_distance_between_both_passages() {
     // The reference passes 0.5 rad downwards at 2 s and upwards at 4 s.
     assert_close(&behind_a_triangle(5.0, 0.07, Some(0.5)), Metric::LostMotion, 0.14);
     assert_close(&behind_a_triangle(5.0, 0.0, Some(0.5)), Metric::LostMotion, 0.0);
 }
 
 #[test]
-fn a_reference_that_does_not_come_back_has_no_lost_motion() {
+fn reference_without_reversal_has_no_lost_motion() {
     for (seconds, middle_rad) in [(3.0, Some(0.5)), (5.0, Some(9.0)), (5.0, None)] {
         let metrics = behind_a_triangle(seconds, 0.07, middle_rad);
         assert_eq!(metrics.get(Metric::LostMotion), Measured::NoReversal, "{seconds} s, {middle_rad:?}");
@@ -219,7 +218,7 @@ fn dead_zone_error_is_the_estimate_less_the_true_half_gap() {
 }
 
 #[test]
-fn a_drive_without_an_estimate_loses_that_figure_only() {
+fn estimate_that_is_nan_takes_its_own_metrics_only() {
     let mut measurement = Measurement::new(PERIOD_S);
     measurement.push(&Sample {
         time_s: 0.0,

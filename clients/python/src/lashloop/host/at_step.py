@@ -1,0 +1,76 @@
+"""A message of a drive with its control period.
+
+Sequences wrap around, control periods do not. A message gets its control period on arrival, so that the period stays
+correct for any length of the run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Generic, TypeVar
+
+from lashloop.enums import FaultCode
+from lashloop.sequence import nearest_step
+
+if TYPE_CHECKING:
+    from lashloop.messages import FaultReport, Telemetry, TorqueAnswer
+
+M = TypeVar("M", "Telemetry", "TorqueAnswer")
+
+_UNITS = {
+    FaultCode.WATCHDOG: "s",
+    FaultCode.TORQUE_NOT_FINITE: "N m",
+    FaultCode.REFERENCE_NOT_FINITE: "rad",
+    FaultCode.MOTOR_ENCODER_JUMP: "rad/s",
+    FaultCode.LOAD_ENCODER_JUMP: "rad/s",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class AtStep(Generic[M]):
+    """A message with the control period of its sample."""
+
+    step: int
+    """Control period of the sample, from 0 at the start."""
+    message: M
+
+    @classmethod
+    def near(cls, step: int, message: M) -> AtStep[M]:
+        """Assign the control period to a message received while the sample of `step` was the last one sent.
+
+        A sequence without a matching sample is kept as received.
+        """
+        nearest = nearest_step(message.sequence, step)
+        return cls(message.sequence if nearest is None else nearest, message)
+
+
+@dataclass(frozen=True, slots=True)
+class FaultAtStep:
+    """A fault with the control period of its sample. Its text names value, unit and limit."""
+
+    step: int | None
+    """Control period of the last sample that the drive had taken, from 0 at the start.
+
+    None if the fault belongs to an earlier run or to a firmware that has stopped.
+    """
+    message: FaultReport
+
+    @classmethod
+    def near(cls, step: int | None, message: FaultReport) -> FaultAtStep:
+        """Assign the control period to a fault received while the sample of `step` was the last one sent."""
+        if step is None or message.code.is_firmware_stop:
+            return cls(None, message)
+        return cls(nearest_step(message.sequence, step), message)
+
+    def __str__(self) -> str:
+        """Name the fault, its sample, value and limit."""
+        it = self.message
+        unit = _UNITS.get(it.code)
+        numbers = f": {it.value:g} {unit}, the limit is {it.limit:g} {unit}" if unit else ""
+        detail = f", detail {it.detail:#x}" if it.detail else ""
+        return f"{it.code}{self._where()}{numbers}{detail}"
+
+    def _where(self) -> str:
+        if self.message.code.is_firmware_stop:
+            return " (the firmware has stopped: reset the hardware)"
+        return f" (sequence {self.message.sequence})" if self.step is None else f" at sample {self.step}"

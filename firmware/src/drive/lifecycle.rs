@@ -1,0 +1,129 @@
+//! The states of the drive, each with what only it has.
+//!
+//! Only `Running` owns a [`Run`], and with it a held torque. Leaving a state drops what the state owned.
+
+use core::time::Duration;
+
+use lashloop_protocol::enums::{Outcome, State};
+use lashloop_protocol::message::FaultReport;
+
+use super::control_loop::ControlLoop;
+use super::parameters::Parameters;
+use super::run::Run;
+use super::safety::Violation;
+
+pub(super) enum Lifecycle {
+    /// Before the first session.
+    Boot,
+    Idle {
+        session: u32,
+    },
+    /// The controller is built when arming, so that inconsistent parameters are found before the start.
+    Armed {
+        session: u32,
+        control: ControlLoop,
+    },
+    Running {
+        session: u32,
+        run: Run,
+    },
+    /// The first fault stays latched until it is cleared: later ones are usually its consequence.
+    Faulted {
+        /// `None` if the fault came before the first session.
+        session: Option<u32>,
+        report: FaultReport,
+    },
+}
+
+impl Lifecycle {
+    pub(super) fn state(&self) -> State {
+        match self {
+            Self::Boot => State::Boot,
+            Self::Idle { .. } => State::Idle,
+            Self::Armed { .. } => State::Armed,
+            Self::Running { .. } => State::Running,
+            Self::Faulted { .. } => State::Faulted,
+        }
+    }
+
+    pub(super) fn session(&self) -> Option<u32> {
+        match self {
+            Self::Boot => None,
+            Self::Idle { session } | Self::Armed { session, .. } | Self::Running { session, .. } => {
+                Some(*session)
+            }
+            Self::Faulted { session, .. } => *session,
+        }
+    }
+
+    pub(super) fn run(&self) -> Option<&Run> {
+        match self {
+            Self::Running { run, .. } => Some(run),
+            Self::Boot | Self::Idle { .. } | Self::Armed { .. } | Self::Faulted { .. } => None,
+        }
+    }
+
+    /// The latched fault.
+    pub(super) fn fault(&self) -> Option<FaultReport> {
+        match self {
+            Self::Faulted { report, .. } => Some(*report),
+            Self::Boot | Self::Idle { .. } | Self::Armed { .. } | Self::Running { .. } => None,
+        }
+    }
+
+    pub(super) fn check_watchdog(&self, now: Duration) -> Result<(), Violation> {
+        self.run().map_or(Ok(()), |run| run.check_watchdog(now))
+    }
+
+    /// Opens a session. Another one than the present disarms the drive; a latched fault stays.
+    pub(super) fn open_session(&mut self, session: u32) {
+        match self {
+            Self::Faulted { session: present, .. } => *present = Some(session),
+            Self::Boot | Self::Idle { .. } | Self::Armed { .. } | Self::Running { .. } => {
+                if self.session() != Some(session) {
+                    *self = Self::Idle { session };
+                }
+            }
+        }
+    }
+
+    /// `Accepted` if the drive was armed and now runs.
+    pub(super) fn start(&mut self, parameters: &Parameters, now: Duration) -> Outcome {
+        match core::mem::replace(self, Self::Boot) {
+            Self::Armed { session, control } => {
+                *self = Self::Running { session, run: Run::new(control, parameters, now) };
+                Outcome::Accepted
+            }
+            other => {
+                *self = other;
+                Outcome::WrongState
+            }
+        }
+    }
+
+    pub(super) fn stop(&mut self) -> Outcome {
+        match *self {
+            Self::Boot | Self::Faulted { .. } => Outcome::WrongState,
+            Self::Idle { session } | Self::Armed { session, .. } | Self::Running { session, .. } => {
+                *self = Self::Idle { session };
+                Outcome::Accepted
+            }
+        }
+    }
+
+    pub(super) fn latch(&mut self, report: FaultReport) {
+        match self {
+            Self::Faulted { .. } => {}
+            Self::Boot | Self::Idle { .. } | Self::Armed { .. } | Self::Running { .. } => {
+                *self = Self::Faulted { session: self.session(), report };
+            }
+        }
+    }
+
+    /// Clears the latched fault. Without a session the drive returns to `Boot`: clearing opens none.
+    pub(super) fn clear_fault(&mut self) -> Outcome {
+        let Self::Faulted { session, .. } = *self else { return Outcome::WrongState };
+        *self = session.map_or(Self::Boot, |session| Self::Idle { session });
+        Outcome::Accepted
+    }
+}

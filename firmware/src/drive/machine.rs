@@ -1,0 +1,262 @@
+//! The drive as its owner sees it: bytes and device time in, bytes and a torque out.
+
+use core::time::Duration;
+
+use lashloop_protocol::enums::{LogLevel, Outcome, State, TorqueFlags};
+use lashloop_protocol::message::{self, CommandResult, EncoderSample, FaultReport, Hello};
+use lashloop_protocol::wire::Payload;
+use lashloop_protocol::{Counters, Decoder, HostMessage, PROTOCOL_VERSION};
+
+use super::clock::Clock;
+use super::control_loop::ControlLoop;
+use super::identity::identity;
+use super::lifecycle::Lifecycle;
+use super::line_counts::LineCounts;
+use super::output::Output;
+use super::parameter_requests;
+use super::parameters::Parameters;
+use super::run::{Reply, Run};
+use super::safety::Violation;
+use super::torque_answer::{telemetry, torque_answer};
+
+/// The state machine.
+pub struct Drive {
+    board: &'static str,
+    decoder: Decoder,
+    output: Output,
+    parameters: Parameters,
+    lifecycle: Lifecycle,
+    line_counts: LineCounts,
+    /// Number of the last sample taken, for fault reports after the run too; 0 before the first sample of a run.
+    last_sequence: u16,
+}
+
+impl Drive {
+    /// A drive after power-up: disarmed, with default parameters. `board` is the name of the board, at most 16 bytes.
+    #[must_use]
+    pub fn new(board: &'static str) -> Self {
+        Self {
+            board,
+            decoder: Decoder::new(),
+            output: Output::default(),
+            parameters: Parameters::default(),
+            lifecycle: Lifecycle::Boot,
+            line_counts: LineCounts::default(),
+            last_sequence: 0,
+        }
+    }
+
+    /// Takes received bytes, at most to the end of one frame, and returns their number.
+    ///
+    /// Zero for a non-empty input means that the output buffer is full: transmit [`Drive::output`], clear it, and call
+    /// again with the remaining bytes.
+    pub fn receive(&mut self, bytes: &[u8], clock: &impl Clock) -> usize {
+        if !self.output.fits_an_answer() {
+            return 0;
+        }
+        let mut rest = bytes;
+        // A damaged frame is handled as a missing one: the decoder counts it, and the host times out.
+        if let Some(Ok(message)) = self.decoder.next(&mut rest) {
+            self.handle(&message, clock);
+        }
+        bytes.len() - rest.len()
+    }
+
+    /// Checks the watchdog at device time `now`.
+    pub fn tick(&mut self, now: Duration) {
+        if let Err(violation) = self.lifecycle.check_watchdog(now) {
+            let fault = self.latch(violation);
+            self.output.send(fault);
+        }
+    }
+
+    /// Device time after which [`Drive::tick`] trips the watchdog; `None` unless running.
+    #[must_use]
+    pub fn next_tick(&self) -> Option<Duration> {
+        self.lifecycle.run().map(Run::watchdog_deadline)
+    }
+
+    /// The bytes to transmit.
+    #[must_use]
+    pub fn output(&self) -> &[u8] {
+        self.output.bytes()
+    }
+
+    /// Clears the output after its transmission.
+    pub fn clear_output(&mut self) {
+        self.output.clear();
+    }
+
+    /// The held torque in N m. Zero unless running.
+    #[must_use]
+    pub fn torque_nm(&self) -> f32 {
+        self.lifecycle.run().map_or(0.0, Run::torque_nm)
+    }
+
+    /// The state reported on the wire.
+    #[must_use]
+    pub fn state(&self) -> State {
+        self.lifecycle.state()
+    }
+
+    /// What the decoder has counted since power-up.
+    #[must_use]
+    pub fn counters(&self) -> &Counters {
+        self.decoder.counters()
+    }
+
+    /// Sends the pieces as one log line, unless it would displace an answer.
+    ///
+    /// Pieces and no format: formatting would cost the image more flash than the control laws.
+    pub fn log(&mut self, level: LogLevel, pieces: &[&str]) {
+        self.output.log(level, pieces);
+    }
+
+    /// Adds `count` bytes lost by the hardware (overrun, framing) to the next line report.
+    pub fn note_overruns(&mut self, count: u32) {
+        self.line_counts.add_overruns(count);
+    }
+
+    fn handle(&mut self, message: &HostMessage, clock: &impl Clock) {
+        let state = self.state();
+        match message {
+            HostMessage::EncoderSample(sample) => self.answer_sample(sample, clock),
+            HostMessage::Hello(hello) => self.answer_hello(hello),
+            HostMessage::DescribeParameter(request) => {
+                self.output.send(parameter_requests::describe(request.index, state));
+            }
+            HostMessage::GetParameter(request) => {
+                self.output.send(parameter_requests::get(request.index, &self.parameters, state));
+            }
+            HostMessage::SetParameter(request) => {
+                self.output.send(parameter_requests::set(request, &mut self.parameters, state));
+            }
+            HostMessage::Arm(request) => {
+                let outcome = self.arm(request.session);
+                self.send_result::<message::Arm>(outcome);
+            }
+            HostMessage::Start(request) => {
+                let outcome = self.start(request.session, clock.now());
+                self.send_result::<message::Start>(outcome);
+            }
+            HostMessage::Stop(_) => {
+                let outcome = self.lifecycle.stop();
+                self.output.send(self.line_counts.report(self.decoder.counters()));
+                self.send_result::<message::Stop>(outcome);
+            }
+            HostMessage::EmergencyStop(_) => {
+                let fault = self.latch(Violation::EMERGENCY_STOP);
+                self.output.send(fault);
+                self.send_result::<message::EmergencyStop>(Outcome::Accepted);
+            }
+            HostMessage::ClearFault(_) => {
+                let outcome = self.lifecycle.clear_fault();
+                self.send_result::<message::ClearFault>(outcome);
+            }
+            HostMessage::Reset(_) => {
+                self.lifecycle = Lifecycle::Boot;
+                self.parameters = Parameters::default();
+                self.last_sequence = 0;
+                self.send_result::<message::Reset>(Outcome::Accepted);
+            }
+        }
+    }
+
+    fn answer_hello(&mut self, hello: &Hello) {
+        let same_version = hello.protocol_version == PROTOCOL_VERSION;
+        if same_version {
+            self.lifecycle.open_session(hello.session);
+        }
+        // A host of another version gets the identity too: it carries the version of the drive.
+        self.output.send(identity(self.board, hello.session, self.state(), &self.parameters));
+        if let Some(fault) = self.lifecycle.fault() {
+            self.output.send(fault);
+        }
+        if !same_version {
+            self.send_result::<Hello>(Outcome::VersionMismatch);
+        }
+    }
+
+    fn arm(&mut self, session: u32) -> Outcome {
+        if self.lifecycle.session() != Some(session) {
+            return Outcome::WrongSession;
+        }
+        if self.state() != State::Idle {
+            return Outcome::WrongState;
+        }
+        match ControlLoop::new(&self.parameters) {
+            Ok(control) => {
+                self.lifecycle = Lifecycle::Armed { session, control };
+                Outcome::Accepted
+            }
+            Err(error) => {
+                self.log(LogLevel::Error, &[error.name, " does not go with the others"]);
+                Outcome::Inconsistent
+            }
+        }
+    }
+
+    fn start(&mut self, session: u32, now: Duration) -> Outcome {
+        if self.lifecycle.session() != Some(session) {
+            return Outcome::WrongSession;
+        }
+        let outcome = self.lifecycle.start(&self.parameters, now);
+        if outcome == Outcome::Accepted {
+            self.line_counts = LineCounts::starting_at(self.decoder.counters());
+            self.last_sequence = 0;
+        }
+        outcome
+    }
+
+    fn answer_sample(&mut self, sample: &EncoderSample, clock: &impl Clock) {
+        let arrived = clock.now();
+        // A sample after the watchdog's deadline is too late, even if `tick` was not called in between. Its torque
+        // precedes the fault report.
+        let late = self.lifecycle.check_watchdog(arrived).err().map(|violation| self.latch(violation));
+        match &mut self.lifecycle {
+            Lifecycle::Boot => self.send_result::<EncoderSample>(Outcome::WrongState),
+            Lifecycle::Idle { .. } | Lifecycle::Armed { .. } | Lifecycle::Faulted { .. } => {
+                self.send_zero_torque(sample.sequence, TorqueFlags::empty(), arrived, clock);
+            }
+            Lifecycle::Running { run, .. } => match run.answer(sample, arrived, clock) {
+                Reply::Torque(answer, output) => {
+                    self.last_sequence = sample.sequence;
+                    self.output.send(answer);
+                    let every = self.parameters.telemetry_every;
+                    if every > 0 && u32::from(sample.sequence).is_multiple_of(every) {
+                        self.output.send(telemetry(sample.sequence, &output));
+                    }
+                }
+                Reply::Repeated(answer) => self.output.send(answer),
+                Reply::OutOfSequence => self.send_result::<EncoderSample>(Outcome::OutOfSequence),
+                Reply::Violation(violation, flags) => {
+                    self.last_sequence = sample.sequence;
+                    let fault = self.latch(violation);
+                    self.send_zero_torque(sample.sequence, flags, arrived, clock);
+                    self.output.send(fault);
+                }
+            },
+        }
+        if let Some(fault) = late {
+            self.output.send(fault);
+        }
+    }
+
+    /// The torque is zero from here on; the caller sends the report after the answer that is due.
+    fn latch(&mut self, violation: Violation) -> FaultReport {
+        let Violation { code, value, limit } = violation;
+        let report = FaultReport { code, sequence: self.last_sequence, value, limit, detail: 0 };
+        self.lifecycle.latch(report);
+        report
+    }
+
+    fn send_zero_torque(&mut self, sequence: u16, flags: TorqueFlags, arrived: Duration, clock: &impl Clock) {
+        let elapsed = clock.now().saturating_sub(arrived);
+        self.output.send(torque_answer(sequence, 0.0, self.state(), flags, elapsed));
+    }
+
+    /// Sends the result of a request that has no answer of its own.
+    fn send_result<Request: Payload>(&mut self, outcome: Outcome) {
+        self.output.send(CommandResult { request: Request::LAYOUT.kind, outcome, state: self.state() });
+    }
+}

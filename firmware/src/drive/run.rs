@@ -1,0 +1,108 @@
+//! One run, from `Start` to its end.
+
+use core::time::Duration;
+
+use lashloop_protocol::enums::{State, TorqueFlags};
+use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
+
+use super::clock::Clock;
+use super::control_loop::ControlLoop;
+use super::parameters::Parameters;
+use super::safety::{Limits, Violation};
+use super::torque_answer::{repeated, torque_answer};
+use crate::control::ControlOutput;
+
+pub(super) struct Run {
+    control: ControlLoop,
+    limits: Limits,
+    /// Device time of the last new sample, or of the start before the first one.
+    last_sample_at: Duration,
+    /// The answer to the last sample; its torque is the held torque.
+    last_answer: Option<TorqueAnswer>,
+}
+
+/// What a running drive replies to a sample.
+pub(super) enum Reply {
+    /// The torque, and the controller's output, whose torque is the one before the limit.
+    Torque(TorqueAnswer, ControlOutput<f32>),
+    /// The answer of the last sample again; no control step was made.
+    Repeated(TorqueAnswer),
+    /// The sample belongs to another run. Nothing changed.
+    OutOfSequence,
+    /// The sample breaks a rule. The flags belong to the answer with zero torque.
+    Violation(Violation, TorqueFlags),
+}
+
+/// Where a sample belongs in the sequence of the run.
+enum SequencePlace {
+    /// New, this many periods after the last one; the first sample counts as one period.
+    New {
+        periods: u32,
+    },
+    /// The last one again, with the answer it got.
+    Repeated(TorqueAnswer),
+    OutOfSequence,
+}
+
+impl Run {
+    pub(super) fn new(control: ControlLoop, parameters: &Parameters, now: Duration) -> Self {
+        Self { control, limits: Limits::new(parameters), last_sample_at: now, last_answer: None }
+    }
+
+    /// The held torque in N m.
+    pub(super) fn torque_nm(&self) -> f32 {
+        self.last_answer.map_or(0.0, |answer| answer.torque_nm)
+    }
+
+    /// Device time after which the watchdog trips.
+    pub(super) fn watchdog_deadline(&self) -> Duration {
+        self.last_sample_at + self.limits.watchdog
+    }
+
+    pub(super) fn check_watchdog(&self, now: Duration) -> Result<(), Violation> {
+        self.limits.check_watchdog(now.saturating_sub(self.last_sample_at))
+    }
+
+    /// Answers a sample; a new one makes a control step and restarts the watchdog.
+    pub(super) fn answer(&mut self, sample: &EncoderSample, arrived: Duration, clock: &impl Clock) -> Reply {
+        let periods = match self.place(sample.sequence) {
+            SequencePlace::New { periods } => periods,
+            SequencePlace::Repeated(answer) => return Reply::Repeated(repeated(answer)),
+            SequencePlace::OutOfSequence => return Reply::OutOfSequence,
+        };
+        self.last_sample_at = arrived;
+        let mut flags = TorqueFlags::empty();
+        flags.set(TorqueFlags::GAP, periods > 1);
+        match self.step(sample, periods) {
+            Ok((torque_nm, output)) => {
+                flags.set(TorqueFlags::SATURATED, torque_nm != output.torque_nm);
+                let elapsed = clock.now().saturating_sub(arrived);
+                let answer = torque_answer(sample.sequence, torque_nm, State::Running, flags, elapsed);
+                self.last_answer = Some(answer);
+                Reply::Torque(answer, output)
+            }
+            Err(violation) => Reply::Violation(violation, flags),
+        }
+    }
+
+    fn place(&self, sequence: u16) -> SequencePlace {
+        match self.last_answer {
+            None if sequence == 0 => SequencePlace::New { periods: 1 },
+            None => SequencePlace::OutOfSequence,
+            Some(answer) => match sequence.wrapping_sub(answer.sequence) {
+                0 => SequencePlace::Repeated(answer),
+                gap if gap <= self.control.longest_gap() => SequencePlace::New { periods: gap.into() },
+                _ => SequencePlace::OutOfSequence,
+            },
+        }
+    }
+
+    /// The torque after the limit in N m, and the controller's output.
+    fn step(&mut self, sample: &EncoderSample, periods: u32) -> Result<(f32, ControlOutput<f32>), Violation> {
+        Limits::check_reference(sample.reference_rad)?;
+        let (motor_rad_s, load_rad_s) = self.control.speeds(sample, periods);
+        self.limits.check_speeds(motor_rad_s, load_rad_s)?;
+        let output = self.control.step(sample, periods, self.torque_nm());
+        Ok((self.limits.clamp_torque(output.torque_nm)?, output))
+    }
+}

@@ -1,0 +1,115 @@
+//! The plant: release, step, truth, and changes while it runs.
+
+use super::environment::Environment;
+use super::shaft::BacklashShaft;
+use super::state::{BRISTLE, BacklashShaftState, ShaftCoordinates, ShaftMode};
+use crate::coordinates::{
+    DISSIPATED, LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION, MOTOR_VELOCITY, SUPPLIED,
+};
+use crate::integrator;
+use crate::mode::{Contact, DryFriction};
+use crate::{ParameterError, Plant, PlantError, RunningPlant, Start, Truth};
+
+impl Plant for BacklashShaft {
+    type State = BacklashShaftState;
+
+    fn initial_state(&self, start: Start) -> BacklashShaftState {
+        let half_gap = self.mechanics.dead_zone_rad;
+        let twist_rad = self.mechanics.twist_of(start.load_position_rad, start.motor_position_rad);
+        let coordinates = ShaftCoordinates {
+            x: start.coordinates().fixed_resize::<7, 1>(0.0),
+            gap_position_rad: twist_rad.clamp(-half_gap, half_gap),
+            motor_torque_nm: 0.0,
+            environment: Environment { dead_zone_rad: half_gap, load_torque_nm: 0.0 },
+        };
+        let contact = self.contact_at_release(&coordinates);
+        let load = match self.load_friction.bristles {
+            Some(_) => DryFriction::SlipPositive,
+            None => {
+                let drive_nm = self.load_drive_nm(&coordinates, contact);
+                self.load_friction.curve.released(start.load_velocity_rad_s, drive_nm)
+            }
+        };
+        let motor_drive_nm = self.motor_drive_nm(&coordinates, contact);
+        let motor = self.motor_friction.released(start.motor_velocity_rad_s, motor_drive_nm);
+        BacklashShaftState { coordinates, mode: ShaftMode { contact, load, motor } }
+    }
+
+    fn step(&self, state: &mut BacklashShaftState, torque_nm: f64, dt_s: f64) -> Result<(), PlantError> {
+        let BacklashShaftState { coordinates, mode } = state;
+        let substeps = self.substeps(dt_s, coordinates.x[LOAD_VELOCITY])?;
+        integrator::advance(self, coordinates, mode, torque_nm, dt_s, substeps)
+    }
+
+    fn truth(&self, state: &BacklashShaftState) -> Truth {
+        let BacklashShaftState { coordinates: at, mode } = state;
+        let [load_velocity, motor_velocity] = [at.x[LOAD_VELOCITY], at.x[MOTOR_VELOCITY]];
+        let load_drive_nm = self.load_drive_nm(at, mode.contact);
+        let (load_dry_friction_nm, bristle_energy_j) = match self.load_friction.bristles {
+            Some(of) => {
+                let bend = at.x[BRISTLE];
+                let bristles = self.load_friction.bristles(of, load_velocity, bend);
+                (bristles.torque_nm, 0.5 * of.stiffness_nm_rad * bend * bend)
+            }
+            None => (self.load_friction.curve.torque_nm(mode.load, load_velocity, load_drive_nm), 0.0),
+        };
+        let twist_rad = self.mechanics.twist_of(at.x[LOAD_POSITION], at.x[MOTOR_POSITION]);
+        let transmitted_torque_nm = self.transmitted_torque_nm(at, mode.contact);
+        Truth {
+            load_position_rad: at.x[LOAD_POSITION],
+            load_velocity_rad_s: load_velocity,
+            motor_position_rad: at.x[MOTOR_POSITION],
+            motor_velocity_rad_s: motor_velocity,
+            motor_torque_nm: at.motor_torque_nm,
+            load_torque_nm: at.environment.load_torque_nm,
+            twist_rad,
+            transmitted_torque_nm,
+            disturbing_torque_nm: transmitted_torque_nm - self.mechanics.stiffness_nm_rad * twist_rad,
+            gap_position_rad: at.gap_position_rad,
+            contact: mode.contact,
+            load_friction: mode.load,
+            motor_friction: mode.motor,
+            load_dry_friction_nm,
+            motor_dry_friction_nm: self.motor_friction.torque_nm(
+                mode.motor,
+                motor_velocity,
+                self.motor_drive_nm(at, mode.contact),
+            ),
+            kinetic_energy_j: self.mechanics.kinetic_energy_j(load_velocity, motor_velocity),
+            elastic_energy_j: self.shaft_energy_j(at) + bristle_energy_j,
+            supplied_energy_j: at.x[SUPPLIED],
+            dissipated_energy_j: at.x[DISSIPATED],
+            dead_zone_rad: at.environment.dead_zone_rad,
+        }
+    }
+}
+
+impl RunningPlant<BacklashShaft> {
+    /// Changes gap and load torque from now on. A gap that widens under a twisted shaft lets the shaft unwind; the energy
+    /// set free counts as dissipated.
+    ///
+    /// # Errors
+    /// Names the value outside its range.
+    pub fn set_environment(&mut self, environment: Environment) -> Result<(), ParameterError> {
+        environment.validate()?;
+        let BacklashShaftState { coordinates, mode } = &mut self.state;
+        let before_j = self.plant.shaft_energy_j(coordinates);
+        let half_gap = environment.dead_zone_rad;
+        coordinates.gap_position_rad = match mode.contact {
+            Contact::Gap => coordinates.gap_position_rad.clamp(-half_gap, half_gap),
+            side => side.sign() * half_gap,
+        };
+        coordinates.environment = environment;
+        coordinates.x[DISSIPATED] += before_j - self.plant.shaft_energy_j(coordinates);
+        Ok(())
+    }
+
+    /// Replaces the parameters from now on and keeps the state. The shaft's energy that the change sets free counts as
+    /// dissipated, the energy it binds as negative dissipation.
+    pub fn change_parameters(&mut self, parameters: BacklashShaft) {
+        let coordinates = &mut self.state.coordinates;
+        coordinates.x[DISSIPATED] +=
+            self.plant.shaft_energy_j(coordinates) - parameters.shaft_energy_j(coordinates);
+        self.plant = parameters;
+    }
+}

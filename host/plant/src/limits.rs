@@ -1,0 +1,7 @@
+//! Limits of every plant's integration.
+
+/// Largest number of substeps in one step.
+pub const MAX_SUBSTEPS: u32 = 4096;
+
+/// Mode changes within one substep above which a plant counts as chattering.
+pub const MAX_EVENTS: u32 = 64;

@@ -1,0 +1,63 @@
+//! The control laws under test.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+/// A control law that is put to the test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Law {
+    /// The paper's cascade before compensation.
+    Pd,
+    /// The paper's cascade with compensation.
+    Merzouki,
+    /// The gap inverted in the torque domain and identified.
+    BacklashInverse,
+}
+
+impl Law {
+    /// Every law, in the order of the tables.
+    pub const ALL: [Self; 3] = [Self::Pd, Self::Merzouki, Self::BacklashInverse];
+
+    /// The name in scenarios.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Pd => "pd",
+            Self::Merzouki => "merzouki",
+            Self::BacklashInverse => "backlash-inverse",
+        }
+    }
+
+    /// The scenario that its runs are made of: file and text. The drive's parameters in it are those of the nominal plant
+    /// and stay what they are.
+    pub(super) const fn scenario(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Pd => ("scenarios/shaft-pd.toml", include_str!("../../../scenarios/shaft-pd.toml")),
+            Self::Merzouki => {
+                ("scenarios/shaft-merzouki.toml", include_str!("../../../scenarios/shaft-merzouki.toml"))
+            }
+            Self::BacklashInverse => (
+                "scenarios/shaft-backlash-inverse.toml",
+                include_str!("../../../scenarios/shaft-backlash-inverse.toml"),
+            ),
+        }
+    }
+}
+
+impl fmt::Display for Law {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.pad(self.name())
+    }
+}
+
+impl FromStr for Law {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let law = Self::ALL.into_iter().find(|law| law.name() == text);
+        law.ok_or_else(|| "expected pd, merzouki or backlash-inverse".to_owned())
+    }
+}

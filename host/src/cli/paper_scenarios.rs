@@ -1,0 +1,12 @@
+//! The paper's scenarios, compiled in, so that the commands need no files.
+
+/// File name and text of a scenario.
+pub(super) type Source = (&'static str, &'static str);
+
+/// Smooth plant before and after compensation, then plant with friction before and after.
+pub(super) const SCENARIOS: [Source; 4] = [
+    ("scenarios/smooth-before.toml", include_str!("../../../scenarios/smooth-before.toml")),
+    ("scenarios/smooth-after.toml", include_str!("../../../scenarios/smooth-after.toml")),
+    ("scenarios/friction-before.toml", include_str!("../../../scenarios/friction-before.toml")),
+    ("scenarios/friction-after.toml", include_str!("../../../scenarios/friction-after.toml")),
+];

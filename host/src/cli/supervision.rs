@@ -1,0 +1,11 @@
+//! The supervisor of child processes and signals.
+
+use lashloop_bench::supervisor::Supervisor;
+
+use super::error::CliError;
+
+pub(super) fn start_supervisor() -> Result<Supervisor, CliError> {
+    std::env::current_exe()
+        .and_then(Supervisor::start)
+        .map_err(|source| CliError::System { what: "start the supervisor", source })
+}

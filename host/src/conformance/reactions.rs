@@ -1,0 +1,31 @@
+//! Reactions of a drive that several groups of checks look for.
+
+use lashloop_protocol::DriveMessage;
+use lashloop_protocol::enums::{FaultCode, Outcome, State};
+use lashloop_protocol::message::{EncoderSample, FaultReport};
+
+use super::answers::{fault, outcome, torque};
+use super::assertion::{Failure, RuleResult, equal, names};
+use super::client::Client;
+
+pub(super) fn no_torque(client: &mut Client, sequence: u16, state: State) -> RuleResult {
+    let answer = client.torque(sequence)?;
+    equal("torque and state", (0.0, state), (answer.torque_nm, answer.status.state))
+}
+
+pub(super) fn refused_sample(client: &mut Client, sequence: u16) -> RuleResult {
+    let answers = client.sample(sequence)?;
+    equal(&format!("to sample {sequence}"), vec!["CommandResult"], names(&answers))?;
+    equal("outcome", Outcome::OutOfSequence, outcome::<EncoderSample>(&answers)?)?;
+    equal("state", State::Running, client.state())
+}
+
+/// The answers to a sample that is a fault: torque zero, then the report.
+pub(super) fn fault_answer(answers: &[DriveMessage], code: FaultCode) -> Result<FaultReport, Failure> {
+    equal("answers", vec!["TorqueAnswer", "FaultReport"], names(answers))?;
+    let answer = torque(answers)?;
+    equal("torque and state", (0.0, State::Faulted), (answer.torque_nm, answer.status.state))?;
+    let it = fault(answers)?;
+    equal("code", code, it.code)?;
+    Ok(it)
+}

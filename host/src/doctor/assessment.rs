@@ -1,0 +1,226 @@
+//! What was seen means what? Each judgement is a function of figures, so that it can be tried without a board.
+
+use std::time::Duration;
+
+use lashloop_protocol::enums::State;
+use lashloop_protocol::message::Identity;
+
+use super::diagnosis::Diagnosis;
+use super::latency_timer::LatencyTimer;
+use super::round_trip::{BYTES, Timing};
+use lashloop_bench::device::DeviceError;
+
+/// Beyond this above the time on the wire, something keeps bytes to itself. USB at full speed costs up to 1 ms each way,
+/// and the drive has to answer.
+const LONG: Duration = Duration::from_millis(3);
+/// Beyond this it smells of a latency timer of 16 ms.
+const TIMER_LIKE: Duration = Duration::from_millis(10);
+
+pub(super) fn not_opened(error: &DeviceError, holders: &[String]) -> Diagnosis {
+    let holders =
+        if holders.is_empty() { String::new() } else { format!("; it is open in {}", holders.join(", ")) };
+    Diagnosis::wrong("open", format!("{error}{holders}"))
+}
+
+pub(super) fn opened(baud: Option<u32>) -> Diagnosis {
+    Diagnosis::fine(
+        "open",
+        match baud {
+            Some(baud) => {
+                format!("exclusive, {baud} baud, 8 data bits, no parity, 1 stop bit, no flow control")
+            }
+            None => "exclusive, raw; a pseudo-terminal has no baud rate".to_owned(),
+        },
+    )
+}
+
+pub(super) fn dtr(is_pty: bool) -> Diagnosis {
+    if is_pty {
+        return Diagnosis::not_applicable("DTR", "a pseudo-terminal has no modem lines");
+    }
+    Diagnosis::fine(
+        "DTR",
+        "left as the driver sets it at open, which is on; a board that resets by DTR has just been reset",
+    )
+}
+
+/// `None` stands for a pseudo-terminal.
+pub(super) fn latency_timer(timer: Option<&LatencyTimer>) -> Diagnosis {
+    let about = "latency timer";
+    match timer {
+        None => Diagnosis::not_applicable(about, "a pseudo-terminal keeps no bytes to itself"),
+        Some(LatencyTimer::None) => Diagnosis::not_applicable(about, "this driver has none"),
+        Some(LatencyTimer::Short) => Diagnosis::fine(about, "1 ms, the shortest"),
+        Some(LatencyTimer::Shortened { from_ms }) => Diagnosis::fine(
+            about,
+            format!(
+                "was {from_ms} ms, set to 1 ms until the adapter is unplugged; a udev rule makes it last"
+            ),
+        ),
+        Some(LatencyTimer::Long { ms, file, reason }) => Diagnosis::wrong(
+            about,
+            format!(
+                "{ms} ms and can't be shortened ({reason}): echo 1 | sudo tee {}, or add a udev rule that does it",
+                file.display()
+            ),
+        ),
+    }
+}
+
+/// What the greeting begins with, whoever is at the far end.
+pub(super) fn drained() -> Diagnosis {
+    Diagnosis::fine(
+        "drain",
+        "what is on the line is thrown away, and a delimiter ends a half frame at the drive",
+    )
+}
+
+pub(super) fn handshake(identity: &Identity) -> Diagnosis {
+    let Identity { protocol_version, firmware, build_id, state, board, .. } = identity;
+    let who = format!(
+        "{board}, firmware {firmware}, build {build_id:08x}, protocol version {protocol_version}, state {state:?}"
+    );
+    match state {
+        State::Idle => Diagnosis::fine("handshake", who),
+        State::Faulted => Diagnosis::wrong(
+            "handshake",
+            format!("{who}: a fault is latched; `lashloop run` resets the drive first"),
+        ),
+        _ => Diagnosis::wrong(
+            "handshake",
+            format!("{who}: after a greeting a drive is Idle; power it off and on"),
+        ),
+    }
+}
+
+pub(super) fn round_trip(timing: &Timing) -> Diagnosis {
+    let Timing { answered, p50, p99, max, .. } = *timing;
+    let [p50, p99, max] = [p50, p99, max].map(in_us);
+    Diagnosis::fine("round trip", format!("{answered} samples answered: p50 {p50}, p99 {p99}, max {max}"))
+}
+
+pub(super) fn losses(timing: &Timing, damaged: u64) -> Option<Diagnosis> {
+    let Timing { answered, lost, .. } = *timing;
+    if lost == 0 && damaged == 0 {
+        return None;
+    }
+    Some(Diagnosis::wrong(
+        "losses",
+        format!(
+            "{lost} of {} samples without an answer, {damaged} damaged frames: check ground and cable, or take a lower \
+             baud rate on both sides",
+            answered + lost
+        ),
+    ))
+}
+
+/// Compares with what the line allows; `wire` is `None` for a pseudo-terminal.
+pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&LatencyTimer>) -> Diagnosis {
+    let about = "speed";
+    let Some(wire) = wire else {
+        return Diagnosis::not_applicable(about, "a pseudo-terminal has no baud rate to compare with");
+    };
+    let Some(above) = timing.p50.checked_sub(wire) else {
+        return Diagnosis::fine(
+            about,
+            format!(
+                "faster than the {} that {BYTES} bytes take at this baud rate: the port has none, as USB CDC",
+                in_us(wire)
+            ),
+        );
+    };
+    let sum = format!(
+        "p50 is {} above the {} that {BYTES} bytes take on the wire at 10 bits each",
+        in_us(above),
+        in_us(wire)
+    );
+    if above < LONG {
+        return Diagnosis::fine(about, sum);
+    }
+    let cause = match timer {
+        Some(LatencyTimer::Long { ms, .. }) => format!("the adapter's latency timer of {ms} ms"),
+        _ if above >= TIMER_LIKE => "this is what a latency timer of 16 ms looks like, in the adapter or in a \
+                                     virtual machine's USB; plug the adapter into the machine itself, or try another"
+            .to_owned(),
+        _ => "something on the way keeps bytes to itself: a hub, the adapter, or firmware that answers late"
+            .to_owned(),
+    };
+    Diagnosis::wrong(about, format!("{sum}: {cause}"))
+}
+
+fn in_us(time: Duration) -> String {
+    format!("{:.1} us", time.as_secs_f64() * 1e6)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io;
+
+    use super::super::round_trip::wire_time;
+    use super::*;
+
+    fn timing(p50_us: u64) -> Timing {
+        let p50 = Duration::from_micros(p50_us);
+        Timing { answered: 1000, lost: 0, p50, p99: 2 * p50, max: 3 * p50 }
+    }
+
+    fn long_timer() -> LatencyTimer {
+        LatencyTimer::Long {
+            ms: 16,
+            file: "/sys/bus/usb-serial/devices/ttyUSB0/latency_timer".into(),
+            reason: io::ErrorKind::PermissionDenied.into(),
+        }
+    }
+
+    #[test]
+    fn a_latency_timer_that_can_t_be_shortened_is_named_as_the_cause() {
+        let timer = long_timer();
+        let diagnoses =
+            [latency_timer(Some(&timer)), speed(&timing(16_400), Some(wire_time(921_600)), Some(&timer))];
+        insta::assert_snapshot!(diagnoses.map(|diagnosis| diagnosis.to_string()).join("\n"), @r"
+        WRONG  latency timer  16 ms and can't be shortened (permission denied): echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer, or add a udev rule that does it
+        WRONG  speed          p50 is 16020.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each: the adapter's latency timer of 16 ms
+        ");
+    }
+
+    #[test]
+    fn each_speed_has_its_cause() {
+        let none = LatencyTimer::None;
+        let wire = Some(wire_time(921_600));
+        let diagnoses = [100, 900, 4_500, 16_000].map(|p50_us| speed(&timing(p50_us), wire, Some(&none)));
+        let text = diagnoses.map(|diagnosis| diagnosis.to_string()).join("\n");
+        insta::assert_snapshot!(text, @r"
+        ok     speed          faster than the 379.8 us that 35 bytes take at this baud rate: the port has none, as USB CDC
+        ok     speed          p50 is 520.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each
+        WRONG  speed          p50 is 4120.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each: something on the way keeps bytes to itself: a hub, the adapter, or firmware that answers late
+        WRONG  speed          p50 is 15620.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each: this is what a latency timer of 16 ms looks like, in the adapter or in a virtual machine's USB; plug the adapter into the machine itself, or try another
+        ");
+    }
+
+    #[test]
+    fn lost_samples_and_damaged_frames_are_wrong() {
+        assert_eq!(losses(&timing(10), 0), None);
+        let lossy = Timing { lost: 2, answered: 998, ..timing(10) };
+        insta::assert_snapshot!(losses(&lossy, 3).unwrap(), @"WRONG  losses         2 of 1000 samples without an answer, 3 damaged frames: check ground and cable, or take a lower baud rate on both sides");
+        assert!(losses(&timing(10), 1).unwrap().is_wrong(), "damage alone");
+    }
+
+    #[test]
+    fn a_latched_fault_is_wrong_and_an_idle_drive_is_not() {
+        let identity = |state| Identity {
+            protocol_version: 1,
+            session: 7,
+            firmware: lashloop_protocol::enums::Version { major: 0, minor: 1, patch: 0 },
+            build_id: 0xc0ffee,
+            state,
+            board: lashloop_protocol::text::Text::new("stm32f405"),
+            period_us: 1000,
+            motor_counts_per_rev: 1,
+            load_counts_per_rev: 1,
+            controllers: lashloop_protocol::enums::Controllers::PD,
+            parameter_count: 27,
+        };
+        assert!(!handshake(&identity(State::Idle)).is_wrong());
+        assert!(handshake(&identity(State::Faulted)).is_wrong());
+    }
+}

@@ -1,0 +1,24 @@
+//! The causes of a latched fault.
+
+wire_enum! {
+    /// Cause of a latched fault.
+    pub enum FaultCode {
+        /// No sample within the watchdog time. `value` and `limit` in seconds.
+        Watchdog = 1,
+        /// The host sent an emergency stop.
+        EmergencyStop = 2,
+        /// The torque of the control law was not finite.
+        TorqueNotFinite = 3,
+        /// The reference in a sample was not finite.
+        ReferenceNotFinite = 4,
+        /// The motor encoder moved faster than is plausible. `value` and `limit` in rad/s.
+        MotorEncoderJump = 5,
+        /// The load encoder moved faster than is plausible. `value` and `limit` in rad/s.
+        LoadEncoderJump = 6,
+        /// The firmware panicked. `detail` is the source line.
+        Panic = 7,
+        /// The processor took a fault exception, `detail` is the program counter; or an unexpected interrupt, `detail` is
+        /// its number.
+        ProcessorFault = 8,
+    }
+}

@@ -1,0 +1,80 @@
+//! Directions between the crates of the workspace.
+
+use anyhow::{Context, Result};
+use serde_json::Value;
+
+/// Each crate with the workspace crates it may depend on, development dependencies apart.
+const ALLOWED: [(&str, &[&str]); 8] = [
+    ("lashloop-protocol", &[]),
+    ("lashloop-firmware", &["lashloop-protocol"]),
+    ("lashloop-plant", &[]),
+    // The drive's library is for the in-process device and the native twin.
+    ("lashloop-bench", &["lashloop-protocol", "lashloop-plant", "lashloop-firmware"]),
+    ("lashloop-report", &["lashloop-bench", "lashloop-plant"]),
+    (
+        "lashloop",
+        &["lashloop-protocol", "lashloop-firmware", "lashloop-plant", "lashloop-bench", "lashloop-report"],
+    ),
+    (
+        "tests",
+        &[
+            "lashloop-protocol",
+            "lashloop-firmware",
+            "lashloop-plant",
+            "lashloop-bench",
+            "lashloop-report",
+            "lashloop",
+        ],
+    ),
+    ("xtask", &["lashloop-protocol"]),
+];
+
+/// Dependencies that the table doesn't allow, one sentence each.
+///
+/// # Errors
+/// The metadata isn't cargo's.
+pub(crate) fn wrong_ways(metadata: &Value) -> Result<Vec<String>> {
+    let packages = metadata["packages"].as_array().context("cargo metadata has no packages")?;
+    let members: Vec<_> = packages.iter().filter_map(|package| package["name"].as_str()).collect();
+    let mut wrong = Vec::new();
+    for package in packages {
+        let name = package["name"].as_str().context("a package has no name")?;
+        let Some((_, allowed)) = ALLOWED.iter().find(|(known, _)| *known == name) else {
+            wrong.push(format!("crate {name} is not in the table of xtask/src/directions/crates.rs"));
+            continue;
+        };
+        let dependencies = package["dependencies"].as_array().context("a package has no dependencies")?;
+        let used = dependencies.iter().filter(|dependency| dependency["kind"].as_str() != Some("dev"));
+        for used in used.filter_map(|dependency| dependency["name"].as_str()) {
+            if members.contains(&used) && !allowed.contains(&used) {
+                wrong.push(format!("crate {name} must not depend on {used}"));
+            }
+        }
+    }
+    Ok(wrong)
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::wrong_ways;
+
+    #[test]
+    fn a_dependency_against_the_direction_is_named() {
+        let dependency = |name: &str, kind: Option<&str>| json!({ "name": name, "kind": kind });
+        let metadata = json!({ "packages": [
+            { "name": "lashloop-protocol", "dependencies": [dependency("crc", None)] },
+            { "name": "lashloop-plant", "dependencies": [
+                dependency("lashloop-protocol", None), dependency("lashloop-bench", Some("dev")),
+            ] },
+            { "name": "lashloop-bench", "dependencies": [dependency("lashloop-plant", None)] },
+            { "name": "newcomer", "dependencies": [] },
+        ] });
+        let want = [
+            "crate lashloop-plant must not depend on lashloop-protocol",
+            "crate newcomer is not in the table of xtask/src/directions/crates.rs",
+        ];
+        assert_eq!(wrong_ways(&metadata).expect("metadata"), want);
+    }
+}

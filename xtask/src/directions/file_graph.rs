@@ -1,0 +1,83 @@
+//! Which file uses which, and the cycles among them.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::path::PathBuf;
+
+use super::mentions::Mentions;
+use super::scopes::Scopes;
+use super::source_tree::SourceTree;
+
+/// Edges by the using file, then by the used file, with the items that make each edge.
+#[derive(Default)]
+pub(crate) struct FileGraph(BTreeMap<PathBuf, BTreeMap<PathBuf, BTreeSet<String>>>);
+
+impl FileGraph {
+    /// A re-export or a `mod` declaration alone is no edge: the edge is where the name is used.
+    pub(crate) fn of(tree: &SourceTree) -> Self {
+        let mentions: Vec<_> = tree.modules.iter().map(|module| Mentions::of(&module.items)).collect();
+        let scopes = Scopes::of(tree, &mentions);
+        let mut graph = Self::default();
+        for (id, (module, mentions)) in tree.modules.iter().zip(&mentions).enumerate() {
+            let imports = mentions.imports.iter().filter(|import| !import.is_reexport);
+            let paths = imports.map(|import| &import.path).chain(&mentions.paths);
+            let items = paths.filter_map(|path| scopes.item(id, path));
+            let macros = mentions.macros.iter().filter_map(|path| scopes.macro_rules(id, path));
+            for used in items.chain(macros) {
+                graph.add(&module.file, scopes.file_of(&used), used.name);
+            }
+        }
+        graph
+    }
+
+    fn add(&mut self, user: &PathBuf, used: &PathBuf, name: String) {
+        if user != used {
+            let edges = self.0.entry(user.clone()).or_default();
+            edges.entry(used.clone()).or_default().insert(name);
+        }
+    }
+
+    /// For every edge of a cycle the shortest cycle through it, each once, the shortest first.
+    pub(crate) fn cycles(&self) -> Vec<Vec<PathBuf>> {
+        let edges = self.0.iter().flat_map(|(user, edges)| edges.keys().map(move |used| (user, used)));
+        let cycles: BTreeSet<_> = edges
+            .filter_map(|(user, used)| self.shortest_path(used, user))
+            .map(|mut cycle| {
+                let first = (0..cycle.len()).min_by_key(|index| &cycle[*index]).unwrap_or(0);
+                cycle.rotate_left(first);
+                (cycle.len(), cycle)
+            })
+            .collect();
+        cycles.into_iter().map(|(_, cycle)| cycle).collect()
+    }
+
+    /// All files from `from` to `to`, both included.
+    fn shortest_path(&self, from: &PathBuf, to: &PathBuf) -> Option<Vec<PathBuf>> {
+        let mut previous = BTreeMap::from([(from, None)]);
+        let mut queue = VecDeque::from([from]);
+        while let Some(file) = queue.pop_front() {
+            if file == to {
+                let mut path: Vec<_> =
+                    std::iter::successors(Some(to), |file| previous[*file]).cloned().collect();
+                path.reverse();
+                return Some(path);
+            }
+            for next in self.0.get(file).into_iter().flat_map(BTreeMap::keys) {
+                previous.entry(next).or_insert_with(|| {
+                    queue.push_back(next);
+                    Some(file)
+                });
+            }
+        }
+        None
+    }
+
+    /// One line for each edge of a cycle.
+    pub(crate) fn describe(&self, cycle: &[PathBuf]) -> String {
+        let next = cycle.iter().cycle().skip(1);
+        let edges = cycle.iter().zip(next).map(|(user, used)| {
+            let names: Vec<_> = self.0[user][used].iter().map(String::as_str).collect();
+            format!("  {} -> {}: {}\n", user.display(), used.display(), names.join(", "))
+        });
+        edges.collect()
+    }
+}
