@@ -164,7 +164,7 @@ impl Row {
         }
         let fired = &summary["faults"][0];
         assert_eq!((&fired["kind"], &fired["step"]), (&self.kind().into(), &self.step().into()), "{context}");
-        if self.detected_by == ["nobody"] {
+        if self.detected_by == ["undetected"] {
             let missed = summary["expectations"].as_array().into_iter().flatten();
             assert!(missed.into_iter().all(|finding| finding["ok"] == true), "{context}");
         }
@@ -187,7 +187,7 @@ impl Row {
 fn is_detected(detector: &str, ended: &Ended, summary: Option<&Value>) -> bool {
     let text = |key: &str| summary.and_then(|summary| summary[key].as_str()).unwrap_or_default();
     match detector.split_once(' ') {
-        None if detector == "nobody" => text("verdict") == "PASS",
+        None if detector == "undetected" => text("verdict") == "PASS",
         Some(("bench" | "drive", count)) if COUNTS.contains(&count) => {
             summary.is_some_and(|summary| summary["link"][count].as_u64().is_some_and(|count| count > 0))
         }
@@ -200,7 +200,7 @@ fn is_detected(detector: &str, ended: &Ended, summary: Option<&Value>) -> bool {
             .into_iter()
             .flatten()
             .any(|finding| finding["metric"] == metric && finding["ok"] == false),
-        _ => panic!("{detector} is nobody who detects"),
+        _ => panic!("{detector} is no detector"),
     }
 }
 

@@ -1,8 +1,8 @@
 //! Faults of the encoders: between the count and the sample.
 
+use lashloop_plant::random::Pcg64Mcg;
 use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::message::EncoderSample;
-use rand_pcg::Pcg64Mcg;
 
 use super::random::{stream, uniform_below};
 use super::schedule::{Schedule, scheduled};

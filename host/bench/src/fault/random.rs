@@ -1,7 +1,6 @@
 //! Random streams of faults.
 
-use rand_pcg::Pcg64Mcg;
-use rand_pcg::rand_core::{Rng, SeedableRng};
+use lashloop_plant::random::{Pcg64Mcg, SeedableRng, uniform};
 
 use crate::scenario::Scenario;
 
@@ -10,11 +9,6 @@ use crate::scenario::Scenario;
 pub(super) fn stream(scenario: &Scenario, fault: usize, direction: u64) -> Pcg64Mcg {
     const STREAM: u64 = 0xd1b5_4a32_d192_ed03;
     Pcg64Mcg::seed_from_u64(scenario.run.seed ^ STREAM.wrapping_mul(2 * fault as u64 + direction + 1))
-}
-
-/// Uniform in [0, 1).
-pub(super) fn uniform(random: &mut Pcg64Mcg) -> f64 {
-    (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }
 
 /// Uniform over the whole numbers below `end`, which is far below 2^32.

@@ -1,5 +1,5 @@
-//! What `[plant]` has for `model = "backlash-shaft"` only: the shaft's damping, friction on both sides, the drive's lag, limit and
-//! delay, and what changes while the plant runs. The defaults stand for the paper's experiment.
+//! Keys of `[plant]` with `model = "backlash-shaft"` only: the shaft's damping, friction on both sides, the motor's lag, limit
+//! and delay, and changes during the run. The defaults model the paper's experiment.
 
 use serde::Serialize;
 
@@ -7,39 +7,39 @@ use super::range::{positive, within};
 use super::reader::Section;
 use super::unit;
 
-/// Keys of the bench plant.
+/// Keys of the plant `backlash-shaft`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BacklashShaftSettings {
-    /// c, in parallel to the stiffness.
+    /// Shaft damping c, in parallel to the stiffness, 0 to 1e6.
     pub shaft_damping_nm_s_rad: f64,
     /// How the load's dry friction behaves close to rest.
     pub load_friction: LoadFrictionModel,
-    /// F_c on the load.
+    /// Coulomb friction F_c of the load, 0 to 1e6.
     pub load_coulomb_nm: f64,
-    /// F_s on the load.
+    /// Stiction F_s of the load, from F_c to 1e6.
     pub load_stiction_nm: f64,
-    /// v_s of the load.
+    /// Stribeck velocity v_s of the load, 1e-6 to 1e3.
     pub load_stribeck_rad_s: f64,
-    /// Share by which the load's friction is larger forwards and smaller backwards.
+    /// Fraction by which the load's friction is larger forwards and smaller backwards, -0.9 to 0.9.
     pub load_friction_asymmetry: f64,
-    /// sigma_0 and sigma_1; `None` without bristles.
+    /// Bristles of LuGre friction; `None` for Stribeck friction.
     #[serde(flatten)]
     pub bristles: Option<BristleSettings>,
-    /// F_c on the motor.
+    /// Coulomb friction F_c of the motor, 0 to 1e6.
     pub motor_coulomb_nm: f64,
-    /// F_s on the motor.
+    /// Stiction F_s of the motor, from F_c to 1e6.
     pub motor_stiction_nm: f64,
-    /// v_s of the motor.
+    /// Stribeck velocity v_s of the motor, 1e-6 to 1e3.
     pub motor_stribeck_rad_s: f64,
-    /// T_i of the current loop.
+    /// Time constant T_i of the current loop, 0 to 1e4.
     pub current_lag_ms: f64,
-    /// U_max of the motor.
+    /// Limit U_max of the motor's torque, > 0 and <= 1e6.
     pub torque_saturation_nm: f64,
-    /// Time from a torque's sample to its arrival at the motor.
+    /// Delay from a sample to its torque at the motor, 0 to 1,000,000.
     pub torque_delay_us: u32,
-    /// A torque on the load for a while.
+    /// External torque on the load.
     pub load_torque: LoadTorque,
-    /// A gap that grows for a while.
+    /// Growth of the gap.
     pub wear: Wear,
 }
 
@@ -56,44 +56,44 @@ pub enum LoadFrictionModel {
 /// Bristles of LuGre friction.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BristleSettings {
-    /// sigma_0.
+    /// Bristle stiffness sigma_0, 1e-3 to 1e12.
     pub bristle_stiffness_nm_rad: f64,
-    /// sigma_1.
+    /// Bristle damping sigma_1, 0 to 1e9.
     pub bristle_damping_nm_s_rad: f64,
 }
 
-/// `[plant.load_torque]`: a torque on the load, towards positive angles, from one time to another.
+/// `[plant.load_torque]`: an external torque on the load during an interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LoadTorque {
-    /// How much.
+    /// The torque, -1e6 to 1e6, positive towards positive angles.
     pub torque_nm: f64,
-    /// The first time at which it acts.
+    /// Begin of the interval, 0 to 1e6.
     pub from_s: f64,
-    /// The first time at which it acts no more.
+    /// End of the interval, excluded.
     pub until_s: f64,
 }
 
 impl LoadTorque {
-    /// The torque on the load at a time of the run.
+    /// The torque in N m at a time of the run.
     #[must_use]
     pub fn at_nm(&self, time_s: f64) -> f64 {
         if (self.from_s..self.until_s).contains(&time_s) { self.torque_nm } else { 0.0 }
     }
 }
 
-/// `[plant.wear]`: the gap's half width grows evenly from one time to another.
+/// `[plant.wear]`: linear growth of the half gap during an interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Wear {
-    /// By how much in all.
+    /// Total growth, 0 to 1.
     pub growth_rad: f64,
-    /// When it begins.
+    /// Begin of the growth, 0 to 1e6.
     pub from_s: f64,
-    /// When it ends.
+    /// End of the growth.
     pub until_s: f64,
 }
 
 impl Wear {
-    /// Growth of the half width up to a time of the run.
+    /// Growth of the half gap in rad up to a time of the run.
     #[must_use]
     pub fn at_rad(&self, time_s: f64) -> f64 {
         if time_s >= self.until_s {
@@ -141,7 +141,7 @@ pub(super) fn read(plant: &mut Section<'_>) -> BacklashShaftSettings {
         ("load_coulomb_nm", "load_stiction_nm", [settings.load_coulomb_nm, settings.load_stiction_nm]),
         ("motor_coulomb_nm", "motor_stiction_nm", [settings.motor_coulomb_nm, settings.motor_stiction_nm]),
     ] {
-        // Whichever was written is to blame: the other may be a default.
+        // The error names the key that the scenario gives: the other may be a default.
         if more < less && plant.node(stiction).is_some() {
             plant.reject(stiction, format!("is less than {coulomb}; it must be >= {less} N m"));
         } else if more < less {

@@ -1,4 +1,4 @@
-//! `[controller]`: which law the drive runs, and the drive's own parameters.
+//! `[controller]`: the drive's control law and parameters.
 
 use std::fmt;
 
@@ -13,7 +13,7 @@ use super::reader::Section;
 use super::spelling::{spell_key, spell_text};
 use super::tree::{Node, Value};
 
-/// The law and what is set on the drive before the run.
+/// The law, and the parameters set on the drive before the run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ControllerSettings {
     /// The law.
@@ -24,15 +24,15 @@ pub struct ControllerSettings {
     pub parameters: Vec<ParameterSetting>,
 }
 
-/// A parameter of the drive. Its name, type and range are the drive's to know: it lists them on connecting, and
-/// [`ScenarioError::parameter`](super::ScenarioError::parameter) says then what is wrong.
+/// A parameter of the drive. Names, types and ranges come from the drive's self-description at connection; errors are
+/// reported then, by [`ScenarioError::parameter`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterSetting {
-    /// The drive's name for it.
+    /// Name of the parameter.
     pub name: String,
-    /// The value asked for.
+    /// Its value.
     pub value: ParameterValue,
-    /// Where the scenario sets it.
+    /// Where it is written.
     pub origin: Origin,
 }
 
@@ -58,7 +58,7 @@ pub enum ParameterValue {
     Number(f64),
     /// On or off.
     Boolean(bool),
-    /// A word.
+    /// A text.
     Text(String),
 }
 

@@ -1,4 +1,4 @@
-//! `[[expect]]`: what a metric must come out as for the run to pass.
+//! `[[expect]]`: bounds on a metric that a run must meet to pass.
 
 use serde::Serialize;
 
@@ -6,20 +6,20 @@ use super::range::within;
 use super::reader::Section;
 use lashloop_plant::metrics::Metric;
 
-/// Bounds on one metric, both allowed values themselves. At least one is given.
+/// Bounds on one metric, inclusive. At least one is given.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Expectation {
-    /// What is measured.
+    /// The metric.
     pub metric: Metric,
-    /// The metric's unit, written out so that the bounds can be read without a manual.
+    /// The metric's unit, which the scenario has to give.
     pub unit: &'static str,
-    /// The least value that passes.
+    /// Smallest value that passes, -1e9 to 1e9.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min: Option<f64>,
-    /// The greatest value that passes.
+    /// Largest value that passes, -1e9 to 1e9.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max: Option<f64>,
-    /// Where the bounds come from.
+    /// Source of the bounds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
@@ -45,8 +45,7 @@ pub(super) fn read(expect: &mut Section<'_>) -> Expectation {
     Expectation { metric: metric.unwrap_or(Metric::SettleTime), unit, min, max, note }
 }
 
-/// A bound in milliradians on a metric in radians would pass everything, so the unit has to be written and has
-/// to be right.
+/// A bound in milliradians on a metric in radians would pass everything, so the unit is required and checked.
 fn check_unit(expect: &mut Section<'_>, metric: Option<Metric>) {
     let Some(metric) = metric else {
         expect.text("unit", None);

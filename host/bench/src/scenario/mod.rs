@@ -1,21 +1,20 @@
-//! Scenarios: what to run, on which plant, against which drive settings, and what has to come out.
+//! Scenarios: the run, its plant, the drive's settings, and the expected results.
 //!
 //! ```text
-//! file ──▶ tree (values with origins) ──▶ overrides of the command line ──▶ reader ──▶ Scenario
+//! file ──▶ tree (values with origins) ──▶ overrides of the command line ──▶ former names ──▶ reader ──▶ Scenario
 //! ```
 //!
-//! A scenario is a TOML file. Every key carries its unit in its name; every number has a range; a key that the
-//! bench doesn't know is refused, because a key without effect is worse than none. All that is wrong with a
-//! file is reported at once, each fault as one sentence (see [`error`]).
+//! A scenario is a TOML file. Every key has its unit in its name, and every number has a range. An unknown key is rejected,
+//! because a key without effect is worse than none. All errors of a file are reported at once, each in one sentence.
 //!
-//! | section | says | in |
+//! | section | content | module |
 //! |---|---|---|
-//! | `title`, `description` | what the scenario shows | here |
-//! | `[run]` `[encoders]` `[link]` `[allow]` `[telemetry]` `[record]` | how the bench works | [`mod@bench`] |
-//! | `[plant]` | load, motor, gap and where they start | [`plant`], [`bench_plant`] |
-//! | `[controller]` | the law and the drive's own parameters | [`controller`] |
-//! | `[reference]` | the position to follow | [`lashloop_plant::reference`] |
-//! | `[[fault]]` | what goes wrong, and when | [`fault`] |
+//! | `title`, `description` | what the scenario shows | this one |
+//! | `[run]` `[encoders]` `[link]` `[allow]` `[telemetry]` `[record]` | settings of the bench | [`sections`] |
+//! | `[plant]` | load, motor, gap and initial state | [`plant`], [`backlash_shaft`] |
+//! | `[controller]` | the law and the drive's parameters | [`controller`] |
+//! | `[reference]` | the commanded position | [`lashloop_plant::reference`] |
+//! | `[[fault]]` | faults to inject | [`fault`] |
 //! | `[[expect]]` | bounds on metrics | [`expectation`] |
 
 pub mod backlash_shaft;
@@ -71,24 +70,24 @@ pub struct Scenario {
     pub run: RunSettings,
     /// Load, motor and gap.
     pub plant: PlantSettings,
-    /// What the drive gets to see of the plant.
+    /// Resolution and noise of the encoders.
     pub encoders: EncoderSettings,
     /// The law and its parameters.
     pub controller: ControllerSettings,
-    /// The position to follow.
+    /// The commanded position.
     pub reference: Reference,
-    /// Deadlines and speed.
+    /// Timeouts and line speed.
     pub link: LinkSettings,
-    /// What the link may lose.
+    /// Losses that don't invalidate the run.
     pub allow: Allowance,
-    /// What the drive reports of its inner state.
+    /// Rate of the drive's telemetry.
     pub telemetry: TelemetrySettings,
-    /// How the trace is written.
+    /// How the record is written.
     pub record: RecordSettings,
-    /// What goes wrong, and when.
+    /// Faults to inject.
     #[serde(rename = "fault", skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<InjectedFault>,
-    /// What has to come out.
+    /// Bounds on metrics.
     #[serde(rename = "expect")]
     pub expectations: Vec<Expectation>,
 }
@@ -97,15 +96,14 @@ impl Scenario {
     /// Reads a file, then applies `overrides` in their order.
     ///
     /// # Errors
-    /// The file can't be read, isn't TOML, or has keys that are unknown, missing or out of range: all of them
-    /// at once.
+    /// The file can't be read, isn't TOML, or has keys that are unknown, missing or out of range; all errors at once.
     pub fn from_file(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioErrors> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| ScenarioError::Read { path: path.to_owned(), source })?;
         Self::from_str(&path.to_string_lossy(), &text, overrides)
     }
 
-    /// Reads a text. `name` stands for the file in errors, and paths in the text start at its directory.
+    /// Reads a text. `name` is the file's name in errors, and relative paths in the text start at its directory.
     ///
     /// # Errors
     /// As [`from_file`](Self::from_file), except for reading the file.
@@ -127,11 +125,11 @@ impl Scenario {
         }
     }
 
-    /// The scenario as a file with every default spelled out. Read again it is the same scenario; the path of a
-    /// table is relative to the working directory then.
+    /// The scenario as a file with every default written out. It reads back as the same scenario, except that the path of a
+    /// table is relative to the working directory.
     ///
     /// # Errors
-    /// The path of a table isn't UTF-8, or a whole number lies beyond TOML's 64 bits with sign.
+    /// The path of a table isn't UTF-8, or a whole number exceeds TOML's signed 64 bits.
     pub fn to_toml(&self) -> Result<String, toml_edit::ser::Error> {
         toml_edit::ser::to_string_pretty(self)
     }

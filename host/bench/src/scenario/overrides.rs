@@ -1,8 +1,8 @@
 //! Options of the command line that replace values of a scenario: `--set section.key=value` and
 //! `--controller NAME`.
 //!
-//! They are applied to the tree after the file has been read and before anything is validated, so that an
-//! overridden value is checked as strictly as a written one and its errors name the option.
+//! They replace values of the tree before the reader validates them, so that an overriding value is checked like any other,
+//! and its errors name the option.
 
 use std::fmt;
 use std::sync::Arc;
@@ -11,14 +11,13 @@ use super::error::ScenarioError;
 use super::origin::Origin;
 use super::tree::{Node, Table, Value, parse_value};
 
-/// No key of a scenario lies deeper than `plant.initial.load_position_rad`.
+/// Depth of the deepest key, such as `plant.initial.load_position_rad`.
 const DEEPEST: usize = 3;
 
 /// One replacement.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Override {
-    /// `--set section.key=value`. The value is read as TOML; what isn't TOML is text, so that words need no
-    /// quotes. A section of a list is named by its index from 0: `expect.0.max=5.5`.
+    /// `--set section.key=value`. The value is TOML; anything else is a text, so that names need no quotes. A section of a list is named by its index from 0: `expect.0.max=5.5`.
     Set(String),
     /// `--controller NAME`, short for `--set controller.name=NAME`.
     Controller(String),
@@ -34,7 +33,7 @@ impl fmt::Display for Override {
 }
 
 impl Override {
-    /// Replaces the value in `root`, or adds it: the reader refuses what it doesn't know.
+    /// Replaces or adds the value in `root`. The reader rejects unknown keys.
     pub(super) fn apply(&self, root: &mut Table) -> Result<(), ScenarioError> {
         let option: Arc<str> = self.to_string().into();
         let origin = Origin::Option(option.clone());

@@ -9,7 +9,7 @@ use super::range::{positive, within};
 use super::reader::Section;
 use super::unit;
 
-/// Which gap lies between motor and load.
+/// Model of the gap between motor and load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PlantModel {
@@ -24,44 +24,44 @@ pub enum PlantModel {
 /// The plant and how finely it is integrated.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlantSettings {
-    /// Which gap.
+    /// Model of the gap.
     pub model: PlantModel,
-    /// Integration steps per control period.
+    /// Integration steps per control period, 1 to 4096.
     pub substeps: u32,
-    /// J_s.
+    /// Inertia J_s of the load, > 0 and <= 1e6.
     pub load_inertia_kg_m2: f64,
-    /// f_s, viscous.
+    /// Viscous friction f_s of the load, 0 to 1e6.
     pub load_friction_nm_s_rad: f64,
-    /// J_m.
+    /// Inertia J_m of the motor, > 0 and <= 1e6.
     pub motor_inertia_kg_m2: f64,
-    /// f_m, viscous.
+    /// Viscous friction f_m of the motor, 0 to 1e6.
     pub motor_friction_nm_s_rad: f64,
-    /// N0, motor turns per load turn.
+    /// Reduction ratio N0, motor revolutions per load revolution, > 0 and <= 1e4.
     pub reduction_ratio: f64,
-    /// K, of the spring between motor and load, seen from the motor.
+    /// Stiffness K between motor and load, at the motor, > 0 and <= 1e6.
     pub stiffness_nm_rad: f64,
-    /// j0, half the width of the gap, seen from the motor.
+    /// Half gap j0, at the motor, > 0 and <= pi.
     pub dead_zone_rad: f64,
-    /// F_c on the load; `None` for a model without it.
+    /// Coulomb friction F_c of the load, 0 to 1e6; `None` for another model than `hard-coulomb`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub load_coulomb_nm: Option<f64>,
-    /// What only the bench has; `None` for another model.
+    /// Keys of the plant `backlash-shaft`; `None` for another model.
     #[serde(flatten)]
     pub backlash_shaft: Option<BacklashShaftSettings>,
-    /// Where the run starts.
+    /// Initial state.
     pub initial: InitialState,
 }
 
 /// `[plant.initial]`: positions and velocities at time 0; the default is the paper's start at rest.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct InitialState {
-    /// theta_s.
+    /// Load position theta_s, -1e4 to 1e4.
     pub load_position_rad: f64,
-    /// Its rate.
+    /// Load velocity, -1e4 to 1e4.
     pub load_velocity_rad_s: f64,
-    /// theta_e.
+    /// Motor position theta_e, -1e4 to 1e4.
     pub motor_position_rad: f64,
-    /// Its rate.
+    /// Motor velocity, -1e4 to 1e4.
     pub motor_velocity_rad_s: f64,
 }
 
@@ -71,7 +71,7 @@ const MODELS: [(&str, PlantModel); 3] = [
     ("backlash-shaft", PlantModel::BacklashShaft),
 ];
 
-/// The paper's symbols, for a reader who has the paper at hand and this schema not.
+/// Symbols of the paper, so that messages can name the key for a symbol.
 const SYMBOLS: &[(&str, &str)] = &[
     ("k", "stiffness_nm_rad"),
     ("j0", "dead_zone_rad"),
@@ -122,7 +122,7 @@ pub(super) fn read(plant: &mut Section<'_>) -> PlantSettings {
     }
 }
 
-/// Coulomb friction exists in one model only; on the other it is an error, not a value without effect.
+/// Coulomb friction on its own is a key of `hard-coulomb`; on `smooth` it is an error, not a value without effect.
 fn read_coulomb_friction(plant: &mut Section<'_>, model: Option<PlantModel>) -> Option<f64> {
     // 3.84 N m leaves the paper's static error of 0.32 rad under the uncompensated law.
     let read =
@@ -137,13 +137,13 @@ fn read_coulomb_friction(plant: &mut Section<'_>, model: Option<PlantModel>) -> 
     Some(read(plant))
 }
 
-/// The keys of the bench exist in that model only.
+/// Keys of `backlash-shaft`; on another model they are errors.
 fn read_backlash_shaft(plant: &mut Section<'_>, model: Option<PlantModel>) -> Option<BacklashShaftSettings> {
     let chosen = match model {
         Some(PlantModel::BacklashShaft) => return Some(backlash_shaft::read(plant)),
         Some(PlantModel::HardCoulomb) => "hard-coulomb",
         Some(PlantModel::Smooth) => "smooth",
-        // Which keys there are depends on a choice that is faulty itself.
+        // The known keys depend on a choice that is faulty itself.
         None => {
             plant.accept_the_rest();
             return None;

@@ -1,5 +1,5 @@
-//! `[reference]`: the position the load has to follow. Each profile has keys of its own; a key of another
-//! profile is an error that says which one it belongs to.
+//! `[reference]`: the commanded load position. Each profile has keys of its own; the error for a key of another profile
+//! names that profile.
 
 use std::path::Path;
 
@@ -39,10 +39,10 @@ pub(super) fn read(reference: &mut Section<'_>, directory: &Path) -> Reference {
     result.unwrap_or(STAND_IN)
 }
 
-/// Takes the place of a faulty reference until the scenario is refused.
+/// Takes the place of a faulty reference until the scenario is rejected.
 const STAND_IN: Reference = Reference::Constant { position_rad: 0.0 };
 
-/// Six thousand turns: encoders count far beyond it.
+/// A position within 1600 revolutions, which every encoder counts.
 fn position(section: &mut Section<'_>, key: &'static str, default: Option<f64>) -> f64 {
     section.number(key, unit::RADIAN, default, within(-1e4, 1e4))
 }

@@ -1,5 +1,4 @@
-//! The short sections: how long and how fast the bench runs, what it senses, how it talks to the drive, what
-//! it forgives and what it keeps.
+//! The short sections: run, encoders, link, allowances, telemetry and record.
 
 use std::time::Duration;
 
@@ -16,30 +15,30 @@ const LARGEST: u64 = i64::MAX as u64;
 /// `[run]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunSettings {
-    /// How long the plant is simulated.
+    /// Simulated time, > 0 and <= 1e5 s.
     pub duration_s: f64,
-    /// Time between two torques of the drive.
+    /// Control period, 100 to 100,000 us; 1000 by default.
     pub control_period_us: u32,
-    /// Starts every random stream of the run.
+    /// Seed of every random stream of the run; 1 by default.
     pub seed: u64,
-    /// Steps at the start whose timing is not looked at.
+    /// Steps at the start that timing statistics omit; 0 by default.
     pub warm_up_steps: u32,
 }
 
 impl RunSettings {
-    /// The control period in seconds.
+    /// Control period in s.
     #[must_use]
     pub fn control_period_s(&self) -> f64 {
         f64::from(self.control_period_us) / 1e6
     }
 
-    /// Control steps of the run: the duration in whole periods, to the nearest. At least 1.
+    /// Control steps of the run: its duration in periods, rounded to the nearest, at least 1.
     #[must_use]
     pub fn steps(&self) -> u32 {
         self.step_at(self.duration_s)
     }
 
-    /// The step that begins nearest to a time.
+    /// The step that begins nearest to a time of the run.
     #[must_use]
     pub fn step_at(&self, time_s: f64) -> u32 {
         // At most 1e5 s / 100 us = 1e9, so the conversion is exact, and a step number holds it.
@@ -55,7 +54,7 @@ pub(super) fn read_run(run: &mut Section<'_>) -> RunSettings {
         warm_up_steps: run.integer("warm_up_steps", unit::STEP, 0, 0..=u32::MAX),
     };
     let (duration_s, period_s) = (settings.duration_s, settings.control_period_s());
-    // Without one step left that counts, everything would be within what is allowed.
+    // A run without a step to judge would meet every limit.
     if settings.warm_up_steps > 0 && duration_s >= period_s && settings.warm_up_steps >= settings.steps() {
         let reason = format!("leaves no step to judge; the run has {} steps", settings.steps());
         run.reject("warm_up_steps", reason);
@@ -74,9 +73,9 @@ pub(super) fn read_run(run: &mut Section<'_>) -> RunSettings {
 /// `[encoders]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EncoderSettings {
-    /// Counts per turn of the motor.
+    /// Counts per revolution of the motor, after quadrature; 131,072 by default.
     pub motor_counts_per_rev: u32,
-    /// Counts per turn of the load.
+    /// Counts per revolution of the load, after quadrature; 131,072 by default.
     pub load_counts_per_rev: u32,
     /// Amplitude of the noise added before counting, 0 to 1000 counts; uniform within +- this.
     pub noise_counts: f64,
@@ -94,53 +93,53 @@ pub(super) fn read_encoders(encoders: &mut Section<'_>) -> EncoderSettings {
 /// `[link]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LinkSettings {
-    /// How long the bench waits for one answer.
+    /// Time the bench waits for one answer, 100 to 30,000 ms; 1000 by default.
     pub answer_timeout_ms: u32,
-    /// How long the drive may be silent before the link counts as dead.
+    /// Silence after which the drive counts as lost, 100 to 60,000 ms; 2500 by default.
     pub silence_limit_ms: u32,
-    /// Speed of a tty; other links have none.
+    /// Speed of a serial port, 1200 to 12,000,000 Bd; 921,600 by default. Other links ignore it.
     pub baud: u32,
-    /// Speed of the wire that is modelled where there is none; 0 for none. See [`crate::link::uart_model`].
+    /// Speed of the modelled UART, 9600 to 12,000,000 Bd; 0, the default, for none. See [`crate::link::uart_model`].
     pub modelled_baud: u32,
-    /// What becomes of the run when the drive is lost: gone, or started anew.
+    /// Reaction to the loss or restart of the drive; `end` by default.
     pub on_loss: OnLoss,
-    /// How long the bench tries to get it back.
+    /// Time for which the bench tries to resume, 100 to 600,000 ms; 5000 by default.
     pub resume_limit_ms: u32,
 }
 
-/// What becomes of a run when the drive is lost.
+/// Reaction to the loss of the drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum OnLoss {
-    /// It ends.
+    /// The run ends.
     End,
-    /// The drive is greeted, set up, armed and started again, and the run goes on. Until then there is no torque.
+    /// The bench repeats handshake, set-up, arming and start, and the run resumes. Until then the torque is zero.
     Resume,
 }
 
-/// The slowest wire that is modelled. On a slower one the greeting of a drive takes longer than the bench waits for it.
+/// Slowest modelled UART. On a slower one the handshake takes longer than its timeout.
 const SLOWEST_MODELLED_BAUD: u32 = 9_600;
 
 impl LinkSettings {
-    /// How long the bench waits for one answer.
+    /// Time the bench waits for one answer.
     #[must_use]
     pub fn answer_timeout(&self) -> Duration {
         Duration::from_millis(self.answer_timeout_ms.into())
     }
 
-    /// How long the bench tries to get a lost drive back.
+    /// Time for which the bench tries to resume.
     #[must_use]
     pub fn resume_limit(&self) -> Duration {
         Duration::from_millis(self.resume_limit_ms.into())
     }
 
-    /// How long the drive may be silent.
+    /// Silence after which the drive counts as lost.
     #[must_use]
     pub fn silence_limit(&self) -> Duration {
         Duration::from_millis(self.silence_limit_ms.into())
     }
 
-    /// Speed of the modelled wire, if there is to be one.
+    /// Speed of the modelled UART in Bd, if the scenario has one.
     #[must_use]
     pub fn modelled_baud(&self) -> Option<u32> {
         (self.modelled_baud > 0).then_some(self.modelled_baud)
@@ -149,7 +148,7 @@ impl LinkSettings {
 
 pub(super) fn read_link(link: &mut Section<'_>) -> LinkSettings {
     let settings = LinkSettings {
-        // A terminal waits in tenths of a second. The drive's watchdog gets the silence limit, and bears a minute.
+        // Serial ports have timeouts in tenths of a second. The silence limit becomes the drive's watchdog, whose limit is 60 s.
         answer_timeout_ms: link.integer("answer_timeout_ms", unit::MILLISECOND, 1000, 100..=30_000),
         silence_limit_ms: link.integer("silence_limit_ms", unit::MILLISECOND, 2500, 100..=60_000),
         baud: link.integer("baud", unit::BAUD, 921_600, 1200..=12_000_000),
@@ -168,24 +167,24 @@ pub(super) fn read_link(link: &mut Section<'_>) -> LinkSettings {
     settings
 }
 
-/// `[allow]`: what the link may lose before the run says nothing any more and its verdict is INVALID.
+/// `[allow]`: limits beyond which a run is INVALID, because it doesn't judge the drive. 0 by default.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Allowance {
     /// Steps without an answer.
     pub lost: u64,
-    /// Steps whose answer came too late; in real time every step without an answer by its end.
+    /// Steps whose answer arrived late; in real time, all steps without an answer by their end.
     pub late: u64,
-    /// Frames refused for their checksum.
+    /// Frames rejected for their checksum.
     pub crc_errors: u64,
-    /// Times that a lost drive came back and the run went on.
+    /// Times that a lost drive came back and the run resumed.
     pub resumes: u64,
-    /// Late steps in a row, in real time.
+    /// Late steps in a row, in real time; unlimited by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub late_in_a_row: Option<u64>,
-    /// Lateness of the bench's wake-ups in real time, 99th percentile.
+    /// 99th percentile of the lateness of the bench's wake-ups in real time; unlimited by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lateness_p99_us: Option<u64>,
-    /// Round trips, 99th percentile.
+    /// 99th percentile of the round trip; unlimited by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub round_trip_p99_us: Option<u64>,
 }
@@ -205,7 +204,7 @@ pub(super) fn read_allow(allow: &mut Section<'_>) -> Allowance {
 /// `[telemetry]`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct TelemetrySettings {
-    /// The drive reports its inner state every so many steps; 0 for never.
+    /// Period of the drive's telemetry in steps; 10 by default, 0 for none.
     pub every_steps: u16,
 }
 
@@ -216,7 +215,7 @@ pub(super) fn read_telemetry(telemetry: &mut Section<'_>) -> TelemetrySettings {
 /// `[record]`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct RecordSettings {
-    /// Rows of the trace that reach the file together.
+    /// Rows per chunk written to the record, 1 to 1,000,000; 1000 by default.
     pub flush_rows: u32,
 }
 

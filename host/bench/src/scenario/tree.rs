@@ -1,7 +1,6 @@
-//! A TOML document as a tree in which every value knows where it was written.
+//! A TOML document as a tree of values, each with its origin.
 //!
-//! The tree stands between the file and the reader so that values of the command line can replace values of
-//! the file without losing either one's origin.
+//! Options of the command line replace values in the tree before the reader reads it, so that every value keeps its origin.
 
 use std::fmt;
 use std::ops::Range;
@@ -13,7 +12,7 @@ use super::error::ScenarioError;
 use super::origin::Origin;
 use super::spelling::{spell_number, spell_text};
 
-/// A value and where it was written.
+/// A value with its origin.
 #[derive(Debug, Clone)]
 pub(super) struct Node {
     pub(super) origin: Origin,
@@ -97,7 +96,7 @@ impl fmt::Display for Value {
         match self {
             Self::Text(text) => f.write_str(&spell_text(text)),
             Self::Integer(number) => write!(f, "{number}"),
-            // The point of 3.0 is what makes it a wrong type where a whole number is wanted.
+            // 3.0 keeps its point, because the point makes it a wrong type for a whole number.
             Self::Float(number) if number.abs() < 1e4 && number.fract() == 0.0 => write!(f, "{number:.1}"),
             Self::Float(number) => f.write_str(&spell_number(*number)),
             Self::Boolean(boolean) => write!(f, "{boolean}"),
@@ -178,7 +177,7 @@ fn from_value(value: &toml_edit::Value, origin: &FindOrigin) -> Value {
     }
 }
 
-/// Where lines begin, to turn the parser's byte offsets into lines and columns.
+/// Starts of lines, which turn the parser's byte offsets into lines and columns.
 struct Lines<'a> {
     text: &'a str,
     starts: Vec<usize>,

@@ -1,8 +1,8 @@
 //! Units as the reader names them, and the recognition of a right quantity in a wrong unit.
 //!
-//! A key is a quantity and its unit, `stiffness_nm_rad`. Two keys that differ only in their trailing unit
-//! words name the same quantity, so `stiffness_nm_deg` is no spelling mistake but a wrong unit, and a message
-//! that says so saves the reader from a value that is wrong by a factor of 57.
+//! A key is a quantity with its unit, such as `stiffness_nm_rad`. Keys that differ in their trailing unit words only name the
+//! same quantity. `stiffness_nm_deg` is therefore reported as a wrong unit and not as a misspelling: its value is wrong by a
+//! factor of 57.
 
 /// No unit: a count of something that its key names, or a pure number.
 pub(super) const NONE: &str = "";
@@ -23,7 +23,7 @@ pub(super) const BAUD: &str = "Bd";
 pub(super) const STEP: &str = "steps";
 pub(super) const ROW: &str = "rows";
 
-/// The words that only ever belong to a unit, of ours or of others.
+/// Words that occur in keys as parts of units only.
 #[rustfmt::skip]
 const WORDS: &[&str] = &[
     "s", "s2", "sec", "seconds", "ms", "us", "ns", "min", "minutes", "h", "hz", "khz", "mhz",
@@ -54,7 +54,7 @@ mod tests {
     use super::same_quantity;
 
     #[test]
-    fn a_quantity_is_known_in_any_unit_and_without_one() {
+    fn a_quantity_is_recognised_in_any_unit_or_none() {
         assert!(same_quantity("duration_ms", "duration_s"));
         assert!(same_quantity("stiffness_nm_deg", "stiffness_nm_rad"));
         assert!(same_quantity("load_inertia", "load_inertia_kg_m2"));
@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn quantities_with_a_common_unit_stay_apart() {
+    fn quantities_with_a_common_unit_differ() {
         assert!(!same_quantity("load_velocity_rad_s", "motor_velocity_rad_s"));
         assert!(!same_quantity("load_friction_nm_s_rad", "load_inertia_kg_m2"));
         assert!(!same_quantity("s", "m"));

@@ -5,12 +5,12 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use rand_pcg::Pcg64Mcg;
+use lashloop_plant::random::{Pcg64Mcg, uniform};
 use rand_pcg::rand_core::Rng;
 
 use super::link_faults::LinkFaults;
 use super::piece::Piece;
-use crate::fault::random::{stream, uniform, uniform_below};
+use crate::fault::random::{stream, uniform_below};
 use crate::fault::schedule::{Schedule, scheduled};
 use crate::scenario::Scenario;
 use crate::scenario::fault::{FaultKind, FrameFault};
