@@ -1,4 +1,4 @@
-//! `lashloop device`: a drive on a pseudo-terminal, as another shell would run it. And whatever else is run that way.
+//! `lashloop device`: a drive on a pseudo-terminal, run as another shell would; and other drives that print their path.
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use rustix::process::Signal;
 use crate::wait::SOON;
 use crate::{processes, program};
 
-/// A running twin. Dropping it kills it.
+/// A drive in a process of its own. Dropping it kills the process.
 pub struct Twin {
     child: Child,
     path: PathBuf,
@@ -21,7 +21,7 @@ impl Twin {
     /// Starts a twin and waits for the path of its terminal.
     ///
     /// # Panics
-    /// It does not come up.
+    /// The drive does not come up.
     #[must_use]
     pub fn start() -> Self {
         let mut command = Command::new(program::lashloop());
@@ -32,7 +32,7 @@ impl Twin {
     /// Starts a drive that prints the path of its terminal, as `lashloop device` does.
     ///
     /// # Panics
-    /// It does not come up.
+    /// The drive does not come up.
     #[must_use]
     pub fn serving(mut command: Command) -> Self {
         let mut child = command
@@ -41,22 +41,22 @@ impl Twin {
             .spawn()
             .unwrap_or_else(|error| panic!("{command:?} does not start: {error}"));
         let mut stdout = BufReader::new(child.stdout.take().expect("a pipe for standard output"));
-        let (tell, told) = mpsc::channel();
+        let (line_to, line) = mpsc::channel();
         thread::spawn(move || {
             let mut line = String::new();
             let _ = stdout.read_line(&mut line);
-            let _ = tell.send(line);
+            let _ = line_to.send(line);
         });
-        let line = told.recv_timeout(SOON).unwrap_or_default();
+        let line = line.recv_timeout(SOON).unwrap_or_default();
         let path = PathBuf::from(line.trim_end());
         if !path.exists() {
             let _ = child.kill();
-            panic!("{command:?} said {line:?} in place of the path of a terminal");
+            panic!("{command:?} printed {line:?}, not the path of a terminal");
         }
         Self { child, path }
     }
 
-    /// The terminal.
+    /// Path of the terminal.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -74,7 +74,7 @@ impl Twin {
         self.child.id()
     }
 
-    /// Sends the twin a signal.
+    /// Sends a signal to the process.
     pub fn signal(&self, signal: Signal) {
         processes::signal(self.child.id(), signal);
     }

@@ -1,18 +1,20 @@
-//! The bench loop: a drive with gear backlash, simulated around the real firmware of its controller.
+//! The bench loop: simulates a drive with gear backlash around the real firmware of its controller.
 //!
-//! In the order of their dependencies; a module uses only those above it.
+//! The modules in the order of their dependencies: each uses only those above it.
 //!
 //! | module | is |
 //! |---|---|
-//! | [`atomic_file`] | files that are written whole or not at all |
-//! | [`timing`] | when steps began and answers arrived |
-//! | [`scenario`] | what is to be run and what is expected, as data |
-//! | [`link`] | anything that carries bytes |
-//! | [`capture`] | the bytes of a line, kept and read again |
-//! | [`session`] | the conversation with a drive |
-//! | [`supervisor`], [`device`] | the processes behind a drive, and how a drive is reached |
-//! | [`fault`] | what goes wrong on purpose |
-//! | [`verdict`], [`record`] | judgement and evidence |
+//! | [`atomic_file`] | files that are written completely or not at all |
+//! | [`timing`] | the timing of steps, and its report |
+//! | [`scenario`] | what is run and what is expected, as data |
+//! | [`link`] | anything that carries bytes, and the link's time |
+//! | [`capture`] | the bytes of a line, recorded and read |
+//! | [`session`] | handshake, commands and exchanges with a drive |
+//! | [`supervisor`] | child processes and signals |
+//! | [`device`] | the drive of a run: how the bench reaches it, and what runs it |
+//! | [`fault`] | faults injected on purpose |
+//! | [`verdict`] | PASS, FAIL or INVALID |
+//! | [`record`] | what a run leaves behind |
 //! | [`run`] | the loop |
 
 #![forbid(unsafe_code)]

@@ -7,18 +7,18 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use lashloop_protocol::enums::State;
-use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
+use lashloop_protocol::message::TorqueAnswer;
 
+use super::drive_fault::drive_fault;
 use super::error::RunError;
 use super::held_torque::HeldTorque;
 use super::outcome::End;
-use super::phase::Phase;
-use super::reconnect;
-use super::setup;
+use super::phase::{Phase, Request};
 use super::silence::Silence;
 use super::simulator::Simulator;
 use super::step_error::StepError;
 use super::step_sink::{Step, StepSink};
+use super::{reconnect, setup};
 use crate::device::Device;
 use crate::fault::log::FaultRecord;
 use crate::fault::timeline::Timeline;
@@ -51,14 +51,6 @@ pub(super) struct Counts {
     pub(super) unanswered: u64,
     /// Times that the drive was lost and came back.
     pub(super) resumes: u64,
-}
-
-/// A sample to be sent.
-struct Request {
-    /// Its number since the start of the drive.
-    number: u32,
-    sample: EncoderSample,
-    is_retransmission: bool,
 }
 
 /// How a step goes on after its exchange.
@@ -113,9 +105,9 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         }
         self.begin(step, device)?;
         let (sample, row) = self.simulator.observe(step)?;
-        let exchanged = match self.request(step, sample)? {
+        let exchanged = match self.phase.request(step, sample, &self.simulator)? {
             Some(request) => self.exchange(&request, deadline, device)?,
-            // Lost again, or started too late: the next step tries it once more.
+            // The drive was lost again or started too late: the next step retries the start.
             None => self.give_up(),
         };
         match exchanged {
@@ -168,24 +160,6 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         }
     }
 
-    /// The sample to be sent in a step; `None` while the drive is not started.
-    fn request(&mut self, step: u32, sample: EncoderSample) -> Result<Option<Request>, RunError> {
-        Ok(match self.phase {
-            Phase::Started => {
-                self.simulator.check_start(&sample)?;
-                self.phase = Phase::AwaitingFirstAnswer { first: sample, origin: step };
-                Some(Request { number: 0, sample, is_retransmission: false })
-            }
-            Phase::AwaitingFirstAnswer { first, .. } => {
-                Some(Request { number: 0, sample: first, is_retransmission: true })
-            }
-            Phase::Running { origin } => {
-                Some(Request { number: step - origin, sample, is_retransmission: false })
-            }
-            Phase::Restarting => None,
-        })
-    }
-
     fn exchange(
         &mut self,
         request: &Request,
@@ -225,9 +199,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
             return Err(device.unfit(format!("it sent a torque of {} N m", answer.torque_nm)).into());
         }
         self.silence.end();
-        if let Phase::AwaitingFirstAnswer { origin, .. } = self.phase {
-            self.phase = Phase::Running { origin };
-        }
+        self.phase.note_answer();
         let timestamps = device.session.timestamps();
         if self.clock == ClockName::RealTime && timestamps.arrived > deadline {
             // The bench itself read the answer late; the motor had no torque in time all the same.
@@ -288,19 +260,5 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         self.unfinished = Some(Step { row, timing });
         self.counts.steps += 1;
         Ok(self.simulator.step(step, torque_nm)?)
-    }
-}
-
-/// The fault that an answer shows by its state. The report follows the answer; the answer to a stop is behind it.
-fn drive_fault(device: &mut Device, answer: &TorqueAnswer) -> Result<End, RunError> {
-    if device.session.fault().is_none() {
-        let stopped = device.session.stop();
-        stopped.map_err(|source| device.explain(source))?;
-    }
-    match device.session.fault() {
-        Some(fault) => Ok(End::DriveFault(fault)),
-        None => Err(device
-            .unfit(format!("state {:?} in the middle of the run, without a fault", answer.status.state))
-            .into()),
     }
 }

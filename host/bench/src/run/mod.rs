@@ -12,6 +12,7 @@
 //! | `control_loop` | one step of the loop |
 //! | `phase` | where the drive is in the run: started, running, restarting |
 //! | `silence`, `held_torque` | what the loop tracks while answers stay out |
+//! | `drive_fault` | the fault behind an answer of a drive that runs no more |
 //! | `reconnect` | getting a lost drive back |
 //! | `step_sink`, `step_recorder` | where finished steps go, and what is computed from them |
 //! | [`outcome`] | the end of a run and its verdict |
@@ -19,6 +20,7 @@
 
 mod control_loop;
 mod device_under_test;
+mod drive_fault;
 mod error;
 mod held_torque;
 mod lockstep;

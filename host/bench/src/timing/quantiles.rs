@@ -1,16 +1,16 @@
-//! Durations gathered in a histogram of fixed size: nothing is allocated after its creation.
+//! Quantiles from a histogram of fixed size, which allocates only on creation.
 
 use std::time::Duration;
 
 use hdrhistogram::Histogram;
 use serde::Serialize;
 
-/// Longer times are counted as this long; no wait of the bench is.
+/// Longer times are clamped to this; every timeout of the bench is shorter.
 const LONGEST: Duration = Duration::from_mins(2);
 /// Three significant digits: 0.1 %.
 const DIGITS: u8 = 3;
 
-/// Durations.
+/// A histogram of durations.
 #[derive(Debug, Clone)]
 pub(super) struct Durations(Histogram<u64>);
 
@@ -32,8 +32,8 @@ impl Durations {
         Some(Quantiles { p50: at(0.5), p99: at(0.99), p99_9: at(0.999), max: microseconds(self.0.max()) })
     }
 
-    /// Counts per bin; each bin reaches twice as far as the one before, and is named by its upper end in us. Empty ones
-    /// at the end are left out.
+    /// Upper end in microseconds and count of each bin. Each upper end is twice the one before; empty bins at the end are
+    /// omitted.
     pub(super) fn bins(&self) -> Vec<(f64, u64)> {
         if self.0.is_empty() {
             return Vec::new();
@@ -51,13 +51,13 @@ fn microseconds(nanoseconds: u64) -> f64 {
 /// Quantiles of a duration in microseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Quantiles {
-    /// Half of the times are no longer.
+    /// Median.
     pub p50: f64,
-    /// All but one in a hundred.
+    /// 99 % quantile.
     pub p99: f64,
-    /// All but one in a thousand.
+    /// 99.9 % quantile.
     pub p99_9: f64,
-    /// The longest.
+    /// Maximum.
     pub max: f64,
 }
 
@@ -72,7 +72,7 @@ mod tests {
     }
 
     #[test]
-    fn quantiles_are_those_of_what_was_recorded() {
+    fn quantiles_match_the_recorded_values() {
         let Quantiles { p50, p99, p99_9, max } = one_to_a_thousand_us().quantiles().expect("values");
         for (found, expected) in [(p50, 500.0), (p99, 990.0), (p99_9, 999.0), (max, 1_000.0)] {
             assert!((found / expected - 1.0_f64).abs() < 2e-3, "{found} for {expected}");
@@ -80,19 +80,19 @@ mod tests {
     }
 
     #[test]
-    fn nothing_recorded_has_no_quantiles() {
+    fn an_empty_histogram_has_no_quantiles() {
         assert_eq!(Durations::new().quantiles(), None);
     }
 
     #[test]
-    fn bins_hold_every_value_once() {
+    fn every_value_is_in_one_bin() {
         let bins = one_to_a_thousand_us().bins();
         assert_eq!(bins.iter().map(|(_, count)| count).sum::<u64>(), 1_000);
         assert!(bins.windows(2).all(|pair| pair[1].0 == 2.0 * pair[0].0), "{bins:?}");
     }
 
     #[test]
-    fn a_time_beyond_all_bounds_is_not_lost() {
+    fn a_time_beyond_the_bounds_is_clamped() {
         let mut durations = Durations::new();
         durations.record(Duration::MAX);
         assert!(durations.quantiles().expect("a value").max >= 119e6);

@@ -1,4 +1,4 @@
-//! The times of all steps together.
+//! The timing of all steps together.
 
 use std::fmt;
 use std::time::Duration;
@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde::Serialize;
 
 use super::quantiles::{Durations, Quantiles};
-use super::{RoundTrip, StepOutcome, StepTiming};
+use super::step_timing::{RoundTrip, StepOutcome, StepTiming};
 
 /// What paces a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -14,7 +14,7 @@ use super::{RoundTrip, StepOutcome, StepTiming};
 pub enum ClockName {
     /// The plant waits for the drive and the drive for the plant.
     Lockstep,
-    /// The clock on the wall.
+    /// The wall clock.
     RealTime,
 }
 
@@ -27,12 +27,12 @@ impl fmt::Display for ClockName {
     }
 }
 
-/// Gathers the times of steps.
+/// Collects the timing of steps.
 #[derive(Debug, Clone)]
 pub struct Timings {
     clock: ClockName,
     period_us: u32,
-    /// Steps at the start that are not looked at.
+    /// Steps at the start that are excluded.
     warm_up: u64,
     seen: u64,
     unanswered: u64,
@@ -48,7 +48,7 @@ pub struct Timings {
 }
 
 impl Timings {
-    /// Nothing gathered yet. The first `warm_up` steps are not going to be looked at.
+    /// An empty collection that excludes the first `warm_up` steps. `period_us` is the control period.
     #[must_use]
     pub fn new(clock: ClockName, period_us: u32, warm_up: u64) -> Self {
         let none = Durations::new();
@@ -70,7 +70,7 @@ impl Timings {
         }
     }
 
-    /// Takes the next step.
+    /// Adds the next step.
     pub fn push(&mut self, step: &StepTiming) {
         self.seen += 1;
         if self.seen <= self.warm_up {
@@ -98,7 +98,7 @@ impl Timings {
         }
     }
 
-    /// What was gathered. `refused` is what the system did not grant of what was asked for.
+    /// The report. `refused` names the privileges that the system did not grant.
     #[must_use]
     pub fn report(&self, refused: Vec<String>) -> TimingReport {
         TimingReport {
@@ -122,45 +122,45 @@ impl Timings {
     }
 }
 
-/// How a run went in time.
+/// The timing of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TimingReport {
     /// What paced it.
     pub clock: ClockName,
-    /// Control period.
+    /// Control period in microseconds.
     pub period_us: u32,
-    /// Steps at the start that nothing here counts.
+    /// Steps at the start that the report excludes.
     pub warm_up_steps: u64,
-    /// Steps that everything here counts.
+    /// Steps in the report.
     pub steps: u64,
-    /// Steps that had no torque by their end.
+    /// Steps without a torque by their end.
     pub unanswered: u64,
-    /// Steps the bench itself slept through.
+    /// Steps that the bench overslept.
     pub missed: u64,
-    /// Most steps of either kind in a row.
+    /// Most unanswered or missed steps in a row.
     pub longest_run_of_late: u64,
-    /// From the due time of a step to its beginning; in real time alone.
+    /// From the due time of a step to its beginning; in real time only.
     pub lateness_us: Option<Quantiles>,
     /// From the sample to the torque.
     pub round_trip_us: Option<Quantiles>,
-    /// Its parts, see [`RoundTrip`].
+    /// Part of the round trip: encoding and writing, see [`RoundTrip`].
     pub send_us: Option<Quantiles>,
-    /// The line, both ways, and the device without its computing.
+    /// Part of the round trip: the line in both directions and the device without its compute time.
     pub line_and_device_us: Option<Quantiles>,
-    /// The drive's own computing.
+    /// Part of the round trip: the drive's compute time.
     pub compute_us: Option<Quantiles>,
-    /// Reading and decoding.
+    /// Part of the round trip: reading and decoding.
     pub receive_us: Option<Quantiles>,
-    /// Counts of steps per bin of lateness, each bin named by its upper end in us.
+    /// Histogram of lateness: upper end of each bin in microseconds, and its steps.
     pub lateness_histogram: Vec<(f64, u64)>,
-    /// The same of round trips.
+    /// Histogram of round trips, likewise.
     pub round_trip_histogram: Vec<(f64, u64)>,
-    /// What the system did not grant of what was asked for.
+    /// Privileges that the system did not grant, with its reasons.
     pub refused: Vec<String>,
 }
 
 impl TimingReport {
-    /// Steps that had to do without a torque of their own.
+    /// Steps without a torque of their own.
     #[must_use]
     pub fn late(&self) -> u64 {
         self.unanswered + self.missed
@@ -218,14 +218,14 @@ mod tests {
         }
     }
 
-    fn report(warm_up: u64, fates: &[StepOutcome]) -> TimingReport {
+    fn report(warm_up: u64, outcomes: &[StepOutcome]) -> TimingReport {
         let mut timings = Timings::new(ClockName::RealTime, 1_000, warm_up);
-        fates.iter().for_each(|outcome| timings.push(&step(*outcome)));
+        outcomes.iter().for_each(|outcome| timings.push(&step(*outcome)));
         timings.report(Vec::new())
     }
 
     #[test]
-    fn the_longest_run_of_late_steps_is_broken_by_an_answer_alone() {
+    fn only_an_answer_ends_a_run_of_late_steps() {
         use StepOutcome::{Answered, Missed, Unanswered};
         let report = report(0, &[Unanswered, Answered, Missed, Unanswered, Missed, Answered, Unanswered]);
         assert_eq!((report.unanswered, report.missed, report.longest_run_of_late), (3, 2, 3));
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn the_warm_up_leaves_no_trace() {
+    fn the_warm_up_is_excluded() {
         use StepOutcome::{Answered, Unanswered};
         let report = report(2, &[Unanswered, Unanswered, Answered]);
         assert_eq!((report.warm_up_steps, report.steps, report.unanswered), (2, 1, 0));

@@ -1,4 +1,4 @@
-//! A path: the drive on a serial port or a pseudo-terminal that somebody else serves.
+//! A path: the drive on a serial port, or on a pseudo-terminal of another program.
 
 use std::path::{Path, PathBuf};
 use std::{fmt, io};

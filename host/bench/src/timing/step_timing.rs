@@ -1,0 +1,75 @@
+//! The timing of one step.
+
+use std::time::{Duration, Instant};
+
+use lashloop_protocol::message::TorqueAnswer;
+
+/// The outcome of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StepOutcome {
+    /// The torque arrived in time.
+    Answered,
+    /// No torque by the end of the step: the last one was held.
+    Unanswered,
+    /// The bench overslept the step: no sample was sent, the last torque was held.
+    Missed,
+}
+
+/// The timestamps of one exchange on the bench's side, in wall-clock time.
+#[derive(Debug, Clone, Copy)]
+pub struct Timestamps {
+    /// Before the sample was written to the link.
+    pub asked: Instant,
+    /// When the link had taken the sample.
+    pub sent: Instant,
+    /// When the bytes that ended the wait were read.
+    pub arrived: Instant,
+    /// When those bytes were decoded.
+    pub decoded: Instant,
+}
+
+/// The parts of one round trip.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RoundTrip {
+    /// Encoding the sample and writing it to the link.
+    pub send: Duration,
+    /// On the line and in the device, without the drive's compute time.
+    pub line_and_device: Duration,
+    /// From the complete sample to the torque, by the drive's own clock.
+    pub compute: Duration,
+    /// Reading and decoding the answer.
+    pub receive: Duration,
+}
+
+impl RoundTrip {
+    /// The parts of an exchange that was answered.
+    #[must_use]
+    pub fn new(timestamps: &Timestamps, answer: &TorqueAnswer) -> Self {
+        let &Timestamps { asked, sent, arrived, decoded } = timestamps;
+        let compute = Duration::from_nanos(100 * u64::from(answer.compute_tenths_us));
+        let line_and_device = arrived.saturating_duration_since(sent).saturating_sub(compute);
+        Self {
+            send: sent - asked,
+            line_and_device,
+            compute,
+            receive: decoded.saturating_duration_since(arrived),
+        }
+    }
+
+    /// The whole round trip.
+    #[must_use]
+    pub fn total(&self) -> Duration {
+        self.send + self.line_and_device + self.compute + self.receive
+    }
+}
+
+/// The timing of one step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StepTiming {
+    /// From the due time of the step to its beginning; zero in lockstep, where no step is due.
+    pub lateness: Duration,
+    /// Its outcome.
+    pub outcome: StepOutcome,
+    /// The parts of its round trip, if it was answered.
+    pub round_trip: Option<RoundTrip>,
+}
