@@ -23,7 +23,7 @@ pub(crate) fn killed() {
     let sentence = told(bench, &records, lost_at);
     let names = [
         format!(
-            "the drive side ended while the bench was talking to qemu: the emulator (process {emulator})"
+            "the drive side ended during the session with qemu: the emulator (process {emulator})"
         ),
         "signal: 9".to_owned(),
     ];

@@ -44,7 +44,7 @@ pub(crate) fn stranger() {
     let ended = bench::run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(4);
     assert_eq!(ended.stderr.lines().count(), 1, "{}", ended.stderr);
     let side = format!(
-        "lashloop: the drive side ended while the bench was talking to {device}: the emulator (process "
+        "lashloop: the drive side ended during the session with {device}: the emulator (process "
     );
     assert!(ended.stderr.starts_with(&side), "{}", ended.stderr);
     // The cause that QEMU gives, and not the end of the register dump that follows it.
