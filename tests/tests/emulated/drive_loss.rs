@@ -22,9 +22,7 @@ pub(crate) fn killed() {
     processes::signal(emulator, Signal::KILL);
     let sentence = assert_reported(bench, &records, lost_at);
     let names = [
-        format!(
-            "the drive side ended while the bench was talking to qemu: the emulator (process {emulator})"
-        ),
+        format!("the drive side ended during the session with qemu: the emulator (process {emulator})"),
         "signal: 9".to_owned(),
     ];
     assert!(names.iter().all(|name| sentence.contains(name)), "{sentence}");

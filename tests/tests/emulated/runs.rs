@@ -43,9 +43,8 @@ pub(crate) fn stranger() {
     let device = format!("qemu:{}", image.display());
     let ended = program::run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(4);
     assert_eq!(ended.stderr.lines().count(), 1, "{}", ended.stderr);
-    let side = format!(
-        "lashloop: the drive side ended while the bench was talking to {device}: the emulator (process "
-    );
+    let side =
+        format!("lashloop: the drive side ended during the session with {device}: the emulator (process ");
     assert!(ended.stderr.starts_with(&side), "{}", ended.stderr);
     // The cause that QEMU reports, not the end of the register dump that follows.
     assert!(ended.stderr.contains("qemu: fatal: Lockup"), "{}", ended.stderr);

@@ -34,6 +34,9 @@ pub struct Opened {
     pub host: DriveHost,
 }
 
+/// A parsed name of a device, or what is missing in it.
+pub type ParsedKind = Result<Box<dyn DeviceKind>, String>;
+
 /// How a user names a kind of device.
 pub struct Syntax {
     /// What to write, for error messages.
@@ -42,5 +45,5 @@ pub struct Syntax {
     ///
     /// # Errors
     /// The name is of this kind and incomplete.
-    pub parse: fn(&str) -> Option<Result<Box<dyn DeviceKind>, String>>,
+    pub parse: fn(&str) -> Option<ParsedKind>,
 }

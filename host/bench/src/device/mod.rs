@@ -25,5 +25,5 @@ pub use connection::{Connection, LineSpeed};
 pub use drive_host::DriveHost;
 pub use error::DeviceError;
 pub use handle::{Device, session_number};
-pub use kind::{DeviceKind, Opened, Syntax};
+pub use kind::{DeviceKind, Opened, ParsedKind, Syntax};
 pub use kinds::terminal::open_terminal;

@@ -9,7 +9,7 @@ use std::{env, fmt, io, thread};
 
 use crate::device::drive_host::DriveHost;
 use crate::device::error::DeviceError;
-use crate::device::kind::{DeviceKind, Opened, Syntax};
+use crate::device::kind::{DeviceKind, Opened, ParsedKind, Syntax};
 use crate::device::process::{START_LIMIT, not_up, spawn};
 use crate::link::socket::Socket;
 use crate::supervisor::{Process, Program, Supervisor};
@@ -26,7 +26,7 @@ const NAME: &str = "qemu";
 
 pub(in crate::device) const SYNTAX: Syntax = Syntax { form: "qemu, qemu:ELF", parse };
 
-fn parse(text: &str) -> Option<Result<Box<dyn DeviceKind>, String>> {
+fn parse(text: &str) -> Option<ParsedKind> {
     let kind = |image| Ok(Box::new(Emulator { image }) as Box<dyn DeviceKind>);
     match text.split_once(':') {
         None if text == NAME => Some(kind(None)),
