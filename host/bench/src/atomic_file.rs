@@ -1,4 +1,4 @@
-//! Files that are whole or not there.
+//! Files that are complete or don't exist.
 
 use std::fs::{self, File, Permissions};
 use std::io::{self, Write};
@@ -19,11 +19,11 @@ pub struct WriteError {
     pub source: io::Error,
 }
 
-/// Writes a file under its final name only when it is complete: into a temporary file in the same directory, then renamed.
-/// `prefix` is how the temporary file is called.
+/// Writes a temporary file in the same directory, then renames it, so that the name stands for a complete file. `prefix` begins
+/// the temporary file's name.
 ///
 /// # Errors
-/// The directory isn't there or can't be written to, or `write` failed.
+/// The directory doesn't exist or can't be written to, or `write` failed.
 pub fn write_whole(
     path: &Path,
     prefix: &str,
@@ -36,11 +36,11 @@ pub fn write_whole(
     Ok(())
 }
 
-/// Begins a file that is to grow. It takes its name, and the place of an older one, once its first bytes are written, so a
-/// disk that takes nothing costs nothing. What is no plain file, a device or a pipe, is written to where it is.
+/// Creates a file that is to grow. It replaces an older one once its first bytes are written, so that a full disk loses
+/// nothing. A device or a pipe is written to in place.
 ///
 /// # Errors
-/// The directory isn't there or can't be written to, or the first bytes can't be.
+/// The directory doesn't exist or can't be written to, or the first bytes can't be written.
 pub fn begin(path: &Path, prefix: &str, first: &[u8]) -> Result<File, WriteError> {
     let error = |action| move |source| WriteError { path: path.to_owned(), action, source };
     if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
@@ -48,7 +48,7 @@ pub fn begin(path: &Path, prefix: &str, first: &[u8]) -> Result<File, WriteError
         file.write_all(first).map_err(error("written"))?;
         return Ok(file);
     }
-    // What a link points to is replaced and not the link.
+    // A symbolic link stays, and its target is replaced.
     let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let mut file = temporary_file(&place, prefix).map_err(error("created"))?;
     file.write_all(first).map_err(error("written"))?;
@@ -58,9 +58,9 @@ pub fn begin(path: &Path, prefix: &str, first: &[u8]) -> Result<File, WriteError
 /// A temporary file in the same directory.
 fn temporary_file(path: &Path, prefix: &str) -> io::Result<NamedTempFile> {
     let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // The system's own words for one that is not there.
+    // For the system's own error if the directory doesn't exist.
     fs::metadata(directory)?;
-    // Temporary files are private by default; a record is for others as well, as far as the umask lets.
+    // Temporary files are private by default; a record has the permissions that the umask leaves.
     let mut builder = tempfile::Builder::new();
     builder.prefix(prefix).permissions(Permissions::from_mode(0o666)).tempfile_in(directory)
 }
@@ -69,9 +69,9 @@ fn temporary_file(path: &Path, prefix: &str) -> io::Result<NamedTempFile> {
 mod tests {
     use super::*;
 
-    /// What fails is the last step, which a full disk never reaches: the name is that of a folder by then.
+    /// The rename fails, because the name is that of a folder.
     #[test]
-    fn a_file_that_can_t_be_begun_leaves_everything_as_it_was() {
+    fn a_file_that_cannot_be_created_changes_nothing() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("trace.csv");
         fs::create_dir(&path).expect("a folder in the way");
@@ -82,19 +82,19 @@ mod tests {
     }
 
     #[test]
-    fn an_older_file_is_there_until_the_new_one_has_begun() {
+    fn an_older_file_stays_until_its_successor_is_written() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("trace.csv");
         fs::write(&path, "old").expect("an old file");
         let old = File::open(&path).expect("the old file");
         drop(begin(&path, ".trace-", b"new\n").expect("a new file"));
-        // It was replaced as a whole and never emptied: whoever has it open still reads it.
+        // A reader that has the old file open still reads it: the file was replaced, not truncated.
         assert_eq!(io::read_to_string(old).expect("the old file"), "old");
         assert_eq!(fs::read_to_string(&path).expect("the new file"), "new\n");
     }
 
     #[test]
-    fn a_file_that_was_begun_goes_on_under_its_name() {
+    fn a_created_file_grows_under_its_name() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("trace.csv");
         let mut file = begin(&path, ".trace-", b"a,b\n").expect("a file");

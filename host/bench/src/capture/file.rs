@@ -1,4 +1,4 @@
-//! The file of a capture: packets are collected and written together, never half of one.
+//! The file of a capture: packets are collected and written together as whole blocks.
 
 use std::fs::File;
 use std::io::{Seek, SeekFrom, Write};
@@ -21,12 +21,12 @@ pub(super) struct CaptureFile {
     /// Bytes of whole blocks in the file.
     written: u64,
     packets: u64,
-    /// The file takes nothing any more.
+    /// A write has failed; nothing more is written.
     failed: bool,
 }
 
 impl CaptureFile {
-    /// Begins the file with its header; an older one is replaced when that is written.
+    /// Creates the file with its header, in place of an older one.
     ///
     /// # Errors
     /// The file can't be created or written.

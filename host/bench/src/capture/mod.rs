@@ -1,16 +1,16 @@
-//! What passed on the line, kept as a pcapng file that Wireshark, tshark and `lashloop decode` read.
+//! Captures of the link as pcapng files, which Wireshark, tshark and `lashloop decode` read.
 //!
-//! One packet is one frame as it was on the wire: COBS code first, delimiter last, damaged bytes as they came. A
-//! delimiter without a frame, which a sender uses to clear the line, is a packet of one byte. Times are nanoseconds:
-//! of a frame to the drive when it was handed to the link, of a frame from the drive when its delimiter had been read.
+//! A packet is one frame as on the wire: COBS code first, delimiter last, damaged bytes unchanged. A delimiter without a
+//! frame, which a sender uses to clear the link, is a packet of one byte. Times are in nanoseconds: for a frame to the drive
+//! when the link takes it, for a frame from the drive when its delimiter has been read.
 //!
 //! | module | does |
 //! |---|---|
-//! | [`pcapng`] | packets become blocks |
-//! | `file` | blocks reach the file, never half of one |
-//! | [`recorder`] | packets go from the loop to the thread that writes |
-//! | [`splitter`] | a stream becomes pieces that end with a delimiter |
-//! | [`reader`] | a file becomes packets again, whoever wrote it |
+//! | [`pcapng`] | encodes packets as blocks |
+//! | `file` | writes whole blocks to the file |
+//! | [`recorder`] | passes packets from the loop to the writing thread |
+//! | [`splitter`] | splits a stream at its delimiters |
+//! | [`reader`] | reads packets of any pcapng file |
 //!
 //! The middleware that captures a link is [`crate::capture::link`].
 

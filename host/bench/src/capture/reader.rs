@@ -1,4 +1,4 @@
-//! A pcapng file as packets, by the `pcap-parser` crate: ours, or one that another program has written or cut.
+//! Reads the packets of a pcapng file, of this tool or of any other, with the `pcap-parser` crate.
 
 use std::io;
 
@@ -19,7 +19,7 @@ pub struct Packet {
     pub number: u64,
     /// Time since the start of 1970.
     pub time_ns: u64,
-    /// Who sent it, if the file says so.
+    /// Its direction, if the file records one.
     pub direction: Option<Direction>,
     /// The bytes on the wire.
     pub bytes: Vec<u8>,

@@ -1,9 +1,8 @@
-//! From the loop to the file: packets go through a ring without a lock to a thread that writes them.
+//! From the loop to the file: a lock-free ring passes packets to a thread that writes them.
 //!
-//! The loop neither locks nor allocates nor writes for its capture. The thread empties the ring every [`FLUSH`], so what a
-//! drive that hangs was asked is in the file that much later, and so are all but the last packets of a bench that is killed.
-//! The file holds whole packets at any time. What does not fit into the ring is never left out in silence: in lockstep the
-//! loop waits for the disk, in real time, where it can't, the run ends with an error.
+//! The loop neither locks nor allocates nor writes for its capture. The thread empties the ring every [`FLUSH`], so that a
+//! killed bench loses only the packets of that time. The file holds whole packets at any time. A full ring never loses a
+//! packet silently: in lockstep the loop waits for the disk; in real time, where it can't, the run ends with an error.
 
 use std::io;
 use std::path::Path;
@@ -21,18 +20,18 @@ use crate::atomic_file::WriteError;
 /// How often packets reach the file.
 pub const FLUSH: Duration = Duration::from_millis(5);
 
-/// Bytes that may wait for the disk: a minute at 1 kHz.
-const ROOM: usize = 1 << 22;
+/// Capacity of the ring in bytes: a minute at 1 kHz.
+const CAPACITY: usize = 1 << 22;
 
-/// How long anybody waits for a disk.
+/// Longest wait for the disk.
 const FINISH_LIMIT: Duration = Duration::from_secs(30);
 
 /// What the loop does when the ring is full.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WhenFull {
-    /// It waits for the disk: its clock stands still meanwhile.
+    /// It waits for the disk; its clock pauses meanwhile.
     Wait,
-    /// It goes on and the capture fails: its clock does not wait.
+    /// It continues and the capture fails; its clock can't pause.
     Fail,
 }
 
@@ -48,13 +47,13 @@ pub struct Recorder {
     thread: Option<JoinHandle<()>>,
 }
 
-/// The end of a capture of whoever asked for it.
+/// The user's end of a capture.
 #[derive(Debug)]
 pub struct Capture(Arc<Shared>);
 
 #[derive(Debug)]
 struct Shared {
-    /// Something is in `state` that somebody has to be told.
+    /// `state` has an error to report.
     failed: AtomicBool,
     /// The ring was full.
     overflowed: AtomicBool,
@@ -75,7 +74,7 @@ struct State {
 /// # Errors
 /// The file can't be created or written, or the system refused the thread.
 pub fn create(path: &Path, when_full: WhenFull) -> Result<(Recorder, Capture), WriteError> {
-    with_room(path, when_full, ROOM)
+    with_room(path, when_full, CAPACITY)
 }
 
 fn with_room(path: &Path, when_full: WhenFull, room: usize) -> Result<(Recorder, Capture), WriteError> {
@@ -195,7 +194,7 @@ impl Capture {
     pub fn check(&self) -> Result<(), WriteError> {
         let shared = &self.0;
         if shared.overflowed.load(Ordering::Relaxed) {
-            let reason = format!("the disk is {} MiB behind the line; write to a faster one", ROOM >> 20);
+            let reason = format!("the disk is {} MiB behind the line; write to a faster one", CAPACITY >> 20);
             return Err(shared.error("written", io::Error::other(reason)));
         }
         if shared.failed.swap(false, Ordering::Relaxed) {

@@ -1,12 +1,11 @@
-//! From a stream to pieces that end with a delimiter.
+//! Splits a stream at its delimiters.
 
 use lashloop_protocol::frame::DELIMITER;
 
-/// A line that never shows a delimiter is cut here, so that no memory is asked for without end.
+/// Longest piece. A stream without delimiters is split here, so that memory stays bounded.
 const LONGEST: usize = 4096;
 
-/// Keeps the bytes since the last delimiter. It judges nothing: a damaged frame is a piece like any other.
-/// Takes no memory after its creation.
+/// Collects the bytes since the last delimiter. A damaged frame is a piece like any other. Allocates at its creation only.
 #[derive(Debug)]
 pub struct Splitter {
     pending: Vec<u8>,

@@ -1,13 +1,13 @@
-//! What a run leaves behind.
+//! The record of a run.
 //!
-//! | file | holds | in |
+//! | file | content | module |
 //! |---|---|---|
-//! | `trace.csv` | one row per control step | [`trace`] |
-//! | `timing.csv` | how each control step went in time | [`timing`] |
-//! | `summary.json` | the verdict and everything needed to trust and repeat it | [`summary`] |
+//! | `trace.csv` | the plant's true state and the torque, one row per control step | [`trace`] |
+//! | `timing.csv` | timing of each control step | [`timing`] |
+//! | `summary.json` | the verdict and all that is needed to check and repeat it | [`summary`] |
 //!
-//! [`reading`] reads them back. A reader never meets half a row or half a summary: rows reach the file whole, and a summary takes its name
-//! only when it is complete.
+//! [`reader`] reads them back. Rows are written whole, and a summary takes its name only when it is complete, so that an
+//! interrupted run leaves neither half a row nor half a summary.
 
 pub mod digest;
 pub mod reader;

@@ -1,4 +1,4 @@
-//! Reads back what a run has left behind, also one that was cut short.
+//! Reads the record of a run, also of an interrupted one.
 
 use std::fs;
 use std::io::{self, ErrorKind};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-/// A table of numbers, column by column.
+/// A table of numbers, read by columns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     path: PathBuf,
@@ -20,13 +20,13 @@ pub struct Table {
 pub struct Record {
     /// `trace.csv`.
     pub trace: Table,
-    /// `timing.csv`, if it is there.
+    /// `timing.csv`, if it exists.
     pub timing: Option<Table>,
-    /// What `summary.json` says, if the run got as far as a verdict.
+    /// Head of `summary.json`, if the run has a verdict.
     pub summary: Option<SummaryHead>,
 }
 
-/// The part of a [`Summary`](super::summary::Summary) that tells what was run and what came of it.
+/// The part of a [`Summary`](super::summary::Summary) that identifies the run and its result.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct SummaryHead {
     /// PASS, FAIL or INVALID.
@@ -37,40 +37,40 @@ pub struct SummaryHead {
     pub device: String,
     /// The control law.
     pub controller: String,
-    /// `complete`, or what cut the run short.
+    /// `complete`, or what interrupted the run.
     pub end: String,
-    /// Faults of the scenario that have been there.
+    /// Injected faults.
     pub faults: Vec<FiredFault>,
 }
 
-/// A fault that has been there.
+/// An injected fault.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct FiredFault {
-    /// What it is.
+    /// Name of its kind.
     pub kind: String,
     /// The step in which it began.
     pub step: usize,
 }
 
-/// A record that can't be used: which file, which line, why.
+/// An unusable record: file, line and reason.
 #[derive(Debug, thiserror::Error)]
 #[error("{}{}: {fault}", path.display(), line.map(|line| format!(":{line}")).unwrap_or_default())]
 pub struct ReadError {
     /// The file.
     pub path: PathBuf,
-    /// Counted from 1; `None` if the whole file is at fault.
+    /// Counted from 1; `None` for an error of the whole file.
     pub line: Option<u64>,
     /// What is wrong.
     pub fault: ReadFault,
 }
 
-/// What can be wrong with a record.
+/// Reasons for an unusable record.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadFault {
     /// The file can't be read.
     #[error("can't be read: {0}")]
     Read(#[from] io::Error),
-    /// Not a table: another number of fields than columns.
+    /// A row with another number of fields than the header.
     #[error("fields in this row: {found}; the header has {columns} columns")]
     Fields {
         /// Fields in the row.
@@ -78,7 +78,7 @@ pub enum ReadFault {
         /// Columns of the header.
         columns: usize,
     },
-    /// A field that is no number.
+    /// A field that isn't a number.
     #[error("{column} is {found:?}; it must be a number")]
     NotANumber {
         /// The column.
@@ -86,16 +86,16 @@ pub enum ReadFault {
         /// The field.
         found: String,
     },
-    /// A column is not there.
+    /// A missing column.
     #[error("there is no column {column}; this is not a file that `lashloop run --out` has written")]
     Column {
         /// The column.
         column: String,
     },
-    /// No rows.
+    /// A table without rows.
     #[error("has no rows: the run was cut short before its first rows reached the disk")]
     Empty,
-    /// Not CSV at all.
+    /// Not CSV.
     #[error("is not a table: {0}")]
     Csv(#[from] csv::Error),
     /// Not a summary.
@@ -104,7 +104,7 @@ pub enum ReadFault {
 }
 
 impl Table {
-    /// Reads a file. A last line without an end is left out: a run that is killed in the middle of a write leaves one.
+    /// Reads a file. A last line without a line end is omitted: a run that is killed during a write leaves one.
     ///
     /// # Errors
     /// The file can't be read or is not a table of numbers.
@@ -148,13 +148,13 @@ impl Table {
         self.columns.first().map_or(0, Vec::len)
     }
 
-    /// Whether there is no row.
+    /// Whether the table has no rows.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Whether the file ended within a row, which was left out.
+    /// Whether the file ends within a row, which is omitted.
     #[must_use]
     pub fn is_torn(&self) -> bool {
         self.is_torn
@@ -163,7 +163,7 @@ impl Table {
     /// A column by its name.
     ///
     /// # Errors
-    /// There is none of this name.
+    /// The table has no column of this name.
     pub fn column(&self, name: &str) -> Result<&[f64], ReadError> {
         match self.header.iter().position(|column| column == name) {
             Some(at) => Ok(&self.columns[at]),
@@ -177,17 +177,17 @@ impl Table {
 }
 
 impl Record {
-    /// Reads the folder that was given to a run as `--out`.
+    /// Reads the folder that a run wrote with `--out`.
     ///
     /// # Errors
-    /// There is no `trace.csv` or it has no rows, or one of the files can't be used.
+    /// `trace.csv` is missing or has no rows, or one of the files is unusable.
     pub fn read(folder: &Path) -> Result<Self, ReadError> {
         let trace = Table::read(&folder.join("trace.csv"))?;
         if trace.is_empty() {
             return Err(ReadError { path: trace.path, line: None, fault: ReadFault::Empty });
         }
-        let timing = if_there(Table::read(&folder.join("timing.csv")))?;
-        let summary = if_there(SummaryHead::read(&folder.join("summary.json")))?;
+        let timing = if_it_exists(Table::read(&folder.join("timing.csv")))?;
+        let summary = if_it_exists(SummaryHead::read(&folder.join("summary.json")))?;
         Ok(Self { trace, timing, summary })
     }
 }
@@ -196,7 +196,7 @@ impl SummaryHead {
     /// Reads a summary.
     ///
     /// # Errors
-    /// The file can't be read or says something else.
+    /// The file can't be read or isn't a summary.
     pub fn read(path: &Path) -> Result<Self, ReadError> {
         let error = |fault| ReadError { path: path.to_owned(), line: None, fault };
         let text = fs::read(path).map_err(|source| error(source.into()))?;
@@ -204,9 +204,9 @@ impl SummaryHead {
     }
 }
 
-fn if_there<T>(read: Result<T, ReadError>) -> Result<Option<T>, ReadError> {
+fn if_it_exists<T>(read: Result<T, ReadError>) -> Result<Option<T>, ReadError> {
     match read {
-        Ok(there) => Ok(Some(there)),
+        Ok(found) => Ok(Some(found)),
         Err(ReadError { fault: ReadFault::Read(source), .. }) if source.kind() == ErrorKind::NotFound => {
             Ok(None)
         }
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_without_an_end_is_left_out_whatever_it_looks_like() {
+    fn a_line_without_an_end_is_omitted() {
         for torn in ["3", "3,0.12", ""] {
             let table = of(&format!("a,b\n1,2\n2,NaN\n{torn}")).expect("a table");
             assert_eq!((table.column("a").expect("a column"), table.len()), (&[1.0, 2.0][..], 2));
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said_with_file_and_line() {
+    fn errors_name_file_and_line() {
         assert_eq!(of("a,b\n1,2\n3,x\n"), Err("/t.csv:3: b is \"x\"; it must be a number".to_owned()));
         assert_eq!(
             of("a,b\n1,2,3\n"),

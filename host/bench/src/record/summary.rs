@@ -1,4 +1,4 @@
-//! `summary.json`: the verdict and what is needed to trust it, compare it and repeat it.
+//! `summary.json`: the verdict and all that is needed to check, compare and repeat it.
 
 use std::io::Write;
 use std::path::Path;
@@ -12,60 +12,60 @@ use crate::timing::TimingReport;
 use crate::verdict::{JudgedExpectation, LinkCounts, Verdict};
 use lashloop_plant::metrics::Metrics;
 
-/// One run in one JSON object, its keys in this order.
+/// Summary of a run: one JSON object with its keys in this order.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// What the run says.
+    /// The verdict.
     pub verdict: Verdict,
     /// The scenario's file.
     pub scenario: String,
-    /// The drive: what was connected to, and where.
+    /// The device and its address.
     pub device: String,
     /// The control law.
     pub controller: String,
-    /// Starts every random stream of the run.
+    /// Seed of every random stream of the run.
     pub seed: u64,
-    /// How the run ended: `complete`, or what cut it short.
+    /// How the run ended: `complete`, or what interrupted it.
     pub end: String,
-    /// Control steps run.
+    /// Number of control steps.
     pub steps: u64,
-    /// Time of the plant.
+    /// Simulated time.
     pub simulated_s: f64,
-    /// Time on the wall.
+    /// Wall-clock time.
     pub wall_s: f64,
     /// The metrics by name; null where there is no value.
     pub metrics: Metrics,
-    /// The expectations of the scenario and what became of them.
+    /// The expectations of the scenario with the values measured.
     pub expectations: Vec<JudgedExpectation>,
-    /// What the link counted.
+    /// Counters of the link.
     pub link: LinkCounts,
-    /// How the steps went in time.
+    /// Timing of the steps.
     pub timing: TimingReport,
-    /// The faults of the scenario that have been there.
+    /// The injected faults.
     pub faults: Vec<FaultRecord>,
-    /// The digest of everything the drive commanded, see [`TorqueDigest`](super::digest::TorqueDigest).
+    /// Digest of all torques, see [`TorqueDigest`](super::digest::TorqueDigest).
     pub torque_sha256: String,
-    /// Who took part.
+    /// Versions of tool, protocol and firmware.
     pub versions: Versions,
 }
 
-/// The versions of everything that has a say in the result.
+/// Versions of everything that can change the result.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Versions {
     /// This tool.
     pub lashloop: String,
-    /// The protocol that was agreed on.
+    /// The protocol version in use.
     pub protocol: String,
     /// The drive's firmware.
     pub firmware: String,
 }
 
 impl Summary {
-    /// Writes the summary under its final name only when it is complete: into a temporary file in the same
-    /// directory, then renamed.
+    /// Writes the summary to a temporary file in the same directory, then renames it, so that the name stands for a complete
+    /// summary.
     ///
     /// # Errors
-    /// The directory isn't there or can't be written to.
+    /// The directory doesn't exist or can't be written to.
     pub fn write(&self, path: &Path) -> Result<(), WriteError> {
         write_whole(path, ".summary-", |file| {
             serde_json::to_writer_pretty(&mut *file, self)?;
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_summary_has_every_metric_and_null_for_what_never_came() {
+    fn a_summary_has_every_metric_and_null_without_a_value() {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let path = directory.path().join("summary.json");
         summary().write(&path).expect("a summary");
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn a_summary_replaces_the_last_one_and_leaves_nothing_beside_it() {
+    fn a_summary_replaces_an_older_one_and_leaves_no_other_file() {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let path = directory.path().join("summary.json");
         fs::write(&path, "{").expect("an old summary");
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn a_summary_is_as_readable_for_others_as_any_file() {
+    fn a_summary_has_the_permissions_of_any_file() {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let [path, plain] = ["summary.json", "plain"].map(|name| directory.path().join(name));
         summary().write(&path).expect("a summary");
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn a_summary_that_cannot_take_its_name_leaves_nothing_behind() {
+    fn a_summary_that_cannot_take_its_name_leaves_no_file() {
         let directory = tempfile::tempdir().expect("a temporary directory");
         let path = directory.path().join("summary.json");
         fs::create_dir(&path).expect("a directory in the way");
