@@ -137,7 +137,13 @@ struct Run {
 fn run_with(fault: &str, duration_s: f64, seed: u32) -> Run {
     let text =
         std::fs::read_to_string(tests::workspace().join("scenarios/smooth-after.toml")).expect("a scenario");
-    let settings = [format!("run.duration_s={duration_s}"), format!("run.seed={seed}")].map(Override::Set);
+    let settings = [
+        format!("run.duration_s={duration_s}"),
+        format!("run.seed={seed}"),
+        // Each lost frame costs its timeout in virtual time; consecutive ones must not add up to a lost drive.
+        "link.silence_limit_ms=60000".to_owned(),
+    ]
+    .map(Override::Set);
     let text = format!("{text}\n[[fault]]\n{fault}\n");
     let scenario = Scenario::from_str("scenarios/lossy.toml", &text, &settings).expect("a good scenario");
     let supervisor = Supervisor::start(PathBuf::from("never started")).expect("a supervisor");
