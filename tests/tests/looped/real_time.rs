@@ -248,7 +248,7 @@ fn real_time_options_are_rejected_in_lockstep() {
         let arguments = ["run", "scenarios/smooth-after.toml", "--device", "inproc"];
         let ended = program::run(arguments.iter().chain(option)).with_code(2);
         assert!(
-            ended.stderr.contains(&format!("{} is for --clock real-time", option[0])),
+            ended.stderr.contains(&format!("{} needs --clock real-time", option[0])),
             "{}",
             ended.stderr
         );
