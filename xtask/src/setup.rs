@@ -39,8 +39,7 @@ pub(crate) fn install_missing() -> Result<()> {
     .into_iter()
     .flatten()
     .collect();
-    println!("setup: {}", if plan.is_empty() { "nothing is missing" } else { "installs" });
-    print!("{plan}");
+    println!("setup: {}{plan}", if plan.is_empty() { "nothing is missing" } else { "installs" });
 
     // One failure doesn't keep the rest from being installed.
     let mut outcomes = vec![apt::install(&packages)];
