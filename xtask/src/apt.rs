@@ -2,43 +2,37 @@
 
 use std::process::Command;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 
-use crate::command;
+use crate::command::{command, first_line, is_installed, run};
 
 /// Installs the packages; nothing to do for none.
 ///
 /// # Errors
-/// There is no `apt-get`, or it failed.
+/// `apt-get` is missing, or it failed.
 pub(crate) fn install(packages: &[&str]) -> Result<()> {
     if packages.is_empty() {
         return Ok(());
     }
     let needed = || format!("{} could not be installed", packages.join(", "));
-    command::find_program("apt-get").context("there is no apt-get here").with_context(needed)?;
+    ensure!(is_installed("apt-get"), "{}: apt-get is missing", needed());
     // The lists of a fresh machine are empty; without a network old lists may still do.
-    if let Err(error) = command::run(apt_get().arg("update")) {
-        println!("setup: {error:#}; trying with the lists that are here");
+    if let Err(error) = run(&mut apt_get("update")) {
+        println!("setup: {error:#}; trying with the package lists of this machine");
     }
-    command::run(apt_get().args(["install", "--yes", "--no-install-recommends"]).args(packages))
-        .with_context(needed)
+    run(apt_get("install --yes --no-install-recommends").args(packages)).with_context(needed)
 }
 
 pub(crate) fn is_root() -> bool {
-    command::first_line(Command::new("id").arg("-u")).is_some_and(|id| id == "0")
+    first_line(&mut command("id", "-u")).is_some_and(|id| id == "0")
 }
 
-fn apt_get() -> Command {
-    let mut command = if is_root() || command::find_program("sudo").is_none() {
-        Command::new("env")
-    } else {
-        let mut sudo = Command::new("sudo");
-        sudo.args(["--non-interactive", "env"]);
-        sudo
-    };
-    command.args(["DEBIAN_FRONTEND=noninteractive", "apt-get", "--quiet"]);
-    for option in ["DPkg::Lock::Timeout=120", "Acquire::Retries=1", "Acquire::http::Timeout=30"] {
-        command.args(["--option", option]);
-    }
-    command
+fn apt_get(chore: &str) -> Command {
+    let is_direct = is_root() || !is_installed("sudo");
+    let (program, sudo_arguments) = if is_direct { ("env", "") } else { ("sudo", "--non-interactive env") };
+    let arguments = format!(
+        "{sudo_arguments} DEBIAN_FRONTEND=noninteractive apt-get --quiet --option DPkg::Lock::Timeout=120 \
+         --option Acquire::Retries=1 --option Acquire::http::Timeout=30 {chore}"
+    );
+    command(program, &arguments)
 }

@@ -11,7 +11,8 @@ use std::process::Command;
 
 use anyhow::{Result, bail, ensure};
 
-use crate::{command, paths};
+use crate::command::{cargo, command, first_line};
+use crate::paths;
 
 pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 
@@ -48,10 +49,7 @@ impl ArmToolchain {
 
     /// `cargo build` of a program of the firmware for the board.
     pub(crate) fn build(&self, program: &str) -> Command {
-        let mut command = command::cargo();
-        command.arg("build");
-        self.describe(program, &mut command);
-        command
+        self.for_board(cargo("build"), program)
     }
 
     /// `cargo clippy` of the drive for the board.
@@ -59,26 +57,23 @@ impl ArmToolchain {
     /// # Errors
     /// This compiler has no clippy.
     pub(crate) fn clippy(&self) -> Result<Command> {
-        let mut command = match self {
-            Self::WithCore => command::cargo(),
+        let clippy = match self {
+            Self::WithCore => cargo("clippy"),
             Self::CoreFromSource { .. } => {
                 ensure!(
                     Path::new(DEBIAN_CARGO_CLIPPY).exists(),
                     "Debian's compiler has no clippy here: install rust-web-clippy"
                 );
                 // Called by its path: `cargo clippy` would find the one of rustup's compiler.
-                let mut command = Command::new(DEBIAN_CARGO_CLIPPY);
-                command.current_dir(paths::root());
-                command
+                command(DEBIAN_CARGO_CLIPPY, "clippy")
             }
         };
-        command.arg("clippy");
-        self.describe(DRIVE, &mut command);
-        command.args(["--", "-D", "warnings"]);
-        Ok(command)
+        let mut clippy = self.for_board(clippy, DRIVE);
+        clippy.args(["--", "-D", "warnings"]);
+        Ok(clippy)
     }
 
-    fn describe(&self, program: &str, command: &mut Command) {
+    fn for_board(&self, mut command: Command, program: &str) -> Command {
         command.args(["--package", "lashloop-firmware", "--bin", program]);
         command.args(["--features", if program == CODEC_COST { CODEC_COST } else { "image" }]);
         // The image has one well-known place, independent of CARGO_TARGET_DIR.
@@ -90,13 +85,13 @@ impl ArmToolchain {
             command.env("CARGO_UNSTABLE_BUILD_STD", "core");
             command.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", linker);
         }
+        command
     }
 }
 
 fn core_is_installed() -> bool {
     // rustc prints the path even if the folder doesn't exist.
-    let libraries =
-        command::first_line(command::rustc().args(["--print", "target-libdir", "--target", TARGET]));
+    let libraries = first_line(command("rustc", "--print target-libdir --target").arg(TARGET));
     libraries.is_some_and(|folder| {
         files_in(Path::new(&folder)).any(|name| name.starts_with("libcore-") && name.ends_with(".rlib"))
     })
@@ -113,13 +108,10 @@ fn rust_lld() -> Option<PathBuf> {
 }
 
 fn sysroot(rustc: &str) -> Option<PathBuf> {
-    command::first_line(Command::new(rustc).args(["--print", "sysroot"])).map(PathBuf::from)
+    first_line(&mut command(rustc, "--print sysroot")).map(PathBuf::from)
 }
 
 fn files_in(folder: &Path) -> impl Iterator<Item = String> + use<> {
-    fs::read_dir(folder)
-        .into_iter()
-        .flatten()
-        .flatten()
-        .filter_map(|entry| entry.file_name().into_string().ok())
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.filter_map(|entry| entry.file_name().into_string().ok())
 }

@@ -4,90 +4,47 @@ use std::env;
 use std::ffi::OsStr;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use std::thread;
-use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, ensure};
 
 use crate::paths;
-use anyhow::{Context, Result, bail};
+
+/// A program that runs in the workspace, where rustup's proxies find `rust-toolchain.toml`, and reads no input.
+/// Spaces separate the arguments.
+pub(crate) fn command(program: impl AsRef<OsStr>, arguments: &str) -> Command {
+    let mut command = Command::new(program);
+    command.args(arguments.split_whitespace()).current_dir(paths::root()).stdin(Stdio::null());
+    command
+}
 
 /// The cargo that runs this program.
-pub(crate) fn cargo() -> Command {
-    let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.current_dir(paths::root());
-    command
+pub(crate) fn cargo(arguments: &str) -> Command {
+    command(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()), arguments)
 }
 
-/// The compiler that builds the workspace.
-pub(crate) fn rustc() -> Command {
-    in_workspace("rustc")
-}
-
-/// The rustup that manages that compiler.
-pub(crate) fn rustup() -> Command {
-    in_workspace("rustup")
-}
-
-pub(crate) fn git() -> Command {
-    in_workspace("git")
-}
-
-/// rustup's proxies read `rust-toolchain.toml` from their working directory.
-fn in_workspace(program: &str) -> Command {
-    let mut command = Command::new(program);
-    command.current_dir(paths::root());
-    command
-}
-
-/// Runs `command` without input; its output is ours.
 pub(crate) fn run(command: &mut Command) -> Result<()> {
-    let status = command.stdin(Stdio::null()).status().with_context(|| cannot_start(command))?;
-    if !status.success() {
-        bail!("{} ended with {status}", name(command));
-    }
+    let status = command.status().with_context(|| cannot_start(command))?;
+    ensure!(status.success(), "{} ended with {status}", name(command));
     Ok(())
 }
 
-/// Like [`run`], but kills the child after `limit`.
-pub(crate) fn run_for(command: &mut Command, limit: Duration) -> Result<()> {
-    let mut child = command.stdin(Stdio::null()).spawn().with_context(|| cannot_start(command))?;
-    let deadline = Instant::now() + limit;
-    loop {
-        match child.try_wait()? {
-            Some(status) if status.success() => return Ok(()),
-            Some(status) => bail!("{} ended with {status}", name(command)),
-            None if Instant::now() < deadline => thread::sleep(Duration::from_millis(50)),
-            None => {
-                child.kill()?;
-                child.wait()?;
-                bail!("{} took longer than {} s", name(command), limit.as_secs());
-            }
-        }
-    }
+/// Runs `command` and returns its standard output. The error contains the standard error, unless that is inherited.
+pub(crate) fn output(command: &mut Command) -> Result<String> {
+    let output = command.output().with_context(|| cannot_start(command))?;
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    ensure!(output.status.success(), "{} ended with {}\n{stderr}", name(command), output.status);
+    String::from_utf8(output.stdout).with_context(|| format!("{} printed no UTF-8", name(command)))
 }
 
 /// The first line of the standard output; `None` if the command can't be run or fails.
 pub(crate) fn first_line(command: &mut Command) -> Option<String> {
-    let output = command.stdin(Stdio::null()).stderr(Stdio::null()).output().ok()?;
-    let text = String::from_utf8(output.stdout).ok().filter(|_| output.status.success())?;
-    text.lines().next().map(str::to_owned)
+    output(command).ok()?.lines().next().map(str::to_owned)
 }
 
-/// Runs `command` and returns its standard output.
-pub(crate) fn output(command: &mut Command) -> Result<String> {
-    let output = command
-        .stdin(Stdio::null())
-        .stderr(Stdio::inherit())
-        .output()
-        .with_context(|| cannot_start(command))?;
-    if !output.status.success() {
-        bail!("{} ended with {}", name(command), output.status);
-    }
-    String::from_utf8(output.stdout).with_context(|| format!("{} printed no UTF-8", name(command)))
-}
-
-/// Searches `PATH`.
-pub(crate) fn find_program(name: &str) -> Option<PathBuf> {
-    env::split_paths(&env::var_os("PATH")?).map(|folder| folder.join(name)).find(|path| path.is_file())
+/// Whether `PATH` has the program.
+pub(crate) fn is_installed(program: &str) -> bool {
+    env::var_os("PATH")
+        .is_some_and(|path| env::split_paths(&path).any(|folder| folder.join(program).is_file()))
 }
 
 /// The command line.

@@ -4,12 +4,13 @@ use std::fmt::{Display, Write};
 use std::fs;
 
 use anyhow::{Context, Result};
+use heck::ToShoutySnakeCase;
 use lashloop_protocol::enums::{FLAG_SETS, ParameterType, TorqueStatus, VALUE_LISTS};
 use lashloop_protocol::layout::{FieldLayout, FieldType, UNITS};
 use lashloop_protocol::limits::{CRC_LEN, MAX_FRAME, PROTOCOL_VERSION};
 use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
-use crate::header::screaming;
+use crate::paths;
 
 /// Path of the dissector, relative to the workspace.
 const PATH: &str = "tools/wireshark/lashloop.lua";
@@ -22,7 +23,7 @@ const END: &str = "-- END generated\n";
 /// # Errors
 /// The dissector can't be read or written, or has lost its markers.
 pub(crate) fn write() -> Result<()> {
-    let path = crate::paths::root().join(PATH);
+    let path = paths::root().join(PATH);
     let script = fs::read_to_string(&path).with_context(|| format!("{} can't be read", path.display()))?;
     fs::write(&path, with_tables(&script)?).with_context(|| format!("{} can't be written", path.display()))
 }
@@ -42,15 +43,15 @@ fn tables() -> Result<String> {
     writeln!(lua, "local CRC_LEN = {CRC_LEN}")?;
     writeln!(lua, "local STATE_MASK = {:#04x}", TorqueStatus::STATE_MASK)?;
     // Lua limits the number of locals, so lists that no field refers to are omitted.
-    let in_fields = |name: &str| messages.contains(&screaming(name)) || name == ParameterType::LIST.name;
+    let in_fields =
+        |name: &str| messages.contains(&name.to_shouty_snake_case()) || name == ParameterType::LIST.name;
     for list in VALUE_LISTS.iter().filter(|list| in_fields(list.name)) {
         names(&mut lua, list.name, list.values)?;
     }
     for set in FLAG_SETS {
         names(&mut lua, set.name, set.flags)?;
     }
-    writeln!(lua, "\n-- Units by the suffix of a field's name; the first match applies")?;
-    writeln!(lua, "local UNITS = {{")?;
+    writeln!(lua, "\n-- Units by the suffix of a field's name; the first match applies\nlocal UNITS = {{")?;
     for (suffix, unit) in UNITS {
         writeln!(lua, "    {{ \"{suffix}$\", \"{unit}\" }},")?;
     }
@@ -73,7 +74,7 @@ fn messages() -> Result<String> {
 }
 
 fn names(lua: &mut String, name: &str, values: &[(impl Display, &str)]) -> Result<()> {
-    writeln!(lua, "local {} = {{", screaming(name))?;
+    writeln!(lua, "local {} = {{", name.to_shouty_snake_case())?;
     for (value, name) in values {
         writeln!(lua, "    [{value}] = \"{name}\",")?;
     }
@@ -84,19 +85,19 @@ fn names(lua: &mut String, name: &str, values: &[(impl Display, &str)]) -> Resul
 /// The field's type, as the dissector constructs it.
 fn constructor(field: &FieldLayout) -> String {
     match field.ty {
-        FieldType::U8 => "u8".to_owned(),
-        FieldType::U16 => "u16".to_owned(),
-        FieldType::U32 => "u32".to_owned(),
-        FieldType::I24 => "i24".to_owned(),
-        FieldType::F32 => "f32".to_owned(),
-        FieldType::Enum(list) => format!("enum({})", screaming(list.name)),
-        FieldType::Flags(set) => format!("flags({}, {})", field.len, screaming(set.name)),
+        FieldType::U8 => "u8".into(),
+        FieldType::U16 => "u16".into(),
+        FieldType::U32 => "u32".into(),
+        FieldType::I24 => "i24".into(),
+        FieldType::F32 => "f32".into(),
+        FieldType::Enum(list) => format!("enum({})", list.name.to_shouty_snake_case()),
+        FieldType::Flags(set) => format!("flags({}, {})", field.len, set.name.to_shouty_snake_case()),
         FieldType::Status { states, flags } => {
-            format!("status({}, {})", screaming(states.name), screaming(flags.name))
+            format!("status({}, {})", states.name.to_shouty_snake_case(), flags.name.to_shouty_snake_case())
         }
         FieldType::Text => format!("text({})", field.len),
-        FieldType::ParameterValue => "value".to_owned(),
-        FieldType::Version => "version".to_owned(),
+        FieldType::ParameterValue => "value".into(),
+        FieldType::Version => "version".into(),
     }
 }
 
@@ -106,8 +107,7 @@ mod tests {
 
     #[test]
     fn the_committed_tables_are_those_of_the_layouts() {
-        let committed =
-            fs::read_to_string(crate::paths::root().join(PATH)).expect("the dissector is committed");
+        let committed = fs::read_to_string(paths::root().join(PATH)).expect("the dissector is committed");
         let generated = with_tables(&committed).expect("markers in the dissector");
         assert!(committed == generated, "{PATH} is out of date: run `cargo xtask header`");
     }

@@ -5,12 +5,12 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use anyhow::{Context, Result};
 
-use crate::test_counts::Counts;
-use crate::{command, paths};
+use crate::command::{cargo, command, first_line, run};
+use crate::counts::Counts;
+use crate::paths;
 
 const TARGETS: [&str; 3] = ["decoder", "drive", "scenario"];
 
@@ -26,36 +26,18 @@ const COVERAGE: &str = "--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-saniti
 ///
 /// # Errors
 /// The fuzzers can't be built.
-pub(crate) fn run(seconds: u32) -> Result<Counts> {
-    let triple = command::first_line(command::rustc().args(["--print", "host-tuple"]));
-    let triple = triple.context("rustc prints no host tuple")?;
-    // The target is named, so that the flags don't apply to build scripts.
-    let mut build = command::cargo();
-    build.args([
-        "build",
-        "--locked",
-        "--release",
-        "--bins",
-        "--manifest-path",
-        "fuzz/Cargo.toml",
-        "--target",
-        &triple,
-    ]);
-    build.arg("--target-dir").arg(folder()).env("RUSTFLAGS", COVERAGE);
-    command::run(&mut build).context(
+pub(crate) fn run_all(seconds: u32) -> Result<Counts> {
+    let triple =
+        first_line(&mut command("rustc", "--print host-tuple")).context("rustc prints no host tuple")?;
+    // The target triple is named, so that the flags don't apply to build scripts.
+    let build = "build --locked --release --manifest-path fuzz/Cargo.toml --bins --target";
+    run(cargo(build).arg(&triple).arg("--target-dir").arg(folder()).env("RUSTFLAGS", COVERAGE)).context(
         "the fuzzers don't build; if the C++ compiler for libFuzzer is missing, install one (g++ on Debian)",
     )?;
     let programs = folder().join(triple).join("release");
     let mut counts = Counts::default();
     for target in TARGETS {
-        println!("== fuzz {target}, {seconds} s");
-        match fuzz(&programs, target, seconds) {
-            Ok(()) => counts.passed += 1,
-            Err(error) => {
-                println!("fuzz {target} failed: {error:#}");
-                counts.failed += 1;
-            }
-        }
+        counts.step(&format!("fuzz {target}, {seconds} s"), || fuzz(&programs, target, seconds));
     }
     Ok(counts)
 }
@@ -63,18 +45,16 @@ pub(crate) fn run(seconds: u32) -> Result<Counts> {
 /// # Errors
 /// The fuzzer found an input, or can't be run.
 fn fuzz(programs: &Path, target: &str, seconds: u32) -> Result<()> {
-    let corpus = folder().join("corpus").join(target);
-    let artifacts = paths::root().join("fuzz/artifacts").join(target);
+    let sources = paths::root().join("fuzz");
+    let (corpus, artifacts) = (folder().join("corpus").join(target), sources.join("artifacts").join(target));
     for folder in [&corpus, &artifacts] {
         fs::create_dir_all(folder).with_context(|| format!("{} can't be created", folder.display()))?;
     }
-    let mut fuzzer = Command::new(programs.join(target));
-    fuzzer.current_dir(paths::root().join("fuzz"));
+    let mut fuzzer = command(programs.join(target), "-timeout=10 -verbosity=0 -print_final_stats=1");
+    fuzzer.current_dir(&sources).arg(format!("-max_total_time={seconds}"));
     fuzzer.arg(format!("-artifact_prefix={}/", artifacts.display()));
-    fuzzer.arg(format!("-max_total_time={seconds}"));
-    fuzzer.args(["-timeout=10", "-verbosity=0", "-print_final_stats=1"]);
-    fuzzer.arg(corpus).arg(paths::root().join("fuzz/corpus").join(target));
-    command::run(&mut fuzzer).with_context(|| format!("its input is in {}", artifacts.display()))
+    run(fuzzer.arg(corpus).arg(sources.join("corpus").join(target)))
+        .with_context(|| format!("its input is in {}", artifacts.display()))
 }
 
 fn folder() -> PathBuf {

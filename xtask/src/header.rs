@@ -6,13 +6,15 @@
 use std::fmt::Write;
 use std::fs;
 
-use crate::paths;
 use anyhow::{Context, Result, ensure};
 use crc::CRC_32_ISCSI;
+use heck::{ToShoutySnakeCase, ToSnakeCase};
 use lashloop_protocol::enums::{FLAG_SETS, ParameterType, TorqueStatus, VALUE_LISTS};
 use lashloop_protocol::layout::{FieldLayout, FieldType, FlagSet, MessageLayout, ValueList};
 use lashloop_protocol::limits::{CRC_LEN, DELIMITER, MAX_BODY, MAX_FRAME, OVERHEAD, PROTOCOL_VERSION};
 use lashloop_protocol::{DriveMessage, HostMessage, Message, crc as frame_crc};
+
+use crate::paths;
 
 /// Path of the header, relative to the workspace.
 const PATH: &str = "protocol/include/lashloop.h";
@@ -44,14 +46,32 @@ pub(crate) fn write() -> Result<()> {
 fn text() -> Result<String> {
     let mut header = String::from(BEGINNING);
     limits(&mut header)?;
-    for values in VALUE_LISTS {
-        list(&mut header, values)?;
+    for list in VALUE_LISTS {
+        let prefix = list.name.to_shouty_snake_case();
+        let value = |(byte, value): &(u8, &str)| {
+            format!("    LASHLOOP_{prefix}_{} = {byte}", value.to_shouty_snake_case())
+        };
+        // C11 accepts a trailing comma; C++98, still in use on microcontrollers, does not.
+        let values = list.values.iter().map(value).collect::<Vec<_>>().join(",\n");
+        writeln!(header, "\nenum lashloop_{} {{\n{values}\n}};", prefix.to_lowercase())?;
     }
     for set in FLAG_SETS {
-        flags(&mut header, set)?;
+        header.push('\n');
+        for (mask, flag) in set.flags {
+            writeln!(header, "#define LASHLOOP_{}_{flag} {mask:#x}", set.name.to_shouty_snake_case())?;
+        }
     }
-    messages(&mut header, "HOST", HostMessage::LAYOUTS)?;
-    messages(&mut header, "DRIVE", DriveMessage::LAYOUTS)?;
+    for (sender, layouts) in [("HOST", HostMessage::LAYOUTS), ("DRIVE", DriveMessage::LAYOUTS)] {
+        for layout in layouts {
+            message(&mut header, layout)?;
+        }
+        writeln!(header, "\n/* X(name, kind, body length) for every message that this side sends. */")?;
+        write!(header, "#define LASHLOOP_{sender}_MESSAGES(X)")?;
+        for MessageLayout { name, kind, body_len, .. } in layouts {
+            write!(header, " \\\n    X({}, {kind:#04x}, {body_len})", name.to_shouty_snake_case())?;
+        }
+        header.push('\n');
+    }
     header.push_str("\n#endif\n");
     Ok(header)
 }
@@ -62,71 +82,35 @@ fn limits(header: &mut String) -> Result<()> {
         crc.check == frame_crc::checksum(b"123456789") && crc.refin && crc.refout,
         "frames no longer carry CRC-32/ISCSI, which the header declares"
     );
-    let numbers = [
-        ("PROTOCOL_VERSION", PROTOCOL_VERSION.into(), "in Hello and Identity"),
-        ("MAX_FRAME", MAX_FRAME, "longest frame in bytes, COBS code and delimiter included"),
-        ("MAX_BODY", MAX_BODY, "longest body in bytes: kind and fields"),
-        ("OVERHEAD", OVERHEAD, "bytes of a frame beyond its body: COBS code, CRC, delimiter"),
-        ("DELIMITER", DELIMITER.into(), "ends every frame and occurs nowhere else"),
-        ("CRC_LEN", CRC_LEN, "bytes, little endian, after the body"),
-        ("STATUS_STATE_MASK", TorqueStatus::STATE_MASK.into(), "bits of a status byte that hold the state"),
-    ];
-    header.push('\n');
-    for (name, number, meaning) in numbers {
-        writeln!(header, "#define LASHLOOP_{name} {number} /* {meaning} */")?;
-    }
-    let words = [
-        ("POLYNOMIAL", crc.poly, "CRC-32/ISCSI, over the body"),
+    let word = |word: u32| format!("{word:#010x}u");
+    let reflected = "for a loop that shifts right, as input and output are reflected";
+    let limits = [
+        ("PROTOCOL_VERSION", PROTOCOL_VERSION.to_string(), "in Hello and Identity"),
+        ("MAX_FRAME", MAX_FRAME.to_string(), "longest frame in bytes, COBS code and delimiter included"),
+        ("MAX_BODY", MAX_BODY.to_string(), "longest body in bytes: kind and fields"),
+        ("OVERHEAD", OVERHEAD.to_string(), "bytes of a frame beyond its body: COBS code, CRC, delimiter"),
+        ("DELIMITER", DELIMITER.to_string(), "ends every frame and occurs nowhere else"),
+        ("CRC_LEN", CRC_LEN.to_string(), "bytes, little endian, after the body"),
         (
-            "POLYNOMIAL_REFLECTED",
-            crc.poly.reverse_bits(),
-            "for a loop that shifts right, as input and output are reflected",
+            "STATUS_STATE_MASK",
+            TorqueStatus::STATE_MASK.to_string(),
+            "bits of a status byte that hold the state",
         ),
-        ("INIT", crc.init, "register before the first byte"),
-        ("XOROUT", crc.xorout, "exclusive or after the last byte"),
-        ("CHECK", crc.check, "CRC of the nine bytes \"123456789\""),
+        ("CRC_POLYNOMIAL", word(crc.poly), "CRC-32/ISCSI, over the body"),
+        ("CRC_POLYNOMIAL_REFLECTED", word(crc.poly.reverse_bits()), reflected),
+        ("CRC_INIT", word(crc.init), "register before the first byte"),
+        ("CRC_XOROUT", word(crc.xorout), "exclusive or after the last byte"),
+        ("CRC_CHECK", word(crc.check), "CRC of the nine bytes \"123456789\""),
     ];
-    for (name, word, meaning) in words {
-        writeln!(header, "#define LASHLOOP_CRC_{name} {word:#010x}u /* {meaning} */")?;
-    }
-    Ok(())
-}
-
-fn list(header: &mut String, list: ValueList) -> Result<()> {
-    let prefix = screaming(list.name);
-    writeln!(header, "\nenum lashloop_{} {{", prefix.to_lowercase())?;
-    for (byte, value) in list.values {
-        writeln!(header, "    LASHLOOP_{prefix}_{} = {byte},", screaming(value))?;
-    }
-    // C11 accepts a trailing comma; C++98, still in use on microcontrollers, does not.
-    header.truncate(header.len() - ",\n".len());
-    header.push_str("\n};\n");
-    Ok(())
-}
-
-fn flags(header: &mut String, set: FlagSet) -> Result<()> {
     header.push('\n');
-    for (mask, flag) in set.flags {
-        writeln!(header, "#define LASHLOOP_{}_{flag} {mask:#x}", screaming(set.name))?;
+    for (name, limit, meaning) in limits {
+        writeln!(header, "#define LASHLOOP_{name} {limit} /* {meaning} */")?;
     }
-    Ok(())
-}
-
-fn messages(header: &mut String, sender: &str, layouts: &[MessageLayout]) -> Result<()> {
-    for layout in layouts {
-        message(header, layout)?;
-    }
-    writeln!(header, "\n/* X(name, kind, body length) for every message that this side sends. */")?;
-    write!(header, "#define LASHLOOP_{sender}_MESSAGES(X)")?;
-    for layout in layouts {
-        write!(header, " \\\n    X({}, {:#04x}, {})", screaming(layout.name), layout.kind, layout.body_len)?;
-    }
-    header.push('\n');
     Ok(())
 }
 
 fn message(header: &mut String, layout: &MessageLayout) -> Result<()> {
-    let name = screaming(layout.name);
+    let name = layout.name.to_shouty_snake_case();
     writeln!(header, "\n/* {}: {} */", layout.name, plain(layout.meaning))?;
     writeln!(header, "#define LASHLOOP_{name}_KIND {:#04x}", layout.kind)?;
     writeln!(header, "#define LASHLOOP_{name}_BODY_LEN {}", layout.body_len)?;
@@ -142,14 +126,14 @@ fn message(header: &mut String, layout: &MessageLayout) -> Result<()> {
 
 /// Type of a field, for a C programmer.
 fn c_type(field: &FieldLayout) -> String {
-    let enumeration = |list: ValueList| format!("enum lashloop_{}", screaming(list.name).to_lowercase());
-    let macros = |set: FlagSet| format!("LASHLOOP_{}_*", screaming(set.name));
+    let enumeration = |list: ValueList| format!("enum lashloop_{}", list.name.to_snake_case());
+    let macros = |set: FlagSet| format!("LASHLOOP_{}_*", set.name.to_shouty_snake_case());
     match field.ty {
-        FieldType::U8 => "uint8_t".to_owned(),
-        FieldType::U16 => "uint16_t".to_owned(),
-        FieldType::U32 => "uint32_t".to_owned(),
-        FieldType::I24 => "3 bytes of two's complement".to_owned(),
-        FieldType::F32 => "float, IEEE 754 binary32".to_owned(),
+        FieldType::U8 => "uint8_t".into(),
+        FieldType::U16 => "uint16_t".into(),
+        FieldType::U32 => "uint32_t".into(),
+        FieldType::I24 => "3 bytes of two's complement".into(),
+        FieldType::F32 => "float, IEEE 754 binary32".into(),
         FieldType::Enum(list) => format!("1 byte of {}", enumeration(list)),
         FieldType::Flags(set) => format!("{} bits {}", field.len * 8, macros(set)),
         FieldType::Status { states, flags } => {
@@ -159,22 +143,8 @@ fn c_type(field: &FieldLayout) -> String {
         FieldType::ParameterValue => {
             format!("1 byte of {}, then 4 bytes of that type", enumeration(ParameterType::LIST))
         }
-        FieldType::Version => "major, minor, patch, 1 byte each".to_owned(),
+        FieldType::Version => "major, minor, patch, 1 byte each".into(),
     }
-}
-
-/// `EncoderSample` as `ENCODER_SAMPLE`.
-pub(crate) fn screaming(name: &str) -> String {
-    let mut out = String::new();
-    let mut after_lower_case = false;
-    for letter in name.chars() {
-        if after_lower_case && letter.is_ascii_uppercase() {
-            out.push('_');
-        }
-        after_lower_case = letter.is_ascii_lowercase();
-        out.push(letter.to_ascii_uppercase());
-    }
-    out
 }
 
 /// Documentation without markup.
@@ -196,11 +166,5 @@ mod tests {
             "{PATH} is out of date: run `cargo xtask header` and review the difference"
         );
         assert_eq!(committed.len(), generated.len(), "{PATH} is out of date: run `cargo xtask header`");
-    }
-
-    #[test]
-    fn names_become_c_constants() {
-        assert_eq!(screaming("EncoderSample"), "ENCODER_SAMPLE");
-        assert_eq!(screaming("F32"), "F32");
     }
 }

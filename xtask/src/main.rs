@@ -3,49 +3,32 @@
 mod apt;
 mod arm_toolchain;
 mod checks;
-mod code_lines;
 mod codec_size;
 mod command;
-mod directions;
+mod counts;
 mod dissector;
 mod fuzz;
 mod header;
 mod image;
-mod lines;
-mod metadata;
 mod paths;
-mod production;
 mod python;
 mod rings;
 mod schedule;
 mod setup;
 mod size;
-mod tally;
-mod test_counts;
 mod test_programs;
-mod words;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
-
-use rings::Ring;
+use anyhow::Result;
+use clap::Parser;
 
 #[derive(Parser)]
 #[command(about = "Developer chores of Lashloop", bin_name = "cargo xtask")]
-struct Arguments {
-    #[command(subcommand)]
-    chore: Chore,
-}
-
-#[derive(Subcommand)]
 enum Chore {
     /// Run every check and every test, after `setup`; the last line is the sum
-    Test {
-        #[command(subcommand)]
-        ring: Option<Ring>,
-    },
-    /// Check lockfile, format, words, directions, lines, clippy and rustdoc; the last line is the sum
+    Test(rings::Selection),
+    /// Check lockfile, format, clippy, rustdoc, and the source tree; the last line is the sum
     Check,
     /// Install what the tests need and is missing here, after printing what that is
     Setup,
@@ -56,47 +39,39 @@ enum Chore {
     /// Write the C header of the wire contract, protocol/include/lashloop.h, and the tables of the Wireshark dissector, from the
     /// layouts of the messages
     Header,
-    /// Find words that the project doesn't use
-    Words,
-    /// Find dependencies between crates against their direction, and cycles of files
-    Directions,
-    /// Count the lines of production code and compare them with their limits
-    Lines,
 }
 
-fn main() -> ExitCode {
-    let outcome = match Arguments::parse().chore {
-        Chore::Test { ring: None } => return schedule::run(),
-        Chore::Test { ring: Some(ring) } => return rings::run(&ring),
-        Chore::Check => return checks::run(),
-        Chore::Setup => setup::install_missing(),
-        Chore::Image => image::build().and_then(|()| size::print().map(drop)),
-        Chore::Size => size::check(),
-        Chore::Header => header::write().and_then(|()| dissector::write()),
-        Chore::Words => words::check(),
-        Chore::Directions => directions::check(),
-        Chore::Lines => lines::check(),
-    };
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("xtask: {error:#}");
-            ExitCode::FAILURE
+fn main() -> Result<ExitCode> {
+    match Chore::parse() {
+        Chore::Test(selection) => {
+            return Ok(selection.ring.map_or_else(schedule::run, |ring| selection.run(ring)).print());
+        }
+        Chore::Check => return Ok(checks::run_all().print()),
+        Chore::Setup => setup::install_missing()?,
+        Chore::Image => {
+            image::build()?;
+            size::print()?;
+        }
+        Chore::Size => size::check()?,
+        Chore::Header => {
+            header::write()?;
+            dissector::write()?;
         }
     }
+    Ok(ExitCode::SUCCESS)
 }
 
 #[cfg(test)]
 mod tests {
     use clap::Parser;
 
-    use super::{Arguments, schedule};
+    use super::{Chore, schedule};
 
     #[test]
     fn every_chore_of_the_schedule_is_a_command() {
         for chore in schedule::STAGES.into_iter().flatten().copied().flatten() {
             let words = ["xtask"].into_iter().chain(chore.split(' '));
-            assert!(Arguments::try_parse_from(words).is_ok(), "{chore}");
+            assert!(Chore::try_parse_from(words).is_ok(), "{chore}");
         }
     }
 }

@@ -1,14 +1,14 @@
 //! The Python package in `clients/python`: its virtual environment in `target/python`, and its checks.
 
 use std::fs;
-use std::io::{self, BufReader};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::path::PathBuf;
+use std::process::Command;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, ensure};
 
-use crate::test_counts::Counts;
-use crate::{command, paths};
+use crate::command::{cargo, command, first_line, run};
+use crate::counts::Counts;
+use crate::paths;
 
 /// The oldest Python the package runs with, as `requires-python` in its `pyproject.toml` has it.
 const OLDEST: (u32, u32) = (3, 10);
@@ -19,25 +19,27 @@ const OLDEST: (u32, u32) = (3, 10);
 /// What could not be installed, and what to do.
 pub(crate) fn set_up() -> Result<()> {
     make_environment()?;
-    install().context("the Python package could not be installed into target/python: is there a network?")?;
+    run(&mut tool(
+        "pip install --quiet --disable-pip-version-check --retries 2 --timeout 30 --editable .[test]",
+    ))
+    .context("the Python package could not be installed into target/python: is there a network?")?;
     fs::write(installed(), manifest()?).context("target/python can't be written")
 }
 
 /// Whether the virtual environment works and has what `pyproject.toml` names.
 pub(crate) fn is_set_up() -> bool {
-    works(&interpreter())
+    first_line(&mut command(interpreter(), "--version")).is_some()
         && fs::read_to_string(installed()).is_ok_and(|found| manifest().is_ok_and(|wanted| found == wanted))
 }
 
-fn manifest() -> Result<String> {
-    fs::read_to_string(package().join("pyproject.toml")).context("clients/python has no pyproject.toml")
+/// A Python that is new enough and can create a virtual environment with pip.
+pub(crate) fn find() -> Option<&'static str> {
+    find_with("ensurepip, venv")
 }
 
 /// Checks lints, format and types.
 pub(crate) fn lint() -> Result<()> {
-    command::run(tool("ruff").args(["check", "."]))?;
-    command::run(tool("ruff").args(["format", "--check", "."]))?;
-    command::run(&mut tool("mypy"))
+    ["ruff check .", "ruff format --check .", "mypy"].into_iter().try_for_each(|check| run(&mut tool(check)))
 }
 
 /// Runs pytest.
@@ -46,26 +48,12 @@ pub(crate) fn lint() -> Result<()> {
 /// pytest can't be run, or ran no test.
 pub(crate) fn test() -> Result<Counts> {
     // The package drives the native twin, built as the Rust tests build it.
-    let twin = paths::root().join("target/debug/lashloop");
-    command::run(
-        command::cargo()
-            .args(["build", "--quiet", "--workspace", "--bin", "lashloop", "--target-dir"])
-            .arg(paths::root().join("target")),
-    )?;
+    let target = paths::root().join("target");
+    run(cargo("build --quiet --workspace --bin lashloop --target-dir").arg(&target))?;
     let mut tests = tool("pytest");
-    tests.env("LASHLOOP_BIN", twin).stdin(Stdio::null()).stdout(Stdio::piped());
-    let mut child = tests.spawn().with_context(|| command::cannot_start(&tests))?;
-    let stdout = child.stdout.take().context("the output of pytest was not kept")?;
-    let counts = Counts::of_pytest(BufReader::new(stdout), io::stdout())?;
-    let status = child.wait()?;
-    // A pytest that is killed prints no count.
-    if !status.success() && counts.failed == 0 {
-        println!("pytest ended with {status}");
-        return Ok(Counts { failed: 1, ..counts });
-    }
-    if counts.passed == 0 {
-        bail!("pytest ran no test");
-    }
+    tests.env("LASHLOOP_BIN", target.join("debug/lashloop"));
+    let counts = Counts::of_output(tests, Counts::of_pytest, |line| println!("{line}"))?;
+    ensure!(counts != Counts::default(), "pytest ran no test");
     Ok(counts)
 }
 
@@ -73,12 +61,12 @@ fn package() -> PathBuf {
     paths::root().join("clients/python")
 }
 
-fn environment() -> PathBuf {
-    paths::root().join("target/python")
+fn manifest() -> Result<String> {
+    fs::read_to_string(package().join("pyproject.toml")).context("clients/python has no pyproject.toml")
 }
 
-fn interpreter() -> PathBuf {
-    environment().join("bin/python")
+fn environment() -> PathBuf {
+    paths::root().join("target/python")
 }
 
 /// A copy of the `pyproject.toml` that was installed.
@@ -86,65 +74,39 @@ fn installed() -> PathBuf {
     environment().join("installed-pyproject.toml")
 }
 
-fn tool(name: &str) -> Command {
-    let mut command = Command::new(interpreter());
-    command.args(["-m", name]).current_dir(package());
+fn interpreter() -> PathBuf {
+    environment().join("bin/python")
+}
+
+/// A module of the virtual environment, run as a program, with its arguments.
+fn tool(module: &str) -> Command {
+    let mut command = command(interpreter(), &format!("-m {module}"));
+    command.current_dir(package());
     command
 }
 
-fn works(python: &Path) -> bool {
-    command::first_line(Command::new(python).args(["-c", "print(1)"])).is_some()
-}
-
-/// A Python that is new enough and can create a virtual environment with pip. We try the system's too: Debian's packages
-/// don't complete another Python that comes first in `PATH`.
-pub(crate) fn find_python() -> Option<PathBuf> {
-    candidates().find(|python| can(python, "import ensurepip, venv"))
-}
-
-fn candidates() -> impl Iterator<Item = PathBuf> {
-    let names = ["python3", "/usr/bin/python3"];
-    names.into_iter().filter_map(|name| {
-        if name.starts_with('/') { Some(name.into()) } else { command::find_program(name) }
-    })
-}
-
-/// Whether this Python is new enough and runs the statement `what`.
-fn can(python: &Path, what: &str) -> bool {
-    let program = format!("import sys; {what}; print(sys.version_info >= {OLDEST:?})");
-    command::first_line(Command::new(python).args(["-c", &program])).is_some_and(|line| line == "True")
+/// A Python that is new enough and has the modules. We try the system's too: Debian's packages don't complete another Python
+/// that comes first in `PATH`.
+fn find_with(modules: &str) -> Option<&'static str> {
+    let program = format!("import sys, {modules}; print(sys.version_info >= {OLDEST:?})");
+    ["python3", "/usr/bin/python3"]
+        .into_iter()
+        .find(|python| first_line(command(python, "-c").arg(&program)).is_some_and(|line| line == "True"))
 }
 
 fn make_environment() -> Result<()> {
-    let (python, without_pip) = match find_python() {
-        Some(python) => (python, false),
-        // A Python without ensurepip can still create an environment, which its own pip fills.
-        None => (candidates().find(|python| can(python, "import venv, pip")).with_context(no_python)?, true),
-    };
-    let mut make = Command::new(&python);
-    make.args(["-m", "venv", "--clear"]);
-    if without_pip {
-        make.arg("--without-pip");
+    if let Some(python) = find() {
+        return run(command(python, "-m venv --clear").arg(environment()));
     }
-    command::run(make.arg(environment()))?;
-    if without_pip {
-        let mut install_pip = Command::new(python);
-        install_pip.args(["-m", "pip", "--python"]).arg(interpreter()).args(["install", "--quiet", "pip"]);
-        command::run(&mut install_pip).context("pip could not be installed into target/python")?;
-    }
-    Ok(())
-}
-
-fn no_python() -> String {
+    // A Python without ensurepip can still create an environment, which its own pip fills.
     let (major, minor) = OLDEST;
-    format!(
-        "there is no Python {major}.{minor} or newer that can create a virtual environment: install one with `venv` and `ensurepip` \
-         (python3 and python3-venv on Debian) and call again"
-    )
-}
-
-fn install() -> Result<()> {
-    let mut pip = tool("pip");
-    pip.args(["install", "--quiet", "--disable-pip-version-check", "--retries", "2", "--timeout", "30"]);
-    command::run(pip.args(["--editable", ".[test]"]))
+    let python = find_with("venv, pip").with_context(|| {
+        format!(
+            "no Python {major}.{minor} or newer can create a virtual environment here: install one with `venv` and \
+             `ensurepip` (python3 and python3-venv on Debian) and call again"
+        )
+    })?;
+    run(command(python, "-m venv --clear --without-pip").arg(environment()))?;
+    run(command(python, "-m pip --python").arg(interpreter()).args(["install", "--quiet", "pip"]))
+        .context("pip could not be installed into target/python")
 }

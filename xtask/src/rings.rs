@@ -1,128 +1,109 @@
 //! The rings of tests: from tests of pure functions to the image in the emulator.
 
-use std::process::ExitCode;
-
-use clap::{Args, Subcommand, ValueEnum};
+use anyhow::Result;
+use clap::{Args, ValueEnum};
 
 use crate::arm_toolchain::ArmToolchain;
-use crate::tally::Tally;
-use crate::test_programs::{self, TestProgram};
-use crate::{command, fuzz, image, python, size};
+use crate::command::{cargo, run};
+use crate::counts::Counts;
+use crate::{fuzz, image, python, size, test_programs};
 
-#[derive(Subcommand, PartialEq, Eq)]
+#[derive(Args)]
+pub(crate) struct Selection {
+    /// The tests of one ring alone, without `setup`
+    pub(crate) ring: Option<Ring>,
+    /// Only the ring's tests that need a quiet machine, or all others
+    #[arg(long, requires = "ring")]
+    timing: Option<Timing>,
+    /// Time for each fuzzer
+    #[arg(long, requires = "ring", default_value_t = 20)]
+    seconds: u32,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Ring {
     /// Tests without the `lashloop` program, pseudo-terminals between processes, or emulator
-    Unit {
-        #[command(flatten)]
-        part: Part,
-    },
+    Unit,
     /// Tests of the `lashloop` program and of drives on pseudo-terminals
-    Loop {
-        #[command(flatten)]
-        part: Part,
-    },
+    Loop,
     /// The Cortex-M image: build, size, clippy, and tests in the emulator
     Image,
     /// The Python package: lint, its own tests, and its drive on the bench
     Python,
     /// Every fuzzer for a bounded time
-    Fuzz {
-        /// Time for each fuzzer
-        #[arg(long, default_value_t = 20)]
-        seconds: u32,
-    },
-}
-
-#[derive(Args, PartialEq, Eq)]
-pub(crate) struct Part {
-    /// Only tests that need a quiet machine, or all others
-    #[arg(long)]
-    timing: Option<Timing>,
+    Fuzz,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Timing {
+enum Timing {
     Timed,
     Untimed,
 }
 
-/// Modules, by package and target, whose tests run in real time or measure time: they need a quiet machine.
-const TIMED: [(&str, &str, &[&str]); 2] = [
-    ("lashloop-bench", "lashloop_bench", &["real_time::"]),
-    ("tests", "looped", &["budget::", "compared::", "idle::", "real_time::", "speed::", "wire::"]),
-];
-
-impl Ring {
-    /// A new test program belongs to the unit ring.
-    fn has(&self, program: &TestProgram) -> bool {
-        match (program.package.as_str(), program.target.as_str()) {
-            ("tests", "looped" | "conforming") | ("lashloop", "tools") => matches!(self, Self::Loop { .. }),
-            ("tests", "emulated") => *self == Self::Image,
-            ("tests", "python") => *self == Self::Python,
-            _ => matches!(self, Self::Unit { .. }),
-        }
-    }
-
-    fn timing(&self) -> Option<Timing> {
-        match self {
-            Self::Unit { part } | Self::Loop { part } => part.timing,
-            Self::Image | Self::Python | Self::Fuzz { .. } => None,
-        }
-    }
-
-    /// The runs of a test program in this ring, each with its arguments.
-    fn runs_of(&self, program: &TestProgram) -> Vec<Vec<&'static str>> {
-        if !self.has(program) {
-            return Vec::new();
-        }
-        let is_program =
-            |entry: &&(&str, &str, _)| (entry.0, entry.1) == (&*program.package, &*program.target);
-        let timed = TIMED.iter().find(is_program).map(|(_, _, modules)| modules.to_vec());
-        let untimed = timed.iter().flatten().flat_map(|module| ["--skip", module]).collect();
-        match self.timing() {
-            None => [untimed].into_iter().chain(timed).collect(),
-            Some(Timing::Untimed) => vec![untimed],
-            Some(Timing::Timed) => timed.into_iter().collect(),
-        }
+/// The ring of a test program. A new test program belongs to the unit ring.
+fn ring_of(program: &str) -> Option<Ring> {
+    match program {
+        // A part of `cargo xtask check`.
+        "tests tree" => None,
+        "tests looped" | "tests conforming" | "host tools" => Some(Ring::Loop),
+        "tests emulated" => Some(Ring::Image),
+        "tests python" => Some(Ring::Python),
+        _ => Some(Ring::Unit),
     }
 }
 
-/// Runs one ring. The last line printed is the sum.
-pub(crate) fn run(ring: &Ring) -> ExitCode {
-    let mut tally = Tally::default();
-    match ring {
-        Ring::Unit { part } => {
-            run_programs(ring, &mut tally);
-            if part.timing != Some(Timing::Timed) {
-                tally.counted("documentation examples", test_programs::documentation);
+/// Modules of a test program whose tests run in real time or measure time: they need a quiet machine.
+fn timed_modules(program: &str) -> &'static [&'static str] {
+    match program {
+        "host/bench lashloop_bench" => &["real_time::"],
+        "tests looped" => &["budget::", "compared::", "idle::", "real_time::", "speed::", "wire::"],
+        _ => &[],
+    }
+}
+
+impl Selection {
+    pub(crate) fn run(&self, ring: Ring) -> Counts {
+        let mut counts = Counts::default();
+        match ring {
+            Ring::Unit if self.timing != Some(Timing::Timed) => {
+                counts.step("documentation examples", documentation);
+            }
+            Ring::Image => {
+                counts.step("image", image::build);
+                counts.step("image size", size::check);
+                counts.step("image clippy", || run(&mut ArmToolchain::find()?.clippy()?));
+            }
+            Ring::Python => {
+                counts.step("python lint", python::lint);
+                counts.step("python tests", python::test);
+            }
+            Ring::Fuzz => {
+                counts.step("fuzz", || fuzz::run_all(self.seconds));
+                return counts;
+            }
+            Ring::Unit | Ring::Loop => {}
+        }
+        let mut programs = Vec::new();
+        counts.step("test programs", || {
+            programs = test_programs::build()?;
+            Ok(Counts::default())
+        });
+        for program in programs.iter().filter(|program| ring_of(&program.name) == Some(ring)) {
+            let timed = timed_modules(&program.name);
+            if self.timing != Some(Timing::Timed) {
+                let untimed: String = timed.iter().map(|module| format!(" --skip {module}")).collect();
+                counts.step(&program.name, || program.run(&untimed));
+            }
+            if self.timing != Some(Timing::Untimed) && !timed.is_empty() {
+                counts.step(&format!("{}, timed", program.name), || program.run(&timed.join(" ")));
             }
         }
-        Ring::Loop { .. } => run_programs(ring, &mut tally),
-        Ring::Image => {
-            tally.step("image", image::build);
-            tally.step("image size", size::check);
-            tally.step("image clippy", || command::run(&mut ArmToolchain::find()?.clippy()?));
-            run_programs(ring, &mut tally);
-        }
-        Ring::Python => {
-            tally.step("python lint", python::lint);
-            run_programs(ring, &mut tally);
-            tally.counted("python tests", python::test);
-        }
-        Ring::Fuzz { seconds } => tally.counted("fuzz", || fuzz::run(*seconds)),
+        counts
     }
-    tally.finish()
 }
 
-fn run_programs(ring: &Ring, tally: &mut Tally) {
-    let programs = match test_programs::build() {
-        Ok(programs) => programs,
-        Err(error) => return tally.step("test programs", || Err(error)),
-    };
-    for program in &programs {
-        for arguments in ring.runs_of(program) {
-            let name = [&program.package, &program.target].map(String::as_str).join(" ");
-            tally.counted(&name, || program.run(&arguments));
-        }
-    }
+/// The examples in doc comments.
+fn documentation() -> Result<Counts> {
+    let tests = cargo("test --workspace --doc --no-fail-fast");
+    Counts::of_output(tests, Counts::of_libtest, |line| println!("{line}"))
 }

@@ -1,12 +1,10 @@
-//! Installing what is missing, announced before it happens. Nothing asks a question and nothing waits without end.
+//! Installing what is missing, announced before it happens. No installer asks a question or waits without a limit.
 
-use std::time::Duration;
+use anyhow::{Context, Result, anyhow, ensure};
 
-use anyhow::{Context, Result, ensure};
-
-use crate::apt;
 use crate::arm_toolchain::{ArmToolchain, TARGET};
-use crate::{command, python};
+use crate::command::{command, is_installed, run};
+use crate::{apt, python};
 
 /// Programs that the tests call, each with the Debian package that has it.
 const PROGRAMS: [(&str, &str); 3] =
@@ -15,89 +13,55 @@ const PROGRAMS: [(&str, &str); 3] =
 const DEBIAN_RUST: [&str; 3] = ["rustc-web", "rust-web-src", "rust-web-clippy"];
 const DEBIAN_PYTHON: [&str; 2] = ["python3", "python3-venv"];
 
-/// rustup waits long for a server it can't reach.
-const RUSTUP_LIMIT: Duration = Duration::from_secs(60);
-
-/// What is missing here.
-struct Missing {
-    /// Debian packages of missing programs.
-    programs: Vec<&'static str>,
-    arm_core: bool,
-    python: bool,
-    python_package: bool,
-}
-
 /// Installs the emulator, a reader of captures, a C++ compiler, a core library for Arm and the Python package.
 ///
 /// # Errors
 /// What could not be installed, and what to do.
 pub(crate) fn install_missing() -> Result<()> {
-    let missing = Missing::find();
-    missing.announce();
-    let Missing { programs, arm_core, python, python_package } = missing;
+    let missing_programs = || PROGRAMS.into_iter().filter(|(program, _)| !is_installed(program));
+    let needs_arm_core = ArmToolchain::find().is_err();
+    let needs_python_package = !python::is_set_up();
+    let mut packages: Vec<_> = missing_programs().map(|(_, package)| package).collect();
+    if needs_python_package && python::find().is_none() {
+        packages.extend(DEBIAN_PYTHON);
+    }
+
+    let by_apt = if apt::is_root() { "by apt-get" } else { "by apt-get, as root through sudo" };
+    let debian_rust = DEBIAN_RUST.join(", ");
+    let plan: String = [
+        (!packages.is_empty()).then(|| format!("\n  {}: {by_apt}", packages.join(", "))),
+        needs_arm_core.then(|| {
+            format!("\n  core library for {TARGET}: by rustup; without its server {debian_rust}: {by_apt}")
+        }),
+        needs_python_package
+            .then(|| "\n  the Python package with its test tools: by pip, into target/python".to_owned()),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    println!("setup: {}{plan}", if plan.is_empty() { "nothing is missing" } else { "installs" });
+
     // One failure doesn't keep the rest from being installed.
-    let mut failures = Vec::new();
-    let python_packages: &[_] = if python { &DEBIAN_PYTHON } else { &[] };
-    if let Err(error) = apt::install(&[&programs[..], python_packages].concat()) {
-        failures.push(format!("{error:#}"));
+    let mut outcomes = vec![apt::install(&packages)];
+    outcomes.extend(missing_programs().map(|(program, package)| {
+        Err(anyhow!("{program} is missing: install it (Debian package {package}) and call again"))
+    }));
+    if needs_arm_core {
+        outcomes.push(install_arm_core());
     }
-    for (program, package) in PROGRAMS {
-        if command::find_program(program).is_none() {
-            failures
-                .push(format!("{program} is missing: install it (Debian package {package}) and call again"));
-        }
+    if needs_python_package {
+        outcomes.push(python::set_up());
     }
-    let installed = [
-        if arm_core { install_arm_core() } else { Ok(()) },
-        if python_package { python::set_up() } else { Ok(()) },
-    ];
-    failures.extend(installed.into_iter().filter_map(Result::err).map(|error| format!("{error:#}")));
+    let failures: Vec<_> =
+        outcomes.into_iter().filter_map(Result::err).map(|error| format!("{error:#}")).collect();
     ensure!(failures.is_empty(), "{}", failures.join("\n"));
     Ok(())
 }
 
-impl Missing {
-    fn find() -> Self {
-        let missing = PROGRAMS.into_iter().filter(|(program, _)| command::find_program(program).is_none());
-        let python_package = !python::is_set_up();
-        Self {
-            programs: missing.map(|(_, package)| package).collect(),
-            arm_core: ArmToolchain::find().is_err(),
-            python: python_package && python::find_python().is_none(),
-            python_package,
-        }
-    }
-
-    fn announce(&self) {
-        let mut plan = Vec::new();
-        let by_apt = if apt::is_root() { "by apt-get" } else { "by apt-get, as root through sudo" };
-        if !self.programs.is_empty() {
-            plan.push(format!("{}: {by_apt}", self.programs.join(", ")));
-        }
-        if self.arm_core {
-            plan.push(format!(
-                "core library for {TARGET}: by rustup; without its server {}: {by_apt}",
-                DEBIAN_RUST.join(", ")
-            ));
-        }
-        if self.python {
-            plan.push(format!("{}: {by_apt}", DEBIAN_PYTHON.join(", ")));
-        }
-        if self.python_package {
-            plan.push("the Python package with its test tools: by pip, into target/python".to_owned());
-        }
-        if plan.is_empty() {
-            println!("setup: nothing is missing");
-        } else {
-            println!("setup installs\n  {}", plan.join("\n  "));
-        }
-    }
-}
-
 fn install_arm_core() -> Result<()> {
-    if command::find_program("rustup").is_some() {
-        let mut rustup = command::rustup();
-        let added = command::run_for(rustup.args(["target", "add", TARGET]), RUSTUP_LIMIT);
+    if is_installed("rustup") {
+        // rustup waits long for a server it can't reach.
+        let added = run(command("timeout", "60 rustup target add").arg(TARGET));
         // rustup may have added it to another compiler than the one in PATH, so its exit code is not enough.
         if ArmToolchain::find().is_ok() {
             return Ok(());

@@ -184,8 +184,8 @@ def python_drive() -> Program:
 
 def rust_twin() -> Program:
     """`lashloop device` of the Rust workspace; never omitted."""
-    binary = Path(os.environ.get("LASHLOOP_BIN", WORKSPACE / "target/release/lashloop"))
+    binary = Path(os.environ.get("LASHLOOP_BIN", WORKSPACE / "target/debug/lashloop"))
     assert binary.is_file(), (
-        f"{binary} is missing: build it with `cargo build --release -p lashloop`, or name one in LASHLOOP_BIN"
+        f"{binary} is missing: build it with `cargo build -p lashloop`, or name one in LASHLOOP_BIN"
     )
     return Program([binary, "device"])

@@ -1,15 +1,23 @@
 //! The workspace as cargo describes it.
 
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
-use crate::{command, paths};
+/// Standard output of a program that runs in the workspace.
+pub(crate) fn output_of(command: &mut Command) -> Result<String> {
+    let output = command.current_dir(tests::workspace()).stderr(Stdio::inherit()).output();
+    let output = output.with_context(|| format!("{command:?} can't be started"))?;
+    ensure!(output.status.success(), "{command:?} ended with {}", output.status);
+    Ok(String::from_utf8(output.stdout)?)
+}
 
 /// `cargo metadata` of the workspace members.
 pub(crate) fn read() -> Result<Value> {
-    let text = command::output(command::cargo().args(["metadata", "--no-deps", "--format-version", "1"]))?;
+    let mut cargo = Command::new(env!("CARGO"));
+    let text = output_of(cargo.args(["metadata", "--no-deps", "--format-version", "1"]))?;
     serde_json::from_str(&text).context("cargo metadata isn't JSON")
 }
 
@@ -41,5 +49,5 @@ pub(crate) fn production_roots(metadata: &Value) -> Result<Vec<Root>> {
 
 fn relative(path: &Value) -> Result<&Path> {
     let path = Path::new(path.as_str().context("cargo metadata has no path")?);
-    Ok(path.strip_prefix(paths::root()).unwrap_or(path))
+    Ok(path.strip_prefix(tests::workspace()).unwrap_or(path))
 }

@@ -1,7 +1,7 @@
 //! Directions between the crates of the workspace.
 
 use anyhow::{Context, Result};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Each crate with the workspace crates it may depend on, development dependencies apart.
 const ALLOWED: [(&str, &[&str]); 8] = [
@@ -40,7 +40,7 @@ pub(crate) fn wrong_ways(metadata: &Value) -> Result<Vec<String>> {
     for package in packages {
         let name = package["name"].as_str().context("a package has no name")?;
         let Some((_, allowed)) = ALLOWED.iter().find(|(known, _)| *known == name) else {
-            wrong.push(format!("crate {name} is not in the table of xtask/src/directions/crates.rs"));
+            wrong.push(format!("crate {name} is not in the table of tests/tests/tree/directions/crates.rs"));
             continue;
         };
         let dependencies = package["dependencies"].as_array().context("a package has no dependencies")?;
@@ -54,27 +54,20 @@ pub(crate) fn wrong_ways(metadata: &Value) -> Result<Vec<String>> {
     Ok(wrong)
 }
 
-#[cfg(test)]
-mod tests {
-    use serde_json::json;
-
-    use super::wrong_ways;
-
-    #[test]
-    fn a_dependency_against_the_direction_is_named() {
-        let dependency = |name: &str, kind: Option<&str>| json!({ "name": name, "kind": kind });
-        let metadata = json!({ "packages": [
-            { "name": "lashloop-protocol", "dependencies": [dependency("crc", None)] },
-            { "name": "lashloop-plant", "dependencies": [
-                dependency("lashloop-protocol", None), dependency("lashloop-bench", Some("dev")),
-            ] },
-            { "name": "lashloop-bench", "dependencies": [dependency("lashloop-plant", None)] },
-            { "name": "newcomer", "dependencies": [] },
-        ] });
-        let want = [
-            "crate lashloop-plant must not depend on lashloop-protocol",
-            "crate newcomer is not in the table of xtask/src/directions/crates.rs",
-        ];
-        assert_eq!(wrong_ways(&metadata).expect("metadata"), want);
-    }
+#[test]
+fn a_dependency_against_the_direction_is_named() {
+    let dependency = |name: &str, kind: Option<&str>| json!({ "name": name, "kind": kind });
+    let metadata = json!({ "packages": [
+        { "name": "lashloop-protocol", "dependencies": [dependency("crc", None)] },
+        { "name": "lashloop-plant", "dependencies": [
+            dependency("lashloop-protocol", None), dependency("lashloop-bench", Some("dev")),
+        ] },
+        { "name": "lashloop-bench", "dependencies": [dependency("lashloop-plant", None)] },
+        { "name": "newcomer", "dependencies": [] },
+    ] });
+    let want = [
+        "crate lashloop-plant must not depend on lashloop-protocol",
+        "crate newcomer is not in the table of tests/tests/tree/directions/crates.rs",
+    ];
+    assert_eq!(wrong_ways(&metadata).expect("metadata"), want);
 }

@@ -3,11 +3,12 @@
 //! The table holds what can be recognised without judging a sentence; `CONTRIBUTING.md` has the rules of style.
 
 use std::fs;
+use std::process::Command;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use regex_lite::Regex;
 
-use crate::{command, paths};
+use crate::metadata;
 
 /// Patterns, without regard to case, and what to write.
 const TABLE: [(&str, &str); 16] = [
@@ -36,27 +37,22 @@ const TABLE: [(&str, &str); 16] = [
 ];
 
 /// The files that are searched.
-const PATHS: [&str; 6] = ["*.rs", "*.md", "*.py", "*.toml", "*.lua", ":!xtask/src/words.rs"];
+const PATHS: [&str; 6] = ["*.rs", "*.md", "*.py", "*.toml", "*.lua", ":!tests/tests/tree/words.rs"];
 
-/// Prints every occurrence in a file under version control.
-///
-/// # Errors
-/// There is one, or a file can't be read.
-pub(crate) fn check() -> Result<()> {
+#[test]
+fn words_of_the_project() -> Result<()> {
     let rules = compile()?;
-    let files = command::output(command::git().args(["ls-files", "--"]).args(PATHS))?;
-    let mut found = 0;
+    let files = metadata::output_of(Command::new("git").args(["ls-files", "--"]).args(PATHS))?;
+    let mut found = Vec::new();
     for path in files.lines() {
         // A file that is deleted but not yet committed has no words.
-        let Ok(text) = fs::read_to_string(paths::root().join(path)) else { continue };
+        let Ok(text) = fs::read_to_string(tests::workspace().join(path)) else { continue };
         for (line, number) in text.lines().zip(1_u32..) {
-            for (word, instead) in find(&rules, path, line) {
-                println!("{path}:{number}: {word} -> {instead}");
-                found += 1;
-            }
+            let words = find(&rules, path, line).into_iter();
+            found.extend(words.map(|(word, instead)| format!("{path}:{number}: {word} -> {instead}")));
         }
     }
-    ensure!(found == 0, "{found} words to replace");
+    assert!(found.is_empty(), "{} words to replace\n{}", found.len(), found.join("\n"));
     Ok(())
 }
 
@@ -80,29 +76,22 @@ fn find<'a>(rules: &'a [(Regex, &str)], path: &str, line: &'a str) -> Vec<(&'a s
     words.collect()
 }
 
-#[cfg(test)]
-mod tests {
-    use super::{compile, find};
-
-    #[test]
-    fn words_are_found_with_what_to_write_instead() {
-        let rules = compile().expect("the table compiles");
-        let words =
-            |line| find(&rules, "docs/faults.md", line).into_iter().map(|(word, _)| word).collect::<Vec<_>>();
-        assert_eq!(words("The drive says nought."), ["nought", "drive says"]);
-        assert_eq!(words("fn encode(&self, room: &mut [u8])"), ["room: "]);
-        assert_eq!(words("Greeting::send"), ["Greet"]);
-        for line in ["a string literal", "a room of its own", "the operator says so", "besides, many so do"] {
-            assert_eq!(words(line), <[&str; 0]>::default(), "{line}");
-        }
+#[test]
+fn words_are_found_with_what_to_write_instead() {
+    let rules = compile().expect("the table compiles");
+    let words =
+        |line| find(&rules, "docs/faults.md", line).into_iter().map(|(word, _)| word).collect::<Vec<_>>();
+    assert_eq!(words("The drive says nought."), ["nought", "drive says"]);
+    assert_eq!(words("fn encode(&self, room: &mut [u8])"), ["room: "]);
+    assert_eq!(words("Greeting::send"), ["Greet"]);
+    for line in ["a string literal", "a room of its own", "the operator says so", "besides, many so do"] {
+        assert_eq!(words(line), <[&str; 0]>::default(), "{line}");
     }
+}
 
-    #[test]
-    fn the_changelog_may_name_an_alias() {
-        let rules = compile().expect("the table compiles");
-        assert!(
-            find(&rules, "CHANGELOG.md", "the literal law is an alias of merzouki-as-printed").is_empty()
-        );
-        assert_eq!(find(&rules, "CHANGELOG.md", "the literal law").len(), 1);
-    }
+#[test]
+fn the_changelog_may_name_an_alias() {
+    let rules = compile().expect("the table compiles");
+    assert!(find(&rules, "CHANGELOG.md", "the literal law is an alias of merzouki-as-printed").is_empty());
+    assert_eq!(find(&rules, "CHANGELOG.md", "the literal law").len(), 1);
 }

@@ -48,13 +48,8 @@ impl<'ast> Visit<'ast> for TestLines {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::count;
-
-    #[test]
-    fn comments_blank_lines_and_tests_are_no_code_lines() {
-        let text = "//! A module.\n\n/// Doc.\nfn f() {\n    // Why.\n    g(); // here\n}\n\n#[cfg(test)]\nmod tests {\n    fn t() {}\n}\nstruct S;\n";
-        assert_eq!(count(text).expect("Rust"), 4);
-    }
+#[test]
+fn comments_blank_lines_and_tests_are_no_code_lines() {
+    let text = "//! A module.\n\n/// Doc.\nfn f() {\n    // Why.\n    g(); // here\n}\n\n#[cfg(test)]\nmod tests {\n    fn t() {}\n}\nstruct S;\n";
+    assert_eq!(count(text).expect("Rust"), 4);
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use syn::Item;
 
-use crate::{paths, production};
+use crate::production;
 
 /// Index of a module in its tree.
 pub(crate) type ModuleId = usize;
@@ -34,7 +34,7 @@ impl SourceTree {
     /// # Errors
     /// A file is missing or isn't Rust.
     pub(crate) fn read(root: &Path) -> Result<Self> {
-        Self::load(root, &|path| fs::read_to_string(paths::root().join(path)).ok())
+        Self::load(root, &|path| fs::read_to_string(tests::workspace().join(path)).ok())
     }
 
     pub(crate) fn files(&self) -> impl Iterator<Item = PathBuf> {
