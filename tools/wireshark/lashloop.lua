@@ -208,7 +208,7 @@ local function unit_of(name)
 end
 
 -- Fields for filters: lashloop.NAME; a parameter's value is lashloop.NAME.type with lashloop.NAME.u32 or .f32, a flag is
--- lashloop.FIELD.flag. Fields of one name and type are one filter, whatever message they are in. --------------------
+-- lashloop.FIELD.flag. Fields of one name and type are one filter, in any message. --------------------
 
 local fields = {
     kind = ProtoField.uint8("lashloop.kind", "kind", base.HEX, KIND_NAMES),

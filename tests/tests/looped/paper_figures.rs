@@ -81,7 +81,7 @@ fn runs_for_the_figures_that_are_interrupted_leave_no_page() {
     let records = Records::new();
     fs::write(records.path("index.html"), "of an earlier time").expect("an old page");
     let bench = Running::start(["paper", "--device", "native", "--out", &records.out()]);
-    wait::until("the old page is gone", || (!records.path("index.html").exists()).then_some(()));
+    wait::until("the old page is removed", || (!records.path("index.html").exists()).then_some(()));
     bench.signal(Signal::INT);
     let ended = bench.wait();
     // In a run it becomes INVALID; between two of them the program ends at once.

@@ -9,7 +9,7 @@
 //! | [`parameters`] | the parameters as the drive describes them |
 //! | [`request`] | a request and its answer, with retries |
 //! | [`handshake`] | `Hello` and `Identity` |
-//! | [`line`] | messages on a link |
+//! | [`mod@line`] | messages on a link |
 //!
 //! A session has messages and deadlines, no plants or scenarios. Every wait ends, and every error names the side, the last
 //! sample sent and the last good frame received. Deadlines are instants of the link's time, [`Session::now`].
