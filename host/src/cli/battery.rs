@@ -17,7 +17,7 @@ use lashloop_bench::record::digest;
 use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
-use super::output::{self, outln};
+use super::output::{self, outln, prepare_folder};
 use super::progress::Progress;
 use super::supervision::start_supervisor;
 
@@ -108,16 +108,14 @@ impl Arguments {
     }
 }
 
-/// Creates the folder and opens the journal. Removes the tables of an earlier battery first: next to the journal of an
-/// interrupted one they would be wrong.
+/// Opens the journal in its folder.
 fn prepare(
     folder: &Path,
     resume: bool,
     settings: Settings,
     campaign: &mut Campaign,
 ) -> Result<Journal, CliError> {
-    let failed = |source| CliError::Output { path: folder.to_owned(), source };
-    fs::create_dir_all(folder).map_err(failed)?;
+    prepare_folder(folder, &[])?;
     let header = Header {
         lashloop: env!("CARGO_PKG_VERSION").to_owned(),
         program_sha256: program_sha256()
@@ -137,12 +135,7 @@ fn prepare(
     } else {
         Journal::create(&path, &header).map_err(CampaignError::from)?
     };
-    for name in [TABLE, REPORT] {
-        match fs::remove_file(folder.join(name)) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(failed(error)),
-            _ => {}
-        }
-    }
+    prepare_folder(folder, &[TABLE, REPORT])?;
     Ok(journal)
 }
 

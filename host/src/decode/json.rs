@@ -98,7 +98,11 @@ impl Serialize for Value<'_> {
             }
             FieldValue::Signed(value) => serializer.serialize_i32(value),
             FieldValue::Real(value) | FieldValue::Parameter(ParameterValue::F32(value)) => {
-                if value.is_finite() { serializer.serialize_f32(value) } else { serializer.collect_str(&value) }
+                if value.is_finite() {
+                    serializer.serialize_f32(value)
+                } else {
+                    serializer.collect_str(&value)
+                }
             }
             FieldValue::Name(text) | FieldValue::Text(text) => serializer.serialize_str(text),
             FieldValue::Status(state, flags) => {

@@ -28,7 +28,11 @@ impl StreamReader {
             *offset += piece.len() as u64;
             match decode(decoder, piece) {
                 Some(message) => {
-                    take(Entry { location: Location::Stream { offset: start }, bytes: piece.to_vec(), message });
+                    take(Entry {
+                        location: Location::Stream { offset: start },
+                        bytes: piece.to_vec(),
+                        message,
+                    });
                 }
                 None if piece.last() != Some(&frame::DELIMITER) => *began = Some(start),
                 None => {}
