@@ -23,17 +23,9 @@ pub enum Part {
     TorqueDelay,
 }
 
-impl Part {
-    /// Name in records.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::RandomPlants => "random-plants",
-            Self::DeadZone => "dead-zone",
-            Self::EncoderCounts => "encoder-counts",
-            Self::TorqueLimit => "torque-limit",
-            Self::TorqueDelay => "torque-delay",
-        }
+impl fmt::Display for Part {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(out)
     }
 }
 
@@ -58,6 +50,6 @@ pub struct Case {
 impl fmt::Display for CaseId {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { part, row, law } = self;
-        write!(out, "{law} in row {row} of {}", part.name())
+        write!(out, "{law} in row {row} of {part}")
     }
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use lashloop::campaign::law::Law;
 use lashloop_bench::device::Device;
 use lashloop_bench::record::trace::TraceRow;
 use lashloop_bench::run::DeviceUnderTest;
@@ -21,9 +22,9 @@ use super::paper_scenarios::SCENARIOS;
 use super::supervision::start_supervisor;
 
 const BENCH: [(&str, &str); 5] = [
-    ("scenarios/shaft-pd.toml", include_str!("../../../scenarios/shaft-pd.toml")),
-    ("scenarios/shaft-merzouki.toml", include_str!("../../../scenarios/shaft-merzouki.toml")),
-    ("scenarios/shaft-backlash-inverse.toml", include_str!("../../../scenarios/shaft-backlash-inverse.toml")),
+    Law::Pd.scenario(),
+    Law::Merzouki.scenario(),
+    Law::BacklashInverse.scenario(),
     ("scenarios/shaft-sine.toml", include_str!("../../../scenarios/shaft-sine.toml")),
     (
         "scenarios/shaft-backlash-inverse-sine.toml",

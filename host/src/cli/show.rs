@@ -3,7 +3,7 @@
 use clap::Args;
 use lashloop_bench::verdict::Exit;
 
-use super::error::CliError;
+use super::error::{CliError, system};
 use super::output::outln;
 use super::scenario_options::ScenarioOptions;
 
@@ -17,10 +17,7 @@ pub(crate) struct Arguments {
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
         let scenario = self.scenario.read(None)?;
-        let text = scenario.to_toml().map_err(|error| CliError::System {
-            what: "write the scenario as TOML",
-            source: std::io::Error::other(error),
-        })?;
+        let text = scenario.to_toml().map_err(system("write the scenario as TOML"))?;
         outln!("{}", text.trim_end());
         Ok(Exit::Pass)
     }

@@ -8,7 +8,7 @@ use super::encoder::Encoder;
 use super::setup::{Setup, UNAMBIGUOUS_COUNTS};
 
 use crate::conformance::answers::{outcome, torque};
-use crate::conformance::assertion::{Failure, RuleResult, equal, names};
+use crate::conformance::assertion::{Failure, RuleResult, broken, equal, names};
 use crate::conformance::check::Check;
 use crate::conformance::client::Client;
 use crate::conformance::reactions::refused_sample;
@@ -69,14 +69,14 @@ fn always_ambiguous(client: &mut Client, encoder: Encoder) -> RuleResult {
     for (name, value) in high.settings() {
         client.put(name, value)?;
     }
-    let session = client.session();
+    let session = client.session;
     let answers = client.request(Arm { session })?;
     let mut got = names(&answers);
     // The log may take several lines.
     got.dedup();
     let what = format!("{} = {high_rad_s} with the finest encoder:", encoder.speed_limit());
     equal(&format!("{what} answers"), vec!["Log", "CommandResult"], got)?;
-    let got = (outcome::<Arm>(&answers)?, client.state());
+    let got = (outcome::<Arm>(&answers)?, client.state);
     equal(&format!("{what} outcome and state"), (Outcome::Inconsistent, State::Idle), got)?;
     for (name, value) in low.settings() {
         client.put(name, value)?;
@@ -88,9 +88,9 @@ fn always_ambiguous(client: &mut Client, encoder: Encoder) -> RuleResult {
 fn finest(client: &Client, encoder: Encoder) -> Result<u32, Failure> {
     match client.parameter(encoder.counts_per_rev())?.max {
         ParameterValue::U32(max) => Ok(max),
-        ParameterValue::F32(max) => Err(Failure::Rule {
-            expected: format!("a whole number as the largest {}", encoder.counts_per_rev()),
-            got: format!("the real number {max}"),
-        }),
+        ParameterValue::F32(max) => {
+            let expected = format!("a whole number as the largest {}", encoder.counts_per_rev());
+            Err(broken(expected, format!("the real number {max}")))
+        }
     }
 }

@@ -11,7 +11,7 @@ use lashloop_protocol::sequence::LONGEST_GAP;
 
 use super::encoder::Encoder;
 
-use crate::conformance::assertion::{Failure, RuleResult};
+use crate::conformance::assertion::{Failure, RuleResult, skip};
 use crate::conformance::client::Client;
 use crate::conformance::range::{holds, nearest_real, nearest_whole};
 
@@ -70,9 +70,7 @@ impl Scale {
         // One count for the drive's tolerance, one for the truncation here.
         let counts = ((1.5 * self.counts_per_period()) as i64 + 2).min(EncoderCounts::MAX.get().into());
         if (counts - 1) as f64 <= (1.0 + ROUNDING) * self.counts_per_period() {
-            return Err(Failure::Skipped {
-                reason: "not run: no reading exceeds the lowest speed limit of this drive",
-            });
+            return skip("not run: no reading exceeds the lowest speed limit of this drive");
         }
         Ok(counts)
     }
@@ -135,9 +133,7 @@ impl Setup {
     pub(super) fn allowed(&self, client: &Client) -> RuleResult {
         for (name, value) in self.settings() {
             if !holds(client.parameter(name)?, value) {
-                return Err(Failure::Skipped {
-                    reason: "not run: the drive's range excludes these speed limits",
-                });
+                return skip("not run: the drive's range excludes these speed limits");
             }
         }
         Ok(())
@@ -147,9 +143,9 @@ impl Setup {
     pub(in crate::conformance) fn start(&self, client: &mut Client) -> RuleResult {
         self.allowed(client)?;
         if self.longest_gap() == 0 {
-            return Err(Failure::Skipped {
-                reason: "not run: the encoders, period and speed limits of this drive leave positions ambiguous",
-            });
+            return skip(
+                "not run: the encoders, period and speed limits of this drive leave positions ambiguous",
+            );
         }
         client.running(&self.settings())
     }
