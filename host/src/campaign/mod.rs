@@ -64,13 +64,8 @@ impl Campaign {
 
     /// Number of cases.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub fn total(&self) -> usize {
         self.cases.len()
-    }
-
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.cases.is_empty()
     }
 
     /// Number of results so far.

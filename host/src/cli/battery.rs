@@ -16,7 +16,7 @@ use lashloop_bench::atomic_file::write_whole;
 use lashloop_bench::record::digest;
 use lashloop_bench::verdict::Exit;
 
-use super::error::CliError;
+use super::error::{CliError, system};
 use super::output::{self, outln, prepare_folder};
 use super::progress::Progress;
 use super::supervision::start_supervisor;
@@ -73,7 +73,7 @@ impl Arguments {
         };
         let jobs = self.jobs.or_else(|| thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
         let supervisor = start_supervisor()?;
-        let progress = Progress::over(format!("{} runs", campaign.len()), campaign.len() as u64);
+        let progress = Progress::over(format!("{} runs", campaign.total()), campaign.total() as u64);
         let mut done = campaign.done() as u64;
         progress.show(done);
         let signals = supervisor.guard_signals();
@@ -85,7 +85,7 @@ impl Arguments {
         drop(signals);
         drop(progress);
         if ended? == Ended::Interrupted {
-            let (done, all) = (campaign.done(), campaign.len());
+            let (done, all) = (campaign.done(), campaign.total());
             let kept = match &self.out {
                 Some(folder) => {
                     format!("kept in {}; resume with --resume", folder.join(JOURNAL).display())
@@ -118,8 +118,7 @@ fn prepare(
     prepare_folder(folder, &[])?;
     let header = Header {
         lashloop: env!("CARGO_PKG_VERSION").to_owned(),
-        program_sha256: program_sha256()
-            .map_err(|source| CliError::System { what: "read this program", source })?,
+        program_sha256: program_sha256().map_err(system("read this program"))?,
         settings,
     };
     let path = folder.join(JOURNAL);
@@ -129,7 +128,7 @@ fn prepare(
         output::error_line(format_args!(
             "{} of {} runs restored from the journal",
             campaign.done(),
-            campaign.len()
+            campaign.total()
         ));
         journal
     } else {

@@ -45,18 +45,14 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
         prepare_folder(&self.out, &[])?;
         let scenarios = SCENARIOS.map(|(name, text)| Scenario::from_str(name, text, &[]));
+        let scenarios = scenarios.into_iter().collect::<Result<Vec<_>, _>>()?;
         let supervisor = start_supervisor()?;
-        let mut device: Option<DeviceUnderTest> = None;
+        let mut device = self.open(&scenarios[0].link, &supervisor)?;
         let mut worst = Verdict::Pass;
         let mut runs = Vec::new();
         let mut dead_zone_rad = f64::NAN;
         for (scenario, (what, metric, paper)) in scenarios.into_iter().zip(PAPER) {
-            let scenario = scenario?;
-            let device = match &mut device {
-                Some(device) => device,
-                None => device.insert(self.open(&scenario.link, &supervisor)?),
-            };
-            let (run, verdict) = run_for_figure(&scenario, 0.0, device, &supervisor)?;
+            let (run, verdict) = run_for_figure(&scenario, 0.0, &mut device, &supervisor)?;
             let here = here(run.metrics.get(metric), metric);
             dead_zone_rad = scenario.plant.dead_zone_rad;
             runs.push(run);

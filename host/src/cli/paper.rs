@@ -76,18 +76,15 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
         let supervisor = start_supervisor()?;
         prepare_folder(&self.out, &[INDEX])?;
-        let mut device: Option<DeviceUnderTest> = None;
+        let mut device = self.open(&scenario(SCENARIOS[0], None)?, &supervisor)?;
         let mut worst = Verdict::Pass;
         let mut all = Vec::new();
         for plan in PLANS {
             let mut laws = Vec::new();
             for (file, law) in plan {
                 let scenario = scenario(file, law)?;
-                let device = match &mut device {
-                    Some(device) => device,
-                    None => device.insert(self.open(&scenario, &supervisor)?),
-                };
-                let (run, verdict) = run_for_figure(&scenario, shown_from_s(&scenario), device, &supervisor)?;
+                let (run, verdict) =
+                    run_for_figure(&scenario, shown_from_s(&scenario), &mut device, &supervisor)?;
                 outln!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name.name());
                 laws.push(run);
                 worst = worst.max(verdict);
@@ -103,8 +100,7 @@ impl Arguments {
         let ratio = scenario(SCENARIOS[0], None)?.plant.reduction_ratio;
         let (smooth_gap, hard_gap) = (twisted(SCENARIOS[0])?, twisted(BENCH[0])?);
         let runs = Runs { smooth, friction, bench, sine, smooth_gap, hard_gap, ratio };
-        let device = device.map_or_else(String::new, |under_test| under_test.device.description());
-        self.report(&runs, &device)?;
+        self.report(&runs, &device.device.description())?;
         Ok(worst.into())
     }
 

@@ -18,7 +18,7 @@ use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
 
 use super::device_options::DeviceOption;
-use super::error::CliError;
+use super::error::{CliError, system};
 use super::output::{self, outln};
 use super::scenario_options::ScenarioOptions;
 use super::supervision::start_supervisor;
@@ -67,8 +67,7 @@ impl Arguments {
             let begun = Instant::now();
             let result = one_run(&plan, &self.drive.device, &supervisor, &mut watcher);
             let drive = watcher.growth;
-            let bench = resource_usage::read(None)
-                .map_err(|source| CliError::System { what: "read /proc", source })?;
+            let bench = resource_usage::read(None).map_err(system("read /proc"))?;
             let mut tally = shared.tally();
             let before = tally.problems.len();
             tally.push(&plan, &result, bench, &drive);

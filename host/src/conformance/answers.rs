@@ -1,14 +1,19 @@
-//! The answers of a drive by kind, and the sample that most checks send.
+//! The requests that most checks send, and the answers of a drive by kind.
 
 use lashloop_protocol::enums::Outcome;
 use lashloop_protocol::layout::MessageLayout;
 use lashloop_protocol::message::{
-    CommandResult, EncoderSample, FaultReport, Identity, LineReport, ParameterReport, Telemetry, TorqueAnswer,
+    CommandResult, EncoderSample, FaultReport, Hello, Identity, LineReport, ParameterReport, Telemetry,
+    TorqueAnswer,
 };
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, EncoderCounts};
+use lashloop_protocol::{DriveMessage, EncoderCounts, PROTOCOL_VERSION};
 
 use super::assertion::{Failure, find};
+
+pub(super) const fn hello(session: u32) -> Hello {
+    Hello { protocol_version: PROTOCOL_VERSION, session }
+}
 
 /// Mechanics at rest at zero and a reference of 1 rad: every control law requests a torque.
 pub(super) fn sample(sequence: u16) -> EncoderSample {

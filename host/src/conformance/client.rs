@@ -4,16 +4,16 @@ use std::time::Duration;
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
-    GetParameter, Hello, Identity, ParameterReport, Reset, SetParameter, TorqueAnswer,
+    GetParameter, Identity, ParameterReport, Reset, SetParameter, TorqueAnswer,
 };
-use lashloop_protocol::{DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
 use lashloop_bench::link::Link;
 use lashloop_bench::session::line::Line;
 use lashloop_bench::session::request::REQUEST_LIMIT;
 use lashloop_bench::session::{Parameter, SessionError, handshake, parameters};
 
-use super::answers::{command_result, identity, report, sample, torque};
+use super::answers::{command_result, hello, identity, report, sample, torque};
 use super::assertion::{Failure, RuleResult, broken, equal};
 
 /// Index that no drive has, since the parameter count is a byte. Reading it has no effect in any state, so its answer marks
@@ -96,7 +96,7 @@ impl Client {
     }
 
     pub(super) fn handshake(&mut self, session: u32) -> Result<Identity, Failure> {
-        identity(&self.request(Hello { protocol_version: PROTOCOL_VERSION, session })?)
+        identity(&self.request(hello(session))?)
     }
 
     pub(super) fn parameter(&self, name: &str) -> Result<&Parameter, Failure> {

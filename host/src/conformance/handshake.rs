@@ -4,7 +4,7 @@ use lashloop_protocol::PROTOCOL_VERSION;
 use lashloop_protocol::enums::{FaultCode, Outcome, State};
 use lashloop_protocol::message::{Arm, Hello};
 
-use super::answers::{fault, identity, outcome};
+use super::answers::{fault, hello, identity, outcome};
 use super::assertion::{RuleResult, equal, expect, names};
 use super::check::Check;
 use super::client::Client;
@@ -64,10 +64,6 @@ pub(super) fn checks() -> Vec<Check> {
         ));
     }
     checks
-}
-
-fn hello(session: u32) -> Hello {
-    Hello { protocol_version: PROTOCOL_VERSION, session }
 }
 
 fn fields(client: &mut Client) -> RuleResult {

@@ -5,11 +5,11 @@ use std::time::{Duration, Instant};
 use lashloop_protocol::message::{DescribeParameter, EncoderSample, GetParameter, Hello};
 use lashloop_protocol::sequence::of_step;
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, HostMessage};
 
 use lashloop_bench::session::request::REQUEST_LIMIT;
 
-use super::answers::sample;
+use super::answers::{hello, sample};
 use super::assertion::{Failure, broken, expect};
 use super::check::Check;
 use super::client::Client;
@@ -23,9 +23,7 @@ const ROUNDS: u32 = 200;
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        timed::<Hello>("Identity", |client, _| {
-            Hello { protocol_version: PROTOCOL_VERSION, session: client.session }.into()
-        }),
+        timed::<Hello>("Identity", |client, _| hello(client.session).into()),
         timed::<DescribeParameter>("ParameterDescription", |_, _| DescribeParameter { index: 0 }.into()),
         timed::<GetParameter>("ParameterReport", |_, _| GetParameter { index: 0 }.into()),
         timed::<EncoderSample>("TorqueAnswer", |_, round| sample(of_step(round)).into()),

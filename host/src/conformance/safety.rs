@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, FaultReport, Hello, Reset, Stop};
-use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
+use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, FaultReport, Reset, Stop};
+use lashloop_protocol::{DriveMessage, HostMessage};
 
-use super::answers::{fault, sample};
+use super::answers::{fault, hello, sample};
 use super::assertion::{Failure, RuleResult, broken, equal, expect, names};
 use super::check::Check;
 use super::client::Client;
@@ -43,8 +43,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.running(&[])?;
             client.request(EncoderSample { reference_rad: f32::NAN, ..sample(0) })?;
             client.request(EmergencyStop {})?;
-            let session = client.session;
-            let answers = client.request(Hello { protocol_version: PROTOCOL_VERSION, session })?;
+            let answers = client.request(hello(client.session))?;
             equal("fault reported after the identity", FaultCode::ReferenceNotFinite, fault(&answers)?.code)
         }),
         check("a cleared fault restores no torque", |client| {
@@ -91,11 +90,7 @@ fn ends_of_torque() -> impl Iterator<Item = Check> {
     const ENDS: [End; 4] = [
         ("Stop", |_| Stop {}.into(), State::Idle),
         ("EmergencyStop", |_| EmergencyStop {}.into(), State::Faulted),
-        (
-            "a new session",
-            |session| Hello { protocol_version: PROTOCOL_VERSION, session: session ^ 1 }.into(),
-            State::Idle,
-        ),
+        ("a new session", |session| hello(session ^ 1).into(), State::Idle),
         ("Reset", |_| Reset {}.into(), State::Boot),
     ];
     ENDS.into_iter().map(|(name, end, state)| {

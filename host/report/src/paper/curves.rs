@@ -103,6 +103,11 @@ pub(crate) fn of(run: &Run, metric: Metric, decimals: usize) -> String {
     written(run.metrics.get(metric), decimals).replace('-', "\u{2212}")
 }
 
+/// A metric of before, after and beyond, formatted for a caption.
+pub(crate) fn three(laws: &Laws, metric: Metric, decimals: usize) -> String {
+    laws.each().map(|(_, _, run)| of(run, metric, decimals)).join(", ")
+}
+
 /// A metric, formatted for a table: the number, or the reason for its absence.
 pub(crate) fn written(measured: Measured, decimals: usize) -> String {
     measured.value().map_or_else(|| measured.to_string(), |value| fixed(value, decimals))

@@ -79,8 +79,8 @@ impl Scale {
 /// The settings of a drive for a check of its encoders.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::conformance) struct Setup {
-    pub(super) motor: Scale,
-    pub(super) load: Scale,
+    /// In the order of [`Encoder::BOTH`].
+    pub(super) scales: [Scale; 2],
 }
 
 impl Setup {
@@ -93,26 +93,16 @@ impl Setup {
     pub(super) fn of(client: &Client, counts_per_rev: u32) -> Result<Self, Failure> {
         let period_us = nearest_whole(client.parameter("period_us")?, PERIOD_US)?;
         let scale = |encoder| Scale::fitted(client, encoder, period_us, counts_per_rev);
-        Ok(Self { motor: scale(Encoder::Motor)?, load: scale(Encoder::Load)? })
+        Ok(Self { scales: [scale(Encoder::Motor)?, scale(Encoder::Load)?] })
     }
 
     pub(super) const fn scale(&self, encoder: Encoder) -> Scale {
-        match encoder {
-            Encoder::Motor => self.motor,
-            Encoder::Load => self.load,
-        }
-    }
-
-    pub(super) const fn scale_mut(&mut self, encoder: Encoder) -> &mut Scale {
-        match encoder {
-            Encoder::Motor => &mut self.motor,
-            Encoder::Load => &mut self.load,
-        }
+        self.scales[encoder as usize]
     }
 
     /// Longest gap that the drive must accept, in periods, independent of its rounding.
     pub(in crate::conformance) fn longest_gap(&self) -> u16 {
-        [self.motor, self.load]
+        self.scales
             .map(|it| ((1.0 - ROUNDING) * UNAMBIGUOUS_COUNTS / it.counts_per_period()) as u16)
             .into_iter()
             .fold(LONGEST_GAP, u16::min)
@@ -120,12 +110,13 @@ impl Setup {
 
     pub(super) fn settings(&self) -> [Setting; 5] {
         use ParameterValue::{F32, U32};
+        let [motor, load] = self.scales;
         [
-            ("period_us", U32(self.motor.period_us)),
-            (Encoder::Motor.counts_per_rev(), U32(self.motor.counts_per_rev)),
-            (Encoder::Load.counts_per_rev(), U32(self.load.counts_per_rev)),
-            (Encoder::Motor.speed_limit(), F32(self.motor.speed_limit_rad_s)),
-            (Encoder::Load.speed_limit(), F32(self.load.speed_limit_rad_s)),
+            ("period_us", U32(motor.period_us)),
+            (Encoder::Motor.counts_per_rev(), U32(motor.counts_per_rev)),
+            (Encoder::Load.counts_per_rev(), U32(load.counts_per_rev)),
+            (Encoder::Motor.speed_limit(), F32(motor.speed_limit_rad_s)),
+            (Encoder::Load.speed_limit(), F32(load.speed_limit_rad_s)),
         ]
     }
 
