@@ -4,12 +4,11 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::case::Part;
+use super::case::{CaseResult, Part};
 use super::law::Law;
 use super::limits::{self, LIMITS, LimitResult};
 use super::plan::Settings;
 use super::quantiles::{Quantile, Quantiles};
-use super::result::CaseResult;
 use super::score::{Criterion, MissingReason, Score, Scores};
 use super::sweeps::{SWEEPS, Sweep};
 use lashloop_bench::run::End;

@@ -43,25 +43,19 @@ pub(super) fn checks() -> Vec<Check> {
         }),
     ];
     for state in [State::Idle, State::Armed, State::Running, State::Faulted] {
-        checks.push(Check::new(
-            "handshake",
-            format!("the same session again leaves {state:?}"),
-            move |client| {
-                client.enter(state)?;
-                equal("state", state, client.handshake(client.session)?.state)
-            },
-        ));
+        let name = format!("the same session again leaves {state:?}");
+        checks.push(Check::new("handshake", name, move |client| {
+            client.enter(state)?;
+            equal("state", state, client.handshake(client.session)?.state)
+        }));
     }
     for state in [State::Idle, State::Armed, State::Running] {
-        checks.push(Check::new(
-            "handshake",
-            format!("a new session disarms from {state:?}"),
-            move |client| {
-                client.enter(state)?;
-                equal("state", State::Idle, client.handshake(client.session ^ 1)?.state)?;
-                equal("state afterwards", State::Idle, client.state)
-            },
-        ));
+        let name = format!("a new session disarms from {state:?}");
+        checks.push(Check::new("handshake", name, move |client| {
+            client.enter(state)?;
+            equal("state", State::Idle, client.handshake(client.session ^ 1)?.state)?;
+            equal("state afterwards", State::Idle, client.state)
+        }));
     }
     checks
 }

@@ -136,17 +136,14 @@ pub(super) fn checks() -> Vec<Check> {
         }),
     ];
     for state in [State::Idle, State::Armed, State::Faulted] {
-        checks.push(Check::new(
-            "samples",
-            format!("a sample gets torque zero in {state:?}"),
-            move |client| {
-                client.enter(state)?;
-                let answers = client.sample(0)?;
-                equal("answers", vec!["TorqueAnswer"], names(&answers))?;
-                let answer = torque(&answers)?;
-                equal("torque and state", (0.0, state), (answer.torque_nm, answer.status.state))
-            },
-        ));
+        let name = format!("a sample gets torque zero in {state:?}");
+        checks.push(Check::new("samples", name, move |client| {
+            client.enter(state)?;
+            let answers = client.sample(0)?;
+            equal("answers", vec!["TorqueAnswer"], names(&answers))?;
+            let answer = torque(&answers)?;
+            equal("torque and state", (0.0, state), (answer.torque_nm, answer.status.state))
+        }));
     }
     checks
 }
