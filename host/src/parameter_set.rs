@@ -3,6 +3,7 @@
 //! The file is TOML, with a line per parameter in the order of the index, and unit and range as comments. Real numbers have
 //! enough digits to restore the same bits.
 
+use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -84,11 +85,11 @@ pub enum SettingsError {
     #[error("{place}: {name} is set already, by {before}")]
     Twice { place: String, name: String, before: String },
     /// The drive lacks the parameter, or the value is out of its range. Detected before any parameter is set.
-    #[error("{place}: {name} = {number}: {source}; nothing has been set")]
-    Unfit { place: String, name: String, number: f64, source: Box<SetError> },
+    #[error("{setting}: {source}; nothing has been set")]
+    Unfit { setting: Setting, source: Box<SetError> },
     /// The drive refused a value within its own range.
-    #[error("{place}: {name} = {number}: {source}; {done} parameters before it have been set")]
-    Refused { place: String, name: String, number: f64, done: usize, source: Box<SetError> },
+    #[error("{setting}: {source}; {done} parameters before it have been set")]
+    Refused { setting: Setting, done: usize, source: Box<SetError> },
     #[error(transparent)]
     Session(SessionError),
 }
@@ -98,10 +99,16 @@ pub enum SettingsError {
 pub struct Settings(Vec<Setting>);
 
 #[derive(Debug, Clone, PartialEq)]
-struct Setting {
+pub struct Setting {
     place: String,
     name: String,
     number: f64,
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}: {} = {}", self.place, self.name, self.number)
+    }
 }
 
 impl Settings {
@@ -159,24 +166,14 @@ impl Settings {
     /// # Errors
     /// The drive lacks a parameter or refuses a value, or the session fails.
     pub fn apply(&self, session: &mut Session) -> Result<ParameterSet, SettingsError> {
-        for Setting { place, name, number } in &self.0 {
-            session.fits(name, *number).map_err(|source| SettingsError::Unfit {
-                place: place.clone(),
-                name: name.clone(),
-                number: *number,
-                source: Box::new(source),
-            })?;
+        for setting in &self.0 {
+            let unfit = |source| SettingsError::Unfit { setting: setting.clone(), source: Box::new(source) };
+            session.fits(&setting.name, setting.number).map_err(unfit)?;
         }
-        for (done, Setting { place, name, number }) in self.0.iter().enumerate() {
-            session.set(name, *number).map_err(|error| match error {
+        for (done, setting) in self.0.iter().enumerate() {
+            session.set(&setting.name, setting.number).map_err(|error| match error {
                 SetError::Session(source) => SettingsError::Session(source),
-                source => SettingsError::Refused {
-                    place: place.clone(),
-                    name: name.clone(),
-                    number: *number,
-                    done,
-                    source: Box::new(source),
-                },
+                source => SettingsError::Refused { setting: setting.clone(), done, source: Box::new(source) },
             })?;
         }
         ParameterSet::read(session).map_err(SettingsError::Session)

@@ -5,7 +5,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use serialport::{SerialPortInfo, SerialPortType, UsbPortInfo};
+use serialport::{SerialPortInfo, SerialPortType};
 
 /// udev's names that stay with an adapter on any USB port of the machine.
 const BY_ID: &str = "/dev/serial/by-id";
@@ -13,27 +13,8 @@ const BY_ID: &str = "/dev/serial/by-id";
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Port {
     pub path: PathBuf,
-    pub bus: Bus,
+    pub bus: SerialPortType,
     pub stable_names: Vec<PathBuf>,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Bus {
-    Usb(UsbIdentity),
-    Pci,
-    Bluetooth,
-    /// Not reported by the system; often a port on the mainboard.
-    Unknown,
-}
-
-/// The descriptors of a USB device. A missing text is empty.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct UsbIdentity {
-    pub vendor_id: u16,
-    pub product_id: u16,
-    pub manufacturer: String,
-    pub product: String,
-    pub serial_number: String,
 }
 
 /// The present ports, sorted by name.
@@ -56,29 +37,12 @@ fn known(found: Vec<SerialPortInfo>, stable_names: &[(PathBuf, PathBuf)]) -> Vec
         let mut stable_names: Vec<_> =
             stable_names.iter().filter(|(_, target)| *target == path).map(|(name, _)| name.clone()).collect();
         stable_names.sort();
-        let bus = match info.port_type {
-            SerialPortType::UsbPort(usb) => Bus::Usb(usb.into()),
-            SerialPortType::PciPort => Bus::Pci,
-            SerialPortType::BluetoothPort => Bus::Bluetooth,
-            SerialPortType::Unknown => Bus::Unknown,
-        };
+        let bus = info.port_type;
         Port { path, bus, stable_names }
     };
     let mut ports: Vec<_> = found.into_iter().map(port).collect();
     ports.sort_by(|a, b| a.path.cmp(&b.path));
     ports
-}
-
-impl From<UsbPortInfo> for UsbIdentity {
-    fn from(usb: UsbPortInfo) -> Self {
-        Self {
-            vendor_id: usb.vid,
-            product_id: usb.pid,
-            manufacturer: usb.manufacturer.unwrap_or_default(),
-            product: usb.product.unwrap_or_default(),
-            serial_number: usb.serial_number.unwrap_or_default(),
-        }
-    }
 }
 
 /// The ports as text.
@@ -93,21 +57,17 @@ pub fn describe(ports: &[Port]) -> String {
     for port in ports {
         // Writing to a string does not fail.
         let _ = match &port.bus {
-            Bus::Usb(usb) => {
-                let UsbIdentity { vendor_id, product_id, manufacturer, product, serial_number } = usb;
-                let number = if serial_number.is_empty() {
-                    String::new()
-                } else {
-                    format!("serial number {serial_number}")
-                };
-                let words = [manufacturer.as_str(), product.as_str(), number.as_str()];
-                let words: Vec<_> = words.into_iter().filter(|word| !word.is_empty()).collect();
-                let ids = format!("USB {vendor_id:04x}:{product_id:04x}");
+            SerialPortType::UsbPort(usb) => {
+                let number = usb.serial_number.as_ref().map(|number| format!("serial number {number}"));
+                let words = [usb.manufacturer.clone(), usb.product.clone(), number];
+                let words: Vec<_> = words.into_iter().flatten().filter(|word| !word.is_empty()).collect();
+                let ids = format!("USB {:04x}:{:04x}", usb.vid, usb.pid);
                 writeln!(text, "{:<16} {ids}  {}", port.path.display(), words.join(", "))
             }
-            Bus::Pci => writeln!(text, "{:<16} PCI", port.path.display()),
-            Bus::Bluetooth => writeln!(text, "{:<16} Bluetooth", port.path.display()),
-            Bus::Unknown => writeln!(text, "{:<16} not on USB", port.path.display()),
+            SerialPortType::PciPort => writeln!(text, "{:<16} PCI", port.path.display()),
+            SerialPortType::BluetoothPort => writeln!(text, "{:<16} Bluetooth", port.path.display()),
+            // Often a port on the mainboard.
+            SerialPortType::Unknown => writeln!(text, "{:<16} not on USB", port.path.display()),
         };
         for name in &port.stable_names {
             let _ = writeln!(text, "{:<16} {}", "", name.display());
@@ -120,6 +80,7 @@ pub fn describe(ports: &[Port]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serialport::UsbPortInfo;
 
     fn usb(vid: u16, pid: u16, words: [Option<&str>; 3]) -> SerialPortType {
         let [manufacturer, product, serial_number] = words.map(|word| word.map(str::to_owned));

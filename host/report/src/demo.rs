@@ -3,40 +3,33 @@
 //! It corresponds to figures 7, 15 and 17 of Merzouki and Cadiou (Control Engineering Practice 13, 2005, 973-983) and gives
 //! our numbers next to the paper's, also where they differ.
 
+use std::array;
+
+use crate::paper::Run;
+use crate::paper::curves::{SETTLED_RAD, fixed, mark_settling, mark_static_error, of, over_time};
 use crate::plot::{Axis, Figure, Panel, Role, Series};
-
-/// Settling band around the target, in rad. The paper states none; with this one the uncompensated transient lasts the
-/// paper's 13 s.
-const SETTLED_RAD: f64 = 0.05;
-
-/// One run of the demo; the vectors hold one value per sample.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DemoRun {
-    /// Time since the step, in s.
-    pub time_s: Vec<f64>,
-    /// Load position, in rad.
-    pub load_position_rad: Vec<f64>,
-    /// Control torque on the motor, in N m.
-    pub torque_nm: Vec<f64>,
-    /// Estimate of the dead-zone amplitude, in rad.
-    pub dead_zone_estimate_rad: Vec<f64>,
-    /// Time from which the load stays within 0.05 rad of the target, in s; `None` if it never does.
-    pub settle_time_s: Option<f64>,
-    /// Mean position error over the last second, in rad.
-    pub static_error_rad: f64,
-}
+use lashloop_plant::metrics::Metric;
 
 /// The two runs on one plant.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct PlantRuns {
     /// Under the PD cascade alone.
-    pub before: DemoRun,
+    pub before: Run,
     /// Under the cascade with the estimated dead zone compensated.
-    pub after: DemoRun,
+    pub after: Run,
+}
+
+impl<'a> IntoIterator for &'a PlantRuns {
+    type Item = (&'static str, Role, &'a Run);
+    type IntoIter = array::IntoIter<Self::Item, 2>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        [("before", Role::Before, &self.before), ("after", Role::After, &self.after)].into_iter()
+    }
 }
 
 /// All runs of the demo.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct DemoRuns {
     /// The paper's plant: smooth dead zone, viscous friction.
     pub smooth: PlantRuns,
@@ -49,81 +42,52 @@ pub struct DemoRuns {
 /// Four panels: load position on either plant, dead-zone estimate on both, control torque with friction.
 pub fn before_after(runs: &DemoRuns) -> Figure {
     let DemoRuns { smooth, friction, .. } = runs;
-    let smooth_position =
-        settle_mark(position("Load position, smooth plant", smooth), Role::Before, &smooth.before, "13 s");
-    let friction_position = static_mark(
-        position("Load position, with friction", friction),
-        Role::Before,
-        &friction.before,
-        "0.32 rad",
-    );
+    let torque = Axis::new("torque", "N m");
     Figure::new("Gear backlash, before and after compensation", caption(runs), 2)
-        .panel(settle_mark(smooth_position, Role::After, &smooth.after, "5.2 s"))
-        .panel(static_mark(friction_position, Role::After, &friction.after, "eliminated"))
+        .panel(mark_settling(
+            position("Load position, smooth plant", smooth),
+            smooth,
+            [" (paper: 13 s)", " (paper: 5.2 s)"],
+        ))
+        .panel(mark_static_error(
+            position("Load position, with friction", friction),
+            friction,
+            [" (paper: 0.32 rad)", " (paper: eliminated)"],
+        ))
         .panel(estimate(runs))
-        .panel(both("Control torque, with friction", Axis::new("torque", "N m"), friction, |run| {
-            &run.torque_nm
-        }))
-}
-
-/// A panel over time with one curve before and one after; `quantity` picks what to draw.
-fn both(title: &str, y_axis: Axis, plant: &PlantRuns, quantity: impl Fn(&DemoRun) -> &Vec<f64>) -> Panel {
-    let curve =
-        |label, role, run: &DemoRun| Series::new(label, role, run.time_s.clone(), quantity(run).clone());
-    Panel::new(title, Axis::new("time", "s"), y_axis)
-        .series(curve("before", Role::Before, &plant.before))
-        .series(curve("after", Role::After, &plant.after))
+        .panel(over_time("Control torque, with friction", torque, friction, |row| row.torque_nm))
 }
 
 fn position(title: &str, plant: &PlantRuns) -> Panel {
-    both(title, Axis::new("load position", "rad"), plant, |run| &run.load_position_rad).band(
+    over_time(title, Axis::new("load position", "rad"), plant, |row| row.load_position_rad).band(
         format!("\u{b1}{SETTLED_RAD} rad"),
         -SETTLED_RAD,
         SETTLED_RAD,
     )
 }
 
-/// Marks the settling time next to the paper's. A run that never settles is marked at its end.
-fn settle_mark(panel: Panel, role: Role, run: &DemoRun, paper: &str) -> Panel {
-    let Some(settle_s) = run.settle_time_s else {
-        return end_mark(panel, role, run, format!("never settles (paper: {paper})"));
-    };
-    let sample = run.time_s.partition_point(|&time_s| time_s < settle_s);
-    let Some(&settled_rad) = run.load_position_rad.get(sample) else {
-        return panel;
-    };
-    panel.mark(format!("{settle_s:.1} s (paper: {paper})"), role, settle_s, settled_rad)
-}
-
-/// Marks the end of the run with its static error next to the paper's.
-fn static_mark(panel: Panel, role: Role, run: &DemoRun, paper: &str) -> Panel {
-    end_mark(panel, role, run, format!("{} (paper: {paper})", radians(run.static_error_rad)))
-}
-
-fn end_mark(panel: Panel, role: Role, run: &DemoRun, label: String) -> Panel {
-    match run.time_s.last().zip(run.load_position_rad.last()) {
-        Some((&end_s, &end_rad)) => panel.mark(label, role, end_s, end_rad),
-        None => panel,
-    }
-}
-
 fn estimate(runs: &DemoRuns) -> Panel {
-    let curve = |label, role, run: &DemoRun| {
-        Series::new(label, role, run.time_s.clone(), run.dead_zone_estimate_rad.clone())
-    };
-    let time_s = &runs.smooth.after.time_s;
-    let ends_s: Vec<f64> = time_s.first().into_iter().chain(time_s.last()).copied().collect();
-    let set = format!("set on the plant: {} rad", runs.dead_zone_rad);
-    Panel::new("Dead-zone estimate, after", Axis::new("time", "s"), Axis::new("dead-zone amplitude", "rad"))
-        .series(curve("smooth", Role::After, &runs.smooth.after))
-        .series(curve("with friction", Role::Other(0), &runs.friction.after))
-        .series(Series::new(set, Role::Reference, ends_s, vec![runs.dead_zone_rad; 2]))
+    let DemoRuns { smooth, friction, dead_zone_rad } = runs;
+    let curves = [("smooth", Role::After, &smooth.after), ("with friction", Role::Other(0), &friction.after)];
+    let rows = &smooth.after.rows;
+    let ends_s: Vec<f64> = rows.first().into_iter().chain(rows.last()).map(|row| row.time_s).collect();
+    let set = format!("set on the plant: {dead_zone_rad} rad");
+    let axis = Axis::new("dead-zone amplitude", "rad");
+    over_time("Dead-zone estimate, after", axis, curves, |row| row.dead_zone_estimate_rad)
+        .series(Series::new(set, Role::Reference, ends_s, vec![*dead_zone_rad; 2]))
 }
 
 fn caption(runs: &DemoRuns) -> String {
     let DemoRuns { smooth, friction, dead_zone_rad } = runs;
-    let end_of =
-        |run: &DemoRun| run.dead_zone_estimate_rad.last().copied().map_or("nothing".to_owned(), radians);
+    let end_of = |run: &Run| match run.rows.last() {
+        Some(row) => format!("{} rad", fixed(row.dead_zone_estimate_rad, 3)).replace('-', "\u{2212}"),
+        None => "nothing".to_owned(),
+    };
+    let settled = |run: &Run| match run.metrics.get(Metric::SettleTime).value() {
+        Some(time_s) => format!("{time_s:.2} s"),
+        None => "never".to_owned(),
+    };
+    let static_error = |run| format!("{} rad", of(run, Metric::StaticError, 3));
     format!(
         "The load returns to zero from rest. Before: PD cascade alone. After: the same cascade with the dead zone estimated \
          and compensated.\n\
@@ -132,21 +96,11 @@ fn caption(runs: &DemoRuns) -> String {
          c) Estimate at the end: {} on the smooth plant, where {dead_zone_rad} rad is set; {} with friction, which it \
          takes up too.\n\
          Band width and friction are fitted to the paper's two numbers before; those after follow.",
-        seconds(smooth.before.settle_time_s),
-        seconds(smooth.after.settle_time_s),
-        radians(friction.before.static_error_rad),
-        radians(friction.after.static_error_rad),
+        settled(&smooth.before),
+        settled(&smooth.after),
+        static_error(&friction.before),
+        static_error(&friction.after),
         end_of(&smooth.after),
         end_of(&friction.after),
     )
-}
-
-fn seconds(time_s: Option<f64>) -> String {
-    time_s.map_or("never".to_owned(), |time_s| format!("{time_s:.2} s"))
-}
-
-fn radians(angle_rad: f64) -> String {
-    // Rounded first, so that a tiny negative angle does not become "-0.000".
-    let angle_rad = (angle_rad * 1000.0).round() / 1000.0 + 0.0;
-    format!("{angle_rad:.3} rad").replace('-', "\u{2212}")
 }

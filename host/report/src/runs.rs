@@ -4,6 +4,9 @@ use std::ops::RangeInclusive;
 
 use crate::plot::{Axis, Figure, Panel, Role, Series};
 use lashloop_bench::record::reader::{ReadError, Record, Table};
+use lashloop_bench::record::row::Row;
+use lashloop_bench::record::timing::TimingRow;
+use lashloop_bench::record::trace::TraceRow;
 
 /// Why records can't be plotted.
 #[derive(Debug, thiserror::Error)]
@@ -40,12 +43,11 @@ pub fn figure(runs: &[(String, Record)], shown_s: &RangeInclusive<f64>) -> Resul
         .enumerate()
         .map(|(number, (name, record))| Run::new(number, name, record, shown_s))
         .collect::<Result<Vec<_>, _>>()?;
-    if runs.iter().all(|run| run.rows.is_empty()) {
-        let ends = runs.iter().filter_map(|run| run.record.trace.column("time_s").ok()?.last().copied());
+    if runs.iter().all(|run| run.trace.is_empty()) {
         return Err(DrawError::Nothing {
             from_s: *shown_s.start(),
             until_s: *shown_s.end(),
-            end_s: ends.fold(f64::NAN, f64::max),
+            end_s: runs.iter().map(|run| run.end_s).fold(f64::NAN, f64::max),
         });
     }
     let title = match &runs[..] {
@@ -54,22 +56,15 @@ pub fn figure(runs: &[(String, Record)], shown_s: &RangeInclusive<f64>) -> Resul
     };
     let caption: Vec<_> = runs.iter().map(Run::caption).collect();
     let mut figure = Figure::new(title, caption.join("\n"), 2)
-        .panel(position(&runs)?)
-        .panel(of_all(&runs, "Position error", ("load less reference", "rad"), |run| {
-            let (load, wanted) = (run.trace("load_position_rad")?, run.trace("reference_rad")?);
-            Ok(load.iter().zip(&wanted).map(|(load, wanted)| load - wanted).collect())
-        })?)
-        .panel(of_all(&runs, "Control torque", ("torque", "N m"), |run| run.trace("torque_nm"))?)
-        .panel(gap(&runs)?)
-        .panel(estimate(&runs)?);
-    if runs.iter().any(|run| run.record.timing.is_some()) {
-        figure = figure.panel(of_all(&runs, "Round trip", ("sample to torque", "us"), |run| {
-            let mut sum_us = run.timing("send_us")?;
-            for part in ["line_and_device_us", "compute_us", "receive_us"] {
-                sum_us.iter_mut().zip(run.timing(part)?).for_each(|(sum_us, part_us)| *sum_us += part_us);
-            }
-            Ok(sum_us)
-        })?);
+        .panel(position(&runs))
+        .panel(of_all(&runs, "Position error", Axis::new("load less reference", "rad"), |row| {
+            row.load_position_rad - row.reference_rad
+        }))
+        .panel(of_all(&runs, "Control torque", Axis::new("torque", "N m"), |row| row.torque_nm))
+        .panel(gap(&runs))
+        .panel(estimate(&runs));
+    if runs.iter().any(|run| run.timing.is_some()) {
+        figure = figure.panel(round_trip(&runs));
     }
     Ok(figure)
 }
@@ -79,8 +74,13 @@ struct Run<'a> {
     role: Role,
     name: &'a str,
     record: &'a Record,
-    rows: std::ops::Range<usize>,
-    time_s: &'a [f64],
+    /// Step of the first row in the range.
+    first_step: usize,
+    trace: Vec<TraceRow>,
+    /// All rows. After a killed run it may be shorter than the trace, because the two files are written in turn.
+    timing: Option<Vec<TimingRow>>,
+    /// Time of the last row of the record.
+    end_s: f64,
 }
 
 impl<'a> Run<'a> {
@@ -90,38 +90,35 @@ impl<'a> Run<'a> {
         record: &'a Record,
         shown_s: &RangeInclusive<f64>,
     ) -> Result<Self, ReadError> {
-        let time_s = record.trace.column("time_s")?;
-        let from = time_s.partition_point(|time_s| time_s < shown_s.start());
-        let until = time_s.partition_point(|time_s| time_s <= shown_s.end());
-        let rows = from..until.max(from);
+        let mut trace = TraceRow::read(&record.trace)?;
+        let end_s = trace.last().map_or(f64::NAN, |row| row.time_s);
+        trace.truncate(trace.partition_point(|row| row.time_s <= *shown_s.end()));
+        let first_step = trace.partition_point(|row| row.time_s < *shown_s.start());
+        trace.drain(..first_step);
+        let timing = record.timing.as_ref().map(TimingRow::read).transpose()?;
         // The two most distinct colours first.
         let role = match number {
             0 => Role::After,
             1 => Role::Before,
             more => Role::Other(more - 2),
         };
-        Ok(Self { role, name, record, time_s: &time_s[rows.clone()], rows })
+        Ok(Self { role, name, record, first_step, trace, timing, end_s })
     }
 
-    fn trace(&self, column: &str) -> Result<Vec<f64>, ReadError> {
-        Ok(self.record.trace.column(column)?[self.rows.clone()].to_vec())
+    fn column(&self, value: impl Fn(&TraceRow) -> f64) -> Vec<f64> {
+        self.trace.iter().map(value).collect()
     }
 
-    /// A column of the timing. After a killed run it may be shorter than the trace, because the two files are written in
-    /// turn.
-    fn timing(&self, column: &str) -> Result<Vec<f64>, ReadError> {
-        let Some(timing) = &self.record.timing else { return Ok(Vec::new()) };
-        let values = timing.column(column)?;
-        let until = self.rows.end.min(values.len());
-        Ok(values[self.rows.start.min(until)..until].to_vec())
+    fn time_s(&self) -> Vec<f64> {
+        self.column(|row| row.time_s)
     }
 
     fn series(&self, values: Vec<f64>) -> Series {
-        Series::new(self.name, self.role, self.time_s.to_vec(), values)
+        Series::new(self.name, self.role, self.time_s(), values)
     }
 
     fn caption(&self) -> String {
-        let Record { trace, timing, summary } = self.record;
+        let Record { trace, timing: timing_table, summary } = self.record;
         let mut text = match summary {
             Some(it) => {
                 let end = if it.end == "complete" { String::new() } else { format!(", {}", it.end) };
@@ -133,101 +130,94 @@ impl<'a> Run<'a> {
             None => format!("{}: no summary, so the run ended without a verdict.", self.name),
         };
         text += &format!(" {} steps", trace.len());
-        match timing.as_ref().map(|timing| timing.column("answered").unwrap_or_default()) {
+        match &self.timing {
             None => text += "; timing.csv is missing.",
-            Some(answered) => {
-                let known = answered.len();
+            Some(timing) => {
+                let known = timing.len();
                 if known < trace.len() {
                     text += &format!("; timing.csv covers {known} of them");
                 }
-                match answered.iter().filter(|flag| **flag == 0.0).count() {
+                match timing.iter().filter(|row| row.answered == 0.0).count() {
                     0 if known == 0 => text += ".",
                     0 => text += ", all answered.",
                     count => text += &format!(", {count} without an answer in time."),
                 }
             }
         }
-        if trace.is_torn() || timing.as_ref().is_some_and(Table::is_torn) {
+        if trace.is_torn() || timing_table.as_ref().is_some_and(Table::is_torn) {
             text += " The last row of the record is incomplete and ignored.";
         }
         text
     }
 }
 
-/// A curve of every run over time.
-fn of_all(
-    runs: &[Run<'_>],
-    title: &str,
-    (quantity, unit): (&str, &str),
-    values: impl Fn(&Run<'_>) -> Result<Vec<f64>, ReadError>,
-) -> Result<Panel, ReadError> {
-    let panel = Panel::new(title, Axis::new("time", "s"), Axis::new(quantity, unit));
-    runs.iter().try_fold(panel, |panel, run| Ok(panel.series(run.series(values(run)?))))
+/// A panel over time with a curve of every run.
+fn of_all(runs: &[Run<'_>], title: &str, axis: Axis, value: impl Fn(&TraceRow) -> f64) -> Panel {
+    let panel = Panel::new(title, Axis::new("time", "s"), axis);
+    runs.iter().fold(panel, |panel, run| panel.series(run.series(run.column(&value))))
 }
 
-/// Adds curves, and of equal ones only the first.
-fn distinct(panel: Panel, curves: Vec<Series>) -> Panel {
+fn round_trip(runs: &[Run<'_>]) -> Panel {
+    let panel = Panel::new("Round trip", Axis::new("time", "s"), Axis::new("sample to torque", "us"));
+    runs.iter().fold(panel, |panel, run| {
+        let timing = run.timing.iter().flatten().skip(run.first_step).take(run.trace.len());
+        let sum_us = timing.map(|row| row.send_us + row.line_and_device_us + row.compute_us + row.receive_us);
+        panel.series(run.series(sum_us.collect()))
+    })
+}
+
+/// Adds a curve of every run, and of equal ones only the first.
+fn distinct<'a>(
+    panel: Panel,
+    runs: &'a [Run<'a>],
+    label: &str,
+    role: Role,
+    points: impl Fn(&Run<'a>) -> (Vec<f64>, Vec<f64>),
+) -> Panel {
     let same =
         |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.total_cmp(b).is_eq());
-    let mut drawn: Vec<Series> = Vec::new();
-    for curve in curves {
-        if !drawn.iter().any(|other| same(&curve.x, &other.x) && same(&curve.y, &other.y)) {
-            drawn.push(curve);
+    let mut drawn: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
+    for (x, y) in runs.iter().map(points) {
+        if !drawn.iter().any(|other| same(&x, &other.0) && same(&y, &other.1)) {
+            drawn.push((x, y));
         }
     }
-    drawn.into_iter().fold(panel, Panel::series)
-}
-
-fn with_common_curve(
-    panel: Panel,
-    runs: &[Run<'_>],
-    (label, role): (&str, Role),
-    column: &str,
-) -> Result<Panel, ReadError> {
-    let curve = |run: &Run<'_>| Ok(Series::new(label, role, run.time_s.to_vec(), run.trace(column)?));
-    Ok(distinct(panel, runs.iter().map(curve).collect::<Result<_, _>>()?))
+    drawn.into_iter().fold(panel, |panel, (x, y)| panel.series(Series::new(label, role, x, y)))
 }
 
 /// Load position and reference, with the faults of the scenario.
-fn position(runs: &[Run<'_>]) -> Result<Panel, ReadError> {
+fn position(runs: &[Run<'_>]) -> Panel {
     let panel = Panel::new("Load position", Axis::new("time", "s"), Axis::new("load position", "rad"));
-    let mut panel = with_common_curve(panel, runs, ("reference", Role::Reference), "reference_rad")?;
+    let reference = |run: &Run<'_>| (run.time_s(), run.column(|row| row.reference_rad));
+    let mut panel = distinct(panel, runs, "reference", Role::Reference, reference);
     for run in runs {
-        let load_rad = run.trace("load_position_rad")?;
+        panel = panel.series(run.series(run.column(|row| row.load_position_rad)));
         let faults = run.record.summary.iter().flat_map(|summary| &summary.faults);
-        let marks: Vec<_> = faults
-            .filter_map(|fault| {
-                let row = fault.step.checked_sub(run.rows.start)?;
-                Some((fault.kind.clone(), *run.time_s.get(row)?, load_rad[row]))
-            })
-            .take(MARKED)
-            .collect();
-        panel = panel.series(run.series(load_rad));
-        for (kind, at_s, at_rad) in marks {
-            panel = panel.mark(kind, run.role, at_s, at_rad);
+        let marks = faults.filter_map(|fault| {
+            let row = run.trace.get(fault.step.checked_sub(run.first_step)?)?;
+            Some((&fault.kind, row))
+        });
+        for (kind, row) in marks.take(MARKED) {
+            panel = panel.mark(kind, run.role, row.time_s, row.load_position_rad);
         }
     }
-    Ok(panel)
+    panel
 }
 
 /// Twist, the motor position less the reduced load position: outside the edges of the gap the motor drives the load.
-fn gap(runs: &[Run<'_>]) -> Result<Panel, ReadError> {
-    let panel = of_all(runs, "Twist and the gap", ("twist", "rad"), |run| run.trace("twist_rad"))?;
-    let mut edges: Vec<Series> = Vec::new();
-    for run in runs {
-        let dead_zone_rad = run.trace("dead_zone_rad")?;
-        let other_side = dead_zone_rad.iter().map(|dead_zone_rad| -dead_zone_rad);
+fn gap(runs: &[Run<'_>]) -> Panel {
+    let panel = of_all(runs, "Twist and the gap", Axis::new("twist", "rad"), |row| row.twist_rad);
+    distinct(panel, runs, "edges of the gap", Role::Limit, |run| {
+        let edge = |sign: f64| run.column(|row| sign * row.dead_zone_rad);
         // One curve for both edges; the NaN separates them.
-        let x = [run.time_s, &[f64::NAN], run.time_s].concat();
-        let y = dead_zone_rad.iter().copied().chain([f64::NAN]).chain(other_side).collect();
-        edges.push(Series::new("edges of the gap", Role::Limit, x, y));
-    }
-    Ok(distinct(panel, edges))
+        let x = [run.time_s(), vec![f64::NAN], run.time_s()].concat();
+        (x, [edge(1.0), vec![f64::NAN], edge(-1.0)].concat())
+    })
 }
 
-fn estimate(runs: &[Run<'_>]) -> Result<Panel, ReadError> {
-    let panel = of_all(runs, "Dead-zone estimate", ("dead-zone amplitude", "rad"), |run| {
-        run.trace("dead_zone_estimate_rad")
-    })?;
-    with_common_curve(panel, runs, ("true", Role::Reference), "dead_zone_rad")
+fn estimate(runs: &[Run<'_>]) -> Panel {
+    let axis = Axis::new("dead-zone amplitude", "rad");
+    let panel = of_all(runs, "Dead-zone estimate", axis, |row| row.dead_zone_estimate_rad);
+    let true_gap = |run: &Run<'_>| (run.time_s(), run.column(|row| row.dead_zone_rad));
+    distinct(panel, runs, "true", Role::Reference, true_gap)
 }

@@ -1,4 +1,4 @@
-//! One run of a campaign and its position in the tables.
+//! One run of a campaign, its position in the tables and its result.
 
 use std::fmt;
 
@@ -6,6 +6,7 @@ use lashloop_bench::scenario::Scenario;
 use serde::{Deserialize, Serialize};
 
 use super::law::Law;
+use super::score::Scores;
 
 /// A table of the campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -23,17 +24,9 @@ pub enum Part {
     TorqueDelay,
 }
 
-impl Part {
-    /// Name in records.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::RandomPlants => "random-plants",
-            Self::DeadZone => "dead-zone",
-            Self::EncoderCounts => "encoder-counts",
-            Self::TorqueLimit => "torque-limit",
-            Self::TorqueDelay => "torque-delay",
-        }
+impl fmt::Display for Part {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(out)
     }
 }
 
@@ -58,6 +51,17 @@ pub struct Case {
 impl fmt::Display for CaseId {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { part, row, law } = self;
-        write!(out, "{law} in row {row} of {}", part.name())
+        write!(out, "{law} in row {row} of {part}")
     }
+}
+
+/// The result of one run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CaseResult {
+    pub case: CaseId,
+    pub end: String,
+    pub scores: Scores,
+    /// Digest of the torque stream, see [`TorqueDigest`](lashloop_bench::record::digest::TorqueDigest).
+    pub torque_sha256: String,
 }

@@ -31,7 +31,8 @@ impl Law {
     }
 
     /// File name and text of the law's scenario. Its controller parameters are tuned for the nominal plant and stay unchanged.
-    pub(super) const fn scenario(self) -> (&'static str, &'static str) {
+    #[must_use]
+    pub const fn scenario(self) -> (&'static str, &'static str) {
         match self {
             Self::Pd => ("scenarios/shaft-pd.toml", include_str!("../../../scenarios/shaft-pd.toml")),
             Self::Merzouki => {

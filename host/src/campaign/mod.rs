@@ -2,10 +2,10 @@
 //!
 //! | module | is |
 //! |---|---|
-//! | [`law`], [`case`] | the laws under test, and one run |
+//! | [`law`], [`case`] | the laws under test, and one run and its result |
 //! | [`plants`], [`sweeps`] | random plants, and the nominal one with one quantity varied |
 //! | [`plan`] | all cases of a campaign |
-//! | [`runs`], [`result`] | runs the cases |
+//! | [`runs`] | runs the cases |
 //! | [`journal`] | keeps each result as it arrives |
 //! | [`score`], [`quantiles`] | criteria of a run, and quantiles over runs |
 //! | [`limits`] | limits on the random plants |
@@ -23,7 +23,6 @@ pub mod plan;
 pub mod plants;
 pub mod quantiles;
 pub mod report;
-pub mod result;
 pub mod runs;
 pub mod score;
 pub mod sweeps;
@@ -35,12 +34,11 @@ use std::num::NonZeroUsize;
 use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_bench::supervisor::Supervisor;
 
-use case::{Case, CaseId};
+use case::{Case, CaseId, CaseResult};
 pub use error::CampaignError;
 use journal::JournalError;
 use plan::Settings;
 use report::Report;
-use result::CaseResult;
 use runs::Ended;
 
 /// The cases of a campaign and their results so far.
@@ -64,13 +62,8 @@ impl Campaign {
 
     /// Number of cases.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub fn total(&self) -> usize {
         self.cases.len()
-    }
-
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.cases.is_empty()
     }
 
     /// Number of results so far.

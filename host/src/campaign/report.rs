@@ -4,12 +4,11 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::case::Part;
+use super::case::{CaseResult, Part};
 use super::law::Law;
 use super::limits::{self, LIMITS, LimitResult};
 use super::plan::Settings;
 use super::quantiles::{Quantile, Quantiles};
-use super::result::CaseResult;
 use super::score::{Criterion, MissingReason, Score, Scores};
 use super::sweeps::{SWEEPS, Sweep};
 use lashloop_bench::run::End;
@@ -142,33 +141,29 @@ fn heading(criterion: Criterion) -> String {
     format!("{}, {}", criterion.name(), criterion.unit())
 }
 
+/// A line of a table with three columns. Its head has space for the longest name of a law.
+fn row(out: &mut fmt::Formatter<'_>, head: &str, [one, two, three]: [impl fmt::Display; 3]) -> fmt::Result {
+    writeln!(out, "{head:<42}{one:>12}{two:>12}{three:>12}")
+}
+
 impl fmt::Display for Report {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Settings { seed, plants, .. } = self.settings;
-        let [median, p95, max] = Quantile::ALL.map(Quantile::name);
-        writeln!(
-            out,
-            "{:<40}{median:>12}{p95:>12}{max:>12}",
-            format!("{plants} random plants, seed {seed}")
-        )?;
+        row(out, &format!("{plants} random plants, seed {seed}"), Quantile::ALL.map(Quantile::name))?;
         for criterion in Criterion::ALL {
             let mut name = heading(criterion);
             for report in &self.random_plants {
                 let Some(quantiles) = report.quantiles(criterion) else { continue };
-                let [median, p95, max] =
-                    Quantile::ALL.map(|quantile| cell(criterion, quantiles.get(quantile)));
-                writeln!(out, "{name:<26}{:<14}{median:>12}{p95:>12}{max:>12}", report.law)?;
+                let cells = Quantile::ALL.map(|quantile| cell(criterion, quantiles.get(quantile)));
+                row(out, &format!("{name:<26}{}", report.law), cells)?;
                 name.clear();
             }
         }
-        writeln!(
-            out,
-            "\n{:<40}{:>12}{:>12}{:>12}",
-            "runs without a settle time", "never", "cut short", "not finite"
-        )?;
+        writeln!(out)?;
+        row(out, "runs without a settle time", ["never", "cut short", "not finite"])?;
         for LawReport { law, runs, never_settled, cut_short, not_finite, .. } in &self.random_plants {
             let of = format!("of {runs}");
-            writeln!(out, "{of:<26}{law:<14}{never_settled:>12}{cut_short:>12}{not_finite:>12}")?;
+            row(out, &format!("{of:<26}{law}"), [never_settled, cut_short, not_finite])?;
         }
         for sweep in &self.sweeps {
             writeln!(out, "\n{sweep}")?;
@@ -185,18 +180,18 @@ impl fmt::Display for Report {
 impl fmt::Display for SweepReport {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, unit, rows, .. } = self;
-        write!(out, "{:<18}{:<14}", format!("{name}, {unit}"), "")?;
+        write!(out, "{:<34}", format!("{name}, {unit}"))?;
         for criterion in Criterion::ALL {
             write!(out, "{:>14}", criterion.name())?;
         }
-        write!(out, "\n{:<32}", "")?;
+        write!(out, "\n{:<34}", "")?;
         for criterion in Criterion::ALL {
             write!(out, "{:>14}", criterion.unit())?;
         }
         let mut last = None;
         for SweepRow { value, law, scores, .. } in rows {
             let value = Some(*value).filter(|_| last.replace(*value) != Some(*value));
-            write!(out, "\n{:<18}{law:<14}", value.map_or_else(String::new, |value| value.to_string()))?;
+            write!(out, "\n{:<18}{law:<16}", value.map_or_else(String::new, |value| value.to_string()))?;
             for criterion in Criterion::ALL {
                 write!(out, "{:>14}", cell(criterion, scores.get(criterion)))?;
             }

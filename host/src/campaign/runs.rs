@@ -8,9 +8,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
-use super::case::Case;
+use super::case::{Case, CaseResult};
 use super::error::CampaignError;
-use super::result::CaseResult;
 use super::score::Scores;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::Device;

@@ -38,49 +38,38 @@ impl Criterion {
         Self::TorqueVariation,
     ];
 
-    #[must_use]
-    pub const fn metric(self) -> Metric {
+    /// Metric; name and unit in a table, which shows magnitudes; the table's unit per SI unit; decimals.
+    const fn column(self) -> (Metric, &'static str, &'static str, f64, usize) {
         match self {
-            Self::SettleTime => Metric::SettleTime,
-            Self::StaticError => Metric::StaticError,
-            Self::Hunting => Metric::Hunting,
-            Self::DeadZoneError => Metric::DeadZoneError,
-            Self::Effort => Metric::Effort,
-            Self::TorqueVariation => Metric::TorqueTotalVariation,
+            Self::SettleTime => (Metric::SettleTime, "settle time", "s", 1.0, 2),
+            Self::StaticError => (Metric::StaticError, "static error", "mrad", 1e3, 2),
+            Self::Hunting => (Metric::Hunting, "hunting", "mrad", 1e3, 2),
+            Self::DeadZoneError => (Metric::DeadZoneError, "|j_hat - j0|", "mrad", 1e3, 2),
+            Self::Effort => (Metric::Effort, "effort", "N^2 m^2 s", 1.0, 0),
+            Self::TorqueVariation => (Metric::TorqueTotalVariation, "variation", "N m", 1.0, 0),
         }
     }
 
-    /// Name in a table, which shows magnitudes.
+    #[must_use]
+    pub const fn metric(self) -> Metric {
+        self.column().0
+    }
+
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::SettleTime => "settle time",
-            Self::StaticError => "static error",
-            Self::Hunting => "hunting",
-            Self::DeadZoneError => "|j_hat - j0|",
-            Self::Effort => "effort",
-            Self::TorqueVariation => "variation",
-        }
+        self.column().1
     }
 
     #[must_use]
     pub const fn unit(self) -> &'static str {
-        match self {
-            Self::SettleTime => "s",
-            Self::StaticError | Self::Hunting | Self::DeadZoneError => "mrad",
-            Self::Effort => "N^2 m^2 s",
-            Self::TorqueVariation => "N m",
-        }
+        self.column().2
     }
 
     /// Formats a value in SI units in the unit of the table.
     #[must_use]
     pub fn show(self, si: f64) -> String {
-        match self {
-            Self::SettleTime => format!("{si:.2}"),
-            Self::StaticError | Self::Hunting | Self::DeadZoneError => format!("{:.2}", si * 1e3),
-            Self::Effort | Self::TorqueVariation => format!("{si:.0}"),
-        }
+        let (_, _, _, per_si, decimals) = self.column();
+        format!("{:.decimals$}", si * per_si)
     }
 }
 
@@ -142,12 +131,7 @@ impl Score {
 
 impl fmt::Display for MissingReason {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.pad(match self {
-            Self::Unmeasured => "none",
-            Self::Never => "never",
-            Self::CutShort => "cut short",
-            Self::NotFinite => "not finite",
-        })
+        self.serialize(out)
     }
 }
 

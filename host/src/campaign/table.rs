@@ -2,8 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::case::Case;
-use super::result::CaseResult;
+use super::case::{Case, CaseResult};
 use super::score::Criterion;
 
 /// Writes the rows in the given order. Numbers have the fewest digits that restore the same bits.

@@ -16,8 +16,8 @@ use lashloop_bench::atomic_file::write_whole;
 use lashloop_bench::record::digest;
 use lashloop_bench::verdict::Exit;
 
-use super::error::CliError;
-use super::output::{self, outln};
+use super::error::{CliError, system};
+use super::output::{self, outln, prepare_folder};
 use super::progress::Progress;
 use super::supervision::start_supervisor;
 
@@ -73,7 +73,7 @@ impl Arguments {
         };
         let jobs = self.jobs.or_else(|| thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN);
         let supervisor = start_supervisor()?;
-        let progress = Progress::over(format!("{} runs", campaign.len()), campaign.len() as u64);
+        let progress = Progress::over(format!("{} runs", campaign.total()), campaign.total() as u64);
         let mut done = campaign.done() as u64;
         progress.show(done);
         let signals = supervisor.guard_signals();
@@ -85,7 +85,7 @@ impl Arguments {
         drop(signals);
         drop(progress);
         if ended? == Ended::Interrupted {
-            let (done, all) = (campaign.done(), campaign.len());
+            let (done, all) = (campaign.done(), campaign.total());
             let kept = match &self.out {
                 Some(folder) => {
                     format!("kept in {}; resume with --resume", folder.join(JOURNAL).display())
@@ -108,20 +108,17 @@ impl Arguments {
     }
 }
 
-/// Creates the folder and opens the journal. Removes the tables of an earlier battery first: next to the journal of an
-/// interrupted one they would be wrong.
+/// Opens the journal in its folder.
 fn prepare(
     folder: &Path,
     resume: bool,
     settings: Settings,
     campaign: &mut Campaign,
 ) -> Result<Journal, CliError> {
-    let failed = |source| CliError::Output { path: folder.to_owned(), source };
-    fs::create_dir_all(folder).map_err(failed)?;
+    prepare_folder(folder, &[])?;
     let header = Header {
         lashloop: env!("CARGO_PKG_VERSION").to_owned(),
-        program_sha256: program_sha256()
-            .map_err(|source| CliError::System { what: "read this program", source })?,
+        program_sha256: program_sha256().map_err(system("read this program"))?,
         settings,
     };
     let path = folder.join(JOURNAL);
@@ -131,18 +128,13 @@ fn prepare(
         output::error_line(format_args!(
             "{} of {} runs restored from the journal",
             campaign.done(),
-            campaign.len()
+            campaign.total()
         ));
         journal
     } else {
         Journal::create(&path, &header).map_err(CampaignError::from)?
     };
-    for name in [TABLE, REPORT] {
-        match fs::remove_file(folder.join(name)) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(failed(error)),
-            _ => {}
-        }
-    }
+    prepare_folder(folder, &[TABLE, REPORT])?;
     Ok(journal)
 }
 

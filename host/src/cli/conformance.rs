@@ -11,7 +11,7 @@ use lashloop_bench::verdict::Exit;
 use lashloop_protocol::message::Identity;
 
 use super::device_options::{BaudOption, DeviceOption};
-use super::error::CliError;
+use super::error::{CliError, system};
 use super::output::outln;
 use super::supervision::start_supervisor;
 
@@ -48,10 +48,7 @@ impl Arguments {
         drop(signals);
         let Printer { device, results, .. } = printer;
         if let Some(path) = &self.junit {
-            let xml = junit::report(&device, &results).map_err(|error| CliError::System {
-                what: "write the results as XML",
-                source: std::io::Error::other(error),
-            })?;
+            let xml = junit::report(&device, &results).map_err(system("write the results as XML"))?;
             fs::write(path, xml).map_err(|source| CliError::Report { path: path.clone(), source })?;
         }
         ended.map_err(|source| connection.explain(source))?;

@@ -117,7 +117,7 @@ impl<W: Write> Printer<W> {
     }
 
     fn counters(&mut self, counters: &Counters) -> io::Result<()> {
-        let line = if self.json { json::counters(counters)? } else { table::counters(counters) };
+        let line = if self.json { json::counters(counters) } else { table::counters(counters) };
         writeln!(self.out, "{line}")?;
         self.out.flush()
     }

@@ -6,7 +6,7 @@ use clap::Args;
 use lashloop_bench::device::twin::Twin;
 use lashloop_bench::verdict::Exit;
 
-use super::error::CliError;
+use super::error::{CliError, system};
 
 /// Run a drive on a pseudo-terminal until killed.
 ///
@@ -17,18 +17,17 @@ pub(crate) struct Arguments {}
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
-        let failed = |what| move |source| CliError::System { what, source };
-        let twin = Twin::open().map_err(failed("open a pseudo-terminal"))?;
+        let twin = Twin::open().map_err(system("open a pseudo-terminal"))?;
         let path = twin.path().display();
         let mut stdout = io::stdout();
         // Flushed, because the parent process waits for the line.
-        writeln!(stdout, "{path}").and_then(|()| stdout.flush()).map_err(failed("print the path"))?;
+        writeln!(stdout, "{path}").and_then(|()| stdout.flush()).map_err(system("print the path"))?;
         if io::stderr().is_terminal() {
             let hint =
                 "The drive serves this terminal. In another shell: lashloop run SCENARIO.toml --device";
             super::output::error_line(format_args!("{hint} {path}"));
         }
-        twin.serve().map_err(failed("serve the drive any longer"))?;
+        twin.serve().map_err(system("serve the drive any longer"))?;
         Ok(Exit::Pass)
     }
 }

@@ -1,5 +1,6 @@
 //! The errors of commands and their exit codes.
 
+use std::error::Error;
 use std::io;
 use std::path::PathBuf;
 
@@ -40,6 +41,13 @@ pub(crate) enum CliError {
     Nothing { from: f64, until: f64 },
     #[error("can't {what}: {source}")]
     System { what: &'static str, source: io::Error },
+}
+
+/// What the system refused, for `map_err`.
+pub(crate) fn system<E: Into<Box<dyn Error + Send + Sync>>>(
+    what: &'static str,
+) -> impl FnOnce(E) -> CliError {
+    move |error| CliError::System { what, source: io::Error::other(error) }
 }
 
 impl CliError {

@@ -1,10 +1,13 @@
-//! Standard output and standard error.
+//! Standard output, standard error and output files.
 
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write};
-use std::process;
+use std::path::Path;
+use std::{fs, process};
 
 use lashloop_bench::verdict::Exit;
+
+use super::error::CliError;
 
 /// Prints a formatted line on standard output.
 macro_rules! outln {
@@ -29,4 +32,22 @@ pub(super) fn line(text: Arguments<'_>) {
 /// Prints a line on standard error. Its own write errors have no place to go and are ignored.
 pub(super) fn error_line(text: Arguments<'_>) {
     let _ = writeln!(io::stderr(), "{text}");
+}
+
+/// Creates an output folder. Removes these files of an earlier command first: next to the files of an interrupted one they
+/// would be wrong.
+pub(super) fn prepare_folder(folder: &Path, stale: &[&str]) -> Result<(), CliError> {
+    let failed = |source| CliError::Output { path: folder.to_owned(), source };
+    fs::create_dir_all(folder).map_err(failed)?;
+    for name in stale {
+        match fs::remove_file(folder.join(name)) {
+            Err(error) if error.kind() != ErrorKind::NotFound => return Err(failed(error)),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn write_file(path: &Path, text: &str) -> Result<(), CliError> {
+    fs::write(path, text).map_err(|source| CliError::Output { path: path.to_owned(), source })
 }

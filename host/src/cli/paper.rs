@@ -1,16 +1,14 @@
 //! `lashloop paper`: the paper's figures and numbers, reproduced.
 
-use std::fs;
-use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
-use lashloop_bench::atomic_file::WriteError;
+use lashloop::campaign::law::Law;
 use lashloop_bench::device::Device;
 use lashloop_bench::record::trace::TraceRow;
 use lashloop_bench::run::DeviceUnderTest;
+use lashloop_bench::run::RunError;
 use lashloop_bench::run::simulator::Simulator;
-use lashloop_bench::run::{self, Clock, RunError, Step, StepObserver};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::{Exit, Verdict};
@@ -18,15 +16,15 @@ use lashloop_report::paper::{Laws, Run, Runs, figures, file_name, page, tables};
 
 use super::device_options::DeviceOption;
 use super::error::CliError;
-use super::output::outln;
+use super::history::run_for_figure;
+use super::output::{outln, prepare_folder, write_file};
 use super::paper_scenarios::SCENARIOS;
-use super::progress::Progress;
 use super::supervision::start_supervisor;
 
 const BENCH: [(&str, &str); 5] = [
-    ("scenarios/shaft-pd.toml", include_str!("../../../scenarios/shaft-pd.toml")),
-    ("scenarios/shaft-merzouki.toml", include_str!("../../../scenarios/shaft-merzouki.toml")),
-    ("scenarios/shaft-backlash-inverse.toml", include_str!("../../../scenarios/shaft-backlash-inverse.toml")),
+    Law::Pd.scenario(),
+    Law::Merzouki.scenario(),
+    Law::BacklashInverse.scenario(),
     ("scenarios/shaft-sine.toml", include_str!("../../../scenarios/shaft-sine.toml")),
     (
         "scenarios/shaft-backlash-inverse-sine.toml",
@@ -77,19 +75,16 @@ pub(crate) struct Arguments {
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
         let supervisor = start_supervisor()?;
-        prepare(&self.out)?;
-        let mut device: Option<DeviceUnderTest> = None;
+        prepare_folder(&self.out, &[INDEX])?;
+        let mut device = self.open(&scenario(SCENARIOS[0], None)?, &supervisor)?;
         let mut worst = Verdict::Pass;
         let mut all = Vec::new();
         for plan in PLANS {
             let mut laws = Vec::new();
             for (file, law) in plan {
                 let scenario = scenario(file, law)?;
-                let device = match &mut device {
-                    Some(device) => device,
-                    None => device.insert(self.open(&scenario, &supervisor)?),
-                };
-                let (run, verdict) = make(&scenario, device, &supervisor)?;
+                let (run, verdict) =
+                    run_for_figure(&scenario, shown_from_s(&scenario), &mut device, &supervisor)?;
                 outln!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name.name());
                 laws.push(run);
                 worst = worst.max(verdict);
@@ -105,8 +100,7 @@ impl Arguments {
         let ratio = scenario(SCENARIOS[0], None)?.plant.reduction_ratio;
         let (smooth_gap, hard_gap) = (twisted(SCENARIOS[0])?, twisted(BENCH[0])?);
         let runs = Runs { smooth, friction, bench, sine, smooth_gap, hard_gap, ratio };
-        let device = device.map_or_else(String::new, |under_test| under_test.device.description());
-        self.report(&runs, &device)?;
+        self.report(&runs, &device.device.description())?;
         Ok(worst.into())
     }
 
@@ -124,31 +118,15 @@ impl Arguments {
         }
         let figures = figures(runs);
         for (number, figure) in &figures {
-            write(&self.out.join(file_name(*number)), &figure.to_svg())?;
+            write_file(&self.out.join(file_name(*number)), &figure.to_svg())?;
         }
         let version = env!("CARGO_PKG_VERSION");
         let index = self.out.join(INDEX);
-        write(
-            &index,
-            &page(&figures, &tables, &format!("Drawn by lashloop {version} from runs on {device}.")),
-        )?;
+        let source = format!("Drawn by lashloop {version} from runs on {device}.");
+        write_file(&index, &page(&figures, &tables, &source))?;
         outln!("\nfigures: {}", index.display());
         Ok(())
     }
-}
-
-/// Creates the folder. Removes an old page first: after interrupted runs it would pass for theirs.
-fn prepare(folder: &Path) -> Result<(), CliError> {
-    let failed = |source| CliError::Output { path: folder.to_owned(), source };
-    fs::create_dir_all(folder).map_err(failed)?;
-    match fs::remove_file(folder.join(INDEX)) {
-        Err(error) if error.kind() != ErrorKind::NotFound => Err(failed(error)),
-        _ => Ok(()),
-    }
-}
-
-fn write(path: &Path, text: &str) -> Result<(), CliError> {
-    fs::write(path, text).map_err(|source| CliError::Output { path: path.to_owned(), source })
 }
 
 fn scenario((name, text): (&str, &str), law: Option<&str>) -> Result<Scenario, CliError> {
@@ -157,20 +135,12 @@ fn scenario((name, text): (&str, &str), law: Option<&str>) -> Result<Scenario, C
     Ok(Scenario::from_str(name, text, overrides.as_ref().map_or(&[], |overrides| overrides))?)
 }
 
-fn make(
-    scenario: &Scenario,
-    device: &mut DeviceUnderTest,
-    supervisor: &Supervisor,
-) -> Result<(Run, Verdict), CliError> {
-    let shown_from_s = match scenario.reference.middle_rad() {
+/// Start of the rows that the figures show: of a sine only the last period.
+fn shown_from_s(scenario: &Scenario) -> f64 {
+    match scenario.reference.middle_rad() {
         Some(_) => f64::from(scenario.run.steps()) * scenario.run.control_period_s() - SINE_SHOWN_S,
         None => 0.0,
-    };
-    let progress = Progress::of(scenario);
-    let mut history = History { rows: Vec::new(), shown_from_s, progress, supervisor };
-    let _signals = supervisor.guard_signals();
-    let outcome = run::run(scenario, device, Clock::Lockstep, &mut history)?;
-    Ok((Run { rows: history.rows, metrics: outcome.metrics }, outcome.judgement.verdict))
+    }
 }
 
 /// The plant of a scenario at rest, at each twist in turn.
@@ -183,26 +153,4 @@ fn twist(mut scenario: Scenario) -> Result<Vec<TraceRow>, CliError> {
     };
     let twists = (-TWISTS..=TWISTS).map(|step| TWIST_RAD * f64::from(step) / f64::from(TWISTS));
     Ok(twists.map(&mut at).collect::<Result<_, _>>()?)
-}
-
-/// The traces that the figures show.
-struct History<'a> {
-    rows: Vec<TraceRow>,
-    shown_from_s: f64,
-    progress: Progress,
-    supervisor: &'a Supervisor,
-}
-
-impl StepObserver for History<'_> {
-    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
-        self.progress.step();
-        if step.row.time_s >= self.shown_from_s {
-            self.rows.push(step.row);
-        }
-        Ok(())
-    }
-
-    fn stop_asked(&self) -> bool {
-        self.supervisor.interrupted()
-    }
 }

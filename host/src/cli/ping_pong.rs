@@ -13,7 +13,7 @@ use lashloop_protocol::wire::Payload;
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::time::Timespec;
 
-use super::error::CliError;
+use super::error::{CliError, system};
 
 const OUT: usize = EncoderSample::LAYOUT.frame_len();
 const BACK: usize = TorqueAnswer::LAYOUT.frame_len();
@@ -22,7 +22,6 @@ const TIMEOUT_TENTHS_S: u8 = 20;
 
 /// The far end: opens a pseudo-terminal, prints its path, answers until the line closes.
 pub(super) fn answer() -> Result<Exit, CliError> {
-    let failed = |source: io::Error| CliError::System { what: "answer the ping-pong", source };
     let serve = || -> io::Result<()> {
         let terminal = Terminal::open()?;
         writeln!(io::stdout(), "{}", terminal.path.display())?;
@@ -32,7 +31,7 @@ pub(super) fn answer() -> Result<Exit, CliError> {
             write_all(&terminal.far_end, &[1; BACK])?;
         }
     };
-    serve().map_err(failed)?;
+    serve().map_err(system("answer the ping-pong"))?;
     Ok(Exit::Pass)
 }
 

@@ -1,6 +1,5 @@
 //! `lashloop plot`: the records of runs as a figure.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -9,7 +8,7 @@ use lashloop_bench::verdict::Exit;
 use lashloop_report::runs::figure;
 
 use super::error::CliError;
-use super::output::outln;
+use super::output::{outln, write_file};
 
 const FIGURE_FILE: &str = "record.svg";
 
@@ -49,7 +48,7 @@ impl Arguments {
             .collect::<Result<Vec<_>, CliError>>()?;
         let svg = figure(&runs, &(from..=until))?.to_svg();
         let path = self.out.unwrap_or_else(|| self.records[0].join(FIGURE_FILE));
-        fs::write(&path, svg).map_err(|source| CliError::Output { path: path.clone(), source })?;
+        write_file(&path, &svg)?;
         outln!("figure: {}", path.display());
         Ok(Exit::Pass)
     }

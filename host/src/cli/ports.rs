@@ -4,7 +4,7 @@ use clap::Args;
 use lashloop::ports;
 use lashloop_bench::verdict::Exit;
 
-use super::error::CliError;
+use super::error::{CliError, system};
 use super::output::outln;
 
 /// List the serial ports with their USB identity and stable names
@@ -13,7 +13,7 @@ pub(crate) struct Arguments {}
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
-        let ports = ports::list().map_err(|source| CliError::System { what: "list serial ports", source })?;
+        let ports = ports::list().map_err(system("list serial ports"))?;
         outln!("{}", ports::describe(&ports));
         Ok(Exit::Pass)
     }

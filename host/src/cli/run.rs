@@ -1,6 +1,5 @@
 //! `lashloop run`: one scenario on one device.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -22,16 +21,15 @@ use lashloop_protocol::PROTOCOL_VERSION;
 
 use super::clock_options::ClockOptions;
 use super::error::CliError;
+use super::output::prepare_folder;
 use super::progress::Progress;
 use super::run_report;
+use super::scenario_options::ScenarioOptions;
 use super::supervision::start_supervisor;
 
 /// Run a scenario on a drive and print its verdict
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Scenario in TOML: plant, encoders, controller, reference and expectations
-    scenario: PathBuf,
-
     /// Drive: `inproc` is a call in this process, `native` a process on a pseudo-terminal, `qemu` the Cortex-M image of
     /// `cargo xtask image` in QEMU (`qemu:ELF` another image), and a path such as /dev/ttyACM0 or /dev/pts/3 a terminal
     /// with a drive at its far end
@@ -42,9 +40,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAME")]
     controller: Option<String>,
 
-    /// Value in place of the scenario's, such as plant.dead_zone_rad=0.2; repeatable
-    #[arg(long, value_name = "SECTION.KEY=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    scenario: ScenarioOptions,
 
     #[command(flatten)]
     clock: ClockOptions,
@@ -60,9 +57,7 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
-        let controller = self.controller.map(Override::Controller);
-        let overrides: Vec<_> = self.set.into_iter().map(Override::Set).chain(controller).collect();
-        let scenario = Scenario::from_file(&self.scenario, &overrides)?;
+        let scenario = self.scenario.read(self.controller.map(Override::Controller))?;
         let clock = self.clock.clock()?;
         let when_full = match clock.name() {
             ClockName::Lockstep => WhenFull::Wait,
@@ -113,15 +108,9 @@ struct Tables {
     timing: TimingWriter,
 }
 
-/// Creates the folder and the tables. Removes an old summary first: next to the trace of an interrupted run it would be
-/// wrong.
+/// Creates the folder and the tables.
 fn prepare(folder: &Path, scenario: &Scenario) -> Result<Tables, CliError> {
-    let failed = |source| CliError::Output { path: folder.to_owned(), source };
-    fs::create_dir_all(folder).map_err(failed)?;
-    match fs::remove_file(folder.join(SUMMARY)) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(failed(error)),
-        _ => {}
-    }
+    prepare_folder(folder, &[SUMMARY])?;
     let flush_rows = scenario.record.flush_rows;
     Ok(Tables {
         trace: TraceWriter::create(&folder.join(TRACE), flush_rows)?,

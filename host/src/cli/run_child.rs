@@ -10,7 +10,7 @@ use lashloop_bench::verdict::Exit;
 use rustix::process::{Signal, set_parent_process_death_signal};
 use rustix::thread::{CpuSet, sched_setaffinity};
 
-use super::error::CliError;
+use super::error::{CliError, system};
 
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -25,14 +25,12 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
-        let failed = |what| move |source: io::Error| CliError::System { what, source };
         // A hung emulator ignores every other signal.
-        set_parent_process_death_signal(Some(Signal::KILL))
-            .map_err(|error| failed("tie a program to the bench")(error.into()))?;
+        set_parent_process_death_signal(Some(Signal::KILL)).map_err(system("tie a program to the bench"))?;
         if let Some(core) = self.core {
             let mut cores = CpuSet::new();
             cores.set(core);
-            sched_setaffinity(None, &cores).map_err(|error| failed("keep to one core")(error.into()))?;
+            sched_setaffinity(None, &cores).map_err(system("keep to one core"))?;
         }
         let source = match self.program.split_first() {
             Some((program, arguments)) => Command::new(program).args(arguments).exec(),

@@ -1,6 +1,5 @@
 //! `lashloop soak`: one scenario repeated under rising faults.
 
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -14,13 +13,14 @@ use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::DeviceUnderTest;
 use lashloop_bench::run::{self, Clock, Outcome, RunError, Step, StepObserver};
-use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
 
 use super::device_options::DeviceOption;
-use super::error::CliError;
+use super::error::{CliError, system};
 use super::output::{self, outln};
+use super::scenario_options::ScenarioOptions;
 use super::supervision::start_supervisor;
 
 /// Time without a step after which a run counts as hung.
@@ -35,9 +35,6 @@ const HANG_LIMIT: Duration = Duration::from_secs(60);
 /// or if a damaged frame is not counted.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Scenario in TOML
-    scenario: PathBuf,
-
     /// Duration, such as 90s, 10m or 8h; the last run is completed
     #[arg(long = "for", value_name = "TIME", value_parser = duration)]
     lasts: Duration,
@@ -45,15 +42,13 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     drive: DeviceOption,
 
-    /// Value in place of the scenario's, such as plant.dead_zone_rad=0.2; repeatable
-    #[arg(long, value_name = "SECTION.KEY=VALUE")]
-    set: Vec<String>,
+    #[command(flatten)]
+    scenario: ScenarioOptions,
 }
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
-        let overrides: Vec<_> = self.set.into_iter().map(Override::Set).collect();
-        let scenario = Scenario::from_file(&self.scenario, &overrides)?;
+        let scenario = self.scenario.read(None)?;
         let supervisor = start_supervisor()?;
         let _signals = supervisor.guard_signals();
         let shared = Arc::new(Shared::default());
@@ -72,8 +67,7 @@ impl Arguments {
             let begun = Instant::now();
             let result = one_run(&plan, &self.drive.device, &supervisor, &mut watcher);
             let drive = watcher.growth;
-            let bench = resource_usage::read(None)
-                .map_err(|source| CliError::System { what: "read /proc", source })?;
+            let bench = resource_usage::read(None).map_err(system("read /proc"))?;
             let mut tally = shared.tally();
             let before = tally.problems.len();
             tally.push(&plan, &result, bench, &drive);

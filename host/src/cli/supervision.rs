@@ -2,10 +2,8 @@
 
 use lashloop_bench::supervisor::Supervisor;
 
-use super::error::CliError;
+use super::error::{CliError, system};
 
 pub(super) fn start_supervisor() -> Result<Supervisor, CliError> {
-    std::env::current_exe()
-        .and_then(Supervisor::start)
-        .map_err(|source| CliError::System { what: "start the supervisor", source })
+    std::env::current_exe().and_then(Supervisor::start).map_err(system("start the supervisor"))
 }

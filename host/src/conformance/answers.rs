@@ -1,11 +1,19 @@
-//! The answers of a drive by kind, and the sample that most checks send.
+//! The requests that most checks send, and the answers of a drive by kind.
 
 use lashloop_protocol::enums::Outcome;
-use lashloop_protocol::message::{EncoderSample, FaultReport, Identity, ParameterReport, TorqueAnswer};
+use lashloop_protocol::layout::MessageLayout;
+use lashloop_protocol::message::{
+    CommandResult, EncoderSample, FaultReport, Hello, Identity, LineReport, ParameterReport, Telemetry,
+    TorqueAnswer,
+};
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, EncoderCounts};
+use lashloop_protocol::{DriveMessage, EncoderCounts, PROTOCOL_VERSION};
 
 use super::assertion::{Failure, find};
+
+pub(super) const fn hello(session: u32) -> Hello {
+    Hello { protocol_version: PROTOCOL_VERSION, session }
+}
 
 /// Mechanics at rest at zero and a reference of 1 rad: every control law requests a torque.
 pub(super) fn sample(sequence: u16) -> EncoderSample {
@@ -13,34 +21,39 @@ pub(super) fn sample(sequence: u16) -> EncoderSample {
     EncoderSample { sequence, motor_counts, load_counts, reference_rad: 1.0 }
 }
 
-pub(super) fn identity(answers: &[DriveMessage]) -> Result<Identity, Failure> {
-    find("an Identity", answers, |answer| match answer {
-        DriveMessage::Identity(identity) => Some(*identity),
+/// Declares a function that finds the first answer of a kind.
+macro_rules! finders {
+    ($($name:ident: $kind:ident as $what:literal,)+) => {
+        $(pub(super) fn $name(answers: &[DriveMessage]) -> Result<$kind, Failure> {
+            find($what, answers, |answer| match answer {
+                DriveMessage::$kind(found) => Some(*found),
+                _ => None,
+            })
+        })+
+    };
+}
+
+finders! {
+    identity: Identity as "an Identity",
+    torque: TorqueAnswer as "a TorqueAnswer",
+    fault: FaultReport as "a FaultReport",
+    line_report: LineReport as "a LineReport",
+    telemetry: Telemetry as "a Telemetry",
+}
+
+/// The `CommandResult` of a request.
+pub(super) fn command_result(
+    request: &MessageLayout,
+    answers: &[DriveMessage],
+) -> Result<CommandResult, Failure> {
+    find(&format!("a CommandResult for {}", request.name), answers, |answer| match answer {
+        DriveMessage::CommandResult(result) if result.request == request.kind => Some(*result),
         _ => None,
     })
 }
 
-pub(super) fn torque(answers: &[DriveMessage]) -> Result<TorqueAnswer, Failure> {
-    find("a TorqueAnswer", answers, |answer| match answer {
-        DriveMessage::TorqueAnswer(answer) => Some(*answer),
-        _ => None,
-    })
-}
-
-pub(super) fn fault(answers: &[DriveMessage]) -> Result<FaultReport, Failure> {
-    find("a FaultReport", answers, |answer| match answer {
-        DriveMessage::FaultReport(fault) => Some(*fault),
-        _ => None,
-    })
-}
-
-/// Outcome in the `CommandResult` of a request.
 pub(super) fn outcome<Request: Payload>(answers: &[DriveMessage]) -> Result<Outcome, Failure> {
-    let what = format!("a CommandResult for {}", Request::LAYOUT.name);
-    find(&what, answers, |answer| match answer {
-        DriveMessage::CommandResult(result) if result.request == Request::LAYOUT.kind => Some(result.outcome),
-        _ => None,
-    })
+    command_result(&Request::LAYOUT, answers).map(|result| result.outcome)
 }
 
 pub(super) fn report(index: u8, answers: &[DriveMessage]) -> Result<ParameterReport, Failure> {

@@ -20,7 +20,11 @@ pub(super) enum Failure {
 
 /// Requires a condition.
 pub(super) fn expect(holds: bool, expected: impl Into<String>, got: impl Debug) -> RuleResult {
-    if holds { Ok(()) } else { Err(Failure::Rule { expected: expected.into(), got: format!("{got:?}") }) }
+    if holds { Ok(()) } else { Err(broken(expected, format!("{got:?}"))) }
+}
+
+pub(super) fn broken(expected: impl Into<String>, got: impl Into<String>) -> Failure {
+    Failure::Rule { expected: expected.into(), got: got.into() }
 }
 
 /// Requires equality.
@@ -39,8 +43,11 @@ pub(super) fn find<T>(
     answers: &[DriveMessage],
     wanted: impl Fn(&DriveMessage) -> Option<T>,
 ) -> Result<T, Failure> {
-    answers.iter().find_map(wanted).ok_or_else(|| Failure::Rule {
-        expected: what.to_owned(),
-        got: if answers.is_empty() { "nothing".to_owned() } else { format!("{answers:?}") },
-    })
+    let got = || if answers.is_empty() { "nothing".to_owned() } else { format!("{answers:?}") };
+    answers.iter().find_map(wanted).ok_or_else(|| broken(what, got()))
+}
+
+/// Ends a check whose rule this drive can't show.
+pub(super) fn skip<T>(reason: &'static str) -> Result<T, Failure> {
+    Err(Failure::Skipped { reason })
 }

@@ -1,21 +1,20 @@
 //! The bench's side of a conformance run: requests and all their answers.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
-    GetParameter, Hello, Identity, ParameterReport, Reset, SetParameter, TorqueAnswer,
+    GetParameter, Identity, ParameterReport, Reset, SetParameter, TorqueAnswer,
 };
-use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
 use lashloop_bench::link::Link;
 use lashloop_bench::session::line::Line;
 use lashloop_bench::session::request::REQUEST_LIMIT;
 use lashloop_bench::session::{Parameter, SessionError, handshake, parameters};
 
-use super::answers::{identity, report, sample, torque};
-use super::assertion::{Failure, RuleResult, equal, find};
+use super::answers::{command_result, hello, identity, report, sample, torque};
+use super::assertion::{Failure, RuleResult, broken, equal};
 
 /// Index that no drive has, since the parameter count is a byte. Reading it has no effect in any state, so its answer marks
 /// the end of the answers to the request before it.
@@ -23,13 +22,14 @@ const NO_PARAMETER: u8 = u8::MAX;
 
 /// A drive under test.
 pub(super) struct Client {
-    line: Line,
-    session: u32,
-    identity: Identity,
-    parameters: Vec<Parameter>,
+    pub(super) line: Line,
+    pub(super) session: u32,
+    pub(super) identity: Identity,
+    pub(super) parameters: Vec<Parameter>,
     /// State of the drive after the last request.
-    state: State,
-    note: String,
+    pub(super) state: State,
+    /// A measurement of the check, for information.
+    pub(super) note: String,
 }
 
 impl Client {
@@ -44,30 +44,6 @@ impl Client {
     /// Resets the drive. The answer is left for the next host.
     pub(super) fn leave(mut self) -> Result<(), SessionError> {
         self.line.send(&Reset {}.into())
-    }
-
-    pub(super) fn identity(&self) -> &Identity {
-        &self.identity
-    }
-
-    pub(super) fn parameters(&self) -> &[Parameter] {
-        &self.parameters
-    }
-
-    pub(super) fn session(&self) -> u32 {
-        self.session
-    }
-
-    pub(super) fn line(&mut self) -> &mut Line {
-        &mut self.line
-    }
-
-    pub(super) fn note(&mut self, note: String) {
-        self.note = note;
-    }
-
-    pub(super) fn take_note(&mut self) -> String {
-        std::mem::take(&mut self.note)
     }
 
     /// Sends a request and returns all of its answers. A read of [`NO_PARAMETER`] after it marks their end.
@@ -91,22 +67,15 @@ impl Client {
             self.state = state;
             return Ok(answers);
         }
-        Err(Failure::Rule {
-            expected: format!(
-                "within {} s an answer to the next good request, GetParameter {NO_PARAMETER}",
-                REQUEST_LIMIT.as_secs()
-            ),
-            got: if answers.is_empty() { "nothing".to_owned() } else { format!("{answers:?} and no more") },
-        })
+        let limit_s = REQUEST_LIMIT.as_secs();
+        Err(broken(
+            format!("within {limit_s} s an answer to the next good request, GetParameter {NO_PARAMETER}"),
+            if answers.is_empty() { "nothing".to_owned() } else { format!("{answers:?} and no more") },
+        ))
     }
 
     pub(super) fn send_bytes(&mut self, bytes: &[u8]) -> RuleResult {
         self.line.send_bytes(bytes).map_err(Failure::Session)
-    }
-
-    /// The link's present time.
-    pub(super) fn now(&mut self) -> Instant {
-        self.line.now()
     }
 
     /// Receives unsolicited messages until `wanted` accepts one or the limit has passed.
@@ -120,33 +89,19 @@ impl Client {
     }
 
     /// Sends a request that is answered by a `CommandResult`, and returns its outcome and state.
-    pub(super) fn command<C: Payload + Into<HostMessage>>(
-        &mut self,
-        command: C,
-    ) -> Result<(Outcome, State), Failure> {
+    pub(super) fn command(&mut self, command: impl Into<HostMessage>) -> Result<(Outcome, State), Failure> {
+        let command = command.into();
         let answers = self.request(command)?;
-        find(&format!("a CommandResult for {}", C::LAYOUT.name), &answers, |answer| match answer {
-            DriveMessage::CommandResult(result) if result.request == C::LAYOUT.kind => {
-                Some((result.outcome, result.state))
-            }
-            _ => None,
-        })
-    }
-
-    /// State of the drive after the last request.
-    pub(super) fn state(&self) -> State {
-        self.state
+        command_result(command.layout(), &answers).map(|result| (result.outcome, result.state))
     }
 
     pub(super) fn handshake(&mut self, session: u32) -> Result<Identity, Failure> {
-        identity(&self.request(Hello { protocol_version: PROTOCOL_VERSION, session })?)
+        identity(&self.request(hello(session))?)
     }
 
     pub(super) fn parameter(&self, name: &str) -> Result<&Parameter, Failure> {
-        self.parameters.iter().find(|parameter| parameter.name == name).ok_or_else(|| Failure::Rule {
-            expected: format!("a parameter {name}"),
-            got: "a drive without it".to_owned(),
-        })
+        let found = self.parameters.iter().find(|parameter| parameter.name == name);
+        found.ok_or_else(|| broken(format!("a parameter {name}"), "a drive without it"))
     }
 
     /// Sets a parameter; a refusal fails the check.
@@ -169,10 +124,9 @@ impl Client {
         let index = self.parameter(name)?.index;
         match self.get(index)?.value {
             ParameterValue::F32(value) => Ok(value),
-            ParameterValue::U32(value) => Err(Failure::Rule {
-                expected: format!("a real number in {name}"),
-                got: format!("the integer {value}"),
-            }),
+            ParameterValue::U32(value) => {
+                Err(broken(format!("a real number in {name}"), format!("the integer {value}")))
+            }
         }
     }
 

@@ -5,12 +5,12 @@ use std::time::{Duration, Instant};
 use lashloop_protocol::message::{DescribeParameter, EncoderSample, GetParameter, Hello};
 use lashloop_protocol::sequence::of_step;
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, HostMessage};
 
 use lashloop_bench::session::request::REQUEST_LIMIT;
 
-use super::answers::sample;
-use super::assertion::{Failure, expect};
+use super::answers::{hello, sample};
+use super::assertion::{Failure, broken, expect};
 use super::check::Check;
 use super::client::Client;
 
@@ -23,9 +23,7 @@ const ROUNDS: u32 = 200;
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        timed::<Hello>("Identity", |client, _| {
-            Hello { protocol_version: PROTOCOL_VERSION, session: client.session() }.into()
-        }),
+        timed::<Hello>("Identity", |client, _| hello(client.session).into()),
         timed::<DescribeParameter>("ParameterDescription", |_, _| DescribeParameter { index: 0 }.into()),
         timed::<GetParameter>("ParameterReport", |_, _| GetParameter { index: 0 }.into()),
         timed::<EncoderSample>("TorqueAnswer", |_, round| sample(of_step(round)).into()),
@@ -42,24 +40,20 @@ fn timed<Request: Payload>(answer: &'static str, request: fn(&Client, u32) -> Ho
         }
         times.sort();
         let [median, high, longest] = [50, 99, 100].map(|percent| times[times.len() * percent / 100 - 1]);
-        client.note(format!("median {}, 99 % {}, longest {} us", us(median), us(high), us(longest)));
+        let [median_us, high_us, longest_us] = [median, high, longest].map(|time| time.as_micros());
+        client.note = format!("median {median_us}, 99 % {high_us}, longest {longest_us} us");
         expect(longest <= LIMIT, format!("{answer} within {LIMIT:?}"), longest)
     })
-}
-
-fn us(time: Duration) -> u128 {
-    time.as_micros()
 }
 
 fn round_trip(client: &mut Client, request: HostMessage, answer: &str) -> Result<Duration, Failure> {
     use lashloop_protocol::Message;
     let sent = Instant::now();
-    client.line().send(&request).map_err(Failure::Session)?;
+    client.line.send(&request).map_err(Failure::Session)?;
     let got = client.wait_for(REQUEST_LIMIT, |message: &DriveMessage| {
         (message.layout().name == answer).then(|| sent.elapsed())
     })?;
-    got.ok_or_else(|| Failure::Rule {
-        expected: format!("{answer} within {LIMIT:?}"),
-        got: format!("nothing within {REQUEST_LIMIT:?}"),
+    got.ok_or_else(|| {
+        broken(format!("{answer} within {LIMIT:?}"), format!("nothing within {REQUEST_LIMIT:?}"))
     })
 }

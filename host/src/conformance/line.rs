@@ -4,7 +4,8 @@ use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::message::{GetParameter, LineReport, Stop};
 use lashloop_protocol::{DriveMessage, HostMessage, MAX_FRAME, Message};
 
-use super::assertion::{Failure, RuleResult, equal, expect, find, names};
+use super::answers::line_report;
+use super::assertion::{RuleResult, equal, expect, names};
 use super::check::Check;
 use super::client::Client;
 
@@ -73,9 +74,9 @@ pub(super) fn checks() -> Vec<Check> {
             reported(client, LineReport { messages: 2, damaged: 0, refused: 0, overruns: 0 })
         }),
         check("every frame from the drive was a good message", |client| {
-            let counters = *client.line().decoder().counters();
+            let counters = *client.line.decoder().counters();
             let got = (counters.damaged(), counters.refused);
-            client.note(format!("{} messages", counters.messages));
+            client.note = format!("{} messages", counters.messages);
             equal("damaged and refused frames of the drive", (0, 0), got)
         }),
     ]
@@ -105,14 +106,11 @@ fn damaged() -> Vec<u8> {
 /// Sends bytes and requires a report for each of these parameters, in order, and no other answer.
 fn answered(client: &mut Client, bytes: &[u8], indices: &[u8]) -> RuleResult {
     let answers = client.request_bytes(bytes)?;
-    let reports: Vec<_> = answers
-        .iter()
-        .filter_map(|answer| match answer {
-            DriveMessage::ParameterReport(report) => Some(report.index),
-            _ => None,
-        })
-        .collect();
-    let only_these = reports == indices && answers.len() == indices.len();
+    let reported = answers.iter().map(|answer| match answer {
+        DriveMessage::ParameterReport(report) => Some(report.index),
+        _ => None,
+    });
+    let only_these = reported.eq(indices.iter().copied().map(Some));
     expect(only_these, format!("a ParameterReport for each of {indices:?} and nothing else"), answers)
 }
 
@@ -130,10 +128,5 @@ fn flipped_bits(client: &mut Client) -> RuleResult {
 }
 
 fn reported(client: &mut Client, wanted: LineReport) -> RuleResult {
-    let answers = client.request(Stop {})?;
-    let got: Result<LineReport, Failure> = find("a LineReport", &answers, |answer| match answer {
-        DriveMessage::LineReport(report) => Some(*report),
-        _ => None,
-    });
-    equal("line report", wanted, got?)
+    equal("line report", wanted, line_report(&client.request(Stop {})?)?)
 }

@@ -72,7 +72,7 @@ pub trait Reporter {
 /// check and is not an error.
 pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Result<(), SessionError> {
     let mut client = Client::open(link, session)?;
-    reporter.connected(client.identity());
+    reporter.connected(&client.identity);
     for check in all_checks() {
         if reporter.is_interrupted() {
             break;
@@ -88,7 +88,7 @@ pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Re
             group: check.group,
             name: check.name,
             status,
-            note: client.take_note(),
+            note: std::mem::take(&mut client.note),
             took: started.elapsed(),
         });
     }

@@ -35,18 +35,18 @@ pub(super) fn checks() -> Vec<Check> {
         }),
         check("every parameter name is unique", |client| {
             let mut seen = HashSet::new();
-            client.parameters().iter().try_for_each(|it| {
+            client.parameters.iter().try_for_each(|it| {
                 expect(!it.name.is_empty() && seen.insert(&it.name), "a name no other has", &it.name)
             })
         }),
         check("default, minimum and maximum have one type", |client| {
-            client.parameters().iter().try_for_each(|it| {
+            client.parameters.iter().try_for_each(|it| {
                 let types = (it.default.ty(), it.min.ty(), it.max.ty());
                 expect(types.0 == types.1 && types.1 == types.2, format!("{}: one type", it.name), types)
             })
         }),
         check("every default lies in its range", |client| {
-            client.parameters().iter().try_for_each(|it| {
+            client.parameters.iter().try_for_each(|it| {
                 expect(
                     holds(it, it.default),
                     format!("{} within {} to {}", it.name, it.min, it.max),
@@ -123,7 +123,7 @@ pub(super) fn checks() -> Vec<Check> {
 }
 
 fn each(client: &mut Client, mut check: impl FnMut(&mut Client, &Parameter) -> RuleResult) -> RuleResult {
-    client.parameters().to_vec().iter().try_for_each(|parameter| check(client, parameter))
+    client.parameters.to_vec().iter().try_for_each(|parameter| check(client, parameter))
 }
 
 fn in_force(client: &mut Client, parameter: &Parameter, value: ParameterValue) -> RuleResult {
@@ -146,7 +146,7 @@ fn refused(
 
 fn unknown_index(client: &mut Client) -> RuleResult {
     client.idle()?;
-    let index = client.identity().parameter_count;
+    let index = client.identity.parameter_count;
     let value = ParameterValue::U32(0);
     for (what, answers) in [
         ("DescribeParameter", client.request(DescribeParameter { index })?),
@@ -172,7 +172,7 @@ fn identity_follows(client: &mut Client) -> RuleResult {
         *wanted = nearest_whole(client.parameter(name)?, wished)?;
         client.put(name, ParameterValue::U32(*wanted))?;
     }
-    let it = client.handshake(client.session())?;
+    let it = client.handshake(client.session)?;
     let got = [it.period_us, it.motor_counts_per_rev, it.load_counts_per_rev];
     equal("period and counts per revolution of motor and load", wanted, got)
 }

@@ -3,7 +3,7 @@
 use lashloop_bench::session::Parameter;
 use lashloop_protocol::enums::ParameterValue;
 
-use super::assertion::Failure;
+use super::assertion::{Failure, broken};
 
 /// Whether a value has the type of a parameter and lies within its range.
 pub(super) fn holds(parameter: &Parameter, value: ParameterValue) -> bool {
@@ -20,10 +20,7 @@ pub(super) fn nearest_whole(parameter: &Parameter, wished: u32) -> Result<u32, F
     match (parameter.min, parameter.max) {
         // A drive may describe an inverted range, on which `clamp` would panic.
         (ParameterValue::U32(min), ParameterValue::U32(max)) => Ok(wished.max(min).min(max)),
-        range => Err(Failure::Rule {
-            expected: format!("{}: an integer range", parameter.name),
-            got: format!("{range:?}"),
-        }),
+        range => Err(broken(format!("{}: an integer range", parameter.name), format!("{range:?}"))),
     }
 }
 
@@ -31,10 +28,7 @@ pub(super) fn nearest_whole(parameter: &Parameter, wished: u32) -> Result<u32, F
 pub(super) fn nearest_real(parameter: &Parameter, wished: f32) -> Result<f32, Failure> {
     match (parameter.min, parameter.max) {
         (ParameterValue::F32(min), ParameterValue::F32(max)) => Ok(wished.max(min).min(max)),
-        range => Err(Failure::Rule {
-            expected: format!("{}: a real range", parameter.name),
-            got: format!("{range:?}"),
-        }),
+        range => Err(broken(format!("{}: a real range", parameter.name), format!("{range:?}"))),
     }
 }
 

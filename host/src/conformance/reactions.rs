@@ -17,7 +17,7 @@ pub(super) fn refused_sample(client: &mut Client, sequence: u16) -> RuleResult {
     let answers = client.sample(sequence)?;
     equal(&format!("to sample {sequence}"), vec!["CommandResult"], names(&answers))?;
     equal("outcome", Outcome::OutOfSequence, outcome::<EncoderSample>(&answers)?)?;
-    equal("state", State::Running, client.state())
+    equal("state", State::Running, client.state)
 }
 
 /// Requires the answers to a sample that latches a fault: zero torque, then the report.

@@ -3,11 +3,11 @@
 use std::time::Duration;
 
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, FaultReport, Hello, Reset, Stop};
-use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
+use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, FaultReport, Reset, Stop};
+use lashloop_protocol::{DriveMessage, HostMessage};
 
-use super::answers::{fault, sample};
-use super::assertion::{Failure, RuleResult, equal, expect, names};
+use super::answers::{fault, hello, sample};
+use super::assertion::{Failure, RuleResult, broken, equal, expect, names};
 use super::check::Check;
 use super::client::Client;
 use super::reactions::{fault_answer, no_torque};
@@ -37,14 +37,13 @@ pub(super) fn checks() -> Vec<Check> {
             client.faulted()?;
             client.request(Stop {})?;
             client.sample(0)?;
-            equal("state", State::Faulted, client.state())
+            equal("state", State::Faulted, client.state)
         }),
         check("the first fault stays latched", |client| {
             client.running(&[])?;
             client.request(EncoderSample { reference_rad: f32::NAN, ..sample(0) })?;
             client.request(EmergencyStop {})?;
-            let session = client.session();
-            let answers = client.request(Hello { protocol_version: PROTOCOL_VERSION, session })?;
+            let answers = client.request(hello(client.session))?;
             equal("fault reported after the identity", FaultCode::ReferenceNotFinite, fault(&answers)?.code)
         }),
         check("a cleared fault restores no torque", |client| {
@@ -61,13 +60,13 @@ pub(super) fn checks() -> Vec<Check> {
         }),
         check("repeating one sample does not feed the watchdog", |client| {
             start_with_watchdog(client)?;
-            let give_up = client.now() + WATCHDOG_PATIENCE;
-            while client.state() == State::Running && client.now() < give_up {
+            let give_up = client.line.now() + WATCHDOG_PATIENCE;
+            while client.state == State::Running && client.line.now() < give_up {
                 client.sample(0)?;
                 // Time passes for a drive in process only while the bench waits.
                 client.wait_for(REPEAT_INTERVAL, |_| None::<()>)?;
             }
-            equal("state", State::Faulted, client.state())
+            equal("state", State::Faulted, client.state)
         }),
         check("a reference that is not finite is a fault", |client| {
             for reference_rad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
@@ -91,18 +90,14 @@ fn ends_of_torque() -> impl Iterator<Item = Check> {
     const ENDS: [End; 4] = [
         ("Stop", |_| Stop {}.into(), State::Idle),
         ("EmergencyStop", |_| EmergencyStop {}.into(), State::Faulted),
-        (
-            "a new session",
-            |session| Hello { protocol_version: PROTOCOL_VERSION, session: session ^ 1 }.into(),
-            State::Idle,
-        ),
+        ("a new session", |session| hello(session ^ 1).into(), State::Idle),
         ("Reset", |_| Reset {}.into(), State::Boot),
     ];
     ENDS.into_iter().map(|(name, end, state)| {
         Check::new("safety", format!("{name} takes the torque away"), move |client| {
             client.running(&[])?;
             expect(client.torque(0)?.torque_nm != 0.0, "a torque while running", "none")?;
-            client.request(end(client.session()))?;
+            client.request(end(client.session))?;
             if state == State::Boot {
                 return equal("answers", vec!["CommandResult"], names(&client.sample(1)?));
             }
@@ -140,22 +135,22 @@ fn await_watchdog(client: &mut Client) -> Result<FaultReport, Failure> {
         DriveMessage::FaultReport(fault) => Some(*fault),
         _ => None,
     })?;
-    tripped.ok_or_else(|| Failure::Rule {
-        expected: format!("a FaultReport {WATCHDOG:?} after the last sample"),
-        got: format!("none within {WATCHDOG_PATIENCE:?}"),
+    tripped.ok_or_else(|| {
+        let got = format!("none within {WATCHDOG_PATIENCE:?}");
+        broken(format!("a FaultReport {WATCHDOG:?} after the last sample"), got)
     })
 }
 
 fn watchdog_trips(client: &mut Client) -> RuleResult {
-    let asked = client.now();
+    let asked = client.line.now();
     let it = await_watchdog(client)?;
-    let waited_s = (client.now() - asked).as_secs_f64();
+    let waited_s = (client.line.now() - asked).as_secs_f64();
     equal("code and sequence", (FaultCode::Watchdog, 0), (it.code, it.sequence))?;
     let limit_s = WATCHDOG.as_secs_f32();
     expect((it.limit - limit_s).abs() <= 1e-6, format!("limit {limit_s} s"), it.limit)?;
     expect(it.value >= it.limit, format!("a silence of at least {limit_s} s"), it.value)?;
     let least_s = WATCHDOG.as_secs_f64() * (1.0 - CLOCK_TOLERANCE);
     expect(waited_s >= least_s, format!("at least {least_s} s on the bench's clock"), waited_s)?;
-    client.note(format!("tripped {:.1} ms after the last sample, device time", 1e3 * it.value));
+    client.note = format!("tripped {:.1} ms after the last sample, device time", 1e3 * it.value);
     Ok(())
 }

@@ -1,13 +1,13 @@
 //! Samples: torque answers, sequence rules and telemetry.
 
+use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::{ControllerId, Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::{EncoderSample, Stop};
-use lashloop_protocol::{DriveMessage, EncoderCounts};
 
 use super::encoders::setup::Setup;
 
-use super::answers::{outcome, sample, torque};
-use super::assertion::{Failure, RuleResult, equal, expect, find, names};
+use super::answers::{outcome, sample, telemetry, torque};
+use super::assertion::{Failure, RuleResult, equal, expect, names, skip};
 use super::check::Check;
 use super::client::Client;
 use super::reactions::refused_sample;
@@ -29,11 +29,8 @@ pub(super) fn checks() -> Vec<Check> {
             client.running(&[])?;
             for sequence in 0..3 {
                 let answer = client.torque(sequence)?;
-                equal(
-                    "sequence and state",
-                    (sequence, State::Running),
-                    (answer.sequence, answer.status.state),
-                )?;
+                let got = (answer.sequence, answer.status.state);
+                equal("sequence and state", (sequence, State::Running), got)?;
                 equal("flags", TorqueFlags::empty(), answer.status.flags - TorqueFlags::SATURATED)?;
                 let pushes = answer.torque_nm != 0.0 && answer.torque_nm.is_finite();
                 expect(pushes, "a torque for a load 1 rad off its reference", answer.torque_nm)?;
@@ -65,9 +62,7 @@ pub(super) fn checks() -> Vec<Check> {
         check("a gap is flagged GAP, once", |client| {
             let gap = start_with_gaps(client)?;
             if gap < 2 {
-                return Err(Failure::Skipped {
-                    reason: "not run: no encoder setting of this drive allows a gap",
-                });
+                return skip("not run: no encoder setting of this drive allows a gap");
             }
             client.torque(0)?;
             let has_gap = |flags: TorqueFlags| flags.contains(TorqueFlags::GAP);
@@ -118,7 +113,7 @@ pub(super) fn checks() -> Vec<Check> {
                 let wanted = if sequence.is_multiple_of(3) { both } else { vec!["TorqueAnswer"] };
                 equal(&format!("to sample {sequence} of telemetry_every = 3"), wanted, names(&answers))?;
                 if sequence.is_multiple_of(3) {
-                    equal("sequence of the telemetry", sequence, requested(&answers)?.0)?;
+                    equal("sequence of the telemetry", sequence, telemetry(&answers)?.sequence)?;
                 }
             }
             Ok(())
@@ -134,27 +129,21 @@ pub(super) fn checks() -> Vec<Check> {
             let limit_nm = client.real("torque_limit_nm")?;
             (0..3).try_for_each(|sequence| {
                 let answers = client.sample(sequence)?;
-                let wanted_nm = requested(&answers)?.1.clamp(-limit_nm, limit_nm);
-                equal(
-                    "torque, of that in the telemetry within the limit,",
-                    wanted_nm,
-                    torque(&answers)?.torque_nm,
-                )
+                let wanted_nm = telemetry(&answers)?.requested_torque_nm.clamp(-limit_nm, limit_nm);
+                let what = "torque, of that in the telemetry within the limit,";
+                equal(what, wanted_nm, torque(&answers)?.torque_nm)
             })
         }),
     ];
     for state in [State::Idle, State::Armed, State::Faulted] {
-        checks.push(Check::new(
-            "samples",
-            format!("a sample gets torque zero in {state:?}"),
-            move |client| {
-                client.enter(state)?;
-                let answers = client.sample(0)?;
-                equal("answers", vec!["TorqueAnswer"], names(&answers))?;
-                let answer = torque(&answers)?;
-                equal("torque and state", (0.0, state), (answer.torque_nm, answer.status.state))
-            },
-        ));
+        let name = format!("a sample gets torque zero in {state:?}");
+        checks.push(Check::new("samples", name, move |client| {
+            client.enter(state)?;
+            let answers = client.sample(0)?;
+            equal("answers", vec!["TorqueAnswer"], names(&answers))?;
+            let answer = torque(&answers)?;
+            equal("torque and state", (0.0, state), (answer.torque_nm, answer.status.state))
+        }));
     }
     checks
 }
@@ -184,16 +173,8 @@ fn torques(
     Ok(torques)
 }
 
-/// Sequence and requested torque of the telemetry among answers.
-fn requested(answers: &[DriveMessage]) -> Result<(u16, f32), Failure> {
-    find("a Telemetry", answers, |answer| match answer {
-        DriveMessage::Telemetry(telemetry) => Some((telemetry.sequence, telemetry.requested_torque_nm)),
-        _ => None,
-    })
-}
-
 fn every_controller(client: &mut Client) -> RuleResult {
-    let offered = client.identity().controllers;
+    let offered = client.identity.controllers;
     for controller in ControllerId::ALL.iter().copied().filter(|&controller| offered.offers(controller)) {
         client.reset()?;
         client.running(&[("controller", ParameterValue::U32(controller as u32))])?;

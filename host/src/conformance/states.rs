@@ -21,7 +21,7 @@ impl Client {
 
     /// Opens the session of this run.
     pub(super) fn idle(&mut self) -> RuleResult {
-        let identity = self.handshake(self.session())?;
+        let identity = self.handshake(self.session)?;
         equal("after the handshake, state", State::Idle, identity.state)
     }
 
@@ -31,13 +31,13 @@ impl Client {
     }
 
     pub(super) fn arm(&mut self) -> RuleResult {
-        let session = self.session();
+        let session = self.session;
         let got = self.command(Arm { session })?;
         equal("Arm in Idle", (Outcome::Accepted, State::Armed), got)
     }
 
     pub(super) fn start(&mut self) -> RuleResult {
-        let session = self.session();
+        let session = self.session;
         let got = self.command(Start { session })?;
         equal("Start in Armed", (Outcome::Accepted, State::Running), got)
     }

@@ -1,11 +1,10 @@
 //! State transitions: every request in every state.
 
-use lashloop_protocol::HostMessage;
 use lashloop_protocol::enums::{Outcome, State};
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Reset, Start, Stop};
-use lashloop_protocol::{DriveMessage, Message};
+use lashloop_protocol::{HostMessage, Message};
 
-use super::assertion::{Failure, RuleResult, equal, find};
+use super::assertion::{RuleResult, equal};
 use super::check::Check;
 use super::client::Client;
 
@@ -55,9 +54,9 @@ fn transition(state: State, request: fn(u32) -> HostMessage, reaction: Reaction)
     };
     Check::new("transitions", name, move |client| {
         client.enter(state)?;
-        let got = ask(client, request(client.session()))?;
+        let got = client.command(request(client.session))?;
         equal("outcome and state", expected, got)?;
-        equal("state afterwards", expected.1, client.state())
+        equal("state afterwards", expected.1, client.state)
     })
 }
 
@@ -66,18 +65,18 @@ fn sessions() -> Vec<Check> {
     vec![
         check("Arm of another session is refused", |client| {
             client.idle()?;
-            let session = client.session() ^ 1;
+            let session = client.session ^ 1;
             equal("Arm", (Outcome::WrongSession, Idle), client.command(Arm { session })?)
         }),
         check("Start of another session is refused", |client| {
             client.armed()?;
-            let session = client.session() ^ 1;
+            let session = client.session ^ 1;
             equal("Start", (Outcome::WrongSession, Armed), client.command(Start { session })?)
         }),
         check("a new session makes the previous one stale", |client| {
             client.idle()?;
-            client.handshake(client.session() ^ 1)?;
-            let session = client.session();
+            client.handshake(client.session ^ 1)?;
+            let session = client.session;
             equal("Arm", (Outcome::WrongSession, Idle), client.command(Arm { session })?)
         }),
         check("a fault cleared before the handshake leads back to Boot", |client| {
@@ -85,15 +84,4 @@ fn sessions() -> Vec<Check> {
             equal("ClearFault", (Outcome::Accepted, Boot), client.command(ClearFault {})?)
         }),
     ]
-}
-
-fn ask(client: &mut Client, request: HostMessage) -> Result<(Outcome, State), Failure> {
-    let layout = request.layout();
-    let answers = client.request(request)?;
-    find(&format!("a CommandResult for {}", layout.name), &answers, |answer| match answer {
-        DriveMessage::CommandResult(result) if result.request == layout.kind => {
-            Some((result.outcome, result.state))
-        }
-        _ => None,
-    })
 }

@@ -1,21 +1,28 @@
 //! One frame of a stream or of a capture, good or bad.
 
-use lashloop_protocol::FrameError;
-use lashloop_protocol::layout::{Direction, MessageLayout};
+use lashloop_protocol::field_value::FieldValue;
+use lashloop_protocol::layout::{Direction, FieldLayout, MessageLayout};
+use lashloop_protocol::{FrameError, Message, frame};
+use serde::Serialize;
 
-use super::value::Field;
+use super::message::AnyMessage;
 
 /// Location of a frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(untagged)]
 pub enum Location {
-    /// Offset of its first byte in the stream.
-    Offset(u64),
+    Stream {
+        /// Of its first byte.
+        offset: u64,
+    },
     Packet {
         /// Of the packet, from 1.
+        #[serde(rename = "packet")]
         number: u64,
         /// Time since the first packet.
         time_ns: u64,
         /// As recorded in the capture, if it is.
+        #[serde(skip)]
         direction: Option<Direction>,
     },
 }
@@ -23,8 +30,22 @@ pub enum Location {
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecodedMessage {
     pub layout: &'static MessageLayout,
+    body: Vec<u8>,
+}
+
+impl DecodedMessage {
+    pub(super) fn new(message: &AnyMessage) -> Self {
+        let mut stuffed = message.frame().to_vec();
+        stuffed.pop();
+        // This frame was just encoded, so it is good.
+        let body = frame::open(&mut stuffed).map_or_else(|_| Vec::new(), <[u8]>::to_vec);
+        Self { layout: message.layout(), body }
+    }
+
     /// In the order of the bytes.
-    pub fields: Vec<Field>,
+    pub fn fields(&self) -> impl Iterator<Item = (&'static FieldLayout, FieldValue<'_>)> {
+        self.layout.fields.iter().filter_map(|field| Some((field, field.value(&self.body)?)))
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +63,7 @@ impl Entry {
         match (&self.message, self.location) {
             (Ok(message), _) => Some(message.layout.direction),
             (Err(_), Location::Packet { direction, .. }) => direction,
-            (Err(_), Location::Offset(_)) => None,
+            (Err(_), Location::Stream { .. }) => None,
         }
     }
 }

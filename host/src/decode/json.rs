@@ -11,132 +11,108 @@
 
 use lashloop_protocol::Counters;
 use lashloop_protocol::enums::ParameterValue;
+use lashloop_protocol::field_value::{FieldValue, SetFlags};
+use lashloop_protocol::hex::Hex;
 use lashloop_protocol::layout::Direction;
 use serde::ser::SerializeStruct;
 use serde::{Serialize, Serializer};
 
-use super::entry::{Entry, Location};
-use super::value::{Field, Value};
+use super::entry::{DecodedMessage, Entry, Location};
 
 /// One entry, without the end of line.
 ///
 /// # Errors
 /// None known: every value has a representation in JSON.
 pub fn line(entry: &Entry) -> serde_json::Result<String> {
-    let (message, error) = match &entry.message {
-        Ok(message) => (Some(message), None),
-        Err(error) => (None, Some(error.to_string())),
-    };
-    let (offset, packet, time_ns) = match entry.location {
-        Location::Offset(offset) => (Some(offset), None, None),
-        Location::Packet { number, time_ns, .. } => (None, Some(number), Some(time_ns)),
+    let content = match &entry.message {
+        Ok(message) => Content::Good {
+            message: message.layout.name,
+            kind: message.layout.kind,
+            fields: Fields(message),
+            units: Units(message),
+        },
+        Err(error) => Content::Bad { error: error.to_string(), bytes: Hex(&entry.bytes).to_string() },
     };
     serde_json::to_string(&Line {
-        offset,
-        packet,
-        time_ns,
+        location: entry.location,
         length: entry.bytes.len(),
         direction: entry.direction().map(|direction| match direction {
             Direction::HostToDrive => "host_to_drive",
             Direction::DriveToHost => "drive_to_host",
         }),
-        message: message.map(|message| message.layout.name),
-        kind: message.map(|message| message.layout.kind),
-        fields: message.map(|message| Fields(&message.fields)),
-        units: message.map(|message| Units(&message.fields)),
-        bytes: error.is_some().then(|| entry.bytes.iter().map(|byte| format!("{byte:02x}")).collect()),
-        error,
+        content,
     })
 }
 
 /// The counters, after the last entry.
-///
-/// # Errors
-/// None known.
-pub fn counters(counters: &Counters) -> serde_json::Result<String> {
+#[must_use]
+pub fn counters(counters: &Counters) -> String {
     let Counters { messages, discarded_bytes, oversized, malformed, crc_errors, refused } = *counters;
-    serde_json::to_string(&Total {
-        counters: Counts { messages, crc_errors, malformed, oversized, refused, discarded_bytes },
-    })
+    let errors = format!(r#""crc_errors":{crc_errors},"malformed":{malformed},"oversized":{oversized}"#);
+    let rest = format!(r#""refused":{refused},"discarded_bytes":{discarded_bytes}"#);
+    format!(r#"{{"counters":{{"messages":{messages},{errors},{rest}}}}}"#)
 }
 
 #[derive(Serialize)]
 struct Line<'a> {
-    #[serde(skip_serializing_if = "Option::is_none")]
-    offset: Option<u64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    packet: Option<u64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    time_ns: Option<u64>,
+    #[serde(flatten)]
+    location: Location,
     length: usize,
     #[serde(skip_serializing_if = "Option::is_none")]
     direction: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    message: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    kind: Option<u8>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    fields: Option<Fields<'a>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    units: Option<Units<'a>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    error: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    bytes: Option<String>,
+    #[serde(flatten)]
+    content: Content<'a>,
 }
 
 #[derive(Serialize)]
-struct Total {
-    counters: Counts,
+#[serde(untagged)]
+enum Content<'a> {
+    Good { message: &'static str, kind: u8, fields: Fields<'a>, units: Units<'a> },
+    Bad { error: String, bytes: String },
 }
 
-#[derive(Serialize)]
-struct Counts {
-    messages: u32,
-    crc_errors: u32,
-    malformed: u32,
-    oversized: u32,
-    refused: u32,
-    discarded_bytes: u32,
-}
-
-struct Fields<'a>(&'a [Field]);
+struct Fields<'a>(&'a DecodedMessage);
 
 impl Serialize for Fields<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().map(|field| (field.name, &field.value)))
+        serializer.collect_map(self.0.fields().map(|(field, value)| (field.name, Value(value))))
     }
 }
 
-struct Units<'a>(&'a [Field]);
+struct Units<'a>(&'a DecodedMessage);
 
 impl Serialize for Units<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().filter_map(|field| Some((field.name, field.unit?))))
+        serializer.collect_map(self.0.fields().filter_map(|(field, _)| Some((field.name, field.unit()?))))
     }
 }
 
-impl Serialize for Value {
+struct Value<'a>(FieldValue<'a>);
+
+impl Serialize for Value<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            Self::Unsigned(value) | Self::Parameter(ParameterValue::U32(value)) => {
-                serializer.serialize_u32(*value)
+        let names = |flags: SetFlags| flags.iter().map(|flag| flag.to_string()).collect::<Vec<_>>();
+        match self.0 {
+            FieldValue::Unsigned(value) | FieldValue::Parameter(ParameterValue::U32(value)) => {
+                serializer.serialize_u32(value)
             }
-            Self::Signed(value) => serializer.serialize_i32(*value),
-            Self::Real(value) | Self::Parameter(ParameterValue::F32(value)) if value.is_finite() => {
-                serializer.serialize_f32(*value)
+            FieldValue::Signed(value) => serializer.serialize_i32(value),
+            FieldValue::Real(value) | FieldValue::Parameter(ParameterValue::F32(value)) => {
+                if value.is_finite() {
+                    serializer.serialize_f32(value)
+                } else {
+                    serializer.collect_str(&value)
+                }
             }
-            Self::Real(value) | Self::Parameter(ParameterValue::F32(value)) => serializer.collect_str(value),
-            Self::Name(name) => serializer.serialize_str(name),
-            Self::Status(state, flags) => {
+            FieldValue::Name(text) | FieldValue::Text(text) => serializer.serialize_str(text),
+            FieldValue::Status(state, flags) => {
                 let mut status = serializer.serialize_struct("Status", 2)?;
                 status.serialize_field("state", state)?;
-                status.serialize_field("flags", flags)?;
+                status.serialize_field("flags", &names(flags))?;
                 status.end()
             }
-            Self::Flags(names) => serializer.collect_seq(names),
-            Self::Text(text) => serializer.serialize_str(text),
-            Self::Version(version) => serializer.collect_str(version),
+            FieldValue::Flags(flags) => serializer.collect_seq(names(flags)),
+            FieldValue::Version(version) => serializer.collect_str(&version),
         }
     }
 }

@@ -5,7 +5,6 @@
 //! | `entry` | one frame of a stream or of a capture |
 //! | `reader` | splits streams and captures into entries |
 //! | [`message`] | decodes a message of either direction, for streams that mix both |
-//! | [`value`] | reads the fields of a message with values and units, from its layout |
 //! | [`table`], [`json`] | formats an entry as a line of text, or of JSON |
 //!
 //! [`lashloop_protocol::Decoder`], the decoder of the bench and of the drive, accepts and rejects the frames.
@@ -15,7 +14,6 @@ pub mod json;
 pub mod message;
 mod reader;
 pub mod table;
-pub mod value;
 
 pub use entry::{DecodedMessage, Entry, Location};
 pub use reader::{PacketReader, StreamReader};

@@ -3,11 +3,10 @@
 use lashloop_bench::capture::Splitter;
 use lashloop_bench::capture::reader::Packet;
 use lashloop_protocol::frame;
-use lashloop_protocol::{Counters, Decoder, FrameError, Message};
+use lashloop_protocol::{Counters, Decoder, FrameError};
 
 use super::entry::{DecodedMessage, Entry, Location};
 use super::message::AnyMessage;
-use super::value::fields;
 
 /// Splits a byte stream into frames; the stream may mix both directions.
 #[derive(Debug, Default)]
@@ -29,7 +28,11 @@ impl StreamReader {
             *offset += piece.len() as u64;
             match decode(decoder, piece) {
                 Some(message) => {
-                    take(Entry { location: Location::Offset(start), bytes: piece.to_vec(), message });
+                    take(Entry {
+                        location: Location::Stream { offset: start },
+                        bytes: piece.to_vec(),
+                        message,
+                    });
                 }
                 None if piece.last() != Some(&frame::DELIMITER) => *began = Some(start),
                 None => {}
@@ -44,7 +47,7 @@ impl StreamReader {
         self.splitter.finish(|piece| bytes = piece.to_vec());
         let decoded = decode(&mut self.decoder, &bytes);
         if let Some(message) = decoded.or_else(|| self.decoder.finish().err().map(Err)) {
-            take(Entry { location: Location::Offset(start), bytes, message });
+            take(Entry { location: Location::Stream { offset: start }, bytes, message });
         }
     }
 
@@ -87,5 +90,5 @@ impl PacketReader {
 /// `None` for a piece that completes no frame.
 fn decode(decoder: &mut Decoder, piece: &[u8]) -> Option<Result<DecodedMessage, FrameError>> {
     let message = decoder.next::<AnyMessage>(&mut &piece[..])?;
-    Some(message.map(|message| DecodedMessage { layout: message.layout(), fields: fields(&message) }))
+    Some(message.map(|message| DecodedMessage::new(&message)))
 }

@@ -3,6 +3,7 @@
 use std::fmt::{self, Write};
 
 use lashloop_protocol::Counters;
+use lashloop_protocol::hex::Hex;
 use lashloop_protocol::layout::Direction;
 
 use super::entry::{Entry, Location};
@@ -23,7 +24,7 @@ pub fn heading(capture: bool) -> String {
 #[must_use]
 pub fn line(entry: &Entry) -> String {
     let mut line = match entry.location {
-        Location::Offset(offset) => format!("{offset:>8}"),
+        Location::Stream { offset } => format!("{offset:>8}"),
         Location::Packet { number, time_ns, .. } => {
             format!("{number:>8} {:>6}.{:09}", time_ns / 1_000_000_000, time_ns % 1_000_000_000)
         }
@@ -44,10 +45,10 @@ fn describe(line: &mut String, entry: &Entry) -> fmt::Result {
     match &entry.message {
         Ok(message) => {
             write!(line, "{:<20}  ", message.layout.name)?;
-            for (at, field) in message.fields.iter().enumerate() {
+            for (at, (field, value)) in message.fields().enumerate() {
                 let separator = if at == 0 { "" } else { ", " };
-                write!(line, "{separator}{} {}", field.name, field.value)?;
-                if let Some(unit) = field.unit {
+                write!(line, "{separator}{} {value}", field.name)?;
+                if let Some(unit) = field.unit() {
                     // 57 x 0.1 us
                     let times = if unit.starts_with(|c: char| c.is_ascii_digit()) { "x " } else { "" };
                     write!(line, " {times}{unit}")?;
@@ -55,13 +56,9 @@ fn describe(line: &mut String, entry: &Entry) -> fmt::Result {
             }
         }
         Err(error) => {
-            write!(line, "{:<20}  {error}:", "BAD")?;
-            for byte in entry.bytes.iter().take(SHOWN) {
-                write!(line, " {byte:02x}")?;
-            }
-            if entry.bytes.len() > SHOWN {
-                write!(line, " ...")?;
-            }
+            let shown = &entry.bytes[..entry.bytes.len().min(SHOWN)];
+            let cut = if entry.bytes.len() > SHOWN { " ..." } else { "" };
+            write!(line, "{:<20}  {error}: {:#}{cut}", "BAD", Hex(shown))?;
         }
     }
     Ok(())

@@ -55,48 +55,33 @@ impl Examination {
 #[must_use]
 pub fn examine(line: &LineUnderTest<'_>) -> Examination {
     let mut diagnoses = Vec::new();
-    let reached = examine_steps(line, &mut diagnoses).is_some();
+    let ended = examine_steps(line, &mut diagnoses);
+    let reached = ended.is_ok();
+    diagnoses.extend(ended.err());
     Examination { diagnoses, reached }
 }
 
-/// `None` if a step fails on which the others depend.
-fn examine_steps(line: &LineUnderTest<'_>, diagnoses: &mut Vec<Diagnosis>) -> Option<()> {
+/// The error is that of a step on which the others depend.
+fn examine_steps(line: &LineUnderTest<'_>, diagnoses: &mut Vec<Diagnosis>) -> Result<(), Diagnosis> {
     let &LineUnderTest { terminal, baud, rounds } = line;
     let is_pty = terminal.starts_with(pty::DIRECTORY);
-    let link = match device::open_terminal(terminal, baud) {
-        Ok(link) => link,
-        Err(error) => {
-            diagnoses.push(assessment::not_opened(&error, &tty_users::of(terminal)));
-            return None;
-        }
-    };
+    let link = device::open_terminal(terminal, baud)
+        .map_err(|error| assessment::not_opened(&error, &tty_users::of(terminal)))?;
     diagnoses.push(assessment::opened((!is_pty).then_some(baud)));
     diagnoses.push(assessment::dtr(is_pty));
     let timer = if is_pty { None } else { Some(LatencyTimer::shorten(terminal)) };
     diagnoses.push(assessment::latency_timer(timer.as_ref()));
-    let broken = |about, source| {
+    let broken = |about| {
         let device = terminal.display().to_string();
-        Diagnosis::wrong(about, DeviceError::Session { device, source }.to_string())
+        move |source| Diagnosis::wrong(about, DeviceError::Session { device, source }.to_string())
     };
     diagnoses.push(assessment::drained());
-    let mut session = match Session::open(link, device::session_number()) {
-        Ok(session) => session,
-        Err(source) => {
-            diagnoses.push(broken("handshake", source));
-            return None;
-        }
-    };
+    let mut session = Session::open(link, device::session_number()).map_err(broken("handshake"))?;
     diagnoses.push(assessment::handshake(session.identity()));
-    let timing = match round_trip::measure(&mut session, rounds) {
-        Ok(timing) => timing,
-        Err(source) => {
-            diagnoses.push(broken("round trip", source));
-            return None;
-        }
-    };
+    let timing = round_trip::measure(&mut session, rounds).map_err(broken("round trip"))?;
     diagnoses.push(assessment::round_trip(&timing));
     diagnoses.extend(assessment::losses(&timing, session.traffic().damaged));
     let wire = (!is_pty).then(|| round_trip::wire_time(baud));
     diagnoses.push(assessment::speed(&timing, wire, timer.as_ref()));
-    Some(())
+    Ok(())
 }

@@ -8,14 +8,13 @@ use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
 use lashloop_protocol::sequence::of_step;
 use lashloop_protocol::wire::Payload;
 
+use lashloop_bench::link::uart_model::transmission_time;
 use lashloop_bench::session::{Exchange, Session, SessionError};
 
 /// Answer timeout, far longer than the round trip of any line fit for a bench.
 const ANSWER_LIMIT: Duration = Duration::from_millis(500);
 /// Lost answers after which the drive counts as silent.
 const LARGEST_LOSS: u32 = 5;
-/// Start bit, 8 data bits, stop bit.
-const BITS_PER_BYTE: u32 = 10;
 /// Significant digits of the histogram.
 const DIGITS: u8 = 3;
 
@@ -35,7 +34,7 @@ pub struct Timing {
 /// Time of a control cycle's bytes on a line at `baud` bit/s, without gaps.
 #[must_use]
 pub fn wire_time(baud: u32) -> Duration {
-    Duration::from_secs(1) * (BYTES as u32 * BITS_PER_BYTE) / baud.max(1)
+    transmission_time(BYTES as u64, baud.max(1))
 }
 
 /// Sends `rounds` samples, each after the answer to the previous one. The drive is disarmed: it answers with zero torque

@@ -5,11 +5,11 @@ use std::fs;
 use std::path::PathBuf;
 
 use lashloop::decode::message::AnyMessage;
-use lashloop::decode::value::Value;
 use lashloop::decode::{DecodedMessage, StreamReader};
 use lashloop_bench::capture::pcapng;
 use lashloop_protocol::Message;
 use lashloop_protocol::enums::ParameterValue;
+use lashloop_protocol::field_value::{FieldValue, SetFlags};
 use lashloop_protocol::layout::{Direction, FieldType};
 use tempfile::TempDir;
 
@@ -86,50 +86,50 @@ fn every_field_of_every_pinned_message_is_read_as_we_read_it() {
         };
         assert_eq!(shown("kind"), format!("{:#04x}", found.layout.kind));
         assert_eq!(shown("crc.status"), "1");
-        for (field, layout) in found.fields.iter().zip(found.layout.fields) {
-            let name = field.name;
-            match &field.value {
-                Value::Unsigned(value) => assert_eq!(shown(name), value.to_string(), "{name}"),
-                Value::Signed(value) => assert_eq!(shown(name), value.to_string(), "{name}"),
-                Value::Real(value) => assert_eq!(shown(name).parse(), Ok(*value), "{name}"),
-                Value::Name(value) => {
+        for (layout, value) in found.fields() {
+            let name = layout.name;
+            match value {
+                FieldValue::Unsigned(value) => assert_eq!(shown(name), value.to_string(), "{name}"),
+                FieldValue::Signed(value) => assert_eq!(shown(name), value.to_string(), "{name}"),
+                FieldValue::Real(value) => assert_eq!(shown(name).parse(), Ok(value), "{name}"),
+                FieldValue::Name(value) => {
                     let FieldType::Enum(names) = layout.ty else { panic!("{name} is no list of names") };
-                    let byte = names.values.iter().find(|(_, name)| name == value).unwrap().0;
+                    let byte = names.values.iter().find(|(_, name)| *name == value).unwrap().0;
                     assert_eq!(shown(name), byte.to_string(), "{name}");
                 }
-                Value::Flags(flags) => {
+                FieldValue::Flags(flags) => {
                     let FieldType::Flags(names) = layout.ty else { panic!("{name} has no flags") };
                     assert_eq!(number(&shown(name)), bits(names.flags, flags), "{name}");
                 }
-                Value::Status(state, flags) => {
+                FieldValue::Status(state, flags) => {
                     let FieldType::Status { states, flags: names } = layout.ty else {
                         panic!("{name} is no status")
                     };
-                    let value = states.values.iter().find(|(_, name)| name == state).unwrap().0;
+                    let value = states.values.iter().find(|(_, name)| *name == state).unwrap().0;
                     let below = &layer[format!("lashloop.{name}_tree")];
                     assert_eq!(below[format!("lashloop.{name}.state")], value.to_string(), "{name}");
                     let whole = bits(names.flags, flags) | u16::from(value);
                     assert_eq!(number(&shown(name)), whole, "{name}");
                 }
-                Value::Text(value) => assert_eq!(shown(name), *value, "{name}"),
-                Value::Parameter(ParameterValue::U32(value)) => {
+                FieldValue::Text(value) => assert_eq!(shown(name), value, "{name}"),
+                FieldValue::Parameter(ParameterValue::U32(value)) => {
                     assert_eq!(
                         (shown(&format!("{name}.type")), shown(&format!("{name}.u32"))),
                         ("1".into(), value.to_string())
                     );
                 }
-                Value::Parameter(ParameterValue::F32(value)) => {
+                FieldValue::Parameter(ParameterValue::F32(value)) => {
                     assert_eq!(shown(&format!("{name}.type")), "2");
-                    assert_eq!(shown(&format!("{name}.f32")).parse(), Ok(*value), "{name}");
+                    assert_eq!(shown(&format!("{name}.f32")).parse(), Ok(value), "{name}");
                 }
-                Value::Version(value) => assert_eq!(shown(name), value.to_string(), "{name}"),
+                FieldValue::Version(value) => assert_eq!(shown(name), value.to_string(), "{name}"),
             }
         }
     }
 }
 
-fn bits(names: &[(u16, &str)], set: &[String]) -> u16 {
-    names.iter().filter(|(_, name)| set.iter().any(|it| it == name)).map(|(mask, _)| mask).sum()
+fn bits(names: &[(u16, &str)], set: SetFlags) -> u16 {
+    names.iter().filter(|(_, name)| set.iter().any(|it| it.to_string() == *name)).map(|(mask, _)| mask).sum()
 }
 
 /// A number that is shown in hexadecimal digits.

@@ -4,7 +4,7 @@ use crate::plot::{Axis, Figure, Panel, Role, Series};
 use lashloop_bench::record::trace::TraceRow;
 use lashloop_plant::metrics::Metric;
 
-use super::curves::{each, of, over_time, telemetered};
+use super::curves::{each, over_time, telemetered, three};
 use super::laws::{Laws, Runs};
 
 pub(super) fn transmitted_torque(runs: &Runs) -> Figure {
@@ -36,8 +36,7 @@ fn parts(title: &str, twisted: &[TraceRow]) -> Panel {
 }
 
 pub(super) fn made_linear(runs: &Runs) -> Figure {
-    let rms =
-        |laws: &Laws| laws.each().map(|(_, _, run)| of(run, Metric::DisturbingTorqueRmsError, 2)).join(", ");
+    let rms = |laws| three(laws, Metric::DisturbingTorqueRmsError, 2);
     let caption = format!(
         "The paper: compensation makes the disturbing torque linear; with a right estimate C \u{2212} w_hat is the straight line \
          C0 = K z.\n\

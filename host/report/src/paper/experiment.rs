@@ -4,7 +4,7 @@ use crate::plot::{Axis, Figure, Panel};
 use lashloop_bench::record::trace::TraceRow;
 use lashloop_plant::metrics::Metric;
 
-use super::curves::{mark_static_error, of, over_time};
+use super::curves::{mark_static_error, of, over_time, three};
 use super::laws::{Laws, Runs};
 
 const FRICTION: &str = "Hard gap, Coulomb friction";
@@ -12,11 +12,6 @@ const BENCH: &str = "Bench as it is built";
 
 pub(super) fn figures(runs: &Runs) -> [(u8, Figure); 3] {
     [(15, load_position(runs)), (16, load_velocity(runs)), (17, torque(runs))]
-}
-
-/// A metric of before, after and beyond.
-fn three(laws: &Laws, metric: Metric, decimals: usize) -> String {
-    laws.each().map(|(_, _, run)| of(run, metric, decimals)).join(", ")
 }
 
 fn load_position(runs: &Runs) -> Figure {

@@ -13,7 +13,7 @@
 //! | | `table` | the numbers, the paper's next to ours |
 //! | | `page` | figures and tables as one HTML page |
 
-mod curves;
+pub(crate) mod curves;
 mod dead_zone;
 mod experiment;
 mod hysteresis;

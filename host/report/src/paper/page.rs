@@ -6,32 +6,7 @@ use super::table::Table;
 use crate::plot::Figure;
 use crate::xml::Escaped;
 
-const HEAD: &str = r#"<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>The paper's figures, paper and here</title>
-<style>
-body { font-family: Helvetica, Arial, sans-serif; color: #1c2430; background: #fff; max-width: 66rem; margin: 2rem auto; padding: 0 1rem; line-height: 1.45; }
-svg { max-width: 100%; height: auto; }
-figure { margin: 2rem 0; }
-figcaption { color: #55606d; font-size: .9rem; }
-nav a { margin-right: .7rem; }
-.scroll { overflow-x: auto; }
-table { border-collapse: collapse; margin: 1rem 0 2rem; }
-caption { text-align: left; font-weight: bold; padding-bottom: .4rem; }
-th, td { padding: .2rem .8rem .2rem 0; border-bottom: 1px solid #e8ebef; text-align: right; white-space: nowrap; }
-th:first-child { text-align: left; font-weight: normal; }
-</style>
-</head>
-<body>
-<h1>The paper's figures, paper and here</h1>
-<p>R. Merzouki and J. C. Cadiou, "Estimation of backlash phenomenon in the electromechanical actuator", Control Engineering
-Practice 13 (2005) 973-983, <a href="https://doi.org/10.1016/j.conengprac.2004.10.016">doi:10.1016/j.conengprac.2004.10.016</a>.
-"Before" is the cascaded PD law, "after" adds the paper's compensation, "beyond" is a law that inverts the gap in the torque
-domain. Each caption states the paper's result and ours, also where they differ.</p>
-"#;
+const HEAD: &str = include_str!("page_head.html");
 
 /// The page. `drawn_from` names the program and the device of the runs.
 pub fn page(figures: &[(u8, Figure)], tables: &[Table], drawn_from: &str) -> String {

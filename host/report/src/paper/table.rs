@@ -6,7 +6,7 @@ use lashloop_plant::metrics::Metric;
 
 use super::curves::written;
 use super::hysteresis::thickness;
-use super::laws::{Laws, Run, Runs};
+use super::laws::{Laws, Runs};
 
 /// A titled table, formatted as text here and as HTML in `page`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,96 +24,57 @@ pub fn tables(runs: &Runs) -> [Table; 3] {
     [paper(runs), bench(runs), estimators(runs)]
 }
 
-/// The value of a row for one run.
-type Value<'a> = &'a dyn Fn(&Run) -> String;
-
-fn cells(laws: &Laws, value: Value) -> [String; 3] {
-    laws.each().map(|(_, _, run)| value(run))
+/// How the cells of a row come from a run.
+#[derive(Clone, Copy)]
+enum Value {
+    /// With this number of decimals.
+    Of(Metric, usize),
+    /// Thickness of the hysteresis on plants with this reduction ratio.
+    Thickness(f64),
 }
 
-fn metric(metric: Metric, decimals: usize) -> impl Fn(&Run) -> String {
-    move |run| written(run.metrics.get(metric), decimals)
+use Value::{Of, Thickness};
+
+fn cells(laws: &Laws, value: Value) -> [String; 3] {
+    laws.each().map(|(_, _, run)| match value {
+        Of(metric, decimals) => written(run.metrics.get(metric), decimals),
+        Thickness(ratio) => written(thickness(run, ratio), 3),
+    })
 }
 
 fn paper(runs: &Runs) -> Table {
-    const NOT_STATED: &str = "-";
     let Runs { smooth, friction, bench, sine, ratio, .. } = runs;
-    let thickness = |run: &Run| written(thickness(run, *ratio), 3);
-    let lines: [(&str, &str, &str, &Laws, Value); 12] = [
-        (
-            "smooth: time into 0.05 rad (s), figure 7",
-            "about 13",
-            "about 5.2",
-            smooth,
-            &metric(Metric::SettleTime, 2),
-        ),
-        (
-            "smooth: static error (rad), figure 8",
-            NOT_STATED,
-            NOT_STATED,
-            smooth,
-            &metric(Metric::StaticError, 4),
-        ),
-        ("smooth: overshoot (rad)", NOT_STATED, NOT_STATED, smooth, &metric(Metric::Overshoot, 3)),
-        ("smooth: hysteresis of the step (rad), figure 13", "thick", "thinner", smooth, &thickness),
-        (
-            "sine, bench: lost motion (rad), figure 13",
-            NOT_STATED,
-            NOT_STATED,
-            sine,
-            &metric(Metric::LostMotion, 4),
-        ),
-        (
-            "smooth: rms of w_hat - w (N m), figure 14",
-            NOT_STATED,
-            "linear",
-            smooth,
-            &metric(Metric::DisturbingTorqueRmsError, 3),
-        ),
-        (
-            "friction: static error (rad), figure 15",
-            "about 0.32",
-            "eliminated",
-            friction,
-            &metric(Metric::StaticError, 4),
-        ),
-        (
-            "bench: static error (rad), figure 15",
-            "about 0.32",
-            "eliminated",
-            bench,
-            &metric(Metric::StaticError, 4),
-        ),
-        ("friction: overshoot (rad)", NOT_STATED, NOT_STATED, friction, &metric(Metric::Overshoot, 3)),
-        ("friction: hunting (rad), figure 16", "oscillates", "none", friction, &metric(Metric::Hunting, 4)),
-        (
-            "friction: torque variation (N m), figure 17",
-            "noisy",
-            "cleaner",
-            friction,
-            &metric(Metric::TorqueTotalVariation, 0),
-        ),
-        (
-            "bench: torque variation (N m), figure 17",
-            "noisy",
-            "cleaner",
-            bench,
-            &metric(Metric::TorqueTotalVariation, 0),
-        ),
+    let settle_time = Of(Metric::SettleTime, 2);
+    let static_error = Of(Metric::StaticError, 4);
+    let overshoot = Of(Metric::Overshoot, 3);
+    let lost_motion = Of(Metric::LostMotion, 4);
+    let rms = Of(Metric::DisturbingTorqueRmsError, 3);
+    let hunting = Of(Metric::Hunting, 4);
+    let variation = Of(Metric::TorqueTotalVariation, 0);
+    // The quantity; the paper before and after, "-" where it states nothing; ours.
+    let lines = [
+        ("smooth: time into 0.05 rad (s), figure 7", ["about 13", "about 5.2"], smooth, settle_time),
+        ("smooth: static error (rad), figure 8", ["-", "-"], smooth, static_error),
+        ("smooth: overshoot (rad)", ["-", "-"], smooth, overshoot),
+        ("smooth: hysteresis of the step (rad), figure 13", ["thick", "thinner"], smooth, Thickness(*ratio)),
+        ("sine, bench: lost motion (rad), figure 13", ["-", "-"], sine, lost_motion),
+        ("smooth: rms of w_hat - w (N m), figure 14", ["-", "linear"], smooth, rms),
+        ("friction: static error (rad), figure 15", ["about 0.32", "eliminated"], friction, static_error),
+        ("bench: static error (rad), figure 15", ["about 0.32", "eliminated"], bench, static_error),
+        ("friction: overshoot (rad)", ["-", "-"], friction, overshoot),
+        ("friction: hunting (rad), figure 16", ["oscillates", "none"], friction, hunting),
+        ("friction: torque variation (N m), figure 17", ["noisy", "cleaner"], friction, variation),
+        ("bench: torque variation (N m), figure 17", ["noisy", "cleaner"], bench, variation),
     ];
+    let rows = lines.into_iter().map(|(what, paper, laws, value)| {
+        let [before, after, beyond] = cells(laws, value);
+        let [paper_before, paper_after] = paper.map(str::to_owned);
+        (what.to_owned(), vec![paper_before, before, paper_after, after, beyond])
+    });
     Table {
         title: "paper / here / beyond",
         columns: vec!["paper before", "here before", "paper after", "here after", "beyond"],
-        rows: lines
-            .into_iter()
-            .map(|(what, paper_before, paper_after, laws, value)| {
-                let [before, after, beyond] = cells(laws, value);
-                (
-                    what.to_owned(),
-                    vec![paper_before.to_owned(), before, paper_after.to_owned(), after, beyond],
-                )
-            })
-            .collect(),
+        rows: rows.collect(),
     }
 }
 
@@ -121,49 +82,47 @@ const LAWS: [&str; 3] = ["before", "after", "beyond"];
 
 fn bench(runs: &Runs) -> Table {
     let Runs { bench, sine, .. } = runs;
-    let lines: [(&str, &Laws, Value); 10] = [
-        ("time into 0.05 rad (s)", bench, &metric(Metric::SettleTime, 2)),
-        ("time into 2 % (s)", bench, &metric(Metric::SettleTime2Pct, 2)),
-        ("time into 1 % (s)", bench, &metric(Metric::SettleTime1Pct, 2)),
-        ("static error (rad)", bench, &metric(Metric::StaticError, 4)),
-        ("hunting, last 10 s (rad)", bench, &metric(Metric::Hunting, 4)),
-        ("overshoot (rad)", bench, &metric(Metric::Overshoot, 3)),
-        ("total variation of torque (N m)", bench, &metric(Metric::TorqueTotalVariation, 0)),
-        ("effort (N^2 m^2 s)", bench, &metric(Metric::Effort, 1)),
-        ("slow sine: lost motion (rad)", sine, &metric(Metric::LostMotion, 4)),
-        ("slow sine: total variation of torque (N m)", sine, &metric(Metric::TorqueTotalVariation, 0)),
+    let lines = [
+        ("time into 0.05 rad (s)", bench, Metric::SettleTime, 2),
+        ("time into 2 % (s)", bench, Metric::SettleTime2Pct, 2),
+        ("time into 1 % (s)", bench, Metric::SettleTime1Pct, 2),
+        ("static error (rad)", bench, Metric::StaticError, 4),
+        ("hunting, last 10 s (rad)", bench, Metric::Hunting, 4),
+        ("overshoot (rad)", bench, Metric::Overshoot, 3),
+        ("total variation of torque (N m)", bench, Metric::TorqueTotalVariation, 0),
+        ("effort (N^2 m^2 s)", bench, Metric::Effort, 1),
+        ("slow sine: lost motion (rad)", sine, Metric::LostMotion, 4),
+        ("slow sine: total variation of torque (N m)", sine, Metric::TorqueTotalVariation, 0),
     ];
+    let row = |(what, laws, metric, decimals): (&str, _, _, _)| {
+        (what.to_owned(), cells(laws, Of(metric, decimals)).to_vec())
+    };
     Table {
         title: "the bench: backlash, Stribeck friction, lag, delay, 4000 counts",
         columns: LAWS.to_vec(),
-        rows: lines
-            .into_iter()
-            .map(|(what, laws, value)| (what.to_owned(), cells(laws, value).to_vec()))
-            .collect(),
+        rows: lines.into_iter().map(row).collect(),
     }
 }
 
 fn estimators(runs: &Runs) -> Table {
     let Runs { smooth, friction, bench, sine, .. } = runs;
-    let scores: [(&str, Value); 5] = [
-        ("j_hat into 0.02 rad of j0 for good (s)", &metric(Metric::DeadZoneSettleTime, 2)),
-        ("bias of j_hat, last 5 s (rad)", &metric(Metric::DeadZoneBias, 4)),
-        ("largest error of j_hat once right (rad)", &metric(Metric::DeadZoneLargestError, 3)),
-        ("rms of w_hat - w (N m)", &metric(Metric::DisturbingTorqueRmsError, 3)),
-        ("bias of w_hat (N m)", &metric(Metric::DisturbingTorqueBias, 3)),
+    let scores = [
+        ("j_hat into 0.02 rad of j0 for good (s)", Metric::DeadZoneSettleTime, 2),
+        ("bias of j_hat, last 5 s (rad)", Metric::DeadZoneBias, 4),
+        ("largest error of j_hat once right (rad)", Metric::DeadZoneLargestError, 3),
+        ("rms of w_hat - w (N m)", Metric::DisturbingTorqueRmsError, 3),
+        ("bias of w_hat (N m)", Metric::DisturbingTorqueBias, 3),
     ];
     let plants = [("smooth", smooth), ("friction", friction), ("bench", bench), ("sine", sine)];
+    let rows = plants.into_iter().flat_map(|(plant, laws)| {
+        scores.map(|(what, metric, decimals)| {
+            (format!("{plant}: {what}"), cells(laws, Of(metric, decimals)).to_vec())
+        })
+    });
     Table {
         title: "the estimates of gap and disturbing torque (before estimates nothing: j_hat = j0, w_hat = 0)",
         columns: LAWS.to_vec(),
-        rows: plants
-            .iter()
-            .flat_map(|(plant, laws)| {
-                scores
-                    .iter()
-                    .map(move |(what, value)| (format!("{plant}: {what}"), cells(laws, value).to_vec()))
-            })
-            .collect(),
+        rows: rows.collect(),
     }
 }
 

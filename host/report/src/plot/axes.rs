@@ -9,19 +9,19 @@ use super::theme::{self, TICK_PX};
 
 /// Draws grid, axis lines and tick labels.
 pub(super) fn draw(svg: &mut Svg, frame: &Frame, x_scale: Scale, y_scale: Scale) {
-    let upright = |x: f64| [(x, frame.plot_top), (x, frame.plot_bottom)];
-    let level = |y: f64| [(frame.plot_left, y), (frame.plot_right, y)];
+    let upright = |x: f64| [(x, frame.plot.top), (x, frame.plot.bottom)];
+    let level = |y: f64| [(frame.plot.left, y), (frame.plot.right, y)];
     let grid: Vec<_> = (x_scale.ticks.labelled().map(|(value, _)| upright(x_scale.px(value))))
         .chain(y_scale.ticks.labelled().map(|(value, _)| level(y_scale.px(value))))
         .collect();
     svg.lines(&grid, theme::GRID, 1.0);
-    svg.lines(&[upright(frame.plot_left), level(frame.plot_bottom)], theme::AXIS, 1.2);
+    svg.lines(&[upright(frame.plot.left), level(frame.plot.bottom)], theme::AXIS, 1.2);
     for (value, text) in x_scale.ticks.labelled() {
-        let (x, y) = (x_scale.px(value), frame.plot_bottom + TICK_PX + 6.0);
+        let (x, y) = (x_scale.px(value), frame.plot.bottom + TICK_PX + 6.0);
         svg.text(Label { x, y, anchor: Anchor::Middle, ..tick_label(&text) });
     }
     for (value, text) in y_scale.ticks.labelled() {
-        let (x, y) = (frame.plot_left - 7.0, y_scale.px(value) + TICK_PX * 0.35);
+        let (x, y) = (frame.plot.left - 7.0, y_scale.px(value) + TICK_PX * 0.35);
         svg.text(Label { x, y, anchor: Anchor::End, ..tick_label(&text) });
     }
 }

@@ -62,8 +62,8 @@ impl<'a> Prepared<'a> {
 
     /// Draws the panel into its frame.
     pub(super) fn draw(&self, svg: &mut Svg, frame: &Frame) {
-        let x_scale = Scale::new(self.x_ticks, frame.plot_left, frame.plot_right);
-        let y_scale = Scale::new(self.y_ticks, frame.plot_bottom, frame.plot_top);
+        let x_scale = Scale::new(self.x_ticks, frame.plot.left, frame.plot.right);
+        let y_scale = Scale::new(self.y_ticks, frame.plot.bottom, frame.plot.top);
         self.draw_head(svg, frame);
         self.draw_band(svg, frame, y_scale);
         axes::draw(svg, frame, x_scale, y_scale);
@@ -71,7 +71,7 @@ impl<'a> Prepared<'a> {
         let curves = self.draw_curves(svg, x_scale, y_scale);
         if curves.is_empty() {
             let (x, y) =
-                ((frame.plot_left + frame.plot_right) / 2.0, (frame.plot_top + frame.plot_bottom) / 2.0);
+                ((frame.plot.left + frame.plot.right) / 2.0, (frame.plot.top + frame.plot.bottom) / 2.0);
             let label =
                 Label { x, y, colour: theme::SOFT_INK, anchor: Anchor::Middle, ..Label::new("no data") };
             svg.text(label);
@@ -95,19 +95,19 @@ impl<'a> Prepared<'a> {
             return;
         };
         let (low, high) = (y_scale.px(band.low.min(band.high)), y_scale.px(band.low.max(band.high)));
-        let width = frame.plot_right - frame.plot_left;
-        svg.rectangle((frame.plot_left, high), (width, low - high), theme::BAND, None);
-        let edges = [low, high].map(|y| [(frame.plot_left, y), (frame.plot_right, y)]);
+        let width = frame.plot.right - frame.plot.left;
+        svg.rectangle((frame.plot.left, high), (width, low - high), theme::BAND, None);
+        let edges = [low, high].map(|y| [(frame.plot.left, y), (frame.plot.right, y)]);
         svg.lines(&edges, theme::BAND_EDGE, 1.0);
     }
 
     fn draw_axis_names(&self, svg: &mut Svg, frame: &Frame) {
         let name = axes::name(&self.panel.x_axis, self.x_ticks.factor());
-        let x = (frame.plot_left + frame.plot_right) / 2.0;
-        let y = frame.plot_bottom + Self::FOOT_PX - 5.0;
+        let x = (frame.plot.left + frame.plot.right) / 2.0;
+        let y = frame.plot.bottom + Self::FOOT_PX - 5.0;
         svg.text(Label { x, y, anchor: Anchor::Middle, ..Label::new(&name) });
         let name = axes::name(&self.panel.y_axis, self.y_ticks.factor());
-        let y = (frame.plot_top + frame.plot_bottom) / 2.0;
+        let y = (frame.plot.top + frame.plot.bottom) / 2.0;
         svg.upright_text(Label { x: frame.left + LABEL_PX, y, anchor: Anchor::Middle, ..Label::new(&name) });
     }
 
@@ -132,12 +132,6 @@ impl<'a> Prepared<'a> {
         y_scale: Scale,
         curves: &[Vec<Point>],
     ) {
-        let plot = Area {
-            left: frame.plot_left,
-            top: frame.plot_top,
-            right: frame.plot_right,
-            bottom: frame.plot_bottom,
-        };
         let drawable = self.panel.marks.iter().filter(|mark| is_drawable(mark.x) && is_drawable(mark.y));
         let marks: Vec<_> = drawable.map(|mark| (mark, (x_scale.px(mark.x), y_scale.px(mark.y)))).collect();
         let mut labels: Vec<Area> = Vec::new();
@@ -147,7 +141,7 @@ impl<'a> Prepared<'a> {
             let rings = rings.map(|(_, other)| Area::around(*other, 2.0 * RING_PX, 2.0 * RING_PX));
             let taken: Vec<Area> = rings.chain(labels.iter().copied()).collect();
             let size = (BOLD * width_px(&mark.label, LABEL_PX), LABEL_PX);
-            let area = place(point, size, plot, curves, &taken);
+            let area = place(point, size, frame.plot, curves, &taken);
             svg.lines(&[[point, area.nearest(point)]], colour, 1.0);
             svg.ring(point, RING_PX, colour);
             let x = (area.left + area.right) / 2.0;

@@ -6,6 +6,7 @@
 use super::figure::Figure;
 use super::frame::Frame;
 use super::panel::Prepared;
+use super::placement::Area;
 use super::svg::{Label, Svg};
 use super::text::wrap;
 use super::theme::{self, CAPTION_PX, TITLE_PX};
@@ -21,64 +22,64 @@ impl Figure {
     /// The figure as a stand-alone SVG document.
     #[must_use]
     pub fn to_svg(&self) -> String {
-        render(self)
-    }
-}
+        let columns = self.columns.clamp(1, self.panels.len().max(1));
+        let (panel_width, plot_height) = if columns == 1 { ALONE_PX } else { SIDE_BY_SIDE_PX };
+        let inner_width = columns as f64 * (panel_width + COLUMN_GAP_PX) - COLUMN_GAP_PX;
 
-fn render(figure: &Figure) -> String {
-    let columns = figure.columns.clamp(1, figure.panels.len().max(1));
-    let (panel_width, plot_height) = if columns == 1 { ALONE_PX } else { SIDE_BY_SIDE_PX };
-    let inner_width = columns as f64 * (panel_width + COLUMN_GAP_PX) - COLUMN_GAP_PX;
+        let is_lettered = (2..=26).contains(&self.panels.len());
+        let prepared: Vec<Prepared> = self
+            .panels
+            .iter()
+            .zip('a'..)
+            .map(|(panel, letter)| Prepared::new(panel, is_lettered.then_some(letter), panel_width))
+            .collect();
+        let left_margins: Vec<f64> = (0..columns)
+            .map(|column| widest(prepared.iter().skip(column).step_by(columns), Prepared::left_px))
+            .collect();
 
-    let is_lettered = (2..=26).contains(&figure.panels.len());
-    let prepared: Vec<Prepared> = figure
-        .panels
-        .iter()
-        .zip('a'..)
-        .map(|(panel, letter)| Prepared::new(panel, is_lettered.then_some(letter), panel_width))
-        .collect();
-    let left_margins: Vec<f64> = (0..columns)
-        .map(|column| widest(prepared.iter().skip(column).step_by(columns), Prepared::left_px))
-        .collect();
-
-    let title_lines = wrap(&figure.title, TITLE_PX, inner_width);
-    let caption_lines = wrap(&figure.caption, CAPTION_PX, inner_width);
-    let mut top = MARGIN_PX + title_lines.len() as f64 * (TITLE_PX * 1.3) + 10.0;
-    let mut frames = Vec::with_capacity(prepared.len());
-    for row in prepared.chunks(columns) {
-        let plot_top = top + widest(row.iter(), Prepared::head_px);
-        for (column, left_margin) in left_margins.iter().enumerate().take(row.len()) {
-            let left = MARGIN_PX + column as f64 * (panel_width + COLUMN_GAP_PX);
-            frames.push(Frame {
-                left,
-                top,
-                plot_left: left + left_margin,
-                plot_top,
-                plot_right: left + panel_width - Prepared::RIGHT_PX,
-                plot_bottom: plot_top + plot_height,
-            });
+        let title_lines = wrap(&self.title, TITLE_PX, inner_width);
+        let caption_lines = wrap(&self.caption, CAPTION_PX, inner_width);
+        let mut top = MARGIN_PX + title_lines.len() as f64 * (TITLE_PX * 1.3) + 10.0;
+        let mut frames = Vec::with_capacity(prepared.len());
+        for row in prepared.chunks(columns) {
+            let plot_top = top + widest(row.iter(), Prepared::head_px);
+            for (column, left_margin) in left_margins.iter().enumerate().take(row.len()) {
+                let left = MARGIN_PX + column as f64 * (panel_width + COLUMN_GAP_PX);
+                let plot = Area {
+                    left: left + left_margin,
+                    top: plot_top,
+                    right: left + panel_width - Prepared::RIGHT_PX,
+                    bottom: plot_top + plot_height,
+                };
+                frames.push(Frame { left, top, plot });
+            }
+            top = plot_top + plot_height + Prepared::FOOT_PX + ROW_GAP_PX;
         }
-        top = plot_top + plot_height + Prepared::FOOT_PX + ROW_GAP_PX;
-    }
-    let caption_top = top;
-    let height = caption_top + caption_lines.len() as f64 * CAPTION_PX * 1.45 + MARGIN_PX * 0.6;
-    let width = inner_width + 2.0 * MARGIN_PX;
+        let caption_top = top;
+        let height = caption_top + caption_lines.len() as f64 * CAPTION_PX * 1.45 + MARGIN_PX * 0.6;
+        let width = inner_width + 2.0 * MARGIN_PX;
 
-    let mut svg = Svg::open(width, height, &figure.title, &figure.caption);
-    svg.rectangle((0.5, 0.5), (width - 1.0, height - 1.0), theme::GROUND, Some(theme::FRAME));
-    let lines =
-        |svg: &mut Svg, lines: &[String], top: f64, size_px: f64, spacing: f64, colour: &str, bold: bool| {
+        let mut svg = Svg::open(width, height, &self.title, &self.caption);
+        svg.rectangle((0.5, 0.5), (width - 1.0, height - 1.0), theme::GROUND, Some(theme::FRAME));
+        let lines = |svg: &mut Svg,
+                     lines: &[String],
+                     top: f64,
+                     size_px: f64,
+                     spacing: f64,
+                     colour: &str,
+                     bold: bool| {
             for (index, text) in lines.iter().enumerate() {
                 let y = top + size_px + index as f64 * size_px * spacing;
                 svg.text(Label { x: MARGIN_PX, y, size_px, colour, bold, ..Label::new(text) });
             }
         };
-    lines(&mut svg, &title_lines, MARGIN_PX, TITLE_PX, 1.3, theme::INK, true);
-    for (prepared, frame) in prepared.iter().zip(&frames) {
-        prepared.draw(&mut svg, frame);
+        lines(&mut svg, &title_lines, MARGIN_PX, TITLE_PX, 1.3, theme::INK, true);
+        for (prepared, frame) in prepared.iter().zip(&frames) {
+            prepared.draw(&mut svg, frame);
+        }
+        lines(&mut svg, &caption_lines, caption_top, CAPTION_PX, 1.45, theme::SOFT_INK, false);
+        svg.close()
     }
-    lines(&mut svg, &caption_lines, caption_top, CAPTION_PX, 1.45, theme::SOFT_INK, false);
-    svg.close()
 }
 
 fn widest<'a, 'p: 'a>(

@@ -2,19 +2,42 @@
 
 use roxmltree::Document;
 
-use super::{SAMPLES, noise, texts, times};
-use crate::demo::{DemoRun, DemoRuns, PlantRuns, before_after};
+use super::{SAMPLES, noise, texts};
+use crate::demo::{DemoRuns, PlantRuns, before_after};
+use crate::paper::Run;
+use lashloop_bench::record::trace::TraceRow;
+use lashloop_bench::run::simulator::Simulator;
+use lashloop_bench::scenario::Scenario;
+use lashloop_plant::metrics::{Measurement, Sample};
 
-fn demo_run(settle_time_s: Option<f64>, static_error_rad: f64) -> DemoRun {
-    let decay = |sample: usize| static_error_rad + 1.57 * (-(sample as f64) * 1e-3).exp();
-    DemoRun {
-        time_s: times(),
-        load_position_rad: (0..SAMPLES).map(decay).collect(),
-        torque_nm: (0..SAMPLES).map(|sample| 20.0 * noise(sample) - 10.0).collect(),
-        dead_zone_estimate_rad: (0..SAMPLES).map(|sample| 0.16 + 0.1 * noise(sample)).collect(),
-        settle_time_s,
-        static_error_rad,
+/// The curves decay; the metrics are those of a load that settles at `settle_time_s` and rests at `static_error_rad`.
+fn demo_run(settle_time_s: Option<f64>, static_error_rad: f64) -> Run {
+    let text = include_str!("../../../../scenarios/smooth-before.toml");
+    let scenario = Scenario::from_str("smooth-before.toml", text, &[]).expect("a scenario");
+    let (_, at_rest) = Simulator::new(&scenario).expect("a bench").observe(0).expect("a state");
+    let mut measurement = Measurement::new(1e-3);
+    let mut rows = Vec::new();
+    for sample in 0..SAMPLES {
+        let time_s = sample as f64 * 1e-3;
+        rows.push(TraceRow {
+            time_s,
+            load_position_rad: static_error_rad + 1.57 * (-time_s).exp(),
+            torque_nm: 20.0 * noise(sample) - 10.0,
+            dead_zone_estimate_rad: 0.16 + 0.1 * noise(sample),
+            ..at_rest
+        });
+        let is_settled = settle_time_s.is_none_or(|settle_s| time_s >= settle_s);
+        measurement.push(&Sample {
+            time_s,
+            reference_rad: 0.0,
+            load_position_rad: if is_settled { static_error_rad } else { 1.0 },
+            torque_nm: 0.0,
+            estimates: None,
+            dead_zone_rad: 0.16,
+            disturbing_torque_nm: 0.0,
+        });
     }
+    Run { rows, metrics: measurement.metrics() }
 }
 
 fn demo_runs() -> DemoRuns {
@@ -46,20 +69,13 @@ fn our_numbers_stand_next_to_the_paper_s() {
         assert!(texts.contains(&label), "{label} is missing in {texts:?}");
     }
     let mut never = demo_runs();
-    never.smooth.after.settle_time_s = None;
+    never.smooth.after = demo_run(None, 0.1);
     assert!(before_after(&never).to_svg().contains("never settles (paper: 5.2 s)"));
 }
 
 #[test]
 fn runs_without_samples_still_give_a_figure() {
-    let nothing = DemoRun {
-        time_s: vec![],
-        load_position_rad: vec![],
-        torque_nm: vec![],
-        dead_zone_estimate_rad: vec![],
-        settle_time_s: Some(1.0),
-        static_error_rad: f64::NAN,
-    };
+    let nothing = Run { rows: Vec::new(), metrics: Measurement::new(1e-3).metrics() };
     let plant = PlantRuns { before: nothing.clone(), after: nothing };
     let svg =
         before_after(&DemoRuns { smooth: plant.clone(), friction: plant, dead_zone_rad: 0.16 }).to_svg();

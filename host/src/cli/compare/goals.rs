@@ -10,10 +10,12 @@ struct Goal {
     what: &'static str,
     baseline: f64,
     of_loop: f64,
-    target: Option<Target>,
+    target: Target,
 }
 
-enum Target {
+pub(super) enum Target {
+    /// Printed without a goal.
+    None,
     /// The loop reaches at least this ratio to the baseline.
     AtLeast(f64),
     /// The loop takes at most this ratio to the baseline.
@@ -23,25 +25,12 @@ enum Target {
 }
 
 impl Goals {
-    pub(super) fn at_least(&mut self, what: &'static str, ratio: f64, baseline: f64, of_loop: f64) {
-        self.0.push(Goal { what, baseline, of_loop, target: Some(Target::AtLeast(ratio)) });
-    }
-
-    pub(super) fn at_most(&mut self, what: &'static str, ratio: f64, baseline: f64, of_loop: f64) {
-        self.0.push(Goal { what, baseline, of_loop, target: Some(Target::AtMost(ratio)) });
-    }
-
-    pub(super) fn below(&mut self, what: &'static str, limit: f64, baseline: f64, of_loop: f64) {
-        self.0.push(Goal { what, baseline, of_loop, target: Some(Target::Below(limit)) });
-    }
-
-    /// A measurement without a goal.
-    pub(super) fn note(&mut self, what: &'static str, baseline: f64, of_loop: f64) {
-        self.0.push(Goal { what, baseline, of_loop, target: None });
+    pub(super) fn push(&mut self, what: &'static str, target: Target, baseline: f64, of_loop: f64) {
+        self.0.push(Goal { what, baseline, of_loop, target });
     }
 
     pub(super) fn all_met(&self) -> bool {
-        self.0.iter().all(|goal| goal.is_met() != Some(false))
+        self.0.iter().all(Goal::is_met)
     }
 }
 
@@ -51,38 +40,32 @@ impl Goal {
     }
 
     /// A missing measurement misses its goal.
-    fn is_met(&self) -> Option<bool> {
-        self.target.as_ref().map(|target| match *target {
+    fn is_met(&self) -> bool {
+        match self.target {
+            Target::None => true,
             Target::AtLeast(ratio) => self.ratio() >= ratio,
             Target::AtMost(ratio) => self.ratio() <= ratio,
             Target::Below(limit) => self.of_loop < limit,
-        })
+        }
     }
 }
 
 impl fmt::Display for Goals {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let heading = ["baseline", "the loop", "ratio", "goal"];
-        let [baseline, of_loop, ratio, target] = heading;
-        write!(out, "{:<44}{baseline:>10}{of_loop:>10}{ratio:>8}  {target}", "medians")?;
+        write!(out, "{:<44}{:>10}{:>10}{:>8}  goal", "medians", "baseline", "the loop", "ratio")?;
         for goal in &self.0 {
             let Goal { what, baseline, of_loop, target } = goal;
             write!(out, "\n{what:<44}{baseline:>10.1}{of_loop:>10.1}")?;
-            let Some(target) = target else { continue };
-            let met = if goal.is_met() == Some(true) { "met" } else { "MISSED" };
-            write!(out, "{:>8.2}  {target}: {met}", goal.ratio())?;
+            let ratio = goal.ratio();
+            match target {
+                Target::None => continue,
+                Target::AtLeast(least) => write!(out, "{ratio:>8.2}  ratio >= {least}")?,
+                Target::AtMost(most) => write!(out, "{ratio:>8.2}  ratio <= {most}")?,
+                Target::Below(limit) => write!(out, "{ratio:>8.2}  the loop < {limit}")?,
+            }
+            write!(out, ": {}", if goal.is_met() { "met" } else { "MISSED" })?;
         }
         Ok(())
-    }
-}
-
-impl fmt::Display for Target {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::AtLeast(ratio) => write!(out, "ratio >= {ratio}"),
-            Self::AtMost(ratio) => write!(out, "ratio <= {ratio}"),
-            Self::Below(limit) => write!(out, "the loop < {limit}"),
-        }
     }
 }
 
@@ -103,13 +86,13 @@ mod tests {
             set(&mut goals);
             goals.all_met()
         };
-        assert!(met(|goals| goals.at_least("speed", 0.8, 100.0, 80.0)));
-        assert!(!met(|goals| goals.at_least("speed", 0.8, 100.0, 79.0)));
-        assert!(met(|goals| goals.at_most("time", 1.2, 100.0, 120.0)));
-        assert!(!met(|goals| goals.at_most("time", 1.2, 100.0, 121.0)));
-        assert!(!met(|goals| goals.below("time", 10.0, 100.0, 10.0)));
-        assert!(!met(|goals| goals.at_most("time", 1.2, 100.0, f64::NAN)), "not measured");
-        assert!(met(|goals| goals.note("late", 0.0, 100.0)));
+        assert!(met(|goals| goals.push("speed", Target::AtLeast(0.8), 100.0, 80.0)));
+        assert!(!met(|goals| goals.push("speed", Target::AtLeast(0.8), 100.0, 79.0)));
+        assert!(met(|goals| goals.push("time", Target::AtMost(1.2), 100.0, 120.0)));
+        assert!(!met(|goals| goals.push("time", Target::AtMost(1.2), 100.0, 121.0)));
+        assert!(!met(|goals| goals.push("time", Target::Below(10.0), 100.0, 10.0)));
+        assert!(!met(|goals| goals.push("time", Target::AtMost(1.2), 100.0, f64::NAN)), "not measured");
+        assert!(met(|goals| goals.push("late", Target::None, 0.0, 100.0)));
     }
 
     #[test]

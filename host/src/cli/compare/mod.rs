@@ -23,15 +23,15 @@ use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::{Process, Program, Supervisor};
 use lashloop_bench::timing::TimingReport;
 use lashloop_bench::verdict::Exit;
-use rustix::io::Errno;
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 use rustix::time::Timespec;
 
-use super::error::CliError;
+use super::error::{CliError, system};
 use super::output::outln;
 use super::paper_scenarios::SCENARIOS;
 use super::ping_pong::NearEnd;
 use super::supervision::start_supervisor;
+use goals::Target::{AtLeast, AtMost, Below, None as NoTarget};
 use goals::{Goals, median};
 use sleep_baseline::{PERIOD, WARM_UP};
 
@@ -73,19 +73,19 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
-        let anywhere = sched_getaffinity(None).map_err(placing_failed)?;
+        let anywhere = sched_getaffinity(None).map_err(system(PLACE))?;
         let mut here = anywhere;
         if let Some(core) = self.core {
             here = CpuSet::new();
             here.set(core.min(CpuSet::MAX_CPU - 1));
         }
         // Processes started from here on inherit the core.
-        let stay = |cores: &CpuSet| sched_setaffinity(None, cores).map_err(placing_failed);
+        let stay = |cores: &CpuSet| sched_setaffinity(None, cores).map_err(system(PLACE));
         stay(&here)?;
         let supervisor = start_supervisor()?;
         let mut device = Device::open(&NativeTwin.into(), 0, &supervisor)?.into();
         let (far_end, path) = far_end(&supervisor)?;
-        let mut line = NearEnd::open(&path).map_err(ping_pong_failed)?;
+        let mut line = NearEnd::open(&path).map_err(system(PING_PONG))?;
         let mut goals = Goals::default();
         self.lockstep(&mut device, &mut line, &mut goals)?;
         // In real time the loop has its own thread, and this one must not compete for its core.
@@ -107,13 +107,13 @@ impl Arguments {
         for _ in 0..self.rounds {
             let started = Instant::now();
             for _ in 0..self.steps {
-                line.round_trip().map_err(ping_pong_failed)?;
+                line.round_trip().map_err(system(PING_PONG))?;
             }
             baseline.push(f64::from(self.steps) / started.elapsed().as_secs_f64());
             let outcome = run::run(&scenario, device, Clock::Lockstep, &mut NoOutput)?;
             loops.push(outcome.steps as f64 / outcome.wall_s);
         }
-        goals.at_least("lockstep: round trips, 1/s", 0.8, median(baseline), median(loops));
+        goals.push("lockstep: round trips, 1/s", AtLeast(0.8), median(baseline), median(loops));
         Ok(())
     }
 
@@ -130,11 +130,14 @@ impl Arguments {
         let (mut sleeps, mut blocking, mut trips, mut loops) =
             (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for _ in 0..self.rounds {
-            sleeps.push(sleep_baseline::paced(steps, &options, || Ok(None)).map_err(sleep_failed)?);
+            sleeps.push(
+                sleep_baseline::paced(steps, &options, || Ok(None))
+                    .map_err(system("sleep until the next period"))?,
+            );
             let trip = || line.round_trip().map(Some);
-            blocking.push(sleep_baseline::paced(steps, &options, trip).map_err(ping_pong_failed)?);
+            blocking.push(sleep_baseline::paced(steps, &options, trip).map_err(system(PING_PONG))?);
             let trip = || line.round_trip_with_a_deadline(REPLY_LIMIT).map(Some);
-            trips.push(sleep_baseline::paced(steps, &options, trip).map_err(ping_pong_failed)?);
+            trips.push(sleep_baseline::paced(steps, &options, trip).map_err(system(PING_PONG))?);
             let outcome = run::run(&scenario, device, Clock::RealTime(options), &mut NoOutput)?;
             loops.push(outcome.timing);
         }
@@ -145,12 +148,12 @@ impl Arguments {
         let p99 = |report: &TimingReport| report.lateness_us.map(|lateness| lateness.p99);
         let trip = |report: &TimingReport| report.round_trip_us.map(|trip| trip.p50);
         if self.spin_us > 0 {
-            goals.below("1 kHz, spinning: lateness p99, us", 10.0, of(&sleeps, p99), of(&loops, p99));
+            goals.push("1 kHz, spinning: lateness p99, us", Below(10.0), of(&sleeps, p99), of(&loops, p99));
         } else {
-            goals.at_most("1 kHz: lateness p50, us", 1.2, of(&sleeps, p50), of(&loops, p50));
-            goals.at_most("1 kHz: lateness p99, us", 1.2, of(&sleeps, p99), of(&loops, p99));
+            goals.push("1 kHz: lateness p50, us", AtMost(1.2), of(&sleeps, p50), of(&loops, p50));
+            goals.push("1 kHz: lateness p99, us", AtMost(1.2), of(&sleeps, p99), of(&loops, p99));
         }
-        goals.at_most("1 kHz: round trip p50, us", 1.3, of(&trips, trip), of(&loops, trip));
+        goals.push("1 kHz: round trip p50, us", AtMost(1.3), of(&trips, trip), of(&loops, trip));
         for refusal in sleeps
             .iter()
             .chain(&blocking)
@@ -161,11 +164,12 @@ impl Arguments {
         {
             outln!("not granted: {refusal}");
         }
-        goals.note("1 kHz: round trip p50, no deadline, us", of(&blocking, trip), of(&loops, trip));
+        goals.push("1 kHz: round trip p50, no deadline, us", NoTarget, of(&blocking, trip), of(&loops, trip));
         // On a busy machine the system wakes an idle sleeper earlier than a busy one.
-        goals.note("1 kHz: lateness p99, ping-pong, us", of(&trips, p99), of(&loops, p99));
-        goals.note(
+        goals.push("1 kHz: lateness p99, ping-pong, us", NoTarget, of(&trips, p99), of(&loops, p99));
+        goals.push(
             "1 kHz: late steps in all rounds",
+            NoTarget,
             (late(&sleeps) + late(&blocking) + late(&trips)) as f64,
             late(&loops) as f64,
         );
@@ -204,17 +208,8 @@ fn far_end(supervisor: &Supervisor) -> Result<(Process, PathBuf), CliError> {
     Ok((process, path.into()))
 }
 
-fn ping_pong_failed(source: std::io::Error) -> CliError {
-    CliError::System { what: "exchange ping-pong", source }
-}
-
-fn sleep_failed(source: std::io::Error) -> CliError {
-    CliError::System { what: "sleep until the next period", source }
-}
-
-fn placing_failed(error: Errno) -> CliError {
-    CliError::System { what: "choose a core", source: error.into() }
-}
+const PING_PONG: &str = "exchange ping-pong";
+const PLACE: &str = "choose a core";
 
 struct NoOutput;
 

@@ -8,7 +8,7 @@ use super::encoder::Encoder;
 use super::setup::{Setup, UNAMBIGUOUS_COUNTS};
 
 use crate::conformance::answers::{outcome, torque};
-use crate::conformance::assertion::{Failure, RuleResult, equal, names};
+use crate::conformance::assertion::{Failure, RuleResult, broken, equal, names};
 use crate::conformance::check::Check;
 use crate::conformance::client::Client;
 use crate::conformance::reactions::refused_sample;
@@ -35,11 +35,11 @@ pub(super) fn checks() -> Vec<Check> {
 /// Tries the longest gap with encoders that allow `motor` and `load` periods.
 fn longest_gap(client: &mut Client, motor: u16, load: u16) -> RuleResult {
     let mut setup = Setup::of(client, GAP_COUNTS_PER_REV)?;
-    for (scale, periods) in [(&mut setup.motor, motor), (&mut setup.load, load)] {
+    for (scale, periods) in setup.scales.iter_mut().zip([motor, load]) {
         // Half a period more, so that rounding in the drive has no effect.
         scale.speed_limit_rad_s = scale.limit_rad_s(UNAMBIGUOUS_COUNTS / (f64::from(periods) + 0.5));
     }
-    let (motor_rad_s, load_rad_s) = (setup.motor.speed_limit_rad_s, setup.load.speed_limit_rad_s);
+    let [motor_rad_s, load_rad_s] = setup.scales.map(|scale| scale.speed_limit_rad_s);
     client.reset()?;
     setup.start(client)?;
     client.torque(0)?;
@@ -58,7 +58,7 @@ fn always_ambiguous(client: &mut Client, encoder: Encoder) -> RuleResult {
     let counts_per_rev = finest(client, Encoder::Motor)?.min(finest(client, Encoder::Load)?);
     let mut setup = Setup::of(client, counts_per_rev)?;
     let [(high, high_rad_s), (low, _)] = [0.9, 1.5].map(|periods| {
-        let scale = setup.scale_mut(encoder);
+        let scale = &mut setup.scales[encoder as usize];
         scale.speed_limit_rad_s = scale.limit_rad_s(UNAMBIGUOUS_COUNTS / periods);
         let limit_rad_s = scale.speed_limit_rad_s;
         (setup, limit_rad_s)
@@ -69,14 +69,14 @@ fn always_ambiguous(client: &mut Client, encoder: Encoder) -> RuleResult {
     for (name, value) in high.settings() {
         client.put(name, value)?;
     }
-    let session = client.session();
+    let session = client.session;
     let answers = client.request(Arm { session })?;
     let mut got = names(&answers);
     // The log may take several lines.
     got.dedup();
     let what = format!("{} = {high_rad_s} with the finest encoder:", encoder.speed_limit());
     equal(&format!("{what} answers"), vec!["Log", "CommandResult"], got)?;
-    let got = (outcome::<Arm>(&answers)?, client.state());
+    let got = (outcome::<Arm>(&answers)?, client.state);
     equal(&format!("{what} outcome and state"), (Outcome::Inconsistent, State::Idle), got)?;
     for (name, value) in low.settings() {
         client.put(name, value)?;
@@ -88,9 +88,9 @@ fn always_ambiguous(client: &mut Client, encoder: Encoder) -> RuleResult {
 fn finest(client: &Client, encoder: Encoder) -> Result<u32, Failure> {
     match client.parameter(encoder.counts_per_rev())?.max {
         ParameterValue::U32(max) => Ok(max),
-        ParameterValue::F32(max) => Err(Failure::Rule {
-            expected: format!("a whole number as the largest {}", encoder.counts_per_rev()),
-            got: format!("the real number {max}"),
-        }),
+        ParameterValue::F32(max) => {
+            let expected = format!("a whole number as the largest {}", encoder.counts_per_rev());
+            Err(broken(expected, format!("the real number {max}")))
+        }
     }
 }

@@ -12,7 +12,7 @@ use encoder::Encoder;
 use setup::Setup;
 
 use super::answers::{sample, torque};
-use super::assertion::{Failure, RuleResult, equal, expect};
+use super::assertion::{Failure, RuleResult, equal, expect, skip};
 use super::check::Check;
 use super::client::Client;
 use super::reactions::{fault_answer, no_torque};
@@ -84,9 +84,7 @@ fn long_path(client: &Client, encoder: Encoder, sign: i64, more: i64) -> Result<
     let stride = ((0.5 * allowed_counts) as i64).clamp(1, QUARTER / 16);
     let strides = (2 * QUARTER + stride - 1) / stride;
     if strides > LONGEST_PATH {
-        return Err(Failure::Skipped {
-            reason: "not run: with the highest speed limits of this drive the path takes too many samples",
-        });
+        return skip("not run: with the highest speed limits of this drive the path takes too many samples");
     }
     let at = |step| if step == strides { QUARTER + more } else { step * stride - QUARTER };
     let sequence = |step: i64| (step as u16).wrapping_mul(gap);

@@ -11,7 +11,7 @@ use lashloop_protocol::sequence::LONGEST_GAP;
 
 use super::encoder::Encoder;
 
-use crate::conformance::assertion::{Failure, RuleResult};
+use crate::conformance::assertion::{Failure, RuleResult, skip};
 use crate::conformance::client::Client;
 use crate::conformance::range::{holds, nearest_real, nearest_whole};
 
@@ -70,9 +70,7 @@ impl Scale {
         // One count for the drive's tolerance, one for the truncation here.
         let counts = ((1.5 * self.counts_per_period()) as i64 + 2).min(EncoderCounts::MAX.get().into());
         if (counts - 1) as f64 <= (1.0 + ROUNDING) * self.counts_per_period() {
-            return Err(Failure::Skipped {
-                reason: "not run: no reading exceeds the lowest speed limit of this drive",
-            });
+            return skip("not run: no reading exceeds the lowest speed limit of this drive");
         }
         Ok(counts)
     }
@@ -81,8 +79,8 @@ impl Scale {
 /// The settings of a drive for a check of its encoders.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::conformance) struct Setup {
-    pub(super) motor: Scale,
-    pub(super) load: Scale,
+    /// In the order of [`Encoder::BOTH`].
+    pub(super) scales: [Scale; 2],
 }
 
 impl Setup {
@@ -95,26 +93,16 @@ impl Setup {
     pub(super) fn of(client: &Client, counts_per_rev: u32) -> Result<Self, Failure> {
         let period_us = nearest_whole(client.parameter("period_us")?, PERIOD_US)?;
         let scale = |encoder| Scale::fitted(client, encoder, period_us, counts_per_rev);
-        Ok(Self { motor: scale(Encoder::Motor)?, load: scale(Encoder::Load)? })
+        Ok(Self { scales: [scale(Encoder::Motor)?, scale(Encoder::Load)?] })
     }
 
     pub(super) const fn scale(&self, encoder: Encoder) -> Scale {
-        match encoder {
-            Encoder::Motor => self.motor,
-            Encoder::Load => self.load,
-        }
-    }
-
-    pub(super) const fn scale_mut(&mut self, encoder: Encoder) -> &mut Scale {
-        match encoder {
-            Encoder::Motor => &mut self.motor,
-            Encoder::Load => &mut self.load,
-        }
+        self.scales[encoder as usize]
     }
 
     /// Longest gap that the drive must accept, in periods, independent of its rounding.
     pub(in crate::conformance) fn longest_gap(&self) -> u16 {
-        [self.motor, self.load]
+        self.scales
             .map(|it| ((1.0 - ROUNDING) * UNAMBIGUOUS_COUNTS / it.counts_per_period()) as u16)
             .into_iter()
             .fold(LONGEST_GAP, u16::min)
@@ -122,12 +110,13 @@ impl Setup {
 
     pub(super) fn settings(&self) -> [Setting; 5] {
         use ParameterValue::{F32, U32};
+        let [motor, load] = self.scales;
         [
-            ("period_us", U32(self.motor.period_us)),
-            (Encoder::Motor.counts_per_rev(), U32(self.motor.counts_per_rev)),
-            (Encoder::Load.counts_per_rev(), U32(self.load.counts_per_rev)),
-            (Encoder::Motor.speed_limit(), F32(self.motor.speed_limit_rad_s)),
-            (Encoder::Load.speed_limit(), F32(self.load.speed_limit_rad_s)),
+            ("period_us", U32(motor.period_us)),
+            (Encoder::Motor.counts_per_rev(), U32(motor.counts_per_rev)),
+            (Encoder::Load.counts_per_rev(), U32(load.counts_per_rev)),
+            (Encoder::Motor.speed_limit(), F32(motor.speed_limit_rad_s)),
+            (Encoder::Load.speed_limit(), F32(load.speed_limit_rad_s)),
         ]
     }
 
@@ -135,9 +124,7 @@ impl Setup {
     pub(super) fn allowed(&self, client: &Client) -> RuleResult {
         for (name, value) in self.settings() {
             if !holds(client.parameter(name)?, value) {
-                return Err(Failure::Skipped {
-                    reason: "not run: the drive's range excludes these speed limits",
-                });
+                return skip("not run: the drive's range excludes these speed limits");
             }
         }
         Ok(())
@@ -147,9 +134,9 @@ impl Setup {
     pub(in crate::conformance) fn start(&self, client: &mut Client) -> RuleResult {
         self.allowed(client)?;
         if self.longest_gap() == 0 {
-            return Err(Failure::Skipped {
-                reason: "not run: the encoders, period and speed limits of this drive leave positions ambiguous",
-            });
+            return skip(
+                "not run: the encoders, period and speed limits of this drive leave positions ambiguous",
+            );
         }
         client.running(&self.settings())
     }
