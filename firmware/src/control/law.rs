@@ -2,20 +2,16 @@
 
 use crate::control::backlash_inverse::BacklashInverse;
 use crate::control::merzouki::Merzouki;
-use crate::control::merzouki_as_printed::MerzoukiAsPrinted;
 use crate::control::pd::Pd;
-use crate::control::stateful::Stateful;
-use crate::control::{ControlOutput, Measurement, Real};
+use crate::control::{ControlOutput, Measurement, Real, Stateful};
 
 /// Any of the control laws, with its state.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Law<F: Real> {
     /// The cascade before compensation.
     Pd(Stateful<F, Pd<F>>),
-    /// The cascade after compensation, in the reading that meets the paper's figures.
+    /// The cascade after compensation.
     Merzouki(Stateful<F, Merzouki<F>>),
-    /// The cascade after compensation, as printed.
-    MerzoukiAsPrinted(Stateful<F, MerzoukiAsPrinted<F>>),
     /// The gap inverted in the torque domain.
     BacklashInverse(Stateful<F, BacklashInverse<F>>),
 }
@@ -26,33 +22,8 @@ impl<F: Real> Law<F> {
         match self {
             Self::Pd(law) => law.step(measurement),
             Self::Merzouki(law) => law.step(measurement),
-            Self::MerzoukiAsPrinted(law) => law.step(measurement),
             Self::BacklashInverse(law) => law.step(measurement),
         }
-    }
-}
-
-impl<F: Real> From<Pd<F>> for Law<F> {
-    fn from(law: Pd<F>) -> Self {
-        Self::Pd(Stateful::new(law))
-    }
-}
-
-impl<F: Real> From<Merzouki<F>> for Law<F> {
-    fn from(law: Merzouki<F>) -> Self {
-        Self::Merzouki(Stateful::new(law))
-    }
-}
-
-impl<F: Real> From<MerzoukiAsPrinted<F>> for Law<F> {
-    fn from(law: MerzoukiAsPrinted<F>) -> Self {
-        Self::MerzoukiAsPrinted(Stateful::new(law))
-    }
-}
-
-impl<F: Real> From<BacklashInverse<F>> for Law<F> {
-    fn from(law: BacklashInverse<F>) -> Self {
-        Self::BacklashInverse(Stateful::new(law))
     }
 }
 
@@ -86,7 +57,7 @@ mod tests {
             period_s: 1e-3,
         };
         let law = BacklashInverse::new(&NominalModel::paper(), BacklashInverseGains::paper(), setting);
-        law.expect("valid").into()
+        Law::BacklashInverse(Stateful::new(law.expect("valid")))
     }
 
     /// The laws of the paper.
@@ -94,10 +65,12 @@ mod tests {
         let (model, gains, observer) =
             (NominalModel::paper(), CascadeGains::paper(), DeadZoneObserver::paper());
         let source = DisturbingTorqueSource::Observed { pole_rad_s: 60.0 };
+        let merzouki = Merzouki::new(&model, gains, observer, source, 1e-3).expect("valid");
+        let as_printed = Merzouki::as_printed(&model, gains, observer, 1e-3).expect("valid");
         [
-            Pd::new(&model, gains).into(),
-            Merzouki::new(&model, gains, observer, source, 1e-3).expect("valid").into(),
-            MerzoukiAsPrinted::new(&model, gains, observer, 1e-3).expect("valid").into(),
+            Law::Pd(Stateful::new(Pd::new(&model, gains))),
+            Law::Merzouki(Stateful::new(merzouki)),
+            Law::Merzouki(Stateful::new(as_printed)),
         ]
     }
 

@@ -1,6 +1,7 @@
-//! The cascade after compensation, in the reading that meets the paper's figures.
+//! The cascade after compensation, in the reading that meets the paper's figures and as the paper prints it.
 //!
-//! The paper leaves the free control u of equation (16) open. With u = w - w_hat, equation (24) with H = 0, and a lead
+//! The paper leaves the free control u of equation (16) open. As printed, the law has the estimate of equation (19),
+//! but neither a lead nor a free control: an ablation that shows the effect of those two. With u = w - w_hat, equation (24) with H = 0, and a lead
 //! of the motor by zeta_d / K, as (13) and (18) imply, both the simulated transients and the measured static error of
 //! the paper result. With a constant reference zeta_d / K is -w_hat / K. Under a slow sine the reference's part of
 //! zeta_d in the lead moves the motor ahead of the dead zone: lost motion is 0.003 instead of 0.13 rad on the hard gap.
@@ -30,6 +31,8 @@ pub enum DisturbingTorqueSource<F> {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Source<F> {
+    /// The law as printed: w is not used.
+    None,
     NominalModel,
     Observed(MomentumObserver<F>),
 }
@@ -68,13 +71,26 @@ impl<F: Real> Merzouki<F> {
         source: DisturbingTorqueSource<F>,
         period_s: F,
     ) -> Result<Self, ParameterError> {
-        observer.validate()?;
         let source = match source {
             DisturbingTorqueSource::NominalModel => Source::NominalModel,
             DisturbingTorqueSource::Observed { pole_rad_s } => {
                 Source::Observed(MomentumObserver::new(model, pole_rad_s, period_s))
             }
         };
+        Ok(Self { source, ..Self::as_printed(model, gains, observer, period_s)? })
+    }
+
+    /// The law without lead and without free control.
+    ///
+    /// # Errors
+    /// As [`Merzouki::new`].
+    pub fn as_printed(
+        model: &NominalModel<F>,
+        gains: CascadeGains<F>,
+        observer: DeadZoneObserver<F>,
+        period_s: F,
+    ) -> Result<Self, ParameterError> {
+        observer.validate()?;
         Ok(Self {
             cascade: Cascade::new(model, gains),
             feed_forward: FeedForward::new(model),
@@ -82,7 +98,7 @@ impl<F: Real> Merzouki<F> {
             nominal_dead_zone_rad: model.dead_zone_rad,
             stiffness_nm_rad: model.stiffness_nm_rad,
             observer,
-            source,
+            source: Source::None,
             period_s,
         })
     }
@@ -100,20 +116,30 @@ impl<F: Real> Controller<F> for Merzouki<F> {
 
     fn step(&self, state: &mut Self::State, measurement: &Measurement<F>) -> ControlOutput<F> {
         let twist = measurement.twist_rad;
-        let disturbing_torque = match &self.source {
-            Source::NominalModel => self.dead_zone.disturbing_torque_nm(self.nominal_dead_zone_rad, twist),
+        let observed_torque = match &self.source {
+            Source::None => None,
+            Source::NominalModel => {
+                Some(self.dead_zone.disturbing_torque_nm(self.nominal_dead_zone_rad, twist))
+            }
             Source::Observed(observer) => {
-                observer.step(&mut state.momentum, measurement) - self.stiffness_nm_rad * twist
+                Some(observer.step(&mut state.momentum, measurement) - self.stiffness_nm_rad * twist)
             }
         };
         let estimate = state.dead_zone_estimate_rad;
         let estimated_torque = self.dead_zone.disturbing_torque_nm(estimate, twist);
-        let wanted_elastic_torque = self.feed_forward.elastic_torque_nm(measurement) - estimated_torque;
+        let (lead_rad, free_torque_nm) = match observed_torque {
+            None => (F::ZERO, F::ZERO),
+            Some(observed_torque) => {
+                let wanted_elastic_torque =
+                    self.feed_forward.elastic_torque_nm(measurement) - estimated_torque;
+                (wanted_elastic_torque / self.stiffness_nm_rad, observed_torque - estimated_torque)
+            }
+        };
         let compensation = Compensation {
             dead_zone_estimate_rad: estimate,
             disturbing_torque_nm: estimated_torque,
-            lead_rad: wanted_elastic_torque / self.stiffness_nm_rad,
-            free_torque_nm: disturbing_torque - estimated_torque,
+            lead_rad,
+            free_torque_nm,
         };
         let output = self.cascade.output(measurement, &compensation);
         self.observer.step(

@@ -13,7 +13,7 @@
 //! | [`momentum_observer`] | transmitted torque, observed on the motor side |
 //! | [`feed_forward`] | torques of a moving reference, equations (11) and (15) |
 //! | [`cascade`] | the two proportional-derivative loops C1 and C2, equations (16) and (17) |
-//! | [`pd`], [`merzouki`], [`merzouki_as_printed`] | the cascade before compensation, after it, and as printed |
+//! | [`pd`], [`merzouki`] | the cascade before compensation, and after it |
 //! | [`backlash_inverse`] | the gap inverted in the torque domain and identified by least squares; not from the paper |
 //! | [`law`] | the choice of a law at run time |
 //! | [`sensing`] | encoder counts to [`Measurement`] |
@@ -33,7 +33,6 @@ pub mod feed_forward;
 pub mod law;
 mod measurement;
 pub mod merzouki;
-pub mod merzouki_as_printed;
 pub mod momentum_observer;
 pub mod nominal_model;
 pub(crate) mod parameter_error;
@@ -41,10 +40,8 @@ pub mod pd;
 mod real;
 mod reference_rates;
 pub mod sensing;
-mod stateful;
 
-pub use controller::Controller;
+pub use controller::{Controller, Stateful};
 pub use measurement::{ControlOutput, Measurement};
 pub use parameter_error::ParameterError;
 pub use real::Real;
-pub use stateful::Stateful;

@@ -5,16 +5,15 @@ use core::f32::consts::TAU;
 use lashloop_protocol::enums::{ControllerId, DisturbingTorqueSource};
 
 use super::parameters::Parameters;
-use crate::control::ParameterError;
 use crate::control::backlash_inverse::{BacklashInverse, BacklashInverseGains, BacklashInverseSetting};
 use crate::control::cascade::CascadeGains;
 use crate::control::dead_zone_observer::DeadZoneObserver;
 use crate::control::law::Law;
 use crate::control::merzouki::{self, Merzouki};
-use crate::control::merzouki_as_printed::MerzoukiAsPrinted;
 use crate::control::nominal_model::NominalModel;
 use crate::control::pd::Pd;
 use crate::control::sensing::{EncoderConfig, SensingConfig};
+use crate::control::{ParameterError, Stateful};
 
 pub(super) fn sensing_config(parameters: &Parameters, period_s: f32) -> SensingConfig<f32> {
     SensingConfig {
@@ -56,12 +55,17 @@ pub(super) fn law(parameters: &Parameters, period_s: f32) -> Result<Law<f32>, Pa
         max_rad: parameters.dead_zone_max_rad,
     };
     Ok(match choice("controller", parameters.controller, ControllerId::ALL)? {
-        ControllerId::Pd => Pd::new(&model, gains).into(),
-        ControllerId::MerzoukiAsPrinted => MerzoukiAsPrinted::new(&model, gains, observer, period_s)?.into(),
+        ControllerId::Pd => Law::Pd(Stateful::new(Pd::new(&model, gains))),
         ControllerId::Merzouki => {
-            Merzouki::new(&model, gains, observer, source(parameters)?, period_s)?.into()
+            let source = source(parameters)?;
+            Law::Merzouki(Stateful::new(Merzouki::new(&model, gains, observer, source, period_s)?))
         }
-        ControllerId::BacklashInverse => backlash_inverse(parameters, &model, period_s)?.into(),
+        ControllerId::MerzoukiAsPrinted => {
+            Law::Merzouki(Stateful::new(Merzouki::as_printed(&model, gains, observer, period_s)?))
+        }
+        ControllerId::BacklashInverse => {
+            Law::BacklashInverse(Stateful::new(backlash_inverse(parameters, &model, period_s)?))
+        }
     })
 }
 

@@ -2,13 +2,13 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use lashloop_firmware::control::Real;
 use lashloop_firmware::control::cascade::CascadeGains;
 use lashloop_firmware::control::dead_zone_observer::DeadZoneObserver;
 use lashloop_firmware::control::law::Law;
 use lashloop_firmware::control::merzouki::{DisturbingTorqueSource, Merzouki};
 use lashloop_firmware::control::nominal_model::NominalModel;
 use lashloop_firmware::control::pd::Pd;
+use lashloop_firmware::control::{Real, Stateful};
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;
@@ -42,7 +42,7 @@ pub(crate) fn unlimited() -> ShaftParameters {
 }
 
 pub(crate) fn pd<F: Real>() -> Law<F> {
-    Pd::new(&NominalModel::paper(), CascadeGains::paper()).into()
+    Law::Pd(Stateful::new(Pd::new(&NominalModel::paper(), CascadeGains::paper())))
 }
 
 fn merzouki<F: Real>(source: DisturbingTorqueSource<F>, period_s: f64) -> Law<F> {
@@ -53,7 +53,7 @@ fn merzouki<F: Real>(source: DisturbingTorqueSource<F>, period_s: f64) -> Law<F>
         source,
         F::from_f64(period_s),
     );
-    law.expect("valid law").into()
+    Law::Merzouki(Stateful::new(law.expect("valid law")))
 }
 
 /// The merzouki law for the paper's plant, where the disturbing torque is known.
