@@ -30,8 +30,6 @@ pub trait Real: Copy + PartialOrd + Field + Scalar {
     fn exp_m1(self) -> Self;
     /// Magnitude.
     fn abs(self) -> Self;
-    /// Neither infinite nor NaN.
-    fn is_finite(self) -> bool;
 
     /// The value clamped to `low..=high`. NaN stays NaN: the drive rejects a torque that is not finite.
     fn clamp(self, low: Self, high: Self) -> Self {
@@ -82,9 +80,6 @@ macro_rules! real {
             }
             fn abs(self) -> Self {
                 $abs(self)
-            }
-            fn is_finite(self) -> bool {
-                Self::is_finite(self)
             }
         }
     };
