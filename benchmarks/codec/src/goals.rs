@@ -9,14 +9,12 @@ struct Goal {
     holds: bool,
 }
 
-impl Goal {
-    fn at_least(what: String, limit: f64, found: f64) -> Self {
-        Self { what: format!("{what}: at least {limit}"), found, holds: found >= limit }
-    }
+fn at_least(what: String, limit: f64, found: f64) -> Goal {
+    Goal { what: format!("{what}: at least {limit}"), found, holds: found >= limit }
+}
 
-    fn at_most(what: String, limit: f64, found: f64) -> Self {
-        Self { what: format!("{what}: at most {limit}"), found, holds: found <= limit }
-    }
+fn at_most(what: String, limit: f64, found: f64) -> Goal {
+    Goal { what: format!("{what}: at most {limit}"), found, holds: found <= limit }
 }
 
 pub fn table(figures: &[Figures], streams: &[stream::Figures]) {
@@ -39,14 +37,10 @@ fn goals(figures: &[Figures], streams: &[stream::Figures]) -> Vec<Goal> {
         ("torque, decode", |side| side.torque.decode_ns, 3.0),
     ];
     for (task, time, faster) in tasks {
-        goals.push(Goal::at_least(
-            format!("{task}: postcard over ours"),
-            faster,
-            time(postcard) / time(ours),
-        ));
+        goals.push(at_least(format!("{task}: postcard over ours"), faster, time(postcard) / time(ours)));
         let fastest = others.iter().map(time).fold(time(postcard), f64::min);
-        goals.push(Goal::at_least(format!("{task}: fastest other over ours"), 1.0, fastest / time(ours)));
-        goals.push(Goal::at_most(format!("{task}: ours over the floor"), 2.2, time(ours) / time(floor)));
+        goals.push(at_least(format!("{task}: fastest other over ours"), 1.0, fastest / time(ours)));
+        goals.push(at_most(format!("{task}: ours over the floor"), 2.2, time(ours) / time(floor)));
     }
     let peers = || others.iter().chain([postcard]);
     let bytes: [(&str, Of<Cost>); 2] =
@@ -56,25 +50,20 @@ fn goals(figures: &[Figures], streams: &[stream::Figures]) -> Vec<Goal> {
         let shortest = peers().map(cycle).fold(f64::INFINITY, f64::min);
         let shortest_checked = peers().filter(|side| side.checked).map(cycle).fold(f64::INFINITY, f64::min);
         for (other, shortest) in [("other", shortest), ("other with a check", shortest_checked)] {
-            goals.push(Goal::at_least(
+            goals.push(at_least(
                 format!("bytes per cycle {which}: shortest {other} over ours"),
                 1.0,
                 shortest / cycle(ours),
             ));
         }
     }
-    let [ours, cobs, tokio, tokio_wide] = streams else { panic!("four streams") };
-    goals.push(Goal::at_least("stream, MB/s: ours over cobs".into(), 1.0, ours.mb_s() / cobs.mb_s()));
-    let times = cobs.ns_per_message / ours.ns_per_message;
-    goals.push(Goal::at_least("stream, messages/s: ours over cobs".into(), 1.0, times));
-    for (name, tokio) in [("tokio", tokio), ("tokio with 16 tables", tokio_wide)] {
-        goals.push(Goal::at_least(
-            format!("stream, MB/s: ours over {name}"),
-            2.0,
-            ours.mb_s() / tokio.mb_s(),
-        ));
-        let times = tokio.ns_per_message / ours.ns_per_message;
-        goals.push(Goal::at_least(format!("stream, messages/s: ours over {name}"), 2.0, times));
+    let [ours, others @ ..] = streams else { panic!("our stream") };
+    for (other, (name, limit)) in
+        others.iter().zip([("cobs", 1.0), ("tokio", 2.0), ("tokio with 16 tables", 2.0)])
+    {
+        goals.push(at_least(format!("stream, MB/s: ours over {name}"), limit, ours.mb_s() / other.mb_s()));
+        let times = other.ns_per_message / ours.ns_per_message;
+        goals.push(at_least(format!("stream, messages/s: ours over {name}"), limit, times));
     }
     goals
 }

@@ -15,19 +15,15 @@ use measure::{Figures, Side, measure};
 fn main() {
     let (samples, torques) = (cycle::samples(), cycle::torques());
     let load_before = load::word();
-    let mut sides: Vec<Box<dyn Side>> = vec![
-        <dyn Side>::of::<codec::ours::Ours>("lashloop", &samples, &torques),
-        <dyn Side>::of::<codec::floor::Floor>("floor: copy and CRC-32C", &samples, &torques),
-        <dyn Side>::of::<codec::postcard::Postcard>("postcard, CRC-32C, cobs", &samples, &torques),
-        <dyn Side>::of::<codec::protobuf::Protobuf<true>>("prost, CRC-32C, cobs", &samples, &torques),
-        <dyn Side>::of::<codec::protobuf::Protobuf<false>>("prost, cobs, no check", &samples, &torques),
-        <dyn Side>::of::<codec::mavlink::Mavlink>(
-            "mavlink HIL_SENSOR, HIL_ACTUATOR_CONTROLS",
-            &samples,
-            &torques,
-        ),
+    let sides = vec![
+        Side::of::<codec::ours::Ours>("lashloop", &samples, &torques),
+        Side::of::<codec::floor::Floor>("floor: copy and CRC-32C", &samples, &torques),
+        Side::of::<codec::postcard::Postcard>("postcard, CRC-32C, cobs", &samples, &torques),
+        Side::of::<codec::protobuf::Protobuf<true>>("prost, CRC-32C, cobs", &samples, &torques),
+        Side::of::<codec::protobuf::Protobuf<false>>("prost, cobs, no check", &samples, &torques),
+        Side::of::<codec::mavlink::Mavlink>("mavlink HIL_SENSOR, HIL_ACTUATOR_CONTROLS", &samples, &torques),
     ];
-    let figures = measure(&mut sides);
+    let figures = measure(sides);
     table(&figures);
     let streams = stream::measure(&samples);
     println!();
