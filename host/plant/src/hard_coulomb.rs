@@ -120,13 +120,7 @@ impl HybridSystem for HardCoulomb {
         runge_kutta(x, h_s, &|x: &Vector6<f64>, _| self.rates(x, mode, torque_nm))
     }
 
-    fn guard(
-        &self,
-        guard: HardCoulombGuard,
-        x: &Vector6<f64>,
-        mode: HardCoulombMode,
-        _torque_nm: f64,
-    ) -> f64 {
+    fn guard(&self, guard: HardCoulombGuard, x: &Vector6<f64>, mode: HardCoulombMode) -> f64 {
         let twist = self.mechanics.twist_rad(x);
         let half_gap = self.mechanics.dead_zone_rad;
         match (guard, mode.contact) {
@@ -149,7 +143,6 @@ impl HybridSystem for HardCoulomb {
         guard: HardCoulombGuard,
         x: &mut Vector6<f64>,
         mode: HardCoulombMode,
-        _torque_nm: f64,
     ) -> HardCoulombMode {
         match guard {
             HardCoulombGuard::LoadFriction => {

@@ -73,11 +73,11 @@ impl HybridSystem for Smooth {
         })
     }
 
-    fn guard(&self, guard: Infallible, _x: &Vector6<f64>, (): (), _torque_nm: f64) -> f64 {
+    fn guard(&self, guard: Infallible, _x: &Vector6<f64>, (): ()) -> f64 {
         match guard {}
     }
 
-    fn switch(&self, guard: Infallible, _x: &mut Vector6<f64>, (): (), _torque_nm: f64) {
+    fn switch(&self, guard: Infallible, _x: &mut Vector6<f64>, (): ()) {
         match guard {}
     }
 

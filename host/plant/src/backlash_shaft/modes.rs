@@ -94,7 +94,7 @@ impl HybridSystem for BacklashShaft {
     }
 
     #[inline]
-    fn guard(&self, guard: ShaftGuard, at: &ShaftCoordinates, mode: ShaftMode, _torque_nm: f64) -> f64 {
+    fn guard(&self, guard: ShaftGuard, at: &ShaftCoordinates, mode: ShaftMode) -> f64 {
         match guard {
             ShaftGuard::Flank(flank) => self.flank_guard(flank, at, mode.contact),
             // Bristles bend instead of sticking: this guard never reaches zero.
@@ -110,13 +110,7 @@ impl HybridSystem for BacklashShaft {
         }
     }
 
-    fn switch(
-        &self,
-        guard: ShaftGuard,
-        at: &mut ShaftCoordinates,
-        mode: ShaftMode,
-        _torque_nm: f64,
-    ) -> ShaftMode {
+    fn switch(&self, guard: ShaftGuard, at: &mut ShaftCoordinates, mode: ShaftMode) -> ShaftMode {
         match guard {
             ShaftGuard::LoadFriction => {
                 at.x[LOAD_VELOCITY] = 0.0;
