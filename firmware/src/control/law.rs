@@ -36,6 +36,7 @@ mod tests {
     use crate::control::cascade::CascadeGains;
     use crate::control::dead_zone_observer::DeadZoneObserver;
     use crate::control::merzouki::DisturbingTorqueSource;
+    use crate::control::momentum_observer::MomentumObserver;
     use crate::control::nominal_model::NominalModel;
 
     /// The paper's start: at rest, the load at pi/2 and the motor at 3 pi/2.
@@ -64,13 +65,15 @@ mod tests {
     fn laws() -> [Law<f64>; 3] {
         let (model, gains, observer) =
             (NominalModel::paper(), CascadeGains::paper(), DeadZoneObserver::paper());
-        let source = DisturbingTorqueSource::Observed { pole_rad_s: 60.0 };
-        let merzouki = Merzouki::new(&model, gains, observer, source, 1e-3).expect("valid");
-        let as_printed = Merzouki::as_printed(&model, gains, observer, 1e-3).expect("valid");
+        let observed = DisturbingTorqueSource::Observed(MomentumObserver::new(&model, 60.0, 1e-3));
+        let merzouki = |source| {
+            let law = Merzouki::new(&model, gains, observer, source, 1e-3).expect("valid");
+            Law::Merzouki(Stateful::new(law))
+        };
         [
             Law::Pd(Stateful::new(Pd::new(&model, gains))),
-            Law::Merzouki(Stateful::new(merzouki)),
-            Law::Merzouki(Stateful::new(as_printed)),
+            merzouki(observed),
+            merzouki(DisturbingTorqueSource::AsPrinted),
         ]
     }
 

@@ -17,23 +17,14 @@ use crate::control::momentum_observer::{MomentumObserver, MomentumObserverState}
 use crate::control::nominal_model::NominalModel;
 use crate::control::{ControlOutput, Controller, Measurement, ParameterError, Real};
 
-/// Source of the disturbing torque w.
+/// Source of the disturbing torque w for the free control.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DisturbingTorqueSource<F> {
+    /// None: the law as printed, without lead and without free control.
+    AsPrinted,
     /// Equation (4) with the nominal amplitude: valid on the paper's smooth plant only.
     NominalModel,
-    /// The momentum observer on the motor side: valid on any plant.
-    Observed {
-        /// Pole of the observer in rad/s; 60 suits the paper's machine.
-        pole_rad_s: F,
-    },
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Source<F> {
-    /// The law as printed: w is not used.
-    None,
-    NominalModel,
+    /// The momentum observer on the motor side, valid on any plant. A pole of 60 rad/s suits the paper's machine.
     Observed(MomentumObserver<F>),
 }
 
@@ -43,10 +34,9 @@ pub struct Merzouki<F> {
     cascade: Cascade<F>,
     feed_forward: FeedForward<F>,
     dead_zone: DeadZone<F>,
-    nominal_dead_zone_rad: F,
-    stiffness_nm_rad: F,
+    model: NominalModel<F>,
     observer: DeadZoneObserver<F>,
-    source: Source<F>,
+    source: DisturbingTorqueSource<F>,
     period_s: F,
 }
 
@@ -71,34 +61,14 @@ impl<F: Real> Merzouki<F> {
         source: DisturbingTorqueSource<F>,
         period_s: F,
     ) -> Result<Self, ParameterError> {
-        let source = match source {
-            DisturbingTorqueSource::NominalModel => Source::NominalModel,
-            DisturbingTorqueSource::Observed { pole_rad_s } => {
-                Source::Observed(MomentumObserver::new(model, pole_rad_s, period_s))
-            }
-        };
-        Ok(Self { source, ..Self::as_printed(model, gains, observer, period_s)? })
-    }
-
-    /// The law without lead and without free control.
-    ///
-    /// # Errors
-    /// As [`Merzouki::new`].
-    pub fn as_printed(
-        model: &NominalModel<F>,
-        gains: CascadeGains<F>,
-        observer: DeadZoneObserver<F>,
-        period_s: F,
-    ) -> Result<Self, ParameterError> {
         observer.validate()?;
         Ok(Self {
             cascade: Cascade::new(model, gains),
             feed_forward: FeedForward::new(model),
             dead_zone: DeadZone::new(model),
-            nominal_dead_zone_rad: model.dead_zone_rad,
-            stiffness_nm_rad: model.stiffness_nm_rad,
+            model: *model,
             observer,
-            source: Source::None,
+            source,
             period_s,
         })
     }
@@ -117,12 +87,12 @@ impl<F: Real> Controller<F> for Merzouki<F> {
     fn step(&self, state: &mut Self::State, measurement: &Measurement<F>) -> ControlOutput<F> {
         let twist = measurement.twist_rad;
         let observed_torque = match &self.source {
-            Source::None => None,
-            Source::NominalModel => {
-                Some(self.dead_zone.disturbing_torque_nm(self.nominal_dead_zone_rad, twist))
+            DisturbingTorqueSource::AsPrinted => None,
+            DisturbingTorqueSource::NominalModel => {
+                Some(self.dead_zone.disturbing_torque_nm(self.model.dead_zone_rad, twist))
             }
-            Source::Observed(observer) => {
-                Some(observer.step(&mut state.momentum, measurement) - self.stiffness_nm_rad * twist)
+            DisturbingTorqueSource::Observed(observer) => {
+                Some(observer.step(&mut state.momentum, measurement) - self.model.stiffness_nm_rad * twist)
             }
         };
         let estimate = state.dead_zone_estimate_rad;
@@ -132,7 +102,7 @@ impl<F: Real> Controller<F> for Merzouki<F> {
             Some(observed_torque) => {
                 let wanted_elastic_torque =
                     self.feed_forward.elastic_torque_nm(measurement) - estimated_torque;
-                (wanted_elastic_torque / self.stiffness_nm_rad, observed_torque - estimated_torque)
+                (wanted_elastic_torque / self.model.stiffness_nm_rad, observed_torque - estimated_torque)
             }
         };
         let compensation = Compensation {

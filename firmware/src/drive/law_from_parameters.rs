@@ -10,6 +10,7 @@ use crate::control::cascade::CascadeGains;
 use crate::control::dead_zone_observer::DeadZoneObserver;
 use crate::control::law::Law;
 use crate::control::merzouki::{self, Merzouki};
+use crate::control::momentum_observer::MomentumObserver;
 use crate::control::nominal_model::NominalModel;
 use crate::control::pd::Pd;
 use crate::control::sensing::{EncoderConfig, SensingConfig};
@@ -54,15 +55,13 @@ pub(super) fn law(parameters: &Parameters, period_s: f32) -> Result<Law<f32>, Pa
         initial_rad: parameters.dead_zone_initial_rad,
         max_rad: parameters.dead_zone_max_rad,
     };
+    let merzouki = |source| {
+        Merzouki::new(&model, gains, observer, source, period_s).map(|law| Law::Merzouki(Stateful::new(law)))
+    };
     Ok(match choice("controller", parameters.controller, ControllerId::ALL)? {
         ControllerId::Pd => Law::Pd(Stateful::new(Pd::new(&model, gains))),
-        ControllerId::Merzouki => {
-            let source = source(parameters)?;
-            Law::Merzouki(Stateful::new(Merzouki::new(&model, gains, observer, source, period_s)?))
-        }
-        ControllerId::MerzoukiAsPrinted => {
-            Law::Merzouki(Stateful::new(Merzouki::as_printed(&model, gains, observer, period_s)?))
-        }
+        ControllerId::Merzouki => merzouki(source(parameters, &model, period_s)?)?,
+        ControllerId::MerzoukiAsPrinted => merzouki(merzouki::DisturbingTorqueSource::AsPrinted)?,
         ControllerId::BacklashInverse => {
             Law::BacklashInverse(Stateful::new(backlash_inverse(parameters, &model, period_s)?))
         }
@@ -100,13 +99,17 @@ fn backlash_inverse(
     BacklashInverse::new(model, gains, setting)
 }
 
-fn source(parameters: &Parameters) -> Result<merzouki::DisturbingTorqueSource<f32>, ParameterError> {
+fn source(
+    parameters: &Parameters,
+    model: &NominalModel<f32>,
+    period_s: f32,
+) -> Result<merzouki::DisturbingTorqueSource<f32>, ParameterError> {
     let source = parameters.disturbing_torque_source;
     Ok(match choice("disturbing_torque_source", source, DisturbingTorqueSource::ALL)? {
         DisturbingTorqueSource::Model => merzouki::DisturbingTorqueSource::NominalModel,
-        DisturbingTorqueSource::Observed => {
-            merzouki::DisturbingTorqueSource::Observed { pole_rad_s: parameters.momentum_observer_rad_s }
-        }
+        DisturbingTorqueSource::Observed => merzouki::DisturbingTorqueSource::Observed(
+            MomentumObserver::new(model, parameters.momentum_observer_rad_s, period_s),
+        ),
     })
 }
 

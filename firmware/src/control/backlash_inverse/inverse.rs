@@ -31,16 +31,13 @@ pub struct BacklashInverseSetting<F> {
 /// The law with its constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BacklashInverse<F> {
+    model: NominalModel<F>,
+    gains: BacklashInverseGains<F>,
     load_loop: LoadLoop<F>,
     momentum: MomentumObserver<F>,
     load_observer: LoadObserver<F>,
     identification: Identification<F>,
-    ratio: F,
-    motor_friction_nm_s_rad: F,
-    motor_coulomb_nm: F,
     per_crossing_nm: F,
-    twist_gain_nm_rad: F,
-    twist_damping_nm_s_rad: F,
     twist_pole_rad_s: F,
     twist_alpha: F,
 }
@@ -94,6 +91,8 @@ impl<F: Real> BacklashInverse<F> {
             ..gains
         };
         Ok(Self {
+            model: *model,
+            gains,
             load_loop: LoadLoop::new(model, gains, setting.load_resolution_rad, period_s),
             momentum: MomentumObserver::new(model, momentum_observer_rad_s, period_s),
             load_observer: LoadObserver::new(model, gains.load_observer_rad_s, period_s),
@@ -104,12 +103,7 @@ impl<F: Real> BacklashInverse<F> {
                 min_torque_nm: gains.identification_min_nm,
                 process_noise_rad2: F::from_f64(GAP_PROCESS_NOISE_RAD2),
             },
-            ratio: model.ratio,
-            motor_friction_nm_s_rad: model.motor_friction_nm_s_rad,
-            motor_coulomb_nm: model.motor_coulomb_nm,
             per_crossing_nm: F::ONE / gains.gap_crossing_nm,
-            twist_gain_nm_rad: gains.twist_gain_nm_rad,
-            twist_damping_nm_s_rad: gains.twist_damping_nm_s_rad,
             twist_pole_rad_s: momentum_observer_rad_s,
             twist_alpha: alpha(momentum_observer_rad_s, period_s),
         })
@@ -132,7 +126,7 @@ impl<F: Real> Controller<F> for BacklashInverse<F> {
         let m = measurement;
         let observers = state.observers.get_or_insert_with(|| Observers::at(m));
 
-        let coulomb_nm = self.motor_coulomb_nm * observers.motor_friction.step(m.motor_position_rad);
+        let coulomb_nm = self.model.motor_coulomb_nm * observers.motor_friction.step(m.motor_position_rad);
         let transmitted_nm = self.momentum.step_against(&mut state.momentum, m, coulomb_nm);
         let load_velocity = self.load_observer.step(&mut observers.load, m.load_position_rad, transmitted_nm);
 
@@ -149,10 +143,10 @@ impl<F: Real> Controller<F> for BacklashInverse<F> {
         let dead_zone = state.estimate.dead_zone_rad();
         let side = (self.per_crossing_nm * wanted_nm).clamp(-F::ONE, F::ONE);
         let twist_error = m.twist_rad - (compliance * wanted_nm + dead_zone * side);
-        let twist_velocity = m.motor_velocity_rad_s - self.ratio * load_velocity;
-        let torque = wanted_nm + self.motor_friction_nm_s_rad * m.motor_velocity_rad_s
-            - self.twist_gain_nm_rad * twist_error
-            - self.twist_damping_nm_s_rad * twist_velocity;
+        let twist_velocity = m.motor_velocity_rad_s - self.model.ratio * load_velocity;
+        let torque = wanted_nm + self.model.motor_friction_nm_s_rad * m.motor_velocity_rad_s
+            - self.gains.twist_gain_nm_rad * twist_error
+            - self.gains.twist_damping_nm_s_rad * twist_velocity;
         let stiffness = F::ONE / compliance;
         ControlOutput {
             torque_nm: torque,
