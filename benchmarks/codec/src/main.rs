@@ -38,17 +38,16 @@ fn table(figures: &[Figures]) {
         "| codec | sample: encode ns | decode ns | bytes | torque: encode ns | decode ns | bytes | bytes per cycle | at most |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
-    for Figures { name, sample, torque, .. } in figures {
+    for Figures { name, ns: [sample_encode, sample_decode, torque_encode, torque_decode], bytes, .. } in
+        figures
+    {
+        let [sample, torque] = bytes;
         println!(
-            "| {name} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {} |",
-            sample.encode_ns,
-            sample.decode_ns,
-            sample.bytes.mean,
-            torque.encode_ns,
-            torque.decode_ns,
-            torque.bytes.mean,
-            sample.bytes.mean + torque.bytes.mean,
-            sample.bytes.longest + torque.bytes.longest
+            "| {name} | {sample_encode:.1} | {sample_decode:.1} | {:.1} | {torque_encode:.1} | {torque_decode:.1} | {:.1} | {:.1} | {} |",
+            sample.mean,
+            torque.mean,
+            sample.mean + torque.mean,
+            sample.longest + torque.longest
         );
     }
 }

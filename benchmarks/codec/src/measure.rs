@@ -9,13 +9,6 @@ use crate::cycle::{COUNT, Sample, Torque, extreme_samples, extreme_torques};
 
 const ROUNDS: usize = 201;
 
-/// Cost of one kind of message.
-pub struct Cost {
-    pub encode_ns: f64,
-    pub decode_ns: f64,
-    pub bytes: Length,
-}
-
 /// Length of frames, in bytes.
 #[derive(Clone, Copy)]
 pub struct Length {
@@ -27,12 +20,15 @@ pub struct Length {
 
 pub struct Figures {
     pub name: &'static str,
+    /// Whether the codec detects damage.
     pub checked: bool,
-    pub sample: Cost,
-    pub torque: Cost,
+    /// Time per message of each task, in ns.
+    pub ns: [f64; TASKS],
+    /// Lengths of the frames of a sample and of a torque.
+    pub bytes: [Length; 2],
 }
 
-/// Timed tasks: sample and torque, encoding and decoding.
+/// Timed tasks: encode a sample, decode it, encode a torque, decode it.
 const TASKS: usize = 4;
 
 /// A codec with values to encode and frames to decode.
@@ -138,11 +134,11 @@ pub fn measure(mut sides: Vec<Side>) -> Vec<Figures> {
             }
         }
     }
-    let figures = sides.into_iter().zip(times).map(|(Side { name, checked, bytes, .. }, times)| {
-        let [se, sd, te, td] = times.map(median);
-        let [sample, torque] = bytes;
-        let sample = Cost { encode_ns: se, decode_ns: sd, bytes: sample };
-        Figures { name, checked, sample, torque: Cost { encode_ns: te, decode_ns: td, bytes: torque } }
+    let figures = sides.into_iter().zip(times).map(|(Side { name, checked, bytes, .. }, times)| Figures {
+        name,
+        checked,
+        ns: times.map(median),
+        bytes,
     });
     figures.collect()
 }

@@ -3,17 +3,17 @@
 use crate::control::backlash_inverse::BacklashInverse;
 use crate::control::merzouki::Merzouki;
 use crate::control::pd::Pd;
-use crate::control::{ControlOutput, Measurement, Real, Stateful};
+use crate::control::{ControlOutput, Measurement, Real};
 
 /// Any of the control laws, with its state.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Law<F: Real> {
     /// The cascade before compensation.
-    Pd(Stateful<F, Pd<F>>),
+    Pd(Pd<F>),
     /// The cascade after compensation.
-    Merzouki(Stateful<F, Merzouki<F>>),
+    Merzouki(Merzouki<F>),
     /// The gap inverted in the torque domain.
-    BacklashInverse(Stateful<F, BacklashInverse<F>>),
+    BacklashInverse(BacklashInverse<F>),
 }
 
 impl<F: Real> Law<F> {
@@ -58,7 +58,7 @@ mod tests {
             period_s: 1e-3,
         };
         let law = BacklashInverse::new(&NominalModel::paper(), BacklashInverseGains::paper(), setting);
-        Law::BacklashInverse(Stateful::new(law.expect("valid")))
+        Law::BacklashInverse(law.expect("valid"))
     }
 
     /// The laws of the paper.
@@ -66,15 +66,9 @@ mod tests {
         let (model, gains, observer) =
             (NominalModel::paper(), CascadeGains::paper(), DeadZoneObserver::paper());
         let observed = DisturbingTorqueSource::Observed(MomentumObserver::new(&model, 60.0, 1e-3));
-        let merzouki = |source| {
-            let law = Merzouki::new(&model, gains, observer, source, 1e-3).expect("valid");
-            Law::Merzouki(Stateful::new(law))
-        };
-        [
-            Law::Pd(Stateful::new(Pd::new(&model, gains))),
-            merzouki(observed),
-            merzouki(DisturbingTorqueSource::AsPrinted),
-        ]
+        let merzouki =
+            |source| Law::Merzouki(Merzouki::new(&model, gains, observer, source, 1e-3).expect("valid"));
+        [Law::Pd(Pd::new(&model, gains)), merzouki(observed), merzouki(DisturbingTorqueSource::AsPrinted)]
     }
 
     #[test]

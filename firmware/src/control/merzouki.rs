@@ -15,7 +15,7 @@ use crate::control::dead_zone_observer::DeadZoneObserver;
 use crate::control::feed_forward::FeedForward;
 use crate::control::momentum_observer::{MomentumObserver, MomentumObserverState};
 use crate::control::nominal_model::NominalModel;
-use crate::control::{ControlOutput, Controller, Measurement, ParameterError, Real};
+use crate::control::{ControlOutput, Measurement, ParameterError, Real};
 
 /// Source of the disturbing torque w for the free control.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,7 +28,7 @@ pub enum DisturbingTorqueSource<F> {
     Observed(MomentumObserver<F>),
 }
 
-/// The two loops with the estimated disturbing torque, the lead and the free control.
+/// The two loops with the estimated disturbing torque, the lead and the free control, and their state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Merzouki<F> {
     cascade: Cascade<F>,
@@ -38,19 +38,14 @@ pub struct Merzouki<F> {
     observer: DeadZoneObserver<F>,
     source: DisturbingTorqueSource<F>,
     period_s: F,
-}
-
-/// State of the law.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MerzoukiState<F> {
     /// Dead-zone amplitude j_hat in rad, for the next torque.
-    pub dead_zone_estimate_rad: F,
+    dead_zone_estimate_rad: F,
     /// At its initial value unless the law observes the disturbing torque.
     momentum: MomentumObserverState<F>,
 }
 
 impl<F: Real> Merzouki<F> {
-    /// The law for the mechanics of `model`, run every `period_s` seconds.
+    /// The law in its initial state, for the mechanics of `model`, run every `period_s` seconds.
     ///
     /// # Errors
     /// If the observer's parameters don't go together.
@@ -70,21 +65,13 @@ impl<F: Real> Merzouki<F> {
             observer,
             source,
             period_s,
+            dead_zone_estimate_rad: observer.initial_rad,
+            momentum: MomentumObserverState::at_rest(),
         })
     }
-}
 
-impl<F: Real> Controller<F> for Merzouki<F> {
-    type State = MerzoukiState<F>;
-
-    fn initial_state(&self) -> Self::State {
-        MerzoukiState {
-            dead_zone_estimate_rad: self.observer.initial_rad,
-            momentum: MomentumObserverState::at_rest(),
-        }
-    }
-
-    fn step(&self, state: &mut Self::State, measurement: &Measurement<F>) -> ControlOutput<F> {
+    /// The torque for one sample, before the drive's limit.
+    pub fn step(&mut self, measurement: &Measurement<F>) -> ControlOutput<F> {
         let twist = measurement.twist_rad;
         let observed_torque = match &self.source {
             DisturbingTorqueSource::AsPrinted => None,
@@ -92,10 +79,10 @@ impl<F: Real> Controller<F> for Merzouki<F> {
                 Some(self.dead_zone.disturbing_torque_nm(self.model.dead_zone_rad, twist))
             }
             DisturbingTorqueSource::Observed(observer) => {
-                Some(observer.step(&mut state.momentum, measurement) - self.model.stiffness_nm_rad * twist)
+                Some(observer.step(&mut self.momentum, measurement) - self.model.stiffness_nm_rad * twist)
             }
         };
-        let estimate = state.dead_zone_estimate_rad;
+        let estimate = self.dead_zone_estimate_rad;
         let estimated_torque = self.dead_zone.disturbing_torque_nm(estimate, twist);
         let (lead_rad, free_torque_nm) = match observed_torque {
             None => (F::ZERO, F::ZERO),
@@ -113,7 +100,7 @@ impl<F: Real> Controller<F> for Merzouki<F> {
         };
         let output = self.cascade.output(measurement, &compensation);
         self.observer.step(
-            &mut state.dead_zone_estimate_rad,
+            &mut self.dead_zone_estimate_rad,
             self.period_s,
             output.load_error_rad,
             output.elastic_error_nm,

@@ -21,11 +21,10 @@
 //! | `reference_rates` | velocity and acceleration of the reference |
 //!
 //! The laws are generic over [`Real`]: the drive runs in `f32` the same code that tests compare with independent
-//! solvers in `f64`. A [`Controller`] is a configuration; [`Stateful`] joins it with its state.
+//! solvers in `f64`. A law is one value: its constants and its state.
 
 pub mod backlash_inverse;
 pub mod cascade;
-mod controller;
 pub mod dead_zone;
 pub mod dead_zone_observer;
 mod encoder_channel;
@@ -41,7 +40,6 @@ mod real;
 mod reference_rates;
 pub mod sensing;
 
-pub use controller::{Controller, Stateful};
 pub use measurement::{ControlOutput, Measurement};
 pub use parameter_error::ParameterError;
 pub use real::Real;

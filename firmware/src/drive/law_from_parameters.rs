@@ -5,6 +5,7 @@ use core::f32::consts::TAU;
 use lashloop_protocol::enums::{ControllerId, DisturbingTorqueSource};
 
 use super::parameters::Parameters;
+use crate::control::ParameterError;
 use crate::control::backlash_inverse::{BacklashInverse, BacklashInverseGains, BacklashInverseSetting};
 use crate::control::cascade::CascadeGains;
 use crate::control::dead_zone_observer::DeadZoneObserver;
@@ -14,7 +15,6 @@ use crate::control::momentum_observer::MomentumObserver;
 use crate::control::nominal_model::NominalModel;
 use crate::control::pd::Pd;
 use crate::control::sensing::{EncoderConfig, SensingConfig};
-use crate::control::{ParameterError, Stateful};
 
 pub(super) fn sensing_config(parameters: &Parameters, period_s: f32) -> SensingConfig<f32> {
     SensingConfig {
@@ -55,15 +55,13 @@ pub(super) fn law(parameters: &Parameters, period_s: f32) -> Result<Law<f32>, Pa
         initial_rad: parameters.dead_zone_initial_rad,
         max_rad: parameters.dead_zone_max_rad,
     };
-    let merzouki = |source| {
-        Merzouki::new(&model, gains, observer, source, period_s).map(|law| Law::Merzouki(Stateful::new(law)))
-    };
+    let merzouki = |source| Merzouki::new(&model, gains, observer, source, period_s).map(Law::Merzouki);
     Ok(match choice("controller", parameters.controller, ControllerId::ALL)? {
-        ControllerId::Pd => Law::Pd(Stateful::new(Pd::new(&model, gains))),
+        ControllerId::Pd => Law::Pd(Pd::new(&model, gains)),
         ControllerId::Merzouki => merzouki(source(parameters, &model, period_s)?)?,
         ControllerId::MerzoukiAsPrinted => merzouki(merzouki::DisturbingTorqueSource::AsPrinted)?,
         ControllerId::BacklashInverse => {
-            Law::BacklashInverse(Stateful::new(backlash_inverse(parameters, &model, period_s)?))
+            Law::BacklashInverse(backlash_inverse(parameters, &model, period_s)?)
         }
     })
 }

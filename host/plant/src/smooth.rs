@@ -110,13 +110,7 @@ impl Plant for Smooth {
         let ln_cosh = u + libm::log1p(libm::exp(-2.0 * u)) - core::f64::consts::LN_2;
         let elastic =
             self.mechanics.stiffness_nm_rad * (0.5 * twist * twist - half_width * half_width * ln_cosh);
-        let contact = if transmitted > 0.0 {
-            Contact::Positive
-        } else if transmitted < 0.0 {
-            Contact::Negative
-        } else {
-            Contact::Gap
-        };
+        let contact = Contact::outside(transmitted, 0.0);
         self.mechanics.truth(&state.x, state.torque_nm, transmitted, elastic, contact)
     }
 }

@@ -2,12 +2,12 @@
 
 use std::fmt;
 
+use lashloop_firmware::control::Real;
 use lashloop_firmware::control::backlash_inverse::{
     BacklashInverse, BacklashInverseGains, BacklashInverseSetting,
 };
 use lashloop_firmware::control::law::Law;
 use lashloop_firmware::control::nominal_model::NominalModel;
-use lashloop_firmware::control::{Real, Stateful};
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::{Mechanics, Plant, PlantError, Start, TransportDelay, Truth};
 
@@ -73,7 +73,7 @@ impl DriveTrain {
             period_s: F::from_f64(1e-3),
         };
         let law = BacklashInverse::new(&model, BacklashInverseGains::paper(), setting);
-        Law::BacklashInverse(Stateful::new(law.expect("valid law")))
+        Law::BacklashInverse(law.expect("valid law"))
     }
 
     /// The drive's encoders and velocity filters.

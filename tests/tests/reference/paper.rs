@@ -2,6 +2,7 @@
 
 use core::f64::consts::FRAC_PI_2;
 
+use lashloop_firmware::control::Real;
 use lashloop_firmware::control::cascade::CascadeGains;
 use lashloop_firmware::control::dead_zone_observer::DeadZoneObserver;
 use lashloop_firmware::control::law::Law;
@@ -9,7 +10,6 @@ use lashloop_firmware::control::merzouki::{DisturbingTorqueSource, Merzouki};
 use lashloop_firmware::control::momentum_observer::MomentumObserver;
 use lashloop_firmware::control::nominal_model::NominalModel;
 use lashloop_firmware::control::pd::Pd;
-use lashloop_firmware::control::{Real, Stateful};
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;
@@ -43,7 +43,7 @@ pub(crate) fn unlimited() -> ShaftParameters {
 }
 
 pub(crate) fn pd<F: Real>() -> Law<F> {
-    Law::Pd(Stateful::new(Pd::new(&NominalModel::paper(), CascadeGains::paper())))
+    Law::Pd(Pd::new(&NominalModel::paper(), CascadeGains::paper()))
 }
 
 fn merzouki<F: Real>(source: DisturbingTorqueSource<F>, period_s: f64) -> Law<F> {
@@ -54,7 +54,7 @@ fn merzouki<F: Real>(source: DisturbingTorqueSource<F>, period_s: f64) -> Law<F>
         source,
         F::from_f64(period_s),
     );
-    Law::Merzouki(Stateful::new(law.expect("valid law")))
+    Law::Merzouki(law.expect("valid law"))
 }
 
 /// The merzouki law for the paper's plant, where the disturbing torque is known.

@@ -24,11 +24,13 @@ impl Plant for BacklashShaft {
             Some(_) => DryFriction::SlipPositive,
             None => {
                 let drive_nm = self.load_drive_nm(&coordinates, contact);
-                self.load_friction.curve.released(start.load_velocity_rad_s, drive_nm)
+                let limits_nm = self.load_friction.curve.limits_nm;
+                DryFriction::released(start.load_velocity_rad_s, drive_nm, limits_nm)
             }
         };
         let motor_drive_nm = self.motor_drive_nm(&coordinates, contact);
-        let motor = self.motor_friction.released(start.motor_velocity_rad_s, motor_drive_nm);
+        let limits_nm = self.motor_friction.limits_nm;
+        let motor = DryFriction::released(start.motor_velocity_rad_s, motor_drive_nm, limits_nm);
         BacklashShaftState { coordinates, mode: ShaftMode { contact, load, motor } }
     }
 
