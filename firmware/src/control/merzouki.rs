@@ -13,7 +13,7 @@ use crate::control::cascade::{Cascade, CascadeGains, Compensation};
 use crate::control::dead_zone::DeadZone;
 use crate::control::dead_zone_observer::DeadZoneObserver;
 use crate::control::feed_forward::FeedForward;
-use crate::control::momentum_observer::{MomentumObserver, MomentumObserverState};
+use crate::control::momentum_observer::MomentumObserver;
 use crate::control::nominal_model::NominalModel;
 use crate::control::{ControlOutput, Measurement, ParameterError, Real};
 
@@ -40,8 +40,8 @@ pub struct Merzouki<F> {
     period_s: F,
     /// Dead-zone amplitude j_hat in rad, for the next torque.
     dead_zone_estimate_rad: F,
-    /// At its initial value unless the law observes the disturbing torque.
-    momentum: MomentumObserverState<F>,
+    /// State of the momentum observer: zero unless the law observes the disturbing torque.
+    momentum_balance_nm: F,
 }
 
 impl<F: Real> Merzouki<F> {
@@ -66,7 +66,7 @@ impl<F: Real> Merzouki<F> {
             source,
             period_s,
             dead_zone_estimate_rad: observer.initial_rad,
-            momentum: MomentumObserverState::at_rest(),
+            momentum_balance_nm: F::ZERO,
         })
     }
 
@@ -78,9 +78,10 @@ impl<F: Real> Merzouki<F> {
             DisturbingTorqueSource::NominalModel => {
                 Some(self.dead_zone.disturbing_torque_nm(self.model.dead_zone_rad, twist))
             }
-            DisturbingTorqueSource::Observed(observer) => {
-                Some(observer.step(&mut self.momentum, measurement) - self.model.stiffness_nm_rad * twist)
-            }
+            DisturbingTorqueSource::Observed(observer) => Some(
+                observer.step(&mut self.momentum_balance_nm, measurement)
+                    - self.model.stiffness_nm_rad * twist,
+            ),
         };
         let estimate = self.dead_zone_estimate_rad;
         let estimated_torque = self.dead_zone.disturbing_torque_nm(estimate, twist);

@@ -17,15 +17,13 @@ use crate::control::pd::Pd;
 use crate::control::sensing::{EncoderConfig, SensingConfig};
 
 pub(super) fn sensing_config(parameters: &Parameters, period_s: f32) -> SensingConfig<f32> {
+    let encoder = |counts_per_revolution, velocity_bandwidth_rad_s| EncoderConfig {
+        counts_per_revolution,
+        velocity_bandwidth_rad_s,
+    };
     SensingConfig {
-        motor: EncoderConfig {
-            counts_per_revolution: parameters.motor_counts_per_rev,
-            velocity_bandwidth_rad_s: parameters.motor_filter_rad_s,
-        },
-        load: EncoderConfig {
-            counts_per_revolution: parameters.load_counts_per_rev,
-            velocity_bandwidth_rad_s: parameters.load_filter_rad_s,
-        },
+        motor: encoder(parameters.motor_counts_per_rev, parameters.motor_filter_rad_s),
+        load: encoder(parameters.load_counts_per_rev, parameters.load_filter_rad_s),
         ratio: parameters.reduction_ratio,
         period_s,
     }

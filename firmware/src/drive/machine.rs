@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use lashloop_protocol::enums::{LogLevel, Outcome, State, TorqueFlags};
+use lashloop_protocol::enums::{FaultCode, LogLevel, Outcome, State, TorqueFlags};
 use lashloop_protocol::message::{self, CommandResult, EncoderSample, FaultReport, Hello};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{Counters, Decoder, HostMessage, PROTOCOL_VERSION};
@@ -140,7 +140,8 @@ impl Drive {
                 (message::Stop::LAYOUT.kind, self.lifecycle.stop())
             }
             HostMessage::EmergencyStop(_) => {
-                let fault = self.latch(Violation::EMERGENCY_STOP);
+                let code = FaultCode::EmergencyStop;
+                let fault = self.latch(Violation { code, value: 0.0, limit: 0.0 });
                 self.output.send(fault);
                 (message::EmergencyStop::LAYOUT.kind, Outcome::Accepted)
             }

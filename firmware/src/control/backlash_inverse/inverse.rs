@@ -5,7 +5,7 @@ use super::identification::{Estimate, GAP_PROCESS_NOISE_RAD2, Identification};
 use super::load_loop::{LoadLoop, LoadLoopState};
 use super::load_observer::{LoadObserver, LoadObserverState};
 use super::motor_friction::MotorFriction;
-use crate::control::momentum_observer::{MomentumObserver, MomentumObserverState};
+use crate::control::momentum_observer::MomentumObserver;
 use crate::control::nominal_model::NominalModel;
 use crate::control::parameter_error::at_most;
 use crate::control::real::alpha;
@@ -42,7 +42,7 @@ pub struct BacklashInverse<F: Real> {
     twist_alpha: F,
     estimate: Estimate<F>,
     load_loop_state: LoadLoopState<F>,
-    momentum_state: MomentumObserverState<F>,
+    momentum_balance_nm: F,
     /// `None` before the first sample.
     observers: Option<Observers<F>>,
 }
@@ -104,7 +104,7 @@ impl<F: Real> BacklashInverse<F> {
             twist_alpha: alpha(momentum_observer_rad_s, period_s),
             estimate: identification.initial_estimate(),
             load_loop_state: LoadLoop::initial_state(),
-            momentum_state: MomentumObserverState::at_rest(),
+            momentum_balance_nm: F::ZERO,
             observers: None,
         })
     }
@@ -115,7 +115,7 @@ impl<F: Real> BacklashInverse<F> {
         let observers = self.observers.get_or_insert_with(|| Observers::at(m));
 
         let coulomb_nm = self.model.motor_coulomb_nm * observers.motor_friction.step(m.motor_position_rad);
-        let transmitted_nm = self.momentum.step_against(&mut self.momentum_state, m, coulomb_nm);
+        let transmitted_nm = self.momentum.step_against(&mut self.momentum_balance_nm, m, coulomb_nm);
         let load_velocity = self.load_observer.step(&mut observers.load, m.load_position_rad, transmitted_nm);
 
         let behind_rad = m.twist_rad - observers.twist_rad;
