@@ -64,19 +64,8 @@ impl Default for Decoder {
 impl Decoder {
     /// A decoder at the start of a frame.
     #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            partial: [0; MAX_FRAME - 1],
-            pending: 0,
-            counters: Counters {
-                messages: 0,
-                discarded_bytes: 0,
-                oversized: 0,
-                malformed: 0,
-                crc_errors: 0,
-                refused: 0,
-            },
-        }
+    pub fn new() -> Self {
+        Self { partial: [0; MAX_FRAME - 1], pending: 0, counters: Counters::default() }
     }
 
     /// The next message or bad frame in `input`, which advances past it; `None` at the end of `input`.

@@ -88,6 +88,17 @@ macro_rules! flag_set {
     };
 }
 
+/// All messages of one direction: the kinds, the type of any of them, and the one that is sent in every control period.
+macro_rules! messages {
+    (
+        $(#[$meta:meta])* pub enum $name:ident: $direction:ident, in every period $periodic:ident;
+        $( $(#[doc = $doc:expr])+ $kind:literal $variant:ident $fields:tt )+
+    ) => {
+        $(payload! { $(#[doc = $doc])+ $kind $direction $variant $fields })+
+        direction! { $(#[$meta])* pub enum $name { $($variant,)+ } in every period $periodic }
+    };
+}
+
 /// One kind of message: its value type, its bytes and its layout.
 ///
 /// Offsets follow from the order and the lengths of the fields; no other code computes them.

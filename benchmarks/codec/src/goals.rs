@@ -1,6 +1,6 @@
 //! The performance goals of the codec, and whether this run meets them.
 
-use crate::measure::{Cost, Figures};
+use crate::measure::{Figures, Length};
 use crate::stream;
 
 struct Goal {
@@ -9,14 +9,12 @@ struct Goal {
     holds: bool,
 }
 
-impl Goal {
-    fn at_least(what: String, limit: f64, found: f64) -> Self {
-        Self { what: format!("{what}: at least {limit}"), found, holds: found >= limit }
-    }
+fn at_least(what: String, limit: f64, found: f64) -> Goal {
+    Goal { what: format!("{what}: at least {limit}"), found, holds: found >= limit }
+}
 
-    fn at_most(what: String, limit: f64, found: f64) -> Self {
-        Self { what: format!("{what}: at most {limit}"), found, holds: found <= limit }
-    }
+fn at_most(what: String, limit: f64, found: f64) -> Goal {
+    Goal { what: format!("{what}: at most {limit}"), found, holds: found <= limit }
 }
 
 pub fn table(figures: &[Figures], streams: &[stream::Figures]) {
@@ -26,55 +24,37 @@ pub fn table(figures: &[Figures], streams: &[stream::Figures]) {
     }
 }
 
-/// Selects one of the figures.
-type Of<T> = fn(&T) -> f64;
-
 fn goals(figures: &[Figures], streams: &[stream::Figures]) -> Vec<Goal> {
     let [ours, floor, postcard, others @ ..] = figures else { panic!("at least three sides") };
     let mut goals = Vec::new();
-    let tasks: [(&str, Of<Figures>, f64); 4] = [
-        ("sample, encode", |side| side.sample.encode_ns, 2.5),
-        ("sample, decode", |side| side.sample.decode_ns, 3.0),
-        ("torque, encode", |side| side.torque.encode_ns, 2.5),
-        ("torque, decode", |side| side.torque.decode_ns, 3.0),
-    ];
-    for (task, time, faster) in tasks {
-        goals.push(Goal::at_least(
-            format!("{task}: postcard over ours"),
-            faster,
-            time(postcard) / time(ours),
-        ));
+    let tasks =
+        [("sample, encode", 2.5), ("sample, decode", 3.0), ("torque, encode", 2.5), ("torque, decode", 3.0)];
+    for (at, (task, faster)) in tasks.into_iter().enumerate() {
+        let time = |side: &Figures| side.ns[at];
+        goals.push(at_least(format!("{task}: postcard over ours"), faster, time(postcard) / time(ours)));
         let fastest = others.iter().map(time).fold(time(postcard), f64::min);
-        goals.push(Goal::at_least(format!("{task}: fastest other over ours"), 1.0, fastest / time(ours)));
-        goals.push(Goal::at_most(format!("{task}: ours over the floor"), 2.2, time(ours) / time(floor)));
+        goals.push(at_least(format!("{task}: fastest other over ours"), 1.0, fastest / time(ours)));
+        goals.push(at_most(format!("{task}: ours over the floor"), 2.2, time(ours) / time(floor)));
     }
     let peers = || others.iter().chain([postcard]);
-    let bytes: [(&str, Of<Cost>); 2] =
-        [("on average", |cost| cost.bytes.mean), ("at most", |cost| cost.bytes.longest as f64)];
-    for (which, len) in bytes {
-        let cycle = |side: &Figures| len(&side.sample) + len(&side.torque);
+    let lengths: [(&str, fn(&Length) -> f64); 2] =
+        [("on average", |length| length.mean), ("at most", |length| length.longest as f64)];
+    for (which, len) in lengths {
+        let cycle = |side: &Figures| side.bytes.iter().map(len).sum::<f64>();
         let shortest = peers().map(cycle).fold(f64::INFINITY, f64::min);
         let shortest_checked = peers().filter(|side| side.checked).map(cycle).fold(f64::INFINITY, f64::min);
         for (other, shortest) in [("other", shortest), ("other with a check", shortest_checked)] {
-            goals.push(Goal::at_least(
-                format!("bytes per cycle {which}: shortest {other} over ours"),
-                1.0,
-                shortest / cycle(ours),
-            ));
+            let what = format!("bytes per cycle {which}: shortest {other} over ours");
+            goals.push(at_least(what, 1.0, shortest / cycle(ours)));
         }
     }
-    let [ours, cobs, tokio, tokio_wide] = streams else { panic!("four streams") };
-    goals.push(Goal::at_least("stream, MB/s: ours over cobs".into(), 1.0, ours.mb_s() / cobs.mb_s()));
-    let times = cobs.ns_per_message / ours.ns_per_message;
-    goals.push(Goal::at_least("stream, messages/s: ours over cobs".into(), 1.0, times));
-    for (name, tokio) in [("tokio", tokio), ("tokio with 16 tables", tokio_wide)] {
-        goals.push(Goal::at_least(
-            format!("stream, MB/s: ours over {name}"),
-            2.0,
-            ours.mb_s() / tokio.mb_s(),
-        ));
-        let times = tokio.ns_per_message / ours.ns_per_message;
-        goals.push(Goal::at_least(format!("stream, messages/s: ours over {name}"), 2.0, times));
+    let [ours, others @ ..] = streams else { panic!("our stream") };
+    for (other, (name, limit)) in
+        others.iter().zip([("cobs", 1.0), ("tokio", 2.0), ("tokio with 16 tables", 2.0)])
+    {
+        goals.push(at_least(format!("stream, MB/s: ours over {name}"), limit, ours.mb_s() / other.mb_s()));
+        let times = other.ns_per_message / ours.ns_per_message;
+        goals.push(at_least(format!("stream, messages/s: ours over {name}"), limit, times));
     }
     goals
 }

@@ -15,19 +15,15 @@ use measure::{Figures, Side, measure};
 fn main() {
     let (samples, torques) = (cycle::samples(), cycle::torques());
     let load_before = load::word();
-    let mut sides: Vec<Box<dyn Side>> = vec![
-        <dyn Side>::of::<codec::ours::Ours>("lashloop", &samples, &torques),
-        <dyn Side>::of::<codec::floor::Floor>("floor: copy and CRC-32C", &samples, &torques),
-        <dyn Side>::of::<codec::postcard::Postcard>("postcard, CRC-32C, cobs", &samples, &torques),
-        <dyn Side>::of::<codec::protobuf::Protobuf<true>>("prost, CRC-32C, cobs", &samples, &torques),
-        <dyn Side>::of::<codec::protobuf::Protobuf<false>>("prost, cobs, no check", &samples, &torques),
-        <dyn Side>::of::<codec::mavlink::Mavlink>(
-            "mavlink HIL_SENSOR, HIL_ACTUATOR_CONTROLS",
-            &samples,
-            &torques,
-        ),
+    let sides = vec![
+        Side::of::<codec::ours::Ours>("lashloop", &samples, &torques),
+        Side::of::<codec::floor::Floor>("floor: copy and CRC-32C", &samples, &torques),
+        Side::of::<codec::postcard::Postcard>("postcard, CRC-32C, cobs", &samples, &torques),
+        Side::of::<codec::protobuf::Protobuf<true>>("prost, CRC-32C, cobs", &samples, &torques),
+        Side::of::<codec::protobuf::Protobuf<false>>("prost, cobs, no check", &samples, &torques),
+        Side::of::<codec::mavlink::Mavlink>("mavlink HIL_SENSOR, HIL_ACTUATOR_CONTROLS", &samples, &torques),
     ];
-    let figures = measure(&mut sides);
+    let figures = measure(sides);
     table(&figures);
     let streams = stream::measure(&samples);
     println!();
@@ -42,17 +38,16 @@ fn table(figures: &[Figures]) {
         "| codec | sample: encode ns | decode ns | bytes | torque: encode ns | decode ns | bytes | bytes per cycle | at most |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
-    for Figures { name, sample, torque, .. } in figures {
+    for Figures { name, ns: [sample_encode, sample_decode, torque_encode, torque_decode], bytes, .. } in
+        figures
+    {
+        let [sample, torque] = bytes;
         println!(
-            "| {name} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {} |",
-            sample.encode_ns,
-            sample.decode_ns,
-            sample.bytes.mean,
-            torque.encode_ns,
-            torque.decode_ns,
-            torque.bytes.mean,
-            sample.bytes.mean + torque.bytes.mean,
-            sample.bytes.longest + torque.bytes.longest
+            "| {name} | {sample_encode:.1} | {sample_decode:.1} | {:.1} | {torque_encode:.1} | {torque_decode:.1} | {:.1} | {:.1} | {} |",
+            sample.mean,
+            torque.mean,
+            sample.mean + torque.mean,
+            sample.longest + torque.longest
         );
     }
 }

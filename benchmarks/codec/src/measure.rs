@@ -1,19 +1,13 @@
 //! Measures all sides in turn, round after round, and computes medians.
 
 use std::hint::black_box;
+use std::rc::Rc;
 use std::time::Instant;
 
 use crate::codec::Codec;
 use crate::cycle::{COUNT, Sample, Torque, extreme_samples, extreme_torques};
 
 const ROUNDS: usize = 201;
-
-/// Cost of one kind of message.
-pub struct Cost {
-    pub encode_ns: f64,
-    pub decode_ns: f64,
-    pub bytes: Length,
-}
 
 /// Length of frames, in bytes.
 #[derive(Clone, Copy)]
@@ -26,68 +20,50 @@ pub struct Length {
 
 pub struct Figures {
     pub name: &'static str,
+    /// Whether the codec detects damage.
     pub checked: bool,
-    pub sample: Cost,
-    pub torque: Cost,
+    /// Time per message of each task, in ns.
+    pub ns: [f64; TASKS],
+    /// Lengths of the frames of a sample and of a torque.
+    pub bytes: [Length; 2],
 }
 
-/// Timed tasks: sample and torque, encoding and decoding.
+/// Timed tasks: encode a sample, decode it, encode a torque, decode it.
 const TASKS: usize = 4;
 
 /// A codec with values to encode and frames to decode.
-pub trait Side {
-    fn name(&self) -> &'static str;
-
-    /// Whether the codec detects damage.
-    fn checked(&self) -> bool;
-
+pub struct Side {
+    name: &'static str,
+    checked: bool,
     /// Lengths of the frames of a sample and of a torque.
-    fn bytes(&self) -> [Length; 2];
-
-    /// Runs one task for all values and returns ns per message.
-    fn round(&mut self, task: usize) -> f64;
+    bytes: [Length; 2],
+    /// Each runs once for all values and returns ns per message.
+    tasks: [Box<dyn FnMut() -> f64>; TASKS],
 }
 
-impl dyn Side {
-    pub fn of<C>(name: &'static str, samples: &[Sample], torques: &[Torque]) -> Box<dyn Side>
+impl Side {
+    pub fn of<C>(name: &'static str, samples: &[Sample], torques: &[Torque]) -> Self
     where
         C: Codec<Sample> + Codec<Torque> + 'static,
     {
-        let mut codec = C::default();
-        let samples = Work::new(&mut codec, samples, &extreme_samples());
-        let torques = Work::new(&mut codec, torques, &extreme_torques());
-        Box::new(Timed { name, codec, samples, torques })
+        let checked = <C as Codec<Sample>>::CHECKED && <C as Codec<Torque>>::CHECKED;
+        let (sample, [sample_encode, sample_decode]) = tasks::<C, _>(samples, &extreme_samples());
+        let (torque, [torque_encode, torque_decode]) = tasks::<C, _>(torques, &extreme_torques());
+        let tasks = [sample_encode, sample_decode, torque_encode, torque_decode];
+        Self { name, checked, bytes: [sample, torque], tasks }
     }
 }
 
-struct Timed<C> {
-    name: &'static str,
-    codec: C,
-    samples: Work<Sample>,
-    torques: Work<Torque>,
-}
-
-impl<C: Codec<Sample> + Codec<Torque>> Side for Timed<C> {
-    fn name(&self) -> &'static str {
-        self.name
-    }
-
-    fn checked(&self) -> bool {
-        <C as Codec<Sample>>::CHECKED && <C as Codec<Torque>>::CHECKED
-    }
-
-    fn bytes(&self) -> [Length; 2] {
-        [self.samples.bytes(), self.torques.bytes()]
-    }
-
-    fn round(&mut self, task: usize) -> f64 {
-        match task {
-            0 => self.samples.encode(&mut self.codec),
-            1 => self.samples.decode(&mut self.codec),
-            2 => self.torques.encode(&mut self.codec),
-            _ => self.torques.decode(&mut self.codec),
-        }
-    }
+/// Frame lengths, and the tasks to encode and to decode.
+fn tasks<C: Codec<V> + 'static, V: Copy + PartialEq + std::fmt::Debug + 'static>(
+    values: &[V],
+    extremes: &[V],
+) -> (Length, [Box<dyn FnMut() -> f64>; 2]) {
+    let (mut encoder, mut decoder) = (C::default(), C::default());
+    let work = Rc::new(Work::new(&mut encoder, values, extremes));
+    let bytes = work.bytes();
+    let to_encode = Rc::clone(&work);
+    (bytes, [Box::new(move || to_encode.encode(&mut encoder)), Box::new(move || work.decode(&mut decoder))])
 }
 
 struct Work<V> {
@@ -149,29 +125,22 @@ impl<V: Copy + PartialEq + std::fmt::Debug> Work<V> {
 }
 
 /// Runs all sides and returns their medians, in the order of the sides.
-pub fn measure(sides: &mut [Box<dyn Side>]) -> Vec<Figures> {
+pub fn measure(mut sides: Vec<Side>) -> Vec<Figures> {
     let mut times = vec![[const { Vec::new() }; TASKS]; sides.len()];
     for _ in 0..ROUNDS {
         for task in 0..TASKS {
             for (side, times) in sides.iter_mut().zip(&mut times) {
-                times[task].push(side.round(task));
+                times[task].push(side.tasks[task]());
             }
         }
     }
-    sides
-        .iter()
-        .zip(times)
-        .map(|(side, times)| {
-            let [se, sd, te, td] = times.map(median);
-            let [sample, torque] = side.bytes();
-            Figures {
-                name: side.name(),
-                checked: side.checked(),
-                sample: Cost { encode_ns: se, decode_ns: sd, bytes: sample },
-                torque: Cost { encode_ns: te, decode_ns: td, bytes: torque },
-            }
-        })
-        .collect()
+    let figures = sides.into_iter().zip(times).map(|(Side { name, checked, bytes, .. }, times)| Figures {
+        name,
+        checked,
+        ns: times.map(median),
+        bytes,
+    });
+    figures.collect()
 }
 
 pub fn median(mut values: Vec<f64>) -> f64 {

@@ -52,20 +52,14 @@ pub struct Compensation<F> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cascade<F> {
     gains: CascadeGains<F>,
-    ratio: F,
-    stiffness_nm_rad: F,
+    model: NominalModel<F>,
     feed_forward: FeedForward<F>,
 }
 
 impl<F: Real> Cascade<F> {
     /// The cascade for the mechanics of `model`.
     pub fn new(model: &NominalModel<F>, gains: CascadeGains<F>) -> Self {
-        Self {
-            gains,
-            ratio: model.ratio,
-            stiffness_nm_rad: model.stiffness_nm_rad,
-            feed_forward: FeedForward::new(model),
-        }
+        Self { gains, model: *model, feed_forward: FeedForward::new(model) }
     }
 
     /// Torque and errors at one sample.
@@ -74,16 +68,16 @@ impl<F: Real> Cascade<F> {
         let load_error = m.load_position_rad - m.reference_position_rad;
         let load_error_rate = m.load_velocity_rad_s - m.reference_velocity_rad_s;
         // (11): e_zeta = K z - zeta_d
-        let elastic_error = self.stiffness_nm_rad * m.twist_rad + compensation.disturbing_torque_nm
+        let elastic_error = self.model.stiffness_nm_rad * m.twist_rad + compensation.disturbing_torque_nm
             - self.feed_forward.elastic_torque_nm(m);
         // (17) around the motor position that belongs to the reference.
-        let motor_reference = self.ratio * m.reference_position_rad
+        let motor_reference = self.model.ratio * m.reference_position_rad
             - self.gains.load_velocity * load_error_rate
             - self.gains.load_position * load_error
             + compensation.lead_rad;
         let motor_error = m.motor_position_rad - motor_reference;
         // Of the rate of theta_e_d only the reference's part is available without another derivative.
-        let motor_error_rate = m.motor_velocity_rad_s - self.ratio * m.reference_velocity_rad_s;
+        let motor_error_rate = m.motor_velocity_rad_s - self.model.ratio * m.reference_velocity_rad_s;
         // (15), (16)
         let torque = self.feed_forward.motor_torque_nm(m)
             - self.gains.elastic * elastic_error

@@ -28,7 +28,7 @@ pub(crate) struct EncoderChannel<F> {
 pub(crate) struct EncoderState<F> {
     counter: i32,
     counts: i64,
-    velocity_rad_s: F,
+    pub(crate) velocity_rad_s: F,
 }
 
 impl<F: Real> EncoderChannel<F> {
@@ -66,10 +66,6 @@ impl<F: Real> EncoderState<F> {
     pub(crate) fn half_counts(&self) -> i64 {
         2 * self.counts + 1
     }
-
-    pub(crate) fn velocity_rad_s(&self) -> F {
-        self.velocity_rad_s
-    }
 }
 
 #[cfg(test)]
@@ -103,7 +99,7 @@ mod tests {
         let mut state = EncoderState::at_rest(i32::MAX - 1);
         channel.advance(&mut state, i32::MIN + 1, 1, PERIOD_S);
         let velocity_rad_s = 3.0 * TAU / f64::from(1 << 20) / 1e-3;
-        assert!((f64::from(state.velocity_rad_s()) / velocity_rad_s - 1.0).abs() < 1e-6);
+        assert!((f64::from(state.velocity_rad_s) / velocity_rad_s - 1.0).abs() < 1e-6);
         assert!((position_rad(&channel, &state) - 2048.0 * TAU).abs() < 1e-3);
     }
 
@@ -115,7 +111,7 @@ mod tests {
             channel.advance(&mut every, 12 * k, 1, PERIOD_S);
             if k % 3 == 0 {
                 channel.advance(&mut third, 12 * k, 3, 3.0 * PERIOD_S);
-                let (have, want) = (third.velocity_rad_s(), every.velocity_rad_s());
+                let (have, want) = (third.velocity_rad_s, every.velocity_rad_s);
                 assert!((have / want - 1.0).abs() < 1e-5, "sample {k}: have {have}, want {want} rad/s");
             }
         }
@@ -128,7 +124,7 @@ mod tests {
         (1..=20).for_each(|k| channel.advance(&mut state, 10 * k, 1, PERIOD_S));
         // 20 ms at 100 rad/s are two time constants.
         let want = 10.0 * TAU / 4000.0 / 1e-3 * (1.0 - libm::exp(-2.0));
-        let have = f64::from(state.velocity_rad_s());
+        let have = f64::from(state.velocity_rad_s);
         assert!((have / want - 1.0).abs() < 1e-5, "have {have}, want {want} rad/s");
     }
 }

@@ -2,22 +2,18 @@
 
 use crate::control::backlash_inverse::BacklashInverse;
 use crate::control::merzouki::Merzouki;
-use crate::control::merzouki_as_printed::MerzoukiAsPrinted;
 use crate::control::pd::Pd;
-use crate::control::stateful::Stateful;
 use crate::control::{ControlOutput, Measurement, Real};
 
 /// Any of the control laws, with its state.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Law<F: Real> {
     /// The cascade before compensation.
-    Pd(Stateful<F, Pd<F>>),
-    /// The cascade after compensation, in the reading that meets the paper's figures.
-    Merzouki(Stateful<F, Merzouki<F>>),
-    /// The cascade after compensation, as printed.
-    MerzoukiAsPrinted(Stateful<F, MerzoukiAsPrinted<F>>),
+    Pd(Pd<F>),
+    /// The cascade after compensation.
+    Merzouki(Merzouki<F>),
     /// The gap inverted in the torque domain.
-    BacklashInverse(Stateful<F, BacklashInverse<F>>),
+    BacklashInverse(BacklashInverse<F>),
 }
 
 impl<F: Real> Law<F> {
@@ -26,33 +22,8 @@ impl<F: Real> Law<F> {
         match self {
             Self::Pd(law) => law.step(measurement),
             Self::Merzouki(law) => law.step(measurement),
-            Self::MerzoukiAsPrinted(law) => law.step(measurement),
             Self::BacklashInverse(law) => law.step(measurement),
         }
-    }
-}
-
-impl<F: Real> From<Pd<F>> for Law<F> {
-    fn from(law: Pd<F>) -> Self {
-        Self::Pd(Stateful::new(law))
-    }
-}
-
-impl<F: Real> From<Merzouki<F>> for Law<F> {
-    fn from(law: Merzouki<F>) -> Self {
-        Self::Merzouki(Stateful::new(law))
-    }
-}
-
-impl<F: Real> From<MerzoukiAsPrinted<F>> for Law<F> {
-    fn from(law: MerzoukiAsPrinted<F>) -> Self {
-        Self::MerzoukiAsPrinted(Stateful::new(law))
-    }
-}
-
-impl<F: Real> From<BacklashInverse<F>> for Law<F> {
-    fn from(law: BacklashInverse<F>) -> Self {
-        Self::BacklashInverse(Stateful::new(law))
     }
 }
 
@@ -65,6 +36,7 @@ mod tests {
     use crate::control::cascade::CascadeGains;
     use crate::control::dead_zone_observer::DeadZoneObserver;
     use crate::control::merzouki::DisturbingTorqueSource;
+    use crate::control::momentum_observer::MomentumObserver;
     use crate::control::nominal_model::NominalModel;
 
     /// The paper's start: at rest, the load at pi/2 and the motor at 3 pi/2.
@@ -86,19 +58,17 @@ mod tests {
             period_s: 1e-3,
         };
         let law = BacklashInverse::new(&NominalModel::paper(), BacklashInverseGains::paper(), setting);
-        law.expect("valid").into()
+        Law::BacklashInverse(law.expect("valid"))
     }
 
     /// The laws of the paper.
     fn laws() -> [Law<f64>; 3] {
         let (model, gains, observer) =
             (NominalModel::paper(), CascadeGains::paper(), DeadZoneObserver::paper());
-        let source = DisturbingTorqueSource::Observed { pole_rad_s: 60.0 };
-        [
-            Pd::new(&model, gains).into(),
-            Merzouki::new(&model, gains, observer, source, 1e-3).expect("valid").into(),
-            MerzoukiAsPrinted::new(&model, gains, observer, 1e-3).expect("valid").into(),
-        ]
+        let observed = DisturbingTorqueSource::Observed(MomentumObserver::new(&model, 60.0, 1e-3));
+        let merzouki =
+            |source| Law::Merzouki(Merzouki::new(&model, gains, observer, source, 1e-3).expect("valid"));
+        [Law::Pd(Pd::new(&model, gains)), merzouki(observed), merzouki(DisturbingTorqueSource::AsPrinted)]
     }
 
     #[test]
@@ -158,10 +128,10 @@ mod tests {
     }
 
     #[test]
-    fn a_measurement_of_nan_makes_the_output_non_finite() {
+    fn a_measurement_of_nan_makes_the_torque_non_finite() {
         for mut law in laws().into_iter().chain([backlash_inverse()]) {
             let invalid = Measurement { load_position_rad: f64::NAN, ..start() };
-            assert!(!law.step(&invalid).is_finite());
+            assert!(!law.step(&invalid).torque_nm.is_finite());
         }
     }
 }

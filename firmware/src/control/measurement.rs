@@ -1,5 +1,6 @@
 //! Input and output of a control law.
 
+#[cfg(test)]
 use crate::control::Real;
 
 /// One sample as the drive measures it.
@@ -26,6 +27,7 @@ pub struct Measurement<F> {
     pub applied_torque_nm: F,
 }
 
+#[cfg(test)]
 #[cfg(test)]
 impl<F: Real> Measurement<F> {
     /// All zero.
@@ -59,20 +61,4 @@ pub struct ControlOutput<F> {
     pub motor_error_rad: F,
     /// Elastic torque error e_zeta = K z - zeta_d in N m.
     pub elastic_error_nm: F,
-}
-
-impl<F: Real> ControlOutput<F> {
-    /// Whether every number is finite.
-    pub fn is_finite(&self) -> bool {
-        [
-            self.torque_nm,
-            self.dead_zone_estimate_rad,
-            self.disturbing_torque_nm,
-            self.load_error_rad,
-            self.motor_error_rad,
-            self.elastic_error_nm,
-        ]
-        .into_iter()
-        .all(Real::is_finite)
-    }
 }

@@ -1,6 +1,7 @@
-//! The cascade after compensation, in the reading that meets the paper's figures.
+//! The cascade after compensation, in the reading that meets the paper's figures and as the paper prints it.
 //!
-//! The paper leaves the free control u of equation (16) open. With u = w - w_hat, equation (24) with H = 0, and a lead
+//! The paper leaves the free control u of equation (16) open. As printed, the law has the estimate of equation (19),
+//! but neither a lead nor a free control: an ablation that shows the effect of those two. With u = w - w_hat, equation (24) with H = 0, and a lead
 //! of the motor by zeta_d / K, as (13) and (18) imply, both the simulated transients and the measured static error of
 //! the paper result. With a constant reference zeta_d / K is -w_hat / K. Under a slow sine the reference's part of
 //! zeta_d in the lead moves the motor ahead of the dead zone: lost motion is 0.003 instead of 0.13 rad on the hard gap.
@@ -12,52 +13,39 @@ use crate::control::cascade::{Cascade, CascadeGains, Compensation};
 use crate::control::dead_zone::DeadZone;
 use crate::control::dead_zone_observer::DeadZoneObserver;
 use crate::control::feed_forward::FeedForward;
-use crate::control::momentum_observer::{MomentumObserver, MomentumObserverState};
+use crate::control::momentum_observer::MomentumObserver;
 use crate::control::nominal_model::NominalModel;
-use crate::control::{ControlOutput, Controller, Measurement, ParameterError, Real};
+use crate::control::{ControlOutput, Measurement, ParameterError, Real};
 
-/// Source of the disturbing torque w.
+/// Source of the disturbing torque w for the free control.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DisturbingTorqueSource<F> {
+    /// None: the law as printed, without lead and without free control.
+    AsPrinted,
     /// Equation (4) with the nominal amplitude: valid on the paper's smooth plant only.
     NominalModel,
-    /// The momentum observer on the motor side: valid on any plant.
-    Observed {
-        /// Pole of the observer in rad/s; 60 suits the paper's machine.
-        pole_rad_s: F,
-    },
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Source<F> {
-    NominalModel,
+    /// The momentum observer on the motor side, valid on any plant. A pole of 60 rad/s suits the paper's machine.
     Observed(MomentumObserver<F>),
 }
 
-/// The two loops with the estimated disturbing torque, the lead and the free control.
+/// The two loops with the estimated disturbing torque, the lead and the free control, and their state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Merzouki<F> {
     cascade: Cascade<F>,
     feed_forward: FeedForward<F>,
     dead_zone: DeadZone<F>,
-    nominal_dead_zone_rad: F,
-    stiffness_nm_rad: F,
+    model: NominalModel<F>,
     observer: DeadZoneObserver<F>,
-    source: Source<F>,
+    source: DisturbingTorqueSource<F>,
     period_s: F,
-}
-
-/// State of the law.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MerzoukiState<F> {
     /// Dead-zone amplitude j_hat in rad, for the next torque.
-    pub dead_zone_estimate_rad: F,
-    /// At its initial value unless the law observes the disturbing torque.
-    momentum: MomentumObserverState<F>,
+    dead_zone_estimate_rad: F,
+    /// State of the momentum observer: zero unless the law observes the disturbing torque.
+    momentum_balance_nm: F,
 }
 
 impl<F: Real> Merzouki<F> {
-    /// The law for the mechanics of `model`, run every `period_s` seconds.
+    /// The law in its initial state, for the mechanics of `model`, run every `period_s` seconds.
     ///
     /// # Errors
     /// If the observer's parameters don't go together.
@@ -69,55 +57,51 @@ impl<F: Real> Merzouki<F> {
         period_s: F,
     ) -> Result<Self, ParameterError> {
         observer.validate()?;
-        let source = match source {
-            DisturbingTorqueSource::NominalModel => Source::NominalModel,
-            DisturbingTorqueSource::Observed { pole_rad_s } => {
-                Source::Observed(MomentumObserver::new(model, pole_rad_s, period_s))
-            }
-        };
         Ok(Self {
             cascade: Cascade::new(model, gains),
             feed_forward: FeedForward::new(model),
             dead_zone: DeadZone::new(model),
-            nominal_dead_zone_rad: model.dead_zone_rad,
-            stiffness_nm_rad: model.stiffness_nm_rad,
+            model: *model,
             observer,
             source,
             period_s,
+            dead_zone_estimate_rad: observer.initial_rad,
+            momentum_balance_nm: F::ZERO,
         })
     }
-}
 
-impl<F: Real> Controller<F> for Merzouki<F> {
-    type State = MerzoukiState<F>;
-
-    fn initial_state(&self) -> Self::State {
-        MerzoukiState {
-            dead_zone_estimate_rad: self.observer.initial_rad,
-            momentum: MomentumObserverState::at_rest(),
-        }
-    }
-
-    fn step(&self, state: &mut Self::State, measurement: &Measurement<F>) -> ControlOutput<F> {
+    /// The torque for one sample, before the drive's limit.
+    pub fn step(&mut self, measurement: &Measurement<F>) -> ControlOutput<F> {
         let twist = measurement.twist_rad;
-        let disturbing_torque = match &self.source {
-            Source::NominalModel => self.dead_zone.disturbing_torque_nm(self.nominal_dead_zone_rad, twist),
-            Source::Observed(observer) => {
-                observer.step(&mut state.momentum, measurement) - self.stiffness_nm_rad * twist
+        let observed_torque = match &self.source {
+            DisturbingTorqueSource::AsPrinted => None,
+            DisturbingTorqueSource::NominalModel => {
+                Some(self.dead_zone.disturbing_torque_nm(self.model.dead_zone_rad, twist))
+            }
+            DisturbingTorqueSource::Observed(observer) => Some(
+                observer.step(&mut self.momentum_balance_nm, measurement)
+                    - self.model.stiffness_nm_rad * twist,
+            ),
+        };
+        let estimate = self.dead_zone_estimate_rad;
+        let estimated_torque = self.dead_zone.disturbing_torque_nm(estimate, twist);
+        let (lead_rad, free_torque_nm) = match observed_torque {
+            None => (F::ZERO, F::ZERO),
+            Some(observed_torque) => {
+                let wanted_elastic_torque =
+                    self.feed_forward.elastic_torque_nm(measurement) - estimated_torque;
+                (wanted_elastic_torque / self.model.stiffness_nm_rad, observed_torque - estimated_torque)
             }
         };
-        let estimate = state.dead_zone_estimate_rad;
-        let estimated_torque = self.dead_zone.disturbing_torque_nm(estimate, twist);
-        let wanted_elastic_torque = self.feed_forward.elastic_torque_nm(measurement) - estimated_torque;
         let compensation = Compensation {
             dead_zone_estimate_rad: estimate,
             disturbing_torque_nm: estimated_torque,
-            lead_rad: wanted_elastic_torque / self.stiffness_nm_rad,
-            free_torque_nm: disturbing_torque - estimated_torque,
+            lead_rad,
+            free_torque_nm,
         };
         let output = self.cascade.output(measurement, &compensation);
         self.observer.step(
-            &mut state.dead_zone_estimate_rad,
+            &mut self.dead_zone_estimate_rad,
             self.period_s,
             output.load_error_rad,
             output.elastic_error_nm,

@@ -13,7 +13,7 @@
 //! | [`momentum_observer`] | transmitted torque, observed on the motor side |
 //! | [`feed_forward`] | torques of a moving reference, equations (11) and (15) |
 //! | [`cascade`] | the two proportional-derivative loops C1 and C2, equations (16) and (17) |
-//! | [`pd`], [`merzouki`], [`merzouki_as_printed`] | the cascade before compensation, after it, and as printed |
+//! | [`pd`], [`merzouki`] | the cascade before compensation, and after it |
 //! | [`backlash_inverse`] | the gap inverted in the torque domain and identified by least squares; not from the paper |
 //! | [`law`] | the choice of a law at run time |
 //! | [`sensing`] | encoder counts to [`Measurement`] |
@@ -21,11 +21,10 @@
 //! | `reference_rates` | velocity and acceleration of the reference |
 //!
 //! The laws are generic over [`Real`]: the drive runs in `f32` the same code that tests compare with independent
-//! solvers in `f64`. A [`Controller`] is a configuration; [`Stateful`] joins it with its state.
+//! solvers in `f64`. A law is one value: its constants and its state.
 
 pub mod backlash_inverse;
 pub mod cascade;
-mod controller;
 pub mod dead_zone;
 pub mod dead_zone_observer;
 mod encoder_channel;
@@ -33,7 +32,6 @@ pub mod feed_forward;
 pub mod law;
 mod measurement;
 pub mod merzouki;
-pub mod merzouki_as_printed;
 pub mod momentum_observer;
 pub mod nominal_model;
 pub(crate) mod parameter_error;
@@ -41,10 +39,7 @@ pub mod pd;
 mod real;
 mod reference_rates;
 pub mod sensing;
-mod stateful;
 
-pub use controller::Controller;
 pub use measurement::{ControlOutput, Measurement};
 pub use parameter_error::ParameterError;
 pub use real::Real;
-pub use stateful::Stateful;

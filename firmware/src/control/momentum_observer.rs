@@ -12,26 +12,13 @@ use crate::control::{Measurement, Real};
 /// Velocity in rad/s over which the motor's Coulomb friction changes sign.
 const COULOMB_WIDTH_RAD_S: f64 = 0.1;
 
-/// The observer with its constants.
+/// The observer with its constants. Its state is the filtered momentum balance y in N m, zero for a motor at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MomentumObserver<F> {
     pole_times_inertia: F,
     alpha_per_period: F,
     friction_nm_s_rad: F,
     coulomb_nm: F,
-}
-
-/// State of the observer: its filtered momentum balance y in N m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MomentumObserverState<F> {
-    balance_nm: F,
-}
-
-impl<F: Real> MomentumObserverState<F> {
-    /// The state for a motor at rest.
-    pub fn at_rest() -> Self {
-        Self { balance_nm: F::ZERO }
-    }
 }
 
 impl<F: Real> MomentumObserver<F> {
@@ -47,24 +34,19 @@ impl<F: Real> MomentumObserver<F> {
     }
 
     /// The observed transmitted torque C_obs in N m, with dry friction from the velocity.
-    pub fn step(&self, state: &mut MomentumObserverState<F>, measurement: &Measurement<F>) -> F {
+    pub fn step(&self, balance_nm: &mut F, measurement: &Measurement<F>) -> F {
         let turnover = measurement.motor_velocity_rad_s / F::from_f64(COULOMB_WIDTH_RAD_S);
-        self.step_against(state, measurement, self.coulomb_nm * turnover.tanh())
+        self.step_against(balance_nm, measurement, self.coulomb_nm * turnover.tanh())
     }
 
     /// The observed transmitted torque C_obs in N m, with a dry friction in N m from the caller.
-    pub fn step_against(
-        &self,
-        state: &mut MomentumObserverState<F>,
-        measurement: &Measurement<F>,
-        coulomb_nm: F,
-    ) -> F {
+    pub fn step_against(&self, balance_nm: &mut F, measurement: &Measurement<F>, coulomb_nm: F) -> F {
         let velocity = measurement.motor_velocity_rad_s;
         let friction = self.friction_nm_s_rad * velocity + coulomb_nm;
         let momentum = self.pole_times_inertia * velocity;
-        let before = state.balance_nm - momentum;
-        state.balance_nm += self.alpha_per_period * (measurement.applied_torque_nm - friction - before);
-        state.balance_nm - momentum
+        let before = *balance_nm - momentum;
+        *balance_nm += self.alpha_per_period * (measurement.applied_torque_nm - friction - before);
+        *balance_nm - momentum
     }
 }
 
@@ -79,7 +61,7 @@ mod tests {
     #[test]
     fn blocked_motor_transmits_the_applied_torque_after_the_lag() {
         let observer = MomentumObserver::new(&NominalModel::paper(), 60.0, 1e-3);
-        let mut state = MomentumObserverState::at_rest();
+        let mut state = 0.0;
         let observed = (0..50).map(|_| observer.step(&mut state, &at_velocity(0.0, 2.0))).last();
         // 50 ms at 60 rad/s is three time constants, and the lag is exact for a held torque.
         let want = 2.0 * (1.0 - (-3.0_f64).exp());
@@ -90,7 +72,7 @@ mod tests {
     fn free_motor_under_torque_transmits_none() {
         let model = NominalModel { motor_friction_nm_s_rad: 0.0, ..NominalModel::paper() };
         let observer = MomentumObserver::new(&model, 60.0, 1e-3);
-        let mut state = MomentumObserverState::at_rest();
+        let mut state = 0.0;
         let mut observed = 0.0;
         for k in 1..=500 {
             // Constant torque: the velocity is a ramp.
@@ -105,7 +87,7 @@ mod tests {
         let model =
             NominalModel { motor_coulomb_nm: 0.02, motor_friction_nm_s_rad: 0.0, ..NominalModel::paper() };
         let observer = MomentumObserver::new(&model, 60.0, 1e-3);
-        let mut state = MomentumObserverState::at_rest();
+        let mut state = 0.0;
         // The initial momentum decays with the lag within a second.
         let observed = (0..1000).map(|_| observer.step(&mut state, &at_velocity(5.0, 0.02))).last();
         assert!(observed.expect("stepped").abs() < 1e-12, "have {observed:?}");

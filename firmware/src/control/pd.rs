@@ -5,7 +5,7 @@
 
 use crate::control::cascade::{Cascade, CascadeGains, Compensation};
 use crate::control::nominal_model::NominalModel;
-use crate::control::{ControlOutput, Controller, Measurement, Real};
+use crate::control::{ControlOutput, Measurement, Real};
 
 /// The two loops alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,14 +19,9 @@ impl<F: Real> Pd<F> {
     pub fn new(model: &NominalModel<F>, gains: CascadeGains<F>) -> Self {
         Self { cascade: Cascade::new(model, gains), nominal_dead_zone_rad: model.dead_zone_rad }
     }
-}
 
-impl<F: Real> Controller<F> for Pd<F> {
-    type State = ();
-
-    fn initial_state(&self) -> Self::State {}
-
-    fn step(&self, (): &mut Self::State, measurement: &Measurement<F>) -> ControlOutput<F> {
+    /// The torque for one sample, before the drive's limit.
+    pub fn step(&self, measurement: &Measurement<F>) -> ControlOutput<F> {
         let none = Compensation {
             dead_zone_estimate_rad: self.nominal_dead_zone_rad,
             disturbing_torque_nm: F::ZERO,

@@ -17,8 +17,6 @@ pub trait Real: Copy + PartialOrd + Field + Scalar {
 
     /// The nearest value of this type.
     fn from_f64(value: f64) -> Self;
-    /// The value itself or the nearest of this type.
-    fn from_f32(value: f32) -> Self;
     /// The nearest value of this type. Encoder arithmetic is exact up to this conversion.
     fn from_i64(value: i64) -> Self;
     /// The integer part, saturated at the ends of the range; zero for NaN.
@@ -32,8 +30,6 @@ pub trait Real: Copy + PartialOrd + Field + Scalar {
     fn exp_m1(self) -> Self;
     /// Magnitude.
     fn abs(self) -> Self;
-    /// Neither infinite nor NaN.
-    fn is_finite(self) -> bool;
 
     /// The value clamped to `low..=high`. NaN stays NaN: the drive rejects a torque that is not finite.
     fn clamp(self, low: Self, high: Self) -> Self {
@@ -58,71 +54,39 @@ pub trait Real: Copy + PartialOrd + Field + Scalar {
     }
 }
 
-impl Real for f32 {
-    const ZERO: Self = 0.0;
-    const ONE: Self = 1.0;
+macro_rules! real {
+    ($float:ident, $tanh:path, $exp_m1:path, $abs:path) => {
+        impl Real for $float {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
 
-    fn from_f64(value: f64) -> Self {
-        value as Self
-    }
-    fn from_f32(value: f32) -> Self {
-        value
-    }
-    fn from_i64(value: i64) -> Self {
-        value as Self
-    }
-    fn whole(self) -> i64 {
-        self as i64
-    }
-    fn to_f64(self) -> f64 {
-        f64::from(self)
-    }
-    fn tanh(self) -> Self {
-        libm::tanhf(self)
-    }
-    fn exp_m1(self) -> Self {
-        libm::expm1f(self)
-    }
-    fn abs(self) -> Self {
-        libm::fabsf(self)
-    }
-    fn is_finite(self) -> bool {
-        Self::is_finite(self)
-    }
+            fn from_f64(value: f64) -> Self {
+                value as Self
+            }
+            fn from_i64(value: i64) -> Self {
+                value as Self
+            }
+            fn whole(self) -> i64 {
+                self as i64
+            }
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            fn tanh(self) -> Self {
+                $tanh(self)
+            }
+            fn exp_m1(self) -> Self {
+                $exp_m1(self)
+            }
+            fn abs(self) -> Self {
+                $abs(self)
+            }
+        }
+    };
 }
 
-impl Real for f64 {
-    const ZERO: Self = 0.0;
-    const ONE: Self = 1.0;
-
-    fn from_f64(value: f64) -> Self {
-        value
-    }
-    fn from_f32(value: f32) -> Self {
-        Self::from(value)
-    }
-    fn from_i64(value: i64) -> Self {
-        value as Self
-    }
-    fn whole(self) -> i64 {
-        self as i64
-    }
-    fn to_f64(self) -> f64 {
-        self
-    }
-    fn tanh(self) -> Self {
-        libm::tanh(self)
-    }
-    fn exp_m1(self) -> Self {
-        libm::expm1(self)
-    }
-    fn abs(self) -> Self {
-        libm::fabs(self)
-    }
-    fn is_finite(self) -> bool {
-        Self::is_finite(self)
-    }
-}
+real!(f32, libm::tanhf, libm::expm1f, libm::fabsf);
+real!(f64, libm::tanh, libm::expm1, libm::fabs);
 
 /// Gain alpha of a first-order lag of `rate` (1/s) over `time` (s) with a held input: `1 - e^(-rate time)`.
 pub(crate) fn alpha<F: Real>(rate: F, time: F) -> F {

@@ -115,9 +115,9 @@ impl<F: Real> Sensing<F> {
         let rest = self.ratio_rest * F::from_i64(load_half_counts);
         Measurement {
             motor_position_rad: self.motor.angle_rad(F::from_i64(motor_half_counts)),
-            motor_velocity_rad_s: now.motor.velocity_rad_s(),
+            motor_velocity_rad_s: now.motor.velocity_rad_s,
             load_position_rad: self.load.angle_rad(F::from_i64(load_half_counts)),
-            load_velocity_rad_s: now.load.velocity_rad_s(),
+            load_velocity_rad_s: now.load.velocity_rad_s,
             twist_rad: self.motor.angle_rad(F::from_i64(whole) - rest),
             reference_position_rad: sample.reference_rad,
             reference_velocity_rad_s: rates.0,

@@ -8,19 +8,13 @@ pub trait Clock {
     fn now(&self) -> Duration;
 }
 
-/// A clock that moves only when its owner sets or advances it.
+/// A clock that moves only when its owner sets or advances it. By default it is at zero, the instant of boot.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ManualClock {
     now: Duration,
 }
 
 impl ManualClock {
-    /// A clock at zero, the instant of boot.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { now: Duration::ZERO }
-    }
-
     /// Sets the time since boot. [`Clock`] is monotonic: an earlier time leaves the clock unchanged.
     pub fn set(&mut self, now: Duration) {
         self.now = self.now.max(now);
@@ -44,7 +38,7 @@ mod tests {
 
     #[test]
     fn manual_clock_moves_forward_only() {
-        let mut clock = ManualClock::new();
+        let mut clock = ManualClock::default();
         clock.advance(Duration::from_millis(3));
         clock.set(Duration::from_millis(5));
         clock.set(Duration::from_millis(4));

@@ -11,21 +11,19 @@ use crate::control::cascade::CascadeGains;
 use crate::control::dead_zone_observer::DeadZoneObserver;
 use crate::control::law::Law;
 use crate::control::merzouki::{self, Merzouki};
-use crate::control::merzouki_as_printed::MerzoukiAsPrinted;
+use crate::control::momentum_observer::MomentumObserver;
 use crate::control::nominal_model::NominalModel;
 use crate::control::pd::Pd;
 use crate::control::sensing::{EncoderConfig, SensingConfig};
 
 pub(super) fn sensing_config(parameters: &Parameters, period_s: f32) -> SensingConfig<f32> {
+    let encoder = |counts_per_revolution, velocity_bandwidth_rad_s| EncoderConfig {
+        counts_per_revolution,
+        velocity_bandwidth_rad_s,
+    };
     SensingConfig {
-        motor: EncoderConfig {
-            counts_per_revolution: parameters.motor_counts_per_rev,
-            velocity_bandwidth_rad_s: parameters.motor_filter_rad_s,
-        },
-        load: EncoderConfig {
-            counts_per_revolution: parameters.load_counts_per_rev,
-            velocity_bandwidth_rad_s: parameters.load_filter_rad_s,
-        },
+        motor: encoder(parameters.motor_counts_per_rev, parameters.motor_filter_rad_s),
+        load: encoder(parameters.load_counts_per_rev, parameters.load_filter_rad_s),
         ratio: parameters.reduction_ratio,
         period_s,
     }
@@ -55,13 +53,14 @@ pub(super) fn law(parameters: &Parameters, period_s: f32) -> Result<Law<f32>, Pa
         initial_rad: parameters.dead_zone_initial_rad,
         max_rad: parameters.dead_zone_max_rad,
     };
+    let merzouki = |source| Merzouki::new(&model, gains, observer, source, period_s).map(Law::Merzouki);
     Ok(match choice("controller", parameters.controller, ControllerId::ALL)? {
-        ControllerId::Pd => Pd::new(&model, gains).into(),
-        ControllerId::MerzoukiAsPrinted => MerzoukiAsPrinted::new(&model, gains, observer, period_s)?.into(),
-        ControllerId::Merzouki => {
-            Merzouki::new(&model, gains, observer, source(parameters)?, period_s)?.into()
+        ControllerId::Pd => Law::Pd(Pd::new(&model, gains)),
+        ControllerId::Merzouki => merzouki(source(parameters, &model, period_s)?)?,
+        ControllerId::MerzoukiAsPrinted => merzouki(merzouki::DisturbingTorqueSource::AsPrinted)?,
+        ControllerId::BacklashInverse => {
+            Law::BacklashInverse(backlash_inverse(parameters, &model, period_s)?)
         }
-        ControllerId::BacklashInverse => backlash_inverse(parameters, &model, period_s)?.into(),
     })
 }
 
@@ -96,13 +95,17 @@ fn backlash_inverse(
     BacklashInverse::new(model, gains, setting)
 }
 
-fn source(parameters: &Parameters) -> Result<merzouki::DisturbingTorqueSource<f32>, ParameterError> {
+fn source(
+    parameters: &Parameters,
+    model: &NominalModel<f32>,
+    period_s: f32,
+) -> Result<merzouki::DisturbingTorqueSource<f32>, ParameterError> {
     let source = parameters.disturbing_torque_source;
     Ok(match choice("disturbing_torque_source", source, DisturbingTorqueSource::ALL)? {
         DisturbingTorqueSource::Model => merzouki::DisturbingTorqueSource::NominalModel,
-        DisturbingTorqueSource::Observed => {
-            merzouki::DisturbingTorqueSource::Observed { pole_rad_s: parameters.momentum_observer_rad_s }
-        }
+        DisturbingTorqueSource::Observed => merzouki::DisturbingTorqueSource::Observed(
+            MomentumObserver::new(model, parameters.momentum_observer_rad_s, period_s),
+        ),
     })
 }
 

@@ -57,18 +57,12 @@ impl Lifecycle {
     }
 
     pub(super) fn run(&self) -> Option<&Run> {
-        match self {
-            Self::Running { run, .. } => Some(run),
-            Self::Boot | Self::Idle { .. } | Self::Armed { .. } | Self::Faulted { .. } => None,
-        }
+        if let Self::Running { run, .. } = self { Some(run) } else { None }
     }
 
     /// The latched fault.
     pub(super) fn fault(&self) -> Option<FaultReport> {
-        match self {
-            Self::Faulted { report, .. } => Some(*report),
-            Self::Boot | Self::Idle { .. } | Self::Armed { .. } | Self::Running { .. } => None,
-        }
+        if let Self::Faulted { report, .. } = self { Some(*report) } else { None }
     }
 
     pub(super) fn check_watchdog(&self, now: Duration) -> Result<(), Violation> {
@@ -77,13 +71,10 @@ impl Lifecycle {
 
     /// Opens a session. Another one than the present disarms the drive; a latched fault stays.
     pub(super) fn open_session(&mut self, session: u32) {
-        match self {
-            Self::Faulted { session: present, .. } => *present = Some(session),
-            Self::Boot | Self::Idle { .. } | Self::Armed { .. } | Self::Running { .. } => {
-                if self.session() != Some(session) {
-                    *self = Self::Idle { session };
-                }
-            }
+        if let Self::Faulted { session: present, .. } = self {
+            *present = Some(session);
+        } else if self.session() != Some(session) {
+            *self = Self::Idle { session };
         }
     }
 
@@ -112,11 +103,8 @@ impl Lifecycle {
     }
 
     pub(super) fn latch(&mut self, report: FaultReport) {
-        match self {
-            Self::Faulted { .. } => {}
-            Self::Boot | Self::Idle { .. } | Self::Armed { .. } | Self::Running { .. } => {
-                *self = Self::Faulted { session: self.session(), report };
-            }
+        if self.fault().is_none() {
+            *self = Self::Faulted { session: self.session(), report };
         }
     }
 

@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use lashloop_protocol::enums::{LogLevel, Outcome, State, TorqueFlags};
+use lashloop_protocol::enums::{FaultCode, LogLevel, Outcome, State, TorqueFlags};
 use lashloop_protocol::message::{self, CommandResult, EncoderSample, FaultReport, Hello};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{Counters, Decoder, HostMessage, PROTOCOL_VERSION};
@@ -119,47 +119,41 @@ impl Drive {
 
     fn handle(&mut self, message: &HostMessage, clock: &impl Clock) {
         let state = self.state();
-        match message {
-            HostMessage::EncoderSample(sample) => self.answer_sample(sample, clock),
-            HostMessage::Hello(hello) => self.answer_hello(hello),
+        let (request, outcome) = match message {
+            HostMessage::EncoderSample(sample) => return self.answer_sample(sample, clock),
+            HostMessage::Hello(hello) => return self.answer_hello(hello),
             HostMessage::DescribeParameter(request) => {
-                self.output.send(parameter_requests::describe(request.index, state));
+                return self.output.send(parameter_requests::describe(request.index, state));
             }
             HostMessage::GetParameter(request) => {
-                self.output.send(parameter_requests::get(request.index, &self.parameters, state));
+                return self.output.send(parameter_requests::get(request.index, &self.parameters, state));
             }
             HostMessage::SetParameter(request) => {
-                self.output.send(parameter_requests::set(request, &mut self.parameters, state));
+                return self.output.send(parameter_requests::set(request, &mut self.parameters, state));
             }
-            HostMessage::Arm(request) => {
-                let outcome = self.arm(request.session);
-                self.send_result::<message::Arm>(outcome);
-            }
+            HostMessage::Arm(request) => (message::Arm::LAYOUT.kind, self.arm(request.session)),
             HostMessage::Start(request) => {
-                let outcome = self.start(request.session, clock.now());
-                self.send_result::<message::Start>(outcome);
+                (message::Start::LAYOUT.kind, self.start(request.session, clock.now()))
             }
             HostMessage::Stop(_) => {
-                let outcome = self.lifecycle.stop();
                 self.output.send(self.line_counts.report(self.decoder.counters()));
-                self.send_result::<message::Stop>(outcome);
+                (message::Stop::LAYOUT.kind, self.lifecycle.stop())
             }
             HostMessage::EmergencyStop(_) => {
-                let fault = self.latch(Violation::EMERGENCY_STOP);
+                let code = FaultCode::EmergencyStop;
+                let fault = self.latch(Violation { code, value: 0.0, limit: 0.0 });
                 self.output.send(fault);
-                self.send_result::<message::EmergencyStop>(Outcome::Accepted);
+                (message::EmergencyStop::LAYOUT.kind, Outcome::Accepted)
             }
-            HostMessage::ClearFault(_) => {
-                let outcome = self.lifecycle.clear_fault();
-                self.send_result::<message::ClearFault>(outcome);
-            }
+            HostMessage::ClearFault(_) => (message::ClearFault::LAYOUT.kind, self.lifecycle.clear_fault()),
             HostMessage::Reset(_) => {
                 self.lifecycle = Lifecycle::Boot;
                 self.parameters = Parameters::default();
                 self.last_sequence = 0;
-                self.send_result::<message::Reset>(Outcome::Accepted);
+                (message::Reset::LAYOUT.kind, Outcome::Accepted)
             }
-        }
+        };
+        self.send_result(request, outcome);
     }
 
     fn answer_hello(&mut self, hello: &Hello) {
@@ -173,7 +167,7 @@ impl Drive {
             self.output.send(fault);
         }
         if !same_version {
-            self.send_result::<Hello>(Outcome::VersionMismatch);
+            self.send_result(Hello::LAYOUT.kind, Outcome::VersionMismatch);
         }
     }
 
@@ -214,7 +208,7 @@ impl Drive {
         // precedes the fault report.
         let late = self.lifecycle.check_watchdog(arrived).err().map(|violation| self.latch(violation));
         match &mut self.lifecycle {
-            Lifecycle::Boot => self.send_result::<EncoderSample>(Outcome::WrongState),
+            Lifecycle::Boot => self.send_result(EncoderSample::LAYOUT.kind, Outcome::WrongState),
             Lifecycle::Idle { .. } | Lifecycle::Armed { .. } | Lifecycle::Faulted { .. } => {
                 self.send_zero_torque(sample.sequence, TorqueFlags::empty(), arrived, clock);
             }
@@ -228,7 +222,7 @@ impl Drive {
                     }
                 }
                 Reply::Repeated(answer) => self.output.send(answer),
-                Reply::OutOfSequence => self.send_result::<EncoderSample>(Outcome::OutOfSequence),
+                Reply::OutOfSequence => self.send_result(EncoderSample::LAYOUT.kind, Outcome::OutOfSequence),
                 Reply::Violation(violation, flags) => {
                     self.last_sequence = sample.sequence;
                     let fault = self.latch(violation);
@@ -255,8 +249,8 @@ impl Drive {
         self.output.send(torque_answer(sequence, 0.0, self.state(), flags, elapsed));
     }
 
-    /// Sends the result of a request that has no answer of its own.
-    fn send_result<Request: Payload>(&mut self, outcome: Outcome) {
-        self.output.send(CommandResult { request: Request::LAYOUT.kind, outcome, state: self.state() });
+    /// Sends the result of a request of this kind, which has no answer of its own.
+    fn send_result(&mut self, request: u8, outcome: Outcome) {
+        self.output.send(CommandResult { request, outcome, state: self.state() });
     }
 }

@@ -33,17 +33,6 @@ pub(super) enum Reply {
     Violation(Violation, TorqueFlags),
 }
 
-/// Where a sample belongs in the sequence of the run.
-enum SequencePlace {
-    /// New, this many periods after the last one; the first sample counts as one period.
-    New {
-        periods: u32,
-    },
-    /// The last one again, with the answer it got.
-    Repeated(TorqueAnswer),
-    OutOfSequence,
-}
-
 impl Run {
     pub(super) fn new(control: ControlLoop, parameters: &Parameters, now: Duration) -> Self {
         Self { control, limits: Limits::new(parameters), last_sample_at: now, last_answer: None }
@@ -65,10 +54,9 @@ impl Run {
 
     /// Answers a sample; a new one makes a control step and restarts the watchdog.
     pub(super) fn answer(&mut self, sample: &EncoderSample, arrived: Duration, clock: &impl Clock) -> Reply {
-        let periods = match self.place(sample.sequence) {
-            SequencePlace::New { periods } => periods,
-            SequencePlace::Repeated(answer) => return Reply::Repeated(repeated(answer)),
-            SequencePlace::OutOfSequence => return Reply::OutOfSequence,
+        let periods = match self.periods_since_last(sample.sequence) {
+            Ok(periods) => periods,
+            Err(reply) => return reply,
         };
         self.last_sample_at = arrived;
         let mut flags = TorqueFlags::empty();
@@ -85,14 +73,15 @@ impl Run {
         }
     }
 
-    fn place(&self, sequence: u16) -> SequencePlace {
+    /// Periods from the last sample to this one, 1 for the first sample; the reply to a sample that isn't new.
+    fn periods_since_last(&self, sequence: u16) -> Result<u32, Reply> {
         match self.last_answer {
-            None if sequence == 0 => SequencePlace::New { periods: 1 },
-            None => SequencePlace::OutOfSequence,
+            None if sequence == 0 => Ok(1),
+            None => Err(Reply::OutOfSequence),
             Some(answer) => match sequence.wrapping_sub(answer.sequence) {
-                0 => SequencePlace::Repeated(answer),
-                gap if gap <= self.control.longest_gap() => SequencePlace::New { periods: gap.into() },
-                _ => SequencePlace::OutOfSequence,
+                0 => Err(Reply::Repeated(repeated(answer))),
+                gap if gap <= self.control.longest_gap() => Ok(gap.into()),
+                _ => Err(Reply::OutOfSequence),
             },
         }
     }

@@ -26,10 +26,6 @@ pub(super) struct Violation {
     pub(super) limit: f32,
 }
 
-impl Violation {
-    pub(super) const EMERGENCY_STOP: Self = Self { code: FaultCode::EmergencyStop, value: 0.0, limit: 0.0 };
-}
-
 /// Limits of one run, fixed at its start.
 pub(super) struct Limits {
     torque_nm: f32,

@@ -19,7 +19,7 @@ pub struct Host {
 
 impl Host {
     pub fn new() -> Self {
-        Self { drive: Drive::new("test"), clock: ManualClock::new() }
+        Self { drive: Drive::new("test"), clock: ManualClock::default() }
     }
 
     /// A host of a disarmed drive in a session.

@@ -191,7 +191,7 @@ fn answers(line: &[u8], piece_lens: &[usize]) -> Vec<u8> {
         if rest.is_empty() {
             break;
         }
-        let used = drive.receive(&rest[..len.min(rest.len())], &ManualClock::new());
+        let used = drive.receive(&rest[..len.min(rest.len())], &ManualClock::default());
         rest = &rest[used..];
         sent.extend_from_slice(drive.output());
         drive.clear_output();

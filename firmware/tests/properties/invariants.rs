@@ -50,7 +50,7 @@ impl CheckedDrive {
     pub fn new() -> Self {
         Self {
             drive: Drive::new("checked"),
-            clock: ManualClock::new(),
+            clock: ManualClock::default(),
             decoder: Decoder::new(),
             checked_bytes: 0,
             torque_limit_nm: Parameters::default().torque_limit_nm,

@@ -66,17 +66,6 @@ impl HardCoulomb {
         }
     }
 
-    fn contact(&self, x: &Vector6<f64>) -> Contact {
-        let twist = self.mechanics.twist_rad(x);
-        if twist > self.mechanics.dead_zone_rad {
-            Contact::Positive
-        } else if twist < -self.mechanics.dead_zone_rad {
-            Contact::Negative
-        } else {
-            Contact::Gap
-        }
-    }
-
     /// Friction of a load at rest.
     fn friction_at_rest(&self, x: &Vector6<f64>, contact: Contact) -> DryFriction {
         DryFriction::at_rest(self.drive_nm(x, contact), [self.load_coulomb_nm; 2])
@@ -120,13 +109,7 @@ impl HybridSystem for HardCoulomb {
         runge_kutta(x, h_s, &|x: &Vector6<f64>, _| self.rates(x, mode, torque_nm))
     }
 
-    fn guard(
-        &self,
-        guard: HardCoulombGuard,
-        x: &Vector6<f64>,
-        mode: HardCoulombMode,
-        _torque_nm: f64,
-    ) -> f64 {
+    fn guard(&self, guard: HardCoulombGuard, x: &Vector6<f64>, mode: HardCoulombMode) -> f64 {
         let twist = self.mechanics.twist_rad(x);
         let half_gap = self.mechanics.dead_zone_rad;
         match (guard, mode.contact) {
@@ -136,11 +119,10 @@ impl HybridSystem for HardCoulomb {
             (HardCoulombGuard::Flank(Flank::Upper), Contact::Positive) => twist - half_gap,
             // From one flank the other is reached through the gap only.
             (HardCoulombGuard::Flank(_), Contact::Negative | Contact::Positive) => half_gap,
-            (HardCoulombGuard::LoadFriction, contact) => match mode.load_friction {
-                DryFriction::SlipPositive => x[LOAD_VELOCITY],
-                DryFriction::SlipNegative => -x[LOAD_VELOCITY],
-                DryFriction::Stick => self.load_coulomb_nm - libm::fabs(self.drive_nm(x, contact)),
-            },
+            (HardCoulombGuard::LoadFriction, contact) => {
+                let limits_nm = [self.load_coulomb_nm; 2];
+                mode.load_friction.guard(x[LOAD_VELOCITY], self.drive_nm(x, contact), limits_nm)
+            }
         }
     }
 
@@ -149,7 +131,6 @@ impl HybridSystem for HardCoulomb {
         guard: HardCoulombGuard,
         x: &mut Vector6<f64>,
         mode: HardCoulombMode,
-        _torque_nm: f64,
     ) -> HardCoulombMode {
         match guard {
             HardCoulombGuard::LoadFriction => {
@@ -191,7 +172,7 @@ impl Plant for HardCoulomb {
 
     fn initial_state(&self, start: Start) -> HardCoulombState {
         let x = start.coordinates();
-        let contact = self.contact(&x);
+        let contact = Contact::outside(self.mechanics.twist_rad(&x), self.mechanics.dead_zone_rad);
         let load_friction =
             DryFriction::released(x[LOAD_VELOCITY], self.drive_nm(&x, contact), [self.load_coulomb_nm; 2]);
         HardCoulombState { x, mode: HardCoulombMode { contact, load_friction }, torque_nm: 0.0 }

@@ -12,6 +12,17 @@ pub enum Contact {
 }
 
 impl Contact {
+    /// The side on which `value` lies outside `-half_width..=half_width`.
+    pub(crate) fn outside(value: f64, half_width: f64) -> Self {
+        if value > half_width {
+            Self::Positive
+        } else if value < -half_width {
+            Self::Negative
+        } else {
+            Self::Gap
+        }
+    }
+
     /// -1, 0 or +1.
     pub fn sign(self) -> f64 {
         match self {
@@ -70,6 +81,19 @@ impl DryFriction {
             Self::SlipNegative
         } else {
             Self::Stick
+        }
+    }
+
+    /// Guard of this state, with the limits of [`DryFriction::at_rest`]: not negative while the state holds.
+    #[inline]
+    pub(crate) fn guard(self, velocity_rad_s: f64, drive_nm: f64, limits_nm: [f64; 2]) -> f64 {
+        match self {
+            Self::SlipPositive => velocity_rad_s,
+            Self::SlipNegative => -velocity_rad_s,
+            Self::Stick => {
+                let [negative_nm, positive_nm] = limits_nm;
+                if drive_nm < 0.0 { negative_nm + drive_nm } else { positive_nm - drive_nm }
+            }
         }
     }
 

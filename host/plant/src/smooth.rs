@@ -73,11 +73,11 @@ impl HybridSystem for Smooth {
         })
     }
 
-    fn guard(&self, guard: Infallible, _x: &Vector6<f64>, (): (), _torque_nm: f64) -> f64 {
+    fn guard(&self, guard: Infallible, _x: &Vector6<f64>, (): ()) -> f64 {
         match guard {}
     }
 
-    fn switch(&self, guard: Infallible, _x: &mut Vector6<f64>, (): (), _torque_nm: f64) {
+    fn switch(&self, guard: Infallible, _x: &mut Vector6<f64>, (): ()) {
         match guard {}
     }
 
@@ -110,13 +110,7 @@ impl Plant for Smooth {
         let ln_cosh = u + libm::log1p(libm::exp(-2.0 * u)) - core::f64::consts::LN_2;
         let elastic =
             self.mechanics.stiffness_nm_rad * (0.5 * twist * twist - half_width * half_width * ln_cosh);
-        let contact = if transmitted > 0.0 {
-            Contact::Positive
-        } else if transmitted < 0.0 {
-            Contact::Negative
-        } else {
-            Contact::Gap
-        };
+        let contact = Contact::outside(transmitted, 0.0);
         self.mechanics.truth(&state.x, state.torque_nm, transmitted, elastic, contact)
     }
 }

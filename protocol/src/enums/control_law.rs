@@ -20,20 +20,15 @@ wire_enum! {
 }
 
 impl ControllerId {
-    /// The law with this name, former names included; `None` for any other text.
+    /// The law with this name, former names included; `None` for any other text. Scenarios may use former names until
+    /// release 1.0.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.iter().copied().find(|law| law.name() == name).or_else(|| Self::from_former_name(name))
-    }
-
-    /// The law with this former name. Scenarios may use former names until release 1.0.
-    #[must_use]
-    pub fn from_former_name(name: &str) -> Option<Self> {
         match name {
             "faithful" => Some(Self::Merzouki),
             "literal" => Some(Self::MerzoukiAsPrinted),
             "compensating" => Some(Self::BacklashInverse),
-            _ => None,
+            _ => Self::ALL.iter().copied().find(|law| law.name() == name),
         }
     }
 }

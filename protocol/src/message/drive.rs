@@ -15,9 +15,12 @@
 use crate::enums::{Controllers, FaultCode, LogLevel, Outcome, ParameterValue, State, TorqueStatus, Version};
 use crate::text::Text;
 
-payload! {
+messages! {
+    /// A message of the drive.
+    pub enum DriveMessage: DriveToHost, in every period TorqueAnswer;
+
     /// Identity of the drive. Same layout in every protocol version.
-    0x81 DriveToHost Identity {
+    0x81 Identity {
         /// Protocol version of the drive.
         protocol_version: u8,
         /// Session of the `Hello` that this message answers.
@@ -41,11 +44,9 @@ payload! {
         /// Number of parameters.
         parameter_count: u8,
     }
-}
 
-payload! {
     /// Name, unit, type and range of a parameter.
-    0x82 DriveToHost ParameterDescription {
+    0x82 ParameterDescription {
         /// Index of the parameter.
         index: u8,
         /// 1 if the parameter may be set while running, else 0.
@@ -61,11 +62,9 @@ payload! {
         /// Unit as text; empty for a pure number.
         unit: Text<10>,
     }
-}
 
-payload! {
     /// The value of a parameter after a get or a set.
-    0x83 DriveToHost ParameterReport {
+    0x83 ParameterReport {
         /// Index of the parameter.
         index: u8,
         /// Outcome of the request; unless accepted, `value` is unchanged.
@@ -75,11 +74,9 @@ payload! {
         /// State of the drive.
         state: State,
     }
-}
 
-payload! {
     /// Outcome of a request that has no answer of its own.
-    0x85 DriveToHost CommandResult {
+    0x85 CommandResult {
         /// Kind byte of the request.
         request: u8,
         /// Outcome of the request.
@@ -87,11 +84,9 @@ payload! {
         /// State after the request.
         state: State,
     }
-}
 
-payload! {
     /// The torque for one sample.
-    0x90 DriveToHost TorqueAnswer {
+    0x90 TorqueAnswer {
         /// Sequence of the sample that this message answers.
         sequence: u16,
         /// Torque to hold until the next answer, in N m; zero unless running.
@@ -101,11 +96,9 @@ payload! {
         /// Time from the arrival of the sample to this answer, in 0.1 us; saturates.
         compute_tenths_us: u16,
     }
-}
 
-payload! {
     /// Signals of the control law.
-    0x91 DriveToHost Telemetry {
+    0x91 Telemetry {
         /// Sequence of the sample that these signals belong to.
         sequence: u16,
         /// Estimate of the dead-zone amplitude used in this step's torque, in rad.
@@ -121,11 +114,9 @@ payload! {
         /// Torque of the control law before the torque limit, in N m.
         requested_torque_nm: f32,
     }
-}
 
-payload! {
     /// The latched fault.
-    0x92 DriveToHost FaultReport {
+    0x92 FaultReport {
         /// Cause.
         code: FaultCode,
         /// Sequence of the last sample taken.
@@ -137,21 +128,17 @@ payload! {
         /// Further detail, as defined by the code.
         detail: u32,
     }
-}
 
-payload! {
     /// A log text of the firmware.
-    0x93 DriveToHost Log {
+    0x93 Log {
         /// Severity.
         level: LogLevel,
         /// Text, without a line end.
         text: Text<52>,
     }
-}
 
-payload! {
     /// Receive statistics of the drive since the start of the run.
-    0x94 DriveToHost LineReport {
+    0x94 LineReport {
         /// Messages received.
         messages: u32,
         /// Damaged frames.
@@ -161,20 +148,4 @@ payload! {
         /// Bytes lost in the receiver before framing.
         overruns: u32,
     }
-}
-
-direction! {
-    /// A message of the drive.
-    pub enum DriveMessage {
-        Identity,
-        ParameterDescription,
-        ParameterReport,
-        CommandResult,
-        TorqueAnswer,
-        Telemetry,
-        FaultReport,
-        Log,
-        LineReport,
-    }
-    in every period TorqueAnswer
 }

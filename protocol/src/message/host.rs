@@ -17,82 +17,65 @@
 use crate::counts::EncoderCounts;
 use crate::enums::ParameterValue;
 
-payload! {
+messages! {
+    /// A message of the host.
+    pub enum HostMessage: HostToDrive, in every period EncoderSample;
+
     /// Opens a session. A new session number makes the drive disarm and enter `Idle`; the number of the open session
     /// changes nothing and requests the identity only.
-    0x01 HostToDrive Hello {
+    0x01 Hello {
         /// Protocol version of the host.
         protocol_version: u8,
         /// Number of the session, chosen by the host. It distinguishes the answers from those to an earlier host.
         session: u32,
     }
-}
 
-payload! {
     /// Requests name, unit, type and range of a parameter.
-    0x02 HostToDrive DescribeParameter {
+    0x02 DescribeParameter {
         /// Index, from 0 to the parameter count in `Identity`, exclusive.
         index: u8,
     }
-}
 
-payload! {
     /// Requests the value in force.
-    0x03 HostToDrive GetParameter {
+    0x03 GetParameter {
         /// Index of the parameter.
         index: u8,
     }
-}
 
-payload! {
     /// Sets a parameter; the answer reads back the value then in force.
-    0x04 HostToDrive SetParameter {
+    0x04 SetParameter {
         /// Index of the parameter.
         index: u8,
         /// The new value, of the parameter's own type.
         value: ParameterValue,
     }
-}
 
-payload! {
     /// Arms the drive: the next `Start` of this session enables torque.
-    0x05 HostToDrive Arm {
+    0x05 Arm {
         /// Session opened by `Hello`, so that a stale frame of an earlier host can't arm the drive.
         session: u32,
     }
-}
 
-payload! {
     /// Starts the control law from its initial state. The next sample must carry sequence 0.
-    0x06 HostToDrive Start {
+    0x06 Start {
         /// Session opened by `Hello`.
         session: u32,
     }
-}
 
-payload! {
     /// Ends the run: torque zero, `Idle`.
-    0x07 HostToDrive Stop {}
-}
+    0x07 Stop {}
 
-payload! {
     /// Torque zero at once; the drive latches a fault.
-    0x08 HostToDrive EmergencyStop {}
-}
+    0x08 EmergencyStop {}
 
-payload! {
     /// Clears the latched fault; the drive returns to `Idle`.
-    0x09 HostToDrive ClearFault {}
-}
+    0x09 ClearFault {}
 
-payload! {
     /// Returns the drive to `Boot` with default parameters, as after power-up. Same layout in every protocol version.
-    0x0a HostToDrive Reset {}
-}
+    0x0a Reset {}
 
-payload! {
     /// Readings of the two encoders at the start of a control period.
-    0x10 HostToDrive EncoderSample {
+    0x10 EncoderSample {
         /// Number of the control period since the start, from 0; wraps around.
         sequence: u16,
         /// Motor encoder, in counts; wraps around.
@@ -102,22 +85,4 @@ payload! {
         /// Reference position of the load, in rad.
         reference_rad: f32,
     }
-}
-
-direction! {
-    /// A message of the host.
-    pub enum HostMessage {
-        Hello,
-        DescribeParameter,
-        GetParameter,
-        SetParameter,
-        Arm,
-        Start,
-        Stop,
-        EmergencyStop,
-        ClearFault,
-        Reset,
-        EncoderSample,
-    }
-    in every period EncoderSample
 }

@@ -72,7 +72,8 @@ impl DriveTrain {
             torque_limit_nm: F::from_f64(self.torque_limit_nm),
             period_s: F::from_f64(1e-3),
         };
-        BacklashInverse::new(&model, BacklashInverseGains::paper(), setting).expect("valid law").into()
+        let law = BacklashInverse::new(&model, BacklashInverseGains::paper(), setting);
+        Law::BacklashInverse(law.expect("valid law"))
     }
 
     /// The drive's encoders and velocity filters.

@@ -7,6 +7,7 @@ use lashloop_firmware::control::cascade::CascadeGains;
 use lashloop_firmware::control::dead_zone_observer::DeadZoneObserver;
 use lashloop_firmware::control::law::Law;
 use lashloop_firmware::control::merzouki::{DisturbingTorqueSource, Merzouki};
+use lashloop_firmware::control::momentum_observer::MomentumObserver;
 use lashloop_firmware::control::nominal_model::NominalModel;
 use lashloop_firmware::control::pd::Pd;
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
@@ -42,7 +43,7 @@ pub(crate) fn unlimited() -> ShaftParameters {
 }
 
 pub(crate) fn pd<F: Real>() -> Law<F> {
-    Pd::new(&NominalModel::paper(), CascadeGains::paper()).into()
+    Law::Pd(Pd::new(&NominalModel::paper(), CascadeGains::paper()))
 }
 
 fn merzouki<F: Real>(source: DisturbingTorqueSource<F>, period_s: f64) -> Law<F> {
@@ -53,7 +54,7 @@ fn merzouki<F: Real>(source: DisturbingTorqueSource<F>, period_s: f64) -> Law<F>
         source,
         F::from_f64(period_s),
     );
-    law.expect("valid law").into()
+    Law::Merzouki(law.expect("valid law"))
 }
 
 /// The merzouki law for the paper's plant, where the disturbing torque is known.
@@ -63,5 +64,7 @@ pub(crate) fn merzouki_nominal<F: Real>(period_s: f64) -> Law<F> {
 
 /// The merzouki law for any other plant.
 pub(crate) fn merzouki_observed<F: Real>(period_s: f64) -> Law<F> {
-    merzouki(DisturbingTorqueSource::Observed { pole_rad_s: F::from_f64(60.0) }, period_s)
+    let [pole_rad_s, observer_s] = [60.0, period_s].map(F::from_f64);
+    let observer = MomentumObserver::new(&NominalModel::paper(), pole_rad_s, observer_s);
+    merzouki(DisturbingTorqueSource::Observed(observer), period_s)
 }

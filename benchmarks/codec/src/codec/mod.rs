@@ -1,6 +1,7 @@
 //! The codecs, each by the fastest method of its crates, into a preallocated buffer.
 
 pub mod floor;
+mod framing;
 pub mod mavlink;
 pub mod ours;
 pub mod postcard;

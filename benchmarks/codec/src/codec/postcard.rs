@@ -4,7 +4,8 @@
 use ::postcard::{from_bytes, to_slice};
 use serde::{Deserialize, Serialize};
 
-use super::{CRC_32, Codec};
+use super::Codec;
+use super::framing::Framing;
 use crate::cycle::{Sample, Torque};
 
 #[derive(Serialize, Deserialize)]
@@ -19,32 +20,16 @@ enum Drive {
     Stopped,
 }
 
-pub struct Postcard {
-    plain: [u8; 64],
-    stuffed: [u8; 64],
-}
-
-impl Default for Postcard {
-    fn default() -> Self {
-        Self { plain: [0; 64], stuffed: [0; 64] }
-    }
-}
+#[derive(Default)]
+pub struct Postcard(Framing<true>);
 
 impl Postcard {
     fn send(&mut self, message: &impl Serialize, send: impl FnOnce(&[u8])) {
-        let body = to_slice(message, &mut self.plain).expect("a large enough buffer").len();
-        let crc = CRC_32.checksum(&self.plain[..body]);
-        self.plain[body..body + 4].copy_from_slice(&crc.to_le_bytes());
-        let end = cobs::encode(&self.plain[..body + 4], &mut self.stuffed);
-        self.stuffed[end] = 0;
-        send(&self.stuffed[..=end]);
+        self.0.send(|buffer| to_slice(message, buffer).expect("a large enough buffer").len(), send);
     }
 
     fn open<'a, M: Deserialize<'a>>(&'a mut self, frame: &[u8]) -> M {
-        let end = cobs::decode(&frame[..frame.len() - 1], &mut self.plain).expect("stuffed").frame_size();
-        let (body, crc) = self.plain[..end].split_last_chunk().expect("a CRC");
-        assert_eq!(CRC_32.checksum(body), u32::from_le_bytes(*crc));
-        from_bytes(body).expect("a message")
+        from_bytes(self.0.open(frame)).expect("a message")
     }
 }
 

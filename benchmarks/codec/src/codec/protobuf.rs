@@ -4,7 +4,8 @@
 
 use prost::{Message, Oneof};
 
-use super::{CRC_32, Codec};
+use super::Codec;
+use super::framing::Framing;
 use crate::cycle::{Sample, Torque};
 
 #[derive(Clone, PartialEq, Message)]
@@ -47,7 +48,7 @@ enum Drive {
     #[prost(message, tag = "1")]
     Torque(TorqueMessage),
     #[prost(message, tag = "2")]
-    Stopped(StoppedMessage),
+    Stopped(StopMessage),
 }
 
 #[derive(Clone, PartialEq, Message)]
@@ -64,46 +65,22 @@ struct TorqueMessage {
     compute_tenths_us: u32,
 }
 
-#[derive(Clone, PartialEq, Message)]
-struct StoppedMessage {}
-
 /// With the CRC-32C of the other codecs, or without a CRC.
-pub struct Protobuf<const CRC: bool> {
-    plain: [u8; 64],
-    stuffed: [u8; 64],
-}
-
-impl<const CRC: bool> Default for Protobuf<CRC> {
-    fn default() -> Self {
-        Self { plain: [0; 64], stuffed: [0; 64] }
-    }
-}
+#[derive(Default)]
+pub struct Protobuf<const CRC: bool>(Framing<CRC>);
 
 impl<const CRC: bool> Protobuf<CRC> {
     fn send(&mut self, message: &impl Message, send: impl FnOnce(&[u8])) {
-        let mut free = &mut self.plain[..];
-        message.encode(&mut free).expect("a large enough buffer");
-        let left = free.len();
-        let mut len = self.plain.len() - left;
-        if CRC {
-            let crc = CRC_32.checksum(&self.plain[..len]);
-            self.plain[len..len + 4].copy_from_slice(&crc.to_le_bytes());
-            len += 4;
-        }
-        let end = cobs::encode(&self.plain[..len], &mut self.stuffed);
-        self.stuffed[end] = 0;
-        send(&self.stuffed[..=end]);
+        let write = |mut buffer: &mut [u8]| {
+            let len = buffer.len();
+            message.encode(&mut buffer).expect("a large enough buffer");
+            len - buffer.len()
+        };
+        self.0.send(write, send);
     }
 
     fn open<M: Message + Default>(&mut self, frame: &[u8]) -> M {
-        let end = cobs::decode(&frame[..frame.len() - 1], &mut self.plain).expect("stuffed").frame_size();
-        let mut body = &self.plain[..end];
-        if CRC {
-            let (checked, crc) = body.split_last_chunk().expect("a CRC");
-            assert_eq!(CRC_32.checksum(checked), u32::from_le_bytes(*crc));
-            body = checked;
-        }
-        M::decode(body).expect("a message")
+        M::decode(self.0.open(frame)).expect("a message")
     }
 }
 

@@ -5,11 +5,11 @@ use super::identification::{Estimate, GAP_PROCESS_NOISE_RAD2, Identification};
 use super::load_loop::{LoadLoop, LoadLoopState};
 use super::load_observer::{LoadObserver, LoadObserverState};
 use super::motor_friction::MotorFriction;
-use crate::control::momentum_observer::{MomentumObserver, MomentumObserverState};
+use crate::control::momentum_observer::MomentumObserver;
 use crate::control::nominal_model::NominalModel;
 use crate::control::parameter_error::at_most;
 use crate::control::real::alpha;
-use crate::control::{ControlOutput, Controller, Measurement, ParameterError, Real};
+use crate::control::{ControlOutput, Measurement, ParameterError, Real};
 
 /// What the law needs besides mechanics and gains.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,29 +28,21 @@ pub struct BacklashInverseSetting<F> {
     pub period_s: F,
 }
 
-/// The law with its constants.
+/// The law with its constants and its state.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BacklashInverse<F> {
+pub struct BacklashInverse<F: Real> {
+    model: NominalModel<F>,
+    gains: BacklashInverseGains<F>,
     load_loop: LoadLoop<F>,
     momentum: MomentumObserver<F>,
     load_observer: LoadObserver<F>,
     identification: Identification<F>,
-    ratio: F,
-    motor_friction_nm_s_rad: F,
-    motor_coulomb_nm: F,
     per_crossing_nm: F,
-    twist_gain_nm_rad: F,
-    twist_damping_nm_s_rad: F,
     twist_pole_rad_s: F,
     twist_alpha: F,
-}
-
-/// State of the law.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BacklashInverseState<F: Real> {
     estimate: Estimate<F>,
-    load_loop: LoadLoopState<F>,
-    momentum: MomentumObserverState<F>,
+    load_loop_state: LoadLoopState<F>,
+    momentum_balance_nm: F,
     /// `None` before the first sample.
     observers: Option<Observers<F>>,
 }
@@ -74,7 +66,7 @@ impl<F: Real> Observers<F> {
 }
 
 impl<F: Real> BacklashInverse<F> {
-    /// The law for the mechanics of `model`.
+    /// The law in its initial state, for the mechanics of `model`.
     ///
     /// # Errors
     /// If gains don't go with the period, the motor's inertia or each other.
@@ -93,66 +85,56 @@ impl<F: Real> BacklashInverse<F> {
                 .clamp(-setting.torque_limit_nm, setting.torque_limit_nm),
             ..gains
         };
+        let identification = Identification {
+            nominal_rad_nm: F::ONE / model.stiffness_nm_rad,
+            initial_rad,
+            max_rad,
+            min_torque_nm: gains.identification_min_nm,
+            process_noise_rad2: F::from_f64(GAP_PROCESS_NOISE_RAD2),
+        };
         Ok(Self {
+            model: *model,
+            gains,
             load_loop: LoadLoop::new(model, gains, setting.load_resolution_rad, period_s),
             momentum: MomentumObserver::new(model, momentum_observer_rad_s, period_s),
             load_observer: LoadObserver::new(model, gains.load_observer_rad_s, period_s),
-            identification: Identification {
-                nominal_rad_nm: F::ONE / model.stiffness_nm_rad,
-                initial_rad,
-                max_rad,
-                min_torque_nm: gains.identification_min_nm,
-                process_noise_rad2: F::from_f64(GAP_PROCESS_NOISE_RAD2),
-            },
-            ratio: model.ratio,
-            motor_friction_nm_s_rad: model.motor_friction_nm_s_rad,
-            motor_coulomb_nm: model.motor_coulomb_nm,
+            identification,
             per_crossing_nm: F::ONE / gains.gap_crossing_nm,
-            twist_gain_nm_rad: gains.twist_gain_nm_rad,
-            twist_damping_nm_s_rad: gains.twist_damping_nm_s_rad,
             twist_pole_rad_s: momentum_observer_rad_s,
             twist_alpha: alpha(momentum_observer_rad_s, period_s),
+            estimate: identification.initial_estimate(),
+            load_loop_state: LoadLoop::initial_state(),
+            momentum_balance_nm: F::ZERO,
+            observers: None,
         })
     }
-}
 
-impl<F: Real> Controller<F> for BacklashInverse<F> {
-    type State = BacklashInverseState<F>;
-
-    fn initial_state(&self) -> Self::State {
-        BacklashInverseState {
-            estimate: self.identification.initial_estimate(),
-            load_loop: LoadLoop::initial_state(),
-            momentum: MomentumObserverState::at_rest(),
-            observers: None,
-        }
-    }
-
-    fn step(&self, state: &mut Self::State, measurement: &Measurement<F>) -> ControlOutput<F> {
+    /// The torque for one sample, before the drive's limit.
+    pub fn step(&mut self, measurement: &Measurement<F>) -> ControlOutput<F> {
         let m = measurement;
-        let observers = state.observers.get_or_insert_with(|| Observers::at(m));
+        let observers = self.observers.get_or_insert_with(|| Observers::at(m));
 
-        let coulomb_nm = self.motor_coulomb_nm * observers.motor_friction.step(m.motor_position_rad);
-        let transmitted_nm = self.momentum.step_against(&mut state.momentum, m, coulomb_nm);
+        let coulomb_nm = self.model.motor_coulomb_nm * observers.motor_friction.step(m.motor_position_rad);
+        let transmitted_nm = self.momentum.step_against(&mut self.momentum_balance_nm, m, coulomb_nm);
         let load_velocity = self.load_observer.step(&mut observers.load, m.load_position_rad, transmitted_nm);
 
         let behind_rad = m.twist_rad - observers.twist_rad;
         let lagging_twist = observers.twist_rad + self.twist_alpha * behind_rad;
         observers.twist_rad = lagging_twist;
-        if !state.load_loop.holding {
+        if !self.load_loop_state.holding {
             let twist_rate = self.twist_pole_rad_s * (m.twist_rad - lagging_twist);
-            self.identification.step(&mut state.estimate, transmitted_nm, lagging_twist, twist_rate);
+            self.identification.step(&mut self.estimate, transmitted_nm, lagging_twist, twist_rate);
         }
 
-        let wanted_nm = self.load_loop.step(&mut state.load_loop, m, load_velocity);
-        let compliance = state.estimate.compliance_rad_nm();
-        let dead_zone = state.estimate.dead_zone_rad();
+        let wanted_nm = self.load_loop.step(&mut self.load_loop_state, m, load_velocity);
+        let compliance = self.estimate.compliance_rad_nm();
+        let dead_zone = self.estimate.dead_zone_rad();
         let side = (self.per_crossing_nm * wanted_nm).clamp(-F::ONE, F::ONE);
         let twist_error = m.twist_rad - (compliance * wanted_nm + dead_zone * side);
-        let twist_velocity = m.motor_velocity_rad_s - self.ratio * load_velocity;
-        let torque = wanted_nm + self.motor_friction_nm_s_rad * m.motor_velocity_rad_s
-            - self.twist_gain_nm_rad * twist_error
-            - self.twist_damping_nm_s_rad * twist_velocity;
+        let twist_velocity = m.motor_velocity_rad_s - self.model.ratio * load_velocity;
+        let torque = wanted_nm + self.model.motor_friction_nm_s_rad * m.motor_velocity_rad_s
+            - self.gains.twist_gain_nm_rad * twist_error
+            - self.gains.twist_damping_nm_s_rad * twist_velocity;
         let stiffness = F::ONE / compliance;
         ControlOutput {
             torque_nm: torque,

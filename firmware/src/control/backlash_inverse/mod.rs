@@ -32,4 +32,4 @@ mod motor_friction;
 mod tests;
 
 pub use gains::BacklashInverseGains;
-pub use inverse::{BacklashInverse, BacklashInverseSetting, BacklashInverseState};
+pub use inverse::{BacklashInverse, BacklashInverseSetting};

@@ -5,7 +5,7 @@ use std::string::ToString;
 use super::gains::BacklashInverseGains;
 use super::inverse::{BacklashInverse, BacklashInverseSetting};
 use crate::control::nominal_model::NominalModel;
-use crate::control::{ControlOutput, Controller, Measurement};
+use crate::control::{ControlOutput, Measurement};
 
 const LSB_RAD: f64 = core::f64::consts::TAU / 4000.0;
 
@@ -26,9 +26,8 @@ fn law() -> BacklashInverse<f64> {
 
 /// The last output after `samples` identical measurements.
 fn output_after(m: Measurement<f64>, samples: usize) -> ControlOutput<f64> {
-    let law = law();
-    let mut state = law.initial_state();
-    (0..samples).map(|_| law.step(&mut state, &m)).last().expect("at least one sample")
+    let mut law = law();
+    (0..samples).map(|_| law.step(&m)).last().expect("at least one sample")
 }
 
 #[test]
@@ -62,8 +61,8 @@ fn a_torque_below_the_crossing_moves_the_motor_part_of_the_gap() {
     let off_reference = Measurement { load_position_rad: -0.0025, ..Measurement::at_rest() };
     let wanted_nm = 46.0 * 2.5 * 0.0025 / 3.0;
     let gains = BacklashInverseGains { gap_crossing_nm: 2.0 * wanted_nm, ..BacklashInverseGains::paper() };
-    let law = BacklashInverse::new(&NominalModel::paper(), gains, setting()).expect("valid");
-    let output = law.step(&mut law.initial_state(), &off_reference);
+    let mut law = BacklashInverse::new(&NominalModel::paper(), gains, setting()).expect("valid");
+    let output = law.step(&off_reference);
     assert!((output.motor_error_rad + wanted_nm + 0.08).abs() < 1e-12, "have {}", output.motor_error_rad);
 }
 
@@ -79,14 +78,13 @@ fn disturbing_torque_is_the_transmitted_less_the_spring_torque() {
 #[test]
 fn load_friction_does_not_bias_the_gap_estimate() {
     // Friction holds the load at any spring torque: |z| = |C| / K + 0.1.
-    let law = law();
-    let mut state = law.initial_state();
+    let mut law = law();
     let mut output = None;
     for k in 0..40_000 {
         let torque = 3.0 * (f64::from(k) * 5e-4).sin();
         let twist = torque + 0.1 * torque.signum();
         let wound = Measurement { applied_torque_nm: torque, twist_rad: twist, ..Measurement::at_rest() };
-        output = Some(law.step(&mut state, &Measurement { load_position_rad: -0.5, ..wound }));
+        output = Some(law.step(&Measurement { load_position_rad: -0.5, ..wound }));
     }
     let have = output.expect("stepped").dead_zone_estimate_rad;
     assert!((have - 0.1).abs() < 5e-3, "have {have} rad, want 0.1");
@@ -105,17 +103,16 @@ fn the_drive_limit_bounds_the_transmitted_torque() {
     let far = Measurement { load_position_rad: -2.0, ..Measurement::at_rest() };
     let weak = BacklashInverseSetting { torque_limit_nm: 2.0, ..setting() };
     for (setting, limit_nm) in [(setting(), 8.0), (weak, 2.0)] {
-        let law = BacklashInverse::new(&NominalModel::paper(), BacklashInverseGains::paper(), setting)
+        let mut law = BacklashInverse::new(&NominalModel::paper(), BacklashInverseGains::paper(), setting)
             .expect("valid");
-        let output = law.step(&mut law.initial_state(), &far);
+        let output = law.step(&far);
         assert!((output.motor_error_rad + limit_nm + 0.16).abs() < 1e-12, "{}", output.motor_error_rad);
     }
 }
 
 #[test]
 fn the_other_direction_is_the_mirror_image() {
-    let law = law();
-    let (mut state, mut mirrored) = (law.initial_state(), law.initial_state());
+    let (mut law, mut mirrored) = (law(), law());
     for k in 0..3000 {
         let t = f64::from(k) * 1e-3;
         let m = Measurement {
@@ -136,7 +133,7 @@ fn the_other_direction_is_the_mirror_image() {
             applied_torque_nm: -m.applied_torque_nm,
             ..Measurement::at_rest()
         };
-        let (one, two) = (law.step(&mut state, &m), law.step(&mut mirrored, &other));
+        let (one, two) = (law.step(&m), mirrored.step(&other));
         assert_eq!(one.torque_nm, -two.torque_nm, "sample {k}");
         assert_eq!(one.dead_zone_estimate_rad, two.dead_zone_estimate_rad, "sample {k}");
     }

@@ -77,12 +77,7 @@ impl BacklashShaft {
         let half_gap = at.environment.dead_zone_rad;
         let twist_rad = self.mechanics.twist_of(at.x[LOAD_POSITION], at.x[MOTOR_POSITION]);
         let shaft_nm = self.shaft_torque_nm(at);
-        if twist_rad > half_gap && shaft_nm > 0.0 {
-            Contact::Positive
-        } else if twist_rad < -half_gap && shaft_nm < 0.0 {
-            Contact::Negative
-        } else {
-            Contact::Gap
-        }
+        let side = Contact::outside(twist_rad, half_gap);
+        if side.sign() * shaft_nm > 0.0 { side } else { Contact::Gap }
     }
 }

@@ -12,9 +12,9 @@
 //!
 //! | module | concept |
 //! |---|---|
-//! | `parameters`, `environment` | what is constant, and what changes while the plant runs |
+//! | `parameters` | what is constant |
 //! | `stribeck`, `lugre` | dry friction |
-//! | `shaft`, `state` | prepared parameters; coordinates and modes |
+//! | `shaft`, `state` | prepared parameters; coordinates, modes, and the environment, which may change in a run |
 //! | `contact` | the gap: transmitted torque, flanks, relaxation |
 //! | `motion` | the right-hand side |
 //! | `modes` | guards and mode changes |
@@ -22,7 +22,6 @@
 //! | `plant` | the plant made of all these |
 
 mod contact;
-mod environment;
 mod lugre;
 mod modes;
 mod motion;
@@ -33,8 +32,7 @@ mod state;
 mod stribeck;
 mod substeps;
 
-pub use environment::Environment;
 pub use modes::{ShaftGuard, ShaftStride};
 pub use parameters::{BristleParameters, ShaftParameters, StribeckParameters};
 pub use shaft::BacklashShaft;
-pub use state::{BacklashShaftState, ShaftCoordinates, ShaftMode};
+pub use state::{BacklashShaftState, Environment, ShaftCoordinates, ShaftMode};

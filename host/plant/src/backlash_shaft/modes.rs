@@ -5,7 +5,7 @@ use super::shaft::BacklashShaft;
 use super::state::{ShaftCoordinates, ShaftMode};
 use crate::coordinates::{LOAD_VELOCITY, MOTOR_VELOCITY};
 use crate::integrator::{HybridSystem, runge_kutta};
-use crate::mode::{Contact, Flank};
+use crate::mode::{Contact, DryFriction, Flank};
 
 /// What may end a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,10 +42,12 @@ impl BacklashShaft {
     fn at_rest(&self, at: &ShaftCoordinates, mode: ShaftMode) -> ShaftMode {
         let mut settled = mode;
         if at.x[LOAD_VELOCITY] == 0.0 && self.load_friction.bristles.is_none() {
-            settled.load = self.load_friction.curve.at_rest(self.load_drive_nm(at, mode.contact));
+            let limits_nm = self.load_friction.curve.limits_nm;
+            settled.load = DryFriction::at_rest(self.load_drive_nm(at, mode.contact), limits_nm);
         }
         if at.x[MOTOR_VELOCITY] == 0.0 {
-            settled.motor = self.motor_friction.at_rest(self.motor_drive_nm(at, mode.contact));
+            let limits_nm = self.motor_friction.limits_nm;
+            settled.motor = DryFriction::at_rest(self.motor_drive_nm(at, mode.contact), limits_nm);
         }
         settled
     }
@@ -94,29 +96,23 @@ impl HybridSystem for BacklashShaft {
     }
 
     #[inline]
-    fn guard(&self, guard: ShaftGuard, at: &ShaftCoordinates, mode: ShaftMode, _torque_nm: f64) -> f64 {
+    fn guard(&self, guard: ShaftGuard, at: &ShaftCoordinates, mode: ShaftMode) -> f64 {
         match guard {
             ShaftGuard::Flank(flank) => self.flank_guard(flank, at, mode.contact),
             // Bristles bend instead of sticking: this guard never reaches zero.
             ShaftGuard::LoadFriction if self.load_friction.bristles.is_some() => 1.0,
             ShaftGuard::LoadFriction => {
                 let drive_nm = self.load_drive_nm(at, mode.contact);
-                self.load_friction.curve.guard(mode.load, at.x[LOAD_VELOCITY], drive_nm)
+                mode.load.guard(at.x[LOAD_VELOCITY], drive_nm, self.load_friction.curve.limits_nm)
             }
             ShaftGuard::MotorFriction => {
                 let drive_nm = self.motor_drive_nm(at, mode.contact);
-                self.motor_friction.guard(mode.motor, at.x[MOTOR_VELOCITY], drive_nm)
+                mode.motor.guard(at.x[MOTOR_VELOCITY], drive_nm, self.motor_friction.limits_nm)
             }
         }
     }
 
-    fn switch(
-        &self,
-        guard: ShaftGuard,
-        at: &mut ShaftCoordinates,
-        mode: ShaftMode,
-        _torque_nm: f64,
-    ) -> ShaftMode {
+    fn switch(&self, guard: ShaftGuard, at: &mut ShaftCoordinates, mode: ShaftMode) -> ShaftMode {
         match guard {
             ShaftGuard::LoadFriction => {
                 at.x[LOAD_VELOCITY] = 0.0;

@@ -1,11 +1,8 @@
 //! The plant: release, step, truth, and changes while it runs.
 
-use super::environment::Environment;
 use super::shaft::BacklashShaft;
-use super::state::{BRISTLE, BacklashShaftState, ShaftCoordinates, ShaftMode};
-use crate::coordinates::{
-    DISSIPATED, LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION, MOTOR_VELOCITY, SUPPLIED,
-};
+use super::state::{BRISTLE, BacklashShaftState, Environment, ShaftCoordinates, ShaftMode};
+use crate::coordinates::{DISSIPATED, LOAD_VELOCITY, MOTOR_VELOCITY};
 use crate::integrator;
 use crate::mode::{Contact, DryFriction};
 use crate::{ParameterError, Plant, PlantError, RunningPlant, Start, Truth};
@@ -27,11 +24,13 @@ impl Plant for BacklashShaft {
             Some(_) => DryFriction::SlipPositive,
             None => {
                 let drive_nm = self.load_drive_nm(&coordinates, contact);
-                self.load_friction.curve.released(start.load_velocity_rad_s, drive_nm)
+                let limits_nm = self.load_friction.curve.limits_nm;
+                DryFriction::released(start.load_velocity_rad_s, drive_nm, limits_nm)
             }
         };
         let motor_drive_nm = self.motor_drive_nm(&coordinates, contact);
-        let motor = self.motor_friction.released(start.motor_velocity_rad_s, motor_drive_nm);
+        let limits_nm = self.motor_friction.limits_nm;
+        let motor = DryFriction::released(start.motor_velocity_rad_s, motor_drive_nm, limits_nm);
         BacklashShaftState { coordinates, mode: ShaftMode { contact, load, motor } }
     }
 
@@ -53,33 +52,19 @@ impl Plant for BacklashShaft {
             }
             None => (self.load_friction.curve.torque_nm(mode.load, load_velocity, load_drive_nm), 0.0),
         };
-        let twist_rad = self.mechanics.twist_of(at.x[LOAD_POSITION], at.x[MOTOR_POSITION]);
-        let transmitted_torque_nm = self.transmitted_torque_nm(at, mode.contact);
+        let transmitted_nm = self.transmitted_torque_nm(at, mode.contact);
+        let elastic_j = self.shaft_energy_j(at) + bristle_energy_j;
+        let motor_drive_nm = self.motor_drive_nm(at, mode.contact);
+        let x = at.x.fixed_rows::<6>(0).into_owned();
         Truth {
-            load_position_rad: at.x[LOAD_POSITION],
-            load_velocity_rad_s: load_velocity,
-            motor_position_rad: at.x[MOTOR_POSITION],
-            motor_velocity_rad_s: motor_velocity,
-            motor_torque_nm: at.motor_torque_nm,
             load_torque_nm: at.environment.load_torque_nm,
-            twist_rad,
-            transmitted_torque_nm,
-            disturbing_torque_nm: transmitted_torque_nm - self.mechanics.stiffness_nm_rad * twist_rad,
             gap_position_rad: at.gap_position_rad,
-            contact: mode.contact,
             load_friction: mode.load,
             motor_friction: mode.motor,
             load_dry_friction_nm,
-            motor_dry_friction_nm: self.motor_friction.torque_nm(
-                mode.motor,
-                motor_velocity,
-                self.motor_drive_nm(at, mode.contact),
-            ),
-            kinetic_energy_j: self.mechanics.kinetic_energy_j(load_velocity, motor_velocity),
-            elastic_energy_j: self.shaft_energy_j(at) + bristle_energy_j,
-            supplied_energy_j: at.x[SUPPLIED],
-            dissipated_energy_j: at.x[DISSIPATED],
+            motor_dry_friction_nm: self.motor_friction.torque_nm(mode.motor, motor_velocity, motor_drive_nm),
             dead_zone_rad: at.environment.dead_zone_rad,
+            ..self.mechanics.truth(&x, at.motor_torque_nm, transmitted_nm, elastic_j, mode.contact)
         }
     }
 }

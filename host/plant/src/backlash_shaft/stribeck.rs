@@ -15,7 +15,7 @@ pub(super) struct Stribeck {
     vanishes_at: f64,
     asymmetry: f64,
     /// Stiction against a negative and against a positive driving torque, in N m.
-    limits_nm: [f64; 2],
+    pub(super) limits_nm: [f64; 2],
 }
 
 impl Stribeck {
@@ -53,35 +53,12 @@ impl Stribeck {
         self.coulomb_nm * (1.0 - self.asymmetry.abs())
     }
 
-    /// State of a mass at rest.
-    pub(super) fn at_rest(&self, drive_nm: f64) -> DryFriction {
-        DryFriction::at_rest(drive_nm, self.limits_nm)
-    }
-
-    /// State of a mass that is released with this velocity under this driving torque.
-    pub(super) fn released(&self, velocity_rad_s: f64, drive_nm: f64) -> DryFriction {
-        DryFriction::released(velocity_rad_s, drive_nm, self.limits_nm)
-    }
-
-    /// Guard of a friction state: not negative while `state` holds.
-    #[inline]
-    pub(super) fn guard(&self, state: DryFriction, velocity_rad_s: f64, drive_nm: f64) -> f64 {
-        match state {
-            DryFriction::SlipPositive => velocity_rad_s,
-            DryFriction::SlipNegative => -velocity_rad_s,
-            DryFriction::Stick => {
-                let [backwards, forwards] = self.limits_nm;
-                if drive_nm < 0.0 { backwards + drive_nm } else { forwards - drive_nm }
-            }
-        }
-    }
-
     /// State that follows `state`, at zero velocity.
     pub(super) fn after(&self, state: DryFriction, drive_nm: f64) -> DryFriction {
         match state {
             DryFriction::Stick if drive_nm < 0.0 => DryFriction::SlipNegative,
             DryFriction::Stick => DryFriction::SlipPositive,
-            _ => self.at_rest(drive_nm),
+            _ => DryFriction::at_rest(drive_nm, self.limits_nm),
         }
     }
 

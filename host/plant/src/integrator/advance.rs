@@ -28,7 +28,7 @@ pub fn advance<S: HybridSystem>(
     let stride = system.stride(substep_s);
     for _ in 0..substeps {
         let end = system.flow(x, *mode, torque_nm, stride);
-        if S::GUARDS.iter().all(|&guard| system.guard(guard, &end, *mode, torque_nm) >= 0.0) {
+        if S::GUARDS.iter().all(|&guard| system.guard(guard, &end, *mode) >= 0.0) {
             *x = end;
         } else {
             substep_with_events(system, x, mode, torque_nm, substep_s)?;
@@ -50,15 +50,14 @@ fn substep_with_events<S: HybridSystem>(
     let mut rest_s = substep_s;
     for _ in 0..=MAX_EVENTS {
         let end = system.flow(x, *mode, torque_nm, system.stride(rest_s));
-        let violated =
-            S::GUARDS.iter().copied().filter(|&guard| system.guard(guard, &end, *mode, torque_nm) < 0.0);
+        let violated = S::GUARDS.iter().copied().filter(|&guard| system.guard(guard, &end, *mode) < 0.0);
         let located = violated.map(|guard| (locate(system, guard, x, *mode, torque_nm, rest_s), guard));
         let Some((event_s, guard)) = located.min_by(|a, b| a.0.total_cmp(&b.0)) else {
             *x = end;
             return Ok(());
         };
         *x = system.flow(x, *mode, torque_nm, system.stride(event_s));
-        *mode = system.switch(guard, x, *mode, torque_nm);
+        *mode = system.switch(guard, x, *mode);
         rest_s -= event_s;
         if rest_s <= 0.0 {
             return Ok(());
@@ -93,11 +92,11 @@ mod tests {
             if landed { *x } else { runge_kutta(x, h_s, &falling) }
         }
 
-        fn guard(&self, (): (), x: &Vector2<f64>, landed: bool, _torque_nm: f64) -> f64 {
+        fn guard(&self, (): (), x: &Vector2<f64>, landed: bool) -> f64 {
             if landed { 1.0 } else { x[0] }
         }
 
-        fn switch(&self, (): (), x: &mut Vector2<f64>, _landed: bool, _torque_nm: f64) -> bool {
+        fn switch(&self, (): (), x: &mut Vector2<f64>, _landed: bool) -> bool {
             x[0] = 0.0;
             true
         }
@@ -129,11 +128,11 @@ mod tests {
             *x
         }
 
-        fn guard(&self, (): (), _x: &Vector2<f64>, _mode: bool, _torque_nm: f64) -> f64 {
+        fn guard(&self, (): (), _x: &Vector2<f64>, _mode: bool) -> f64 {
             -1.0
         }
 
-        fn switch(&self, (): (), _x: &mut Vector2<f64>, mode: bool, _torque_nm: f64) -> bool {
+        fn switch(&self, (): (), _x: &mut Vector2<f64>, mode: bool) -> bool {
             !mode
         }
 

@@ -26,7 +26,7 @@ pub(super) fn locate<S: HybridSystem>(
 ) -> f64 {
     let value = |h_s: f64| {
         let end = system.flow(x, mode, torque_nm, system.stride(h_s));
-        system.guard(guard, &end, mode, torque_nm)
+        system.guard(guard, &end, mode)
     };
     let (mut near, mut far) = (0.0, limit_s);
     let (mut near_value, mut far_value) = (value(near), value(far));

@@ -27,12 +27,11 @@ pub trait HybridSystem {
     fn flow(&self, x: &Self::State, mode: Self::Mode, torque_nm: f64, stride: Self::Stride) -> Self::State;
 
     /// Value of a guard function: not negative while `mode` holds, and smooth across its end.
-    fn guard(&self, guard: Self::Guard, x: &Self::State, mode: Self::Mode, torque_nm: f64) -> f64;
+    fn guard(&self, guard: Self::Guard, x: &Self::State, mode: Self::Mode) -> f64;
 
     /// The mode that follows where `guard` has reached zero; sets the coordinates that are known exactly
     /// there.
-    fn switch(&self, guard: Self::Guard, x: &mut Self::State, mode: Self::Mode, torque_nm: f64)
-    -> Self::Mode;
+    fn switch(&self, guard: Self::Guard, x: &mut Self::State, mode: Self::Mode) -> Self::Mode;
 
     /// The mode under a torque that has just changed; sets the coordinates that follow the torque without lag.
     fn settle(&self, x: &mut Self::State, mode: Self::Mode, torque_nm: f64) -> Self::Mode;

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::measured::Measured;
+use super::metric::Measured;
 use super::sample::Sample;
 use super::settling::Settling;
 

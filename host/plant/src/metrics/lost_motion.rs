@@ -1,6 +1,6 @@
 //! Lost motion under a reference that reverses.
 
-use super::measured::Measured;
+use super::metric::Measured;
 
 /// The load's positions at the reference's last passages through its middle.
 #[derive(Debug, Clone)]

@@ -4,9 +4,7 @@ use std::collections::VecDeque;
 
 use super::estimator_score::{BIAS_WINDOW_S, EstimatorScore};
 use super::lost_motion::Reversal;
-use super::measured::Measured;
-use super::metric::Metric;
-use super::run_metrics::Metrics;
+use super::metric::{Measured, Metric, Metrics};
 use super::sample::Sample;
 use super::settling::Settling;
 

@@ -39,15 +39,11 @@
 
 mod estimator_score;
 mod lost_motion;
-mod measured;
 mod measurement;
 mod metric;
-mod run_metrics;
 mod sample;
 mod settling;
 
-pub use self::measured::Measured;
 pub use self::measurement::Measurement;
-pub use self::metric::Metric;
-pub use self::run_metrics::Metrics;
+pub use self::metric::{Measured, Metric, Metrics};
 pub use self::sample::{Estimates, Sample};

@@ -1,6 +1,6 @@
 //! The settling time into a band.
 
-use super::measured::Measured;
+use super::metric::Measured;
 
 /// The time since which an error has stayed inside a band.
 #[derive(Debug, Clone)]
