@@ -193,8 +193,14 @@ fn strike(kind: FaultKind, device: &mut Device) -> Result<(), SessionError> {
 
 /// Ends a fault of the drive that lasts in the link's time.
 fn heal(kind: FaultKind, device: &Device) {
-    if kind == FaultKind::Device(DeviceFault::Hang {}) {
-        device.host().resume();
+    match kind {
+        FaultKind::Device(DeviceFault::Hang {}) => device.host().resume(),
+        FaultKind::Device(DeviceFault::Reset {})
+        | FaultKind::Frame { .. }
+        | FaultKind::Link(_)
+        | FaultKind::Encoder { .. }
+        | FaultKind::Motor(_)
+        | FaultKind::Plant(_) => {}
     }
 }
 

@@ -26,10 +26,8 @@ pub(super) fn close<S: StepSink>(
             return Ok(End::Interrupted);
         }
         let deadline = device.session.now() + answer_timeout;
-        match control.step(step, deadline, Duration::ZERO, device) {
-            Ok(None) => {}
-            Ok(Some(end)) => return Ok(end),
-            Err(error) => return error.end(),
+        if let Some(end) = control.step(step, deadline, Duration::ZERO, device)? {
+            return Ok(end);
         }
     }
     Ok(End::Complete)

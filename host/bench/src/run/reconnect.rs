@@ -8,7 +8,6 @@ use lashloop_protocol::enums::State;
 use super::error::RunError;
 use super::outcome::End;
 use super::setup;
-use super::step_error::StepError;
 use crate::device::Device;
 use crate::fault::timeline::Timeline;
 use crate::scenario::Scenario;
@@ -27,7 +26,7 @@ pub(super) fn end_of_loss(
     source: SessionError,
     scenario: &Scenario,
     device: &Device,
-) -> Option<Result<End, StepError>> {
+) -> Option<Result<End, RunError>> {
     match (scenario.link.on_loss, source) {
         (OnLoss::Resume, _) => None,
         (OnLoss::End, SessionError::Refused { state: State::Boot, .. }) => Some(Ok(End::DriveRestarted)),
@@ -46,7 +45,7 @@ pub(super) fn set_up_again(
     timeline: &mut Timeline,
     device: &mut Device,
     stop_asked: impl Fn() -> bool,
-) -> Result<Option<End>, StepError> {
+) -> Result<Option<End>, RunError> {
     let deadline = device.session.now() + scenario.link.resume_limit();
     let lost = *device.session.identity();
     loop {
@@ -58,7 +57,7 @@ pub(super) fn set_up_again(
         let is_transient = matches!(&error, RunError::Device(error) if error.is_transient());
         let now = device.session.now();
         if !is_transient || now >= deadline {
-            return Err(error.into());
+            return Err(error);
         }
         if device.session.wait_until(now + INTERVAL).is_err() {
             // A broken line does not wait.

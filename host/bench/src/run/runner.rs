@@ -158,7 +158,11 @@ fn run_to_end<'a, S: StepSink>(
         return Err(setup::refused_start(device, source));
     }
     let started = Instant::now();
-    let end = close(&mut control, device);
+    let end = match close(&mut control, device) {
+        // A result of the run.
+        Err(RunError::Integration(error)) => Ok(End::Diverged(error)),
+        end => end,
+    };
     let wall_s = started.elapsed().as_secs_f64();
     let faults = control.end_faults(device);
     // The last telemetry comes before the answer to the stop, and the last row waits for it.
