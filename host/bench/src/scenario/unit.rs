@@ -32,7 +32,7 @@ const WORDS: &[&str] = &[
     "steps", "rows",
 ];
 
-/// Whether two keys name one quantity, in whatever units.
+/// Whether two keys name one quantity, in any units.
 pub(super) fn same_quantity(one: &str, other: &str) -> bool {
     quantity(one) == quantity(other)
 }

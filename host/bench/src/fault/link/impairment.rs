@@ -1,6 +1,6 @@
 //! One direction of the link: frames are hit by faults, held, and released when they are due.
 //!
-//! Whether and where a frame is hit is drawn once for the whole frame, in whatever pieces its bytes arrive.
+//! Whether and where a frame is hit is drawn once for the whole frame, in any number of pieces.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -148,8 +148,8 @@ impl Impairment {
 }
 
 impl Passage {
-    /// Applies a fault; whether it has hit the frame. Every fault draws for every frame, whatever other faults have done to
-    /// it, so that streams stay independent of each other.
+    /// Applies a fault and returns whether it hits the frame. Every fault draws for every frame, regardless of other
+    /// faults, so that streams stay independent of each other.
     fn is_hit_by(&mut self, fault: FrameFault, random: &mut Pcg64Mcg, may_wait: bool) -> bool {
         let is_empty = self.piece.is_empty();
         let mut draw_hit = |share| uniform(random) < share && !is_empty;
