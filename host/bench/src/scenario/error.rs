@@ -4,7 +4,7 @@
 //! the allowed range follow:
 //!
 //! ```text
-//! scenarios/x.toml:12: plant.stiffness_nm_rad: -1 is out of range; it must be > 0 and <= 1e6 N m/rad
+//! scenarios/x.toml:12: plant.stiffness_nm_rad: -1 is out of range; it must be >= 1e-6 and <= 1e6 N m/rad
 //! ```
 
 use std::fmt;

@@ -5,9 +5,8 @@ use std::time::Duration;
 use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MAX_NOISE_COUNTS, MIN_COUNTS_PER_REV};
 use serde::Serialize;
 
-use super::range::{positive, within};
+use super::range::positive;
 use super::reader::Section;
-use super::unit;
 
 /// Largest TOML integer.
 const LARGEST: u64 = i64::MAX as u64;
@@ -48,10 +47,10 @@ impl RunSettings {
 
 pub(super) fn read_run(run: &mut Section<'_>) -> RunSettings {
     let settings = RunSettings {
-        duration_s: run.number("duration_s", unit::SECOND, None, positive(1e5)),
-        control_period_us: run.integer("control_period_us", unit::MICROSECOND, 1000, 100..=100_000),
-        seed: run.integer("seed", unit::NONE, 1, 0..=LARGEST),
-        warm_up_steps: run.integer("warm_up_steps", unit::STEP, 0, 0..=u32::MAX),
+        duration_s: run.number("duration_s", None, positive(1e5)),
+        control_period_us: run.integer("control_period_us", 1000, 100..=100_000),
+        seed: run.integer("seed", 1, 0..=LARGEST),
+        warm_up_steps: run.integer("warm_up_steps", 0, 0..=u32::MAX),
     };
     let (duration_s, period_s) = (settings.duration_s, settings.control_period_s());
     // A run without a step to judge would meet every limit.
@@ -82,11 +81,11 @@ pub struct EncoderSettings {
 }
 
 pub(super) fn read_encoders(encoders: &mut Section<'_>) -> EncoderSettings {
-    let (per_rev, resolution) = (unit::COUNT_PER_REVOLUTION, MIN_COUNTS_PER_REV..=MAX_COUNTS_PER_REV);
+    let resolution = MIN_COUNTS_PER_REV..=MAX_COUNTS_PER_REV;
     EncoderSettings {
-        motor_counts_per_rev: encoders.integer("motor_counts_per_rev", per_rev, 131_072, resolution.clone()),
-        load_counts_per_rev: encoders.integer("load_counts_per_rev", per_rev, 131_072, resolution),
-        noise_counts: encoders.number("noise_counts", unit::COUNT, 0.0, within(0.0, MAX_NOISE_COUNTS)),
+        motor_counts_per_rev: encoders.integer("motor_counts_per_rev", 131_072, resolution.clone()),
+        load_counts_per_rev: encoders.integer("load_counts_per_rev", 131_072, resolution),
+        noise_counts: encoders.number("noise_counts", 0.0, 0.0..=MAX_NOISE_COUNTS),
     }
 }
 
@@ -149,14 +148,14 @@ impl LinkSettings {
 pub(super) fn read_link(link: &mut Section<'_>) -> LinkSettings {
     let settings = LinkSettings {
         // Serial ports have timeouts in tenths of a second. The silence limit becomes the drive's watchdog, whose limit is 60 s.
-        answer_timeout_ms: link.integer("answer_timeout_ms", unit::MILLISECOND, 1000, 100..=30_000),
-        silence_limit_ms: link.integer("silence_limit_ms", unit::MILLISECOND, 2500, 100..=60_000),
-        baud: link.integer("baud", unit::BAUD, 921_600, 1200..=12_000_000),
-        modelled_baud: link.integer("modelled_baud", unit::BAUD, 0, 0..=12_000_000),
+        answer_timeout_ms: link.integer("answer_timeout_ms", 1000, 100..=30_000),
+        silence_limit_ms: link.integer("silence_limit_ms", 2500, 100..=60_000),
+        baud: link.integer("baud", 921_600, 1200..=12_000_000),
+        modelled_baud: link.integer("modelled_baud", 0, 0..=12_000_000),
         on_loss: link
             .choice("on_loss", OnLoss::End, &[("end", OnLoss::End), ("resume", OnLoss::Resume)])
             .unwrap_or(OnLoss::End),
-        resume_limit_ms: link.integer("resume_limit_ms", unit::MILLISECOND, 5000, 100..=600_000),
+        resume_limit_ms: link.integer("resume_limit_ms", 5000, 100..=600_000),
     };
     if (1..SLOWEST_MODELLED_BAUD).contains(&settings.modelled_baud) {
         link.reject(
@@ -191,13 +190,13 @@ pub struct Allowance {
 
 pub(super) fn read_allow(allow: &mut Section<'_>) -> Allowance {
     Allowance {
-        lost: allow.integer("lost", unit::STEP, 0, 0..=LARGEST),
-        late: allow.integer("late", unit::STEP, 0, 0..=LARGEST),
-        crc_errors: allow.integer("crc_errors", unit::NONE, 0, 0..=LARGEST),
-        resumes: allow.integer("resumes", unit::NONE, 0, 0..=LARGEST),
-        late_in_a_row: allow.optional_integer("late_in_a_row", unit::STEP, 0..=LARGEST),
-        lateness_p99_us: allow.optional_integer("lateness_p99_us", unit::MICROSECOND, 1..=LARGEST),
-        round_trip_p99_us: allow.optional_integer("round_trip_p99_us", unit::MICROSECOND, 1..=LARGEST),
+        lost: allow.integer("lost", 0, 0..=LARGEST),
+        late: allow.integer("late", 0, 0..=LARGEST),
+        crc_errors: allow.integer("crc_errors", 0, 0..=LARGEST),
+        resumes: allow.integer("resumes", 0, 0..=LARGEST),
+        late_in_a_row: allow.optional_integer("late_in_a_row", 0..=LARGEST),
+        lateness_p99_us: allow.optional_integer("lateness_p99_us", 1..=LARGEST),
+        round_trip_p99_us: allow.optional_integer("round_trip_p99_us", 1..=LARGEST),
     }
 }
 
@@ -209,7 +208,7 @@ pub struct TelemetrySettings {
 }
 
 pub(super) fn read_telemetry(telemetry: &mut Section<'_>) -> TelemetrySettings {
-    TelemetrySettings { every_steps: telemetry.integer("every_steps", unit::STEP, 10, 0..=u16::MAX) }
+    TelemetrySettings { every_steps: telemetry.integer("every_steps", 10, 0..=u16::MAX) }
 }
 
 /// `[record]`.
@@ -220,5 +219,5 @@ pub struct RecordSettings {
 }
 
 pub(super) fn read_record(record: &mut Section<'_>) -> RecordSettings {
-    RecordSettings { flush_rows: record.integer("flush_rows", unit::ROW, 1000, 1..=1_000_000) }
+    RecordSettings { flush_rows: record.integer("flush_rows", 1000, 1..=1_000_000) }
 }

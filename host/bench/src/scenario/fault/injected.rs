@@ -9,10 +9,9 @@ use super::link::{FrameFault, LinkFault, Way};
 use super::motor::MotorFault;
 use super::plant::PlantFault;
 use crate::scenario::plant::PlantModel;
-use crate::scenario::range::{positive, within};
+use crate::scenario::range::positive;
 use crate::scenario::reader::Section;
 use crate::scenario::sections::RunSettings;
-use crate::scenario::unit;
 
 /// A fault to inject during the run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -117,8 +116,8 @@ pub(in crate::scenario) fn read(
     model: PlantModel,
     run: &RunSettings,
 ) -> InjectedFault {
-    let at_s = fault.number("at_s", unit::SECOND, None, within(0.0, 1e5));
-    let for_s = fault.optional_number("for_s", unit::SECOND, positive(1e5));
+    let at_s = fault.number("at_s", None, 0.0..=1e5);
+    let for_s = fault.optional_number("for_s", "s", positive(1e5));
     if run.step_at(at_s) >= run.steps() {
         let last_s = f64::from(run.steps().saturating_sub(1)) * f64::from(run.control_period_us) / 1e6;
         fault.reject(

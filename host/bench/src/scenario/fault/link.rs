@@ -4,9 +4,7 @@ use serde::Serialize;
 
 use super::keys::{fraction, integer_or, number, number_or};
 use super::kinds::fault_kinds;
-use crate::scenario::range::within;
 use crate::scenario::reader::Section;
-use crate::scenario::unit;
 
 /// Directions of the link that a fault strikes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -58,7 +56,7 @@ fault_kinds! {
             /// Fraction of frames hit.
             share: f64 = fraction,
             /// Length of the burst, 1 to 64 bytes; 8 by default. A shorter frame is replaced whole.
-            bytes: u32 = integer_or(8, unit::NONE, 1..=64),
+            bytes: u32 = integer_or(8, 1..=64),
         }
         /// A frame arrives twice.
         "link-duplicate" => Duplicate {
@@ -73,9 +71,9 @@ fault_kinds! {
         /// Every frame arrives later by delay and jitter, in wall-clock time. Frames keep their order.
         "link-delay" => Delay {
             /// Constant part, 0 to 1e4 ms.
-            delay_ms: f64 = number(unit::MILLISECOND, within(0.0, 1e4)),
+            delay_ms: f64 = number(0.0..=1e4),
             /// Upper end of a uniform random part, 0 to 1e4 ms; 0 by default.
-            jitter_ms: f64 = number_or(0.0, unit::MILLISECOND, within(0.0, 1e4)),
+            jitter_ms: f64 = number_or(0.0, 0.0..=1e4),
         }
         /// Frames are held back, and all arrive when the fault ends.
         "link-stall" => Stall {}
