@@ -86,7 +86,7 @@ fn examine_steps(line: &LineUnderTest<'_>, diagnoses: &mut Vec<Diagnosis>) -> Op
             return None;
         }
     };
-    diagnoses.push(assessment::handshake(session.identity()));
+    diagnoses.push(assessment::handshake(&session.identity));
     let timing = match round_trip::measure(&mut session, rounds) {
         Ok(timing) => timing,
         Err(source) => {

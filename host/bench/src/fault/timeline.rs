@@ -70,7 +70,7 @@ impl TimedFault {
             Progress::Pending if self.schedule.contains(step) => {
                 self.progress = Progress::Active { since: step, over_at: None };
                 strike(self.kind, device)?;
-                let over_at = self.lasts.map(|lasts| device.session.now() + lasts);
+                let over_at = self.lasts.map(|lasts| device.session.line.now() + lasts);
                 self.progress = Progress::Active { since: step, over_at };
             }
             Progress::Active { since, over_at: None }
@@ -145,7 +145,7 @@ impl Timeline {
     pub fn revive(&mut self, device: &mut Device) {
         for fault in &mut self.faults {
             if let Progress::Active { since, over_at: Some(over_at) } = fault.progress
-                && over_at <= device.session.now()
+                && over_at <= device.session.line.now()
             {
                 fault.progress = Progress::Over { since, until: None };
                 heal(fault.kind, device);
@@ -180,7 +180,7 @@ fn strike(kind: FaultKind, device: &mut Device) -> Result<(), SessionError> {
     match kind {
         FaultKind::Device(DeviceFault::Reset {}) => device.session.reset_by_surprise(),
         FaultKind::Device(DeviceFault::Hang {}) => {
-            device.host().suspend();
+            device.connection.host.suspend();
             Ok(())
         }
         FaultKind::Frame { .. }
@@ -194,7 +194,7 @@ fn strike(kind: FaultKind, device: &mut Device) -> Result<(), SessionError> {
 /// Ends a fault of the drive that lasts in the link's time.
 fn heal(kind: FaultKind, device: &Device) {
     match kind {
-        FaultKind::Device(DeviceFault::Hang {}) => device.host().resume(),
+        FaultKind::Device(DeviceFault::Hang {}) => device.connection.host.resume(),
         FaultKind::Device(DeviceFault::Reset {})
         | FaultKind::Frame { .. }
         | FaultKind::Link(_)
@@ -209,7 +209,7 @@ fn unsupported(kind: FaultKind, device: &Device, link: Option<&LinkFaults>) -> O
         FaultKind::Frame { .. } | FaultKind::Link(_) => link
             .is_none()
             .then_some("this link was opened without fault injection: open the device for this scenario"),
-        FaultKind::Device(DeviceFault::Hang {}) => (!device.host().can_suspend()).then_some(
+        FaultKind::Device(DeviceFault::Hang {}) => (!device.connection.host.can_suspend()).then_some(
             "only a drive that the bench runs can be suspended: use --device inproc, native or qemu, or link-stall",
         ),
         FaultKind::Device(DeviceFault::Reset {})

@@ -138,7 +138,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
     /// Passes the last step on, with the drive's latest estimates.
     pub(super) fn finish(&mut self, device: &Device) -> Result<(), RunError> {
         let Some(mut step) = self.unfinished.take() else { return Ok(()) };
-        if let Some((telemetry, origin)) = device.session.telemetry().zip(self.phase.origin()) {
+        if let Some((telemetry, origin)) = device.session.line.telemetry.zip(self.phase.origin()) {
             let row = &mut step.row;
             row.dead_zone_estimate_rad = telemetry.dead_zone_estimate_rad.into();
             row.disturbing_torque_estimate_nm = telemetry.disturbing_torque_nm.into();
@@ -164,7 +164,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         deadline: Instant,
         device: &mut Device,
     ) -> Result<Exchanged, RunError> {
-        let sent = device.session.now();
+        let sent = device.session.line.now();
         let limit = self.scenario.link.silence_limit();
         let silent_at = self.silent_since.unwrap_or(sent) + limit;
         let Request { number, sample, .. } = request;
@@ -173,8 +173,8 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
             Err(source) => Err(device.explain(source).into()),
             Ok(Exchange::Answered(answer)) => self.take_answer(request, &answer, deadline, device),
             Ok(Exchange::Faulted(fault)) => Ok(ControlFlow::Break(End::DriveFault(fault))),
-            Ok(Exchange::Unanswered) if device.session.now() >= silent_at => {
-                let silent = device.session.silent(limit);
+            Ok(Exchange::Unanswered) if device.session.line.now() >= silent_at => {
+                let silent = device.session.line.silent("EncoderSample", limit);
                 self.lose(silent, device)
             }
             Ok(Exchange::Unanswered) => {
@@ -199,7 +199,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         }
         self.silent_since = None;
         self.phase.note_answer();
-        let timestamps = device.session.timestamps();
+        let timestamps = device.session.timestamps;
         if self.clock == ClockName::RealTime && timestamps.arrived > deadline {
             // The bench itself read the answer late; the motor had no torque in time all the same.
             return Ok(ControlFlow::Continue((StepOutcome::Unanswered, None)));
@@ -264,11 +264,11 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
 
 /// The fault that an answer shows by its state. The report follows the answer; the answer to a stop is behind it.
 fn drive_fault(device: &mut Device, answer: &TorqueAnswer) -> Result<End, RunError> {
-    if device.session.fault().is_none() {
+    if device.session.line.fault.is_none() {
         let stopped = device.session.stop();
         stopped.map_err(|source| device.explain(source))?;
     }
-    match device.session.fault() {
+    match device.session.line.fault {
         Some(fault) => Ok(End::DriveFault(fault)),
         None => Err(device
             .unfit(format!("state {:?} in the middle of the run, without a fault", answer.status.state))

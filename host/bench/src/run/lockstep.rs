@@ -25,7 +25,7 @@ pub(super) fn close<S: StepSink>(
         if control.stop_asked() {
             return Ok(End::Interrupted);
         }
-        let deadline = device.session.now() + answer_timeout;
+        let deadline = device.session.line.now() + answer_timeout;
         if let Some(end) = control.step(step, deadline, Duration::ZERO, device)? {
             return Ok(end);
         }

@@ -90,15 +90,6 @@ impl ScenarioErrors {
     }
 }
 
-impl<'a> IntoIterator for &'a ScenarioErrors {
-    type Item = &'a ScenarioError;
-    type IntoIter = std::slice::Iter<'a, ScenarioError>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.iter()
-    }
-}
-
 impl From<ScenarioError> for ScenarioErrors {
     fn from(error: ScenarioError) -> Self {
         Self(vec![error])

@@ -31,7 +31,7 @@ pub(in crate::run) fn close<S: StepSink>(
             return Ok(End::Interrupted);
         }
         let due = pacer.due(step);
-        match device.session.idle(due - (spin + period / PERIOD_MARGIN)) {
+        match device.session.line.idle(due - (spin + period / PERIOD_MARGIN)) {
             // The exchange of the step finds the loss and handles it.
             Err(source) if !source.is_loss() => return Err(device.explain(source).into()),
             _ => {}
