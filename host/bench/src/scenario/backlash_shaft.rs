@@ -4,6 +4,7 @@
 use lashloop_plant::backlash_shaft::{BristleParameters, ShaftParameters, StribeckParameters};
 use serde::Serialize;
 
+use super::keys::{number_or, settings};
 use super::range::positive;
 use super::reader::Section;
 
@@ -53,24 +54,26 @@ pub enum LoadFrictionModel {
     Lugre,
 }
 
-/// Bristles of LuGre friction.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BristleSettings {
-    /// Bristle stiffness sigma_0, 1e-3 to 1e12.
-    pub bristle_stiffness_nm_rad: f64,
-    /// Bristle damping sigma_1, 0 to 1e9.
-    pub bristle_damping_nm_s_rad: f64,
+settings! {
+    /// Bristles of LuGre friction.
+    pub struct BristleSettings {
+        /// Bristle stiffness sigma_0, 1e-3 to 1e12.
+        bristle_stiffness_nm_rad: f64 = number_or(3.4e4, BristleParameters::STIFFNESS_NM_RAD),
+        /// Bristle damping sigma_1, 0 to 1e9.
+        bristle_damping_nm_s_rad: f64 = number_or(300.0, BristleParameters::DAMPING_NM_S_RAD),
+    }
 }
 
-/// `[plant.load_torque]`: an external torque on the load during an interval.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LoadTorque {
-    /// The torque, -1e6 to 1e6, positive towards positive angles.
-    pub torque_nm: f64,
-    /// Begin of the interval, 0 to 1e6.
-    pub from_s: f64,
-    /// End of the interval, excluded.
-    pub until_s: f64,
+settings! {
+    /// `[plant.load_torque]`: an external torque on the load during an interval.
+    pub struct LoadTorque {
+        /// The torque, -1e6 to 1e6, positive towards positive angles.
+        torque_nm: f64 = number_or(0.0, -1e6..=1e6),
+        /// Begin of the interval, 0 to 1e6.
+        from_s: f64 = number_or(0.0, 0.0..=FOREVER_S),
+        /// End of the interval, excluded.
+        until_s: f64 = number_or(FOREVER_S, positive(FOREVER_S)),
+    }
 }
 
 impl LoadTorque {
@@ -81,15 +84,16 @@ impl LoadTorque {
     }
 }
 
-/// `[plant.wear]`: linear growth of the half gap during an interval.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Wear {
-    /// Total growth, 0 to 1.
-    pub growth_rad: f64,
-    /// Begin of the growth, 0 to 1e6.
-    pub from_s: f64,
-    /// End of the growth.
-    pub until_s: f64,
+settings! {
+    /// `[plant.wear]`: linear growth of the half gap during an interval.
+    pub struct Wear {
+        /// Total growth, 0 to 1.
+        growth_rad: f64 = number_or(0.0, 0.0..=1.0),
+        /// Begin of the growth, 0 to 1e6.
+        from_s: f64 = number_or(0.0, 0.0..=FOREVER_S),
+        /// End of the growth.
+        until_s: f64 = number_or(FOREVER_S, positive(FOREVER_S)),
+    }
 }
 
 impl Wear {
@@ -129,9 +133,9 @@ pub(super) fn read(plant: &mut Section<'_>) -> BacklashShaftSettings {
             ShaftParameters::LOAD_ASYMMETRY,
         ),
         bristles: match model {
-            LoadFrictionModel::Lugre => Some(read_bristles(plant)),
+            LoadFrictionModel::Lugre => Some(BristleSettings::read(plant)),
             LoadFrictionModel::Stribeck => {
-                plant.belongs_to("load_friction", "lugre", "stribeck", read_bristles);
+                plant.belongs_to("load_friction", "lugre", "stribeck", BristleSettings::read);
                 None
             }
         },
@@ -145,8 +149,16 @@ pub(super) fn read(plant: &mut Section<'_>) -> BacklashShaftSettings {
             ShaftParameters::TORQUE_SATURATION_NM,
         ),
         torque_delay_us: plant.integer("torque_delay_us", 1000, 0..=1_000_000),
-        load_torque: plant.section("load_torque", read_load_torque),
-        wear: plant.section("wear", read_wear),
+        load_torque: plant.section("load_torque", |section| {
+            let load = LoadTorque::read(section);
+            check_times(section, load.from_s, load.until_s);
+            load
+        }),
+        wear: plant.section("wear", |section| {
+            let wear = Wear::read(section);
+            check_times(section, wear.from_s, wear.until_s);
+            wear
+        }),
     };
     for (coulomb, stiction, [less, more]) in [
         ("load_coulomb_nm", "load_stiction_nm", [settings.load_coulomb_nm, settings.load_stiction_nm]),
@@ -170,40 +182,11 @@ fn velocity(plant: &mut Section<'_>, key: &'static str, default: f64) -> f64 {
     plant.number(key, default, StribeckParameters::VELOCITY_RAD_S)
 }
 
-fn read_bristles(plant: &mut Section<'_>) -> BristleSettings {
-    BristleSettings {
-        bristle_stiffness_nm_rad: plant.number(
-            "bristle_stiffness_nm_rad",
-            3.4e4,
-            BristleParameters::STIFFNESS_NM_RAD,
-        ),
-        bristle_damping_nm_s_rad: plant.number(
-            "bristle_damping_nm_s_rad",
-            300.0,
-            BristleParameters::DAMPING_NM_S_RAD,
-        ),
-    }
-}
-
-fn read_load_torque(load: &mut Section<'_>) -> LoadTorque {
-    let torque_nm = load.number("torque_nm", 0.0, -1e6..=1e6);
-    let [from_s, until_s] = read_times(load);
-    LoadTorque { torque_nm, from_s, until_s }
-}
-
-fn read_wear(wear: &mut Section<'_>) -> Wear {
-    let growth_rad = wear.number("growth_rad", 0.0, 0.0..=1.0);
-    let [from_s, until_s] = read_times(wear);
-    Wear { growth_rad, from_s, until_s }
-}
-
-fn read_times(section: &mut Section<'_>) -> [f64; 2] {
-    let from_s = section.number("from_s", 0.0, 0.0..=FOREVER_S);
-    let until_s = section.number("until_s", FOREVER_S, positive(FOREVER_S));
+/// Checks that an interval ends after its begin.
+fn check_times(section: &Section<'_>, from_s: f64, until_s: f64) {
     if until_s <= from_s && section.node("until_s").is_some() {
         section.reject("until_s", format!("is not after from_s; it must be > {from_s} s"));
     } else if until_s <= from_s {
         section.reject("from_s", format!("is the end of time; it must be < {until_s} s"));
     }
-    [from_s, until_s]
 }

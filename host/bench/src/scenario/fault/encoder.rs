@@ -3,8 +3,8 @@
 use lashloop_protocol::EncoderCounts;
 use serde::Serialize;
 
-use super::keys::{fraction, integer, number};
 use super::kinds::fault_kinds;
+use crate::scenario::keys::{fraction, integer, number};
 use crate::scenario::range::positive;
 use crate::scenario::reader::Section;
 

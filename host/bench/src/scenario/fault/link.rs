@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::keys::{fraction, integer_or, number, number_or};
 use super::kinds::fault_kinds;
+use crate::scenario::keys::{fraction, integer_or, number, number_or};
 use crate::scenario::reader::Section;
 
 /// Directions of the link that a fault strikes.

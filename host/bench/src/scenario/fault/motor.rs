@@ -1,7 +1,7 @@
 //! Faults of the motor.
 
-use super::keys::{integer, number};
 use super::kinds::fault_kinds;
+use crate::scenario::keys::{integer, number};
 
 fault_kinds! {
     /// Faults between the torque the drive commands and the torque the motor gives.

@@ -1,7 +1,7 @@
 //! Faults of the plant.
 
-use super::keys::number;
 use super::kinds::fault_kinds;
+use crate::scenario::keys::number;
 use crate::scenario::range::positive;
 use crate::scenario::reader::Section;
 
