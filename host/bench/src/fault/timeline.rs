@@ -33,7 +33,7 @@ pub struct Timeline {
 struct TimedFault {
     kind: FaultKind,
     schedule: Schedule,
-    /// For a fault that lasts in wall-clock time.
+    /// For a fault that lasts in the link's time.
     lasts: Option<Duration>,
     progress: Progress,
 }
@@ -42,7 +42,7 @@ enum Progress {
     Pending,
     Active {
         since: u32,
-        /// For a fault that lasts in wall-clock time.
+        /// For a fault that lasts in the link's time.
         over_at: Option<Instant>,
     },
     Over {
@@ -59,7 +59,7 @@ impl TimedFault {
         Self { kind: fault.kind, schedule, lasts, progress: Progress::Pending }
     }
 
-    /// When it is over, of a fault that is active and lasts in wall-clock time.
+    /// When it is over, of a fault that is active and lasts in the link's time.
     fn over_at(&self) -> Option<Instant> {
         if let Progress::Active { over_at, .. } = self.progress { over_at } else { None }
     }
@@ -134,10 +134,10 @@ impl Timeline {
         for fault in &mut self.faults {
             fault.advance(step, device)?;
         }
-        let lasts_in_wall_clock_time = self.faults.iter().any(|fault| fault.over_at().is_some());
+        let lasts_in_link_time = self.faults.iter().any(|fault| fault.over_at().is_some());
         let edges = self.faults.iter().flat_map(|fault| fault.schedule.edges());
         let edge = edges.filter(|edge| *edge > step).min();
-        self.next = if lasts_in_wall_clock_time { Some(step + 1) } else { edge };
+        self.next = if lasts_in_link_time { Some(step + 1) } else { edge };
         Ok(())
     }
 

@@ -7,7 +7,7 @@ pub enum FaultDuration {
     Simulated,
     /// The step in which it begins.
     Momentary,
-    /// `for_s` in wall-clock time, since there may be no steps meanwhile.
+    /// `for_s` in the link's time, since there may be no steps meanwhile.
     WallClock,
 }
 

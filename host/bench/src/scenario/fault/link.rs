@@ -68,7 +68,7 @@ fault_kinds! {
             /// Fraction of frames hit.
             share: f64 = fraction,
         }
-        /// Every frame arrives later by delay and jitter, in wall-clock time. Frames keep their order.
+        /// Every frame arrives later by delay and jitter, in the link's time. Frames keep their order.
         "link-delay" => Delay {
             /// Constant part, 0 to 1e4 ms.
             delay_ms: f64 = number(0.0..=1e4),
