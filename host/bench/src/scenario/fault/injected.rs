@@ -60,26 +60,24 @@ impl FaultKind {
     /// The kind's name, as scenarios and records spell it.
     #[must_use]
     pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Frame { fault, .. } => fault.name(),
-            Self::Link(fault) => fault.name(),
-            Self::Encoder { fault, .. } => fault.name(),
-            Self::Motor(fault) => fault.name(),
-            Self::Plant(fault) => fault.name(),
-            Self::Device(fault) => fault.name(),
-        }
+        self.entry().0
     }
 
     /// What ends a fault of this kind.
     #[must_use]
     pub const fn duration(&self) -> FaultDuration {
+        self.entry().1
+    }
+
+    /// The kind's entry in the table of its group.
+    const fn entry(&self) -> (&'static str, FaultDuration) {
         match self {
-            Self::Frame { fault, .. } => fault.duration(),
-            Self::Link(fault) => fault.duration(),
-            Self::Encoder { fault, .. } => fault.duration(),
-            Self::Motor(fault) => fault.duration(),
-            Self::Plant(fault) => fault.duration(),
-            Self::Device(fault) => fault.duration(),
+            Self::Frame { fault, .. } => fault.entry(),
+            Self::Link(fault) => fault.entry(),
+            Self::Encoder { fault, .. } => fault.entry(),
+            Self::Motor(fault) => fault.entry(),
+            Self::Plant(fault) => fault.entry(),
+            Self::Device(fault) => fault.entry(),
         }
     }
 
