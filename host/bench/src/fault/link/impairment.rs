@@ -13,7 +13,7 @@ use super::piece::Piece;
 use crate::fault::random::{stream, uniform_below};
 use crate::fault::schedule::{Schedule, scheduled};
 use crate::scenario::Scenario;
-use crate::scenario::fault::{FaultKind, FrameFault};
+use crate::scenario::fault::{FaultKind, FrameFault, Way};
 
 /// Frames held at most; a longer stall loses the oldest.
 const CAPACITY: usize = 1024;
@@ -54,7 +54,11 @@ impl Impairment {
     pub(super) fn new(scenario: &Scenario, to_drive: bool) -> Self {
         let here = |kind| match kind {
             FaultKind::Frame { fault, way } => {
-                let is_here = if to_drive { way.is_to_drive() } else { way.is_to_bench() };
+                let is_here = match way {
+                    Way::ToDrive => to_drive,
+                    Way::ToBench => !to_drive,
+                    Way::Both => true,
+                };
                 is_here.then_some(fault)
             }
             _ => None,

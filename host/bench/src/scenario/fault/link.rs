@@ -24,18 +24,6 @@ impl Way {
         let choices = [("both", Self::Both), ("to-drive", Self::ToDrive), ("to-bench", Self::ToBench)];
         section.choice("way", Self::Both, &choices).unwrap_or(Self::Both)
     }
-
-    /// Whether frames to the drive are struck.
-    #[must_use]
-    pub fn is_to_drive(self) -> bool {
-        matches!(self, Self::ToDrive | Self::Both)
-    }
-
-    /// Whether frames to the bench are struck.
-    #[must_use]
-    pub fn is_to_bench(self) -> bool {
-        matches!(self, Self::ToBench | Self::Both)
-    }
 }
 
 fault_kinds! {
