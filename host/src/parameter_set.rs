@@ -23,7 +23,7 @@ impl ParameterSet {
     /// # Errors
     /// The session fails.
     pub fn read(session: &mut Session) -> Result<Self, SessionError> {
-        let parameters = session.parameters().to_vec();
+        let parameters = session.parameters.to_vec();
         let valued = parameters.into_iter().map(|it| session.get(it.index).map(|value| (it, value)));
         valued.collect::<Result<_, _>>().map(Self)
     }

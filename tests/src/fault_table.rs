@@ -20,10 +20,10 @@ use crate::workspace;
 
 const DOCUMENT: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/faults.md"));
 
-/// The capture of the line, beside the record.
+/// The capture of the line, next to the record.
 const LINE: &str = "line.pcapng";
 
-/// Counts of the link that say that something was lost.
+/// Counts of the link that show a loss.
 const COUNTS: [&str; 6] = ["crc_errors", "lost", "late", "resumes", "damaged_at_drive", "overruns_at_drive"];
 
 /// A row of the table.
@@ -31,11 +31,11 @@ const COUNTS: [&str; 6] = ["crc_errors", "lost", "late", "resumes", "damaged_at_
 pub struct Row {
     /// The keys of the fault, apart by semicolons.
     pub fault: String,
-    /// Settings beside it.
+    /// Further settings of the run.
     pub with: Vec<String>,
-    /// Who notices, and by what.
+    /// The side that detects the fault, and by what.
     pub detected_by: Vec<String>,
-    /// What drive and bench do about it.
+    /// The reaction of drive and bench.
     pub reaction: String,
     /// PASS, FAIL, INVALID or `exit 4`.
     pub ends: String,
@@ -97,16 +97,16 @@ impl Row {
         let mut arguments = vec!["run", &scenario, "--device", device, "--out", &out, "--capture", &line];
         arguments.extend(self.with.iter().flat_map(|setting| ["--set", setting]));
         if !self.detected_by.iter().any(|by| by.starts_with("bench")) {
-            // Nothing is lost in this row, and a machine that is busy must not add what is.
+            // This row loses nothing, and a busy machine must not add a loss.
             arguments.extend(PATIENCE);
         }
         (program::run(arguments), records)
     }
 
-    /// Runs the row on a device and holds it against what came of it.
+    /// Runs the row on a device and compares the run with the row.
     ///
     /// # Panics
-    /// It is not so; the panic shows the row and what the bench said.
+    /// The run contradicts the row; the panic shows both.
     pub fn check_on(&self, device: &str) {
         let (ended, records) = self.run_on(device);
         let context = format!("{self:?} on {device}\n{}{}", ended.stdout, ended.stderr);
@@ -133,16 +133,16 @@ impl Row {
     /// What drive and bench did about it, by the frames on the line and the rows of the record.
     fn check_reaction(&self, records: &Records, context: &str) {
         let unanswered = held_where_unanswered(records, context);
-        let said: Vec<DriveMessage> = said(Direction::DriveToHost, records, context);
-        let shows_it = said.iter().position(|message| match message {
+        let sent: Vec<DriveMessage> = messages(Direction::DriveToHost, records, context);
+        let shows_it = sent.iter().position(|message| match message {
             DriveMessage::FaultReport(_) => true,
             DriveMessage::CommandResult(result) => {
                 (result.request, result.state) == (EncoderSample::LAYOUT.kind, State::Boot)
             }
             _ => false,
         });
-        let torque_after = said[shows_it.unwrap_or(said.len())..].iter().any(gives_torque);
-        let torque_while_not_running = said.iter().any(|message| {
+        let torque_after = sent[shows_it.unwrap_or(sent.len())..].iter().any(gives_torque);
+        let torque_while_not_running = sent.iter().any(|message| {
             matches!(message, DriveMessage::TorqueAnswer(answer) if answer.status.state != State::Running)
                 && gives_torque(message)
         });
@@ -204,7 +204,7 @@ fn is_detected(detector: &str, ended: &Ended, summary: Option<&Value>) -> bool {
     }
 }
 
-/// A step without an answer has the torque of the step before. Returns how many there are.
+/// Checks that a step without an answer has the torque of the step before. Returns the number of such steps.
 fn held_where_unanswered(records: &Records, context: &str) -> usize {
     let (answered, torque_nm) = (records.timing().column("answered"), records.trace().column("torque_nm"));
     let unanswered: Vec<_> = (1..answered.len()).filter(|step| answered[*step] == 0.0).collect();
@@ -214,16 +214,16 @@ fn held_where_unanswered(records: &Records, context: &str) -> usize {
     unanswered.len()
 }
 
-/// After the last sample the drive is told to stop at once, if it can be told anything.
+/// Whether an emergency stop at most follows the last sample.
 fn nothing_follows_the_last_sample(records: &Records, context: &str) -> bool {
-    let said: Vec<HostMessage> = said(Direction::HostToDrive, records, context);
-    let last = said.iter().rposition(|message| matches!(message, HostMessage::EncoderSample(_)));
-    let rest = &said[last.expect("a run has samples") + 1..];
+    let sent: Vec<HostMessage> = messages(Direction::HostToDrive, records, context);
+    let last = sent.iter().rposition(|message| matches!(message, HostMessage::EncoderSample(_)));
+    let rest = &sent[last.expect("a run has samples") + 1..];
     rest.iter().all(|message| matches!(message, HostMessage::EmergencyStop(_)))
 }
 
-/// What was said one way on the line, as far as it arrived whole.
-fn said<M: Message>(direction: Direction, records: &Records, context: &str) -> Vec<M> {
+/// The messages of one direction that arrived whole.
+fn messages<M: Message>(direction: Direction, records: &Records, context: &str) -> Vec<M> {
     let bytes = fs::read(records.path(LINE)).unwrap_or_else(|error| panic!("no capture, {error}: {context}"));
     let mut decoder = Decoder::new();
     reader::packets(&bytes)

@@ -1,7 +1,7 @@
 //! Files that are complete or don't exist.
 
 use std::fs::{self, File, Permissions};
-use std::io::{self, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
@@ -36,12 +36,44 @@ pub fn write_whole(
     Ok(())
 }
 
-/// Creates a file that is to grow. It replaces an older one once its first bytes are written, so that a full disk loses
-/// nothing. A device or a pipe is written to in place.
-///
-/// # Errors
-/// The directory doesn't exist or can't be written to, or the first bytes can't be written.
-pub fn begin(path: &Path, prefix: &str, first: &[u8]) -> Result<File, WriteError> {
+/// A file that grows by whole chunks.
+#[derive(Debug)]
+pub struct GrowingFile {
+    path: PathBuf,
+    file: File,
+    /// Bytes of whole chunks in the file.
+    written: u64,
+}
+
+impl GrowingFile {
+    /// Creates the file. It replaces an older one once its first chunk is written, so that a full disk loses nothing. A
+    /// device or a pipe is written to in place. `prefix` begins the temporary file's name.
+    ///
+    /// # Errors
+    /// The directory doesn't exist or can't be written to, or the first chunk can't be written.
+    pub fn create(path: &Path, prefix: &str, first: &[u8]) -> Result<Self, WriteError> {
+        let file = begin(path, prefix, first)?;
+        Ok(Self { path: path.to_owned(), file, written: first.len() as u64 })
+    }
+
+    /// Appends a chunk.
+    ///
+    /// # Errors
+    /// The chunk can't be written. The chunks before it are kept.
+    pub fn append(&mut self, chunk: &[u8]) -> Result<(), WriteError> {
+        let result = self.file.write_all(chunk);
+        if result.is_ok() {
+            self.written += chunk.len() as u64;
+        } else {
+            // A full disk may have taken part of the chunk. A failure to cut it off adds nothing to the first error.
+            let _ = self.file.set_len(self.written);
+            let _ = self.file.seek(SeekFrom::Start(self.written));
+        }
+        result.map_err(|source| WriteError { path: self.path.clone(), action: "written", source })
+    }
+}
+
+fn begin(path: &Path, prefix: &str, first: &[u8]) -> Result<File, WriteError> {
     let error = |action| move |source| WriteError { path: path.to_owned(), action, source };
     if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
         let mut file = File::create(path).map_err(error("created"))?;
@@ -97,8 +129,8 @@ mod tests {
     fn a_created_file_grows_under_its_name() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("trace.csv");
-        let mut file = begin(&path, ".trace-", b"a,b\n").expect("a file");
-        file.write_all(b"1,2\n").expect("a row");
+        let mut file = GrowingFile::create(&path, ".trace-", b"a,b\n").expect("a file");
+        file.append(b"1,2\n").expect("a row");
         assert_eq!(fs::read_to_string(&path).expect("the file"), "a,b\n1,2\n");
     }
 }

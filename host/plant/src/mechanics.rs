@@ -1,5 +1,7 @@
 //! The two masses and the spring of every plant.
 
+use std::ops::RangeInclusive;
+
 use nalgebra::Vector6;
 
 use crate::ParameterError;
@@ -29,7 +31,31 @@ pub struct Mechanics {
     pub dead_zone_rad: f64,
 }
 
+/// Checks a parameter against its range.
+pub(crate) fn in_range(
+    name: &'static str,
+    value: f64,
+    range: &RangeInclusive<f64>,
+) -> Result<(), ParameterError> {
+    within(name, value, *range.start(), *range.end())
+}
+
 impl Mechanics {
+    /// Allowed motor inertia.
+    pub const MOTOR_INERTIA_KG_M2: RangeInclusive<f64> = 1e-9..=1e3;
+    /// Allowed viscous friction of the motor.
+    pub const MOTOR_FRICTION_NM_S_RAD: RangeInclusive<f64> = 0.0..=1e4;
+    /// Allowed load inertia.
+    pub const LOAD_INERTIA_KG_M2: RangeInclusive<f64> = 1e-9..=1e6;
+    /// Allowed viscous friction of the load.
+    pub const LOAD_FRICTION_NM_S_RAD: RangeInclusive<f64> = 0.0..=1e6;
+    /// Allowed reduction ratio.
+    pub const RATIO: RangeInclusive<f64> = 1e-3..=1e4;
+    /// Allowed stiffness.
+    pub const STIFFNESS_NM_RAD: RangeInclusive<f64> = 1e-6..=1e9;
+    /// Allowed dead-zone amplitude.
+    pub const DEAD_ZONE_RAD: RangeInclusive<f64> = 1e-6..=10.0;
+
     /// Table 1 of the paper (Control Engineering Practice 13 (2005) 973-983).
     pub fn paper() -> Self {
         Self {
@@ -48,13 +74,13 @@ impl Mechanics {
     /// # Errors
     /// Names the first parameter outside its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        within("motor_inertia_kg_m2", self.motor_inertia_kg_m2, 1e-9, 1e3)?;
-        within("motor_friction_nm_s_rad", self.motor_friction_nm_s_rad, 0.0, 1e4)?;
-        within("load_inertia_kg_m2", self.load_inertia_kg_m2, 1e-9, 1e6)?;
-        within("load_friction_nm_s_rad", self.load_friction_nm_s_rad, 0.0, 1e6)?;
-        within("ratio", self.ratio, 1e-3, 1e4)?;
-        within("stiffness_nm_rad", self.stiffness_nm_rad, 1e-6, 1e9)?;
-        within("dead_zone_rad", self.dead_zone_rad, 1e-6, 10.0)
+        in_range("motor_inertia_kg_m2", self.motor_inertia_kg_m2, &Self::MOTOR_INERTIA_KG_M2)?;
+        in_range("motor_friction_nm_s_rad", self.motor_friction_nm_s_rad, &Self::MOTOR_FRICTION_NM_S_RAD)?;
+        in_range("load_inertia_kg_m2", self.load_inertia_kg_m2, &Self::LOAD_INERTIA_KG_M2)?;
+        in_range("load_friction_nm_s_rad", self.load_friction_nm_s_rad, &Self::LOAD_FRICTION_NM_S_RAD)?;
+        in_range("ratio", self.ratio, &Self::RATIO)?;
+        in_range("stiffness_nm_rad", self.stiffness_nm_rad, &Self::STIFFNESS_NM_RAD)?;
+        in_range("dead_zone_rad", self.dead_zone_rad, &Self::DEAD_ZONE_RAD)
     }
 
     /// Twist z in rad.

@@ -1,9 +1,10 @@
 //! The initial condition of a plant.
 
 use nalgebra::Vector6;
+use serde::Serialize;
 
 /// Positions and velocities at which a plant is released.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Start {
     /// Load position theta_s in rad.
     pub load_position_rad: f64,

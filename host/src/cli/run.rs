@@ -9,7 +9,7 @@ use lashloop_bench::capture::{self, Capture, WhenFull};
 use lashloop_bench::device::{Device, DeviceChoice};
 use lashloop_bench::link::Link;
 use lashloop_bench::record::summary::{Summary, Versions};
-use lashloop_bench::record::timing::TimingWriter;
+use lashloop_bench::record::timing::{TimingRow, TimingWriter};
 use lashloop_bench::record::trace::TraceWriter;
 use lashloop_bench::run::DeviceUnderTest;
 use lashloop_bench::run::{self, Outcome, Step, StepObserver};
@@ -79,7 +79,7 @@ impl Arguments {
         let outcome = run::run(&scenario, &mut device, clock, &mut watcher)?;
         let RunWatcher { tables, capture, progress, .. } = watcher;
         drop(progress);
-        if let Some(Tables { trace, timing }) = tables {
+        if let Some(Tables { trace, timing, .. }) = tables {
             trace.finish()?;
             timing.finish()?;
         }
@@ -106,6 +106,7 @@ const TIMING: &str = "timing.csv";
 struct Tables {
     trace: TraceWriter,
     timing: TimingWriter,
+    steps: u64,
 }
 
 /// Creates the folder and the tables.
@@ -115,6 +116,7 @@ fn prepare(folder: &Path, scenario: &Scenario) -> Result<Tables, CliError> {
     Ok(Tables {
         trace: TraceWriter::create(&folder.join(TRACE), flush_rows)?,
         timing: TimingWriter::create(&folder.join(TIMING), flush_rows)?,
+        steps: 0,
     })
 }
 
@@ -138,7 +140,7 @@ pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -
         versions: Versions {
             lashloop: env!("CARGO_PKG_VERSION").to_owned(),
             protocol: PROTOCOL_VERSION.to_string(),
-            firmware: device.session.identity().firmware.to_string(),
+            firmware: device.session.identity.firmware.to_string(),
         },
     }
 }
@@ -156,9 +158,11 @@ impl StepObserver for RunWatcher<'_> {
         if let Some(capture) = &self.capture {
             capture.check()?;
         }
-        let Some(Tables { trace, timing }) = &mut self.tables else { return Ok(()) };
+        let Some(Tables { trace, timing, steps }) = &mut self.tables else { return Ok(()) };
         trace.push(&step.row)?;
-        timing.push(&step.timing)
+        timing.push(&TimingRow::new(*steps, &step.timing))?;
+        *steps += 1;
+        Ok(())
     }
 
     fn stop_asked(&self) -> bool {

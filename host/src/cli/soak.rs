@@ -99,7 +99,7 @@ fn one_run(
     watcher: &mut SoakWatcher<'_>,
 ) -> Result<Outcome, RunError> {
     let mut device = DeviceUnderTest::open(scenario, choice, supervisor, |link| link)?;
-    watcher.process = device.device.process().map(lashloop_bench::supervisor::Process::id);
+    watcher.process = device.device.connection.host.process().map(|process| process.id);
     run::run(scenario, &mut device, Clock::Lockstep, watcher)
 }
 

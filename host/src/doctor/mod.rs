@@ -77,7 +77,7 @@ fn examine_steps(line: &LineUnderTest<'_>, diagnoses: &mut Vec<Diagnosis>) -> Re
     };
     diagnoses.push(assessment::drained());
     let mut session = Session::open(link, device::session_number()).map_err(broken("handshake"))?;
-    diagnoses.push(assessment::handshake(session.identity()));
+    diagnoses.push(assessment::handshake(&session.identity));
     let timing = round_trip::measure(&mut session, rounds).map_err(broken("round trip"))?;
     diagnoses.push(assessment::round_trip(&timing));
     diagnoses.extend(assessment::losses(&timing, session.traffic().damaged));

@@ -57,7 +57,7 @@ pub fn measure(session: &mut Session, rounds: u32) -> Result<Timing, SessionErro
             Exchange::Unanswered | Exchange::Faulted(_) => {
                 lost += 1;
                 if lost > LARGEST_LOSS {
-                    return Err(session.silent(ANSWER_LIMIT));
+                    return Err(session.line.silent("EncoderSample", ANSWER_LIMIT));
                 }
             }
         }

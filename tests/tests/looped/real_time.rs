@@ -247,10 +247,6 @@ fn real_time_options_are_rejected_in_lockstep() {
     for option in [&["--spin-us", "10"][..], &["--fifo", "5"], &["--lock-memory"], &["--core", "0"]] {
         let arguments = ["run", "scenarios/smooth-after.toml", "--device", "inproc"];
         let ended = program::run(arguments.iter().chain(option)).with_code(2);
-        assert!(
-            ended.stderr.contains(&format!("{} needs --clock real-time", option[0])),
-            "{}",
-            ended.stderr
-        );
+        assert!(ended.stderr.contains(&format!("{} needs --clock real-time", option[0])), "{}", ended.stderr);
     }
 }

@@ -1,4 +1,4 @@
-//! A link whose every frame goes into a capture on its way. Without a capture there is no such link, and no cost.
+//! The middleware that captures a link. A run without a capture has none, and no cost.
 
 use std::time::Instant;
 
@@ -7,7 +7,7 @@ use lashloop_protocol::layout::Direction;
 use crate::capture::{Recorder, Splitter};
 use crate::link::{Link, LinkError};
 
-/// A link with an ear on it.
+/// A link and the capture of its bytes.
 pub struct Captured {
     link: Box<dyn Link>,
     capture: Recorder,
@@ -16,13 +16,13 @@ pub struct Captured {
 }
 
 impl Captured {
-    /// Listens on `link`.
+    /// Captures `link`.
     #[must_use]
     pub fn new(link: Box<dyn Link>, capture: Recorder) -> Self {
         Self { link, capture, sent: Splitter::default(), received: Splitter::default() }
     }
 
-    /// Half a frame that nothing will complete is a packet as well.
+    /// Records the partial frames of both directions, which no byte completes.
     fn end_pieces(&mut self) {
         let Self { capture, sent, received, .. } = self;
         received.finish(|piece| capture.push(Direction::DriveToHost, piece));
@@ -35,7 +35,7 @@ impl Link for Captured {
         Some(self.link.as_mut())
     }
 
-    /// What can't be sent is captured too: it is what the failure was about.
+    /// Captures bytes before sending them, because a failed send is worth seeing.
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         let Self { link, capture, sent, .. } = self;
         sent.push(bytes, |piece| capture.push(Direction::HostToDrive, piece));
@@ -49,7 +49,7 @@ impl Link for Captured {
         Ok(count)
     }
 
-    /// What is thrown away here has never been read, so it is not in the capture.
+    /// Discarded bytes are never read, so the capture omits them.
     fn discard_input(&mut self) -> Result<(), LinkError> {
         self.end_pieces();
         self.link.discard_input()
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
     use crate::capture::{WhenFull, create, reader};
 
-    /// Gives its pieces one by one, then is gone; takes nothing.
+    /// Delivers its pieces one by one, then disconnects; takes nothing.
     struct Torn(Vec<&'static [u8]>);
 
     impl Link for Torn {
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn damaged_bytes_and_what_came_before_a_failure_are_kept_as_they_were() {
+    fn damaged_bytes_and_partial_frames_are_captured_unchanged() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("line.pcapng");
         let (recorder, capture) = create(&path, WhenFull::Fail).unwrap();
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_drive_that_hangs_was_asked_is_in_the_file_while_the_bench_waits() {
+    fn the_request_to_a_silent_drive_is_written_during_the_wait() {
         struct Looking(std::path::PathBuf);
         impl Link for Looking {
             fn inner(&mut self) -> Option<&mut dyn Link> {

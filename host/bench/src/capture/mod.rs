@@ -7,14 +7,12 @@
 //! | module | does |
 //! |---|---|
 //! | [`pcapng`] | encodes packets as blocks |
-//! | `file` | writes whole blocks to the file |
-//! | [`recorder`] | passes packets from the loop to the writing thread |
+//! | [`recorder`] | passes packets from the loop to the thread that writes the file |
 //! | [`splitter`] | splits a stream at its delimiters |
 //! | [`reader`] | reads packets of any pcapng file |
 //!
 //! The middleware that captures a link is [`crate::capture::link`].
 
-mod file;
 pub mod link;
 pub mod pcapng;
 pub mod reader;

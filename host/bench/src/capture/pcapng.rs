@@ -33,7 +33,7 @@ pub(super) const PACKET_FLAGS: u16 = 2;
 pub(super) const INBOUND: u32 = 1;
 pub(super) const OUTBOUND: u32 = 2;
 
-/// What a file begins with: one section and one interface, the line to the drive.
+/// The begin of a file: one section and one interface, the line to the drive.
 #[must_use]
 pub fn file_header() -> Vec<u8> {
     let mut out = Vec::new();
@@ -54,8 +54,8 @@ pub fn file_header() -> Vec<u8> {
     out
 }
 
-/// Appends a packet. `time_ns` counts from the start of 1970; the host is the one that captures, so what goes to the
-/// drive is outbound.
+/// Appends a packet. `time_ns` counts from the start of 1970. The host captures, so a frame to the drive is
+/// outbound.
 pub fn append_packet(out: &mut Vec<u8>, time_ns: u64, direction: Direction, bytes: &[u8]) {
     let flags = match direction {
         Direction::HostToDrive => OUTBOUND,
@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_end_on_four_bytes_whatever_the_frame_s_length() {
+    fn blocks_of_any_frame_end_on_four_bytes() {
         for len in 0..=64 {
             let mut out = Vec::new();
             append_packet(&mut out, 0, Direction::HostToDrive, &vec![1; len]);

@@ -34,7 +34,7 @@ pub enum ReadError {
         /// Packets read before.
         packets: u64,
     },
-    /// The file is not what pcapng asks.
+    /// The file violates the specification of pcapng.
     #[error("not a pcapng file as the specification asks, after packet {packets}")]
     Malformed {
         /// Packets read before.
@@ -103,7 +103,7 @@ impl Reader<'_> {
         None
     }
 
-    /// `None` for what is not from a line to a drive.
+    /// `None` for a packet of another link type.
     fn packet(&self, block: &EnhancedPacketBlock<'_>) -> Option<Packet> {
         let interface = self.interfaces.get(block.if_id as usize)?;
         if interface.link_type != i32::from(LINK_TYPE) {
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_written_is_read_back_with_times_to_the_nanosecond() {
+    fn written_packets_are_read_back_to_the_nanosecond() {
         let written = [
             (1_795_000_000_123_456_789, Direction::HostToDrive, &[1, 1, 0][..]),
             (1_795_000_000_123_456_790, Direction::DriveToHost, &[9; 4096][..]),
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_breaks_off_gives_its_whole_packets_and_says_so() {
+    fn the_whole_packets_of_a_truncated_file_are_read() {
         let whole = file(&[(1, Direction::HostToDrive, &[5, 0]), (2, Direction::HostToDrive, &[6, 0])]);
         let read: Vec<_> = packets(&whole[..whole.len() - 1]).collect();
         assert!(
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn packets_of_other_link_types_are_passed_over_and_counted() {
+    fn packets_of_other_link_types_are_omitted_and_counted() {
         let mut ethernet = file(&[(1, Direction::HostToDrive, &[5, 0])]);
         let link_type = ethernet.windows(2).position(|pair| pair == LINK_TYPE.to_le_bytes()).unwrap();
         ethernet[link_type] = 1;

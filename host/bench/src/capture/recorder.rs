@@ -6,7 +6,7 @@
 
 use std::io;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -14,8 +14,9 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use lashloop_protocol::layout::Direction;
 use rtrb::{Consumer, Producer, RingBuffer};
 
-use super::file::CaptureFile;
-use crate::atomic_file::WriteError;
+use super::pcapng;
+use super::splitter::LONGEST;
+use crate::atomic_file::{GrowingFile, WriteError};
 
 /// How often packets reach the file.
 pub const FLUSH: Duration = Duration::from_millis(5);
@@ -38,9 +39,11 @@ pub enum WhenFull {
 /// The link's end of a capture. Dropping it writes what is pending and closes the file.
 #[derive(Debug)]
 pub struct Recorder {
-    /// `None` at the very end.
+    /// `None` only while the recorder is dropped.
     ring: Option<Producer<u8>>,
-    /// When the capture began, on the calendar and on the clock that never jumps.
+    /// The latest packet as a block of the file.
+    block: Vec<u8>,
+    /// The begin of the capture: in nanoseconds since the start of 1970, and on the monotonic clock.
     began: (u64, Instant),
     when_full: WhenFull,
     shared: Arc<Shared>,
@@ -53,10 +56,11 @@ pub struct Capture(Arc<Shared>);
 
 #[derive(Debug)]
 struct Shared {
-    /// `state` has an error to report.
+    /// A write has failed; nothing more is written.
     failed: AtomicBool,
     /// The ring was full.
     overflowed: AtomicBool,
+    packets: AtomicU64,
     state: Mutex<State>,
     changed: Condvar,
     path: Box<Path>,
@@ -65,8 +69,8 @@ struct Shared {
 #[derive(Debug, Default)]
 struct State {
     error: Option<WriteError>,
-    /// Packets in the file, once it is closed.
-    packets: Option<u64>,
+    /// Everything is written.
+    ended: bool,
 }
 
 /// Creates the file, or empties it, and starts the thread that writes it.
@@ -74,26 +78,33 @@ struct State {
 /// # Errors
 /// The file can't be created or written, or the system refused the thread.
 pub fn create(path: &Path, when_full: WhenFull) -> Result<(Recorder, Capture), WriteError> {
-    with_room(path, when_full, CAPACITY)
+    with_capacity(path, when_full, CAPACITY)
 }
 
-fn with_room(path: &Path, when_full: WhenFull, room: usize) -> Result<(Recorder, Capture), WriteError> {
-    let mut file = CaptureFile::create(path)?;
-    let (mut ring, mut packets) = RingBuffer::new(room);
-    touch(&mut ring, &mut packets);
+fn with_capacity(
+    path: &Path,
+    when_full: WhenFull,
+    capacity: usize,
+) -> Result<(Recorder, Capture), WriteError> {
+    let mut file = GrowingFile::create(path, ".capture-", &pcapng::file_header())?;
+    let (mut ring, mut blocks) = RingBuffer::new(capacity);
+    touch(&mut ring, &mut blocks);
     let shared = Arc::new(Shared {
         failed: AtomicBool::new(false),
         overflowed: AtomicBool::new(false),
+        packets: AtomicU64::new(0),
         state: Mutex::default(),
         changed: Condvar::new(),
         path: path.into(),
     });
-    let (told, began) = (Arc::clone(&shared), now());
-    let write = move || keep_writing(&mut file, &mut packets, &told);
+    let of_thread = Arc::clone(&shared);
+    let write = move || keep_writing(&mut file, &mut blocks, &of_thread);
     let thread = thread::Builder::new().name("capture".to_owned()).spawn(write);
     let thread = thread.map_err(|source| shared.error("written", source))?;
     let capture = Capture(Arc::clone(&shared));
-    Ok((Recorder { ring: Some(ring), began, when_full, shared, thread: Some(thread) }, capture))
+    // With a capacity for the longest piece and its block, so that no packet allocates.
+    let block = Vec::with_capacity(LONGEST + 64);
+    Ok((Recorder { ring: Some(ring), block, began: now(), when_full, shared, thread: Some(thread) }, capture))
 }
 
 fn now() -> (u64, Instant) {
@@ -101,83 +112,54 @@ fn now() -> (u64, Instant) {
     (since_1970.as_nanos() as u64, Instant::now())
 }
 
-/// Has every page of the ring in memory before the loop begins.
-fn touch(ring: &mut Producer<u8>, packets: &mut Consumer<u8>) {
+/// Maps every page of the ring before the loop begins.
+fn touch(ring: &mut Producer<u8>, blocks: &mut Consumer<u8>) {
     if let Ok(all) = ring.write_chunk_uninit(ring.buffer().capacity()) {
         all.fill_from_iter(std::iter::repeat(0));
     }
-    if let Ok(all) = packets.read_chunk(packets.slots()) {
+    if let Ok(all) = blocks.read_chunk(blocks.slots()) {
         all.commit_all();
     }
 }
 
-/// What stands before the bytes of a packet in the ring.
-struct Header {
-    time_ns: u64,
-    direction: Direction,
-    len: u16,
-}
-
-impl Header {
-    const LEN: usize = 11;
-
-    fn bytes(&self) -> [u8; Self::LEN] {
-        let mut bytes = [0; Self::LEN];
-        bytes[..8].copy_from_slice(&self.time_ns.to_le_bytes());
-        bytes[8] = u8::from(self.direction == Direction::DriveToHost);
-        bytes[9..].copy_from_slice(&self.len.to_le_bytes());
-        bytes
-    }
-
-    /// Takes one off the front.
-    fn split_off(bytes: &[u8]) -> Option<(Self, &[u8])> {
-        let (time, rest) = bytes.split_first_chunk()?;
-        let (&[direction], rest) = rest.split_first_chunk()?;
-        let (len, rest) = rest.split_first_chunk()?;
-        let direction = if direction == 0 { Direction::HostToDrive } else { Direction::DriveToHost };
-        Some((Self { time_ns: u64::from_le_bytes(*time), direction, len: u16::from_le_bytes(*len) }, rest))
-    }
-}
-
 impl Recorder {
-    /// Takes a piece of the line as a packet of this moment. A capture that has failed takes nothing more;
-    /// [`Capture::check`] tells.
+    /// Records a piece of the line as a packet of the present time. A capture that has failed records nothing more;
+    /// [`Capture::check`] reports the failure.
     pub fn push(&mut self, direction: Direction, bytes: &[u8]) {
         let Some(ring) = &mut self.ring else { return };
         let (calendar_ns, instant) = self.began;
         let time_ns = calendar_ns + instant.elapsed().as_nanos() as u64;
-        for piece in bytes.chunks(u16::MAX.into()) {
-            let header = Header { time_ns, direction, len: piece.len() as u16 }.bytes();
-            let needed = header.len() + piece.len();
-            let give_up = Instant::now() + FINISH_LIMIT;
-            while self.when_full == WhenFull::Wait
-                && ring.slots() < needed
-                && !ring.is_abandoned()
-                && Instant::now() < give_up
-            {
-                if let Some(thread) = &self.thread {
-                    thread.thread().unpark();
-                }
-                thread::sleep(Duration::from_micros(100));
+        self.block.clear();
+        pcapng::append_packet(&mut self.block, time_ns, direction, bytes);
+        let give_up = Instant::now() + FINISH_LIMIT;
+        while self.when_full == WhenFull::Wait
+            && ring.slots() < self.block.len()
+            && !ring.is_abandoned()
+            && Instant::now() < give_up
+        {
+            if let Some(thread) = &self.thread {
+                thread.thread().unpark();
             }
-            // After a gap nothing more is taken, or the gap would be one that nobody sees.
-            match ring.write_chunk_uninit(needed) {
-                Ok(room) if !self.shared.overflowed.load(Ordering::Relaxed) => {
-                    room.fill_from_iter(header.into_iter().chain(piece.iter().copied()));
-                }
-                _ => self.shared.overflowed.store(true, Ordering::Relaxed),
+            thread::sleep(Duration::from_micros(100));
+        }
+        // After a lost packet no packet is recorded: the file would hide the gap.
+        match ring.write_chunk_uninit(self.block.len()) {
+            Ok(chunk) if !self.shared.overflowed.load(Ordering::Relaxed) => {
+                chunk.fill_from_iter(self.block.iter().copied());
+                self.shared.packets.fetch_add(1, Ordering::Relaxed);
             }
+            _ => self.shared.overflowed.store(true, Ordering::Relaxed),
         }
     }
 }
 
 impl Drop for Recorder {
     fn drop(&mut self) {
-        // The thread ends when the ring has nobody left to fill it.
+        // The thread ends when the ring's sending end is dropped.
         drop(self.ring.take());
         if let Some(thread) = self.thread.take() {
             thread.thread().unpark();
-            // One whose disk hangs is left alone; `Capture::finish` tells.
+            // A thread whose disk hangs is left running; `Capture::finish` reports the timeout.
             let give_up = Instant::now() + FINISH_LIMIT;
             while !thread.is_finished() && Instant::now() < give_up {
                 thread::sleep(Duration::from_micros(100));
@@ -187,42 +169,46 @@ impl Drop for Recorder {
 }
 
 impl Capture {
-    /// Whether the file takes what it is given; an error is told once.
+    /// Checks that no packet is lost so far.
     ///
     /// # Errors
-    /// It does not; what it had taken before is whole.
+    /// The ring was full or the file can't be written. The packets written before are whole.
     pub fn check(&self) -> Result<(), WriteError> {
         let shared = &self.0;
         if shared.overflowed.load(Ordering::Relaxed) {
             let reason = format!("the disk is {} MiB behind the line; write to a faster one", CAPACITY >> 20);
             return Err(shared.error("written", io::Error::other(reason)));
         }
-        if shared.failed.swap(false, Ordering::Relaxed) {
-            return shared.state().error.take().map_or(Ok(()), Err);
+        if shared.failed.load(Ordering::Relaxed) {
+            let lost = || shared.error("written", io::Error::other("packets are missing"));
+            return Err(shared.state().error.take().unwrap_or_else(lost));
         }
         Ok(())
     }
 
-    /// Waits until everything is in the file and gives the number of packets. The [`Recorder`] has to be gone by then.
+    /// Waits until all packets are written and returns their number. The [`Recorder`] must be dropped before.
     ///
     /// # Errors
-    /// The file did not take everything, or not in time.
+    /// A packet is missing in the file, or the disk is too slow.
     pub fn finish(&self) -> Result<u64, WriteError> {
-        let waiting = |state: &mut State| state.packets.is_none();
+        let waiting = |state: &mut State| !state.ended;
         let (state, _) = self
             .0
             .changed
             .wait_timeout_while(self.0.state(), FINISH_LIMIT, waiting)
             .unwrap_or_else(PoisonError::into_inner);
-        let packets = state.packets;
+        let ended = state.ended;
         drop(state);
         self.check()?;
-        packets.ok_or_else(|| self.0.error("written", io::ErrorKind::TimedOut.into()))
+        if !ended {
+            return Err(self.0.error("written", io::ErrorKind::TimedOut.into()));
+        }
+        Ok(self.0.packets.load(Ordering::Relaxed))
     }
 }
 
 impl Shared {
-    /// A thread that panicked has left it whole.
+    /// A thread that panicked leaves the state consistent.
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -232,32 +218,27 @@ impl Shared {
     }
 }
 
-/// Empties the ring into the file until nobody fills it any more.
-fn keep_writing(file: &mut CaptureFile, packets: &mut Consumer<u8>, shared: &Shared) {
+/// Empties the ring into the file until the ring's sending end is dropped.
+fn keep_writing(file: &mut GrowingFile, blocks: &mut Consumer<u8>, shared: &Shared) {
     let mut pending = Vec::new();
     loop {
-        // Looked at first: what was put into the ring before its end is still taken.
-        let ended = packets.is_abandoned();
-        if let Ok(chunk) = packets.read_chunk(packets.slots()) {
+        // Read before the ring: blocks that precede the end are still written.
+        let ended = blocks.is_abandoned();
+        if let Ok(chunk) = blocks.read_chunk(blocks.slots()) {
             let (first, second) = chunk.as_slices();
             pending.extend_from_slice(first);
             pending.extend_from_slice(second);
             chunk.commit_all();
         }
-        let mut rest = &pending[..];
-        while let Some((header, after)) = Header::split_off(rest) {
-            let (packet, after) = after.split_at(usize::from(header.len).min(after.len()));
-            file.push(header.time_ns, header.direction, packet);
-            rest = after;
-        }
-        pending.clear();
-        if let Err(error) = file.flush() {
+        if !shared.failed.load(Ordering::Relaxed)
+            && let Err(error) = file.append(&pending)
+        {
             shared.state().error = Some(error);
             shared.failed.store(true, Ordering::Relaxed);
         }
+        pending.clear();
         if ended {
-            let mut state = shared.state();
-            state.packets = Some(file.packets());
+            shared.state().ended = true;
             shared.changed.notify_all();
             return;
         }

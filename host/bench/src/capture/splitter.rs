@@ -3,9 +3,9 @@
 use lashloop_protocol::frame::DELIMITER;
 
 /// Longest piece. A stream without delimiters is split here, so that memory stays bounded.
-const LONGEST: usize = 4096;
+pub(super) const LONGEST: usize = 4096;
 
-/// Collects the bytes since the last delimiter. A damaged frame is a piece like any other. Allocates at its creation only.
+/// Collects the bytes since the last delimiter. A damaged frame is a piece like any other. Allocates only on creation.
 #[derive(Debug)]
 pub struct Splitter {
     pending: Vec<u8>,
@@ -18,7 +18,7 @@ impl Default for Splitter {
 }
 
 impl Splitter {
-    /// Gives every piece that `bytes` completes to `take`, the delimiter included.
+    /// Passes every piece that `bytes` completes to `take`, the delimiter included.
     pub fn push(&mut self, bytes: &[u8], mut take: impl FnMut(&[u8])) {
         for piece in bytes.split_inclusive(|&byte| byte == DELIMITER) {
             let complete = piece.last() == Some(&DELIMITER);
@@ -40,7 +40,7 @@ impl Splitter {
         }
     }
 
-    /// What came after the last delimiter; the splitter is empty afterwards.
+    /// Passes the bytes after the last delimiter to `take` and empties the splitter.
     pub fn finish(&mut self, take: impl FnOnce(&[u8])) {
         if !self.pending.is_empty() {
             take(&self.pending);

@@ -41,8 +41,10 @@ impl From<&LinkSettings> for LineSpeed {
 
 /// What is behind a link: the drive that was chosen and what runs it.
 pub struct Connection {
-    choice: DeviceChoice,
-    host: DriveHost,
+    /// The drive that was chosen.
+    pub choice: DeviceChoice,
+    /// What runs the drive.
+    pub host: DriveHost,
     modelled_baud: Option<u32>,
 }
 
@@ -66,18 +68,6 @@ impl Connection {
             None => link,
         };
         Ok((link, Self { choice: choice.clone(), host, modelled_baud }))
-    }
-
-    /// The drive that was chosen.
-    #[must_use]
-    pub fn choice(&self) -> &DeviceChoice {
-        &self.choice
-    }
-
-    /// What runs the drive.
-    #[must_use]
-    pub fn host(&self) -> &DriveHost {
-        &self.host
     }
 
     /// The choice, the drive's identity and the modelled UART as one line of text.
@@ -111,8 +101,8 @@ impl Connection {
         match ended {
             Some((process, status)) => DeviceError::Ended {
                 device,
-                name: process.name(),
-                id: process.id(),
+                name: process.name,
+                id: process.id,
                 status,
                 stderr: process.stderr_head(),
                 source: Box::new(source),

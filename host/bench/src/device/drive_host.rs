@@ -54,7 +54,7 @@ impl DriveHost {
 }
 
 fn signal(process: &Process, signal: Signal) {
-    if let Some(pid) = Pid::from_raw(process.id().cast_signed()) {
+    if let Some(pid) = Pid::from_raw(process.id.cast_signed()) {
         // A process that has ended can't be signalled; the link reports its end.
         let _ = kill_process(pid, signal);
     }

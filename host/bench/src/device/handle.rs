@@ -4,17 +4,17 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use super::choice::DeviceChoice;
 use super::connection::{Connection, LineSpeed};
-use super::drive_host::DriveHost;
 use super::error::DeviceError;
 use crate::link::Link;
 use crate::session::{Session, SessionError};
-use crate::supervisor::{Process, Supervisor};
+use crate::supervisor::Supervisor;
 
 /// A drive with an open session. Dropping it ends the process behind the drive, if the bench started one.
 pub struct Device {
     /// The session.
     pub session: Session,
-    connection: Connection,
+    /// What is behind the link.
+    pub connection: Connection,
 }
 
 impl Device {
@@ -49,19 +49,7 @@ impl Device {
     /// The device as one line of text for the record, see [`Connection::description`].
     #[must_use]
     pub fn description(&self) -> String {
-        self.connection.description(self.session.identity())
-    }
-
-    /// What runs the drive.
-    #[must_use]
-    pub fn host(&self) -> &DriveHost {
-        self.connection.host()
-    }
-
-    /// The process behind the drive, if the bench started one.
-    #[must_use]
-    pub fn process(&self) -> Option<&Process> {
-        self.host().process()
+        self.connection.description(&self.session.identity)
     }
 
     /// An error of the session as an error of this device, see [`Connection::explain`].
@@ -73,7 +61,7 @@ impl Device {
     /// The error for a drive that keeps to the protocol but does not fit this bench.
     #[must_use]
     pub fn unfit(&self, problem: String) -> DeviceError {
-        DeviceError::Unfit { device: self.connection.choice().to_string(), problem }
+        DeviceError::Unfit { device: self.connection.choice.to_string(), problem }
     }
 }
 

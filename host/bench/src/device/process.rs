@@ -17,5 +17,5 @@ pub(super) fn spawn(supervisor: &Supervisor, program: &Program) -> Result<Proces
 /// The error for a program that did not come up.
 pub(super) fn not_up(process: &Process) -> DeviceError {
     let _ = process.ended_within(END_LIMIT);
-    DeviceError::NotUp { name: process.name(), stderr: process.stderr_head() }
+    DeviceError::NotUp { name: process.name, stderr: process.stderr_head() }
 }

@@ -9,7 +9,7 @@ pub struct FaultRecord {
     pub kind: &'static str,
     /// The step in which it began.
     pub step: u32,
-    /// The first step after it; `None` if it lasted to the end. A cut and a hang last in wall-clock time.
+    /// The first step after it; `None` if it lasted to the end. A cut and a hang last in the link's time.
     pub until_step: Option<u32>,
     /// Frames hit, by a fault of the link.
     pub frames: Option<u64>,

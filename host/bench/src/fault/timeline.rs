@@ -33,7 +33,7 @@ pub struct Timeline {
 struct TimedFault {
     kind: FaultKind,
     schedule: Schedule,
-    /// For a fault that lasts in wall-clock time.
+    /// For a fault that lasts in the link's time.
     lasts: Option<Duration>,
     progress: Progress,
 }
@@ -42,7 +42,7 @@ enum Progress {
     Pending,
     Active {
         since: u32,
-        /// For a fault that lasts in wall-clock time.
+        /// For a fault that lasts in the link's time.
         over_at: Option<Instant>,
     },
     Over {
@@ -59,7 +59,7 @@ impl TimedFault {
         Self { kind: fault.kind, schedule, lasts, progress: Progress::Pending }
     }
 
-    /// When it is over, of a fault that is active and lasts in wall-clock time.
+    /// When it is over, of a fault that is active and lasts in the link's time.
     fn over_at(&self) -> Option<Instant> {
         if let Progress::Active { over_at, .. } = self.progress { over_at } else { None }
     }
@@ -70,7 +70,7 @@ impl TimedFault {
             Progress::Pending if self.schedule.contains(step) => {
                 self.progress = Progress::Active { since: step, over_at: None };
                 strike(self.kind, device)?;
-                let over_at = self.lasts.map(|lasts| device.session.now() + lasts);
+                let over_at = self.lasts.map(|lasts| device.session.line.now() + lasts);
                 self.progress = Progress::Active { since: step, over_at };
             }
             Progress::Active { since, over_at: None }
@@ -134,10 +134,10 @@ impl Timeline {
         for fault in &mut self.faults {
             fault.advance(step, device)?;
         }
-        let lasts_in_wall_clock_time = self.faults.iter().any(|fault| fault.over_at().is_some());
+        let lasts_in_link_time = self.faults.iter().any(|fault| fault.over_at().is_some());
         let edges = self.faults.iter().flat_map(|fault| fault.schedule.edges());
         let edge = edges.filter(|edge| *edge > step).min();
-        self.next = if lasts_in_wall_clock_time { Some(step + 1) } else { edge };
+        self.next = if lasts_in_link_time { Some(step + 1) } else { edge };
         Ok(())
     }
 
@@ -145,7 +145,7 @@ impl Timeline {
     pub fn revive(&mut self, device: &mut Device) {
         for fault in &mut self.faults {
             if let Progress::Active { since, over_at: Some(over_at) } = fault.progress
-                && over_at <= device.session.now()
+                && over_at <= device.session.line.now()
             {
                 fault.progress = Progress::Over { since, until: None };
                 heal(fault.kind, device);
@@ -180,7 +180,7 @@ fn strike(kind: FaultKind, device: &mut Device) -> Result<(), SessionError> {
     match kind {
         FaultKind::Device(DeviceFault::Reset {}) => device.session.reset_by_surprise(),
         FaultKind::Device(DeviceFault::Hang {}) => {
-            device.host().suspend();
+            device.connection.host.suspend();
             Ok(())
         }
         FaultKind::Frame { .. }
@@ -193,8 +193,14 @@ fn strike(kind: FaultKind, device: &mut Device) -> Result<(), SessionError> {
 
 /// Ends a fault of the drive that lasts in the link's time.
 fn heal(kind: FaultKind, device: &Device) {
-    if kind == FaultKind::Device(DeviceFault::Hang {}) {
-        device.host().resume();
+    match kind {
+        FaultKind::Device(DeviceFault::Hang {}) => device.connection.host.resume(),
+        FaultKind::Device(DeviceFault::Reset {})
+        | FaultKind::Frame { .. }
+        | FaultKind::Link(_)
+        | FaultKind::Encoder { .. }
+        | FaultKind::Motor(_)
+        | FaultKind::Plant(_) => {}
     }
 }
 
@@ -203,7 +209,7 @@ fn unsupported(kind: FaultKind, device: &Device, link: Option<&LinkFaults>) -> O
         FaultKind::Frame { .. } | FaultKind::Link(_) => link
             .is_none()
             .then_some("this link was opened without fault injection: open the device for this scenario"),
-        FaultKind::Device(DeviceFault::Hang {}) => (!device.host().can_suspend()).then_some(
+        FaultKind::Device(DeviceFault::Hang {}) => (!device.connection.host.can_suspend()).then_some(
             "only a drive that the bench runs can be suspended: use --device inproc, native or qemu, or link-stall",
         ),
         FaultKind::Device(DeviceFault::Reset {})

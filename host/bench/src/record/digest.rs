@@ -1,5 +1,6 @@
 //! Digest of all torques that the drive commanded: runs with the same digest are the same bit for bit, on any link and host.
 
+use lashloop_protocol::hex::Hex;
 use sha2::{Digest, Sha256};
 
 /// SHA-256 over the torques in the order of the steps, each an f32 in N m in four bytes, little endian.
@@ -15,14 +16,14 @@ impl TorqueDigest {
     /// The digest in lower-case hexadecimal, 64 digits.
     #[must_use]
     pub fn finish(self) -> String {
-        hex::encode(self.0.finalize())
+        Hex(&self.0.finalize()).to_string()
     }
 }
 
 /// SHA-256 of `bytes` in lower-case hexadecimal, 64 digits.
 #[must_use]
 pub fn sha256(bytes: &[u8]) -> String {
-    hex::encode(Sha256::digest(bytes))
+    Hex(&Sha256::digest(bytes)).to_string()
 }
 
 #[cfg(test)]

@@ -165,14 +165,11 @@ impl Table {
     /// # Errors
     /// The table has no column of this name.
     pub fn column(&self, name: &str) -> Result<&[f64], ReadError> {
-        match self.header.iter().position(|column| column == name) {
-            Some(at) => Ok(&self.columns[at]),
-            None => Err(ReadError {
-                path: self.path.clone(),
-                line: None,
-                fault: ReadFault::Column { column: name.to_owned() },
-            }),
-        }
+        let at = self.header.iter().position(|column| column == name).ok_or_else(|| {
+            let fault = ReadFault::Column { column: name.to_owned() };
+            ReadError { path: self.path.clone(), line: None, fault }
+        })?;
+        Ok(&self.columns[at])
     }
 }
 

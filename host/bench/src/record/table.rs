@@ -4,26 +4,20 @@
 //! an interrupted run leaves whole rows. This is ours because `csv::Writer` writes its buffer whenever the buffer is full,
 //! in the middle of a row if need be, and emits the header with the first row only.
 
-use std::fs::File;
-use std::io::{Seek, SeekFrom, Write};
 use std::marker::PhantomData;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::row::Row;
-use crate::atomic_file;
-use crate::atomic_file::WriteError;
+use crate::atomic_file::{GrowingFile, WriteError};
 
 /// Writes a table of rows `R`. [`finish`](Self::finish) reports whether the last rows were written; a dropped writer writes
 /// them too, but can't report an error.
 #[derive(Debug)]
 pub struct TableWriter<R> {
-    path: PathBuf,
-    file: File,
+    file: GrowingFile,
     flush_rows: u32,
     pending: Vec<u8>,
     pending_rows: u32,
-    /// Bytes of whole rows in the file.
-    written: u64,
     row: PhantomData<fn(&R)>,
 }
 
@@ -36,12 +30,10 @@ impl<R: Row> TableWriter<R> {
     pub fn create(path: &Path, flush_rows: u32) -> Result<Self, WriteError> {
         let header = R::COLUMNS.join(",") + "\n";
         Ok(Self {
-            path: path.to_owned(),
-            file: atomic_file::begin(path, ".table-", header.as_bytes())?,
+            file: GrowingFile::create(path, ".table-", header.as_bytes())?,
             flush_rows,
             pending: Vec::new(),
             pending_rows: 0,
-            written: header.len() as u64,
             row: PhantomData,
         })
     }
@@ -74,17 +66,10 @@ impl<R: Row> TableWriter<R> {
 
 impl<R> TableWriter<R> {
     fn flush(&mut self) -> Result<(), WriteError> {
-        let result = self.file.write_all(&self.pending);
-        if result.is_ok() {
-            self.written += self.pending.len() as u64;
-        } else {
-            // A full disk may have taken part of a row. An error in cutting it off adds nothing to the first one.
-            let _ = self.file.set_len(self.written);
-            let _ = self.file.seek(SeekFrom::Start(self.written));
-        }
+        let result = self.file.append(&self.pending);
         self.pending.clear();
         self.pending_rows = 0;
-        result.map_err(|source| WriteError { path: self.path.clone(), action: "written", source })
+        result
     }
 }
 

@@ -1,11 +1,9 @@
 //! `timing.csv`: timing of each control step. Apart from the trace, because timing differs from run to run.
 
-use std::path::Path;
 use std::time::Duration;
 
 use super::row::row;
 use super::table::TableWriter;
-use crate::atomic_file::WriteError;
 use crate::timing::{StepOutcome, StepTiming};
 
 row! {
@@ -31,7 +29,9 @@ row! {
 }
 
 impl TimingRow {
-    fn new(step: u64, timing: &StepTiming) -> Self {
+    /// The row of a step, counted from 0.
+    #[must_use]
+    pub fn new(step: u64, timing: &StepTiming) -> Self {
         let flag = |is| f64::from(u8::from(is));
         let part = |part: Option<Duration>| part.map_or(f64::NAN, microseconds);
         let trip = timing.round_trip;
@@ -49,39 +49,7 @@ impl TimingRow {
 }
 
 /// Writes the timing of steps.
-#[derive(Debug)]
-pub struct TimingWriter {
-    table: TableWriter<TimingRow>,
-    steps: u64,
-}
-
-impl TimingWriter {
-    /// Creates the file, see [`TableWriter::create`].
-    ///
-    /// # Errors
-    /// The file can't be created or written.
-    pub fn create(path: &Path, flush_rows: u32) -> Result<Self, WriteError> {
-        Ok(Self { table: TableWriter::create(path, flush_rows)?, steps: 0 })
-    }
-
-    /// Appends the next step.
-    ///
-    /// # Errors
-    /// A chunk of rows can't be written, see [`TableWriter::push`].
-    pub fn push(&mut self, step: &StepTiming) -> Result<(), WriteError> {
-        self.table.push(&TimingRow::new(self.steps, step))?;
-        self.steps += 1;
-        Ok(())
-    }
-
-    /// Writes the pending rows.
-    ///
-    /// # Errors
-    /// The rows can't be written.
-    pub fn finish(self) -> Result<(), WriteError> {
-        self.table.finish()
-    }
-}
+pub type TimingWriter = TableWriter<TimingRow>;
 
 fn microseconds(duration: Duration) -> f64 {
     duration.as_nanos() as f64 / 1e3

@@ -9,14 +9,11 @@ use std::time::{Duration, Instant};
 use lashloop_protocol::enums::State;
 use lashloop_protocol::message::TorqueAnswer;
 
-use super::drive_fault::drive_fault;
 use super::error::RunError;
 use super::held_torque::HeldTorque;
 use super::outcome::End;
 use super::phase::{Phase, Request};
-use super::silence::Silence;
 use super::simulator::Simulator;
-use super::step_error::StepError;
 use super::step_sink::{Step, StepSink};
 use super::{reconnect, setup};
 use crate::device::Device;
@@ -36,7 +33,8 @@ pub(super) struct ControlLoop<'a, S> {
     clock: ClockName,
     phase: Phase,
     torque: HeldTorque,
-    silence: Silence,
+    /// When the first sample was sent that has no answer yet, in the link's time.
+    silent_since: Option<Instant>,
     counts: Counts,
     /// The last step. Its telemetry follows its torque, so it is complete only with the next one.
     unfinished: Option<Step>,
@@ -75,7 +73,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
             clock,
             phase: Phase::Started,
             torque: HeldTorque::new(period, watchdog),
-            silence: Silence::new(scenario.link.silence_limit()),
+            silent_since: None,
             counts: Counts::default(),
             unfinished: None,
         }
@@ -97,7 +95,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         deadline: Instant,
         lateness: Duration,
         device: &mut Device,
-    ) -> Result<Option<End>, StepError> {
+    ) -> Result<Option<End>, RunError> {
         if let Phase::Restarting = self.phase
             && let Some(end) = self.start_again(device)?
         {
@@ -121,7 +119,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
     }
 
     /// Makes a step without an exchange: holds the last torque.
-    pub(super) fn miss(&mut self, step: u32, device: &mut Device) -> Result<(), StepError> {
+    pub(super) fn miss(&mut self, step: u32, device: &mut Device) -> Result<(), RunError> {
         self.begin(step, device)?;
         let (_, row) = self.simulator.observe(step)?;
         self.finish(device)?;
@@ -140,7 +138,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
     /// Passes the last step on, with the drive's latest estimates.
     pub(super) fn finish(&mut self, device: &Device) -> Result<(), RunError> {
         let Some(mut step) = self.unfinished.take() else { return Ok(()) };
-        if let Some((telemetry, origin)) = device.session.telemetry().zip(self.phase.origin()) {
+        if let Some((telemetry, origin)) = device.session.line.telemetry.zip(self.phase.origin()) {
             let row = &mut step.row;
             row.dead_zone_estimate_rad = telemetry.dead_zone_estimate_rad.into();
             row.disturbing_torque_estimate_nm = telemetry.disturbing_torque_nm.into();
@@ -152,7 +150,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         self.sink.take(step)
     }
 
-    fn begin(&mut self, step: u32, device: &mut Device) -> Result<(), StepError> {
+    fn begin(&mut self, step: u32, device: &mut Device) -> Result<(), RunError> {
         match self.timeline.begin(step, device) {
             // The exchange of the step finds the loss and handles it.
             Err(source) if source.is_loss() => Ok(()),
@@ -165,21 +163,22 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         request: &Request,
         deadline: Instant,
         device: &mut Device,
-    ) -> Result<Exchanged, StepError> {
-        let sent = device.session.now();
-        let silent_at = self.silence.ends_at(sent);
+    ) -> Result<Exchanged, RunError> {
+        let sent = device.session.line.now();
+        let limit = self.scenario.link.silence_limit();
+        let silent_at = self.silent_since.unwrap_or(sent) + limit;
         let Request { number, sample, .. } = request;
         match device.session.exchange(*number, sample, deadline.min(silent_at)) {
             Err(source) if source.is_loss() => self.lose(source, device),
             Err(source) => Err(device.explain(source).into()),
             Ok(Exchange::Answered(answer)) => self.take_answer(request, &answer, deadline, device),
             Ok(Exchange::Faulted(fault)) => Ok(ControlFlow::Break(End::DriveFault(fault))),
-            Ok(Exchange::Unanswered) if device.session.now() >= silent_at => {
-                let silent = device.session.silent(self.silence.limit());
+            Ok(Exchange::Unanswered) if device.session.line.now() >= silent_at => {
+                let silent = device.session.line.silent("EncoderSample", limit);
                 self.lose(silent, device)
             }
             Ok(Exchange::Unanswered) => {
-                self.silence.extend(sent);
+                self.silent_since.get_or_insert(sent);
                 Ok(self.give_up())
             }
         }
@@ -191,16 +190,16 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         answer: &TorqueAnswer,
         deadline: Instant,
         device: &mut Device,
-    ) -> Result<Exchanged, StepError> {
+    ) -> Result<Exchanged, RunError> {
         if answer.status.state != State::Running {
             return Ok(ControlFlow::Break(drive_fault(device, answer)?));
         }
         if !answer.torque_nm.is_finite() {
             return Err(device.unfit(format!("it sent a torque of {} N m", answer.torque_nm)).into());
         }
-        self.silence.end();
+        self.silent_since = None;
         self.phase.note_answer();
-        let timestamps = device.session.timestamps();
+        let timestamps = device.session.timestamps;
         if self.clock == ClockName::RealTime && timestamps.arrived > deadline {
             // The bench itself read the answer late; the motor had no torque in time all the same.
             return Ok(ControlFlow::Continue((StepOutcome::Unanswered, None)));
@@ -217,7 +216,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
     }
 
     /// Handles the loss of the drive in an exchange.
-    fn lose(&mut self, source: SessionError, device: &mut Device) -> Result<Exchanged, StepError> {
+    fn lose(&mut self, source: SessionError, device: &mut Device) -> Result<Exchanged, RunError> {
         Ok(match self.recover(source, device)? {
             Some(end) => ControlFlow::Break(end),
             None => self.give_up(),
@@ -225,7 +224,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
     }
 
     /// Gets a lost drive back if the scenario asks for that; else returns the end of the run.
-    fn recover(&mut self, source: SessionError, device: &mut Device) -> Result<Option<End>, StepError> {
+    fn recover(&mut self, source: SessionError, device: &mut Device) -> Result<Option<End>, RunError> {
         if let Some(end) = reconnect::end_of_loss(source, self.scenario, device) {
             return end.map(Some);
         }
@@ -236,29 +235,43 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         let end = reconnect::set_up_again(self.scenario, self.clock, &mut self.timeline, device, stop_asked)?;
         if end.is_none() {
             self.phase = Phase::Restarting;
-            self.silence.end();
+            self.silent_since = None;
             self.counts.resumes += 1;
         }
         Ok(end)
     }
 
-    fn start_again(&mut self, device: &mut Device) -> Result<Option<End>, StepError> {
+    fn start_again(&mut self, device: &mut Device) -> Result<Option<End>, RunError> {
         self.timeline.pause();
         match reconnect::start_again(self.clock, device) {
             Ok(true) => self.phase = Phase::Started,
             Ok(false) => {}
             Err(source) if source.is_loss() => return self.recover(source, device),
-            Err(source) => return Err(setup::refused_start(device, source).into()),
+            Err(source) => return Err(setup::refused_start(device, source)),
         }
         Ok(None)
     }
 
     /// Lets the plant go on for a period under the torque of the step.
-    fn hold(&mut self, step: u32, mut row: TraceRow, timing: StepTiming) -> Result<(), StepError> {
+    fn hold(&mut self, step: u32, mut row: TraceRow, timing: StepTiming) -> Result<(), RunError> {
         let torque_nm = self.torque.advance(timing.outcome == StepOutcome::Answered);
         row.torque_nm = torque_nm.into();
         self.unfinished = Some(Step { row, timing });
         self.counts.steps += 1;
         Ok(self.simulator.step(step, torque_nm)?)
+    }
+}
+
+/// The fault that an answer shows by its state. The report follows the answer; the answer to a stop is behind it.
+fn drive_fault(device: &mut Device, answer: &TorqueAnswer) -> Result<End, RunError> {
+    if device.session.line.fault.is_none() {
+        let stopped = device.session.stop();
+        stopped.map_err(|source| device.explain(source))?;
+    }
+    match device.session.line.fault {
+        Some(fault) => Ok(End::DriveFault(fault)),
+        None => Err(device
+            .unfit(format!("state {:?} in the middle of the run, without a fault", answer.status.state))
+            .into()),
     }
 }

@@ -54,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_watchdog_a_torque_is_held_for_ever() {
+    fn without_a_watchdog_a_torque_is_held_without_limit() {
         let mut torque = HeldTorque::new(PERIOD, None);
         torque.set(2.0);
         assert!((0..1_000_000).all(|_| torque.advance(false) == 2.0));

@@ -25,11 +25,9 @@ pub(super) fn close<S: StepSink>(
         if control.stop_asked() {
             return Ok(End::Interrupted);
         }
-        let deadline = device.session.now() + answer_timeout;
-        match control.step(step, deadline, Duration::ZERO, device) {
-            Ok(None) => {}
-            Ok(Some(end)) => return Ok(end),
-            Err(error) => return error.end(),
+        let deadline = device.session.line.now() + answer_timeout;
+        if let Some(end) = control.step(step, deadline, Duration::ZERO, device)? {
+            return Ok(end);
         }
     }
     Ok(End::Complete)

@@ -11,16 +11,14 @@
 //! | [`real_time`] | paces the loop by the wall clock |
 //! | `control_loop` | one step of the loop |
 //! | `phase` | where the drive is in the run: started, running, restarting |
-//! | `silence`, `held_torque` | what the loop tracks while answers stay out |
-//! | `drive_fault` | the fault behind an answer of a drive that runs no more |
+//! | `held_torque` | the torque on the motor while answers stay out |
 //! | `reconnect` | getting a lost drive back |
 //! | `step_sink`, `step_recorder` | where finished steps go, and what is computed from them |
 //! | [`outcome`] | the end of a run and its verdict |
-//! | `error`, `step_error` | why a run or a step fails |
+//! | `error` | why a run fails |
 
 mod control_loop;
 mod device_under_test;
-mod drive_fault;
 mod error;
 mod held_torque;
 mod lockstep;
@@ -31,9 +29,7 @@ pub mod real_time;
 mod reconnect;
 mod runner;
 pub mod setup;
-mod silence;
 pub mod simulator;
-mod step_error;
 mod step_recorder;
 mod step_sink;
 

@@ -7,15 +7,16 @@ use lashloop_plant::backlash_shaft::{
 };
 use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;
-use lashloop_plant::{AnyPlant, Mechanics, PlantError, RunningPlant, Start};
+use lashloop_plant::{AnyPlant, Mechanics, PlantError, RunningPlant};
 
 use super::error::RunError;
 
-/// The plant of a scenario, released at `start`.
+/// The plant of a scenario, released at its initial state.
 ///
 /// # Errors
 /// A parameter is outside its range, or the plant is too stiff for the control period.
-pub(super) fn plant(settings: &PlantSettings, start: Start, period_s: f64) -> Result<AnyPlant, RunError> {
+pub(super) fn plant(settings: &PlantSettings, period_s: f64) -> Result<AnyPlant, RunError> {
+    let start = settings.initial;
     Ok(match settings.model {
         PlantModel::BacklashShaft => {
             AnyPlant::BacklashShaft(RunningPlant::released(changed(settings, period_s)?, start))

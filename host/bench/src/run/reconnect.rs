@@ -8,7 +8,6 @@ use lashloop_protocol::enums::State;
 use super::error::RunError;
 use super::outcome::End;
 use super::setup;
-use super::step_error::StepError;
 use crate::device::Device;
 use crate::fault::timeline::Timeline;
 use crate::scenario::Scenario;
@@ -27,7 +26,7 @@ pub(super) fn end_of_loss(
     source: SessionError,
     scenario: &Scenario,
     device: &Device,
-) -> Option<Result<End, StepError>> {
+) -> Option<Result<End, RunError>> {
     match (scenario.link.on_loss, source) {
         (OnLoss::Resume, _) => None,
         (OnLoss::End, SessionError::Refused { state: State::Boot, .. }) => Some(Ok(End::DriveRestarted)),
@@ -46,9 +45,9 @@ pub(super) fn set_up_again(
     timeline: &mut Timeline,
     device: &mut Device,
     stop_asked: impl Fn() -> bool,
-) -> Result<Option<End>, StepError> {
-    let deadline = device.session.now() + scenario.link.resume_limit();
-    let lost = *device.session.identity();
+) -> Result<Option<End>, RunError> {
+    let deadline = device.session.line.now() + scenario.link.resume_limit();
+    let lost = device.session.identity;
     loop {
         timeline.revive(device);
         let Err(error) = setup::resume(device, scenario, clock, &lost) else { return Ok(None) };
@@ -56,11 +55,11 @@ pub(super) fn set_up_again(
             return Ok(Some(End::Interrupted));
         }
         let is_transient = matches!(&error, RunError::Device(error) if error.is_transient());
-        let now = device.session.now();
+        let now = device.session.line.now();
         if !is_transient || now >= deadline {
-            return Err(error.into());
+            return Err(error);
         }
-        if device.session.wait_until(now + INTERVAL).is_err() {
+        if device.session.line.wait_until(now + INTERVAL).is_err() {
             // A broken line does not wait.
             thread::sleep(INTERVAL);
         }
@@ -74,9 +73,9 @@ pub(super) fn set_up_again(
 /// # Errors
 /// The drive rejected the start or is silent, or the line broke.
 pub(super) fn start_again(clock: ClockName, device: &mut Device) -> Result<bool, SessionError> {
-    let began = device.session.now();
+    let began = device.session.line.now();
     device.session.start()?;
-    let is_late = clock == ClockName::RealTime && device.session.now() - began > START_LIMIT;
+    let is_late = clock == ClockName::RealTime && device.session.line.now() - began > START_LIMIT;
     if is_late {
         device.session.disarm()?;
     }

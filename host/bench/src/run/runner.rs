@@ -56,7 +56,7 @@ pub fn run(
     let simulator = Simulator::new(scenario)?;
     let DeviceUnderTest { device, link_faults } = under_test;
     let timeline = Timeline::new(scenario, device, link_faults.clone())?;
-    device.session.set_time_base(match clock {
+    device.session.line.set_time_base(match clock {
         Clock::Lockstep => TimeBase::Virtual,
         Clock::RealTime(_) => TimeBase::WallClock,
     });
@@ -100,7 +100,7 @@ pub fn run(
         simulated_s: steps as f64 * scenario.run.control_period_s(),
         wall_s,
         torque_sha256: recorder.digest.finish(),
-        logs: device.session.take_logs(),
+        logs: device.session.line.logs.take(),
     })
 }
 
@@ -158,14 +158,19 @@ fn run_to_end<'a, S: StepSink>(
         return Err(setup::refused_start(device, source));
     }
     let started = Instant::now();
-    let end = close(&mut control, device);
+    let end = match close(&mut control, device) {
+        // A result of the run.
+        Err(RunError::Integration(error)) => Ok(End::Diverged(error)),
+        end => end,
+    };
     let wall_s = started.elapsed().as_secs_f64();
     let faults = control.end_faults(device);
     // The last telemetry comes before the answer to the stop, and the last row waits for it.
     let stopped = match &end {
         Ok(end) if end.leaves_a_session() => {
             // On a line that lost samples a partial frame may precede the stop.
-            let cleared = if control.counts().unanswered > 0 { device.session.end_frame() } else { Ok(()) };
+            let cleared =
+                if control.counts().unanswered > 0 { device.session.line.end_frame() } else { Ok(()) };
             let stopped = cleared.and_then(|()| device.session.stop());
             stopped.map_err(|source| device.explain(source))
         }
@@ -188,7 +193,7 @@ fn run_to_end<'a, S: StepSink>(
 
 fn link_counts(unanswered: u64, before: Traffic, session: &Session, clock: ClockName) -> LinkCounts {
     let after = session.traffic();
-    let at_drive = session.line_report();
+    let at_drive = session.line.report;
     let late = after.late - before.late;
     LinkCounts {
         frames_sent: after.frames_sent - before.frames_sent,

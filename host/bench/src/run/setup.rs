@@ -37,7 +37,7 @@ pub fn set_up(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Res
 fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
     let controller = scenario.controller.name;
     // Setting the parameter would fail too, but with a number instead of a name.
-    if !device.session.identity().controllers.offers(controller) {
+    if !device.session.identity.controllers.offers(controller) {
         return Err(not_offered(device, scenario.controller.name).into());
     }
     let from_sections = [
@@ -87,10 +87,10 @@ pub(super) fn resume(
     clock: ClockName,
     lost: &Identity,
 ) -> Result<(), RunError> {
-    device.session.clear_line().map_err(|source| device.explain(source))?;
+    device.session.line.clear().map_err(|source| device.explain(source))?;
     device.session.reset().map_err(|source| device.explain(source))?;
     let is_same = {
-        let back = device.session.identity();
+        let back = &device.session.identity;
         (back.board, back.firmware, back.build_id, back.parameter_count)
             == (lost.board, lost.firmware, lost.build_id, lost.parameter_count)
     };
@@ -112,7 +112,7 @@ pub(super) fn refused_start(device: &Device, source: SessionError) -> RunError {
 }
 
 fn not_offered(device: &Device, wanted: ControllerId) -> DeviceError {
-    let offered = device.session.identity().controllers;
+    let offered = device.session.identity.controllers;
     let mut laws: Vec<_> =
         ControllerId::ALL.iter().filter(|law| offered.offers(**law)).map(|law| law.name()).collect();
     if laws.is_empty() {

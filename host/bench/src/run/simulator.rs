@@ -17,7 +17,7 @@ use crate::scenario::plant::PlantSettings;
 use lashloop_plant::backlash_shaft::BacklashShaft;
 use lashloop_plant::encoder::Encoder;
 use lashloop_plant::reference::Reference;
-use lashloop_plant::{AnyPlant, DryFriction, PlantError, Start, TransportDelay, Truth};
+use lashloop_plant::{AnyPlant, DryFriction, PlantError, TransportDelay, Truth};
 
 /// Separates the noise of the load encoder from that of the motor encoder.
 const LOAD_ENCODER_STREAM: u64 = 0x9e37_79b9_7f4a_7c15;
@@ -51,19 +51,12 @@ impl Simulator {
         let next_parameters = plant_faults.changes(&scenario.plant).into_iter().map(|(step, settings)| {
             plant_from_scenario::changed(&settings, period_s).map(|parameters| (step, parameters))
         });
-        let initial = &scenario.plant.initial;
-        let start = Start {
-            load_position_rad: initial.load_position_rad,
-            load_velocity_rad_s: initial.load_velocity_rad_s,
-            motor_position_rad: initial.motor_position_rad,
-            motor_velocity_rad_s: initial.motor_velocity_rad_s,
-        };
         let encoders = &scenario.encoders;
         let encoder = |counts_per_rev, seed| -> Result<_, RunError> {
             Ok(Encoder::new(counts_per_rev, encoders.noise_counts, seed)?)
         };
         Ok(Self {
-            plant: plant_from_scenario::plant(&scenario.plant, start, period_s)?,
+            plant: plant_from_scenario::plant(&scenario.plant, period_s)?,
             motor_encoder: encoder(encoders.motor_counts_per_rev, scenario.run.seed)?,
             load_encoder: encoder(encoders.load_counts_per_rev, scenario.run.seed ^ LOAD_ENCODER_STREAM)?,
             counts: [0; 2],

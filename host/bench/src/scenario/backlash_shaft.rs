@@ -1,11 +1,12 @@
 //! Keys of `[plant]` with `model = "backlash-shaft"` only: the shaft's damping, friction on both sides, the motor's lag, limit
 //! and delay, and changes during the run. The defaults model the paper's experiment.
 
+use lashloop_plant::backlash_shaft::{BristleParameters, ShaftParameters, StribeckParameters};
 use serde::Serialize;
 
-use super::range::{positive, within};
+use super::keys::{number_or, settings};
+use super::range::positive;
 use super::reader::Section;
-use super::unit;
 
 /// Keys of the plant `backlash-shaft`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -33,7 +34,7 @@ pub struct BacklashShaftSettings {
     pub motor_stribeck_rad_s: f64,
     /// Time constant T_i of the current loop, 0 to 1e4.
     pub current_lag_ms: f64,
-    /// Limit U_max of the motor's torque, > 0 and <= 1e6.
+    /// Limit U_max of the motor's torque, 1e-6 to 1e6.
     pub torque_saturation_nm: f64,
     /// Delay from a sample to its torque at the motor, 0 to 1,000,000.
     pub torque_delay_us: u32,
@@ -53,24 +54,26 @@ pub enum LoadFrictionModel {
     Lugre,
 }
 
-/// Bristles of LuGre friction.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BristleSettings {
-    /// Bristle stiffness sigma_0, 1e-3 to 1e12.
-    pub bristle_stiffness_nm_rad: f64,
-    /// Bristle damping sigma_1, 0 to 1e9.
-    pub bristle_damping_nm_s_rad: f64,
+settings! {
+    /// Bristles of LuGre friction.
+    pub struct BristleSettings {
+        /// Bristle stiffness sigma_0, 1e-3 to 1e12.
+        bristle_stiffness_nm_rad: f64 = number_or(3.4e4, BristleParameters::STIFFNESS_NM_RAD),
+        /// Bristle damping sigma_1, 0 to 1e9.
+        bristle_damping_nm_s_rad: f64 = number_or(300.0, BristleParameters::DAMPING_NM_S_RAD),
+    }
 }
 
-/// `[plant.load_torque]`: an external torque on the load during an interval.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LoadTorque {
-    /// The torque, -1e6 to 1e6, positive towards positive angles.
-    pub torque_nm: f64,
-    /// Begin of the interval, 0 to 1e6.
-    pub from_s: f64,
-    /// End of the interval, excluded.
-    pub until_s: f64,
+settings! {
+    /// `[plant.load_torque]`: an external torque on the load during an interval.
+    pub struct LoadTorque {
+        /// The torque, -1e6 to 1e6, positive towards positive angles.
+        torque_nm: f64 = number_or(0.0, -1e6..=1e6),
+        /// Begin of the interval, 0 to 1e6.
+        from_s: f64 = number_or(0.0, 0.0..=FOREVER_S),
+        /// End of the interval, excluded.
+        until_s: f64 = number_or(FOREVER_S, positive(FOREVER_S)),
+    }
 }
 
 impl LoadTorque {
@@ -81,15 +84,16 @@ impl LoadTorque {
     }
 }
 
-/// `[plant.wear]`: linear growth of the half gap during an interval.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Wear {
-    /// Total growth, 0 to 1.
-    pub growth_rad: f64,
-    /// Begin of the growth, 0 to 1e6.
-    pub from_s: f64,
-    /// End of the growth.
-    pub until_s: f64,
+settings! {
+    /// `[plant.wear]`: linear growth of the half gap during an interval.
+    pub struct Wear {
+        /// Total growth, 0 to 1.
+        growth_rad: f64 = number_or(0.0, 0.0..=1.0),
+        /// Begin of the growth, 0 to 1e6.
+        from_s: f64 = number_or(0.0, 0.0..=FOREVER_S),
+        /// End of the growth.
+        until_s: f64 = number_or(FOREVER_S, positive(FOREVER_S)),
+    }
 }
 
 impl Wear {
@@ -111,31 +115,50 @@ const FRICTIONS: [(&str, LoadFrictionModel); 2] =
     [("stribeck", LoadFrictionModel::Stribeck), ("lugre", LoadFrictionModel::Lugre)];
 
 pub(super) fn read(plant: &mut Section<'_>) -> BacklashShaftSettings {
-    let damping = unit::NEWTON_METRE_SECOND;
     let friction = plant.choice("load_friction", LoadFrictionModel::Stribeck, &FRICTIONS);
     let model = friction.unwrap_or(LoadFrictionModel::Stribeck);
     let settings = BacklashShaftSettings {
-        shaft_damping_nm_s_rad: plant.number("shaft_damping_nm_s_rad", damping, 3.1e-3, within(0.0, 1e6)),
+        shaft_damping_nm_s_rad: plant.number(
+            "shaft_damping_nm_s_rad",
+            3.1e-3,
+            ShaftParameters::SHAFT_DAMPING_NM_S_RAD,
+        ),
         load_friction: model,
         load_coulomb_nm: torque(plant, "load_coulomb_nm", 3.40),
         load_stiction_nm: torque(plant, "load_stiction_nm", 3.82),
         load_stribeck_rad_s: velocity(plant, "load_stribeck_rad_s", 0.03),
-        load_friction_asymmetry: plant.number("load_friction_asymmetry", unit::NONE, 0.0, within(-0.9, 0.9)),
+        load_friction_asymmetry: plant.number(
+            "load_friction_asymmetry",
+            0.0,
+            ShaftParameters::LOAD_ASYMMETRY,
+        ),
         bristles: match model {
-            LoadFrictionModel::Lugre => Some(read_bristles(plant)),
+            LoadFrictionModel::Lugre => Some(BristleSettings::read(plant)),
             LoadFrictionModel::Stribeck => {
-                plant.belongs_to("load_friction", "lugre", "stribeck", read_bristles);
+                plant.belongs_to("load_friction", "lugre", "stribeck", BristleSettings::read);
                 None
             }
         },
         motor_coulomb_nm: torque(plant, "motor_coulomb_nm", 0.02),
         motor_stiction_nm: torque(plant, "motor_stiction_nm", 0.025),
         motor_stribeck_rad_s: velocity(plant, "motor_stribeck_rad_s", 0.2),
-        current_lag_ms: plant.number("current_lag_ms", unit::MILLISECOND, 0.5, within(0.0, 1e4)),
-        torque_saturation_nm: plant.number("torque_saturation_nm", unit::NEWTON_METRE, 20.0, positive(1e6)),
-        torque_delay_us: plant.integer("torque_delay_us", unit::MICROSECOND, 1000, 0..=1_000_000),
-        load_torque: plant.section("load_torque", read_load_torque),
-        wear: plant.section("wear", read_wear),
+        current_lag_ms: plant.number("current_lag_ms", 0.5, 0.0..=1e3 * ShaftParameters::CURRENT_LAG_S.end()),
+        torque_saturation_nm: plant.number(
+            "torque_saturation_nm",
+            20.0,
+            ShaftParameters::TORQUE_SATURATION_NM,
+        ),
+        torque_delay_us: plant.integer("torque_delay_us", 1000, 0..=1_000_000),
+        load_torque: plant.section("load_torque", |section| {
+            let load = LoadTorque::read(section);
+            check_times(section, load.from_s, load.until_s);
+            load
+        }),
+        wear: plant.section("wear", |section| {
+            let wear = Wear::read(section);
+            check_times(section, wear.from_s, wear.until_s);
+            wear
+        }),
     };
     for (coulomb, stiction, [less, more]) in [
         ("load_coulomb_nm", "load_stiction_nm", [settings.load_coulomb_nm, settings.load_stiction_nm]),
@@ -152,45 +175,18 @@ pub(super) fn read(plant: &mut Section<'_>) -> BacklashShaftSettings {
 }
 
 fn torque(plant: &mut Section<'_>, key: &'static str, default: f64) -> f64 {
-    plant.number(key, unit::NEWTON_METRE, default, within(0.0, 1e6))
+    plant.number(key, default, StribeckParameters::TORQUE_NM)
 }
 
 fn velocity(plant: &mut Section<'_>, key: &'static str, default: f64) -> f64 {
-    plant.number(key, unit::RADIAN_PER_SECOND, default, within(1e-6, 1e3))
+    plant.number(key, default, StribeckParameters::VELOCITY_RAD_S)
 }
 
-fn read_bristles(plant: &mut Section<'_>) -> BristleSettings {
-    let (stiffness, damping) = (unit::NEWTON_METRE_PER_RADIAN, unit::NEWTON_METRE_SECOND);
-    BristleSettings {
-        bristle_stiffness_nm_rad: plant.number(
-            "bristle_stiffness_nm_rad",
-            stiffness,
-            3.4e4,
-            within(1e-3, 1e12),
-        ),
-        bristle_damping_nm_s_rad: plant.number("bristle_damping_nm_s_rad", damping, 300.0, within(0.0, 1e9)),
-    }
-}
-
-fn read_load_torque(load: &mut Section<'_>) -> LoadTorque {
-    let torque_nm = load.number("torque_nm", unit::NEWTON_METRE, 0.0, within(-1e6, 1e6));
-    let [from_s, until_s] = read_times(load);
-    LoadTorque { torque_nm, from_s, until_s }
-}
-
-fn read_wear(wear: &mut Section<'_>) -> Wear {
-    let growth_rad = wear.number("growth_rad", unit::RADIAN, 0.0, within(0.0, 1.0));
-    let [from_s, until_s] = read_times(wear);
-    Wear { growth_rad, from_s, until_s }
-}
-
-fn read_times(section: &mut Section<'_>) -> [f64; 2] {
-    let from_s = section.number("from_s", unit::SECOND, 0.0, within(0.0, FOREVER_S));
-    let until_s = section.number("until_s", unit::SECOND, FOREVER_S, positive(FOREVER_S));
+/// Checks that an interval ends after its begin.
+fn check_times(section: &Section<'_>, from_s: f64, until_s: f64) {
     if until_s <= from_s && section.node("until_s").is_some() {
         section.reject("until_s", format!("is not after from_s; it must be > {from_s} s"));
     } else if until_s <= from_s {
         section.reject("from_s", format!("is the end of time; it must be < {until_s} s"));
     }
-    [from_s, until_s]
 }

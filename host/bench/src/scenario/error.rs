@@ -4,7 +4,7 @@
 //! the allowed range follow:
 //!
 //! ```text
-//! scenarios/x.toml:12: plant.stiffness_nm_rad: -1 is out of range; it must be > 0 and <= 1e6 N m/rad
+//! scenarios/x.toml:12: plant.stiffness_nm_rad: -1 is out of range; it must be >= 1e-6 and <= 1e6 N m/rad
 //! ```
 
 use std::fmt;
@@ -87,15 +87,6 @@ impl ScenarioErrors {
     /// Each error, in the order of the file, then of the command line.
     pub fn iter(&self) -> std::slice::Iter<'_, ScenarioError> {
         self.0.iter()
-    }
-}
-
-impl<'a> IntoIterator for &'a ScenarioErrors {
-    type Item = &'a ScenarioError;
-    type IntoIter = std::slice::Iter<'a, ScenarioError>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.iter()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::range::within;
+use super::range::NumberRange;
 use super::reader::Section;
 use lashloop_plant::metrics::Metric;
 
@@ -28,7 +28,7 @@ pub(super) fn read(expect: &mut Section<'_>) -> Expectation {
     let metric = expect.choice("metric", None, &Metric::ALL.map(|metric| (metric.name(), metric)));
     let unit = metric.map_or("", Metric::unit);
     check_unit(expect, metric);
-    let bound = within(-1e9, 1e9);
+    let bound = NumberRange::from(-1e9..=1e9);
     let min = expect.optional_number("min", unit, bound);
     let max = expect.optional_number("max", unit, bound);
     let note = expect.text("note", None).map(str::to_owned);

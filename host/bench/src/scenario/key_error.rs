@@ -49,19 +49,11 @@ pub enum KeyError {
         /// The keys of this section.
         known: String,
     },
-    /// A known quantity with another unit in its name, or with none.
-    #[error("{found} is in a wrong unit; write {key}, in {unit}")]
-    WrongUnit {
-        /// The value as written.
-        found: String,
-        /// The key to use.
-        key: &'static str,
-        /// The unit of that key.
-        unit: &'static str,
-    },
-    /// A symbol of the paper in place of the key.
-    #[error("{found} is given under a symbol of the paper; write {key}, in {unit}")]
-    PaperSymbol {
+    /// A known quantity under another name: with another unit or none, or as a symbol of the paper.
+    #[error("{found} is {problem}; write {key}, in {unit}")]
+    OtherName {
+        /// What is wrong with the name.
+        problem: &'static str,
         /// The value as written.
         found: String,
         /// The key to use.

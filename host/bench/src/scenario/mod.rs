@@ -24,6 +24,7 @@ pub mod expectation;
 pub mod fault;
 mod former_names;
 mod key_error;
+mod keys;
 mod origin;
 mod overrides;
 pub mod plant;
@@ -146,13 +147,13 @@ fn read(root: &mut Section<'_>, name: &str, directory: &Path) -> Scenario {
         description: root.text("description", None).map(str::to_owned),
         run,
         plant,
-        encoders: root.section("encoders", sections::read_encoders),
+        encoders: root.section("encoders", EncoderSettings::read),
         controller: root.section("controller", controller::read),
         reference: root.section("reference", |section| reference::read(section, directory)),
         link: root.section("link", sections::read_link),
-        allow: root.section("allow", sections::read_allow),
-        telemetry: root.section("telemetry", sections::read_telemetry),
-        record: root.section("record", sections::read_record),
+        allow: root.section("allow", Allowance::read),
+        telemetry: root.section("telemetry", TelemetrySettings::read),
+        record: root.section("record", RecordSettings::read),
         faults,
         expectations: root.sections("expect", expectation::read),
     }

@@ -1,5 +1,7 @@
 //! Allowed ranges of numbers, and how a message spells them.
 
+use std::ops::RangeInclusive;
+
 use super::spelling::{spell_number, with_unit};
 
 /// The numbers a key may take; never NaN, never infinite.
@@ -10,9 +12,10 @@ pub(super) struct NumberRange {
     high: f64,
 }
 
-/// From `low` to `high`, both allowed.
-pub(super) const fn within(low: f64, high: f64) -> NumberRange {
-    NumberRange { low, low_is_allowed: true, high }
+impl From<RangeInclusive<f64>> for NumberRange {
+    fn from(range: RangeInclusive<f64>) -> Self {
+        Self { low: *range.start(), low_is_allowed: true, high: *range.end() }
+    }
 }
 
 /// Above zero, up to `high`, which is allowed.
@@ -21,6 +24,11 @@ pub(super) const fn positive(high: f64) -> NumberRange {
 }
 
 impl NumberRange {
+    /// This range with another upper end.
+    pub(super) const fn up_to(self, high: f64) -> Self {
+        Self { high, ..self }
+    }
+
     pub(super) fn contains(self, number: f64) -> bool {
         let above = if self.low_is_allowed { number >= self.low } else { number > self.low };
         above && number <= self.high

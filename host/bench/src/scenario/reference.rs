@@ -4,9 +4,8 @@
 use std::path::Path;
 
 use super::key_error::KeyError;
-use super::range::{positive, within};
+use super::range::positive;
 use super::reader::Section;
-use super::unit;
 use lashloop_plant::reference::{Interpolation, Reference, Table, Trapezoid};
 
 /// Reads the keys of one profile; `None` if a table can't be used. The path is the scenario's directory.
@@ -44,7 +43,7 @@ const STAND_IN: Reference = Reference::Constant { position_rad: 0.0 };
 
 /// A position within 1600 revolutions, which every encoder counts.
 fn position(section: &mut Section<'_>, key: &'static str, default: Option<f64>) -> f64 {
-    section.number(key, unit::RADIAN, default, within(-1e4, 1e4))
+    section.number(key, default, -1e4..=1e4)
 }
 
 fn read_constant(constant: &mut Section<'_>, _: &Path) -> Option<Reference> {
@@ -55,27 +54,26 @@ fn read_step(step: &mut Section<'_>, _: &Path) -> Option<Reference> {
     Some(Reference::Step {
         before_rad: position(step, "before_rad", None),
         after_rad: position(step, "after_rad", None),
-        at_s: step.number("at_s", unit::SECOND, None, within(0.0, 1e6)),
+        at_s: step.number("at_s", None, 0.0..=1e6),
     })
 }
 
 fn read_sine(sine: &mut Section<'_>, _: &Path) -> Option<Reference> {
     Some(Reference::Sine {
-        amplitude_rad: sine.number("amplitude_rad", unit::RADIAN, None, within(0.0, 1e4)),
-        frequency_hz: sine.number("frequency_hz", unit::HERTZ, None, positive(1e4)),
+        amplitude_rad: sine.number("amplitude_rad", None, 0.0..=1e4),
+        frequency_hz: sine.number("frequency_hz", None, positive(1e4)),
         offset_rad: position(sine, "offset_rad", Some(0.0)),
         phase_rad: position(sine, "phase_rad", Some(0.0)),
     })
 }
 
 fn read_trapezoid(move_: &mut Section<'_>, _: &Path) -> Option<Reference> {
-    let acceleration = unit::RADIAN_PER_SECOND_SQUARED;
     Some(Reference::Trapezoid(Trapezoid {
         from_rad: position(move_, "from_rad", None),
         to_rad: position(move_, "to_rad", None),
-        start_s: move_.number("start_s", unit::SECOND, 0.0, within(0.0, 1e6)),
-        velocity_rad_s: move_.number("velocity_rad_s", unit::RADIAN_PER_SECOND, None, positive(1e4)),
-        acceleration_rad_s2: move_.number("acceleration_rad_s2", acceleration, None, positive(1e6)),
+        start_s: move_.number("start_s", 0.0, 0.0..=1e6),
+        velocity_rad_s: move_.number("velocity_rad_s", None, positive(1e4)),
+        acceleration_rad_s2: move_.number("acceleration_rad_s2", None, positive(1e6)),
     }))
 }
 

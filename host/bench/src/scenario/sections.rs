@@ -5,24 +5,25 @@ use std::time::Duration;
 use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MAX_NOISE_COUNTS, MIN_COUNTS_PER_REV};
 use serde::Serialize;
 
-use super::range::{positive, within};
+use super::keys::{integer_or, number, number_or, optional_integer, settings};
+use super::range::positive;
 use super::reader::Section;
-use super::unit;
 
 /// Largest TOML integer.
 const LARGEST: u64 = i64::MAX as u64;
 
-/// `[run]`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct RunSettings {
-    /// Simulated time, > 0 and <= 1e5 s.
-    pub duration_s: f64,
-    /// Control period, 100 to 100,000 us; 1000 by default.
-    pub control_period_us: u32,
-    /// Seed of every random stream of the run; 1 by default.
-    pub seed: u64,
-    /// Steps at the start that timing statistics omit; 0 by default.
-    pub warm_up_steps: u32,
+settings! {
+    /// `[run]`.
+    pub struct RunSettings {
+        /// Simulated time, > 0 and <= 1e5 s.
+        duration_s: f64 = number(positive(1e5)),
+        /// Control period, 100 to 100,000 us; 1000 by default.
+        control_period_us: u32 = integer_or(1000, 100..=100_000),
+        /// Seed of every random stream of the run; 1 by default.
+        seed: u64 = integer_or(1, 0..=LARGEST),
+        /// Steps at the start that timing statistics omit; 0 by default.
+        warm_up_steps: u32 = integer_or(0, 0..=u32::MAX),
+    }
 }
 
 impl RunSettings {
@@ -47,12 +48,7 @@ impl RunSettings {
 }
 
 pub(super) fn read_run(run: &mut Section<'_>) -> RunSettings {
-    let settings = RunSettings {
-        duration_s: run.number("duration_s", unit::SECOND, None, positive(1e5)),
-        control_period_us: run.integer("control_period_us", unit::MICROSECOND, 1000, 100..=100_000),
-        seed: run.integer("seed", unit::NONE, 1, 0..=LARGEST),
-        warm_up_steps: run.integer("warm_up_steps", unit::STEP, 0, 0..=u32::MAX),
-    };
+    let settings = RunSettings::read(run);
     let (duration_s, period_s) = (settings.duration_s, settings.control_period_s());
     // A run without a step to judge would meet every limit.
     if settings.warm_up_steps > 0 && duration_s >= period_s && settings.warm_up_steps >= settings.steps() {
@@ -70,41 +66,36 @@ pub(super) fn read_run(run: &mut Section<'_>) -> RunSettings {
     settings
 }
 
-/// `[encoders]`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct EncoderSettings {
-    /// Counts per revolution of the motor, after quadrature; 131,072 by default.
-    pub motor_counts_per_rev: u32,
-    /// Counts per revolution of the load, after quadrature; 131,072 by default.
-    pub load_counts_per_rev: u32,
-    /// Amplitude of the noise added before counting, 0 to 1000 counts; uniform within +- this.
-    pub noise_counts: f64,
-}
-
-pub(super) fn read_encoders(encoders: &mut Section<'_>) -> EncoderSettings {
-    let (per_rev, resolution) = (unit::COUNT_PER_REVOLUTION, MIN_COUNTS_PER_REV..=MAX_COUNTS_PER_REV);
-    EncoderSettings {
-        motor_counts_per_rev: encoders.integer("motor_counts_per_rev", per_rev, 131_072, resolution.clone()),
-        load_counts_per_rev: encoders.integer("load_counts_per_rev", per_rev, 131_072, resolution),
-        noise_counts: encoders.number("noise_counts", unit::COUNT, 0.0, within(0.0, MAX_NOISE_COUNTS)),
+settings! {
+    /// `[encoders]`.
+    pub struct EncoderSettings {
+        /// Counts per revolution of the motor, after quadrature; 131,072 by default.
+        motor_counts_per_rev: u32 = integer_or(131_072, MIN_COUNTS_PER_REV..=MAX_COUNTS_PER_REV),
+        /// Counts per revolution of the load, after quadrature; 131,072 by default.
+        load_counts_per_rev: u32 = integer_or(131_072, MIN_COUNTS_PER_REV..=MAX_COUNTS_PER_REV),
+        /// Amplitude of the noise added before counting, 0 to 1000 counts; uniform within +- this.
+        noise_counts: f64 = number_or(0.0, 0.0..=MAX_NOISE_COUNTS),
     }
 }
 
-/// `[link]`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LinkSettings {
-    /// Time the bench waits for one answer, 100 to 30,000 ms; 1000 by default.
-    pub answer_timeout_ms: u32,
-    /// Silence after which the drive counts as lost, 100 to 60,000 ms; 2500 by default.
-    pub silence_limit_ms: u32,
-    /// Speed of a serial port, 1200 to 12,000,000 Bd; 921,600 by default. Other links ignore it.
-    pub baud: u32,
-    /// Speed of the modelled UART, 9600 to 12,000,000 Bd; 0, the default, for none. See [`crate::link::uart_model`].
-    pub modelled_baud: u32,
-    /// Reaction to the loss or restart of the drive; `end` by default.
-    pub on_loss: OnLoss,
-    /// Time for which the bench tries to resume, 100 to 600,000 ms; 5000 by default.
-    pub resume_limit_ms: u32,
+settings! {
+    /// `[link]`.
+    pub struct LinkSettings {
+        /// Time the bench waits for one answer, 100 to 30,000 ms; 1000 by default. Serial ports have timeouts in tenths of
+        /// a second.
+        answer_timeout_ms: u32 = integer_or(1000, 100..=30_000),
+        /// Silence after which the drive counts as lost, 100 to 60,000 ms; 2500 by default. It becomes the drive's watchdog,
+        /// whose limit is 60 s.
+        silence_limit_ms: u32 = integer_or(2500, 100..=60_000),
+        /// Speed of a serial port, 1200 to 12,000,000 Bd; 921,600 by default. Other links ignore it.
+        baud: u32 = integer_or(921_600, 1200..=12_000_000),
+        /// Speed of the modelled UART, 9600 to 12,000,000 Bd; 0, the default, for none. See [`crate::link::uart_model`].
+        modelled_baud: u32 = integer_or(0, 0..=12_000_000),
+        /// Reaction to the loss or restart of the drive; `end` by default.
+        on_loss: OnLoss = read_on_loss,
+        /// Time for which the bench tries to resume, 100 to 600,000 ms; 5000 by default.
+        resume_limit_ms: u32 = integer_or(5000, 100..=600_000),
+    }
 }
 
 /// Reaction to the loss of the drive.
@@ -146,18 +137,13 @@ impl LinkSettings {
     }
 }
 
+fn read_on_loss(link: &mut Section<'_>, key: &'static str) -> OnLoss {
+    let choices = [("end", OnLoss::End), ("resume", OnLoss::Resume)];
+    link.choice(key, OnLoss::End, &choices).unwrap_or(OnLoss::End)
+}
+
 pub(super) fn read_link(link: &mut Section<'_>) -> LinkSettings {
-    let settings = LinkSettings {
-        // Serial ports have timeouts in tenths of a second. The silence limit becomes the drive's watchdog, whose limit is 60 s.
-        answer_timeout_ms: link.integer("answer_timeout_ms", unit::MILLISECOND, 1000, 100..=30_000),
-        silence_limit_ms: link.integer("silence_limit_ms", unit::MILLISECOND, 2500, 100..=60_000),
-        baud: link.integer("baud", unit::BAUD, 921_600, 1200..=12_000_000),
-        modelled_baud: link.integer("modelled_baud", unit::BAUD, 0, 0..=12_000_000),
-        on_loss: link
-            .choice("on_loss", OnLoss::End, &[("end", OnLoss::End), ("resume", OnLoss::Resume)])
-            .unwrap_or(OnLoss::End),
-        resume_limit_ms: link.integer("resume_limit_ms", unit::MILLISECOND, 5000, 100..=600_000),
-    };
+    let settings = LinkSettings::read(link);
     if (1..SLOWEST_MODELLED_BAUD).contains(&settings.modelled_baud) {
         link.reject(
             "modelled_baud",
@@ -167,58 +153,44 @@ pub(super) fn read_link(link: &mut Section<'_>) -> LinkSettings {
     settings
 }
 
-/// `[allow]`: limits beyond which a run is INVALID, because it doesn't judge the drive. 0 by default.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-pub struct Allowance {
-    /// Steps without an answer.
-    pub lost: u64,
-    /// Steps whose answer arrived late; in real time, all steps without an answer by their end.
-    pub late: u64,
-    /// Frames rejected for their checksum.
-    pub crc_errors: u64,
-    /// Times that a lost drive came back and the run resumed.
-    pub resumes: u64,
-    /// Late steps in a row, in real time; unlimited by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub late_in_a_row: Option<u64>,
-    /// 99th percentile of the lateness of the bench's wake-ups in real time; unlimited by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub lateness_p99_us: Option<u64>,
-    /// 99th percentile of the round trip; unlimited by default.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub round_trip_p99_us: Option<u64>,
-}
-
-pub(super) fn read_allow(allow: &mut Section<'_>) -> Allowance {
-    Allowance {
-        lost: allow.integer("lost", unit::STEP, 0, 0..=LARGEST),
-        late: allow.integer("late", unit::STEP, 0, 0..=LARGEST),
-        crc_errors: allow.integer("crc_errors", unit::NONE, 0, 0..=LARGEST),
-        resumes: allow.integer("resumes", unit::NONE, 0, 0..=LARGEST),
-        late_in_a_row: allow.optional_integer("late_in_a_row", unit::STEP, 0..=LARGEST),
-        lateness_p99_us: allow.optional_integer("lateness_p99_us", unit::MICROSECOND, 1..=LARGEST),
-        round_trip_p99_us: allow.optional_integer("round_trip_p99_us", unit::MICROSECOND, 1..=LARGEST),
+settings! {
+    /// `[allow]`: limits beyond which a run is INVALID, because it doesn't judge the drive. 0 by default.
+    #[derive(Copy, Default, Eq)]
+    pub struct Allowance {
+        /// Steps without an answer.
+        lost: u64 = integer_or(0, 0..=LARGEST),
+        /// Steps whose answer arrived late; in real time, all steps without an answer by their end.
+        late: u64 = integer_or(0, 0..=LARGEST),
+        /// Frames rejected for their checksum.
+        crc_errors: u64 = integer_or(0, 0..=LARGEST),
+        /// Times that a lost drive came back and the run resumed.
+        resumes: u64 = integer_or(0, 0..=LARGEST),
+        /// Late steps in a row, in real time; unlimited by default.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        late_in_a_row: Option<u64> = optional_integer(0..=LARGEST),
+        /// 99th percentile of the lateness of the bench's wake-ups in real time; unlimited by default.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        lateness_p99_us: Option<u64> = optional_integer(1..=LARGEST),
+        /// 99th percentile of the round trip; unlimited by default.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        round_trip_p99_us: Option<u64> = optional_integer(1..=LARGEST),
     }
 }
 
-/// `[telemetry]`.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct TelemetrySettings {
-    /// Period of the drive's telemetry in steps; 10 by default, 0 for none.
-    pub every_steps: u16,
+settings! {
+    /// `[telemetry]`.
+    #[derive(Eq)]
+    pub struct TelemetrySettings {
+        /// Period of the drive's telemetry in steps; 10 by default, 0 for none.
+        every_steps: u16 = integer_or(10, 0..=u16::MAX),
+    }
 }
 
-pub(super) fn read_telemetry(telemetry: &mut Section<'_>) -> TelemetrySettings {
-    TelemetrySettings { every_steps: telemetry.integer("every_steps", unit::STEP, 10, 0..=u16::MAX) }
-}
-
-/// `[record]`.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct RecordSettings {
-    /// Rows per chunk written to the record, 1 to 1,000,000; 1000 by default.
-    pub flush_rows: u32,
-}
-
-pub(super) fn read_record(record: &mut Section<'_>) -> RecordSettings {
-    RecordSettings { flush_rows: record.integer("flush_rows", unit::ROW, 1000, 1..=1_000_000) }
+settings! {
+    /// `[record]`.
+    #[derive(Eq)]
+    pub struct RecordSettings {
+        /// Rows per chunk written to the record, 1 to 1,000,000; 1000 by default.
+        flush_rows: u32 = integer_or(1000, 1..=1_000_000),
+    }
 }

@@ -1,27 +1,25 @@
-//! Units as the reader names them, and the recognition of a right quantity in a wrong unit.
+//! Units of keys, and the recognition of a right quantity in a wrong unit.
 //!
 //! A key is a quantity with its unit, such as `stiffness_nm_rad`. Keys that differ in their trailing unit words only name the
 //! same quantity. `stiffness_nm_deg` is therefore reported as a wrong unit and not as a misspelling: its value is wrong by a
 //! factor of 57.
 
-/// No unit: a count of something that its key names, or a pure number.
-pub(super) const NONE: &str = "";
-pub(super) const SECOND: &str = "s";
-pub(super) const MILLISECOND: &str = "ms";
-pub(super) const MICROSECOND: &str = "us";
-pub(super) const HERTZ: &str = "Hz";
-pub(super) const RADIAN: &str = "rad";
-pub(super) const RADIAN_PER_SECOND: &str = "rad/s";
-pub(super) const RADIAN_PER_SECOND_SQUARED: &str = "rad/s^2";
-pub(super) const NEWTON_METRE: &str = "N m";
-pub(super) const NEWTON_METRE_PER_RADIAN: &str = "N m/rad";
-pub(super) const NEWTON_METRE_SECOND: &str = "N m s/rad";
-pub(super) const KILOGRAM_SQUARE_METRE: &str = "kg m^2";
-pub(super) const COUNT: &str = "counts";
-pub(super) const COUNT_PER_REVOLUTION: &str = "counts/rev";
-pub(super) const BAUD: &str = "Bd";
-pub(super) const STEP: &str = "steps";
-pub(super) const ROW: &str = "rows";
+/// The units by the ends of keys, longer ends first.
+#[rustfmt::skip]
+const UNITS: &[(&str, &str)] = &[
+    ("kg_m2", "kg m^2"), ("nm_s_rad", "N m s/rad"), ("nm_rad", "N m/rad"), ("nm", "N m"),
+    ("rad_s2", "rad/s^2"), ("rad_s", "rad/s"), ("rad", "rad"),
+    ("ms", "ms"), ("us", "us"), ("s", "s"), ("hz", "Hz"),
+    ("counts_per_rev", "counts/rev"), ("counts", "counts"), ("baud", "Bd"), ("steps", "steps"), ("rows", "rows"),
+    ("lost", "steps"), ("late", "steps"), ("late_in_a_row", "steps"),
+];
+
+/// The unit of a key; empty for a pure number.
+pub(super) fn of(key: &str) -> &'static str {
+    let ends_with =
+        |end: &str| key.strip_suffix(end).is_some_and(|before| before.is_empty() || before.ends_with('_'));
+    UNITS.iter().find(|(end, _)| ends_with(end)).map_or("", |(_, unit)| unit)
+}
 
 /// Words that occur in keys as parts of units only.
 #[rustfmt::skip]
@@ -32,7 +30,7 @@ const WORDS: &[&str] = &[
     "steps", "rows",
 ];
 
-/// Whether two keys name one quantity, in whatever units.
+/// Whether two keys name one quantity, in any units.
 pub(super) fn same_quantity(one: &str, other: &str) -> bool {
     quantity(one) == quantity(other)
 }

@@ -41,14 +41,6 @@ impl Session {
         self.line.send(&Reset {}.into())
     }
 
-    /// Clears the line, after opening it again if it is disconnected.
-    ///
-    /// # Errors
-    /// The line is still disconnected, or it broke.
-    pub fn clear_line(&mut self) -> Result<(), SessionError> {
-        self.line.clear()
-    }
-
     /// Arms and starts the drive.
     ///
     /// # Errors
@@ -92,14 +84,6 @@ impl Session {
             (_, State::Faulted) => self.command(ClearFault {}, State::Idle),
             (outcome, state) => Err(self.refused::<Stop>(outcome, state, log_mark)),
         }
-    }
-
-    /// Ends a partial frame in the drive's decoder, so that the drive decodes the next request.
-    ///
-    /// # Errors
-    /// The line broke.
-    pub fn end_frame(&mut self) -> Result<(), SessionError> {
-        self.line.end_frame()
     }
 
     /// Stops the run. A drive that has latched a fault needs no stop.

@@ -141,7 +141,7 @@ mod tests {
     fn at(session: &mut Session, step: u32) -> Result<Exchange, SessionError> {
         let [motor_counts, load_counts] = [EncoderCounts::default(); 2];
         let sample = EncoderSample { sequence: 0, motor_counts, load_counts, reference_rad: 0.0 };
-        let deadline = session.now() + Duration::from_secs(5);
+        let deadline = session.line.now() + Duration::from_secs(5);
         session.exchange(step, &sample, deadline)
     }
 

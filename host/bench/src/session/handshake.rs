@@ -26,19 +26,15 @@ pub fn shake_hands(line: &mut Line, session: u32) -> Result<Identity, SessionErr
         let deadline = line.now() + INTERVAL;
         let identity = line.wait(deadline, |message| match message {
             DriveMessage::Identity(identity) if identity.protocol_version != PROTOCOL_VERSION => {
-                Some(*identity)
+                Some(Err(SessionError::Version { drive: identity.protocol_version }))
             }
             // The identity of another session answered an earlier host and is still on the line.
-            DriveMessage::Identity(identity) if identity.session == session => Some(*identity),
+            DriveMessage::Identity(identity) if identity.session == session => Some(Ok(*identity)),
             _ => None,
         })?;
-        match identity {
-            Some(identity) if identity.protocol_version == PROTOCOL_VERSION => {
-                line.session = session;
-                return Ok(identity);
-            }
-            Some(identity) => return Err(SessionError::Version { drive: identity.protocol_version }),
-            None => {}
+        if let Some(identity) = identity.transpose()? {
+            line.session = session;
+            return Ok(identity);
         }
     }
     Err(line.silent("Hello", LIMIT))

@@ -24,12 +24,11 @@ pub mod line;
 mod logs;
 mod parameter_access;
 pub mod parameters;
-mod printable;
 pub mod request;
 
 pub use at_step::AtStep;
 pub use client::{Session, Traffic};
 pub use error::{LastSeen, SessionError};
 pub use exchange::Exchange;
+pub use logs::printable;
 pub use parameters::{Parameter, SetError};
-pub use printable::printable;

@@ -9,12 +9,6 @@ use super::error::SessionError;
 use super::parameters::{Parameter, SetError};
 
 impl Session {
-    /// The drive's parameters, in the order of their index.
-    #[must_use]
-    pub fn parameters(&self) -> &[Parameter] {
-        &self.parameters
-    }
-
     /// The parameter of this name.
     #[must_use]
     pub fn parameter(&self, name: &str) -> Option<&Parameter> {

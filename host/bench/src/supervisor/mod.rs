@@ -2,13 +2,11 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | `service` | [`Supervisor`]: the thread that starts and watches children |
+//! | `service` | [`Supervisor`]: the thread that starts children and receives SIGINT and SIGTERM |
 //! | `process` | [`Program`] and [`Process`]: what is started, and the running child |
-//! | `signals` | SIGINT and SIGTERM |
 
 mod process;
 mod service;
-mod signals;
 
 pub use process::{Process, Program};
 pub use service::{SignalGuard, Supervisor};

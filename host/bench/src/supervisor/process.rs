@@ -33,8 +33,10 @@ pub struct Program {
 
 /// A child process. Dropping it kills the child.
 pub struct Process {
-    name: &'static str,
-    id: u32,
+    /// Its name in messages.
+    pub name: &'static str,
+    /// Its process number.
+    pub id: u32,
     end: Arc<End>,
     stderr: Arc<Mutex<Vec<String>>>,
     stdout: mpsc::Receiver<String>,
@@ -83,18 +85,6 @@ impl Process {
             ended.changed.notify_all();
         });
         Ok(Self { name, id, end, stderr, stdout, kill: Some(kill) })
-    }
-
-    /// Its name in messages.
-    #[must_use]
-    pub fn name(&self) -> &'static str {
-        self.name
-    }
-
-    /// Its process number.
-    #[must_use]
-    pub fn id(&self) -> u32 {
-        self.id
     }
 
     /// Waits for its end, `limit` at most; `None` if it still runs.

@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 use std::{io, thread};
 
@@ -10,7 +11,25 @@ use tokio::signal::unix::{SignalKind, signal};
 use tokio::sync::mpsc as channel;
 
 use super::process::{Process, Program};
-use super::signals::Signals;
+
+/// What a shell reports of a program that Ctrl-C ended.
+const KILLED: i32 = 130;
+
+#[derive(Default)]
+struct Signals {
+    /// The bench polls `requested` and ends by itself.
+    guarded: AtomicBool,
+    requested: AtomicBool,
+}
+
+impl Signals {
+    /// Handles a signal. Without a guard, and at the second signal, the process ends; the kernel ends its children.
+    fn arrived(&self) {
+        if self.requested.swap(true, Ordering::Relaxed) || !self.guarded.load(Ordering::Relaxed) {
+            std::process::exit(KILLED);
+        }
+    }
+}
 
 /// Starts child processes and receives signals, on a thread with a tokio runtime. The thread ends with it.
 pub struct Supervisor {
@@ -24,7 +43,7 @@ pub struct SignalGuard<'a>(&'a Signals);
 
 impl Drop for SignalGuard<'_> {
     fn drop(&mut self) {
-        self.0.set_guarded(false);
+        self.0.guarded.store(false, Ordering::Relaxed);
     }
 }
 
@@ -57,14 +76,14 @@ impl Supervisor {
     /// signal ends the process.
     #[must_use]
     pub fn guard_signals(&self) -> SignalGuard<'_> {
-        self.signals.set_guarded(true);
+        self.signals.guarded.store(true, Ordering::Relaxed);
         SignalGuard(&self.signals)
     }
 
     /// Whether SIGINT or SIGTERM has arrived.
     #[must_use]
     pub fn interrupted(&self) -> bool {
-        self.signals.is_requested()
+        self.signals.requested.load(Ordering::Relaxed)
     }
 
     /// Path of the `lashloop` program itself.

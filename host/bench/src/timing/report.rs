@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde::Serialize;
 
 use super::quantiles::{Durations, Quantiles};
-use super::step_timing::{RoundTrip, StepOutcome, StepTiming};
+use super::step_timing::{StepOutcome, StepTiming};
 
 /// What paces a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -30,94 +30,84 @@ impl fmt::Display for ClockName {
 /// Collects the timing of steps.
 #[derive(Debug, Clone)]
 pub struct Timings {
-    clock: ClockName,
-    period_us: u32,
+    /// The counts so far.
+    report: TimingReport,
     /// Steps at the start that are excluded.
     warm_up: u64,
-    seen: u64,
-    unanswered: u64,
-    missed: u64,
     run_of_late: u64,
-    longest_run_of_late: u64,
     lateness: Durations,
-    round_trip: Durations,
-    send: Durations,
-    line_and_device: Durations,
-    compute: Durations,
-    receive: Durations,
+    /// The whole round trip, then its parts in the order of [`RoundTrip`](super::RoundTrip).
+    round_trip: [Durations; 5],
 }
 
 impl Timings {
     /// An empty collection that excludes the first `warm_up` steps. `period_us` is the control period.
     #[must_use]
     pub fn new(clock: ClockName, period_us: u32, warm_up: u64) -> Self {
-        let none = Durations::new();
-        Self {
+        let report = TimingReport {
             clock,
             period_us,
-            warm_up,
-            seen: 0,
+            warm_up_steps: 0,
+            steps: 0,
             unanswered: 0,
             missed: 0,
-            run_of_late: 0,
             longest_run_of_late: 0,
-            lateness: none.clone(),
-            round_trip: none.clone(),
-            send: none.clone(),
-            line_and_device: none.clone(),
-            compute: none.clone(),
-            receive: none,
-        }
+            lateness_us: None,
+            round_trip_us: None,
+            send_us: None,
+            line_and_device_us: None,
+            compute_us: None,
+            receive_us: None,
+            lateness_histogram: Vec::new(),
+            round_trip_histogram: Vec::new(),
+            refused: Vec::new(),
+        };
+        let round_trip = std::array::from_fn(|_| Durations::new());
+        Self { report, warm_up, run_of_late: 0, lateness: Durations::new(), round_trip }
     }
 
     /// Adds the next step.
     pub fn push(&mut self, step: &StepTiming) {
-        self.seen += 1;
-        if self.seen <= self.warm_up {
+        let report = &mut self.report;
+        if report.warm_up_steps < self.warm_up {
+            report.warm_up_steps += 1;
             return;
         }
+        report.steps += 1;
         match step.outcome {
             StepOutcome::Answered => self.run_of_late = 0,
-            StepOutcome::Unanswered => self.unanswered += 1,
-            StepOutcome::Missed => self.missed += 1,
+            StepOutcome::Unanswered => report.unanswered += 1,
+            StepOutcome::Missed => report.missed += 1,
         }
         if step.outcome != StepOutcome::Answered {
             self.run_of_late += 1;
-            self.longest_run_of_late = self.longest_run_of_late.max(self.run_of_late);
+            report.longest_run_of_late = report.longest_run_of_late.max(self.run_of_late);
         }
-        if self.clock == ClockName::RealTime && step.outcome != StepOutcome::Missed {
+        if report.clock == ClockName::RealTime && step.outcome != StepOutcome::Missed {
             self.lateness.record(step.lateness);
         }
-        if let Some(round_trip) = &step.round_trip {
-            let RoundTrip { send, line_and_device, compute, receive } = *round_trip;
-            self.round_trip.record(round_trip.total());
-            self.send.record(send);
-            self.line_and_device.record(line_and_device);
-            self.compute.record(compute);
-            self.receive.record(receive);
+        if let Some(trip) = &step.round_trip {
+            let times = [trip.total(), trip.send, trip.line_and_device, trip.compute, trip.receive];
+            self.round_trip.iter_mut().zip(times).for_each(|(histogram, time)| histogram.record(time));
         }
     }
 
     /// The report. `refused` names the privileges that the system did not grant.
     #[must_use]
     pub fn report(&self, refused: Vec<String>) -> TimingReport {
+        let [round_trip_us, send_us, line_and_device_us, compute_us, receive_us] =
+            self.round_trip.each_ref().map(Durations::quantiles);
         TimingReport {
-            clock: self.clock,
-            period_us: self.period_us,
-            warm_up_steps: self.seen.min(self.warm_up),
-            steps: self.seen.saturating_sub(self.warm_up),
-            unanswered: self.unanswered,
-            missed: self.missed,
-            longest_run_of_late: self.longest_run_of_late,
             lateness_us: self.lateness.quantiles(),
-            round_trip_us: self.round_trip.quantiles(),
-            send_us: self.send.quantiles(),
-            line_and_device_us: self.line_and_device.quantiles(),
-            compute_us: self.compute.quantiles(),
-            receive_us: self.receive.quantiles(),
+            round_trip_us,
+            send_us,
+            line_and_device_us,
+            compute_us,
+            receive_us,
             lateness_histogram: self.lateness.bins(),
-            round_trip_histogram: self.round_trip.bins(),
+            round_trip_histogram: self.round_trip[0].bins(),
             refused,
+            ..self.report.clone()
         }
     }
 }
@@ -143,7 +133,7 @@ pub struct TimingReport {
     pub lateness_us: Option<Quantiles>,
     /// From the sample to the torque.
     pub round_trip_us: Option<Quantiles>,
-    /// Part of the round trip: encoding and writing, see [`RoundTrip`].
+    /// Part of the round trip: encoding and writing, see [`RoundTrip`](super::RoundTrip).
     pub send_us: Option<Quantiles>,
     /// Part of the round trip: the line in both directions and the device without its compute time.
     pub line_and_device_us: Option<Quantiles>,
@@ -206,6 +196,7 @@ impl fmt::Display for TimingReport {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::timing::RoundTrip;
 
     const US: Duration = Duration::from_micros(1);
 

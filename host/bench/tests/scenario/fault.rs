@@ -1,7 +1,7 @@
 //! What `[[fault]]` says.
 
 use lashloop_bench::scenario::Scenario;
-use lashloop_bench::scenario::fault::{FaultKind, FrameFault};
+use lashloop_bench::scenario::fault::{FaultKind, FrameFault, Way};
 
 use crate::{SHORTEST, read};
 
@@ -82,12 +82,12 @@ fn the_list_of_kinds_in_the_message_is_the_list_of_this_test() {
 }
 
 #[test]
-fn a_fault_of_the_line_goes_both_ways_unless_it_says_which() {
+fn a_fault_of_the_link_has_both_directions_by_default() {
     let scenario = bench_with(&fault("kind = \"link-delay\"\ndelay_ms = 1")).expect("a good scenario");
     let FaultKind::Frame { fault: FrameFault::Delay { jitter_ms, .. }, way } = scenario.faults[0].kind else {
         panic!("a delay")
     };
-    assert!(way.is_to_drive() && way.is_to_bench());
+    assert_eq!(way, Way::Both);
     assert_eq!((jitter_ms, scenario.faults[0].for_s), (0.0, None));
 }
 

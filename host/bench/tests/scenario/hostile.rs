@@ -1,4 +1,4 @@
-//! Whatever the bytes: a scenario or a message, never a panic.
+//! Any bytes: a scenario or a message, never a panic.
 
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};

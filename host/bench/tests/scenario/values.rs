@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use lashloop_bench::scenario::controller::ParameterValue;
-use lashloop_bench::scenario::plant::{InitialState, PlantModel, PlantSettings};
+use lashloop_bench::scenario::plant::{PlantModel, PlantSettings};
 use lashloop_bench::scenario::{Override, Scenario, ScenarioError};
 use lashloop_plant::reference::Reference;
 use lashloop_protocol::enums::ControllerId;
@@ -25,7 +25,7 @@ fn the_default_plant_is_table_1_of_the_paper() {
         dead_zone_rad: 0.16,
         load_coulomb_nm: None,
         backlash_shaft: None,
-        initial: InitialState {
+        initial: lashloop_plant::Start {
             load_position_rad: FRAC_PI_2,
             load_velocity_rad_s: 0.0,
             motor_position_rad: 3.0 * FRAC_PI_2,

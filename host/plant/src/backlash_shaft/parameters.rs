@@ -1,7 +1,10 @@
 //! Parameters of shaft damping, dry friction and drive.
 
+use std::ops::RangeInclusive;
+
 use crate::ParameterError;
 use crate::error::within;
+use crate::mechanics::in_range;
 
 /// Parameters of the backlash shaft beyond masses and spring.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +47,15 @@ pub struct BristleParameters {
 }
 
 impl ShaftParameters {
+    /// Allowed damping of the shaft.
+    pub const SHAFT_DAMPING_NM_S_RAD: RangeInclusive<f64> = 0.0..=1e6;
+    /// Allowed asymmetry of the load's friction.
+    pub const LOAD_ASYMMETRY: RangeInclusive<f64> = -0.9..=0.9;
+    /// Allowed lag of the current loop.
+    pub const CURRENT_LAG_S: RangeInclusive<f64> = 0.0..=10.0;
+    /// Allowed torque limit.
+    pub const TORQUE_SATURATION_NM: RangeInclusive<f64> = 1e-6..=1e6;
+
     /// Values that stand for the paper's experiment: with ideal sensors the cascaded PD law stops at 0.3204 rad, the paper's
     /// static error.
     pub fn paper() -> Self {
@@ -63,25 +75,45 @@ impl ShaftParameters {
     /// # Errors
     /// Names the first parameter outside its range.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        within("shaft_damping_nm_s_rad", self.shaft_damping_nm_s_rad, 0.0, 1e6)?;
+        in_range("shaft_damping_nm_s_rad", self.shaft_damping_nm_s_rad, &Self::SHAFT_DAMPING_NM_S_RAD)?;
         self.load.validate(["load_coulomb_nm", "load_stiction_nm", "load_stribeck_rad_s"])?;
-        within("load_friction_asymmetry", self.load_asymmetry, -0.9, 0.9)?;
+        in_range("load_friction_asymmetry", self.load_asymmetry, &Self::LOAD_ASYMMETRY)?;
         if let Some(bristles) = self.load_bristles {
-            within("bristle_stiffness_nm_rad", bristles.stiffness_nm_rad, 1e-3, 1e12)?;
-            within("bristle_damping_nm_s_rad", bristles.damping_nm_s_rad, 0.0, 1e9)?;
+            in_range(
+                "bristle_stiffness_nm_rad",
+                bristles.stiffness_nm_rad,
+                &BristleParameters::STIFFNESS_NM_RAD,
+            )?;
+            in_range(
+                "bristle_damping_nm_s_rad",
+                bristles.damping_nm_s_rad,
+                &BristleParameters::DAMPING_NM_S_RAD,
+            )?;
             // Bristles slide at Coulomb friction; without it their deflection would have no limit.
-            within("load_coulomb_nm", self.load.coulomb_nm, 1e-6, 1e6)?;
+            within("load_coulomb_nm", self.load.coulomb_nm, 1e-6, *StribeckParameters::TORQUE_NM.end())?;
         }
         self.motor.validate(["motor_coulomb_nm", "motor_stiction_nm", "motor_stribeck_rad_s"])?;
-        within("current_lag_s", self.current_lag_s, 0.0, 10.0)?;
-        within("torque_saturation_nm", self.torque_saturation_nm, 1e-6, 1e6)
+        in_range("current_lag_s", self.current_lag_s, &Self::CURRENT_LAG_S)?;
+        in_range("torque_saturation_nm", self.torque_saturation_nm, &Self::TORQUE_SATURATION_NM)
     }
 }
 
+impl BristleParameters {
+    /// Allowed sigma_0.
+    pub const STIFFNESS_NM_RAD: RangeInclusive<f64> = 1e-3..=1e12;
+    /// Allowed sigma_1.
+    pub const DAMPING_NM_S_RAD: RangeInclusive<f64> = 0.0..=1e9;
+}
+
 impl StribeckParameters {
+    /// Allowed Coulomb friction; stiction is at least the Coulomb friction.
+    pub const TORQUE_NM: RangeInclusive<f64> = 0.0..=1e6;
+    /// Allowed Stribeck velocity.
+    pub const VELOCITY_RAD_S: RangeInclusive<f64> = 1e-6..=1e3;
+
     fn validate(&self, [coulomb, stiction, velocity]: [&'static str; 3]) -> Result<(), ParameterError> {
-        within(coulomb, self.coulomb_nm, 0.0, 1e6)?;
-        within(stiction, self.stiction_nm, self.coulomb_nm, 1e6)?;
-        within(velocity, self.velocity_rad_s, 1e-6, 1e3)
+        in_range(coulomb, self.coulomb_nm, &Self::TORQUE_NM)?;
+        within(stiction, self.stiction_nm, self.coulomb_nm, *Self::TORQUE_NM.end())?;
+        in_range(velocity, self.velocity_rad_s, &Self::VELOCITY_RAD_S)
     }
 }

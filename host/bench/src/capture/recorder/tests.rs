@@ -25,10 +25,10 @@ fn packets_reach_the_file_by_themselves_and_whole() {
 }
 
 #[test]
-fn a_line_that_is_faster_than_the_disk_waits_where_it_may() {
+fn a_line_faster_than_the_disk_waits_in_lockstep() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("line.pcapng");
-    let (mut recorder, capture) = with_room(&path, WhenFull::Wait, 256).unwrap();
+    let (mut recorder, capture) = with_capacity(&path, WhenFull::Wait, 256).unwrap();
     let frames: Vec<[u8; 4]> = (0..2_000_u32).map(u32::to_le_bytes).collect();
     frames.iter().for_each(|frame| recorder.push(Direction::HostToDrive, frame));
     drop(recorder);
@@ -40,8 +40,8 @@ fn a_line_that_is_faster_than_the_disk_waits_where_it_may() {
 fn a_gap_is_an_error_and_nothing_stands_behind_it() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("line.pcapng");
-    let (mut recorder, capture) = with_room(&path, WhenFull::Fail, 64).unwrap();
-    capture.check().expect("nothing has happened yet");
+    let (mut recorder, capture) = with_capacity(&path, WhenFull::Fail, 64).unwrap();
+    capture.check().expect("no packet yet");
     recorder.push(Direction::HostToDrive, &[1, 0]);
     recorder.push(Direction::HostToDrive, &[2; 100]);
     thread::sleep(4 * FLUSH);
@@ -49,12 +49,12 @@ fn a_gap_is_an_error_and_nothing_stands_behind_it() {
     let error = capture.check().expect_err("a packet did not fit");
     assert!(error.path == path && error.to_string().contains("behind the line"), "{error}");
     drop(recorder);
-    assert!(capture.finish().is_err(), "and it is not forgotten");
+    assert!(capture.finish().is_err(), "the error stays");
     assert_eq!(packets(&path), [[1, 0]]);
 }
 
 #[test]
-fn a_disk_that_is_full_is_told_by_name() {
+fn a_full_disk_is_reported_by_the_path() {
     let error = create(Path::new("/dev/full"), WhenFull::Fail).expect_err("it takes nothing");
     assert_eq!((error.path.as_path(), error.action), (Path::new("/dev/full"), "written"));
 }

@@ -103,10 +103,10 @@ fn accept(listener: &UnixListener, process: &Process) -> Result<Socket, DeviceEr
         match listener.accept() {
             Ok((stream, _)) => {
                 return Socket::new(stream)
-                    .map_err(|source| DeviceError::Spawn { name: process.name(), source });
+                    .map_err(|source| DeviceError::Spawn { name: process.name, source });
             }
             Err(error) if error.kind() != io::ErrorKind::WouldBlock => {
-                return Err(DeviceError::Spawn { name: process.name(), source: error });
+                return Err(DeviceError::Spawn { name: process.name, source: error });
             }
             Err(_) if Instant::now() > deadline || process.ended_within(Duration::ZERO).is_some() => {
                 return Err(not_up(process));

@@ -1,6 +1,6 @@
 //! One direction of the link: frames are hit by faults, held, and released when they are due.
 //!
-//! Whether and where a frame is hit is drawn once for the whole frame, in whatever pieces its bytes arrive.
+//! Whether and where a frame is hit is drawn once for the whole frame, in any number of pieces.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -13,7 +13,7 @@ use super::piece::Piece;
 use crate::fault::random::{stream, uniform_below};
 use crate::fault::schedule::{Schedule, scheduled};
 use crate::scenario::Scenario;
-use crate::scenario::fault::{FaultKind, FrameFault};
+use crate::scenario::fault::{FaultKind, FrameFault, Way};
 
 /// Frames held at most; a longer stall loses the oldest.
 const CAPACITY: usize = 1024;
@@ -54,7 +54,11 @@ impl Impairment {
     pub(super) fn new(scenario: &Scenario, to_drive: bool) -> Self {
         let here = |kind| match kind {
             FaultKind::Frame { fault, way } => {
-                let is_here = if to_drive { way.is_to_drive() } else { way.is_to_bench() };
+                let is_here = match way {
+                    Way::ToDrive => to_drive,
+                    Way::ToBench => !to_drive,
+                    Way::Both => true,
+                };
                 is_here.then_some(fault)
             }
             _ => None,
@@ -148,8 +152,8 @@ impl Impairment {
 }
 
 impl Passage {
-    /// Applies a fault; whether it has hit the frame. Every fault draws for every frame, whatever other faults have done to
-    /// it, so that streams stay independent of each other.
+    /// Applies a fault and returns whether it hits the frame. Every fault draws for every frame, regardless of other
+    /// faults, so that streams stay independent of each other.
     fn is_hit_by(&mut self, fault: FrameFault, random: &mut Pcg64Mcg, may_wait: bool) -> bool {
         let is_empty = self.piece.is_empty();
         let mut draw_hit = |share| uniform(random) < share && !is_empty;

@@ -1,7 +1,56 @@
-//! The loop's own thread.
+//! The loop's thread, and the lock-free ring that passes finished steps from it to the caller's thread.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
+
+use rtrb::{Consumer, Producer, RingBuffer};
+
+use crate::run::error::RunError;
+use crate::run::step_sink::{Step, StepSink};
+
+/// Steps that may wait to be recorded: 16 s at 1 kHz, longer than a disk stalls.
+const CAPACITY: usize = 1 << 14;
+
+/// The loop's end of the ring.
+pub(in crate::run) struct Ring<'a> {
+    steps: Producer<Step>,
+    stop: &'a AtomicBool,
+}
+
+impl<'a> Ring<'a> {
+    /// Both ends of a ring. `stop` ends the loop early.
+    pub(in crate::run) fn new(stop: &'a AtomicBool) -> (Self, Consumer<Step>) {
+        let (steps, taken) = RingBuffer::new(CAPACITY);
+        (Self { steps, stop }, taken)
+    }
+}
+
+impl StepSink for Ring<'_> {
+    fn take(&mut self, step: Step) -> Result<(), RunError> {
+        self.steps.push(step).map_err(|_| RunError::RecordBehind { steps: CAPACITY })
+    }
+
+    fn stop_asked(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+}
+
+/// Passes all waiting steps to another sink. Stops the loop if the sink fails or is asked to stop.
+///
+/// # Errors
+/// The sink failed.
+pub(in crate::run) fn drain(
+    steps: &mut Consumer<Step>,
+    to: &mut impl StepSink,
+    stop: &AtomicBool,
+) -> Result<(), RunError> {
+    let result = std::iter::from_fn(|| steps.pop().ok()).try_for_each(|step| to.take(step));
+    if result.is_err() || to.stop_asked() {
+        stop.store(true, Ordering::Relaxed);
+    }
+    result
+}
 
 /// Time between two calls that drain the finished steps.
 const DRAIN_INTERVAL: Duration = Duration::from_millis(5);

@@ -11,15 +11,11 @@
 #[cfg(test)]
 mod allocations;
 mod loop_thread;
-mod options;
 mod paced_loop;
 mod pacer;
 mod privileges;
-mod ring;
 
-pub(super) use loop_thread::run_with_drain;
-pub use options::RealTime;
+pub(super) use loop_thread::{Ring, drain, run_with_drain};
 pub use paced_loop::PERIOD_MARGIN;
 pub(super) use paced_loop::close;
-pub use privileges::obtain;
-pub(super) use ring::{Ring, drain};
+pub use privileges::{RealTime, obtain};

@@ -26,28 +26,25 @@ pub(in crate::run) fn close<S: StepSink>(
     let steps = scenario.run.steps();
     let period = Duration::from_micros(scenario.run.control_period_us.into());
     let pacer = Pacer::start(period, spin);
-    let mut step = 0;
-    while step < steps {
+    for step in 0..steps {
         if control.stop_asked() {
             return Ok(End::Interrupted);
         }
         let due = pacer.due(step);
-        match device.session.idle(due - (spin + period / PERIOD_MARGIN)) {
+        match device.session.line.idle(due - (spin + period / PERIOD_MARGIN)) {
             // The exchange of the step finds the loss and handles it.
             Err(source) if !source.is_loss() => return Err(device.explain(source).into()),
             _ => {}
         }
         let woke = pacer.wait_for(due)?;
         let present = pacer.step_at(woke).min(steps);
-        let outcome = if step < present {
-            control.miss(step, device).map(|()| None)
+        if step < present {
+            control.miss(step, device)?;
         } else {
-            control.step(step, due + period - period / PERIOD_MARGIN, woke - due, device)
-        };
-        match outcome {
-            Ok(None) => step += 1,
-            Ok(Some(end)) => return Ok(end),
-            Err(error) => return error.end(),
+            let deadline = due + period - period / PERIOD_MARGIN;
+            if let Some(end) = control.step(step, deadline, woke - due, device)? {
+                return Ok(end);
+            }
         }
     }
     Ok(End::Complete)

@@ -7,7 +7,7 @@ fault_kinds! {
     pub enum DeviceFault {
         /// The drive restarts, as after a short loss of power.
         "device-reset" => Reset lasts Momentary {}
-        /// The drive's process stops, and resumes when the fault ends.
+        /// The drive is suspended, and resumes when the fault ends.
         "device-hang" => Hang lasts WallClock {}
     }
 }

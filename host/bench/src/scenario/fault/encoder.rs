@@ -3,11 +3,10 @@
 use lashloop_protocol::EncoderCounts;
 use serde::Serialize;
 
-use super::keys::{fraction, integer, number};
 use super::kinds::fault_kinds;
+use crate::scenario::keys::{fraction, integer, number};
 use crate::scenario::range::positive;
 use crate::scenario::reader::Section;
-use crate::scenario::unit;
 
 /// The side of the gears that an encoder measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -30,7 +29,7 @@ impl Side {
 /// An offset in counts. More than half the counter's range would wrap around to a smaller offset.
 fn offset_counts(section: &mut Section<'_>, key: &'static str) -> i32 {
     let most = EncoderCounts::MAX.get();
-    section.integer(key, unit::COUNT, None, -most..=most)
+    section.integer(key, None, -most..=most)
 }
 
 fault_kinds! {
@@ -50,7 +49,7 @@ fault_kinds! {
             /// Offset in counts, up to [`EncoderCounts::MAX`] either way.
             counts: i32 = offset_counts,
             /// Time of the drift, > 0 and <= 1e5 s.
-            over_s: f64 = number(unit::SECOND, positive(1e5)),
+            over_s: f64 = number(positive(1e5)),
         }
         /// The encoder misses a fraction of each movement, in either direction. Lost counts stay lost after the fault.
         "encoder-lost-counts" => LostCounts {
@@ -60,7 +59,7 @@ fault_kinds! {
         /// The reading has additional noise, uniform in whole counts.
         "encoder-noise" => Noise {
             /// Amplitude, 1 to 1,000,000 counts either way.
-            counts: u32 = integer(unit::COUNT, 1..=1_000_000),
+            counts: u32 = integer(1..=1_000_000),
         }
         /// The encoder counts backwards from where the fault began.
         "encoder-reversed" => Reversed {}

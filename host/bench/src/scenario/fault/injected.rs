@@ -9,10 +9,9 @@ use super::link::{FrameFault, LinkFault, Way};
 use super::motor::MotorFault;
 use super::plant::PlantFault;
 use crate::scenario::plant::PlantModel;
-use crate::scenario::range::{positive, within};
+use crate::scenario::range::positive;
 use crate::scenario::reader::Section;
 use crate::scenario::sections::RunSettings;
-use crate::scenario::unit;
 
 /// A fault to inject during the run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -61,26 +60,24 @@ impl FaultKind {
     /// The kind's name, as scenarios and records spell it.
     #[must_use]
     pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Frame { fault, .. } => fault.name(),
-            Self::Link(fault) => fault.name(),
-            Self::Encoder { fault, .. } => fault.name(),
-            Self::Motor(fault) => fault.name(),
-            Self::Plant(fault) => fault.name(),
-            Self::Device(fault) => fault.name(),
-        }
+        self.entry().0
     }
 
     /// What ends a fault of this kind.
     #[must_use]
     pub const fn duration(&self) -> FaultDuration {
+        self.entry().1
+    }
+
+    /// The kind's entry in the table of its group.
+    const fn entry(&self) -> (&'static str, FaultDuration) {
         match self {
-            Self::Frame { fault, .. } => fault.duration(),
-            Self::Link(fault) => fault.duration(),
-            Self::Encoder { fault, .. } => fault.duration(),
-            Self::Motor(fault) => fault.duration(),
-            Self::Plant(fault) => fault.duration(),
-            Self::Device(fault) => fault.duration(),
+            Self::Frame { fault, .. } => fault.entry(),
+            Self::Link(fault) => fault.entry(),
+            Self::Encoder { fault, .. } => fault.entry(),
+            Self::Motor(fault) => fault.entry(),
+            Self::Plant(fault) => fault.entry(),
+            Self::Device(fault) => fault.entry(),
         }
     }
 
@@ -117,8 +114,8 @@ pub(in crate::scenario) fn read(
     model: PlantModel,
     run: &RunSettings,
 ) -> InjectedFault {
-    let at_s = fault.number("at_s", unit::SECOND, None, within(0.0, 1e5));
-    let for_s = fault.optional_number("for_s", unit::SECOND, positive(1e5));
+    let at_s = fault.number("at_s", None, 0.0..=1e5);
+    let for_s = fault.optional_number("for_s", "s", positive(1e5));
     if run.step_at(at_s) >= run.steps() {
         let last_s = f64::from(run.steps().saturating_sub(1)) * f64::from(run.control_period_us) / 1e6;
         fault.reject(

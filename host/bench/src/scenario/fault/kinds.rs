@@ -7,7 +7,7 @@ pub enum FaultDuration {
     Simulated,
     /// The step in which it begins.
     Momentary,
-    /// `for_s` in wall-clock time, since there may be no steps meanwhile.
+    /// `for_s` in the link's time, since there may be no steps meanwhile.
     WallClock,
 }
 
@@ -45,19 +45,10 @@ macro_rules! fault_kinds {
             /// Names of the kinds, as scenarios spell them.
             pub const NAMES: &[&'static str] = &[$($name),+];
 
-            /// The kind's name.
-            #[must_use]
-            pub const fn name(&self) -> &'static str {
+            /// The kind's name, and what ends a fault of this kind.
+            pub(super) const fn entry(&self) -> (&'static str, $crate::scenario::fault::kinds::FaultDuration) {
                 match self {
-                    $(Self::$kind { .. } => $name,)+
-                }
-            }
-
-            /// What ends a fault of this kind.
-            #[must_use]
-            pub const fn duration(&self) -> $crate::scenario::fault::kinds::FaultDuration {
-                match self {
-                    $(Self::$kind { .. } => fault_kinds!(@duration $($duration)?),)+
+                    $(Self::$kind { .. } => ($name, fault_kinds!(@duration $($duration)?)),)+
                 }
             }
 

@@ -2,11 +2,9 @@
 
 use serde::Serialize;
 
-use super::keys::{fraction, integer_or, number, number_or};
 use super::kinds::fault_kinds;
-use crate::scenario::range::within;
+use crate::scenario::keys::{fraction, integer_or, number, number_or};
 use crate::scenario::reader::Section;
-use crate::scenario::unit;
 
 /// Directions of the link that a fault strikes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -25,18 +23,6 @@ impl Way {
     pub(super) fn read(section: &mut Section<'_>) -> Self {
         let choices = [("both", Self::Both), ("to-drive", Self::ToDrive), ("to-bench", Self::ToBench)];
         section.choice("way", Self::Both, &choices).unwrap_or(Self::Both)
-    }
-
-    /// Whether frames to the drive are struck.
-    #[must_use]
-    pub fn is_to_drive(self) -> bool {
-        matches!(self, Self::ToDrive | Self::Both)
-    }
-
-    /// Whether frames to the bench are struck.
-    #[must_use]
-    pub fn is_to_bench(self) -> bool {
-        matches!(self, Self::ToBench | Self::Both)
     }
 }
 
@@ -58,7 +44,7 @@ fault_kinds! {
             /// Fraction of frames hit.
             share: f64 = fraction,
             /// Length of the burst, 1 to 64 bytes; 8 by default. A shorter frame is replaced whole.
-            bytes: u32 = integer_or(8, unit::NONE, 1..=64),
+            bytes: u32 = integer_or(8, 1..=64),
         }
         /// A frame arrives twice.
         "link-duplicate" => Duplicate {
@@ -70,12 +56,12 @@ fault_kinds! {
             /// Fraction of frames hit.
             share: f64 = fraction,
         }
-        /// Every frame arrives later by delay and jitter, in wall-clock time. Frames keep their order.
+        /// Every frame arrives later by delay and jitter, in the link's time. Frames keep their order.
         "link-delay" => Delay {
             /// Constant part, 0 to 1e4 ms.
-            delay_ms: f64 = number(unit::MILLISECOND, within(0.0, 1e4)),
+            delay_ms: f64 = number(0.0..=1e4),
             /// Upper end of a uniform random part, 0 to 1e4 ms; 0 by default.
-            jitter_ms: f64 = number_or(0.0, unit::MILLISECOND, within(0.0, 1e4)),
+            jitter_ms: f64 = number_or(0.0, 0.0..=1e4),
         }
         /// Frames are held back, and all arrive when the fault ends.
         "link-stall" => Stall {}

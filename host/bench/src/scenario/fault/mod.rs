@@ -15,7 +15,6 @@
 mod device;
 mod encoder;
 mod injected;
-mod keys;
 mod kinds;
 mod link;
 mod motor;

@@ -1,9 +1,7 @@
 //! Faults of the motor.
 
-use super::keys::{integer, number};
 use super::kinds::fault_kinds;
-use crate::scenario::range::within;
-use crate::scenario::unit;
+use crate::scenario::keys::{integer, number};
 
 fault_kinds! {
     /// Faults between the torque the drive commands and the torque the motor gives.
@@ -11,17 +9,17 @@ fault_kinds! {
         /// The motor's torque is limited.
         "torque-saturation" => Saturation {
             /// Limit of the magnitude, 0 to 1e6 N m.
-            limit_nm: f64 = number(unit::NEWTON_METRE, within(0.0, 1e6)),
+            limit_nm: f64 = number(0.0..=1e6),
         }
         /// The motor's torque is the commanded one times a gain.
         "torque-gain" => Gain {
             /// The gain, -1e3 to 1e3; negative for a motor that is wired with reversed polarity.
-            gain: f64 = number(unit::NONE, within(-1e3, 1e3)),
+            gain: f64 = number(-1e3..=1e3),
         }
         /// The motor's torque is the one commanded some steps earlier.
         "torque-delay" => Delay {
             /// Delay, 1 to 1000 control steps.
-            steps: u32 = integer(unit::STEP, 1..=1_000),
+            steps: u32 = integer(1..=1_000),
         }
         /// The motor gives no torque.
         "torque-dead" => Dead {}

@@ -1,13 +1,12 @@
 //! Faults of the plant.
 
-use super::keys::number;
 use super::kinds::fault_kinds;
-use crate::scenario::range::{positive, within};
+use crate::scenario::keys::number;
+use crate::scenario::range::positive;
 use crate::scenario::reader::Section;
-use crate::scenario::unit;
 
 fn factor(section: &mut Section<'_>, key: &'static str) -> f64 {
-    section.number(key, unit::NONE, None, positive(100.0))
+    section.number(key, None, positive(100.0))
 }
 
 fault_kinds! {
@@ -16,7 +15,7 @@ fault_kinds! {
         /// The gap widens.
         "gap-growth" => GapGrowth {
             /// Growth of the half width, > 0 and <= 3 rad at the motor.
-            growth_rad: f64 = number(unit::RADIAN, positive(3.0)),
+            growth_rad: f64 = number(positive(3.0)),
         }
         /// The shaft's stiffness changes.
         "stiffness-drop" => StiffnessDrop {
@@ -26,7 +25,7 @@ fault_kinds! {
         /// An external torque acts on the load.
         "load-torque" => LoadTorque {
             /// The torque, -1e6 to 1e6 N m, positive towards positive angles.
-            torque_nm: f64 = number(unit::NEWTON_METRE, within(-1e6, 1e6)),
+            torque_nm: f64 = number(-1e6..=1e6),
         }
         /// The load's dry friction changes.
         "friction-change" => FrictionChange {

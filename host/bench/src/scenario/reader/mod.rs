@@ -1,6 +1,7 @@
 //! Reading a section: each key is declared once, with its unit, default and range.
 //!
-//! A call such as `plant.number("dead_zone_rad", RADIAN, 0.16, positive(3.2))` declares the key and reads it. Errors are
+//! A call such as `plant.number("dead_zone_rad", 0.16, positive(3.2))` declares the key and reads it; the end of the key is
+//! its unit. Errors are
 //! collected: a faulty key yields a stand-in, reading goes on, and the scenario is rejected in the end with all of its
 //! errors. The stand-in of a number is NaN, so that comparisons between keys don't report the same error again.
 //!

@@ -41,6 +41,9 @@ impl Schema {
     /// The error for an unknown key, and the key that was probably meant.
     pub(super) fn explain_unknown(&self, name: &str, value: &Value) -> (KeyError, Option<&'static str>) {
         let found = value.to_string();
+        let other_name = |found, problem, &KnownKey { name: key, unit, .. }: &KnownKey| {
+            (KeyError::OtherName { found, problem, key, unit }, Some(key))
+        };
         let elsewhere = self.elsewhere.iter().find(|choice| choice.keys.iter().any(|key| key.name == name));
         if let Some(Elsewhere { owner, chosen, .. }) = elsewhere {
             let (owner, chosen) = (owner.clone(), chosen.clone());
@@ -48,11 +51,11 @@ impl Schema {
         }
         let symbol = self.symbols.iter().find(|(symbol, _)| symbol.eq_ignore_ascii_case(name));
         if let Some(key) = symbol.and_then(|(_, meant)| self.known.iter().find(|key| key.name == *meant)) {
-            return (KeyError::PaperSymbol { found, key: key.name, unit: key.unit }, Some(key.name));
+            return other_name(found, "given under a symbol of the paper", key);
         }
         let in_units = self.known.iter().filter(|key| !key.unit.is_empty());
         if let Some(key) = in_units.into_iter().find(|key| unit::same_quantity(key.name, name)) {
-            return (KeyError::WrongUnit { found, key: key.name, unit: key.unit }, Some(key.name));
+            return other_name(found, "in a wrong unit", key);
         }
         match self.nearest(name) {
             Some(nearest) => (KeyError::Misspelled { nearest }, Some(nearest)),

@@ -8,7 +8,6 @@ use crate::scenario::key_error::KeyError;
 use crate::scenario::origin::Origin;
 use crate::scenario::spelling::spell_key;
 use crate::scenario::tree::{Node, Table, Value};
-use crate::scenario::unit;
 
 /// A section that is being read.
 pub(in crate::scenario) struct Section<'a> {
@@ -56,7 +55,7 @@ impl<'a> Section<'a> {
         read: impl FnOnce(&mut Section<'_>) -> T,
     ) -> T {
         let path = self.path_of(key);
-        match self.look_up(key, unit::NONE, None) {
+        match self.look_up(key, "", None) {
             None => Section::new(path, self.origin.clone(), None, self.errors).read(read),
             Some(Node { origin, value: Value::Table(table) }) => {
                 Section::new(path, origin.clone(), Some(table), self.errors).read(read)
@@ -75,7 +74,7 @@ impl<'a> Section<'a> {
         key: &'static str,
         mut read: impl FnMut(&mut Section<'_>) -> T,
     ) -> Vec<T> {
-        let Some(node) = self.look_up(key, unit::NONE, None) else {
+        let Some(node) = self.look_up(key, "", None) else {
             return Vec::new();
         };
         let Value::Array(items) = &node.value else {

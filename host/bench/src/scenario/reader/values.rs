@@ -15,26 +15,26 @@ impl<'a> Section<'a> {
     pub(in crate::scenario) fn number(
         &mut self,
         key: &'static str,
-        unit: &'static str,
         default: impl Into<Option<f64>>,
-        range: NumberRange,
+        range: impl Into<NumberRange>,
     ) -> f64 {
-        let default = default.into();
+        let (default, range, unit) = (default.into(), range.into(), unit::of(key));
         let allowed = range.describe(unit);
-        let Some(node) = self.look_up(key, unit, default.is_none().then(|| format!("a number {allowed}")))
-        else {
+        let required = default.is_none().then(|| format!("a number {allowed}"));
+        let Some(node) = self.look_up(key, unit, required) else {
             return default.unwrap_or(f64::NAN);
         };
         self.check_number(key, node, range, &allowed)
     }
 
-    /// An optional number.
+    /// An optional number in `unit`.
     pub(in crate::scenario) fn optional_number(
         &mut self,
         key: &'static str,
         unit: &'static str,
-        range: NumberRange,
+        range: impl Into<NumberRange>,
     ) -> Option<f64> {
+        let range = range.into();
         let node = self.look_up(key, unit, None)?;
         Some(self.check_number(key, node, range, &range.describe(unit)))
     }
@@ -64,14 +64,13 @@ impl<'a> Section<'a> {
     pub(in crate::scenario) fn integer<T>(
         &mut self,
         key: &'static str,
-        unit: &'static str,
         default: impl Into<Option<T>>,
         range: RangeInclusive<T>,
     ) -> T
     where
         T: Copy + Display + PartialOrd + TryFrom<i64>,
     {
-        let default = default.into();
+        let (default, unit) = (default.into(), unit::of(key));
         let allowed = describe(&range, unit);
         let required = default.is_none().then(|| format!("a whole number {allowed}"));
         let stand_in = default.unwrap_or(*range.start());
@@ -85,12 +84,12 @@ impl<'a> Section<'a> {
     pub(in crate::scenario) fn optional_integer<T>(
         &mut self,
         key: &'static str,
-        unit: &'static str,
         range: RangeInclusive<T>,
     ) -> Option<T>
     where
         T: Copy + Display + PartialOrd + TryFrom<i64>,
     {
+        let unit = unit::of(key);
         let node = self.look_up(key, unit, None)?;
         let allowed = describe(&range, unit);
         self.check_integer(key, node, &range, allowed)
@@ -119,7 +118,7 @@ impl<'a> Section<'a> {
 
     /// A text; `None` if absent or faulty. `purpose` describes a required one.
     pub(in crate::scenario) fn text(&mut self, key: &'static str, purpose: Option<&str>) -> Option<&'a str> {
-        let node = self.look_up(key, unit::NONE, purpose.map(str::to_owned))?;
+        let node = self.look_up(key, "", purpose.map(str::to_owned))?;
         if let Value::Text(text) = &node.value {
             return Some(text);
         }
@@ -136,7 +135,7 @@ impl<'a> Section<'a> {
     ) -> Option<T> {
         let default = default.into();
         let allowed = either(choices.iter().map(|(word, _)| *word));
-        let Some(node) = self.look_up(key, unit::NONE, default.is_none().then(|| allowed.clone())) else {
+        let Some(node) = self.look_up(key, "", default.is_none().then(|| allowed.clone())) else {
             return default;
         };
         let Value::Text(found) = &node.value else {
