@@ -66,7 +66,7 @@ impl Lifecycle {
     }
 
     pub(super) fn check_watchdog(&self, now: Duration) -> Result<(), Violation> {
-        self.run().map_or(Ok(()), |run| run.check_watchdog(now))
+        self.run().map_or(Ok(()), |run| run.watchdog().check(now))
     }
 
     /// Opens a session. Another one than the present disarms the drive; a latched fault stays.

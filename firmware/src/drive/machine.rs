@@ -73,7 +73,7 @@ impl Drive {
     /// Device time after which [`Drive::tick`] trips the watchdog; `None` unless running.
     #[must_use]
     pub fn next_tick(&self) -> Option<Duration> {
-        self.lifecycle.run().map(Run::watchdog_deadline)
+        self.lifecycle.run().map(|run| run.watchdog().deadline())
     }
 
     /// The bytes to transmit.

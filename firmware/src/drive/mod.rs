@@ -20,7 +20,8 @@
 //! |---|---|
 //! | `machine` | [`Drive`]: bytes in, one handler per request, bytes out |
 //! | `lifecycle` | the states above; each owns what only it has |
-//! | `run` | one run, from `Start` to its end: sequence, watchdog, held torque |
+//! | `run` | one run, from `Start` to its end: sequence, held torque |
+//! | `watchdog` | the limit on time without a new sample |
 //! | `safety` | limits between controller and motor |
 //! | `control_loop` | encoder sample to requested torque |
 //! | `law_from_parameters` | parameters to sensing and control law |
@@ -41,6 +42,7 @@ pub mod parameters;
 mod run;
 mod safety;
 mod torque_answer;
+mod watchdog;
 
 pub use clock::{Clock, ManualClock};
 pub use identity::{BUILD_ID, FIRMWARE_VERSION};

@@ -10,13 +10,13 @@ use super::control_loop::ControlLoop;
 use super::parameters::Parameters;
 use super::safety::{Limits, Violation};
 use super::torque_answer::{repeated, torque_answer};
+use super::watchdog::Watchdog;
 use crate::control::ControlOutput;
 
 pub(super) struct Run {
     control: ControlLoop,
     limits: Limits,
-    /// Device time of the last new sample, or of the start before the first one.
-    last_sample_at: Duration,
+    watchdog: Watchdog,
     /// The answer to the last sample; its torque is the held torque.
     last_answer: Option<TorqueAnswer>,
 }
@@ -35,7 +35,8 @@ pub(super) enum Reply {
 
 impl Run {
     pub(super) fn new(control: ControlLoop, parameters: &Parameters, now: Duration) -> Self {
-        Self { control, limits: Limits::new(parameters), last_sample_at: now, last_answer: None }
+        let watchdog = Watchdog::start(parameters.watchdog_us, now);
+        Self { control, limits: Limits::new(parameters), watchdog, last_answer: None }
     }
 
     /// The held torque in N m.
@@ -43,13 +44,8 @@ impl Run {
         self.last_answer.map_or(0.0, |answer| answer.torque_nm)
     }
 
-    /// Device time after which the watchdog trips.
-    pub(super) fn watchdog_deadline(&self) -> Duration {
-        self.last_sample_at + self.limits.watchdog
-    }
-
-    pub(super) fn check_watchdog(&self, now: Duration) -> Result<(), Violation> {
-        self.limits.check_watchdog(now.saturating_sub(self.last_sample_at))
+    pub(super) fn watchdog(&self) -> &Watchdog {
+        &self.watchdog
     }
 
     /// Answers a sample; a new one makes a control step and restarts the watchdog.
@@ -58,7 +54,7 @@ impl Run {
             Ok(periods) => periods,
             Err(reply) => return reply,
         };
-        self.last_sample_at = arrived;
+        self.watchdog.restart(arrived);
         let mut flags = TorqueFlags::empty();
         flags.set(TorqueFlags::GAP, periods > 1);
         match self.step(sample, periods) {

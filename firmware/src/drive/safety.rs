@@ -3,15 +3,13 @@
 //! | rule | reaction |
 //! |---|---|
 //! | disarmed at boot; `Arm`, then `Start`, of the present session | torque is zero in every other state |
-//! | no new sample for `watchdog_us` while running | fault `Watchdog` |
+//! | no new sample for `watchdog_us` while running | fault `Watchdog`, see `watchdog` |
 //! | encoder faster than `motor_speed_limit_rad_s` / `load_speed_limit_rad_s` | fault, before the controller steps |
 //! | reference or torque not finite | fault |
 //! | torque beyond `torque_limit_nm` | clamped and flagged |
 //! | `EmergencyStop` | fault |
 //!
 //! A fault sets the torque to zero at once and stays latched until `ClearFault`. Time is device time.
-
-use core::time::Duration;
 
 use lashloop_protocol::enums::FaultCode;
 
@@ -31,7 +29,6 @@ pub(super) struct Limits {
     torque_nm: f32,
     motor_speed_rad_s: f32,
     load_speed_rad_s: f32,
-    pub(super) watchdog: Duration,
 }
 
 impl Limits {
@@ -40,14 +37,7 @@ impl Limits {
             torque_nm: parameters.torque_limit_nm,
             motor_speed_rad_s: parameters.motor_speed_limit_rad_s,
             load_speed_rad_s: parameters.load_speed_limit_rad_s,
-            watchdog: Duration::from_micros(parameters.watchdog_us.into()),
         }
-    }
-
-    /// Without a new sample in time the host has stopped or lost its encoders. The limit itself is in time.
-    pub(super) fn check_watchdog(&self, silence: Duration) -> Result<(), Violation> {
-        let (value, limit) = (silence.as_secs_f32(), self.watchdog.as_secs_f32());
-        holds(silence <= self.watchdog, FaultCode::Watchdog, value, limit)
     }
 
     /// An encoder faster than the mechanics is broken, unplugged or miscounted.
@@ -70,6 +60,6 @@ impl Limits {
     }
 }
 
-fn holds(rule: bool, code: FaultCode, value: f32, limit: f32) -> Result<(), Violation> {
+pub(super) fn holds(rule: bool, code: FaultCode, value: f32, limit: f32) -> Result<(), Violation> {
     if rule { Ok(()) } else { Err(Violation { code, value, limit }) }
 }

@@ -1,0 +1,37 @@
+//! The watchdog: no torque outlives the samples it was computed from.
+//!
+//! While the drive runs, a new sample must arrive within `watchdog_us` of the last one, or of the start. A repeated or
+//! out-of-sequence sample doesn't restart the watchdog. Time is device time.
+
+use core::time::Duration;
+
+use lashloop_protocol::enums::FaultCode;
+
+use super::safety::{Violation, holds};
+
+pub(super) struct Watchdog {
+    timeout: Duration,
+    restarted_at: Duration,
+}
+
+impl Watchdog {
+    pub(super) fn start(timeout_us: u32, now: Duration) -> Self {
+        Self { timeout: Duration::from_micros(timeout_us.into()), restarted_at: now }
+    }
+
+    pub(super) fn restart(&mut self, now: Duration) {
+        self.restarted_at = now;
+    }
+
+    /// The last instant at which a new sample is in time.
+    pub(super) fn deadline(&self) -> Duration {
+        self.restarted_at + self.timeout
+    }
+
+    /// Trips after the deadline; the deadline itself is in time.
+    pub(super) fn check(&self, now: Duration) -> Result<(), Violation> {
+        let silence = now.saturating_sub(self.restarted_at);
+        let (value, limit) = (silence.as_secs_f32(), self.timeout.as_secs_f32());
+        holds(silence <= self.timeout, FaultCode::Watchdog, value, limit)
+    }
+}
