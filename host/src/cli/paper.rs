@@ -95,11 +95,11 @@ impl Arguments {
             let [before, after, beyond] = <[Run; 3]>::try_from(laws).expect("one run for each law");
             all.push(Laws { before, after, beyond });
         }
-        let [smooth, friction, bench, sine] = <[Laws; 4]>::try_from(all).expect("one set for each plan");
+        let [smooth, friction, shaft, sine] = <[Laws; 4]>::try_from(all).expect("one set for each plan");
         let twisted = |file| twist(scenario(file, None)?);
         let ratio = scenario(SCENARIOS[0], None)?.plant.reduction_ratio;
         let (smooth_gap, hard_gap) = (twisted(SCENARIOS[0])?, twisted(BENCH[0])?);
-        let runs = Runs { smooth, friction, bench, sine, smooth_gap, hard_gap, ratio };
+        let runs = Runs { smooth, friction, shaft, sine, smooth_gap, hard_gap, ratio };
         self.report(&runs, &device.device.description())?;
         Ok(worst.into())
     }

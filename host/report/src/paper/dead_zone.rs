@@ -13,12 +13,12 @@ pub(super) fn transmitted_torque(runs: &Runs) -> Figure {
     let caption = format!(
         "The paper: C = C0 + w is smooth and zero inside the gap.\n\
          Here: a) smooth, with no slope at z = 0, but nonzero elsewhere; far outside, the line is offset by 4 j0, so this gap is \
-         four times as wide as its parameter j0 says, and the load creeps in it. b) the gap of the bench, in contact at rest: \
-         nothing within {edge_rad:.2} rad, and the spring's full slope beyond."
+         four times as wide as its parameter j0 says, and the load creeps in it. b) the gap of the backlash shaft, in contact at \
+         rest: nothing within {edge_rad:.2} rad, and the spring's full slope beyond."
     );
     Figure::new("Figure 5: transmitted torque C and its parts", caption, 2)
         .panel(parts("Smooth plant, as the paper has it", &runs.smooth_gap))
-        .panel(parts("Bench, a hard gap", &runs.hard_gap))
+        .panel(parts("Backlash shaft, a hard gap", &runs.hard_gap))
 }
 
 /// C0, w and C against z, from the plant's own functions.
@@ -41,19 +41,19 @@ pub(super) fn made_linear(runs: &Runs) -> Figure {
         "The paper: compensation makes the disturbing torque linear; with a right estimate C \u{2212} w_hat is the straight line \
          C0 = K z.\n\
          Here: it does not come out. Root mean square of what the estimate leaves of w, before (w_hat = 0), after and beyond: \
-         {}\u{a0}N\u{a0}m on the smooth plant, {}\u{a0}N\u{a0}m on the bench. The paper's observer drives the load's error to zero by \
-         way of an estimate that is far from w on the way, further than none. Beyond, the estimate is wrong at \
-         the start, while the motor jumps faster than an observer of 60 rad/s follows and the gap is not known yet, and on the line \
+         {}\u{a0}N\u{a0}m on the smooth plant, {}\u{a0}N\u{a0}m on the backlash shaft. The paper's observer drives the load's error to \
+         zero by way of an estimate that is far from w on the way, further than none. Beyond, the estimate is wrong at \
+         the start, while the motor jumps faster than an observer of 60 rad/s follows and the gap is not yet identified, and on the line \
          from 2 s on.",
         rms(&runs.smooth),
-        rms(&runs.bench),
+        rms(&runs.shaft),
     );
-    let (smooth, bench) = (&telemetered(&runs.smooth), &telemetered(&runs.bench));
+    let (smooth, shaft) = (&telemetered(&runs.smooth), &telemetered(&runs.shaft));
     Figure::new("Figure 14: disturbing torque made linear", caption, 2)
         .panel(linear("Smooth plant", smooth))
-        .panel(linear("Bench", bench))
+        .panel(linear("Backlash shaft", shaft))
         .panel(left_over("Smooth plant: what is left of w", smooth))
-        .panel(left_over("Bench: what is left of w", bench))
+        .panel(left_over("Backlash shaft: what is left of w", shaft))
 }
 
 /// What the drive takes the transmitted torque for once the disturbing part is compensated, against the twist.

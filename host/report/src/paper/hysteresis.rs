@@ -25,8 +25,8 @@ pub(super) fn motor_against_load(runs: &Runs) -> Figure {
     let caption = format!(
         "The paper: the thickness of the hysteresis shrinks after compensation.\n\
          Here: not in the step, a) and b). The loop is as thick as the spring is wound up, {} rad before, after and beyond, and a \
-         faster law winds it up more. It comes out where hysteresis is measured as lost motion, under a slow sine on the bench, c) \
-         and d): the load passes the middle of its way at places {} rad apart before, {} rad after, {} rad beyond.",
+         faster law winds it up more. It comes out where hysteresis is measured as lost motion, under a slow sine on the backlash shaft, \
+         c) and d): the load passes the middle of its way at places {} rad apart before, {} rad after, {} rad beyond.",
         thick(smooth),
         lost(&sine.before),
         lost(&sine.after),
@@ -41,6 +41,6 @@ pub(super) fn motor_against_load(runs: &Runs) -> Figure {
     Figure::new("Figure 13: hysteresis", caption, 2)
         .panel(each("Step on the smooth plant", load(), motor(), smooth))
         .panel(each("Step: thickness of the loop", load(), twist, smooth))
-        .panel(each("Slow sine on the bench, last period", load(), motor(), sine))
+        .panel(each("Slow sine on the backlash shaft, last period", load(), motor(), sine))
         .panel(each("Slow sine: load against reference", reference, load(), sine))
 }

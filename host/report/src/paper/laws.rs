@@ -35,7 +35,7 @@ pub struct Runs {
     /// The paper's experiment, simplified: hard gap, Coulomb friction.
     pub friction: Laws,
     /// The paper's experiment in full: backlash shaft, Stribeck friction, lag, delay, coarse encoders.
-    pub bench: Laws,
+    pub shaft: Laws,
     /// The full experiment under a slow sine; rows of the last period only.
     pub sine: Laws,
     /// The smooth plant at rest, at each twist in turn.

@@ -29,8 +29,8 @@ fn load_position(smooth: &Laws) -> Figure {
     let caption = format!(
         "The paper: a transient of about 13 s before, 5.2 s after.\n\
          Here: {} s and {} s until the load stays within \u{b1}{SETTLED_RAD} rad; {} s beyond. The paper names no band: with this \
-         one its 13 s come out, and its 5.2 s follow. After compensation the load overshoots by {} rad, of which the paper does \
-         not speak.",
+         one its 13 s come out, and its 5.2 s follow. After compensation the load overshoots by {} rad, which the paper does \
+         not report.",
         of(before, Metric::SettleTime, 2),
         of(after, Metric::SettleTime, 2),
         of(beyond, Metric::SettleTime, 2),
@@ -63,8 +63,8 @@ fn load_error(smooth: &Laws) -> Figure {
 
 fn load_velocity(smooth: &Laws) -> Figure {
     let caption = "The paper: the velocity goes to zero, sooner and more smoothly after.\n\
-                   Here: sooner, but the load turns round again and again, which is the ringing of figure 7. Beyond, it arrives \
-                   without turning round; the law keeps its speed below 1.5 rad/s.";
+                   Here: sooner, but the load reverses repeatedly, which is the ringing of figure 7. Beyond, the load arrives \
+                   without a reversal; the law limits the load's speed to 1.5 rad/s.";
     let axis = Axis::new("load velocity", "rad/s");
     Figure::new("Figure 9: load velocity, simulation", caption, 1).panel(over_time(
         "Smooth plant",
@@ -76,9 +76,9 @@ fn load_velocity(smooth: &Laws) -> Figure {
 
 fn motor_position(smooth: &Laws) -> Figure {
     let caption = "The paper: the motor arrives faster, with smooth transitions, after.\n\
-                   Here: neither. Before, the motor is near zero in 2 s, while the load still creeps. After, it crosses the gap \
-                   each time the load turns round, and swings on the spring. Beyond, it crosses twice and stops, but for a ripple \
-                   in the slack middle of this gap; the hard gaps of figure 17 have none.";
+                   Here: neither. Before, the motor is near zero in 2 s, while the load still creeps. After, the motor crosses \
+                   the gap at each reversal of the load, and swings on the spring. Beyond, the motor crosses twice and stops, \
+                   except for a ripple in the slack middle of this gap; the hard gaps of figure 17 have none.";
     Figure::new("Figure 10: motor position, simulation", caption, 1).panel(over_time(
         "Smooth plant",
         Axis::new("motor position", "rad"),
@@ -92,10 +92,10 @@ fn motor_error(smooth: &Laws) -> Figure {
     let error = |row: &TraceRow| row.motor_error_rad;
     let telemetered_laws = &telemetered(smooth);
     let caption = "The paper: the motor's error goes to zero, sooner after.\n\
-                   Here: as sent by the drive: motor position less the set point of its load loop. The set point of the two cascades is \
-                   ten times the load's error, hence 20 rad at the start; the law beyond adds a twist to the load's \
-                   position. After is sooner near zero, with the same swings as the motor. The fringe comes of the load's \
-                   velocity, which is formed from counts.";
+                   Here: as sent by the drive: motor position less the set point of its load loop. The set point of the two cascades \
+                   is ten times the load's error, hence 20 rad at the start; the law beyond adds a twist to the load's \
+                   position. After, the error is sooner near zero, with the same swings as the motor. The fringe stems from the \
+                   load's velocity, which is formed from counts.";
     Figure::new("Figure 11: motor position error, simulation", caption, 2)
         .panel(over_time("Smooth plant", axis(), telemetered_laws, error))
         .panel(over_time("The same from 5 s on", axis(), telemetered_laws, from(5.0, error)))
@@ -105,8 +105,9 @@ fn motor_velocity(smooth: &Laws) -> Figure {
     let axis = || Axis::new("motor velocity", "rad/s");
     let velocity = |row: &TraceRow| row.motor_velocity_rad_s;
     let caption = "The paper: the velocity goes to zero, sooner and more smoothly after.\n\
-                   Here: not more smoothly. After, the light motor races through the gap and swings on the spring each time the \
-                   load turns round. Panel b) leaves the first second out, in which it jumps to where the load loop wants it.";
+                   Here: not more smoothly. After, the light motor crosses the gap fast and swings on the spring at each \
+                   reversal of the load. Panel b) omits the first second, in which the motor jumps to the set point of the load \
+                   loop.";
     Figure::new("Figure 12: motor velocity, simulation", caption, 2)
         .panel(over_time("Smooth plant", axis(), smooth, velocity))
         .panel(over_time("The same from 1 s on", axis(), smooth, from(1.0, velocity)))

@@ -21,7 +21,7 @@ pub struct Table {
 
 /// All tables.
 pub fn tables(runs: &Runs) -> [Table; 3] {
-    [paper(runs), bench(runs), estimators(runs)]
+    [paper(runs), backlash_shaft(runs), estimators(runs)]
 }
 
 /// How the cells of a row come from a run.
@@ -43,7 +43,7 @@ fn cells(laws: &Laws, value: Value) -> [String; 3] {
 }
 
 fn paper(runs: &Runs) -> Table {
-    let Runs { smooth, friction, bench, sine, ratio, .. } = runs;
+    let Runs { smooth, friction, shaft, sine, ratio, .. } = runs;
     let settle_time = Of(Metric::SettleTime, 2);
     let static_error = Of(Metric::StaticError, 4);
     let overshoot = Of(Metric::Overshoot, 3);
@@ -57,14 +57,14 @@ fn paper(runs: &Runs) -> Table {
         ("smooth: static error (rad), figure 8", ["-", "-"], smooth, static_error),
         ("smooth: overshoot (rad)", ["-", "-"], smooth, overshoot),
         ("smooth: hysteresis of the step (rad), figure 13", ["thick", "thinner"], smooth, Thickness(*ratio)),
-        ("sine, bench: lost motion (rad), figure 13", ["-", "-"], sine, lost_motion),
+        ("sine, shaft: lost motion (rad), figure 13", ["-", "-"], sine, lost_motion),
         ("smooth: rms of w_hat - w (N m), figure 14", ["-", "linear"], smooth, rms),
         ("friction: static error (rad), figure 15", ["about 0.32", "eliminated"], friction, static_error),
-        ("bench: static error (rad), figure 15", ["about 0.32", "eliminated"], bench, static_error),
+        ("shaft: static error (rad), figure 15", ["about 0.32", "eliminated"], shaft, static_error),
         ("friction: overshoot (rad)", ["-", "-"], friction, overshoot),
         ("friction: hunting (rad), figure 16", ["oscillates", "none"], friction, hunting),
         ("friction: torque variation (N m), figure 17", ["noisy", "cleaner"], friction, variation),
-        ("bench: torque variation (N m), figure 17", ["noisy", "cleaner"], bench, variation),
+        ("shaft: torque variation (N m), figure 17", ["noisy", "cleaner"], shaft, variation),
     ];
     let rows = lines.into_iter().map(|(what, paper, laws, value)| {
         let [before, after, beyond] = cells(laws, value);
@@ -80,17 +80,17 @@ fn paper(runs: &Runs) -> Table {
 
 const LAWS: [&str; 3] = ["before", "after", "beyond"];
 
-fn bench(runs: &Runs) -> Table {
-    let Runs { bench, sine, .. } = runs;
+fn backlash_shaft(runs: &Runs) -> Table {
+    let Runs { shaft, sine, .. } = runs;
     let lines = [
-        ("time into 0.05 rad (s)", bench, Metric::SettleTime, 2),
-        ("time into 2 % (s)", bench, Metric::SettleTime2Pct, 2),
-        ("time into 1 % (s)", bench, Metric::SettleTime1Pct, 2),
-        ("static error (rad)", bench, Metric::StaticError, 4),
-        ("hunting, last 10 s (rad)", bench, Metric::Hunting, 4),
-        ("overshoot (rad)", bench, Metric::Overshoot, 3),
-        ("total variation of torque (N m)", bench, Metric::TorqueTotalVariation, 0),
-        ("effort (N^2 m^2 s)", bench, Metric::Effort, 1),
+        ("time into 0.05 rad (s)", shaft, Metric::SettleTime, 2),
+        ("time into 2 % (s)", shaft, Metric::SettleTime2Pct, 2),
+        ("time into 1 % (s)", shaft, Metric::SettleTime1Pct, 2),
+        ("static error (rad)", shaft, Metric::StaticError, 4),
+        ("hunting, last 10 s (rad)", shaft, Metric::Hunting, 4),
+        ("overshoot (rad)", shaft, Metric::Overshoot, 3),
+        ("total variation of torque (N m)", shaft, Metric::TorqueTotalVariation, 0),
+        ("effort (N^2 m^2 s)", shaft, Metric::Effort, 1),
         ("slow sine: lost motion (rad)", sine, Metric::LostMotion, 4),
         ("slow sine: total variation of torque (N m)", sine, Metric::TorqueTotalVariation, 0),
     ];
@@ -98,14 +98,14 @@ fn bench(runs: &Runs) -> Table {
         (what.to_owned(), cells(laws, Of(metric, decimals)).to_vec())
     };
     Table {
-        title: "the bench: backlash, Stribeck friction, lag, delay, 4000 counts",
+        title: "the backlash shaft: Stribeck friction, lag, delay, 4000 counts",
         columns: LAWS.to_vec(),
         rows: lines.into_iter().map(row).collect(),
     }
 }
 
 fn estimators(runs: &Runs) -> Table {
-    let Runs { smooth, friction, bench, sine, .. } = runs;
+    let Runs { smooth, friction, shaft, sine, .. } = runs;
     let scores = [
         ("j_hat into 0.02 rad of j0 for good (s)", Metric::DeadZoneSettleTime, 2),
         ("bias of j_hat, last 5 s (rad)", Metric::DeadZoneBias, 4),
@@ -113,7 +113,7 @@ fn estimators(runs: &Runs) -> Table {
         ("rms of w_hat - w (N m)", Metric::DisturbingTorqueRmsError, 3),
         ("bias of w_hat (N m)", Metric::DisturbingTorqueBias, 3),
     ];
-    let plants = [("smooth", smooth), ("friction", friction), ("bench", bench), ("sine", sine)];
+    let plants = [("smooth", smooth), ("friction", friction), ("shaft", shaft), ("sine", sine)];
     let rows = plants.into_iter().flat_map(|(plant, laws)| {
         scores.map(|(what, metric, decimals)| {
             (format!("{plant}: {what}"), cells(laws, Of(metric, decimals)).to_vec())

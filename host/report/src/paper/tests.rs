@@ -17,7 +17,7 @@ const PERIOD_S: f64 = 0.001;
 fn run(seconds: f64, rest_rad: f64) -> Run {
     let text = include_str!("../../../../scenarios/smooth-before.toml");
     let scenario = Scenario::from_str("smooth-before.toml", text, &[]).expect("a scenario");
-    let (_, at_rest) = Simulator::new(&scenario).expect("a bench").observe(0).expect("a state");
+    let (_, at_rest) = Simulator::new(&scenario).expect("a simulator").observe(0).expect("a state");
     let mut measurement = Measurement::new(PERIOD_S);
     let mut rows = Vec::new();
     for step in 0..(seconds / PERIOD_S).round() as u32 {
@@ -59,7 +59,7 @@ fn runs(seconds: f64) -> Runs {
     Runs {
         smooth: laws([0.03, 0.0, 0.002]),
         friction: laws([0.32, -0.0087, 0.0019]),
-        bench: laws([0.32, -0.0079, 0.0014]),
+        shaft: laws([0.32, -0.0079, 0.0014]),
         sine: laws([0.3, 0.0, 0.0]),
         smooth_gap: gap.clone(),
         hard_gap: gap,
