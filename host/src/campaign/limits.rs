@@ -51,7 +51,7 @@ impl fmt::Display for LimitResult {
             Score::Value(value) => criterion.show(*value),
             Score::Missing(reason) => reason.to_string(),
         };
-        let what = format!("{}, {}", criterion.name(), quantile.name());
+        let what = format!("{}, {quantile}", criterion.name());
         let limit = format!("< {} {}", criterion.show(*below), criterion.unit());
         write!(out, "{:<6} {what:<24}{value:>10}   {limit}", if *met { "met" } else { "MISSED" })
     }

@@ -3,6 +3,8 @@
 //! Nearest rank: the q-quantile of n runs is the ceil(q n)-th best score. Without interpolation a quantile is the score of one
 //! run. Missing values are included, so a run that never settled is the maximum.
 
+use std::fmt;
+
 use serde::Serialize;
 
 use super::score::Score;
@@ -21,16 +23,6 @@ impl Quantile {
     /// In the order of the tables.
     pub const ALL: [Self; 3] = [Self::Median, Self::P95, Self::Max];
 
-    /// Name in a table.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Median => "median",
-            Self::P95 => "p95",
-            Self::Max => "max",
-        }
-    }
-
     /// Rank among `runs`, from 1. In integers, because 0.95 n in floating point can round up to the next rank.
     const fn rank(self, runs: usize) -> usize {
         match self {
@@ -38,6 +30,12 @@ impl Quantile {
             Self::P95 => (runs * 19).div_ceil(20),
             Self::Max => runs,
         }
+    }
+}
+
+impl fmt::Display for Quantile {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(out)
     }
 }
 

@@ -149,7 +149,7 @@ fn row(out: &mut fmt::Formatter<'_>, head: &str, [one, two, three]: [impl fmt::D
 impl fmt::Display for Report {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Settings { seed, plants, .. } = self.settings;
-        row(out, &format!("{plants} random plants, seed {seed}"), Quantile::ALL.map(Quantile::name))?;
+        row(out, &format!("{plants} random plants, seed {seed}"), Quantile::ALL)?;
         for criterion in Criterion::ALL {
             let mut name = heading(criterion);
             for report in &self.random_plants {
