@@ -63,8 +63,8 @@ fn sessions() -> Vec<Check> {
     vec![
         check("Arm of another session is refused", |client| {
             client.idle()?;
-            let session = client.session ^ 1;
-            equal("Arm", (Outcome::WrongSession, Idle), client.command(Arm { session })?)
+            let got = client.command(Arm { session: client.session ^ 1 })?;
+            equal("Arm", (Outcome::WrongSession, Idle), got)
         }),
         check("Start of another session is refused", |client| {
             client.armed()?;

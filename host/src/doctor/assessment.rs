@@ -6,6 +6,7 @@ use lashloop_protocol::enums::State;
 use lashloop_protocol::message::Identity;
 
 use super::diagnosis::Diagnosis;
+use super::diagnosis::Health::{Fine, NotApplicable, Wrong};
 use super::latency_timer::LatencyTimer;
 use super::round_trip::{BYTES, Timing};
 use lashloop_bench::device::DeviceError;
@@ -19,11 +20,12 @@ const LATENCY_TIMER: Duration = Duration::from_millis(10);
 pub(super) fn not_opened(error: &DeviceError, holders: &[String]) -> Diagnosis {
     let holders =
         if holders.is_empty() { String::new() } else { format!("; it is open in {}", holders.join(", ")) };
-    Diagnosis::wrong("open", format!("{error}{holders}"))
+    Diagnosis::new(Wrong, "open", format!("{error}{holders}"))
 }
 
 pub(super) fn opened(baud: Option<u32>) -> Diagnosis {
-    Diagnosis::fine(
+    Diagnosis::new(
+        Fine,
         "open",
         match baud {
             Some(baud) => {
@@ -36,9 +38,10 @@ pub(super) fn opened(baud: Option<u32>) -> Diagnosis {
 
 pub(super) fn dtr(is_pty: bool) -> Diagnosis {
     if is_pty {
-        return Diagnosis::not_applicable("DTR", "a pseudo-terminal has no modem lines");
+        return Diagnosis::new(NotApplicable, "DTR", "a pseudo-terminal has no modem lines");
     }
-    Diagnosis::fine(
+    Diagnosis::new(
+        Fine,
         "DTR",
         "left as the driver sets it at open, which is on; a board that resets by DTR has just been reset",
     )
@@ -48,16 +51,18 @@ pub(super) fn dtr(is_pty: bool) -> Diagnosis {
 pub(super) fn latency_timer(timer: Option<&LatencyTimer>) -> Diagnosis {
     let about = "latency timer";
     match timer {
-        None => Diagnosis::not_applicable(about, "a pseudo-terminal does not buffer by time"),
-        Some(LatencyTimer::None) => Diagnosis::not_applicable(about, "this driver has none"),
-        Some(LatencyTimer::Short) => Diagnosis::fine(about, "1 ms, the shortest"),
-        Some(LatencyTimer::Shortened { from_ms }) => Diagnosis::fine(
+        None => Diagnosis::new(NotApplicable, about, "a pseudo-terminal does not buffer by time"),
+        Some(LatencyTimer::None) => Diagnosis::new(NotApplicable, about, "this driver has none"),
+        Some(LatencyTimer::Short) => Diagnosis::new(Fine, about, "1 ms, the shortest"),
+        Some(LatencyTimer::Shortened { from_ms }) => Diagnosis::new(
+            Fine,
             about,
             format!(
                 "was {from_ms} ms, set to 1 ms until the adapter is unplugged; a udev rule makes it last"
             ),
         ),
-        Some(LatencyTimer::Long { ms, file, reason }) => Diagnosis::wrong(
+        Some(LatencyTimer::Long { ms, file, reason }) => Diagnosis::new(
+            Wrong,
             about,
             format!(
                 "{ms} ms and can't be shortened ({reason}): echo 1 | sudo tee {}, or add a udev rule that does it",
@@ -69,7 +74,11 @@ pub(super) fn latency_timer(timer: Option<&LatencyTimer>) -> Diagnosis {
 
 /// First step of every handshake.
 pub(super) fn drained() -> Diagnosis {
-    Diagnosis::fine("drain", "pending input is discarded, and a delimiter ends a partial frame at the drive")
+    Diagnosis::new(
+        Fine,
+        "drain",
+        "pending input is discarded, and a delimiter ends a partial frame at the drive",
+    )
 }
 
 pub(super) fn handshake(identity: &Identity) -> Diagnosis {
@@ -78,12 +87,14 @@ pub(super) fn handshake(identity: &Identity) -> Diagnosis {
         "{board}, firmware {firmware}, build {build_id:08x}, protocol version {protocol_version}, state {state:?}"
     );
     match state {
-        State::Idle => Diagnosis::fine("handshake", who),
-        State::Faulted => Diagnosis::wrong(
+        State::Idle => Diagnosis::new(Fine, "handshake", who),
+        State::Faulted => Diagnosis::new(
+            Wrong,
             "handshake",
             format!("{who}: a fault is latched; `lashloop run` resets the drive first"),
         ),
-        _ => Diagnosis::wrong(
+        _ => Diagnosis::new(
+            Wrong,
             "handshake",
             format!("{who}: expected Idle after the handshake; power the drive off and on"),
         ),
@@ -93,7 +104,11 @@ pub(super) fn handshake(identity: &Identity) -> Diagnosis {
 pub(super) fn round_trip(timing: &Timing) -> Diagnosis {
     let Timing { answered, p50, p99, max, .. } = *timing;
     let [p50, p99, max] = [p50, p99, max].map(in_us);
-    Diagnosis::fine("round trip", format!("{answered} samples answered: p50 {p50}, p99 {p99}, max {max}"))
+    Diagnosis::new(
+        Fine,
+        "round trip",
+        format!("{answered} samples answered: p50 {p50}, p99 {p99}, max {max}"),
+    )
 }
 
 pub(super) fn losses(timing: &Timing, damaged: u64) -> Option<Diagnosis> {
@@ -101,7 +116,8 @@ pub(super) fn losses(timing: &Timing, damaged: u64) -> Option<Diagnosis> {
     if lost == 0 && damaged == 0 {
         return None;
     }
-    Some(Diagnosis::wrong(
+    Some(Diagnosis::new(
+        Wrong,
         "losses",
         format!(
             "{lost} of {} samples without an answer, {damaged} damaged frames: check ground and cable, or take a lower \
@@ -115,10 +131,11 @@ pub(super) fn losses(timing: &Timing, damaged: u64) -> Option<Diagnosis> {
 pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&LatencyTimer>) -> Diagnosis {
     let about = "speed";
     let Some(wire) = wire else {
-        return Diagnosis::not_applicable(about, "a pseudo-terminal has no baud rate to compare with");
+        return Diagnosis::new(NotApplicable, about, "a pseudo-terminal has no baud rate to compare with");
     };
     let Some(above) = timing.p50.checked_sub(wire) else {
-        return Diagnosis::fine(
+        return Diagnosis::new(
+            Fine,
             about,
             format!(
                 "faster than the {} that {BYTES} bytes take at this baud rate: the port has none, as USB CDC",
@@ -132,7 +149,7 @@ pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&Late
         in_us(wire)
     );
     if above < BUFFERING {
-        return Diagnosis::fine(about, sum);
+        return Diagnosis::new(Fine, about, sum);
     }
     let cause = match timer {
         Some(LatencyTimer::Long { ms, .. }) => format!("the adapter's latency timer of {ms} ms"),
@@ -142,7 +159,7 @@ pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&Late
         _ => "a component buffers bytes: a hub, the adapter, or firmware that answers late"
             .to_owned(),
     };
-    Diagnosis::wrong(about, format!("{sum}: {cause}"))
+    Diagnosis::new(Wrong, about, format!("{sum}: {cause}"))
 }
 
 fn in_us(time: Duration) -> String {

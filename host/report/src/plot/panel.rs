@@ -1,9 +1,8 @@
 //! One panel: title, legend, axes, band, curves and marks.
 
-use super::axes;
+use super::axes::{self, Frame};
 use super::curve::{path_data, spans, strokes};
 use super::figure::Panel;
-use super::frame::Frame;
 use super::legend::Legend;
 use super::placement::{Area, place};
 use super::scale::{Point, Scale};

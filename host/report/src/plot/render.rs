@@ -3,8 +3,8 @@
 //! Plots of one row share their upper edge and plots of one column their left edge, independent of the length of titles,
 //! legends and tick labels, so that curves in neighbouring panels can be compared by eye.
 
+use super::axes::Frame;
 use super::figure::Figure;
-use super::frame::Frame;
 use super::panel::Prepared;
 use super::placement::Area;
 use super::svg::{Label, Svg};

@@ -66,11 +66,8 @@ fn always_ambiguous(client: &mut Client, encoder: Encoder) -> RuleResult {
     high.allowed(client)?;
     low.allowed(client)?;
     client.idle()?;
-    for (name, value) in high.settings() {
-        client.put(name, value)?;
-    }
-    let session = client.session;
-    let answers = client.request(Arm { session })?;
+    client.put_all(&high.settings())?;
+    let answers = client.request(Arm { session: client.session })?;
     let mut got = names(&answers);
     // The log may take several lines.
     got.dedup();
@@ -78,9 +75,7 @@ fn always_ambiguous(client: &mut Client, encoder: Encoder) -> RuleResult {
     equal(&format!("{what} answers"), vec!["Log", "CommandResult"], got)?;
     let got = (outcome::<Arm>(&answers)?, client.state);
     equal(&format!("{what} outcome and state"), (Outcome::Inconsistent, State::Idle), got)?;
-    for (name, value) in low.settings() {
-        client.put(name, value)?;
-    }
+    client.put_all(&low.settings())?;
     client.arm()
 }
 
