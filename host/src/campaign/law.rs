@@ -1,6 +1,5 @@
 //! The control laws under test.
 
-use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
@@ -33,13 +32,6 @@ impl Law {
                 include_str!("../../../scenarios/shaft-backlash-inverse.toml"),
             ),
         }
-    }
-}
-
-/// Name in scenarios.
-impl fmt::Display for Law {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(out)
     }
 }
 

@@ -3,8 +3,6 @@
 //! Nearest rank: the q-quantile of n runs is the ceil(q n)-th best score. Without interpolation a quantile is the score of one
 //! run. Missing values are included, so a run that never settled is the maximum.
 
-use std::fmt;
-
 use serde::Serialize;
 
 use super::score::Score;
@@ -30,12 +28,6 @@ impl Quantile {
             Self::P95 => (runs * 19).div_ceil(20),
             Self::Max => runs,
         }
-    }
-}
-
-impl fmt::Display for Quantile {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(out)
     }
 }
 

@@ -1,7 +1,6 @@
 //! The scores of one run. A missing value ranks behind every value.
 
 use std::cmp::Ordering;
-use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
@@ -126,12 +125,6 @@ impl Score {
         };
         let ((one, one_reason), (two, two_reason)) = (rank(self), rank(other));
         one.total_cmp(&two).then(one_reason.cmp(&two_reason))
-    }
-}
-
-impl fmt::Display for MissingReason {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(out)
     }
 }
 

@@ -6,7 +6,6 @@ use lashloop_protocol::enums::State;
 use lashloop_protocol::message::Identity;
 
 use super::diagnosis::Diagnosis;
-use super::diagnosis::Health::{Fine, NotApplicable, Wrong};
 use super::latency_timer::LatencyTimer;
 use super::round_trip::{BYTES, Timing};
 use lashloop_bench::device::DeviceError;
@@ -20,12 +19,11 @@ const LATENCY_TIMER: Duration = Duration::from_millis(10);
 pub(super) fn not_opened(error: &DeviceError, holders: &[String]) -> Diagnosis {
     let holders =
         if holders.is_empty() { String::new() } else { format!("; it is open in {}", holders.join(", ")) };
-    Diagnosis::new(Wrong, "open", format!("{error}{holders}"))
+    Diagnosis::wrong("open", format!("{error}{holders}"))
 }
 
 pub(super) fn opened(baud: Option<u32>) -> Diagnosis {
-    Diagnosis::new(
-        Fine,
+    Diagnosis::fine(
         "open",
         match baud {
             Some(baud) => {
@@ -38,10 +36,9 @@ pub(super) fn opened(baud: Option<u32>) -> Diagnosis {
 
 pub(super) fn dtr(is_pty: bool) -> Diagnosis {
     if is_pty {
-        return Diagnosis::new(NotApplicable, "DTR", "a pseudo-terminal has no modem lines");
+        return Diagnosis::not_applicable("DTR", "a pseudo-terminal has no modem lines");
     }
-    Diagnosis::new(
-        Fine,
+    Diagnosis::fine(
         "DTR",
         "left as the driver sets it at open, which is on; a board that resets by DTR has just been reset",
     )
@@ -51,18 +48,16 @@ pub(super) fn dtr(is_pty: bool) -> Diagnosis {
 pub(super) fn latency_timer(timer: Option<&LatencyTimer>) -> Diagnosis {
     let about = "latency timer";
     match timer {
-        None => Diagnosis::new(NotApplicable, about, "a pseudo-terminal does not buffer by time"),
-        Some(LatencyTimer::None) => Diagnosis::new(NotApplicable, about, "this driver has none"),
-        Some(LatencyTimer::Short) => Diagnosis::new(Fine, about, "1 ms, the shortest"),
-        Some(LatencyTimer::Shortened { from_ms }) => Diagnosis::new(
-            Fine,
+        None => Diagnosis::not_applicable(about, "a pseudo-terminal does not buffer by time"),
+        Some(LatencyTimer::None) => Diagnosis::not_applicable(about, "this driver has none"),
+        Some(LatencyTimer::Short) => Diagnosis::fine(about, "1 ms, the shortest"),
+        Some(LatencyTimer::Shortened { from_ms }) => Diagnosis::fine(
             about,
             format!(
                 "was {from_ms} ms, set to 1 ms until the adapter is unplugged; a udev rule makes it last"
             ),
         ),
-        Some(LatencyTimer::Long { ms, file, reason }) => Diagnosis::new(
-            Wrong,
+        Some(LatencyTimer::Long { ms, file, reason }) => Diagnosis::wrong(
             about,
             format!(
                 "{ms} ms and can't be shortened ({reason}): echo 1 | sudo tee {}, or add a udev rule that does it",
@@ -74,11 +69,7 @@ pub(super) fn latency_timer(timer: Option<&LatencyTimer>) -> Diagnosis {
 
 /// First step of every handshake.
 pub(super) fn drained() -> Diagnosis {
-    Diagnosis::new(
-        Fine,
-        "drain",
-        "pending input is discarded, and a delimiter ends a partial frame at the drive",
-    )
+    Diagnosis::fine("drain", "pending input is discarded, and a delimiter ends a partial frame at the drive")
 }
 
 pub(super) fn handshake(identity: &Identity) -> Diagnosis {
@@ -87,14 +78,12 @@ pub(super) fn handshake(identity: &Identity) -> Diagnosis {
         "{board}, firmware {firmware}, build {build_id:08x}, protocol version {protocol_version}, state {state:?}"
     );
     match state {
-        State::Idle => Diagnosis::new(Fine, "handshake", who),
-        State::Faulted => Diagnosis::new(
-            Wrong,
+        State::Idle => Diagnosis::fine("handshake", who),
+        State::Faulted => Diagnosis::wrong(
             "handshake",
             format!("{who}: a fault is latched; `lashloop run` resets the drive first"),
         ),
-        _ => Diagnosis::new(
-            Wrong,
+        _ => Diagnosis::wrong(
             "handshake",
             format!("{who}: expected Idle after the handshake; power the drive off and on"),
         ),
@@ -104,11 +93,7 @@ pub(super) fn handshake(identity: &Identity) -> Diagnosis {
 pub(super) fn round_trip(timing: &Timing) -> Diagnosis {
     let Timing { answered, p50, p99, max, .. } = *timing;
     let [p50, p99, max] = [p50, p99, max].map(in_us);
-    Diagnosis::new(
-        Fine,
-        "round trip",
-        format!("{answered} samples answered: p50 {p50}, p99 {p99}, max {max}"),
-    )
+    Diagnosis::fine("round trip", format!("{answered} samples answered: p50 {p50}, p99 {p99}, max {max}"))
 }
 
 pub(super) fn losses(timing: &Timing, damaged: u64) -> Option<Diagnosis> {
@@ -116,8 +101,7 @@ pub(super) fn losses(timing: &Timing, damaged: u64) -> Option<Diagnosis> {
     if lost == 0 && damaged == 0 {
         return None;
     }
-    Some(Diagnosis::new(
-        Wrong,
+    Some(Diagnosis::wrong(
         "losses",
         format!(
             "{lost} of {} samples without an answer, {damaged} damaged frames: check ground and cable, or take a lower \
@@ -131,11 +115,10 @@ pub(super) fn losses(timing: &Timing, damaged: u64) -> Option<Diagnosis> {
 pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&LatencyTimer>) -> Diagnosis {
     let about = "speed";
     let Some(wire) = wire else {
-        return Diagnosis::new(NotApplicable, about, "a pseudo-terminal has no baud rate to compare with");
+        return Diagnosis::not_applicable(about, "a pseudo-terminal has no baud rate to compare with");
     };
     let Some(above) = timing.p50.checked_sub(wire) else {
-        return Diagnosis::new(
-            Fine,
+        return Diagnosis::fine(
             about,
             format!(
                 "faster than the {} that {BYTES} bytes take at this baud rate: the port has none, as USB CDC",
@@ -149,7 +132,7 @@ pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&Late
         in_us(wire)
     );
     if above < BUFFERING {
-        return Diagnosis::new(Fine, about, sum);
+        return Diagnosis::fine(about, sum);
     }
     let cause = match timer {
         Some(LatencyTimer::Long { ms, .. }) => format!("the adapter's latency timer of {ms} ms"),
@@ -159,7 +142,7 @@ pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&Late
         _ => "a component buffers bytes: a hub, the adapter, or firmware that answers late"
             .to_owned(),
     };
-    Diagnosis::new(Wrong, about, format!("{sum}: {cause}"))
+    Diagnosis::wrong(about, format!("{sum}: {cause}"))
 }
 
 fn in_us(time: Duration) -> String {

@@ -20,8 +20,16 @@ pub enum Health {
 }
 
 impl Diagnosis {
-    pub(super) fn new(health: Health, subject: &'static str, text: impl Into<String>) -> Self {
-        Self { subject, health, text: text.into() }
+    pub(super) fn wrong(subject: &'static str, text: impl Into<String>) -> Self {
+        Self { subject, health: Health::Wrong, text: text.into() }
+    }
+
+    pub(super) fn fine(subject: &'static str, text: impl Into<String>) -> Self {
+        Self { subject, health: Health::Fine, text: text.into() }
+    }
+
+    pub(super) fn not_applicable(subject: &'static str, text: impl Into<String>) -> Self {
+        Self { subject, health: Health::NotApplicable, text: text.into() }
     }
 
     #[must_use]

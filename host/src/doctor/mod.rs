@@ -19,7 +19,7 @@ pub mod tty_users;
 
 use std::path::Path;
 
-use diagnosis::{Diagnosis, Health};
+use diagnosis::Diagnosis;
 use lashloop_bench::device::{self, DeviceError};
 use lashloop_bench::link::pty;
 use lashloop_bench::session::Session;
@@ -69,9 +69,7 @@ fn examine_steps(
     diagnoses.push(assessment::latency_timer(timer.as_ref()));
     let broken = |about| {
         let device = terminal.display().to_string();
-        move |source| {
-            Diagnosis::new(Health::Wrong, about, DeviceError::Session { device, source }.to_string())
-        }
+        move |source| Diagnosis::wrong(about, DeviceError::Session { device, source }.to_string())
     };
     diagnoses.push(assessment::drained());
     let mut session = Session::open(link, device::session_number()).map_err(broken("handshake"))?;
