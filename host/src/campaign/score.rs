@@ -70,6 +70,15 @@ impl Criterion {
         let (_, _, _, per_si, decimals) = self.column();
         format!("{:.decimals$}", si * per_si)
     }
+
+    /// The magnitude of a score in the unit of the table, or the reason for its absence.
+    #[must_use]
+    pub fn cell(self, score: Score) -> String {
+        match score.magnitude() {
+            Score::Value(magnitude) => self.show(magnitude),
+            Score::Missing(reason) => reason.to_string(),
+        }
+    }
 }
 
 /// The value of a criterion, or the reason for its absence.

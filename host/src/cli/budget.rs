@@ -8,8 +8,8 @@ use lashloop::budget::{Budget, Cycle};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::verdict::Exit;
 
-use super::device_options::DEFAULT_BAUD;
 use super::error::CliError;
+use super::options::DEFAULT_BAUD;
 use super::output::outln;
 
 /// Compute the time budget of a control period on a serial line

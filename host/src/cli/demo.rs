@@ -10,9 +10,9 @@ use lashloop_plant::metrics::{Measured, Metric};
 use lashloop_report::demo::{DemoRuns, PlantRuns, before_after};
 use lashloop_report::paper::Run;
 
-use super::device_options::DeviceOption;
 use super::error::CliError;
 use super::history::run_for_figure;
+use super::options::DeviceOption;
 use super::output::{outln, prepare_folder, write_file};
 use super::paper_scenarios::SCENARIOS;
 use super::supervision::start_supervisor;

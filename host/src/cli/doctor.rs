@@ -6,8 +6,8 @@ use clap::Args;
 use lashloop::doctor;
 use lashloop_bench::verdict::Exit;
 
-use super::device_options::BaudOption;
 use super::error::CliError;
+use super::options::BaudOption;
 use super::output::outln;
 
 /// Diagnose a terminal with a drive: open, handshake, round trip

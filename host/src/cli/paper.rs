@@ -12,9 +12,9 @@ use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::verdict::{Exit, Verdict};
 use lashloop_report::paper::{Laws, Run, Runs, figures, file_name, page, tables};
 
-use super::device_options::DeviceOption;
 use super::error::CliError;
 use super::history::run_for_figure;
+use super::options::DeviceOption;
 use super::output::{outln, prepare_folder, write_file};
 use super::paper_scenarios::SCENARIOS;
 use super::supervision::start_supervisor;

@@ -17,10 +17,9 @@ use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
 
-use super::device_options::DeviceOption;
 use super::error::{CliError, system};
+use super::options::{DeviceOption, ScenarioOptions};
 use super::output::{self, outln};
-use super::scenario_options::ScenarioOptions;
 use super::supervision::start_supervisor;
 
 /// Time without a step after which a run counts as hung.
