@@ -1,6 +1,5 @@
 //! The control laws under test.
 
-use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
@@ -20,16 +19,6 @@ impl Law {
     /// In the order of the tables.
     pub const ALL: [Self; 3] = [Self::Pd, Self::Merzouki, Self::BacklashInverse];
 
-    /// Name in scenarios.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Pd => "pd",
-            Self::Merzouki => "merzouki",
-            Self::BacklashInverse => "backlash-inverse",
-        }
-    }
-
     /// File name and text of the law's scenario. Its controller parameters are tuned for the nominal plant and stay unchanged.
     #[must_use]
     pub const fn scenario(self) -> (&'static str, &'static str) {
@@ -46,17 +35,11 @@ impl Law {
     }
 }
 
-impl fmt::Display for Law {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        out.pad(self.name())
-    }
-}
-
 impl FromStr for Law {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let law = Self::ALL.into_iter().find(|law| law.name() == text);
+        let law = Self::ALL.into_iter().find(|law| law.to_string() == text);
         law.ok_or_else(|| "expected pd, merzouki or backlash-inverse".to_owned())
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use lashloop::doctor::diagnosis::Health;
-use lashloop::doctor::{Examination, LineUnderTest, examine};
+use lashloop::doctor::{Examination, examine};
 use lashloop_bench::device::twin::Twin;
 use lashloop_bench::link::pty::Pty;
 use lashloop_bench::link::terminal::Terminal;
@@ -16,7 +16,7 @@ use crate::examples;
 use crate::support::{lashloop, text};
 
 fn examination(terminal: &Path) -> Examination {
-    examine(&LineUnderTest { terminal, baud: 921_600, rounds: 100 })
+    examine(terminal, 921_600, 100)
 }
 
 /// A twin that serves until the test's process ends.

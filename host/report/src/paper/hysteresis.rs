@@ -39,8 +39,8 @@ pub(super) fn motor_against_load(runs: &Runs) -> Figure {
         (Axis::new("motor less load, at the load", "rad"), move |row: &TraceRow| row.twist_rad / ratio);
     let reference = (Axis::new("reference", "rad"), |row: &TraceRow| row.reference_rad);
     Figure::new("Figure 13: hysteresis", caption, 2)
-        .panel(each("Step on the smooth plant", load(), motor(), smooth))
-        .panel(each("Step: thickness of the loop", load(), twist, smooth))
-        .panel(each("Slow sine on the bench, last period", load(), motor(), sine))
-        .panel(each("Slow sine: load against reference", reference, load(), sine))
+        .panel(each("Step on the smooth plant", load(), motor(), smooth.each()))
+        .panel(each("Step: thickness of the loop", load(), twist, smooth.each()))
+        .panel(each("Slow sine on the bench, last period", load(), motor(), sine.each()))
+        .panel(each("Slow sine: load against reference", reference, load(), sine.each()))
 }
