@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use lashloop_protocol::enums::ControllerId;
 use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -38,8 +39,30 @@ impl Law {
 impl FromStr for Law {
     type Err = String;
 
+    /// Former names of laws are accepted as in scenarios.
     fn from_str(text: &str) -> Result<Self, String> {
-        let law = Self::ALL.into_iter().find(|law| law.to_string() == text);
+        let name = ControllerId::from_name(text).map_or(text, ControllerId::name);
+        let law = Self::ALL.into_iter().find(|law| law.to_string() == name);
         law.ok_or_else(|| "expected pd, merzouki or backlash-inverse".to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_law_has_the_name_that_drives_give_it() {
+        for law in Law::ALL {
+            let name = law.to_string();
+            assert_eq!(ControllerId::from_name(&name).map(ControllerId::name), Some(&*name));
+        }
+    }
+
+    #[test]
+    fn former_names_of_laws_are_accepted() {
+        assert_eq!("faithful".parse(), Ok(Law::Merzouki));
+        assert_eq!("compensating".parse(), Ok(Law::BacklashInverse));
+        assert!("lqr".parse::<Law>().is_err());
     }
 }
