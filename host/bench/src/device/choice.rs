@@ -42,7 +42,7 @@ fn expected() -> String {
 
 impl fmt::Display for DeviceChoice {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(out)
+        out.write_str(&self.0.name())
     }
 }
 

@@ -5,7 +5,7 @@ use std::os::unix::net::{SocketAddr, UnixListener};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
-use std::{env, fmt, io, thread};
+use std::{env, io, thread};
 
 use crate::device::drive_host::DriveHost;
 use crate::device::error::DeviceError;
@@ -43,16 +43,11 @@ pub struct Emulator {
     pub image: Option<PathBuf>,
 }
 
-impl fmt::Display for Emulator {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.image {
-            None => write!(out, "{NAME}"),
-            Some(image) => write!(out, "{NAME}:{}", image.display()),
-        }
-    }
-}
-
 impl DeviceKind for Emulator {
+    fn name(&self) -> String {
+        self.image.as_ref().map_or_else(|| NAME.to_owned(), |image| format!("{NAME}:{}", image.display()))
+    }
+
     fn open(&self, _baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         start(self.image.as_deref(), supervisor)
     }

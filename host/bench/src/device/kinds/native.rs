@@ -1,6 +1,5 @@
 //! `native`: the native twin, a process of its own on a pseudo-terminal.
 
-use std::fmt;
 use std::path::Path;
 use std::time::Instant;
 
@@ -22,13 +21,11 @@ pub(in crate::device) const SYNTAX: Syntax = Syntax {
 #[derive(Debug, Clone, Copy)]
 pub struct NativeTwin;
 
-impl fmt::Display for NativeTwin {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "{NAME}")
-    }
-}
-
 impl DeviceKind for NativeTwin {
+    fn name(&self) -> String {
+        NAME.to_owned()
+    }
+
     fn open(&self, _baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         let program = Program {
             name: "native twin",
