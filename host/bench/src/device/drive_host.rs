@@ -25,7 +25,7 @@ impl DriveHost {
         }
     }
 
-    /// Whether [`Self::suspend`] has an effect.
+    /// Whether [`Self::set_suspended`] has an effect.
     #[must_use]
     pub fn can_suspend(&self) -> bool {
         match self {
@@ -34,20 +34,13 @@ impl DriveHost {
         }
     }
 
-    /// Suspends the drive: it takes no byte and no tick, and its time goes on.
-    pub fn suspend(&self) {
+    /// Suspends or resumes the drive. A suspended drive takes no byte and no tick, and its time goes on.
+    pub fn set_suspended(&self, is_suspended: bool) {
         match self {
-            Self::InProcess(suspension) => suspension.suspend(),
-            Self::Process(process) => signal(process, Signal::STOP),
-            Self::External => {}
-        }
-    }
-
-    /// Resumes a suspended drive.
-    pub fn resume(&self) {
-        match self {
-            Self::InProcess(suspension) => suspension.resume(),
-            Self::Process(process) => signal(process, Signal::CONT),
+            Self::InProcess(suspension) => suspension.set(is_suspended),
+            Self::Process(process) => {
+                signal(process, if is_suspended { Signal::STOP } else { Signal::CONT });
+            }
             Self::External => {}
         }
     }

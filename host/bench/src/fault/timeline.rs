@@ -180,7 +180,7 @@ fn strike(kind: FaultKind, device: &mut Device) -> Result<(), SessionError> {
     let FaultKind::Device(fault) = kind else { return Ok(()) };
     match fault {
         DeviceFault::Reset {} => return device.session.reset_by_surprise(),
-        DeviceFault::Hang {} => device.connection.host.suspend(),
+        DeviceFault::Hang {} => device.connection.host.set_suspended(true),
     }
     Ok(())
 }
@@ -189,7 +189,7 @@ fn strike(kind: FaultKind, device: &mut Device) -> Result<(), SessionError> {
 fn heal(kind: FaultKind, device: &Device) {
     let FaultKind::Device(fault) = kind else { return };
     match fault {
-        DeviceFault::Hang {} => device.connection.host.resume(),
+        DeviceFault::Hang {} => device.connection.host.set_suspended(false),
         DeviceFault::Reset {} => {}
     }
 }

@@ -1,7 +1,6 @@
 //! The timing of all steps together.
 
 use std::fmt;
-use std::time::Duration;
 
 use serde::Serialize;
 
@@ -139,12 +138,6 @@ impl TimingReport {
     pub fn late(&self) -> u64 {
         self.unanswered + self.missed
     }
-
-    /// The control period.
-    #[must_use]
-    pub fn period(&self) -> Duration {
-        Duration::from_micros(self.period_us.into())
-    }
 }
 
 impl fmt::Display for TimingReport {
@@ -179,6 +172,8 @@ impl fmt::Display for TimingReport {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
     use crate::timing::RoundTrip;
 

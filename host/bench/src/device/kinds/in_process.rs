@@ -24,7 +24,7 @@ impl DeviceKind for InProcessDrive {
 
     fn open(&self, _baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         let link = InProcess::default();
-        let host = DriveHost::InProcess(link.suspension());
+        let host = DriveHost::InProcess(link.suspension.clone());
         Ok(Opened { link: Box::new(link), host })
     }
 }

@@ -29,7 +29,7 @@ impl DeviceKind for NativeTwin {
     fn open(&self, _baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         let program = Program {
             name: "native twin",
-            program: supervisor.bench(),
+            program: supervisor.bench.clone().into(),
             arguments: vec!["device".into()],
             core: None,
         };
