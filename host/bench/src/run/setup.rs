@@ -88,12 +88,8 @@ pub(super) fn resume(
 ) -> Result<(), RunError> {
     device.session.line.clear().map_err(|source| device.explain(source))?;
     device.session.reset().map_err(|source| device.explain(source))?;
-    let is_same = {
-        let back = &device.session.identity;
-        (back.board, back.firmware, back.build_id, back.parameter_count)
-            == (lost.board, lost.firmware, lost.build_id, lost.parameter_count)
-    };
-    if !is_same {
+    let firmware_of = |it: &Identity| (it.board, it.firmware, it.build_id, it.parameter_count);
+    if firmware_of(&device.session.identity) != firmware_of(lost) {
         let build = lost.build_id;
         return Err(device
             .unfit(format!("it came back with another firmware than build {build:08x}"))

@@ -7,10 +7,9 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 use std::{env, io, thread};
 
-use crate::device::drive_host::DriveHost;
+use crate::device::drive_host::{DriveHost, START_LIMIT, not_up, spawn};
 use crate::device::error::DeviceError;
 use crate::device::kind::{DeviceKind, Opened, ParsedKind, Syntax};
-use crate::device::process::{START_LIMIT, not_up, spawn};
 use crate::link::socket::Socket;
 use crate::supervisor::{Process, Program, Supervisor};
 
@@ -94,15 +93,11 @@ fn last_core() -> Option<usize> {
 
 fn accept(listener: &UnixListener, process: &Process) -> Result<Socket, DeviceError> {
     let deadline = Instant::now() + START_LIMIT;
+    let failed = |source| DeviceError::Spawn { name: process.name, source };
     loop {
         match listener.accept() {
-            Ok((stream, _)) => {
-                return Socket::new(stream)
-                    .map_err(|source| DeviceError::Spawn { name: process.name, source });
-            }
-            Err(error) if error.kind() != io::ErrorKind::WouldBlock => {
-                return Err(DeviceError::Spawn { name: process.name, source: error });
-            }
+            Ok((stream, _)) => return Socket::new(stream).map_err(failed),
+            Err(error) if error.kind() != io::ErrorKind::WouldBlock => return Err(failed(error)),
             Err(_) if Instant::now() > deadline || process.ended_within(Duration::ZERO).is_some() => {
                 return Err(not_up(process));
             }

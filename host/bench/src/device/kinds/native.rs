@@ -4,10 +4,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::terminal::open_terminal;
-use crate::device::drive_host::DriveHost;
+use crate::device::drive_host::{DriveHost, START_LIMIT, not_up, spawn};
 use crate::device::error::DeviceError;
 use crate::device::kind::{DeviceKind, Opened, Syntax};
-use crate::device::process::{START_LIMIT, not_up, spawn};
 use crate::supervisor::{Program, Supervisor};
 
 const NAME: &str = "native";
