@@ -73,7 +73,7 @@ pub(super) fn checks() -> Vec<Check> {
             reported(client, LineReport { messages: 2, damaged: 0, refused: 0, overruns: 0 })
         }),
         check("every frame from the drive was a good message", |client| {
-            let counters = *client.line.decoder().counters();
+            let counters = *client.line.decoder.counters();
             let got = (counters.damaged(), counters.refused);
             client.note = format!("{} messages", counters.messages);
             equal("damaged and refused frames of the drive", (0, 0), got)

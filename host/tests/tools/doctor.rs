@@ -22,7 +22,7 @@ fn examination(terminal: &Path) -> Examination {
 /// A twin that serves until the test's process ends.
 fn twin() -> PathBuf {
     let twin = Twin::open().unwrap();
-    let path = twin.path().to_owned();
+    let path = twin.terminal.path.clone();
     thread::spawn(move || twin.serve());
     path
 }
@@ -68,7 +68,7 @@ fn held_terminal_is_reported_with_its_holder() {
 #[test]
 fn silent_far_end_is_reported() {
     let twin = Twin::open().unwrap();
-    let examination = examination(twin.path());
+    let examination = examination(&twin.terminal.path);
     assert!(!examination.reached);
     let report = wrong(&examination);
     assert!(report.contains("silent for 2.5 s after Hello") && report.contains("baud rate"), "{report}");

@@ -186,7 +186,7 @@ fn scenario(duration_s: f64) -> Result<Scenario, CliError> {
 fn far_end(supervisor: &Supervisor) -> Result<(Process, PathBuf), CliError> {
     let program = Program {
         name: "ping-pong",
-        program: supervisor.bench(),
+        program: supervisor.bench.clone().into(),
         arguments: vec!["ping-pong".into()],
         core: None,
     };
