@@ -41,7 +41,7 @@ impl FromStr for Law {
 
     /// Former names of laws are accepted as in scenarios.
     fn from_str(text: &str) -> Result<Self, String> {
-        let name = ControllerId::from_name(text).map_or(text, ControllerId::name);
+        let name = ControllerId::from_name(text).map_or(text, |law| law.name());
         let law = Self::ALL.into_iter().find(|law| law.to_string() == name);
         law.ok_or_else(|| "expected pd, merzouki or backlash-inverse".to_owned())
     }
