@@ -13,8 +13,16 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
     outln!("controller  {}", summary.controller);
     let (steps, simulated_s, wall_s) = (summary.steps, summary.simulated_s, summary.wall_s);
     outln!("run         {steps} steps, {simulated_s:.3} s of the plant in {wall_s:.3} s");
-    let LinkCounts { frames_sent, frames_received, lost, late, resumes, .. } = summary.link;
-    let LinkCounts { crc_errors, damaged_at_drive, overruns_at_drive, .. } = summary.link;
+    let LinkCounts {
+        frames_sent,
+        frames_received,
+        crc_errors,
+        lost,
+        late,
+        resumes,
+        damaged_at_drive,
+        overruns_at_drive,
+    } = summary.link;
     outln!(
         "link        {frames_sent} frames out, {frames_received} in; {lost} answers lost, {late} late; {resumes} times resumed"
     );
