@@ -11,9 +11,6 @@
 //! | [`soak`] | a scenario repeated under rising faults |
 
 #![forbid(unsafe_code)]
-// This crate is the command line and its tests: no other crate links against it. A comment stands where it gives a
-// meaning, a unit or a reason.
-#![allow(missing_docs)]
 
 pub mod budget;
 pub mod campaign;

@@ -1,5 +1,5 @@
 //! Trials that need equipment which a checkout doesn't have. Where it is missing they are ignored with a notice. With
-//! `LASHLOOP_LEAVE_NOTHING_OUT` set, as `cargo xtask test` sets it, they fail. The choice is made at run time, which is
+//! `LASHLOOP_REQUIRE_EQUIPMENT` set, as `cargo xtask test` sets it, they fail. The choice is made at run time, which is
 //! why such tests have a harness of their own.
 
 use std::env;
@@ -30,7 +30,7 @@ pub fn run(arguments: &Arguments, subject: &str, missing: Option<&str>, trials: 
 }
 
 fn is_equipment_required() -> bool {
-    env::var_os("LASHLOOP_LEAVE_NOTHING_OUT").is_some()
+    env::var_os("LASHLOOP_REQUIRE_EQUIPMENT").is_some()
 }
 
 /// A block that is hard to overlook.

@@ -82,7 +82,7 @@ impl Records {
 
     fn table(&self, name: &str) -> Trace {
         let table = Table::read(&self.path(name)).unwrap_or_else(|error| panic!("{error}"));
-        assert!(!table.is_torn(), "{name} ends within a row");
+        assert!(!table.is_torn, "{name} ends within a row");
         Trace(table)
     }
 
@@ -98,7 +98,7 @@ impl Trace {
     /// Names of the columns.
     #[must_use]
     pub fn header(&self) -> &[String] {
-        self.0.header()
+        &self.0.header
     }
 
     /// Number of rows.

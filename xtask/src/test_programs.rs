@@ -47,7 +47,7 @@ impl TestProgram {
         let mut tests = command(&self.path, arguments);
         tests.current_dir(&self.folder).env("CARGO_MANIFEST_DIR", &self.folder);
         // Tests fail where their equipment is missing, instead of being omitted.
-        tests.env("LASHLOOP_LEAVE_NOTHING_OUT", "1");
+        tests.env("LASHLOOP_REQUIRE_EQUIPMENT", "1");
         let counts = Counts::of_output(tests, Counts::of_libtest, |line| println!("{line}"))?;
         let has_run = arguments.is_empty() || counts != Counts::default();
         ensure!(has_run, "no test of {} matches {arguments}", self.name);

@@ -113,7 +113,7 @@ fn history() -> impl Strategy<Value = Vec<Action>> {
         .prop_map(|(state, parameters, actions)| [way_to(state, parameters), actions].concat())
 }
 
-/// The same cases in every run; `cargo xtask fuzz` looks for new ones.
+/// The same cases in every run; `cargo xtask test fuzz` looks for new ones.
 fn config(cases: u32) -> Config {
     Config { cases, rng_seed: RngSeed::Fixed(0x1a54_100b), failure_persistence: None, ..Config::default() }
 }

@@ -18,6 +18,7 @@
 //! | [`run`] | the loop |
 
 #![forbid(unsafe_code)]
+#![warn(missing_docs)]
 
 pub mod atomic_file;
 pub mod capture;

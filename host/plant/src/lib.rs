@@ -19,6 +19,7 @@
 //! and sticking. All functions are the `libm` crate's or our own, so a trajectory has the same bits on every machine.
 
 #![forbid(unsafe_code)]
+#![warn(missing_docs)]
 
 mod any_plant;
 pub mod backlash_shaft;

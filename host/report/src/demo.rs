@@ -3,10 +3,8 @@
 //! It corresponds to figures 7, 15 and 17 of Merzouki and Cadiou (Control Engineering Practice 13, 2005, 973-983) and gives
 //! our numbers next to the paper's, also where they differ.
 
-use std::array;
-
 use crate::paper::Run;
-use crate::paper::curves::{SETTLED_RAD, fixed, mark_settling, mark_static_error, of, over_time};
+use crate::paper::curves::{Curve, SETTLED_RAD, fixed, mark_settling, mark_static_error, of, over_time};
 use crate::plot::{Axis, Figure, Panel, Role, Series};
 use lashloop_plant::metrics::Metric;
 
@@ -19,12 +17,10 @@ pub struct PlantRuns {
     pub after: Run,
 }
 
-impl<'a> IntoIterator for &'a PlantRuns {
-    type Item = (&'static str, Role, &'a Run);
-    type IntoIter = array::IntoIter<Self::Item, 2>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        [("before", Role::Before, &self.before), ("after", Role::After, &self.after)].into_iter()
+impl PlantRuns {
+    /// Name and role of each run in the legends, with the run.
+    fn each(&self) -> [Curve<'_>; 2] {
+        [("before", Role::Before, &self.before), ("after", Role::After, &self.after)]
     }
 }
 
@@ -46,20 +42,20 @@ pub fn before_after(runs: &DemoRuns) -> Figure {
     Figure::new("Gear backlash, before and after compensation", caption(runs), 2)
         .panel(mark_settling(
             position("Load position, smooth plant", smooth),
-            smooth,
+            smooth.each(),
             [" (paper: 13 s)", " (paper: 5.2 s)"],
         ))
         .panel(mark_static_error(
             position("Load position, with friction", friction),
-            friction,
+            friction.each(),
             [" (paper: 0.32 rad)", " (paper: eliminated)"],
         ))
         .panel(estimate(runs))
-        .panel(over_time("Control torque, with friction", torque, friction, |row| row.torque_nm))
+        .panel(over_time("Control torque, with friction", torque, friction.each(), |row| row.torque_nm))
 }
 
 fn position(title: &str, plant: &PlantRuns) -> Panel {
-    over_time(title, Axis::new("load position", "rad"), plant, |row| row.load_position_rad).band(
+    over_time(title, Axis::new("load position", "rad"), plant.each(), |row| row.load_position_rad).band(
         format!("\u{b1}{SETTLED_RAD} rad"),
         -SETTLED_RAD,
         SETTLED_RAD,

@@ -9,8 +9,8 @@
 //! | scale | `span`, `ticks`, `scale` | 1-2-5 ticks that cover the data; values to pixels |
 //! | curve | `curve` | breaks at non-finite values; thins without losing a peak |
 //! | style | `theme`, `text` | colours, sizes, widths and line breaks of text |
-//! | placement | `frame`, `placement` | the area of a plot; free space for the labels of marked points |
-//! | drawing | `axes`, `legend`, `panel` | one panel and its parts |
+//! | placement | `placement` | free space for the labels of marked points |
+//! | drawing | `axes`, `legend`, `panel` | the area of a plot; one panel and its parts |
 //! | document | `svg`, `render` | escaped XML; the grid with title and caption |
 //!
 //! The file carries its own background, uses generic fonts only and has no ids, scripts or style sheets. An image viewer

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use crate::plot::{Axis, Figure, Panel, Role, Series};
-use lashloop_bench::record::reader::{ReadError, Record, Table};
+use lashloop_bench::record::reader::{ReadError, Record};
 use lashloop_bench::record::row::Row;
 use lashloop_bench::record::timing::TimingRow;
 use lashloop_bench::record::trace::TraceRow;
@@ -144,7 +144,7 @@ impl<'a> Run<'a> {
                 }
             }
         }
-        if trace.is_torn() || timing_table.as_ref().is_some_and(Table::is_torn) {
+        if trace.is_torn || timing_table.as_ref().is_some_and(|table| table.is_torn) {
             text += " The last row of the record is incomplete and ignored.";
         }
         text

@@ -8,5 +8,4 @@
 mod report;
 mod wire_time;
 
-pub use report::Report;
 pub use wire_time::{Budget, Cycle};

@@ -7,16 +7,13 @@ use lashloop_protocol::layout::MessageLayout;
 
 use super::wire_time::{Budget, Cycle, SAMPLE, TELEMETRY, TORQUE, USUAL_BAUD};
 
-#[derive(Debug, Clone, Copy)]
-pub struct Report(pub Budget);
-
 fn us(time: Duration) -> f64 {
     time.as_secs_f64() * 1e6
 }
 
-impl fmt::Display for Report {
+impl fmt::Display for Budget {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Budget { baud, period, telemetry_every } = self.0;
+        let Budget { baud, period, telemetry_every } = *self;
         let hz = 1.0 / period.as_secs_f64();
         write!(out, "{baud} Bd, period {} us ({hz:.0} Hz), ", us(period))?;
         match telemetry_every {
@@ -30,13 +27,12 @@ impl fmt::Display for Report {
     }
 }
 
-impl Report {
+impl Budget {
     fn frames(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let budget = &self.0;
         writeln!(out, "\n{:<28}{:>8}{:>12}{:>12}", "on the wire", "bytes", "us", "of period")?;
         let mut line = |name: String, bytes: f64| {
-            let time_us = bytes * 1e7 / f64::from(budget.baud);
-            let share = 100.0 * time_us / us(budget.period);
+            let time_us = bytes * 1e7 / f64::from(self.baud);
+            let share = 100.0 * time_us / us(self.period);
             writeln!(out, "{name:<28}{bytes:>8.1}{time_us:>12.1}{share:>10.1} %")
         };
         let mut frame = |way: &str, layout: &MessageLayout| {
@@ -44,36 +40,35 @@ impl Report {
         };
         frame("out ", SAMPLE)?;
         frame("back", TORQUE)?;
-        if budget.telemetry_every > 0 {
+        if self.telemetry_every > 0 {
             frame("back", TELEMETRY)?;
-            line("back  a cycle, mean".to_owned(), budget.bytes_back(Cycle::Mean))?;
-            line("back  a cycle, worst".to_owned(), budget.bytes_back(Cycle::Worst))?;
+            line("back  a cycle, mean".to_owned(), self.bytes_back(Cycle::Mean))?;
+            line("back  a cycle, worst".to_owned(), self.bytes_back(Cycle::Worst))?;
         }
         let sample = SAMPLE.frame_len() as f64;
-        line("both  a cycle, mean".to_owned(), sample + budget.bytes_back(Cycle::Mean))?;
-        line("both  a cycle, worst".to_owned(), sample + budget.bytes_back(Cycle::Worst))
+        line("both  a cycle, mean".to_owned(), sample + self.bytes_back(Cycle::Mean))?;
+        line("both  a cycle, worst".to_owned(), sample + self.bytes_back(Cycle::Worst))
     }
 
     fn answers(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let budget = &self.0;
         writeln!(out, "\n{:<28}{:>8}{:>12}{:>12}", "sample to torque", "us", "of period", "left, us")?;
         for (name, cycle) in [("mean", Cycle::Mean), ("worst, behind telemetry", Cycle::Worst)] {
-            let answer = budget.answer(cycle);
-            let share = 100.0 * answer.as_secs_f64() / budget.period.as_secs_f64();
-            let left = us(budget.deadline()) - us(answer);
+            let answer = self.answer(cycle);
+            let share = 100.0 * answer.as_secs_f64() / self.period.as_secs_f64();
+            let left = us(self.deadline()) - us(answer);
             writeln!(out, "{name:<28}{:>8.1}{share:>10.1} %{left:>12.1}", us(answer))?;
         }
-        let deadline = us(budget.deadline());
+        let deadline = us(self.deadline());
         writeln!(
             out,
             "What is left of {deadline} us is for adapters, drivers, the drive and the bench; the last {} us of a",
-            us(budget.period) - deadline
+            us(self.period) - deadline
         )?;
         writeln!(out, "period belong to the loop. Directions do not wait for each other.")
     }
 
     fn speeds(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut speeds: Vec<_> = USUAL_BAUD.into_iter().chain([self.0.baud]).collect();
+        let mut speeds: Vec<_> = USUAL_BAUD.into_iter().chain([self.baud]).collect();
         speeds.sort_unstable();
         speeds.dedup();
         writeln!(
@@ -82,7 +77,7 @@ impl Report {
             "Bd", "mean, us", "worst, us", "mean, Hz", "worst, Hz"
         )?;
         for baud in speeds {
-            let budget = Budget { baud, ..self.0 };
+            let budget = Budget { baud, ..*self };
             let [mean_us, worst_us] = [Cycle::Mean, Cycle::Worst].map(|cycle| us(budget.answer(cycle)));
             let [mean_hz, worst_hz] = [Cycle::Mean, Cycle::Worst].map(|cycle| budget.highest_rate_hz(cycle));
             let holds = if budget.holds(Cycle::Worst) { "holds" } else { "too short" };
@@ -95,27 +90,26 @@ impl Report {
     }
 
     fn advice(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let budget = self.0;
-        let worst = budget.answer(Cycle::Worst);
+        let worst = self.answer(Cycle::Worst);
         let share = |part: Duration| 100.0 * part.as_secs_f64() / worst.as_secs_f64();
-        let (sample, torque) = (budget.frame(SAMPLE), budget.frame(TORQUE));
+        let (sample, torque) = (self.frame(SAMPLE), self.frame(TORQUE));
         let (sample, torque, wait) = (share(sample), share(torque), share(worst - sample - torque));
         writeln!(
             out,
             "\nOf the worst answer {sample:.0} % goes to the sample, {torque:.0} % to the torque, {wait:.0} % to waiting for telemetry."
         )?;
-        if budget.holds(Cycle::Worst) {
+        if self.holds(Cycle::Worst) {
             return write!(out, "The period holds the worst cycle.");
         }
         write!(out, "The period does NOT hold the worst cycle. What would, each by itself:")?;
-        let faster = USUAL_BAUD.into_iter().find(|&baud| Budget { baud, ..budget }.holds(Cycle::Worst));
+        let faster = USUAL_BAUD.into_iter().find(|&baud| Budget { baud, ..*self }.holds(Cycle::Worst));
         match faster {
             Some(baud) => write!(out, "\n  a line of {baud} Bd")?,
             None => write!(out, "\n  no usual speed of a line")?,
         }
-        let period_us = budget.shortest_period(Cycle::Worst).as_micros();
+        let period_us = self.shortest_period(Cycle::Worst).as_micros();
         write!(out, "\n  a period of {period_us} us (run.control_period_us)")?;
-        if (Budget { telemetry_every: 0, ..budget }).holds(Cycle::Worst) {
+        if (Budget { telemetry_every: 0, ..*self }).holds(Cycle::Worst) {
             write!(out, "\n  no telemetry (telemetry.every_steps = 0)")?;
         }
         Ok(())

@@ -159,7 +159,7 @@ impl Journal {
     fn compare(&self, there: &Header, here: &Header) -> Result<(), JournalError> {
         let fields = |header: &Header| {
             let Header { lashloop, program_sha256, settings } = header;
-            let laws: Vec<_> = settings.laws.iter().map(|law| law.name()).collect();
+            let laws: Vec<_> = settings.laws.iter().map(ToString::to_string).collect();
             [
                 ("version", lashloop.clone()),
                 ("seed", settings.seed.to_string()),

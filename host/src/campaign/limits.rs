@@ -47,11 +47,8 @@ impl Limit {
 impl fmt::Display for LimitResult {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { limit: Limit { criterion, quantile, below }, value, met } = self;
-        let value = match value {
-            Score::Value(value) => criterion.show(*value),
-            Score::Missing(reason) => reason.to_string(),
-        };
-        let what = format!("{}, {}", criterion.name(), quantile.name());
+        let value = criterion.cell(*value);
+        let what = format!("{}, {quantile}", criterion.name());
         let limit = format!("< {} {}", criterion.show(*below), criterion.unit());
         write!(out, "{:<6} {what:<24}{value:>10}   {limit}", if *met { "met" } else { "MISSED" })
     }

@@ -19,6 +19,7 @@ mod error;
 pub mod journal;
 pub mod law;
 pub mod limits;
+mod names;
 pub mod plan;
 pub mod plants;
 pub mod quantiles;

@@ -53,7 +53,7 @@ mod tests {
     fn a_law_s_scenario_is_that_law_s() {
         let settings = Settings { seed: 1, plants: 1, laws: Law::ALL.to_vec(), sweeps: false };
         for case in cases(&settings).expect("cases") {
-            assert_eq!(case.scenario.controller.name.name(), case.id.law.name());
+            assert_eq!(case.scenario.controller.name.name(), case.id.law.to_string());
         }
     }
 
@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn names_are_those_in_json() {
         for law in Law::ALL {
-            assert_eq!(serde_json::to_value(law).expect("a word"), law.name());
+            assert_eq!(serde_json::to_value(law).expect("a word"), law.to_string());
         }
     }
 

@@ -59,7 +59,7 @@ const TOLERATED: [Parameter; 11] = [
 const DEAD_ZONE: &str = "plant.dead_zone_rad";
 const LOAD_STICTION: &str = "plant.load_stiction_nm";
 const MOTOR_STICTION: &str = "plant.motor_stiction_nm";
-const ENCODERS: [&str; 2] = ["encoders.motor_counts_per_rev", "encoders.load_counts_per_rev"];
+pub(super) const ENCODERS: [&str; 2] = ["encoders.motor_counts_per_rev", "encoders.load_counts_per_rev"];
 
 impl RandomPlant {
     #[must_use]

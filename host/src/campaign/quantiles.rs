@@ -21,16 +21,6 @@ impl Quantile {
     /// In the order of the tables.
     pub const ALL: [Self; 3] = [Self::Median, Self::P95, Self::Max];
 
-    /// Name in a table.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Median => "median",
-            Self::P95 => "p95",
-            Self::Max => "max",
-        }
-    }
-
     /// Rank among `runs`, from 1. In integers, because 0.95 n in floating point can round up to the next rank.
     const fn rank(self, runs: usize) -> usize {
         match self {

@@ -129,14 +129,6 @@ impl SweepReport {
     }
 }
 
-/// The magnitude of a score, or the reason for its absence.
-fn cell(criterion: Criterion, score: Score) -> String {
-    match score.magnitude() {
-        Score::Value(magnitude) => criterion.show(magnitude),
-        Score::Missing(reason) => reason.to_string(),
-    }
-}
-
 fn heading(criterion: Criterion) -> String {
     format!("{}, {}", criterion.name(), criterion.unit())
 }
@@ -149,12 +141,12 @@ fn row(out: &mut fmt::Formatter<'_>, head: &str, [one, two, three]: [impl fmt::D
 impl fmt::Display for Report {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Settings { seed, plants, .. } = self.settings;
-        row(out, &format!("{plants} random plants, seed {seed}"), Quantile::ALL.map(Quantile::name))?;
+        row(out, &format!("{plants} random plants, seed {seed}"), Quantile::ALL)?;
         for criterion in Criterion::ALL {
             let mut name = heading(criterion);
             for report in &self.random_plants {
                 let Some(quantiles) = report.quantiles(criterion) else { continue };
-                let cells = Quantile::ALL.map(|quantile| cell(criterion, quantiles.get(quantile)));
+                let cells = Quantile::ALL.map(|quantile| criterion.cell(quantiles.get(quantile)));
                 row(out, &format!("{name:<26}{}", report.law), cells)?;
                 name.clear();
             }
@@ -193,7 +185,7 @@ impl fmt::Display for SweepReport {
             let value = Some(*value).filter(|_| last.replace(*value) != Some(*value));
             write!(out, "\n{:<18}{law:<16}", value.map_or_else(String::new, |value| value.to_string()))?;
             for criterion in Criterion::ALL {
-                write!(out, "{:>14}", cell(criterion, scores.get(criterion)))?;
+                write!(out, "{:>14}", criterion.cell(scores.get(criterion)))?;
             }
         }
         for SweepRow { value, law, end, .. } in rows.iter().filter(|row| row.end != End::Complete.to_string())

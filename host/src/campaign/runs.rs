@@ -11,10 +11,9 @@ use std::thread;
 use super::case::{Case, CaseResult};
 use super::error::CampaignError;
 use super::score::Scores;
-use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::Device;
 use lashloop_bench::device::kinds::in_process::InProcessDrive;
-use lashloop_bench::run::{self, Clock, End, RunError, Step, StepObserver};
+use lashloop_bench::run::{self, Clock, End, RunError, StepObserver};
 use lashloop_bench::supervisor::Supervisor;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,10 +95,6 @@ impl Stop<'_> {
 }
 
 impl StepObserver for &Stop<'_> {
-    fn step(&mut self, _step: &Step) -> Result<(), WriteError> {
-        Ok(())
-    }
-
     fn stop_asked(&self) -> bool {
         self.asked()
     }

@@ -1,7 +1,6 @@
 //! The scores of one run. A missing value ranks behind every value.
 
 use std::cmp::Ordering;
-use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
@@ -71,6 +70,15 @@ impl Criterion {
         let (_, _, _, per_si, decimals) = self.column();
         format!("{:.decimals$}", si * per_si)
     }
+
+    /// The magnitude of a score in the unit of the table, or the reason for its absence.
+    #[must_use]
+    pub fn cell(self, score: Score) -> String {
+        match score.magnitude() {
+            Score::Value(magnitude) => self.show(magnitude),
+            Score::Missing(reason) => reason.to_string(),
+        }
+    }
 }
 
 /// The value of a criterion, or the reason for its absence.
@@ -126,12 +134,6 @@ impl Score {
         };
         let ((one, one_reason), (two, two_reason)) = (rank(self), rank(other));
         one.total_cmp(&two).then(one_reason.cmp(&two_reason))
-    }
-}
-
-impl fmt::Display for MissingReason {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(out)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The nominal plant with one quantity varied at a time.
 
 use super::case::Part;
+use super::plants::ENCODERS;
 
 pub struct Sweep {
     pub part: Part,
@@ -12,37 +13,25 @@ pub struct Sweep {
     keys: &'static [&'static str],
 }
 
+const fn sweep(
+    part: Part,
+    name: &'static str,
+    unit: &'static str,
+    values: &'static [f64],
+    keys: &'static [&'static str],
+) -> Sweep {
+    Sweep { part, name, unit, values, keys }
+}
+
+/// The saturation of the motor, and the limit in the drive.
+const TORQUE_LIMITS: [&str; 2] = ["plant.torque_saturation_nm", "controller.parameters.torque_limit_nm"];
+
 /// Every sweep, in the order of the tables.
 pub const SWEEPS: [Sweep; 4] = [
-    Sweep {
-        part: Part::DeadZone,
-        name: "true j0",
-        unit: "rad",
-        values: &[0.02, 0.05, 0.1, 0.16, 0.25, 0.4],
-        keys: &["plant.dead_zone_rad"],
-    },
-    Sweep {
-        part: Part::EncoderCounts,
-        name: "encoders",
-        unit: "count/rev",
-        values: &[1_000.0, 2_000.0, 4_000.0, 10_000.0, 131_072.0],
-        keys: &["encoders.motor_counts_per_rev", "encoders.load_counts_per_rev"],
-    },
-    Sweep {
-        part: Part::TorqueLimit,
-        name: "torque limit",
-        unit: "N m",
-        values: &[2.0, 3.0, 5.0, 10.0, 20.0],
-        // The saturation of the motor, and the limit in the drive.
-        keys: &["plant.torque_saturation_nm", "controller.parameters.torque_limit_nm"],
-    },
-    Sweep {
-        part: Part::TorqueDelay,
-        name: "delay",
-        unit: "us",
-        values: &[0.0, 500.0, 1_000.0, 2_000.0, 4_000.0, 8_000.0],
-        keys: &["plant.torque_delay_us"],
-    },
+    sweep(Part::DeadZone, "true j0", "rad", &[0.02, 0.05, 0.1, 0.16, 0.25, 0.4], &["plant.dead_zone_rad"]),
+    sweep(Part::EncoderCounts, "encoders", "count/rev", &[1e3, 2e3, 4e3, 1e4, 131_072.0], &ENCODERS),
+    sweep(Part::TorqueLimit, "torque limit", "N m", &[2.0, 3.0, 5.0, 10.0, 20.0], &TORQUE_LIMITS),
+    sweep(Part::TorqueDelay, "delay", "us", &[0.0, 500.0, 1e3, 2e3, 4e3, 8e3], &["plant.torque_delay_us"]),
 ];
 
 impl Sweep {

@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use lashloop::budget::{Budget, Cycle, Report};
+use lashloop::budget::{Budget, Cycle};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::verdict::Exit;
 
-use super::device_options::DEFAULT_BAUD;
 use super::error::CliError;
+use super::options::DEFAULT_BAUD;
 use super::output::outln;
 
 /// Compute the time budget of a control period on a serial line
@@ -47,7 +47,7 @@ impl Arguments {
             period: Duration::from_micros(self.period_us.unwrap_or(defaults.1).into()),
             telemetry_every: self.telemetry_every.unwrap_or(defaults.2),
         };
-        outln!("{}", Report(budget));
+        outln!("{budget}");
         Ok(if budget.holds(Cycle::Worst) { Exit::Pass } else { Exit::Fail })
     }
 }

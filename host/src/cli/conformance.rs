@@ -10,8 +10,8 @@ use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
 use lashloop_protocol::message::Identity;
 
-use super::device_options::{BaudOption, DeviceOption};
 use super::error::{CliError, system};
+use super::options::{BaudOption, DeviceOption};
 use super::output::outln;
 use super::supervision::start_supervisor;
 

@@ -79,7 +79,7 @@ impl<W: Write> Printer<W> {
             }
         }
         reader.finish(|entry| self.entry(&entry, &mut printed));
-        Ok(printed.and_then(|()| self.counters(reader.counters())))
+        Ok(printed.and_then(|()| self.counters(reader.decoder.counters())))
     }
 
     fn capture(&mut self, bytes: &[u8], path: &Path) -> Printed {
@@ -95,7 +95,7 @@ impl<W: Write> Printer<W> {
                 return Ok(printed);
             }
         }
-        printed = printed.and_then(|()| self.counters(reader.counters()));
+        printed = printed.and_then(|()| self.counters(reader.decoder.counters()));
         match broken {
             Some(error) => Err(CliError::Input { path: path.to_owned(), source: io::Error::other(error) }),
             None => Ok(printed),

@@ -4,18 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 use lashloop_bench::device::Device;
-use lashloop_bench::run::DeviceUnderTest;
 use lashloop_bench::scenario::Scenario;
-use lashloop_bench::scenario::sections::LinkSettings;
-use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::{Exit, Verdict};
 use lashloop_plant::metrics::{Measured, Metric};
 use lashloop_report::demo::{DemoRuns, PlantRuns, before_after};
 use lashloop_report::paper::Run;
 
-use super::device_options::DeviceOption;
 use super::error::CliError;
 use super::history::run_for_figure;
+use super::options::DeviceOption;
 use super::output::{outln, prepare_folder, write_file};
 use super::paper_scenarios::SCENARIOS;
 use super::supervision::start_supervisor;
@@ -47,7 +44,10 @@ impl Arguments {
         let scenarios = SCENARIOS.map(|(name, text)| Scenario::from_str(name, text, &[]));
         let scenarios = scenarios.into_iter().collect::<Result<Vec<_>, _>>()?;
         let supervisor = start_supervisor()?;
-        let mut device = self.open(&scenarios[0].link, &supervisor)?;
+        let device = Device::open(&self.drive.device, &scenarios[0].link, &supervisor)?;
+        outln!("{}", device.description());
+        outln!("{:<38} {:>12} {:>12}  verdict", "", "paper", "here");
+        let mut device = device.into();
         let mut worst = Verdict::Pass;
         let mut runs = Vec::new();
         let mut dead_zone_rad = f64::NAN;
@@ -73,13 +73,6 @@ impl Arguments {
         write_file(&path, &figure.to_svg())?;
         outln!("figure: {}", path.display());
         Ok(worst.into())
-    }
-
-    fn open(&self, link: &LinkSettings, supervisor: &Supervisor) -> Result<DeviceUnderTest, CliError> {
-        let device = Device::open(&self.drive.device, link, supervisor)?;
-        outln!("{}", device.description());
-        outln!("{:<38} {:>12} {:>12}  verdict", "", "paper", "here");
-        Ok(device.into())
     }
 }
 

@@ -18,7 +18,7 @@ pub(crate) struct Arguments {}
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
         let twin = Twin::open().map_err(system("open a pseudo-terminal"))?;
-        let path = twin.path().display();
+        let path = twin.terminal.path.display();
         let mut stdout = io::stdout();
         // Flushed, because the parent process waits for the line.
         writeln!(stdout, "{path}").and_then(|()| stdout.flush()).map_err(system("print the path"))?;

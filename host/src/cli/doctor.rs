@@ -3,11 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use lashloop::doctor::{self, LineUnderTest};
+use lashloop::doctor;
 use lashloop_bench::verdict::Exit;
 
-use super::device_options::BaudOption;
 use super::error::CliError;
+use super::options::BaudOption;
 use super::output::outln;
 
 /// Diagnose a terminal with a drive: open, handshake, round trip
@@ -29,8 +29,7 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
-        let line = LineUnderTest { terminal: &self.terminal, baud: self.line.baud, rounds: self.rounds };
-        let examination = doctor::examine(&line);
+        let examination = doctor::examine(&self.terminal, self.line.baud, self.rounds);
         for diagnosis in &examination.diagnoses {
             outln!("{diagnosis}");
         }

@@ -6,17 +6,15 @@ use clap::Args;
 use lashloop::campaign::law::Law;
 use lashloop_bench::device::Device;
 use lashloop_bench::record::trace::TraceRow;
-use lashloop_bench::run::DeviceUnderTest;
-use lashloop_bench::run::RunError;
 use lashloop_bench::run::simulator::Simulator;
+use lashloop_bench::run::{DeviceUnderTest, RunError};
 use lashloop_bench::scenario::{Override, Scenario};
-use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::{Exit, Verdict};
 use lashloop_report::paper::{Laws, Run, Runs, figures, file_name, page, tables};
 
-use super::device_options::DeviceOption;
 use super::error::CliError;
 use super::history::run_for_figure;
+use super::options::DeviceOption;
 use super::output::{outln, prepare_folder, write_file};
 use super::paper_scenarios::SCENARIOS;
 use super::supervision::start_supervisor;
@@ -76,7 +74,10 @@ impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
         let supervisor = start_supervisor()?;
         prepare_folder(&self.out, &[INDEX])?;
-        let mut device = self.open(&scenario(SCENARIOS[0], None)?, &supervisor)?;
+        let baud = scenario(SCENARIOS[0], None)?.link.baud;
+        let device = Device::open(&self.drive.device, baud, &supervisor)?;
+        outln!("{}", device.description());
+        let mut device = DeviceUnderTest::from(device);
         let mut worst = Verdict::Pass;
         let mut all = Vec::new();
         for plan in PLANS {
@@ -102,12 +103,6 @@ impl Arguments {
         let runs = Runs { smooth, friction, shaft, sine, smooth_gap, hard_gap, ratio };
         self.report(&runs, &device.device.description())?;
         Ok(worst.into())
-    }
-
-    fn open(&self, scenario: &Scenario, supervisor: &Supervisor) -> Result<DeviceUnderTest, CliError> {
-        let device = Device::open(&self.drive.device, scenario.link.baud, supervisor)?;
-        outln!("{}", device.description());
-        Ok(device.into())
     }
 
     /// Prints the tables and writes the figures, the page that shows them last.

@@ -7,8 +7,8 @@ use lashloop::parameter_set::{ParameterSet, Settings, SettingsError, to_toml_val
 use lashloop_bench::device::Device;
 use lashloop_bench::verdict::Exit;
 
-use super::device_options::{BaudOption, DeviceOption};
 use super::error::CliError;
+use super::options::{BaudOption, DeviceOption};
 use super::output::outln;
 use super::supervision::start_supervisor;
 

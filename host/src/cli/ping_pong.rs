@@ -1,8 +1,8 @@
 //! The baseline of the loop: the bytes of a control cycle there and back over a pseudo-terminal, by plain reads and writes.
 //! One process at either end, no frames, no drive, no plant.
 
+use std::fs::File;
 use std::io::{self, Write};
-use std::os::fd::OwnedFd;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -25,10 +25,11 @@ pub(super) fn answer() -> Result<Exit, CliError> {
     let serve = || -> io::Result<()> {
         let terminal = Terminal::open()?;
         writeln!(io::stdout(), "{}", terminal.path.display())?;
+        let mut far_end = File::from(terminal.far_end);
         let mut bytes = [0; OUT];
         loop {
-            read_exactly(&terminal.far_end, &mut bytes)?;
-            write_all(&terminal.far_end, &[1; BACK])?;
+            read_exactly(&far_end, &mut bytes)?;
+            far_end.write_all(&[1; BACK])?;
         }
     };
     serve().map_err(system("answer the ping-pong"))?;
@@ -36,20 +37,20 @@ pub(super) fn answer() -> Result<Exit, CliError> {
 }
 
 /// The near end.
-pub(super) struct NearEnd(OwnedFd);
+pub(super) struct NearEnd(File);
 
 impl NearEnd {
     /// Opens the pseudo-terminal of the far end.
     pub(super) fn open(path: &Path) -> io::Result<Self> {
         let line = open_near_end(path)?;
         set_raw(&line, 0, TIMEOUT_TENTHS_S)?;
-        Ok(Self(line))
+        Ok(Self(line.into()))
     }
 
     /// Sends the bytes of a control cycle there and back, and returns the time they took.
     pub(super) fn round_trip(&mut self) -> io::Result<Duration> {
         let started = Instant::now();
-        write_all(&self.0, &[1; OUT])?;
+        self.0.write_all(&[1; OUT])?;
         read_exactly(&self.0, &mut [0; BACK])?;
         Ok(started.elapsed())
     }
@@ -58,26 +59,19 @@ impl NearEnd {
     /// Bytes after `limit` are read all the same.
     pub(super) fn round_trip_with_a_deadline(&mut self, limit: Timespec) -> io::Result<Duration> {
         let started = Instant::now();
-        write_all(&self.0, &[1; OUT])?;
+        self.0.write_all(&[1; OUT])?;
         poll(&mut [PollFd::new(&self.0, PollFlags::IN)], Some(&limit))?;
         read_exactly(&self.0, &mut [0; BACK])?;
         Ok(started.elapsed())
     }
 }
 
-fn read_exactly(line: &OwnedFd, mut bytes: &mut [u8]) -> io::Result<()> {
+fn read_exactly(line: &File, mut bytes: &mut [u8]) -> io::Result<()> {
     while !bytes.is_empty() {
         match rustix::io::read(line, &mut *bytes)? {
             0 => return Err(io::ErrorKind::UnexpectedEof.into()),
             count => bytes = &mut bytes[count..],
         }
-    }
-    Ok(())
-}
-
-fn write_all(line: &OwnedFd, mut bytes: &[u8]) -> io::Result<()> {
-    while !bytes.is_empty() {
-        bytes = &bytes[rustix::io::write(line, bytes)?..];
     }
     Ok(())
 }

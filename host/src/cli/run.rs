@@ -21,10 +21,10 @@ use lashloop_protocol::PROTOCOL_VERSION;
 
 use super::clock_options::ClockOptions;
 use super::error::CliError;
+use super::options::ScenarioOptions;
 use super::output::prepare_folder;
 use super::progress::Progress;
 use super::run_report;
-use super::scenario_options::ScenarioOptions;
 use super::supervision::start_supervisor;
 
 /// Run a scenario on a drive and print its verdict

@@ -4,8 +4,8 @@ use clap::Args;
 use lashloop_bench::verdict::Exit;
 
 use super::error::{CliError, system};
+use super::options::ScenarioOptions;
 use super::output::outln;
-use super::scenario_options::ScenarioOptions;
 
 /// Check a scenario and print every key with its value
 #[derive(Args)]

@@ -17,10 +17,9 @@ use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
 
-use super::device_options::DeviceOption;
 use super::error::{CliError, system};
+use super::options::{DeviceOption, ScenarioOptions};
 use super::output::{self, outln};
-use super::scenario_options::ScenarioOptions;
 use super::supervision::start_supervisor;
 
 /// Time without a step after which a run counts as hung.
@@ -55,7 +54,7 @@ impl Arguments {
         watch_for_hangs(Arc::clone(&shared));
         let started = Instant::now();
         while started.elapsed() < self.lasts && !supervisor.interrupted() {
-            let number = shared.tally().runs();
+            let number = shared.tally().runs;
             let plan = plan::scenario(&scenario, number);
             let mut watcher = SoakWatcher {
                 supervisor: &supervisor,
@@ -145,7 +144,7 @@ fn watch_for_hangs(shared: Arc<Shared>) {
                 let limit_s = HANG_LIMIT.as_secs();
                 output::error_line(format_args!(
                     "lashloop: run {} hangs: no step in {limit_s} s",
-                    tally.runs()
+                    tally.runs
                 ));
                 std::process::exit(Exit::Fail as i32);
             }

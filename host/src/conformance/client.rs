@@ -111,6 +111,11 @@ impl Client {
         equal(&format!("{name} = {value}:"), (Outcome::Accepted, value), (report.outcome, report.value))
     }
 
+    /// As [`Self::put`], for several parameters.
+    pub(super) fn put_all(&mut self, settings: &[(&str, ParameterValue)]) -> RuleResult {
+        settings.iter().try_for_each(|(name, value)| self.put(name, *value))
+    }
+
     pub(super) fn set(&mut self, index: u8, value: ParameterValue) -> Result<ParameterReport, Failure> {
         report(index, &self.request(SetParameter { index, value })?)
     }

@@ -6,11 +6,10 @@ use lashloop_protocol::message::{Arm, Hello};
 
 use super::answers::{fault, hello, identity, outcome};
 use super::assertion::{RuleResult, equal, expect, names};
-use super::check::Check;
+use super::check::{Check, check};
 use super::client::Client;
 
 pub(super) fn checks() -> Vec<Check> {
-    let check = |name, run: fn(&mut Client) -> RuleResult| Check::new("handshake", name, run);
     let mut checks = vec![
         check("Hello ends Boot", Client::idle),
         check("the identity has every field filled in", fields),
@@ -44,14 +43,14 @@ pub(super) fn checks() -> Vec<Check> {
     ];
     for state in [State::Idle, State::Armed, State::Running, State::Faulted] {
         let name = format!("the same session again leaves {state:?}");
-        checks.push(Check::new("handshake", name, move |client| {
+        checks.push(check(name, move |client| {
             client.enter(state)?;
             equal("state", state, client.handshake(client.session)?.state)
         }));
     }
     for state in [State::Idle, State::Armed, State::Running] {
         let name = format!("a new session disarms from {state:?}");
-        checks.push(Check::new("handshake", name, move |client| {
+        checks.push(check(name, move |client| {
             client.enter(state)?;
             equal("state", State::Idle, client.handshake(client.session ^ 1)?.state)?;
             equal("state afterwards", State::Idle, client.state)

@@ -11,7 +11,7 @@ use lashloop_bench::session::request::REQUEST_LIMIT;
 
 use super::answers::{hello, sample};
 use super::assertion::{Failure, broken, expect};
-use super::check::Check;
+use super::check::{Check, check};
 use super::client::Client;
 
 /// Latency limit. A drive needs some 100 us; the limit leaves time for an emulator on a busy machine, so that only a hung
@@ -32,7 +32,7 @@ pub(super) fn checks() -> Vec<Check> {
 
 fn timed<Request: Payload>(answer: &'static str, request: fn(&Client, u32) -> HostMessage) -> Check {
     let name = format!("every {} is answered within {} s", Request::LAYOUT.name, LIMIT.as_secs());
-    Check::new("latency", name, move |client| {
+    check(name, move |client| {
         client.running(&[])?;
         let mut times = Vec::new();
         for round in 0..ROUNDS {

@@ -6,14 +6,13 @@ use lashloop_protocol::{DriveMessage, HostMessage, MAX_FRAME, Message};
 
 use super::answers::line_report;
 use super::assertion::{RuleResult, equal, expect, names};
-use super::check::Check;
+use super::check::{Check, check};
 use super::client::Client;
 
 /// Longer than any frame, without a delimiter.
 const OVERSIZED: [u8; 5 * MAX_FRAME] = [0x55; 5 * MAX_FRAME];
 
 pub(super) fn checks() -> Vec<Check> {
-    let check = |name, run: fn(&mut Client) -> RuleResult| Check::new("line", name, run);
     vec![
         check("garbage before a frame is discarded", |client| {
             let garbage = [b"noise\0more noise\0", &*request(0)].concat();
@@ -74,7 +73,7 @@ pub(super) fn checks() -> Vec<Check> {
             reported(client, LineReport { messages: 2, damaged: 0, refused: 0, overruns: 0 })
         }),
         check("every frame from the drive was a good message", |client| {
-            let counters = *client.line.decoder().counters();
+            let counters = *client.line.decoder.counters();
             let got = (counters.damaged(), counters.refused);
             client.note = format!("{} messages", counters.messages);
             equal("damaged and refused frames of the drive", (0, 0), got)

@@ -73,7 +73,7 @@ pub trait Reporter {
 pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Result<(), SessionError> {
     let mut client = Client::open(link, session)?;
     reporter.connected(&client.identity);
-    for check in all_checks() {
+    for (group, check) in all_checks() {
         if reporter.is_interrupted() {
             break;
         }
@@ -85,7 +85,7 @@ pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Re
             Err(Failure::Session(error)) => return Err(error),
         };
         reporter.checked(&CheckResult {
-            group: check.group,
+            group,
             name: check.name,
             status,
             note: std::mem::take(&mut client.note),
@@ -95,17 +95,17 @@ pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Re
     client.leave()
 }
 
-/// All checks, in order.
-fn all_checks() -> Vec<Check> {
-    [
-        handshake::checks(),
-        transitions::checks(),
-        parameters::checks(),
-        samples::checks(),
-        encoders::checks(),
-        safety::checks(),
-        line::checks(),
-        latency::checks(),
-    ]
-    .concat()
+/// All checks, in order, each with the name of its group.
+fn all_checks() -> impl Iterator<Item = (&'static str, Check)> {
+    let groups = [
+        ("handshake", handshake::checks()),
+        ("transitions", transitions::checks()),
+        ("parameters", parameters::checks()),
+        ("samples", samples::checks()),
+        ("encoders", encoders::checks()),
+        ("safety", safety::checks()),
+        ("line", line::checks()),
+        ("latency", latency::checks()),
+    ];
+    groups.into_iter().flat_map(|(group, checks)| checks.into_iter().map(move |check| (group, check)))
 }

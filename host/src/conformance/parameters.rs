@@ -10,7 +10,7 @@ use lashloop_bench::session::Parameter;
 
 use super::answers::report;
 use super::assertion::{RuleResult, equal, expect, find};
-use super::check::Check;
+use super::check::{Check, check};
 use super::client::Client;
 use super::range::{holds, nearest_whole, outside};
 
@@ -28,7 +28,6 @@ pub const REQUIRED_PARAMETERS: [&str; 9] = [
 ];
 
 pub(super) fn checks() -> Vec<Check> {
-    let check = |name, run: fn(&mut Client) -> RuleResult| Check::new("parameters", name, run);
     let mut checks = vec![
         check("the drive has every required parameter", |client| {
             REQUIRED_PARAMETERS.iter().try_for_each(|name| client.parameter(name).map(drop))
@@ -111,7 +110,7 @@ pub(super) fn checks() -> Vec<Check> {
         }),
     ];
     for state in [State::Boot, State::Faulted] {
-        checks.push(Check::new("parameters", format!("in {state:?} nothing can be set"), move |client| {
+        checks.push(check(format!("in {state:?} nothing can be set"), move |client| {
             client.enter(state)?;
             each(client, |client, it| {
                 let got = client.set(it.index, it.default)?;

@@ -8,7 +8,7 @@ use lashloop_protocol::{DriveMessage, HostMessage};
 
 use super::answers::{fault, hello, sample};
 use super::assertion::{Failure, RuleResult, broken, equal, expect, names};
-use super::check::Check;
+use super::check::{Check, check};
 use super::client::Client;
 use super::reactions::{fault_answer, no_torque};
 
@@ -22,7 +22,6 @@ const WATCHDOG_PATIENCE: Duration = Duration::from_secs(5);
 const CLOCK_TOLERANCE: f64 = 0.1;
 
 pub(super) fn checks() -> Vec<Check> {
-    let check = |name, run: fn(&mut Client) -> RuleResult| Check::new("safety", name, run);
     let mut checks = vec![
         check("a torque beyond the limit is limited and flagged SATURATED", limited),
         check("EmergencyStop is answered with its fault", |client| {
@@ -94,7 +93,7 @@ fn ends_of_torque() -> impl Iterator<Item = Check> {
         ("Reset", |_| Reset {}.into(), State::Boot),
     ];
     ENDS.into_iter().map(|(name, end, state)| {
-        Check::new("safety", format!("{name} takes the torque away"), move |client| {
+        check(format!("{name} takes the torque away"), move |client| {
             client.running(&[])?;
             expect(client.torque(0)?.torque_nm != 0.0, "a torque while running", "none")?;
             client.request(end(client.session))?;

@@ -8,7 +8,7 @@ use super::encoders::setup::Setup;
 
 use super::answers::{outcome, sample, telemetry, torque};
 use super::assertion::{Failure, RuleResult, equal, expect, names, skip};
-use super::check::Check;
+use super::check::{Check, check};
 use super::client::Client;
 use super::reactions::refused_sample;
 
@@ -18,7 +18,6 @@ const STEPS: u16 = 50;
 const GAP: u16 = 100;
 
 pub(super) fn checks() -> Vec<Check> {
-    let check = |name, run: fn(&mut Client) -> RuleResult| Check::new("samples", name, run);
     let mut checks = vec![
         check("a sample before the handshake is refused", |client| {
             let answers = client.sample(0)?;
@@ -137,7 +136,7 @@ pub(super) fn checks() -> Vec<Check> {
     ];
     for state in [State::Idle, State::Armed, State::Faulted] {
         let name = format!("a sample gets torque zero in {state:?}");
-        checks.push(Check::new("samples", name, move |client| {
+        checks.push(check(name, move |client| {
             client.enter(state)?;
             let answers = client.sample(0)?;
             equal("answers", vec!["TorqueAnswer"], names(&answers))?;

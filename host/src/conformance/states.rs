@@ -31,14 +31,12 @@ impl Client {
     }
 
     pub(super) fn arm(&mut self) -> RuleResult {
-        let session = self.session;
-        let got = self.command(Arm { session })?;
+        let got = self.command(Arm { session: self.session })?;
         equal("Arm in Idle", (Outcome::Accepted, State::Armed), got)
     }
 
     pub(super) fn start(&mut self) -> RuleResult {
-        let session = self.session;
-        let got = self.command(Start { session })?;
+        let got = self.command(Start { session: self.session })?;
         equal("Start in Armed", (Outcome::Accepted, State::Running), got)
     }
 
@@ -46,9 +44,7 @@ impl Client {
     pub(super) fn running(&mut self, settings: &[(&str, ParameterValue)]) -> RuleResult {
         self.idle()?;
         self.put("watchdog_us", ParameterValue::U32(LONG_WATCHDOG_US))?;
-        for (name, value) in settings {
-            self.put(name, *value)?;
-        }
+        self.put_all(settings)?;
         self.arm()?;
         self.start()
     }

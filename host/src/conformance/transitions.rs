@@ -4,9 +4,8 @@ use lashloop_protocol::enums::{Outcome, State};
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Reset, Start, Stop};
 use lashloop_protocol::{HostMessage, Message};
 
-use super::assertion::{RuleResult, equal};
-use super::check::Check;
-use super::client::Client;
+use super::assertion::equal;
+use super::check::{Check, check};
 
 /// Required reaction to a request.
 #[derive(Clone, Copy)]
@@ -52,7 +51,7 @@ fn transition(state: State, request: fn(u32) -> HostMessage, reaction: Reaction)
         To(to) => (format!("{name} leads from {state:?} to {to:?}"), (Outcome::Accepted, to)),
         Refused(outcome) => (format!("{name} is refused in {state:?} as {outcome:?}"), (outcome, state)),
     };
-    Check::new("transitions", name, move |client| {
+    check(name, move |client| {
         client.enter(state)?;
         let got = client.command(request(client.session))?;
         equal("outcome and state", expected, got)?;
@@ -61,12 +60,11 @@ fn transition(state: State, request: fn(u32) -> HostMessage, reaction: Reaction)
 }
 
 fn sessions() -> Vec<Check> {
-    let check = |name, run: fn(&mut Client) -> RuleResult| Check::new("transitions", name, run);
     vec![
         check("Arm of another session is refused", |client| {
             client.idle()?;
-            let session = client.session ^ 1;
-            equal("Arm", (Outcome::WrongSession, Idle), client.command(Arm { session })?)
+            let got = client.command(Arm { session: client.session ^ 1 })?;
+            equal("Arm", (Outcome::WrongSession, Idle), got)
         }),
         check("Start of another session is refused", |client| {
             client.armed()?;

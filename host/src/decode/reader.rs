@@ -3,7 +3,7 @@
 use lashloop_bench::capture::Splitter;
 use lashloop_bench::capture::reader::Packet;
 use lashloop_protocol::frame;
-use lashloop_protocol::{Counters, Decoder, FrameError};
+use lashloop_protocol::{Decoder, FrameError};
 
 use super::entry::{DecodedMessage, Entry, Location};
 use super::message::AnyMessage;
@@ -12,7 +12,7 @@ use super::message::AnyMessage;
 #[derive(Debug, Default)]
 pub struct StreamReader {
     splitter: Splitter,
-    decoder: Decoder,
+    pub decoder: Decoder,
     /// Bytes received so far.
     offset: u64,
     /// Start of a frame that an earlier piece began.
@@ -50,17 +50,12 @@ impl StreamReader {
             take(Entry { location: Location::Stream { offset: start }, bytes, message });
         }
     }
-
-    #[must_use]
-    pub fn counters(&self) -> &Counters {
-        self.decoder.counters()
-    }
 }
 
 /// Decodes the packets of a capture, each on its own.
 #[derive(Debug, Default)]
 pub struct PacketReader {
-    decoder: Decoder,
+    pub decoder: Decoder,
     began_ns: Option<u64>,
 }
 
@@ -79,11 +74,6 @@ impl PacketReader {
                 take(Entry { location, bytes: piece.to_vec(), message });
             }
         }
-    }
-
-    #[must_use]
-    pub fn counters(&self) -> &Counters {
-        self.decoder.counters()
     }
 }
 

@@ -25,15 +25,6 @@ use lashloop_bench::link::pty;
 use lashloop_bench::session::Session;
 use latency_timer::LatencyTimer;
 
-#[derive(Debug, Clone, Copy)]
-pub struct LineUnderTest<'a> {
-    pub terminal: &'a Path,
-    /// Speed of a serial port, in bit/s.
-    pub baud: u32,
-    /// Samples of the round-trip measurement.
-    pub rounds: u32,
-}
-
 #[derive(Debug)]
 pub struct Examination {
     /// In the order of the examination.
@@ -51,19 +42,24 @@ impl Examination {
 }
 
 /// Opens the terminal as a run does, opens a session and measures. The drive stays disarmed in `Idle`. A shortened latency
-/// timer stays short until the adapter is unplugged.
+/// timer stays short until the adapter is unplugged. `baud` is the speed of a serial port, in bit/s, and `rounds` the number
+/// of samples of the round-trip measurement.
 #[must_use]
-pub fn examine(line: &LineUnderTest<'_>) -> Examination {
+pub fn examine(terminal: &Path, baud: u32, rounds: u32) -> Examination {
     let mut diagnoses = Vec::new();
-    let ended = examine_steps(line, &mut diagnoses);
+    let ended = examine_steps(terminal, baud, rounds, &mut diagnoses);
     let reached = ended.is_ok();
     diagnoses.extend(ended.err());
     Examination { diagnoses, reached }
 }
 
 /// The error is that of a step on which the others depend.
-fn examine_steps(line: &LineUnderTest<'_>, diagnoses: &mut Vec<Diagnosis>) -> Result<(), Diagnosis> {
-    let &LineUnderTest { terminal, baud, rounds } = line;
+fn examine_steps(
+    terminal: &Path,
+    baud: u32,
+    rounds: u32,
+    diagnoses: &mut Vec<Diagnosis>,
+) -> Result<(), Diagnosis> {
     let is_pty = terminal.starts_with(pty::DIRECTORY);
     let link = device::open_terminal(terminal, baud)
         .map_err(|error| assessment::not_opened(&error, &tty_users::of(terminal)))?;

@@ -25,14 +25,10 @@ pub fn read(process: Option<u32>) -> io::Result<Usage> {
     })
 }
 
-/// Limit of a process's growth.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Limit(pub Usage);
-
-/// For the bench, after its first cycle through the levels.
-pub const BENCH: Limit = Limit(Usage { rss_kib: 8 * 1024, descriptors: 4 });
-/// For a drive's process, within a run. An emulator caches translated code.
-pub const DRIVE: Limit = Limit(Usage { rss_kib: 8 * 1024, descriptors: 2 });
+/// Growth limit of the bench, after its first cycle through the levels.
+pub const BENCH: Usage = Usage { rss_kib: 8 * 1024, descriptors: 4 };
+/// Growth limit of a drive's process, within a run. An emulator caches translated code.
+pub const DRIVE: Usage = Usage { rss_kib: 8 * 1024, descriptors: 2 };
 
 /// The growth of a process.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -64,7 +60,7 @@ impl Growth {
 
     /// The first quantity whose growth exceeds the limit, as a sentence.
     #[must_use]
-    pub fn beyond(&self, Limit(limit): Limit) -> Option<String> {
+    pub fn beyond(&self, limit: Usage) -> Option<String> {
         let grown = self.so_far();
         if grown.rss_kib > limit.rss_kib {
             return Some(format!("memory grew by {} KiB, more than {} KiB", grown.rss_kib, limit.rss_kib));
@@ -78,7 +74,7 @@ impl Growth {
 mod tests {
     use super::*;
 
-    const LIMIT: Limit = Limit(Usage { rss_kib: 100, descriptors: 2 });
+    const LIMIT: Usage = Usage { rss_kib: 100, descriptors: 2 };
 
     fn grown(held: &[(u64, u64)]) -> Option<String> {
         let mut growth = Growth::default();

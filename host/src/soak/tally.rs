@@ -34,7 +34,7 @@ pub struct Tally {
     pub took: Duration,
     bench: Growth,
     drive: Growth,
-    runs: u64,
+    pub runs: u64,
     interrupted: bool,
     healthy_digest: Option<String>,
 }
@@ -68,7 +68,8 @@ impl Tally {
         }
         problems
             .extend(drive.beyond(resource_usage::DRIVE).map(|grown| format!("the drive's process: {grown}")));
-        if self.judges_growth() {
+        // The first cycle through the levels allocates; growth counts after it.
+        if self.runs >= SHARES.len() as u64 {
             let was_fine = self.bench.beyond(resource_usage::BENCH).is_none();
             self.bench.push(bench);
             problems.extend(
@@ -79,11 +80,6 @@ impl Tally {
             );
         }
         self.problems.extend(problems.into_iter().map(|problem| format!("run {run}: {problem}")));
-    }
-
-    /// The first cycle through the levels allocates; growth counts after it.
-    fn judges_growth(&self) -> bool {
-        self.runs >= SHARES.len() as u64
     }
 
     fn count(&mut self, level: usize, outcome: &Outcome) {
@@ -108,16 +104,6 @@ impl Tally {
         let first = self.healthy_digest.get_or_insert_with(|| outcome.torque_sha256.clone());
         (*first != outcome.torque_sha256)
             .then(|| "other torques than in the first run without faults".to_owned())
-    }
-
-    #[must_use]
-    pub fn runs(&self) -> u64 {
-        self.runs
-    }
-
-    #[must_use]
-    pub fn is_interrupted(&self) -> bool {
-        self.interrupted
     }
 }
 

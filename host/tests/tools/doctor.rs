@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use lashloop::doctor::diagnosis::Health;
-use lashloop::doctor::{Examination, LineUnderTest, examine};
+use lashloop::doctor::{Examination, examine};
 use lashloop_bench::device::twin::Twin;
 use lashloop_bench::link::pty::Pty;
 use lashloop_bench::link::terminal::Terminal;
@@ -16,13 +16,13 @@ use crate::examples;
 use crate::support::{lashloop, text};
 
 fn examination(terminal: &Path) -> Examination {
-    examine(&LineUnderTest { terminal, baud: 921_600, rounds: 100 })
+    examine(terminal, 921_600, 100)
 }
 
 /// A twin that serves until the test's process ends.
 fn twin() -> PathBuf {
     let twin = Twin::open().unwrap();
-    let path = twin.path().to_owned();
+    let path = twin.terminal.path.clone();
     thread::spawn(move || twin.serve());
     path
 }
@@ -68,7 +68,7 @@ fn held_terminal_is_reported_with_its_holder() {
 #[test]
 fn silent_far_end_is_reported() {
     let twin = Twin::open().unwrap();
-    let examination = examination(twin.path());
+    let examination = examination(&twin.terminal.path);
     assert!(!examination.reached);
     let report = wrong(&examination);
     assert!(report.contains("silent for 2.5 s after Hello") && report.contains("baud rate"), "{report}");

@@ -7,7 +7,7 @@ mod stream;
 
 use proptest::test_runner::{Config, RngSeed};
 
-/// The same cases in every run; `cargo xtask fuzz` searches for new ones.
+/// The same cases in every run; `cargo xtask test fuzz` searches for new ones.
 fn cases(cases: u32) -> Config {
     Config { cases, rng_seed: RngSeed::Fixed(0x1a54_100b), failure_persistence: None, ..Config::default() }
 }

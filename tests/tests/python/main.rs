@@ -12,7 +12,7 @@ use tests::python;
 type Check = fn();
 
 const TRIALS: [(&str, Check); 5] = [
-    ("conforming::the_python_drive_passes_every_check_and_none_is_left_out", conforming::every_check),
+    ("conforming::the_python_drive_passes_every_check_and_none_is_skipped", conforming::every_check),
     ("runs::smooth_before_has_the_torque_bits_of_the_firmware", runs::smooth),
     ("runs::friction_before_has_the_torque_bits_of_the_firmware", runs::friction),
     ("runs::a_law_that_is_not_offered_is_named_with_those_offered", runs::not_offered),

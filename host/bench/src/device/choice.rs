@@ -9,15 +9,7 @@ use super::kinds;
 
 /// Which drive: parsed from the text after `--device`, and displayed as that text.
 #[derive(Debug, Clone)]
-pub struct DeviceChoice(Arc<dyn DeviceKind>);
-
-impl DeviceChoice {
-    /// How to reach it.
-    #[must_use]
-    pub fn kind(&self) -> &dyn DeviceKind {
-        &*self.0
-    }
-}
+pub struct DeviceChoice(pub(super) Arc<dyn DeviceKind>);
 
 impl<K: DeviceKind + 'static> From<K> for DeviceChoice {
     fn from(kind: K) -> Self {
@@ -42,7 +34,7 @@ fn expected() -> String {
 
 impl fmt::Display for DeviceChoice {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(out)
+        out.write_str(&self.0.name())
     }
 }
 

@@ -60,9 +60,9 @@ impl Connection {
     ) -> Result<(Box<dyn Link>, Self), DeviceError> {
         let LineSpeed { baud, modelled_baud } = speed.into();
         if modelled_baud.is_some() {
-            choice.kind().check_modelled_uart(baud)?;
+            choice.0.check_modelled_uart(baud)?;
         }
-        let Opened { link, host } = choice.kind().open(baud, supervisor)?;
+        let Opened { link, host } = choice.0.open(baud, supervisor)?;
         let link = match modelled_baud {
             Some(baud) => Box::new(UartModel::new(link, baud)),
             None => link,

@@ -1,9 +1,17 @@
-//! What runs a drive.
+//! What runs a drive: its start and its suspension.
+
+use std::time::Duration;
 
 use rustix::process::{Pid, Signal, kill_process};
 
+use super::error::DeviceError;
 use crate::link::in_process::Suspension;
-use crate::supervisor::Process;
+use crate::supervisor::{Process, Program, Supervisor};
+
+/// Time that a program may take to come up.
+pub(super) const START_LIMIT: Duration = Duration::from_secs(5);
+/// Time that a failing program may take to end. Its standard error is complete only then.
+const END_LIMIT: Duration = Duration::from_millis(200);
 
 /// What runs a drive.
 pub enum DriveHost {
@@ -25,7 +33,7 @@ impl DriveHost {
         }
     }
 
-    /// Whether [`Self::suspend`] has an effect.
+    /// Whether [`Self::set_suspended`] has an effect.
     #[must_use]
     pub fn can_suspend(&self) -> bool {
         match self {
@@ -34,20 +42,13 @@ impl DriveHost {
         }
     }
 
-    /// Suspends the drive: it takes no byte and no tick, and its time goes on.
-    pub fn suspend(&self) {
+    /// Suspends or resumes the drive. A suspended drive takes no byte and no tick, and its time goes on.
+    pub fn set_suspended(&self, is_suspended: bool) {
         match self {
-            Self::InProcess(suspension) => suspension.suspend(),
-            Self::Process(process) => signal(process, Signal::STOP),
-            Self::External => {}
-        }
-    }
-
-    /// Resumes a suspended drive.
-    pub fn resume(&self) {
-        match self {
-            Self::InProcess(suspension) => suspension.resume(),
-            Self::Process(process) => signal(process, Signal::CONT),
+            Self::InProcess(suspension) => suspension.set(is_suspended),
+            Self::Process(process) => {
+                signal(process, if is_suspended { Signal::STOP } else { Signal::CONT });
+            }
             Self::External => {}
         }
     }
@@ -58,4 +59,14 @@ fn signal(process: &Process, signal: Signal) {
         // A process that has ended can't be signalled; the link reports its end.
         let _ = kill_process(pid, signal);
     }
+}
+
+pub(super) fn spawn(supervisor: &Supervisor, program: &Program) -> Result<Process, DeviceError> {
+    supervisor.spawn(program).map_err(|source| DeviceError::Spawn { name: program.name, source })
+}
+
+/// The error for a program that did not come up.
+pub(super) fn not_up(process: &Process) -> DeviceError {
+    let _ = process.ended_within(END_LIMIT);
+    DeviceError::NotUp { name: process.name, stderr: process.stderr_head() }
 }

@@ -7,8 +7,11 @@ use super::error::DeviceError;
 use crate::link::Link;
 use crate::supervisor::Supervisor;
 
-/// One way to reach a drive. Its `Display` is the text that a user names it by.
-pub trait DeviceKind: fmt::Debug + fmt::Display + Send + Sync {
+/// One way to reach a drive.
+pub trait DeviceKind: fmt::Debug + Send + Sync {
+    /// The text that a user names it by.
+    fn name(&self) -> String;
+
     /// Starts what has to be started and opens the link. Nothing is sent to the drive. `baud` is in bits per second and
     /// is for serial ports alone.
     ///

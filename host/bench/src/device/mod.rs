@@ -17,7 +17,6 @@ mod error;
 mod handle;
 mod kind;
 pub mod kinds;
-mod process;
 pub mod twin;
 
 pub use choice::DeviceChoice;

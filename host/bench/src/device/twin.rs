@@ -5,7 +5,6 @@
 //! host that does not read can't keep the watchdog from tripping.
 
 use std::os::fd::{AsFd, OwnedFd};
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -21,7 +20,8 @@ pub const BOARD: &str = "native-twin";
 
 /// A pseudo-terminal with a drive at its far end.
 pub struct Twin {
-    terminal: Terminal,
+    /// The terminal; its path is for a host to open.
+    pub terminal: Terminal,
 }
 
 impl Twin {
@@ -31,12 +31,6 @@ impl Twin {
     /// As [`Terminal::open`].
     pub fn open() -> io::Result<Self> {
         Ok(Self { terminal: Terminal::open()? })
-    }
-
-    /// Path of the terminal, for a host to open.
-    #[must_use]
-    pub fn path(&self) -> &Path {
-        &self.terminal.path
     }
 
     /// Runs the drive until the line breaks. A panic ends the process, as it ends the image: the torque is zero, and the

@@ -177,30 +177,20 @@ impl Timeline {
 
 /// Begins a fault of the drive. Every other fault takes effect where it strikes.
 fn strike(kind: FaultKind, device: &mut Device) -> Result<(), SessionError> {
-    match kind {
-        FaultKind::Device(DeviceFault::Reset {}) => device.session.reset_by_surprise(),
-        FaultKind::Device(DeviceFault::Hang {}) => {
-            device.connection.host.suspend();
-            Ok(())
-        }
-        FaultKind::Frame { .. }
-        | FaultKind::Link(_)
-        | FaultKind::Encoder { .. }
-        | FaultKind::Motor(_)
-        | FaultKind::Plant(_) => Ok(()),
+    let FaultKind::Device(fault) = kind else { return Ok(()) };
+    match fault {
+        DeviceFault::Reset {} => return device.session.reset_by_surprise(),
+        DeviceFault::Hang {} => device.connection.host.set_suspended(true),
     }
+    Ok(())
 }
 
 /// Ends a fault of the drive that lasts in the link's time.
 fn heal(kind: FaultKind, device: &Device) {
-    match kind {
-        FaultKind::Device(DeviceFault::Hang {}) => device.connection.host.resume(),
-        FaultKind::Device(DeviceFault::Reset {})
-        | FaultKind::Frame { .. }
-        | FaultKind::Link(_)
-        | FaultKind::Encoder { .. }
-        | FaultKind::Motor(_)
-        | FaultKind::Plant(_) => {}
+    let FaultKind::Device(fault) = kind else { return };
+    match fault {
+        DeviceFault::Hang {} => device.connection.host.set_suspended(false),
+        DeviceFault::Reset {} => {}
     }
 }
 

@@ -27,14 +27,10 @@ const PAST_LIMIT: Duration = Duration::from_nanos(1);
 pub struct Suspension(Arc<AtomicBool>);
 
 impl Suspension {
-    /// Suspends the drive: it takes no byte and no tick, and its time goes on.
-    pub fn suspend(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    /// Resumes the drive. Its watchdog sees the time that has passed before the drive takes the bytes that wait.
-    pub fn resume(&self) {
-        self.0.store(false, Ordering::Relaxed);
+    /// Suspends or resumes the drive. A suspended drive takes no byte and no tick, and its time goes on. A resumed one sees
+    /// by its watchdog the time that has passed before it takes the bytes that wait.
+    pub fn set(&self, is_suspended: bool) {
+        self.0.store(is_suspended, Ordering::Relaxed);
     }
 
     fn is_active(&self) -> bool {
@@ -63,7 +59,8 @@ pub struct InProcess {
     /// The instant at device time zero.
     boot: Instant,
     clock: DeviceClock,
-    suspension: Suspension,
+    /// The switch that suspends this drive.
+    pub suspension: Suspension,
     /// Sent to the drive while it was suspended.
     to_drive: Vec<u8>,
     /// Sent by the drive and not read yet.
@@ -84,16 +81,6 @@ impl Default for InProcess {
 }
 
 impl InProcess {
-    /// The switch that suspends this drive.
-    #[must_use]
-    pub fn suspension(&self) -> Suspension {
-        self.suspension.clone()
-    }
-
-    fn instant(&self, device_time: Duration) -> Instant {
-        self.boot + device_time
-    }
-
     /// Brings the drive to the present time, unless it is suspended: the watchdog first, then the bytes that wait.
     fn catch_up(&mut self) {
         if self.suspension.is_active() {
@@ -147,7 +134,7 @@ impl Link for InProcess {
     }
 
     fn now(&mut self) -> Instant {
-        self.instant(self.clock.now())
+        self.boot + self.clock.now()
     }
 
     fn wait_until(&mut self, until: Instant) -> Result<(), LinkError> {

@@ -10,9 +10,11 @@ use serde::Deserialize;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     path: PathBuf,
-    header: Vec<String>,
+    /// Names of the columns.
+    pub header: Vec<String>,
     columns: Vec<Vec<f64>>,
-    is_torn: bool,
+    /// Whether the last line had no end and was omitted.
+    pub is_torn: bool,
 }
 
 /// The folder of a run.
@@ -136,12 +138,6 @@ impl Table {
         Ok(Self { path: path.to_owned(), header, columns, is_torn })
     }
 
-    /// Names of the columns.
-    #[must_use]
-    pub fn header(&self) -> &[String] {
-        &self.header
-    }
-
     /// Number of rows.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -152,12 +148,6 @@ impl Table {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
-    }
-
-    /// Whether the file ends within a row, which is omitted.
-    #[must_use]
-    pub fn is_torn(&self) -> bool {
-        self.is_torn
     }
 
     /// A column by its name.
@@ -229,7 +219,7 @@ mod tests {
             let table = of(&format!("a,b\n1,2\n2,NaN\n{torn}")).expect("a table");
             assert_eq!((table.column("a").expect("a column"), table.len()), (&[1.0, 2.0][..], 2));
             assert!(table.column("b").expect("a column")[1].is_nan());
-            assert_eq!(table.is_torn(), !torn.is_empty());
+            assert_eq!(table.is_torn, !torn.is_empty());
         }
     }
 

@@ -17,7 +17,6 @@ use super::simulator::Simulator;
 use super::step_sink::{Step, StepSink};
 use super::{reconnect, setup};
 use crate::device::Device;
-use crate::fault::log::FaultRecord;
 use crate::fault::timeline::Timeline;
 use crate::record::trace::TraceRow;
 use crate::scenario::Scenario;
@@ -28,14 +27,14 @@ use crate::timing::{ClockName, RoundTrip, StepOutcome, StepTiming};
 pub(super) struct ControlLoop<'a, S> {
     scenario: &'a Scenario,
     simulator: Simulator,
-    sink: S,
-    timeline: Timeline,
+    pub(super) sink: S,
+    pub(super) timeline: Timeline,
     clock: ClockName,
     phase: Phase,
     torque: HeldTorque,
     /// When the first sample was sent that has no answer yet, in the link's time.
     silent_since: Option<Instant>,
-    counts: Counts,
+    pub(super) counts: Counts,
     /// The last step. Its telemetry follows its torque, so it is complete only with the next one.
     unfinished: Option<Step>,
 }
@@ -79,14 +78,6 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         }
     }
 
-    pub(super) fn stop_asked(&self) -> bool {
-        self.sink.stop_asked()
-    }
-
-    pub(super) fn counts(&self) -> Counts {
-        self.counts
-    }
-
     /// Makes a step with an exchange: asks the drive for a torque, at the latest by `deadline`, and holds it for a period.
     /// `lateness` is from the due time of the step to its beginning.
     pub(super) fn step(
@@ -128,11 +119,6 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
             row,
             StepTiming { lateness: Duration::ZERO, outcome: StepOutcome::Missed, round_trip: None },
         )
-    }
-
-    /// Ends all faults of the scenario and returns their log.
-    pub(super) fn end_faults(&mut self, device: &Device) -> Vec<FaultRecord> {
-        self.timeline.end(device)
     }
 
     /// Passes the last step on, with the drive's latest estimates.
@@ -204,7 +190,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
             // The bench itself read the answer late; the motor had no torque in time all the same.
             return Ok(ControlFlow::Continue((StepOutcome::Unanswered, None)));
         }
-        self.torque.set(answer.torque_nm);
+        self.torque.torque_nm = answer.torque_nm;
         // Of a retransmitted sample it is unknown which copy was answered.
         let round_trip = (!request.is_retransmission).then(|| RoundTrip::new(&timestamps, answer));
         Ok(ControlFlow::Continue((StepOutcome::Answered, round_trip)))
@@ -229,7 +215,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
             return end.map(Some);
         }
         // A drive without a host gives no torque, and it is set up, armed and started from there.
-        self.torque.release();
+        self.torque.torque_nm = 0.0;
         self.timeline.pause();
         let stop_asked = || self.sink.stop_asked();
         let end = reconnect::set_up_again(self.scenario, self.clock, &mut self.timeline, device, stop_asked)?;

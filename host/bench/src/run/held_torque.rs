@@ -5,7 +5,8 @@ use std::time::Duration;
 /// The torque on the motor.
 #[derive(Debug)]
 pub(super) struct HeldTorque {
-    torque_nm: f32,
+    /// The torque in N m; 0 while the drive is disarmed.
+    pub(super) torque_nm: f32,
     /// Steps since the one that the torque was computed for.
     periods: u32,
     period: Duration,
@@ -18,22 +19,12 @@ impl HeldTorque {
         Self { torque_nm: 0.0, periods: 0, period, watchdog }
     }
 
-    /// Takes a new torque.
-    pub(super) fn set(&mut self, torque_nm: f32) {
-        self.torque_nm = torque_nm;
-    }
-
-    /// The drive is disarmed and gives no torque.
-    pub(super) fn release(&mut self) {
-        self.torque_nm = 0.0;
-    }
-
     /// The torque of a step, whose own one is new or is missing.
     pub(super) fn advance(&mut self, is_new: bool) -> f32 {
         self.periods = if is_new { 0 } else { self.periods.saturating_add(1) };
         if self.watchdog.is_some_and(|watchdog| self.period * self.periods >= watchdog) {
             // Lost samples trip the drive's watchdog; lost answers don't. The bench can't distinguish them.
-            self.release();
+            self.torque_nm = 0.0;
         }
         self.torque_nm
     }
@@ -48,7 +39,7 @@ mod tests {
     #[test]
     fn a_torque_is_held_until_the_watchdog_would_trip() {
         let mut torque = HeldTorque::new(PERIOD, Some(3 * PERIOD));
-        torque.set(2.0);
+        torque.torque_nm = 2.0;
         let steps = [true, false, false, false].map(|is_new| torque.advance(is_new));
         assert_eq!(steps, [2.0, 2.0, 2.0, 0.0]);
     }
@@ -56,7 +47,7 @@ mod tests {
     #[test]
     fn without_a_watchdog_a_torque_is_held_without_limit() {
         let mut torque = HeldTorque::new(PERIOD, None);
-        torque.set(2.0);
+        torque.torque_nm = 2.0;
         assert!((0..1_000_000).all(|_| torque.advance(false) == 2.0));
     }
 }

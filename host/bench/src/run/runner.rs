@@ -164,13 +164,13 @@ fn run_to_end<'a, S: StepSink>(
         end => end,
     };
     let wall_s = started.elapsed().as_secs_f64();
-    let faults = control.end_faults(device);
+    let faults = control.timeline.end(device);
     // The last telemetry comes before the answer to the stop, and the last row waits for it.
     let stopped = match &end {
         Ok(end) if end.leaves_a_session() => {
             // On a line that lost samples a partial frame may precede the stop.
             let cleared =
-                if control.counts().unanswered > 0 { device.session.line.end_frame() } else { Ok(()) };
+                if control.counts.unanswered > 0 { device.session.line.end_frame() } else { Ok(()) };
             let stopped = cleared.and_then(|()| device.session.stop());
             stopped.map_err(|source| device.explain(source))
         }
@@ -188,7 +188,7 @@ fn run_to_end<'a, S: StepSink>(
     if end == End::Complete {
         stopped?;
     }
-    Ok(Closed { end, counts: control.counts(), wall_s, faults })
+    Ok(Closed { end, counts: control.counts, wall_s, faults })
 }
 
 fn link_counts(unanswered: u64, before: Traffic, session: &Session, clock: ClockName) -> LinkCounts {

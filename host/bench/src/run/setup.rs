@@ -14,14 +14,17 @@ use crate::scenario::{Scenario, ScenarioError};
 use crate::session::{SessionError, SetError};
 use crate::timing::ClockName;
 
-/// Parameters that other keys of a scenario set, with those keys.
-const SET_ELSEWHERE: [(&str, &str); 5] = [
-    ("controller", "controller.name"),
-    ("period_us", "run.control_period_us"),
-    ("motor_counts_per_rev", "encoders.motor_counts_per_rev"),
-    ("load_counts_per_rev", "encoders.load_counts_per_rev"),
-    ("telemetry_every", "telemetry.every_steps"),
-];
+/// Parameters that keys outside `[controller.parameters]` set: name, key and value.
+fn from_sections(scenario: &Scenario) -> [(&'static str, &'static str, f64); 5] {
+    let Scenario { controller, run, encoders, telemetry, .. } = scenario;
+    [
+        ("controller", "controller.name", f64::from(controller.name as u8)),
+        ("period_us", "run.control_period_us", run.control_period_us.into()),
+        ("motor_counts_per_rev", "encoders.motor_counts_per_rev", encoders.motor_counts_per_rev.into()),
+        ("load_counts_per_rev", "encoders.load_counts_per_rev", encoders.load_counts_per_rev.into()),
+        ("telemetry_every", "telemetry.every_steps", telemetry.every_steps.into()),
+    ]
+}
 
 /// Resets the drive and applies all settings of the scenario.
 ///
@@ -40,23 +43,19 @@ fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Resu
     if !device.session.identity.controllers.offers(controller) {
         return Err(not_offered(device, scenario.controller.name).into());
     }
-    let from_sections = [
-        ("controller", f64::from(controller as u8)),
-        ("period_us", scenario.run.control_period_us.into()),
-        ("motor_counts_per_rev", scenario.encoders.motor_counts_per_rev.into()),
-        ("load_counts_per_rev", scenario.encoders.load_counts_per_rev.into()),
-        ("telemetry_every", scenario.telemetry.every_steps.into()),
-    ];
-    for (name, number) in from_sections {
-        device.session.set(name, number).map_err(|error| required(device, name, number, error))?;
+    let from_sections = from_sections(scenario);
+    for (name, _, number) in from_sections {
+        set_required(device, name, number)?;
     }
     if clock == ClockName::Lockstep {
         // The watchdog must tolerate a slow bench but not a dead one: it waits as long for the bench as the bench does for
         // the drive. In real time it stays as on a real bench.
-        let (name, watchdog_us) = ("watchdog_us", 1e3 * f64::from(scenario.link.silence_limit_ms));
-        device.session.set(name, watchdog_us).map_err(|error| required(device, name, watchdog_us, error))?;
+        set_required(device, "watchdog_us", 1e3 * f64::from(scenario.link.silence_limit_ms))?;
     }
     for setting in &scenario.controller.parameters {
+        if let Some((_, key, _)) = from_sections.iter().find(|(name, ..)| *name == setting.name) {
+            return Err(ScenarioError::parameter(setting, format!("is set by {key}; set it there")).into());
+        }
         apply(device, setting)?;
     }
     Ok(())
@@ -89,12 +88,8 @@ pub(super) fn resume(
 ) -> Result<(), RunError> {
     device.session.line.clear().map_err(|source| device.explain(source))?;
     device.session.reset().map_err(|source| device.explain(source))?;
-    let is_same = {
-        let back = &device.session.identity;
-        (back.board, back.firmware, back.build_id, back.parameter_count)
-            == (lost.board, lost.firmware, lost.build_id, lost.parameter_count)
-    };
-    if !is_same {
+    let firmware_of = |it: &Identity| (it.board, it.firmware, it.build_id, it.parameter_count);
+    if firmware_of(&device.session.identity) != firmware_of(lost) {
         let build = lost.build_id;
         return Err(device
             .unfit(format!("it came back with another firmware than build {build:08x}"))
@@ -125,9 +120,6 @@ fn not_offered(device: &Device, wanted: ControllerId) -> DeviceError {
 }
 
 fn apply(device: &mut Device, setting: &ParameterSetting) -> Result<(), RunError> {
-    if let Some((_, key)) = SET_ELSEWHERE.iter().find(|(name, _)| *name == setting.name) {
-        return Err(ScenarioError::parameter(setting, format!("is set by {key}; set it there")).into());
-    }
     let number = number_of(setting)?;
     device.session.set(&setting.name, number).map_err(|error| match error {
         SetError::Session(source) => device.explain(source).into(),
@@ -150,12 +142,12 @@ fn number_of(setting: &ParameterSetting) -> Result<f64, ScenarioError> {
     }
 }
 
-/// The error for a drive that rejects a parameter which every drive must have.
-fn required(device: &Device, name: &str, number: f64, error: SetError) -> RunError {
-    match error {
-        SetError::Session(source) => device.explain(source).into(),
-        refused => device
-            .unfit(format!("it does not take {name} = {number}, which the scenario needs: {refused}"))
-            .into(),
-    }
+/// Sets a parameter that every drive must have.
+fn set_required(device: &mut Device, name: &str, number: f64) -> Result<(), DeviceError> {
+    device.session.set(name, number).map_err(|error| match error {
+        SetError::Session(source) => device.explain(source),
+        refused => {
+            device.unfit(format!("it does not take {name} = {number}, which the scenario needs: {refused}"))
+        }
+    })
 }

@@ -104,14 +104,14 @@ pub(super) fn read(plant: &mut Section<'_>) -> PlantSettings {
 fn read_coulomb_friction(plant: &mut Section<'_>, model: Option<PlantModel>) -> Option<f64> {
     // 3.84 N m leaves the paper's static error of 0.32 rad under the uncompensated law.
     let read = |plant: &mut Section<'_>| plant.number("load_coulomb_nm", 3.84, 0.0..=1e6);
-    if model == Some(PlantModel::Smooth) {
-        plant.belongs_to("model", "hard-coulomb", "smooth", read);
-        return None;
+    match model {
+        Some(PlantModel::Smooth) => {
+            plant.belongs_to("model", "hard-coulomb", "smooth", read);
+            None
+        }
+        Some(PlantModel::BacklashShaft) => None,
+        Some(PlantModel::HardCoulomb) | None => Some(read(plant)),
     }
-    if model == Some(PlantModel::BacklashShaft) {
-        return None;
-    }
-    Some(read(plant))
 }
 
 /// Keys of `backlash-shaft`; on another model they are errors.

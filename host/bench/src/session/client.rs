@@ -60,7 +60,7 @@ impl Session {
     /// The frame counts.
     #[must_use]
     pub fn traffic(&self) -> Traffic {
-        let counters = self.line.decoder().counters();
+        let counters = self.line.decoder.counters();
         Traffic {
             frames_sent: self.line.frames_sent,
             frames_received: counters.messages.into(),

@@ -14,7 +14,8 @@ use crate::link::{Link, LinkError, TimeBase};
 /// A link with a decoder at its end.
 pub struct Line {
     link: Box<dyn Link>,
-    decoder: Decoder,
+    /// Decoder of the received bytes, with its counters.
+    pub decoder: Decoder,
     outbox: [u8; MAX_FRAME],
     inbox: Box<[u8; 4096]>,
     /// The part of `inbox` that holds bytes not decoded yet.
@@ -55,12 +56,6 @@ impl Line {
             logs: Logs::default(),
             arrived: Instant::now(),
         }
-    }
-
-    /// The decoder of the drive's bytes.
-    #[must_use]
-    pub fn decoder(&self) -> &Decoder {
-        &self.decoder
     }
 
     /// Discards all input and ends the partial frame that an earlier host may have left in the drive's decoder.

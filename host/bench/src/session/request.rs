@@ -39,7 +39,9 @@ impl Line {
         loop {
             if let Some(with) = self.attempt(request, ATTEMPT_LIMIT, &mut wanted)? {
                 if repeated {
-                    self.flush_answers()?;
+                    // Until the answers to earlier copies have arrived, one could be taken for the answer to a later
+                    // request of its kind. Answers keep their order: none is left after a handshake.
+                    shake_hands(self, self.session)?;
                 }
                 return Ok(Answered { with, repeated });
             }
@@ -68,11 +70,5 @@ impl Line {
             self.end_frame()?;
         }
         Ok(answer)
-    }
-
-    /// Waits until the answers to earlier copies of a request have arrived, so that none is taken for the answer to a later
-    /// request of its kind. Answers keep their order: none is left after a handshake.
-    fn flush_answers(&mut self) -> Result<(), SessionError> {
-        shake_hands(self, self.session).map(drop)
     }
 }

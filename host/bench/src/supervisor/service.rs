@@ -1,13 +1,12 @@
 //! The thread that starts children and receives signals.
 
-use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
 use std::{io, thread};
 
-use tokio::signal::unix::{SignalKind, signal};
+use tokio::signal::unix::{Signal, SignalKind, signal};
 use tokio::sync::mpsc as channel;
 
 use super::process::{Process, Program};
@@ -33,7 +32,8 @@ impl Signals {
 
 /// Starts child processes and receives signals, on a thread with a tokio runtime. The thread ends with it.
 pub struct Supervisor {
-    tie: PathBuf,
+    /// The `lashloop` program.
+    pub bench: PathBuf,
     orders: channel::UnboundedSender<Order>,
     signals: Arc<Signals>,
 }
@@ -54,22 +54,22 @@ struct Order {
 }
 
 impl Supervisor {
-    /// Starts the thread. `tie` is the `lashloop` program, whose hidden command `tied` runs a program that the kernel ends
+    /// Starts the thread. `bench` is the `lashloop` program, whose hidden command `tied` runs a program that the kernel ends
     /// with the bench: a killed bench leaves no emulator behind.
     ///
     /// # Errors
     /// The system refused a thread, a runtime or the signal handlers.
-    pub fn start(tie: PathBuf) -> io::Result<Self> {
+    pub fn start(bench: PathBuf) -> io::Result<Self> {
         let signals = Arc::new(Signals::default());
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let (orders, inbox) = channel::unbounded_channel();
-        let (ready, started) = mpsc::channel();
-        let shared = Arc::clone(&signals);
-        thread::Builder::new()
-            .name("supervisor".to_owned())
-            .spawn(move || runtime.block_on(supervise(inbox, shared, ready)))?;
-        started.recv().map_err(io::Error::other)??;
-        Ok(Self { tie, orders, signals })
+        let [interrupt, terminate] = {
+            let _inside = runtime.enter();
+            [signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?]
+        };
+        let work = supervise(inbox, Arc::clone(&signals), interrupt, terminate);
+        thread::Builder::new().name("supervisor".to_owned()).spawn(move || runtime.block_on(work))?;
+        Ok(Self { bench, orders, signals })
     }
 
     /// Leaves signals to the caller, who must poll [`Self::interrupted`]. Without a guard, and at the second signal, a
@@ -86,19 +86,13 @@ impl Supervisor {
         self.signals.requested.load(Ordering::Relaxed)
     }
 
-    /// Path of the `lashloop` program itself.
-    #[must_use]
-    pub fn bench(&self) -> OsString {
-        self.tie.clone().into()
-    }
-
     /// Runs a program until it ends by itself or its [`Process`] is dropped.
     ///
     /// # Errors
     /// The program can't be started.
     pub fn spawn(&self, program: &Program) -> io::Result<Process> {
         use std::os::unix::process::CommandExt;
-        let mut command = Command::new(&self.tie);
+        let mut command = Command::new(&self.bench);
         command.arg("tied");
         if let Some(core) = program.core {
             command.arg("--core").arg(core.to_string());
@@ -116,19 +110,9 @@ impl Supervisor {
 async fn supervise(
     mut orders: channel::UnboundedReceiver<Order>,
     shared: Arc<Signals>,
-    ready: mpsc::Sender<io::Result<()>>,
+    mut interrupt: Signal,
+    mut terminate: Signal,
 ) {
-    let signals = signal(SignalKind::interrupt()).and_then(|i| Ok((i, signal(SignalKind::terminate())?)));
-    let (mut interrupt, mut terminate) = match signals {
-        Ok(signals) => {
-            let _ = ready.send(Ok(()));
-            signals
-        }
-        Err(error) => {
-            let _ = ready.send(Err(error));
-            return;
-        }
-    };
     loop {
         tokio::select! {
             _ = interrupt.recv() => shared.arrived(),

@@ -1,7 +1,6 @@
 //! The timing of all steps together.
 
 use std::fmt;
-use std::time::Duration;
 
 use serde::Serialize;
 
@@ -9,10 +8,11 @@ use super::quantiles::{Durations, Quantiles};
 use super::step_timing::{StepOutcome, StepTiming};
 
 /// What paces a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClockName {
     /// The plant waits for the drive and the drive for the plant.
+    #[default]
     Lockstep,
     /// The wall clock.
     RealTime,
@@ -44,24 +44,7 @@ impl Timings {
     /// An empty collection that excludes the first `warm_up` steps. `period_us` is the control period.
     #[must_use]
     pub fn new(clock: ClockName, period_us: u32, warm_up: u64) -> Self {
-        let report = TimingReport {
-            clock,
-            period_us,
-            warm_up_steps: 0,
-            steps: 0,
-            unanswered: 0,
-            missed: 0,
-            longest_run_of_late: 0,
-            lateness_us: None,
-            round_trip_us: None,
-            send_us: None,
-            line_and_device_us: None,
-            compute_us: None,
-            receive_us: None,
-            lateness_histogram: Vec::new(),
-            round_trip_histogram: Vec::new(),
-            refused: Vec::new(),
-        };
+        let report = TimingReport { clock, period_us, ..TimingReport::default() };
         let round_trip = std::array::from_fn(|_| Durations::new());
         Self { report, warm_up, run_of_late: 0, lateness: Durations::new(), round_trip }
     }
@@ -113,7 +96,7 @@ impl Timings {
 }
 
 /// The timing of a run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct TimingReport {
     /// What paced it.
     pub clock: ClockName,
@@ -155,12 +138,6 @@ impl TimingReport {
     pub fn late(&self) -> u64 {
         self.unanswered + self.missed
     }
-
-    /// The control period.
-    #[must_use]
-    pub fn period(&self) -> Duration {
-        Duration::from_micros(self.period_us.into())
-    }
 }
 
 impl fmt::Display for TimingReport {
@@ -195,6 +172,8 @@ impl fmt::Display for TimingReport {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
     use crate::timing::RoundTrip;
 

@@ -6,16 +6,13 @@
 //! | module | is |
 //! |---|---|
 //! | `exit` | the three verdicts and the exit codes |
-//! | `link_counts` | what the link counted |
 //! | `judgement` | from expectations, metrics, counts and timing to a verdict with its reasons |
 
 mod exit;
 mod judgement;
-mod link_counts;
 
 pub use exit::{Exit, Verdict};
-pub use judgement::{Breach, JudgedExpectation, Judgement};
-pub use link_counts::LinkCounts;
+pub use judgement::{Breach, JudgedExpectation, Judgement, LinkCounts};
 
 #[cfg(test)]
 mod tests;

@@ -41,10 +41,10 @@ pub(super) fn made_linear(runs: &Runs) -> Figure {
         "The paper: compensation makes the disturbing torque linear; with a right estimate C \u{2212} w_hat is the straight line \
          C0 = K z.\n\
          Here: it does not come out. Root mean square of what the estimate leaves of w, before (w_hat = 0), after and beyond: \
-         {}\u{a0}N\u{a0}m on the smooth plant, {}\u{a0}N\u{a0}m on the backlash shaft. The paper's observer drives the load's error to \
-         zero by way of an estimate that is far from w on the way, further than none. Beyond, the estimate is wrong at \
-         the start, while the motor jumps faster than an observer of 60 rad/s follows and the gap is not yet identified, and on the line \
-         from 2 s on.",
+         {}\u{a0}N\u{a0}m on the smooth plant, {}\u{a0}N\u{a0}m on the backlash shaft. The paper's observer drives the load's \
+         error to zero by way of an estimate that is far from w on the way, further than none. Beyond, the estimate is wrong at \
+         the start, while the motor jumps faster than an observer of 60 rad/s follows and the gap is not yet identified, and on \
+         the line from 2 s on.",
         rms(&runs.smooth),
         rms(&runs.shaft),
     );
@@ -60,7 +60,7 @@ pub(super) fn made_linear(runs: &Runs) -> Figure {
 fn linear(title: &str, laws: &Laws) -> Panel {
     let twist = (Axis::new("twist z", "rad"), |row: &TraceRow| row.twist_rad);
     let linear = |row: &TraceRow| row.transmitted_torque_nm - row.disturbing_torque_estimate_nm;
-    let panel = each(title, twist, (Axis::new("C \u{2212} w_hat", "N m"), linear), laws);
+    let panel = each(title, twist, (Axis::new("C \u{2212} w_hat", "N m"), linear), laws.each());
     let rows = laws.each().into_iter().flat_map(|(_, _, run)| &run.rows);
     let ends = rows.fold([(f64::MAX, 0.0), (f64::MIN, 0.0)], |[low, high]: [(f64, f64); 2], row| {
         let point = (row.twist_rad, row.transmitted_torque_nm - row.disturbing_torque_nm);
@@ -72,5 +72,5 @@ fn linear(title: &str, laws: &Laws) -> Panel {
 
 fn left_over(title: &str, laws: &Laws) -> Panel {
     let left = |row: &TraceRow| row.disturbing_torque_nm - row.disturbing_torque_estimate_nm;
-    over_time(title, Axis::new("w \u{2212} w_hat", "N m"), laws, left)
+    over_time(title, Axis::new("w \u{2212} w_hat", "N m"), laws.each(), left)
 }

@@ -1,7 +1,6 @@
 //! Figures 15 to 17: load and torque with friction, on the two plants that stand for the paper's experiment.
 
 use crate::plot::{Axis, Figure, Panel};
-use lashloop_bench::record::trace::TraceRow;
 use lashloop_plant::metrics::Metric;
 
 use super::curves::{mark_static_error, of, over_time, three};
@@ -17,7 +16,8 @@ pub(super) fn figures(runs: &Runs) -> [(u8, Figure); 3] {
 fn load_position(runs: &Runs) -> Figure {
     let panel = |title, laws: &Laws, paper| {
         let axis = Axis::new("load position", "rad");
-        mark_static_error(over_time(title, axis, laws, |row| row.load_position_rad), laws, paper)
+        let panel = over_time(title, axis, laws.each(), |row| row.load_position_rad);
+        mark_static_error(panel, laws.each(), paper)
     };
     let caption = format!(
         "The paper: a static error of about 0.32 rad before; eliminated after, and oscillations gone.\n\
@@ -39,7 +39,7 @@ fn load_velocity(runs: &Runs) -> Figure {
                    Here: before, the load stops early and sticks, without oscillating; after, the load \
                    reverses twice on its way to zero; beyond, not at all.";
     both("Figure 16: load velocity, experiment", caption, runs, |title, laws| {
-        over_time(title, Axis::new("load velocity", "rad/s"), laws, |row: &TraceRow| row.load_velocity_rad_s)
+        over_time(title, Axis::new("load velocity", "rad/s"), laws.each(), |row| row.load_velocity_rad_s)
     })
 }
 
@@ -54,7 +54,7 @@ fn torque(runs: &Runs) -> Figure {
         three(&runs.shaft, Metric::TorqueTotalVariation, 0),
     );
     both("Figure 17: control signal, experiment", &caption, runs, |title, laws| {
-        over_time(title, Axis::new("torque", "N m"), laws, |row: &TraceRow| row.torque_nm)
+        over_time(title, Axis::new("torque", "N m"), laws.each(), |row| row.torque_nm)
     })
 }
 

@@ -25,8 +25,8 @@ pub(super) fn motor_against_load(runs: &Runs) -> Figure {
     let caption = format!(
         "The paper: the thickness of the hysteresis shrinks after compensation.\n\
          Here: not in the step, a) and b). The loop is as thick as the spring is wound up, {} rad before, after and beyond, and a \
-         faster law winds it up more. It comes out where hysteresis is measured as lost motion, under a slow sine on the backlash shaft, \
-         c) and d): the load passes the middle of its way at places {} rad apart before, {} rad after, {} rad beyond.",
+         faster law winds it up more. It comes out where hysteresis is measured as lost motion, under a slow sine on the backlash \
+         shaft, c) and d): the load passes the middle of its way at places {} rad apart before, {} rad after, {} rad beyond.",
         thick(smooth),
         lost(&sine.before),
         lost(&sine.after),
@@ -39,8 +39,8 @@ pub(super) fn motor_against_load(runs: &Runs) -> Figure {
         (Axis::new("motor less load, at the load", "rad"), move |row: &TraceRow| row.twist_rad / ratio);
     let reference = (Axis::new("reference", "rad"), |row: &TraceRow| row.reference_rad);
     Figure::new("Figure 13: hysteresis", caption, 2)
-        .panel(each("Step on the smooth plant", load(), motor(), smooth))
-        .panel(each("Step: thickness of the loop", load(), twist, smooth))
-        .panel(each("Slow sine on the backlash shaft, last period", load(), motor(), sine))
-        .panel(each("Slow sine: load against reference", reference, load(), sine))
+        .panel(each("Step on the smooth plant", load(), motor(), smooth.each()))
+        .panel(each("Step: thickness of the loop", load(), twist, smooth.each()))
+        .panel(each("Slow sine on the backlash shaft, last period", load(), motor(), sine.each()))
+        .panel(each("Slow sine: load against reference", reference, load(), sine.each()))
 }

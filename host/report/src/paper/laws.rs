@@ -1,7 +1,5 @@
 //! The runs that the figures are drawn from.
 
-use std::array;
-
 use lashloop_bench::record::trace::TraceRow;
 use lashloop_plant::metrics::Metrics;
 
@@ -54,14 +52,5 @@ impl Laws {
             ("after: compensation", Role::After, &self.after),
             ("beyond: gap inverted", Role::Other(0), &self.beyond),
         ]
-    }
-}
-
-impl<'a> IntoIterator for &'a Laws {
-    type Item = (&'static str, Role, &'a Run);
-    type IntoIter = array::IntoIter<Self::Item, 3>;
-
-    fn into_iter(self) -> Self::IntoIter {
-        self.each().into_iter()
     }
 }

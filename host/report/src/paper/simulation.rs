@@ -23,8 +23,9 @@ pub(super) fn figures(smooth: &Laws) -> [(u8, Figure); 6] {
 
 fn load_position(smooth: &Laws) -> Figure {
     let Laws { before, after, beyond } = smooth;
-    let panel =
-        over_time("Smooth plant", Axis::new("load position", "rad"), smooth, |row| row.load_position_rad);
+    let panel = over_time("Smooth plant", Axis::new("load position", "rad"), smooth.each(), |row| {
+        row.load_position_rad
+    });
     let panel = panel.band(format!("\u{b1}{SETTLED_RAD} rad"), -SETTLED_RAD, SETTLED_RAD);
     let caption = format!(
         "The paper: a transient of about 13 s before, 5.2 s after.\n\
@@ -36,17 +37,18 @@ fn load_position(smooth: &Laws) -> Figure {
         of(beyond, Metric::SettleTime, 2),
         of(after, Metric::Overshoot, 3),
     );
+    let paper = [" (paper: about 13 s)", " (paper: about 5.2 s)", ""];
     Figure::new("Figure 7: load position, simulation", caption, 1).panel(mark_settling(
         panel,
-        smooth,
-        [" (paper: about 13 s)", " (paper: about 5.2 s)", ""],
+        smooth.each(),
+        paper,
     ))
 }
 
 fn load_error(smooth: &Laws) -> Figure {
     let Laws { before, after, beyond } = smooth;
     let axis = || Axis::new("load position error", "rad");
-    let near = over_time("The same near zero", axis(), smooth, within(NEAR_LOAD_RAD, load_error_rad));
+    let near = over_time("The same near zero", axis(), smooth.each(), within(NEAR_LOAD_RAD, load_error_rad));
     let caption = format!(
         "The paper: the error goes to zero in about 13 s before, in 5.2 s after.\n\
          Here: after 25 s the mean of the last second is {} rad before, {} rad after and {} rad beyond. Before, the load still \
@@ -57,7 +59,7 @@ fn load_error(smooth: &Laws) -> Figure {
         of(beyond, Metric::StaticError, 4),
     );
     Figure::new("Figure 8: load position error, simulation", caption, 2)
-        .panel(over_time("Smooth plant", axis(), smooth, load_error_rad))
+        .panel(over_time("Smooth plant", axis(), smooth.each(), load_error_rad))
         .panel(near.band(format!("\u{b1}{SETTLED_RAD} rad"), -SETTLED_RAD, SETTLED_RAD))
 }
 
@@ -66,12 +68,8 @@ fn load_velocity(smooth: &Laws) -> Figure {
                    Here: sooner, but the load reverses repeatedly, which is the ringing of figure 7. Beyond, the load arrives \
                    without a reversal; the law limits the load's speed to 1.5 rad/s.";
     let axis = Axis::new("load velocity", "rad/s");
-    Figure::new("Figure 9: load velocity, simulation", caption, 1).panel(over_time(
-        "Smooth plant",
-        axis,
-        smooth,
-        |row| row.load_velocity_rad_s,
-    ))
+    let panel = over_time("Smooth plant", axis, smooth.each(), |row| row.load_velocity_rad_s);
+    Figure::new("Figure 9: load velocity, simulation", caption, 1).panel(panel)
 }
 
 fn motor_position(smooth: &Laws) -> Figure {
@@ -79,12 +77,9 @@ fn motor_position(smooth: &Laws) -> Figure {
                    Here: neither. Before, the motor is near zero in 2 s, while the load still creeps. After, the motor crosses \
                    the gap at each reversal of the load, and swings on the spring. Beyond, the motor crosses twice and stops, \
                    except for a ripple in the slack middle of this gap; the hard gaps of figure 17 have none.";
-    Figure::new("Figure 10: motor position, simulation", caption, 1).panel(over_time(
-        "Smooth plant",
-        Axis::new("motor position", "rad"),
-        smooth,
-        |row| row.motor_position_rad,
-    ))
+    let axis = Axis::new("motor position", "rad");
+    let panel = over_time("Smooth plant", axis, smooth.each(), |row| row.motor_position_rad);
+    Figure::new("Figure 10: motor position, simulation", caption, 1).panel(panel)
 }
 
 fn motor_error(smooth: &Laws) -> Figure {
@@ -97,8 +92,8 @@ fn motor_error(smooth: &Laws) -> Figure {
                    position. After, the error is sooner near zero, with the same swings as the motor. The fringe stems from the \
                    load's velocity, which is formed from counts.";
     Figure::new("Figure 11: motor position error, simulation", caption, 2)
-        .panel(over_time("Smooth plant", axis(), telemetered_laws, error))
-        .panel(over_time("The same from 5 s on", axis(), telemetered_laws, from(5.0, error)))
+        .panel(over_time("Smooth plant", axis(), telemetered_laws.each(), error))
+        .panel(over_time("The same from 5 s on", axis(), telemetered_laws.each(), from(5.0, error)))
 }
 
 fn motor_velocity(smooth: &Laws) -> Figure {
@@ -109,6 +104,6 @@ fn motor_velocity(smooth: &Laws) -> Figure {
                    reversal of the load. Panel b) omits the first second, in which the motor jumps to the set point of the load \
                    loop.";
     Figure::new("Figure 12: motor velocity, simulation", caption, 2)
-        .panel(over_time("Smooth plant", axis(), smooth, velocity))
-        .panel(over_time("The same from 1 s on", axis(), smooth, from(1.0, velocity)))
+        .panel(over_time("Smooth plant", axis(), smooth.each(), velocity))
+        .panel(over_time("The same from 1 s on", axis(), smooth.each(), from(1.0, velocity)))
 }

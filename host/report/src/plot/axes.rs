@@ -1,11 +1,21 @@
 //! Axes: grid, ticks and their labels, names.
 
 use super::figure::Axis;
-use super::frame::Frame;
+use super::placement::Area;
 use super::scale::Scale;
 use super::svg::{Anchor, Label, Svg};
 use super::text::superscript;
 use super::theme::{self, TICK_PX};
+
+/// Position of a panel and of its plot area, in pixels of the figure.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Frame {
+    /// Corner of the panel.
+    pub(super) left: f64,
+    pub(super) top: f64,
+    /// The area within the axes.
+    pub(super) plot: Area,
+}
 
 /// Draws grid, axis lines and tick labels.
 pub(super) fn draw(svg: &mut Svg, frame: &Frame, x_scale: Scale, y_scale: Scale) {

@@ -3,7 +3,6 @@
 mod axes;
 mod curve;
 mod figure;
-mod frame;
 mod legend;
 mod panel;
 mod placement;

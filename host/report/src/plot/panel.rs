@@ -1,9 +1,8 @@
 //! One panel: title, legend, axes, band, curves and marks.
 
-use super::axes;
+use super::axes::{self, Frame};
 use super::curve::{path_data, spans, strokes};
 use super::figure::Panel;
-use super::frame::Frame;
 use super::legend::Legend;
 use super::placement::{Area, place};
 use super::scale::{Point, Scale};
@@ -15,7 +14,8 @@ use super::ticks::Ticks;
 
 const X_INTERVALS: i64 = 8;
 const Y_INTERVALS: i64 = 7;
-const TITLE_LINE_PX: f64 = PANEL_TITLE_PX * 1.3;
+const TITLE_SPACING: f64 = 1.3;
+const TITLE_LINE_PX: f64 = PANEL_TITLE_PX * TITLE_SPACING;
 const RING_PX: f64 = 4.0;
 /// Bold text is wider than plain by this factor.
 const BOLD: f64 = 1.1;
@@ -80,10 +80,9 @@ impl<'a> Prepared<'a> {
     }
 
     fn draw_head(&self, svg: &mut Svg, frame: &Frame) {
-        for (index, text) in self.title_lines.iter().enumerate() {
-            let y = frame.top + PANEL_TITLE_PX + index as f64 * TITLE_LINE_PX;
-            svg.text(Label { x: frame.left, y, size_px: PANEL_TITLE_PX, bold: true, ..Label::new(text) });
-        }
+        let title =
+            Label { x: frame.left, y: frame.top, size_px: PANEL_TITLE_PX, bold: true, ..Label::new("") };
+        svg.paragraph(&self.title_lines, TITLE_SPACING, title);
         let legend_top = frame.top + self.title_lines.len() as f64 * TITLE_LINE_PX;
         self.legend.draw(svg, (frame.left, legend_top));
     }

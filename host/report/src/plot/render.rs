@@ -3,8 +3,8 @@
 //! Plots of one row share their upper edge and plots of one column their left edge, independent of the length of titles,
 //! legends and tick labels, so that curves in neighbouring panels can be compared by eye.
 
+use super::axes::Frame;
 use super::figure::Figure;
-use super::frame::Frame;
 use super::panel::Prepared;
 use super::placement::Area;
 use super::svg::{Label, Svg};
@@ -61,23 +61,13 @@ impl Figure {
 
         let mut svg = Svg::open(width, height, &self.title, &self.caption);
         svg.rectangle((0.5, 0.5), (width - 1.0, height - 1.0), theme::GROUND, Some(theme::FRAME));
-        let lines = |svg: &mut Svg,
-                     lines: &[String],
-                     top: f64,
-                     size_px: f64,
-                     spacing: f64,
-                     colour: &str,
-                     bold: bool| {
-            for (index, text) in lines.iter().enumerate() {
-                let y = top + size_px + index as f64 * size_px * spacing;
-                svg.text(Label { x: MARGIN_PX, y, size_px, colour, bold, ..Label::new(text) });
-            }
-        };
-        lines(&mut svg, &title_lines, MARGIN_PX, TITLE_PX, 1.3, theme::INK, true);
+        let plain = Label { x: MARGIN_PX, ..Label::new("") };
+        svg.paragraph(&title_lines, 1.3, Label { y: MARGIN_PX, size_px: TITLE_PX, bold: true, ..plain });
         for (prepared, frame) in prepared.iter().zip(&frames) {
             prepared.draw(&mut svg, frame);
         }
-        lines(&mut svg, &caption_lines, caption_top, CAPTION_PX, 1.45, theme::SOFT_INK, false);
+        let caption = Label { y: caption_top, size_px: CAPTION_PX, colour: theme::SOFT_INK, ..plain };
+        svg.paragraph(&caption_lines, 1.45, caption);
         svg.close()
     }
 }

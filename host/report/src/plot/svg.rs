@@ -111,6 +111,14 @@ impl Svg {
         self.write_text(label, &position);
     }
 
+    /// Lines of text below the position of `style`, at this spacing in font sizes.
+    pub(super) fn paragraph(&mut self, lines: &[String], spacing: f64, style: Label) {
+        for (index, text) in lines.iter().enumerate() {
+            let y = style.y + style.size_px + index as f64 * style.size_px * spacing;
+            self.text(Label { text, y, ..style });
+        }
+    }
+
     /// A line of text that reads from bottom to top.
     pub(super) fn upright_text(&mut self, label: Label) {
         let position = format!(r#"transform="translate({} {}) rotate(-90)""#, Px(label.x), Px(label.y));

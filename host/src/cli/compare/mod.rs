@@ -13,12 +13,11 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::kinds::native::NativeTwin;
 use lashloop_bench::device::{Device, DeviceError};
 use lashloop_bench::run::DeviceUnderTest;
 use lashloop_bench::run::real_time::{PERIOD_MARGIN, RealTime};
-use lashloop_bench::run::{self, Clock, Step, StepObserver};
+use lashloop_bench::run::{self, Clock, StepObserver};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::{Process, Program, Supervisor};
 use lashloop_bench::timing::TimingReport;
@@ -127,13 +126,10 @@ impl Arguments {
         let options = RealTime { spin, core: self.core, fifo_priority: self.fifo, ..RealTime::default() };
         let scenario = scenario(self.seconds.into())?;
         let steps = scenario.run.steps();
-        let (mut sleeps, mut blocking, mut trips, mut loops) =
-            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let [mut sleeps, mut blocking, mut trips, mut loops] = [const { Vec::new() }; 4];
         for _ in 0..self.rounds {
-            sleeps.push(
-                sleep_baseline::paced(steps, &options, || Ok(None))
-                    .map_err(system("sleep until the next period"))?,
-            );
+            let slept = sleep_baseline::paced(steps, &options, || Ok(None));
+            sleeps.push(slept.map_err(system("sleep until the next period"))?);
             let trip = || line.round_trip().map(Some);
             blocking.push(sleep_baseline::paced(steps, &options, trip).map_err(system(PING_PONG))?);
             let trip = || line.round_trip_with_a_deadline(REPLY_LIMIT).map(Some);
@@ -154,14 +150,8 @@ impl Arguments {
             goals.push("1 kHz: lateness p99, us", AtMost(1.2), of(&sleeps, p99), of(&loops, p99));
         }
         goals.push("1 kHz: round trip p50, us", AtMost(1.3), of(&trips, trip), of(&loops, trip));
-        for refusal in sleeps
-            .iter()
-            .chain(&blocking)
-            .chain(&trips)
-            .chain(&loops)
-            .flat_map(|report| &report.refused)
-            .collect::<BTreeSet<_>>()
-        {
+        let reports = [&sleeps, &blocking, &trips, &loops].into_iter().flatten();
+        for refusal in reports.flat_map(|report| &report.refused).collect::<BTreeSet<_>>() {
             outln!("not granted: {refusal}");
         }
         goals.push("1 kHz: round trip p50, no deadline, us", NoTarget, of(&blocking, trip), of(&loops, trip));
@@ -196,7 +186,7 @@ fn scenario(duration_s: f64) -> Result<Scenario, CliError> {
 fn far_end(supervisor: &Supervisor) -> Result<(Process, PathBuf), CliError> {
     let program = Program {
         name: "ping-pong",
-        program: supervisor.bench(),
+        program: supervisor.bench.clone().into(),
         arguments: vec!["ping-pong".into()],
         core: None,
     };
@@ -213,8 +203,4 @@ const PLACE: &str = "choose a core";
 
 struct NoOutput;
 
-impl StepObserver for NoOutput {
-    fn step(&mut self, _step: &Step) -> Result<(), WriteError> {
-        Ok(())
-    }
-}
+impl StepObserver for NoOutput {}

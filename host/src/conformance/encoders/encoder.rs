@@ -4,50 +4,36 @@ use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::message::EncoderSample;
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Encoder {
-    Motor,
-    Load,
+#[derive(Clone, Copy)]
+pub(super) struct Encoder {
+    /// Position in [`Encoder::BOTH`].
+    pub(super) index: usize,
+    pub(super) name: &'static str,
+    /// Name of the parameter with its speed limit.
+    pub(super) speed_limit: &'static str,
+    /// Name of the parameter with its resolution.
+    pub(super) counts_per_rev: &'static str,
+    /// Fault that a reading beyond the speed limit latches.
+    pub(super) jump_fault: FaultCode,
+    pub(super) counts_mut: fn(&mut EncoderSample) -> &mut EncoderCounts,
 }
 
 impl Encoder {
-    pub(super) const BOTH: [Self; 2] = [Self::Motor, Self::Load];
-
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Motor => "motor",
-            Self::Load => "load",
-        }
-    }
-
-    /// Name of the parameter with its speed limit.
-    pub(super) const fn speed_limit(self) -> &'static str {
-        match self {
-            Self::Motor => "motor_speed_limit_rad_s",
-            Self::Load => "load_speed_limit_rad_s",
-        }
-    }
-
-    /// Name of the parameter with its resolution.
-    pub(super) const fn counts_per_rev(self) -> &'static str {
-        match self {
-            Self::Motor => "motor_counts_per_rev",
-            Self::Load => "load_counts_per_rev",
-        }
-    }
-
-    /// Fault that a reading beyond the speed limit latches.
-    pub(super) const fn jump_fault(self) -> FaultCode {
-        match self {
-            Self::Motor => FaultCode::MotorEncoderJump,
-            Self::Load => FaultCode::LoadEncoderJump,
-        }
-    }
-
-    pub(super) const fn counts_mut(self, sample: &mut EncoderSample) -> &mut EncoderCounts {
-        match self {
-            Self::Motor => &mut sample.motor_counts,
-            Self::Load => &mut sample.load_counts,
-        }
-    }
+    pub(super) const MOTOR: Self = Self {
+        index: 0,
+        name: "motor",
+        speed_limit: "motor_speed_limit_rad_s",
+        counts_per_rev: "motor_counts_per_rev",
+        jump_fault: FaultCode::MotorEncoderJump,
+        counts_mut: |sample| &mut sample.motor_counts,
+    };
+    pub(super) const LOAD: Self = Self {
+        index: 1,
+        name: "load",
+        speed_limit: "load_speed_limit_rad_s",
+        counts_per_rev: "load_counts_per_rev",
+        jump_fault: FaultCode::LoadEncoderJump,
+        counts_mut: |sample| &mut sample.load_counts,
+    };
+    pub(super) const BOTH: [Self; 2] = [Self::MOTOR, Self::LOAD];
 }

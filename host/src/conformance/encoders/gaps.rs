@@ -9,7 +9,7 @@ use super::setup::{Setup, UNAMBIGUOUS_COUNTS};
 
 use crate::conformance::answers::{outcome, torque};
 use crate::conformance::assertion::{Failure, RuleResult, broken, equal, names};
-use crate::conformance::check::Check;
+use crate::conformance::check::{Check, check};
 use crate::conformance::client::Client;
 use crate::conformance::reactions::refused_sample;
 
@@ -18,7 +18,7 @@ const GAP_COUNTS_PER_REV: u32 = 131_072;
 
 pub(super) fn checks() -> Vec<Check> {
     let name = "a gap is accepted up to the longest unambiguous one";
-    let mut checks = vec![Check::new("encoders", name, |client| {
+    let mut checks = vec![check(name, |client| {
         // Longest unambiguous gap of the motor and of the load encoder, in periods.
         [(400, 800), (800, 400), (5_000, 5_000)]
             .into_iter()
@@ -26,8 +26,8 @@ pub(super) fn checks() -> Vec<Check> {
     })];
     checks.extend(Encoder::BOTH.into_iter().map(|encoder| {
         let name =
-            format!("Arm is refused if one period leaves the position of the {} ambiguous", encoder.name());
-        Check::new("encoders", name, move |client| always_ambiguous(client, encoder))
+            format!("Arm is refused if one period leaves the position of the {} ambiguous", encoder.name);
+        check(name, move |client| always_ambiguous(client, encoder))
     }));
     checks
 }
@@ -55,10 +55,10 @@ fn longest_gap(client: &mut Client, motor: u16, load: u16) -> RuleResult {
 /// Arms with the finest encoder of the drive, and with a speed limit just too high and then just low enough.
 fn always_ambiguous(client: &mut Client, encoder: Encoder) -> RuleResult {
     // Equal resolutions if possible: a law may refuse resolutions that differ too much.
-    let counts_per_rev = finest(client, Encoder::Motor)?.min(finest(client, Encoder::Load)?);
+    let counts_per_rev = finest(client, Encoder::MOTOR)?.min(finest(client, Encoder::LOAD)?);
     let mut setup = Setup::of(client, counts_per_rev)?;
     let [(high, high_rad_s), (low, _)] = [0.9, 1.5].map(|periods| {
-        let scale = &mut setup.scales[encoder as usize];
+        let scale = &mut setup.scales[encoder.index];
         scale.speed_limit_rad_s = scale.limit_rad_s(UNAMBIGUOUS_COUNTS / periods);
         let limit_rad_s = scale.speed_limit_rad_s;
         (setup, limit_rad_s)
@@ -66,30 +66,25 @@ fn always_ambiguous(client: &mut Client, encoder: Encoder) -> RuleResult {
     high.allowed(client)?;
     low.allowed(client)?;
     client.idle()?;
-    for (name, value) in high.settings() {
-        client.put(name, value)?;
-    }
-    let session = client.session;
-    let answers = client.request(Arm { session })?;
+    client.put_all(&high.settings())?;
+    let answers = client.request(Arm { session: client.session })?;
     let mut got = names(&answers);
     // The log may take several lines.
     got.dedup();
-    let what = format!("{} = {high_rad_s} with the finest encoder:", encoder.speed_limit());
+    let what = format!("{} = {high_rad_s} with the finest encoder:", encoder.speed_limit);
     equal(&format!("{what} answers"), vec!["Log", "CommandResult"], got)?;
     let got = (outcome::<Arm>(&answers)?, client.state);
     equal(&format!("{what} outcome and state"), (Outcome::Inconsistent, State::Idle), got)?;
-    for (name, value) in low.settings() {
-        client.put(name, value)?;
-    }
+    client.put_all(&low.settings())?;
     client.arm()
 }
 
 /// The finest resolution of the drive, in counts per revolution.
 fn finest(client: &Client, encoder: Encoder) -> Result<u32, Failure> {
-    match client.parameter(encoder.counts_per_rev())?.max {
+    match client.parameter(encoder.counts_per_rev)?.max {
         ParameterValue::U32(max) => Ok(max),
         ParameterValue::F32(max) => {
-            let expected = format!("a whole number as the largest {}", encoder.counts_per_rev());
+            let expected = format!("a whole number as the largest {}", encoder.counts_per_rev);
             Err(broken(expected, format!("the real number {max}")))
         }
     }

@@ -13,7 +13,7 @@ use setup::Setup;
 
 use super::answers::{sample, torque};
 use super::assertion::{Failure, RuleResult, equal, expect, skip};
-use super::check::Check;
+use super::check::{Check, check};
 use super::client::Client;
 use super::reactions::{fault_answer, no_torque};
 
@@ -24,18 +24,17 @@ const LONGEST_PATH: i64 = 2_048;
 const SAME_TORQUE: f32 = 0.05;
 
 pub(super) fn checks() -> Vec<Check> {
-    let check = |name, run: fn(&mut Client) -> RuleResult| Check::new("encoders", name, run);
     let mut checks = vec![
         check("an encoder within its speed limit is accepted", |client| {
             for (encoder, sign) in
-                [(Encoder::Motor, 1), (Encoder::Motor, -1), (Encoder::Load, 1), (Encoder::Load, -1)]
+                [(Encoder::MOTOR, 1), (Encoder::MOTOR, -1), (Encoder::LOAD, 1), (Encoder::LOAD, -1)]
             {
                 let setup = Setup::coarse(client)?;
                 let limit_counts = setup.scale(encoder).counts_per_period();
                 // One count of quantisation is within the limit.
                 let counts = sign * ((0.9 * limit_counts) as i64 + 1);
                 let answer = torque(&moved(client, &setup, encoder, counts)?)?;
-                let what = format!("{} {counts} counts on, of {limit_counts} allowed: state", encoder.name());
+                let what = format!("{} {counts} counts on, of {limit_counts} allowed: state", encoder.name);
                 equal(&what, State::Running, answer.status.state)?;
             }
             Ok(())
@@ -57,10 +56,8 @@ pub(super) fn checks() -> Vec<Check> {
         }),
     ];
     checks.extend(Encoder::BOTH.into_iter().map(|encoder| {
-        let name = format!("a {} encoder that jumps is a fault", encoder.name());
-        Check::new("encoders", name, move |client| {
-            [1, -1].into_iter().try_for_each(|sign| jump(client, encoder, sign))
-        })
+        let name = format!("a {} encoder that jumps is a fault", encoder.name);
+        check(name, move |client| [1, -1].into_iter().try_for_each(|sign| jump(client, encoder, sign)))
     }));
     checks.extend(gaps::checks());
     checks
@@ -69,7 +66,7 @@ pub(super) fn checks() -> Vec<Check> {
 /// A sample with one encoder at `counts` and the other at zero.
 fn placed(encoder: Encoder, sequence: u16, counts: i64) -> EncoderSample {
     let mut sample = sample(sequence);
-    *encoder.counts_mut(&mut sample) = EncoderCounts::wrapping(counts);
+    *(encoder.counts_mut)(&mut sample) = EncoderCounts::wrapping(counts);
     sample
 }
 
@@ -104,7 +101,7 @@ fn alike(client: &mut Client, encoder: Encoder, path: &[(u16, i64)], earlier: &[
     let last = |path: &[(u16, i64)]| path.last().map_or(0, |it| it.1);
     let expected = format!(
         "with the {} at {} counts {wanted_nm} N m to {} %, the torque at {} counts",
-        encoder.name(),
+        encoder.name,
         last(path),
         100.0 * SAME_TORQUE,
         last(earlier)
@@ -119,7 +116,7 @@ fn at_the_end(client: &mut Client, encoder: Encoder, path: &[(u16, i64)]) -> Res
     let mut torque_nm = 0.0;
     for &(sequence, counts) in path {
         let answer = torque(&client.request(placed(encoder, sequence, counts))?)?;
-        let what = format!("{} at {counts} counts: state", encoder.name());
+        let what = format!("{} at {counts} counts: state", encoder.name);
         equal(&what, State::Running, answer.status.state)?;
         torque_nm = answer.torque_nm;
     }
@@ -144,7 +141,7 @@ fn jump(client: &mut Client, encoder: Encoder, sign: i64) -> RuleResult {
     let scale = setup.scale(encoder);
     let counts = scale.jump_counts()?;
     let answers = moved(client, &setup, encoder, sign * counts)?;
-    let it = fault_answer(&answers, encoder.jump_fault())?;
+    let it = fault_answer(&answers, encoder.jump_fault)?;
     equal("sequence and limit", (1, scale.speed_limit_rad_s), (it.sequence, it.limit))?;
     // The report may omit the sign, and one count of quantisation adds to the speed.
     let per_count_rad_s = scale.speed_per_count_rad_s();

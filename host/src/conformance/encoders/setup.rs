@@ -43,10 +43,10 @@ impl Scale {
         period_us: u32,
         counts_per_rev: u32,
     ) -> Result<Self, Failure> {
-        let counts_per_rev = nearest_whole(client.parameter(encoder.counts_per_rev())?, counts_per_rev)?;
+        let counts_per_rev = nearest_whole(client.parameter(encoder.counts_per_rev)?, counts_per_rev)?;
         let mut scale = Self { period_us, counts_per_rev, speed_limit_rad_s: 0.0 };
         let wished_rad_s = scale.limit_rad_s(COUNTS_PER_PERIOD);
-        scale.speed_limit_rad_s = nearest_real(client.parameter(encoder.speed_limit())?, wished_rad_s)?;
+        scale.speed_limit_rad_s = nearest_real(client.parameter(encoder.speed_limit)?, wished_rad_s)?;
         Ok(scale)
     }
 
@@ -93,11 +93,11 @@ impl Setup {
     pub(super) fn of(client: &Client, counts_per_rev: u32) -> Result<Self, Failure> {
         let period_us = nearest_whole(client.parameter("period_us")?, PERIOD_US)?;
         let scale = |encoder| Scale::fitted(client, encoder, period_us, counts_per_rev);
-        Ok(Self { scales: [scale(Encoder::Motor)?, scale(Encoder::Load)?] })
+        Ok(Self { scales: [scale(Encoder::MOTOR)?, scale(Encoder::LOAD)?] })
     }
 
     pub(super) const fn scale(&self, encoder: Encoder) -> Scale {
-        self.scales[encoder as usize]
+        self.scales[encoder.index]
     }
 
     /// Longest gap that the drive must accept, in periods, independent of its rounding.
@@ -113,10 +113,10 @@ impl Setup {
         let [motor, load] = self.scales;
         [
             ("period_us", U32(motor.period_us)),
-            (Encoder::Motor.counts_per_rev(), U32(motor.counts_per_rev)),
-            (Encoder::Load.counts_per_rev(), U32(load.counts_per_rev)),
-            (Encoder::Motor.speed_limit(), F32(motor.speed_limit_rad_s)),
-            (Encoder::Load.speed_limit(), F32(load.speed_limit_rad_s)),
+            (Encoder::MOTOR.counts_per_rev, U32(motor.counts_per_rev)),
+            (Encoder::LOAD.counts_per_rev, U32(load.counts_per_rev)),
+            (Encoder::MOTOR.speed_limit, F32(motor.speed_limit_rad_s)),
+            (Encoder::LOAD.speed_limit, F32(load.speed_limit_rad_s)),
         ]
     }
 

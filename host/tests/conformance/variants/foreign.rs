@@ -23,7 +23,7 @@ pub const FINE: Variant = Variant {
         defaulting(memory, request, &ENCODERS.map(default))
     },
     on_answers: |memory, answers| {
-        describing(unasked_left_out(memory, answers), |it| {
+        describing(unsolicited_skipped(memory, answers), |it| {
             if ENCODERS.contains(&it.index) {
                 it.default = FINE_COUNTS;
             }
@@ -49,7 +49,7 @@ pub const FIXED: Variant = Variant {
         defaulting(memory, request, &BUILT_WITH.map(default))
     },
     on_answers: |memory, answers| {
-        describing(unasked_left_out(memory, answers), |it| {
+        describing(unsolicited_skipped(memory, answers), |it| {
             if let Some((_, only)) = BUILT_WITH.iter().find(|(index, _)| *index == it.index) {
                 [it.default, it.min, it.max] = [ParameterValue::U32(*only); 3];
             }
@@ -99,7 +99,7 @@ fn defaulting(memory: &mut Memory, request: HostMessage, defaults: &[SetParamete
 }
 
 /// The answers without those to what [`defaulting`] has put in.
-fn unasked_left_out(memory: &Memory, mut answers: Vec<DriveMessage>) -> Vec<DriveMessage> {
+fn unsolicited_skipped(memory: &Memory, mut answers: Vec<DriveMessage>) -> Vec<DriveMessage> {
     if matches!(memory.request, Some(HostMessage::Hello(_)))
         && let Some(set) = answers.iter().rposition(|it| matches!(it, DriveMessage::ParameterReport(_)))
     {

@@ -5,12 +5,11 @@ use std::os::unix::net::{SocketAddr, UnixListener};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
-use std::{env, fmt, io, thread};
+use std::{env, io, thread};
 
-use crate::device::drive_host::DriveHost;
+use crate::device::drive_host::{DriveHost, START_LIMIT, not_up, spawn};
 use crate::device::error::DeviceError;
 use crate::device::kind::{DeviceKind, Opened, ParsedKind, Syntax};
-use crate::device::process::{START_LIMIT, not_up, spawn};
 use crate::link::socket::Socket;
 use crate::supervisor::{Process, Program, Supervisor};
 
@@ -43,16 +42,11 @@ pub struct Emulator {
     pub image: Option<PathBuf>,
 }
 
-impl fmt::Display for Emulator {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.image {
-            None => write!(out, "{NAME}"),
-            Some(image) => write!(out, "{NAME}:{}", image.display()),
-        }
-    }
-}
-
 impl DeviceKind for Emulator {
+    fn name(&self) -> String {
+        self.image.as_ref().map_or_else(|| NAME.to_owned(), |image| format!("{NAME}:{}", image.display()))
+    }
+
     fn open(&self, _baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         start(self.image.as_deref(), supervisor)
     }
@@ -99,15 +93,11 @@ fn last_core() -> Option<usize> {
 
 fn accept(listener: &UnixListener, process: &Process) -> Result<Socket, DeviceError> {
     let deadline = Instant::now() + START_LIMIT;
+    let failed = |source| DeviceError::Spawn { name: process.name, source };
     loop {
         match listener.accept() {
-            Ok((stream, _)) => {
-                return Socket::new(stream)
-                    .map_err(|source| DeviceError::Spawn { name: process.name, source });
-            }
-            Err(error) if error.kind() != io::ErrorKind::WouldBlock => {
-                return Err(DeviceError::Spawn { name: process.name, source: error });
-            }
+            Ok((stream, _)) => return Socket::new(stream).map_err(failed),
+            Err(error) if error.kind() != io::ErrorKind::WouldBlock => return Err(failed(error)),
             Err(_) if Instant::now() > deadline || process.ended_within(Duration::ZERO).is_some() => {
                 return Err(not_up(process));
             }

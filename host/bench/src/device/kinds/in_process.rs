@@ -1,7 +1,5 @@
 //! `inproc`: the drive in this process, called directly.
 
-use std::fmt;
-
 use crate::device::drive_host::DriveHost;
 use crate::device::error::DeviceError;
 use crate::device::kind::{DeviceKind, Opened, Syntax};
@@ -19,16 +17,14 @@ pub(in crate::device) const SYNTAX: Syntax = Syntax {
 #[derive(Debug, Clone, Copy)]
 pub struct InProcessDrive;
 
-impl fmt::Display for InProcessDrive {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "{NAME}")
-    }
-}
-
 impl DeviceKind for InProcessDrive {
+    fn name(&self) -> String {
+        NAME.to_owned()
+    }
+
     fn open(&self, _baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         let link = InProcess::default();
-        let host = DriveHost::InProcess(link.suspension());
+        let host = DriveHost::InProcess(link.suspension.clone());
         Ok(Opened { link: Box::new(link), host })
     }
 }

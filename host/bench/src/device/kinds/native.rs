@@ -1,14 +1,12 @@
 //! `native`: the native twin, a process of its own on a pseudo-terminal.
 
-use std::fmt;
 use std::path::Path;
 use std::time::Instant;
 
 use super::terminal::open_terminal;
-use crate::device::drive_host::DriveHost;
+use crate::device::drive_host::{DriveHost, START_LIMIT, not_up, spawn};
 use crate::device::error::DeviceError;
 use crate::device::kind::{DeviceKind, Opened, Syntax};
-use crate::device::process::{START_LIMIT, not_up, spawn};
 use crate::supervisor::{Program, Supervisor};
 
 const NAME: &str = "native";
@@ -22,17 +20,15 @@ pub(in crate::device) const SYNTAX: Syntax = Syntax {
 #[derive(Debug, Clone, Copy)]
 pub struct NativeTwin;
 
-impl fmt::Display for NativeTwin {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "{NAME}")
-    }
-}
-
 impl DeviceKind for NativeTwin {
+    fn name(&self) -> String {
+        NAME.to_owned()
+    }
+
     fn open(&self, _baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         let program = Program {
             name: "native twin",
-            program: supervisor.bench(),
+            program: supervisor.bench.clone().into(),
             arguments: vec!["device".into()],
             core: None,
         };

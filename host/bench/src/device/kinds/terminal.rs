@@ -1,7 +1,7 @@
 //! A path: the drive on a serial port, or on a pseudo-terminal of another program.
 
+use std::io;
 use std::path::{Path, PathBuf};
-use std::{fmt, io};
 
 use crate::device::drive_host::DriveHost;
 use crate::device::error::DeviceError;
@@ -27,13 +27,11 @@ pub struct TerminalDrive {
     pub path: PathBuf,
 }
 
-impl fmt::Display for TerminalDrive {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "{}", self.path.display())
-    }
-}
-
 impl DeviceKind for TerminalDrive {
+    fn name(&self) -> String {
+        self.path.display().to_string()
+    }
+
     fn open(&self, baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         Ok(Opened { link: open_terminal(&self.path, baud)?, host: DriveHost::External })
     }

@@ -27,7 +27,7 @@ pub(in crate::run) fn close<S: StepSink>(
     let period = Duration::from_micros(scenario.run.control_period_us.into());
     let pacer = Pacer::start(period, spin);
     for step in 0..steps {
-        if control.stop_asked() {
+        if control.sink.stop_asked() {
             return Ok(End::Interrupted);
         }
         let due = pacer.due(step);

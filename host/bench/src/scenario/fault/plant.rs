@@ -3,11 +3,6 @@
 use super::kinds::fault_kinds;
 use crate::scenario::keys::number;
 use crate::scenario::range::positive;
-use crate::scenario::reader::Section;
-
-fn factor(section: &mut Section<'_>, key: &'static str) -> f64 {
-    section.number(key, None, positive(100.0))
-}
 
 fault_kinds! {
     /// Changes of gap, shaft and load, on the plant `backlash-shaft` only.
@@ -20,7 +15,7 @@ fault_kinds! {
         /// The shaft's stiffness changes.
         "stiffness-drop" => StiffnessDrop {
             /// New stiffness over the old one, > 0 and <= 100.
-            factor: f64 = factor,
+            factor: f64 = number(positive(100.0)),
         }
         /// An external torque acts on the load.
         "load-torque" => LoadTorque {
@@ -30,7 +25,7 @@ fault_kinds! {
         /// The load's dry friction changes.
         "friction-change" => FrictionChange {
             /// New Coulomb and stiction torque over the old ones, > 0 and <= 100.
-            factor: f64 = factor,
+            factor: f64 = number(positive(100.0)),
         }
     }
 }
