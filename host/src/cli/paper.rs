@@ -19,7 +19,7 @@ use super::output::{outln, prepare_folder, write_file};
 use super::paper_scenarios::SCENARIOS;
 use super::supervision::start_supervisor;
 
-const BENCH: [(&str, &str); 5] = [
+const SHAFT: [(&str, &str); 5] = [
     Law::Pd.scenario(),
     Law::Merzouki.scenario(),
     Law::BacklashInverse.scenario(),
@@ -42,8 +42,8 @@ type Plan = [((&'static str, &'static str), Option<&'static str>); 3];
 const PLANS: [Plan; 4] = [
     [(SCENARIOS[0], None), (SCENARIOS[1], None), (SCENARIOS[1], Some(BEYOND))],
     [(SCENARIOS[2], None), (SCENARIOS[3], None), (SCENARIOS[3], Some(BEYOND))],
-    [(BENCH[0], None), (BENCH[1], None), (BENCH[2], None)],
-    [(BENCH[3], Some(BEFORE)), (BENCH[3], None), (BENCH[4], None)],
+    [(SHAFT[0], None), (SHAFT[1], None), (SHAFT[2], None)],
+    [(SHAFT[3], Some(BEFORE)), (SHAFT[3], None), (SHAFT[4], None)],
 ];
 
 /// Last period of the slow sine, which the figures show.
@@ -99,7 +99,7 @@ impl Arguments {
         let [smooth, friction, shaft, sine] = <[Laws; 4]>::try_from(all).expect("one set for each plan");
         let twisted = |file| twist(scenario(file, None)?);
         let ratio = scenario(SCENARIOS[0], None)?.plant.reduction_ratio;
-        let (smooth_gap, hard_gap) = (twisted(SCENARIOS[0])?, twisted(BENCH[0])?);
+        let (smooth_gap, hard_gap) = (twisted(SCENARIOS[0])?, twisted(SHAFT[0])?);
         let runs = Runs { smooth, friction, shaft, sine, smooth_gap, hard_gap, ratio };
         self.report(&runs, &device.device.description())?;
         Ok(worst.into())

@@ -29,7 +29,7 @@ const STEPS: u64 = 4_000;
 /// A scenario of every kind of plant.
 const SMOOTH: &str = include_str!("../../../../../scenarios/smooth-after.toml");
 const FRICTION: &str = include_str!("../../../../../scenarios/friction-after.toml");
-const BENCH: &str = include_str!("../../../../../scenarios/shaft-merzouki.toml");
+const SHAFT: &str = include_str!("../../../../../scenarios/shaft-merzouki.toml");
 
 /// Half a millisecond, so that the test is short; whether steps are late does not matter here.
 const SETTINGS: [&str; 4] = [
@@ -132,7 +132,7 @@ fn counted(
 
 #[test]
 fn the_loop_does_not_allocate() {
-    for text in [SMOOTH, FRICTION, BENCH] {
+    for text in [SMOOTH, FRICTION, SHAFT] {
         let (info, answered) = counted(text, &[], false, |link| link);
         assert_eq!((info.count_total, info.bytes_total), (0, 0), "{info:?}");
         assert!(answered > STEPS / 10, "{answered} of {STEPS} steps answered");
