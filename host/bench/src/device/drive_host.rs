@@ -15,7 +15,7 @@ const END_LIMIT: Duration = Duration::from_millis(200);
 
 /// The host of a drive, and with it how the drive can be suspended.
 pub enum DriveHost {
-    /// This process, which computes the drive between its own steps.
+    /// This process; the drive has none of its own.
     InProcess(Suspension),
     /// A process that the bench started, and stops and continues by signals.
     Process(Process),

@@ -84,7 +84,7 @@ pub enum DeviceError {
     Unfit {
         /// The device, as given to `--device`.
         device: String,
-        /// The property that the bench needs, and the drive's value.
+        /// The violation as a clause, as in "it sent a torque of inf N m".
         problem: String,
     },
     /// The session failed.

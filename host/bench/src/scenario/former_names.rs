@@ -64,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn a_former_name_next_to_the_present_one_is_kept_for_the_drive_to_reject() {
+    fn a_former_name_next_to_the_present_one_is_left_to_the_drive() {
         let both = text("smooth", "pd", "hold_share = 0.5\nparameters.hold_fraction");
         let printed = read(&both, &[]);
         assert!(
