@@ -7,7 +7,7 @@ use crate::{PlantError, RunningPlant, Truth};
 
 /// Model of the gap between motor and load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(into = "&'static str")]
+#[serde(rename_all = "kebab-case")]
 pub enum PlantModel {
     /// The paper's smooth dead zone, equation (1), with viscous friction.
     Smooth,
@@ -22,19 +22,12 @@ impl PlantModel {
     pub const ALL: [Self; 3] = [Self::Smooth, Self::HardCoulomb, Self::BacklashShaft];
 
     /// Name of the model, as scenarios write it.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Smooth => "smooth",
             Self::HardCoulomb => "hard-coulomb",
             Self::BacklashShaft => "backlash-shaft",
         }
-    }
-}
-
-impl From<PlantModel> for &'static str {
-    fn from(model: PlantModel) -> Self {
-        model.name()
     }
 }
 

@@ -65,6 +65,16 @@ fn scenarios_allow_the_encoder_resolutions_of_the_drive() {
 }
 
 #[test]
+fn every_plant_model_is_printed_by_its_name() {
+    for model in PlantModel::ALL {
+        let scenario = read(&SHORTEST.replace("smooth", model.name()), &[]).expect("a good scenario");
+        assert_eq!(scenario.plant.model, model);
+        let line = format!("model = \"{}\"\n", model.name());
+        assert!(scenario.to_toml().expect("TOML").contains(&line), "{line}");
+    }
+}
+
+#[test]
 fn the_hard_gap_brings_its_friction_and_the_smooth_one_has_none() {
     let hard = read(&SHORTEST.replace("smooth", "hard-coulomb"), &[]).expect("a good scenario");
     assert_eq!(hard.plant.model, PlantModel::HardCoulomb);

@@ -70,8 +70,7 @@ impl FaultKind {
     }
 
     /// Whether faults of this kind hit frames or the connection.
-    #[must_use]
-    pub const fn strikes_link(&self) -> bool {
+    pub(crate) const fn strikes_link(&self) -> bool {
         match self {
             Self::Frame { .. } | Self::Link(_) => true,
             Self::Encoder { .. } | Self::Motor(_) | Self::Plant(_) | Self::Device(_) => false,
