@@ -5,6 +5,32 @@ use crate::hard_coulomb::HardCoulomb;
 use crate::smooth::Smooth;
 use crate::{PlantError, RunningPlant, Truth};
 
+/// Model of the gap between motor and load.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PlantModel {
+    /// The paper's smooth dead zone, equation (1), with viscous friction.
+    Smooth,
+    /// A gap with hard edges, with viscous and Coulomb friction on the load.
+    HardCoulomb,
+    /// Physical backlash with a damped shaft, Stribeck friction on both sides, and a drive that lags and saturates.
+    BacklashShaft,
+}
+
+impl PlantModel {
+    /// All models.
+    pub const ALL: [Self; 3] = [Self::Smooth, Self::HardCoulomb, Self::BacklashShaft];
+
+    /// Name of the model, as scenarios write it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Smooth => "smooth",
+            Self::HardCoulomb => "hard-coulomb",
+            Self::BacklashShaft => "backlash-shaft",
+        }
+    }
+}
+
 /// Any of the plants, with its state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(
@@ -21,15 +47,6 @@ pub enum AnyPlant {
 }
 
 impl AnyPlant {
-    /// Name of the plant, as scenarios write it.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::Smooth(_) => "smooth",
-            Self::HardCoulomb(_) => "hard-coulomb",
-            Self::BacklashShaft(_) => "backlash-shaft",
-        }
-    }
-
     /// Holds `torque_nm` at the motor for `dt_s` seconds.
     ///
     /// # Errors
@@ -72,8 +89,9 @@ impl AnyPlant {
     fn changeable(&mut self) -> Result<&mut RunningPlant<BacklashShaft>, PlantError> {
         match self {
             Self::BacklashShaft(plant) => Ok(plant),
-            Self::Smooth(_) | Self::HardCoulomb(_) => {
-                Err(PlantError::FixedEnvironment { plant: self.name() })
+            Self::Smooth(_) => Err(PlantError::FixedEnvironment { plant: PlantModel::Smooth.name() }),
+            Self::HardCoulomb(_) => {
+                Err(PlantError::FixedEnvironment { plant: PlantModel::HardCoulomb.name() })
             }
         }
     }

@@ -41,7 +41,7 @@ mod start;
 mod transport_delay;
 mod truth;
 
-pub use any_plant::AnyPlant;
+pub use any_plant::{AnyPlant, PlantModel};
 pub use error::{ParameterError, PlantError};
 pub use mechanics::Mechanics;
 pub use mode::{Contact, DryFriction, Flank};

@@ -1,4 +1,4 @@
-//! The drive that a user names.
+//! Parsing and display of `--device`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::kind::DeviceKind;
 use super::kinds;
 
-/// Which drive: parsed from the text after `--device`, and displayed as that text.
+/// The drive of a session: parsed from the text after `--device`, and displayed as that text.
 #[derive(Debug, Clone)]
 pub struct DeviceChoice(pub(super) Arc<dyn DeviceKind>);
 

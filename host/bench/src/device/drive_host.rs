@@ -1,4 +1,4 @@
-//! What runs a drive: its start and its suspension.
+//! The host of a drive: this process, another one or a board, and how it is started and suspended.
 
 use std::time::Duration;
 
@@ -13,13 +13,13 @@ pub(super) const START_LIMIT: Duration = Duration::from_secs(5);
 /// Time that a failing program may take to end. Its standard error is complete only then.
 const END_LIMIT: Duration = Duration::from_millis(200);
 
-/// What runs a drive.
+/// The host of a drive, and with it how the drive can be suspended.
 pub enum DriveHost {
-    /// This process.
+    /// This process; the drive has none of its own.
     InProcess(Suspension),
-    /// A process that the bench started.
+    /// A process that the bench started, and stops and continues by signals.
     Process(Process),
-    /// Something that the bench has no hold of: a board, or a process of another program.
+    /// A board, or a process of another program; the bench can't suspend it.
     External,
 }
 

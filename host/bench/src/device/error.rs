@@ -1,4 +1,4 @@
-//! Why a drive can't be reached or was lost.
+//! Errors of a connection to a drive.
 
 use std::io;
 use std::path::PathBuf;
@@ -14,9 +14,9 @@ pub enum DeviceError {
     /// The terminal can't be opened.
     #[error("{}: {}", path.display(), open_reason(source))]
     Open {
-        /// Its path.
+        /// Path of the terminal.
         path: PathBuf,
-        /// The system's error.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// A UART is to be modelled on a line that has one.
@@ -25,9 +25,9 @@ pub enum DeviceError {
         path.display()
     )]
     HasUart {
-        /// Its path.
+        /// Path of the serial port.
         path: PathBuf,
-        /// Its speed in bits per second.
+        /// Speed of its UART, bit/s.
         baud: u32,
     },
     /// The firmware image is missing.
@@ -44,9 +44,9 @@ pub enum DeviceError {
     /// A program can't be started.
     #[error("the {name} can't be started: {source}; is the machine out of processes, memory or terminals?")]
     Spawn {
-        /// What the program is.
+        /// The program's part, as in "the emulator can't be started".
         name: &'static str,
-        /// The system's error.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// A program was started and did not come up in time.
@@ -55,7 +55,7 @@ pub enum DeviceError {
         quoted(stderr)
     )]
     NotUp {
-        /// What the program is.
+        /// The program's part, as in "the emulator did not come up".
         name: &'static str,
         /// The first lines of its standard error.
         stderr: String,
@@ -66,33 +66,33 @@ pub enum DeviceError {
         quoted(stderr)
     )]
     Ended {
-        /// The device as it was chosen.
+        /// The device, as given to `--device`.
         device: String,
-        /// What the process was.
+        /// The program's part, as in "the emulator".
         name: &'static str,
-        /// Its process number.
+        /// Process id.
         id: u32,
-        /// How it ended.
+        /// Exit code or signal.
         status: ExitStatus,
         /// The first lines of its standard error.
         stderr: String,
-        /// How far the session got.
+        /// Error of the session at the end of the process.
         source: Box<SessionError>,
     },
     /// The drive keeps to the protocol but can't serve this bench.
     #[error("drive on {device}: {problem}; the firmware does not fit this bench")]
     Unfit {
-        /// The device as it was chosen.
+        /// The device, as given to `--device`.
         device: String,
-        /// What does not fit.
+        /// The violation as a clause, as in "it sent a torque of inf N m".
         problem: String,
     },
     /// The session failed.
     #[error("drive on {device}: {source}{}", remedy(source))]
     Session {
-        /// The device as it was chosen.
+        /// The device, as given to `--device`.
         device: String,
-        /// Why.
+        /// Error of the session.
         source: SessionError,
     },
 }

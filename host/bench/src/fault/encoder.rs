@@ -5,9 +5,9 @@ use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::message::EncoderSample;
 
 use super::random::{stream, uniform_below};
-use super::schedule::{Schedule, scheduled};
+use super::schedule::{FaultGroups, Schedule};
 use crate::scenario::Scenario;
-use crate::scenario::fault::{EncoderFault, FaultKind, Side};
+use crate::scenario::fault::{EncoderFault, Side};
 
 /// The faults of both encoders with their state.
 pub struct EncoderFaults {
@@ -32,9 +32,8 @@ impl EncoderFaults {
     /// The encoder faults of a scenario.
     #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
-        let encoder =
-            |kind| if let FaultKind::Encoder { fault, side } = kind { Some((fault, side)) } else { None };
-        let faults = scheduled(scenario, encoder).map(|(index, schedule, (fault, side))| ActiveFault {
+        let faults = FaultGroups::of(scenario).encoders.into_iter();
+        let faults = faults.map(|(index, schedule, (fault, side))| ActiveFault {
             schedule,
             fault,
             side,

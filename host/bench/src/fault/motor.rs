@@ -2,9 +2,9 @@
 
 use std::collections::VecDeque;
 
-use super::schedule::{Schedule, scheduled};
+use super::schedule::{FaultGroups, Schedule};
 use crate::scenario::Scenario;
-use crate::scenario::fault::{FaultKind, MotorFault};
+use crate::scenario::fault::MotorFault;
 
 /// The faults of the motor with their state.
 pub struct MotorFaults {
@@ -17,9 +17,7 @@ impl MotorFaults {
     /// The motor faults of a scenario.
     #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
-        let motor = |kind| if let FaultKind::Motor(fault) = kind { Some(fault) } else { None };
-        let faults: Vec<_> =
-            scheduled(scenario, motor).map(|(_, schedule, fault)| (schedule, fault)).collect();
+        let faults = FaultGroups::of(scenario).motor;
         let capacity = faults.iter().map(|(_, fault)| delay_steps(fault)).sum::<usize>() + 1;
         Self { faults, commanded_nm: std::iter::repeat_n(0.0, capacity).collect() }
     }

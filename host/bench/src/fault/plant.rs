@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use super::schedule::{Schedule, scheduled};
+use super::schedule::{FaultGroups, Schedule};
 use crate::scenario::Scenario;
-use crate::scenario::fault::{FaultKind, PlantFault};
+use crate::scenario::fault::PlantFault;
 use crate::scenario::plant::PlantSettings;
 
 /// The faults of the plant.
@@ -25,8 +25,7 @@ impl PlantFaults {
     /// The plant faults of a scenario.
     #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
-        let plant = |kind| if let FaultKind::Plant(fault) = kind { Some(fault) } else { None };
-        Self(scheduled(scenario, plant).map(|(_, schedule, fault)| (schedule, fault)).collect())
+        Self(FaultGroups::of(scenario).plant)
     }
 
     /// The steps at which faults change the plant's parameters, each with the parameters from then on.

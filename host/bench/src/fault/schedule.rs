@@ -1,7 +1,10 @@
 //! The control steps in which a fault is active.
 
 use crate::scenario::Scenario;
-use crate::scenario::fault::{FaultDuration, FaultKind, InjectedFault};
+use crate::scenario::fault::{
+    EncoderFault, FaultDuration, FaultKind, FrameFault, InjectedFault, LinkFault, MotorFault, PlantFault,
+    Side, Way,
+};
 use crate::scenario::sections::RunSettings;
 
 /// The control steps in which a fault is active.
@@ -39,13 +42,33 @@ impl Schedule {
     }
 }
 
-/// The faults that `select` picks, each with its index in the scenario.
-pub(super) fn scheduled<T>(
-    scenario: &Scenario,
-    select: impl Fn(FaultKind) -> Option<T>,
-) -> impl Iterator<Item = (usize, Schedule, T)> {
-    let faults = scenario.faults.iter().enumerate();
-    faults.filter_map(move |(index, fault)| {
-        Some((index, Schedule::of(fault, &scenario.run), select(fault.kind)?))
-    })
+/// Faults with their index in the scenario, which chooses a random stream or a counter.
+type Scheduled<T> = Vec<(usize, Schedule, T)>;
+
+/// The faults of a scenario by the group that applies them. Faults of the drive are applied by the timeline.
+#[derive(Default)]
+pub(super) struct FaultGroups {
+    pub frames: Scheduled<(FrameFault, Way)>,
+    pub connection: Scheduled<LinkFault>,
+    pub encoders: Scheduled<(EncoderFault, Side)>,
+    pub motor: Vec<(Schedule, MotorFault)>,
+    pub plant: Vec<(Schedule, PlantFault)>,
+}
+
+impl FaultGroups {
+    pub fn of(scenario: &Scenario) -> Self {
+        let mut groups = Self::default();
+        for (index, fault) in scenario.faults.iter().enumerate() {
+            let schedule = Schedule::of(fault, &scenario.run);
+            match fault.kind {
+                FaultKind::Frame { fault, way } => groups.frames.push((index, schedule, (fault, way))),
+                FaultKind::Link(fault) => groups.connection.push((index, schedule, fault)),
+                FaultKind::Encoder { fault, side } => groups.encoders.push((index, schedule, (fault, side))),
+                FaultKind::Motor(fault) => groups.motor.push((schedule, fault)),
+                FaultKind::Plant(fault) => groups.plant.push((schedule, fault)),
+                FaultKind::Device(_) => {}
+            }
+        }
+        groups
+    }
 }

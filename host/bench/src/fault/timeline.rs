@@ -167,9 +167,8 @@ impl Timeline {
             heal(fault.kind, device);
         }
         let records = self.faults.iter().enumerate().filter_map(|(index, fault)| {
-            let strikes_link = matches!(fault.kind, FaultKind::Frame { .. } | FaultKind::Link(_));
-            let frames = self.link.as_ref().filter(|_| strikes_link).map(|link| link.hits(index));
-            fault.record(frames)
+            let link = self.link.as_ref().filter(|_| fault.kind.strikes_link());
+            fault.record(link.map(|link| link.hits(index)))
         });
         records.collect()
     }

@@ -116,7 +116,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_integration_failure_is_invalid_unless_the_torque_caused_it() {
+    fn an_integration_failure_is_invalid_unless_torque_caused_it() {
         let chattering = PlantError::Chattering { substep_s: 1e-3 };
         let too_stiff = PlantError::TooStiff { needed: 1e6, dt_s: 1e-3 };
         let overflow = PlantError::NotFinite { torque_nm: 1e300 };

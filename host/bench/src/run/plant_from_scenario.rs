@@ -39,7 +39,7 @@ pub(super) fn plant(settings: &PlantSettings, period_s: f64) -> Result<AnyPlant,
 /// As [`plant`], or the scenario has another plant.
 pub(super) fn changed(settings: &PlantSettings, period_s: f64) -> Result<BacklashShaft, RunError> {
     let own = settings.backlash_shaft.as_ref();
-    let own = own.ok_or(PlantError::FixedEnvironment { plant: "smooth or hard-coulomb" })?;
+    let own = own.ok_or(PlantError::FixedEnvironment { plant: settings.model.name() })?;
     let plant = BacklashShaft::new(mechanics(settings), parameters(own), settings.substeps)?;
     // Bristles that can't be followed at the Stribeck velocity can't be followed anywhere. Others may turn out too
     // stiff when the load gets faster; the run ends there.

@@ -8,6 +8,7 @@
 //!
 //! They are replaced in the tree, from file and command line alike, so that everything after it has the present names only.
 
+use lashloop_plant::PlantModel;
 use lashloop_protocol::enums::ControllerId;
 
 use super::tree::Table;
@@ -17,7 +18,7 @@ pub(super) fn replace(root: &mut Table) {
     if let Some(model) = root.section_mut("plant").and_then(|plant| plant.text_mut("model"))
         && model == "bench"
     {
-        "backlash-shaft".clone_into(model);
+        PlantModel::BacklashShaft.name().clone_into(model);
     }
     let Some(controller) = root.section_mut("controller") else { return };
     if let Some(name) = controller.text_mut("name")
@@ -63,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn a_former_name_next_to_the_present_one_is_kept_for_the_drive_to_reject() {
+    fn a_former_name_next_to_the_present_one_is_left_to_the_drive() {
         let both = text("smooth", "pd", "hold_share = 0.5\nparameters.hold_fraction");
         let printed = read(&both, &[]);
         assert!(

@@ -2,24 +2,13 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+pub use lashloop_plant::PlantModel;
 use lashloop_plant::{Mechanics, Start};
 use serde::Serialize;
 
 use super::backlash_shaft::{self, BacklashShaftSettings};
 use super::range::NumberRange;
 use super::reader::Section;
-
-/// Model of the gap between motor and load.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PlantModel {
-    /// The paper's smooth dead zone, equation (1), with viscous friction.
-    Smooth,
-    /// A gap with hard edges, with viscous and Coulomb friction on the load.
-    HardCoulomb,
-    /// Physical backlash with a damped shaft, Stribeck friction on both sides, and a drive that lags and saturates.
-    BacklashShaft,
-}
 
 /// The plant and how finely it is integrated. Without a range of its own a key has the range of [`Mechanics`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -52,12 +41,6 @@ pub struct PlantSettings {
     pub initial: Start,
 }
 
-const MODELS: [(&str, PlantModel); 3] = [
-    ("smooth", PlantModel::Smooth),
-    ("hard-coulomb", PlantModel::HardCoulomb),
-    ("backlash-shaft", PlantModel::BacklashShaft),
-];
-
 /// Symbols of the paper, so that messages can name the key for a symbol.
 const SYMBOLS: &[(&str, &str)] = &[
     ("k", "stiffness_nm_rad"),
@@ -71,7 +54,7 @@ const SYMBOLS: &[(&str, &str)] = &[
 
 pub(super) fn read(plant: &mut Section<'_>) -> PlantSettings {
     plant.symbols(SYMBOLS);
-    let model = plant.choice("model", None, &MODELS);
+    let model = plant.choice("model", None, &PlantModel::ALL.map(|model| (model.name(), model)));
     // Narrower than the plant's ranges: faults change both during the run.
     let stiffness = NumberRange::from(Mechanics::STIFFNESS_NM_RAD).up_to(1e6);
     let dead_zone = NumberRange::from(Mechanics::DEAD_ZONE_RAD).up_to(PI);
@@ -106,7 +89,7 @@ fn read_coulomb_friction(plant: &mut Section<'_>, model: Option<PlantModel>) -> 
     let read = |plant: &mut Section<'_>| plant.number("load_coulomb_nm", 3.84, 0.0..=1e6);
     match model {
         Some(PlantModel::Smooth) => {
-            plant.belongs_to("model", "hard-coulomb", "smooth", read);
+            plant.belongs_to("model", PlantModel::HardCoulomb.name(), PlantModel::Smooth.name(), read);
             None
         }
         Some(PlantModel::BacklashShaft) => None,
@@ -116,17 +99,14 @@ fn read_coulomb_friction(plant: &mut Section<'_>, model: Option<PlantModel>) -> 
 
 /// Keys of `backlash-shaft`; on another model they are errors.
 fn read_backlash_shaft(plant: &mut Section<'_>, model: Option<PlantModel>) -> Option<BacklashShaftSettings> {
-    let chosen = match model {
+    match model {
         Some(PlantModel::BacklashShaft) => return Some(backlash_shaft::read(plant)),
-        Some(PlantModel::HardCoulomb) => "hard-coulomb",
-        Some(PlantModel::Smooth) => "smooth",
-        // The known keys depend on a choice that is faulty itself.
-        None => {
-            plant.accept_the_rest();
-            return None;
+        Some(chosen @ (PlantModel::HardCoulomb | PlantModel::Smooth)) => {
+            plant.belongs_to("model", PlantModel::BacklashShaft.name(), chosen.name(), backlash_shaft::read);
         }
-    };
-    plant.belongs_to("model", "backlash-shaft", chosen, backlash_shaft::read);
+        // The known keys depend on a choice that is faulty itself.
+        None => plant.accept_the_rest(),
+    }
     None
 }
 

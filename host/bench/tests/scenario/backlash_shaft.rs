@@ -1,4 +1,4 @@
-//! What `[plant]` says of the bench as it is built.
+//! The section `[plant]` with `model = "backlash-shaft"`: defaults, intervals and errors.
 
 use std::path::Path;
 
@@ -53,7 +53,7 @@ fn a_bench_that_was_read_can_be_printed_and_read_again() {
 }
 
 #[test]
-fn what_is_wrong_with_a_bench_is_said_key_by_key() {
+fn errors_of_a_shaft_plant_name_their_key() {
     let faults = [
         "load_stiction_nm = 3.0",
         "motor_coulomb_nm = 0.03",
@@ -64,15 +64,18 @@ fn what_is_wrong_with_a_bench_is_said_key_by_key() {
         "[plant.load_torque]\ntorque_nm = 1\nfrom_s = 3\nuntil_s = 2",
         "[plant.wear]\ngrowth_rad = -0.1",
     ];
-    let said = faults.map(|keys| format!("| {keys}\n{}\n", with(keys).expect_err(keys)));
+    let messages = faults.map(|keys| format!("| {keys}\n{}\n", with(keys).expect_err(keys)));
     let elsewhere = BENCH.replace("\"backlash-shaft\"", "\"smooth\"\nshaft_damping_nm_s_rad = 0.1");
-    let said =
-        format!("{}| on the smooth plant\n{}", said.concat(), read(&elsewhere, &[]).expect_err("no shaft"));
-    insta::assert_snapshot!(said);
+    let messages = format!(
+        "{}| on the smooth plant\n{}",
+        messages.concat(),
+        read(&elsewhere, &[]).expect_err("no shaft")
+    );
+    insta::assert_snapshot!(messages);
 }
 
 #[test]
-fn wear_grows_evenly_between_its_times_and_a_load_acts_between_its_own() {
+fn wear_and_load_torque_keep_to_their_intervals() {
     let keys = "[plant.wear]\ngrowth_rad = 0.2\nfrom_s = 1\nuntil_s = 3\n\
                 [plant.load_torque]\ntorque_nm = -4\nfrom_s = 1\nuntil_s = 3";
     let bench = with(keys).expect("a good scenario").plant.backlash_shaft.expect("a bench");

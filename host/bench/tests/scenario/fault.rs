@@ -1,4 +1,4 @@
-//! What `[[fault]]` says.
+//! The section `[[fault]]`: every kind, defaults and errors.
 
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::scenario::fault::{FaultKind, FrameFault, Way};
@@ -92,7 +92,7 @@ fn a_fault_of_the_link_has_both_directions_by_default() {
 }
 
 #[test]
-fn what_is_wrong_with_a_fault_is_said_with_its_line_and_key() {
+fn errors_of_a_fault_name_line_and_key() {
     let wrong = [
         "",
         "kind = \"link-bit-flip\"",
@@ -112,17 +112,17 @@ fn what_is_wrong_with_a_fault_is_said_with_its_line_and_key() {
         "kind = \"torque-dead\"\nfor_s = 0",
         "kind = 5",
     ];
-    let said: String = wrong
+    let messages: String = wrong
         .iter()
         .map(|keys| {
             format!("| {}\n{}\n\n", keys.replace('\n', "; "), bench_with(&fault(keys)).expect_err(keys))
         })
         .collect();
-    insta::assert_snapshot!(said);
+    insta::assert_snapshot!(messages);
 }
 
 #[test]
-fn a_fault_of_the_gears_is_refused_on_a_plant_that_does_not_change() {
+fn plant_faults_need_the_backlash_shaft_plant() {
     for keys in KINDS {
         let text = format!("{SHORTEST}{}", fault(keys));
         let of_the_gears = ["gap-growth", "stiffness-drop", "load-torque", "friction-change"]

@@ -1,4 +1,4 @@
-//! Scenarios as a user meets them: files that are right, and what is said about those that aren't.
+//! Scenarios as a user meets them: valid files, and the messages for invalid ones.
 
 mod backlash_shaft;
 mod fault;

@@ -87,7 +87,7 @@ const CHANGES: &[(&str, &str)] = &[
 ];
 
 #[test]
-fn every_message_says_where_what_and_what_instead() {
+fn every_message_names_place_problem_and_remedy() {
     let mut table = String::new();
     for (written, instead) in CHANGES {
         assert_eq!(SHORTEST.matches(written).count(), 1, "{written:?} isn't unique");
@@ -101,7 +101,7 @@ fn every_message_says_where_what_and_what_instead() {
 }
 
 #[test]
-fn all_faults_of_a_file_are_told_at_once_in_its_order() {
+fn all_errors_of_a_file_are_reported_in_its_order() {
     let text = SHORTEST
         .replace("[run]", "[[expect]]\nmetric = \"overshoot_rad\"\nunit = \"rad\"\n[run]\nseed = \"lucky\"")
         .replace("2.0", "-2.0")

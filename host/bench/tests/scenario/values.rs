@@ -5,8 +5,10 @@ use std::f64::consts::FRAC_PI_2;
 use lashloop_bench::scenario::controller::ParameterValue;
 use lashloop_bench::scenario::plant::{PlantModel, PlantSettings};
 use lashloop_bench::scenario::{Override, Scenario, ScenarioError};
+use lashloop_firmware::drive::parameters::TABLE;
+use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MIN_COUNTS_PER_REV};
 use lashloop_plant::reference::Reference;
-use lashloop_protocol::enums::ControllerId;
+use lashloop_protocol::enums::{ControllerId, ParameterValue as DriveValue};
 
 use crate::{SHORTEST, read};
 
@@ -38,7 +40,7 @@ fn the_default_plant_is_table_1_of_the_paper() {
 }
 
 #[test]
-fn the_default_bench_is_a_kilohertz_with_fine_encoders_and_a_flawless_link() {
+fn defaults_are_1_khz_fine_encoders_and_a_flawless_link() {
     let scenario = read(SHORTEST, &[]).expect("a good scenario");
     assert_eq!((scenario.run.control_period_us, scenario.run.seed, scenario.run.steps()), (1000, 1, 2000));
     assert_eq!(scenario.run.control_period_s(), 0.001);
@@ -51,6 +53,25 @@ fn the_default_bench_is_a_kilohertz_with_fine_encoders_and_a_flawless_link() {
     assert_eq!((scenario.allow.lost, scenario.allow.late, scenario.allow.crc_errors), (0, 0, 0));
     assert_eq!((scenario.telemetry.every_steps, scenario.record.flush_rows), (10, 1000));
     assert!(scenario.expectations.is_empty());
+}
+
+#[test]
+fn scenarios_allow_the_encoder_resolutions_of_the_drive() {
+    for name in ["motor_counts_per_rev", "load_counts_per_rev"] {
+        let entry = TABLE.iter().find(|entry| entry.name == name).expect("a parameter of the drive");
+        assert_eq!(entry.min, DriveValue::U32(MIN_COUNTS_PER_REV), "{name}");
+        assert_eq!(entry.max, DriveValue::U32(MAX_COUNTS_PER_REV), "{name}");
+    }
+}
+
+#[test]
+fn every_plant_model_is_printed_by_its_name() {
+    for model in PlantModel::ALL {
+        let scenario = read(&SHORTEST.replace("smooth", model.name()), &[]).expect("a good scenario");
+        assert_eq!(scenario.plant.model, model);
+        let line = format!("model = \"{}\"\n", model.name());
+        assert!(scenario.to_toml().expect("TOML").contains(&line), "{line}");
+    }
 }
 
 #[test]
@@ -98,7 +119,7 @@ fn drive_parameters_keep_their_order_type_and_place() {
 }
 
 #[test]
-fn a_table_lies_beside_its_scenario() {
+fn a_table_is_looked_up_in_the_folder_of_its_scenario() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     std::fs::write(directory.path().join("ramp.csv"), "time_s,position_rad\n0,0\n2,1\n").expect("a table");
     let text = SHORTEST.replace("\"constant\"\nposition_rad = 0.0", "\"table\"\nfile = \"ramp.csv\"");

@@ -4,17 +4,17 @@ use std::time::{Duration, Instant};
 
 use super::impairment::Impairment;
 use super::link_faults::LinkFaults;
-use crate::fault::schedule::scheduled;
+use crate::fault::schedule::FaultGroups;
 use crate::link::{Link, LinkError};
 use crate::scenario::Scenario;
-use crate::scenario::fault::{FaultKind, LinkFault};
+use crate::scenario::fault::LinkFault;
 
 impl LinkFaults {
     /// Puts the faults of a scenario on a link.
     #[must_use]
     pub fn wrap(&self, link: Box<dyn Link>, scenario: &Scenario) -> Box<dyn Link> {
-        let connection = |kind| if let FaultKind::Link(fault) = kind { Some(fault) } else { None };
-        let cuts = scheduled(scenario, connection).map(|(index, schedule, fault)| match fault {
+        let cuts = FaultGroups::of(scenario).connection.into_iter();
+        let cuts = cuts.map(|(index, schedule, fault)| match fault {
             LinkFault::Cut {} => {
                 let for_s = scenario.faults[index].for_s.unwrap_or_default();
                 Cut { index, from: schedule.from, lasts: Duration::from_secs_f64(for_s), over_at: None }

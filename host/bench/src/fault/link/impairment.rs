@@ -11,9 +11,9 @@ use rand_pcg::rand_core::Rng;
 use super::link_faults::LinkFaults;
 use super::piece::Piece;
 use crate::fault::random::{stream, uniform_below};
-use crate::fault::schedule::{Schedule, scheduled};
+use crate::fault::schedule::{FaultGroups, Schedule};
 use crate::scenario::Scenario;
-use crate::scenario::fault::{FaultKind, FrameFault, Way};
+use crate::scenario::fault::{FrameFault, Way};
 
 /// Frames held at most; a longer stall loses the oldest.
 const CAPACITY: usize = 1024;
@@ -52,18 +52,12 @@ pub(super) struct Impairment {
 
 impl Impairment {
     pub(super) fn new(scenario: &Scenario, to_drive: bool) -> Self {
-        let here = |kind| match kind {
-            FaultKind::Frame { fault, way } => {
-                let is_here = match way {
-                    Way::ToDrive => to_drive,
-                    Way::ToBench => !to_drive,
-                    Way::Both => true,
-                };
-                is_here.then_some(fault)
-            }
-            _ => None,
-        };
-        let faults = scheduled(scenario, here).map(|(index, schedule, fault)| ActiveFault {
+        let faults = FaultGroups::of(scenario).frames.into_iter().filter(|(_, _, (_, way))| match way {
+            Way::ToDrive => to_drive,
+            Way::ToBench => !to_drive,
+            Way::Both => true,
+        });
+        let faults = faults.map(|(index, schedule, (fault, _))| ActiveFault {
             index,
             schedule,
             fault,

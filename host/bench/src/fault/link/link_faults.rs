@@ -4,7 +4,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::scenario::Scenario;
-use crate::scenario::fault::FaultKind;
 
 /// The current step, and the frames hit so far. Clones share both.
 #[derive(Clone)]
@@ -21,10 +20,7 @@ impl LinkFaults {
     /// For the faults of a scenario; `None` if none of them strikes the link.
     #[must_use]
     pub fn new(scenario: &Scenario) -> Option<Self> {
-        let strikes_link = scenario
-            .faults
-            .iter()
-            .any(|fault| matches!(fault.kind, FaultKind::Frame { .. } | FaultKind::Link(_)));
+        let strikes_link = scenario.faults.iter().any(|fault| fault.kind.strikes_link());
         strikes_link.then(|| {
             let hits = scenario.faults.iter().map(|_| AtomicU64::new(0)).collect();
             Self(Arc::new(Shared { step_plus_one: AtomicU64::new(0), hits }))

@@ -34,7 +34,7 @@ fn seen(fault: &str, counts: impl IntoIterator<Item = i32>) -> Vec<i32> {
 const RISING: [i32; 7] = [10, 20, 30, 40, 50, 60, 70];
 
 #[test]
-fn a_stuck_encoder_keeps_the_count_it_had_and_has_the_true_one_afterwards() {
+fn a_stuck_encoder_holds_its_count_until_the_fault_ends() {
     assert_eq!(seen("kind = \"encoder-stuck\"", RISING), [10, 20, 30, 30, 30, 60, 70]);
 }
 
@@ -44,7 +44,7 @@ fn a_dead_encoder_reads_zero() {
 }
 
 #[test]
-fn a_jump_moves_every_count_at_once_also_beyond_the_end_of_the_counter() {
+fn a_jump_offsets_every_count_and_wraps_around() {
     assert_eq!(seen("kind = \"encoder-jump\"\ncounts = -5", RISING), [10, 20, 25, 35, 45, 60, 70]);
     assert_eq!(
         seen("kind = \"encoder-jump\"\ncounts = 1", [8_388_607; 3]),
@@ -59,14 +59,14 @@ fn an_offset_grows_evenly_and_stays() {
 }
 
 #[test]
-fn lost_counts_are_a_share_of_the_movement_either_way_and_stay_lost() {
+fn lost_counts_are_a_fraction_of_the_movement_and_stay_lost() {
     let text = "kind = \"encoder-lost-counts\"\nshare = 0.5";
     assert_eq!(seen(text, [0, 0, 100, 200, 200, 200, 300]), [0, 0, 50, 100, 100, 100, 200]);
     assert_eq!(seen(text, [0, 0, -100, -200, -200, -200, 0]), [0, 0, -50, -100, -100, -100, 100]);
 }
 
 #[test]
-fn a_small_share_of_slow_movement_is_lost_as_well() {
+fn a_small_fraction_of_slow_movement_is_lost_as_well() {
     let scenario = scenario(&["kind = \"encoder-lost-counts\"\nside = \"motor\"\nat_s = 0\nshare = 0.125"]);
     assert_eq!(seen_in(&scenario, 0..=96).last(), Some(&84), "one count at a time");
 }
@@ -82,7 +82,7 @@ fn noise_stays_within_its_amplitude_reaches_it_and_has_no_bias() {
 }
 
 #[test]
-fn noise_repeats_with_its_seed_and_differs_from_that_of_another_seed_or_fault() {
+fn noise_depends_on_seed_and_fault_only() {
     let noise = "kind = \"encoder-noise\"\nside = \"motor\"\nat_s = 0\ncounts = 1000";
     let draw = |seed, faults: &[&str]| seen_in(&seeded(seed, faults), [0; 50]);
     assert_eq!(draw(5, &[noise]), draw(5, &[noise]));

@@ -33,7 +33,7 @@ fn a_dead_motor_gives_nothing() {
 }
 
 #[test]
-fn a_delay_gives_what_the_motor_was_told_before_and_nothing_before_the_first() {
+fn a_delay_applies_earlier_torques_and_zero_before_the_first() {
     assert_eq!(one("kind = \"torque-delay\"\nsteps = 2"), [1.0, 2.0, 1.0, 2.0, 3.0, 6.0]);
     assert_eq!(given(&["kind = \"torque-delay\"\nsteps = 4\nat_s = 0"]), [0.0, 0.0, 0.0, 0.0, 1.0, 2.0]);
 }

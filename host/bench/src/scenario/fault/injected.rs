@@ -69,6 +69,14 @@ impl FaultKind {
         self.entry().1
     }
 
+    /// Whether faults of this kind hit frames or the connection.
+    pub(crate) const fn strikes_link(&self) -> bool {
+        match self {
+            Self::Frame { .. } | Self::Link(_) => true,
+            Self::Encoder { .. } | Self::Motor(_) | Self::Plant(_) | Self::Device(_) => false,
+        }
+    }
+
     /// The kind's entry in the table of its group.
     const fn entry(&self) -> (&'static str, FaultDuration) {
         match self {

@@ -61,7 +61,7 @@ fn damaged(out: &[Vec<u8>]) -> usize {
 }
 
 #[test]
-fn frames_pass_untouched_before_and_after_the_fault_and_outside_of_steps() {
+fn frames_pass_untouched_outside_the_fault_and_outside_steps() {
     let mut line = Line::new(&["kind = \"link-bit-flip\"\nshare = 1\nat_s = 0.1\nfor_s = 0.1"]);
     for step in [99, 200] {
         line.admit(step, 0, &frame(1));
@@ -97,7 +97,7 @@ fn a_frame_in_pieces_passes_when_it_is_whole_and_is_hit_once() {
 }
 
 #[test]
-fn a_bit_flip_changes_one_bit_of_its_share_of_frames() {
+fn a_bit_flip_changes_one_bit_of_a_fraction_of_frames() {
     let mut line = Line::new(&["kind = \"link-bit-flip\"\nshare = 0.25\nat_s = 0"]);
     let out = line.through(frames(200));
     assert_eq!(out.len(), 200);
@@ -158,7 +158,7 @@ fn a_doubled_frame_comes_twice_in_a_row() {
 }
 
 #[test]
-fn a_frame_that_is_overtaken_comes_after_the_next_one_and_none_is_lost() {
+fn an_overtaken_frame_follows_the_next_one_and_is_not_lost() {
     let mut line = Line::new(&["kind = \"link-reorder\"\nshare = 1\nat_s = 0\nfor_s = 0.004"]);
     assert_eq!(line.through(frames(4)), [frame(2), frame(1), frame(4), frame(3)]);
     assert_eq!(line.faults.hits(0), 2, "a frame that overtakes is not hit itself");
@@ -227,7 +227,7 @@ fn a_stall_also_holds_what_was_delayed_before_it() {
 }
 
 #[test]
-fn a_stall_that_would_have_to_hold_more_than_its_room_loses_the_oldest() {
+fn a_stall_beyond_the_buffer_loses_the_oldest_frames() {
     let mut line = Line::new(&["kind = \"link-stall\"\nat_s = 0\nfor_s = 0.001"]);
     for number in 0..super::CAPACITY + 3 {
         line.admit(0, 0, &frame((number % 200) as u8 + 1));
@@ -237,7 +237,7 @@ fn a_stall_that_would_have_to_hold_more_than_its_room_loses_the_oldest() {
 }
 
 #[test]
-fn what_is_hit_repeats_with_the_seed_and_differs_with_another_one_or_the_other_way() {
+fn hits_depend_on_seed_and_direction_only() {
     let flips = "kind = \"link-bit-flip\"\nshare = 0.5\nat_s = 0";
     let out = |seed, to_drive| {
         let scenario = seeded(seed, &[flips]);
@@ -250,7 +250,7 @@ fn what_is_hit_repeats_with_the_seed_and_differs_with_another_one_or_the_other_w
 }
 
 #[test]
-fn a_stream_without_delimiters_passes_in_pieces_and_is_never_kept_for_ever() {
+fn a_stream_without_delimiters_passes_in_pieces() {
     let mut line = Line::new(&["kind = \"link-delay\"\ndelay_ms = 0\nat_s = 0"]);
     line.admit(0, 0, &[7; 200]);
     let out = line.out(0, 0).concat();
