@@ -12,7 +12,7 @@
 //! | [`mod@line`] | messages on a link |
 //!
 //! A session has messages and deadlines, no plants or scenarios. Every wait ends, and every error names the side, the last
-//! sample sent and the last good frame received. Deadlines are instants of the link's time, [`Session::now`].
+//! sample sent and the last good frame received. Deadlines are instants of the link's time, [`Link::now`](crate::link::Link::now).
 
 mod at_step;
 mod client;
