@@ -15,6 +15,7 @@
 //! | [`paper`] | the paper's four runs and their pinned torque digests |
 //! | [`wait`] | conditions with deadlines |
 //! | [`optional`] | tests that need equipment which a checkout does not include |
+//! | [`own_core`] | a core for each worker thread and its children |
 //!
 //! Waits are conditions with deadlines, and every process ends with the test that started it.
 
@@ -23,6 +24,7 @@
 pub mod fault_table;
 pub mod loss;
 pub mod optional;
+pub mod own_core;
 pub mod paper;
 pub mod processes;
 pub mod program;

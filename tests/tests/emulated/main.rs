@@ -12,10 +12,9 @@ mod runs;
 
 use std::process::ExitCode;
 
-use libtest_mimic::Arguments;
-use tests::fault_table;
-use tests::optional::{self, trial};
+use libtest_mimic::{Arguments, Trial};
 use tests::paper::{BACKLASH_INVERSE, RUNS};
+use tests::{fault_table, optional, own_core};
 
 type Check = fn();
 
@@ -38,7 +37,6 @@ const TRIALS: [(&str, Check); 12] = [
 ];
 
 fn main() -> ExitCode {
-    // An emulated board and its bench take turns, so each trial keeps one core busy.
     let arguments = Arguments::from_args();
     let missing = equipment::missing();
     let mut trials: Vec<_> =
@@ -54,4 +52,11 @@ fn main() -> ExitCode {
     }
     trials.push(trial("runs::a_missing_image_is_named_with_its_build_command", None, runs::no_image));
     optional::run(&arguments, "the emulated board", missing.as_deref(), trials)
+}
+
+fn trial(name: &str, missing: Option<String>, check: impl FnOnce() + Send + 'static) -> Trial {
+    optional::trial(name, missing, || {
+        own_core::keep();
+        check();
+    })
 }
