@@ -1,6 +1,7 @@
 //! The whole gate on two cores: which chores run at the same time.
 //!
-//! A build needs both cores, an emulated board one, the network none. Tests that measure time run when nothing else does.
+//! A build needs both cores, an emulated board one, the network none. Tests that measure time, and drives in processes of
+//! their own with their timeouts, run when nothing else does.
 
 use std::env;
 use std::thread;
@@ -17,11 +18,8 @@ pub(crate) type Lane = &'static [&'static str];
 /// The lanes of a stage run at the same time, the stages one after the other. Each chore is a call of this program.
 pub(crate) const STAGES: [&[Lane]; 3] = [
     &[&["setup"], &["check"]],
-    &[
-        &["test image", "test fuzz"],
-        &["test unit --timing untimed", "test loop --timing untimed", "test python"],
-    ],
-    &[&["test unit --timing timed", "test loop --timing timed"]],
+    &[&["test image", "test fuzz"], &["test unit --timing untimed", "test python"]],
+    &[&["test unit --timing timed", "test loop"]],
 ];
 
 /// Runs the stages.

@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use tests::paper::PATIENCE;
 use tests::program::{Ended, run};
 use tests::twin::Twin;
 
@@ -50,7 +51,8 @@ fn a_run_resets_all_parameters() {
     let twin = Twin::start();
     let _ = parameters(&twin, &["set", "load_speed_limit_rad_s=0.2"]).with_code(0);
     let device = twin.device();
-    let _ = run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(0);
+    let arguments = ["run", "scenarios/smooth-after.toml", "--device", &device];
+    let _ = run(arguments.into_iter().chain(PATIENCE)).with_code(0);
     let list = parameters(&twin, &["list"]).with_code(0).stdout;
     let row = list
         .lines()
