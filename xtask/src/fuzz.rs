@@ -5,8 +5,9 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::thread;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 
 use crate::command::{cargo, command, first_line, run};
 use crate::counts::Counts;
@@ -36,9 +37,14 @@ pub(crate) fn run_all(seconds: u32) -> Result<Counts> {
     )?;
     let programs = folder().join(triple).join("release");
     let mut counts = Counts::default();
-    for target in TARGETS {
-        counts.step(&format!("fuzz {target}, {seconds} s"), || fuzz(&programs, target, seconds));
-    }
+    thread::scope(|scope| {
+        let fuzzers = TARGETS.map(|target| (target, scope.spawn(|| fuzz(&programs, target, seconds))));
+        for (target, fuzzer) in fuzzers {
+            counts.step(&format!("fuzz {target}, {seconds} s"), || {
+                fuzzer.join().unwrap_or_else(|_| bail!("its thread panicked"))
+            });
+        }
+    });
     Ok(counts)
 }
 

@@ -16,6 +16,7 @@ from lashloop.control.cascade import PD
 from lashloop.decoder import Decoder
 from lashloop.drive import Drive
 from lashloop.frames import FROM_DRIVE, FrameError, encode
+from lashloop.host import TimeLimits
 from lashloop.messages import Arm, DriveMessage, EncoderSample, Hello, SetParameter, Start
 
 if TYPE_CHECKING:
@@ -175,6 +176,10 @@ class Program:
         """Wait for the program to exit and return exit code and standard error."""
         _, stderr = self._process.communicate(timeout=SOON_S)
         return self._process.returncode, stderr
+
+
+PATIENT = TimeLimits(handshake_s=30.0, request_s=30.0, answer_s=30.0, silence_s=60.0)
+"""For a drive in a process of its own: other tests may keep the processor from it for seconds."""
 
 
 def python_drive() -> Program:

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from lashloop.host import Host
-from support import PARAMETER_COUNT, SOON_S, Program, python_drive
+from support import PARAMETER_COUNT, PATIENT, SOON_S, Program, python_drive
 
 
 def run(*words: str) -> tuple[int, str, str]:
@@ -36,7 +36,7 @@ def test_a_drive_prints_its_path_and_reports_its_identity() -> None:
 
 def test_identify_names_a_latched_fault() -> None:
     with python_drive() as program:
-        with Host.open(program.path) as host:
+        with Host.open(program.path, limits=PATIENT) as host:
             host.emergency_stop()
         code, output, _ = run("identify", "--port", program.path)
     assert code == 0

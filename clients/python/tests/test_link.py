@@ -19,7 +19,7 @@ from lashloop.frames import encode
 from lashloop.host import DriveFaultError, Host
 from lashloop.link import DescriptorLink, LinkError, open_port, send_all
 from lashloop.messages import Hello
-from support import SOON_S, python_drive
+from support import PATIENT, SOON_S, python_drive
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -159,7 +159,7 @@ def test_a_drive_on_a_failed_link_ends_with_an_error() -> None:
 
 
 def test_a_killed_drive_is_a_link_error() -> None:
-    with python_drive() as program, Host.open(program.path) as host:
+    with python_drive() as program, Host.open(program.path, limits=PATIENT) as host:
         host.set("watchdog_us", 5_000_000)
         host.arm()
         host.start()
@@ -171,7 +171,7 @@ def test_a_killed_drive_is_a_link_error() -> None:
 
 
 def test_a_drive_answers_more_than_1000_samples_per_second() -> None:
-    with python_drive() as program, Host.open(program.path) as host:
+    with python_drive() as program, Host.open(program.path, limits=PATIENT) as host:
         host.set("watchdog_us", 5_000_000)
         host.arm()
         host.start()

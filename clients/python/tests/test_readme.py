@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from lashloop.host import Host
-from support import SOON_S, Program, python_drive
+from support import PATIENT, SOON_S, Program, python_drive
 
 BLOCKS = re.findall(
     r"```python\n(.*?)```", (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8"), flags=re.DOTALL
@@ -33,7 +33,7 @@ def test_the_host_of_the_readme_gets_a_torque_from_a_drive() -> None:
 def test_the_drive_of_the_readme_runs_its_own_law(tmp_path: Path) -> None:
     example = tmp_path / "mine.py"
     example.write_text(BLOCKS[1], encoding="utf-8")
-    with Program([sys.executable, example]) as program, Host.open(program.path) as host:
+    with Program([sys.executable, example]) as program, Host.open(program.path, limits=PATIENT) as host:
         assert host.identity.board == "mine"
         host.set("gain_nm_rad", 10.0)
         host.set("watchdog_us", 5_000_000)

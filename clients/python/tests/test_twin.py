@@ -11,7 +11,7 @@ from lashloop.control.cascade import PD
 from lashloop.drive import Drive
 from lashloop.enums import FaultCode, State
 from lashloop.host import DriveFaultError, Host
-from support import rust_twin
+from support import PATIENT, rust_twin
 
 PERIOD_S = 1e-3
 COUNTS_PER_REV = 131_072
@@ -61,7 +61,7 @@ def prepared(host: Host) -> Host:
 def test_a_closed_loop_with_the_twin_moves_the_load_to_the_reference() -> None:
     plant = Plant()
     law = PD.build(dict(Drive([PD]).parameters))
-    with rust_twin() as twin, Host.open(twin.path) as host:
+    with rust_twin() as twin, Host.open(twin.path, limits=PATIENT) as host:
         assert host.identity.board == "native-twin"
         prepared(host)
         applied_nm = 0.0
@@ -90,7 +90,7 @@ def test_a_closed_loop_with_the_twin_moves_the_load_to_the_reference() -> None:
 
 
 def test_the_twin_s_parameters_are_described_set_and_read_back() -> None:
-    with rust_twin() as twin, Host.open(twin.path) as host:
+    with rust_twin() as twin, Host.open(twin.path, limits=PATIENT) as host:
         ours = {spec.name: spec for spec in Drive([PD]).parameters.specs}
         assert list(host.parameters) == list(ours)
         for name, it in host.parameters.items():
@@ -107,7 +107,7 @@ def test_the_twin_s_parameters_are_described_set_and_read_back() -> None:
 
 
 def test_an_encoder_jump_on_the_twin_reports_value_and_limit() -> None:
-    with rust_twin() as twin, Host.open(twin.path) as host:
+    with rust_twin() as twin, Host.open(twin.path, limits=PATIENT) as host:
         prepared(host)
         host.torque(motor_counts=0, load_counts=0, reference_rad=0.0)
         with pytest.raises(DriveFaultError) as it:
@@ -124,9 +124,9 @@ def test_an_encoder_jump_on_the_twin_reports_value_and_limit() -> None:
 
 def test_a_latched_fault_is_reported_to_the_next_host() -> None:
     with rust_twin() as twin:
-        with Host.open(twin.path) as host:
+        with Host.open(twin.path, limits=PATIENT) as host:
             host.emergency_stop()
-        with Host.open(twin.path) as host:
+        with Host.open(twin.path, limits=PATIENT) as host:
             assert host.identity.state is State.FAULTED
             assert host.fault is not None
             assert host.fault.message.code is FaultCode.EMERGENCY_STOP
