@@ -1,12 +1,15 @@
 //! The rings of tests: from tests of pure functions to the image in the emulator.
 
-use anyhow::Result;
+use std::thread;
+
+use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 
 use crate::arm_toolchain::ArmToolchain;
 use crate::command::{cargo, run};
 use crate::counts::Counts;
-use crate::{fuzz, image, python, size, test_programs};
+use crate::test_programs::{self, TestProgram};
+use crate::{fuzz, image, python, size};
 
 #[derive(Args)]
 pub(crate) struct Selection {
@@ -70,6 +73,30 @@ fn timed_modules(program: &str) -> &'static [&'static str] {
     }
 }
 
+/// Modules of a test program whose tests mostly wait: they run at the same time as the program's other untimed tests.
+fn waiting_modules(program: &str) -> &'static [&'static str] {
+    match program {
+        "tests looped" => &["soak::"],
+        _ => &[],
+    }
+}
+
+/// Runs the tests of a program but those of `timed` modules.
+fn run_untimed(program: &TestProgram, timed: &[&str]) -> Result<Counts> {
+    let waiting = waiting_modules(&program.name);
+    let skip: String = timed.iter().chain(waiting).map(|module| format!(" --skip {module}")).collect();
+    if waiting.is_empty() {
+        return program.run(&skip);
+    }
+    thread::scope(|scope| {
+        let waiting = scope.spawn(|| program.run(&waiting.join(" ")));
+        // One thread more than cores: tests of drives in other processes wait for them.
+        let mut counts = program.run(&format!("--test-threads 3{skip}"))?;
+        counts += waiting.join().unwrap_or_else(|_| bail!("the thread of the waiting tests panicked"))?;
+        Ok(counts)
+    })
+}
+
 impl Selection {
     pub(crate) fn run(&self, ring: Ring) -> Counts {
         let mut counts = Counts::default();
@@ -100,8 +127,7 @@ impl Selection {
         for program in programs.iter().filter(|program| ring_of(&program.name) == Some(ring)) {
             let timed = timed_modules(&program.name);
             if self.timing != Some(Timing::Timed) {
-                let untimed: String = timed.iter().map(|module| format!(" --skip {module}")).collect();
-                counts.step(&program.name, || program.run(&untimed));
+                counts.step(&program.name, || run_untimed(program, timed));
             }
             if self.timing != Some(Timing::Untimed) && !timed.is_empty() {
                 counts.step(&format!("{}, timed", program.name), || program.run(&timed.join(" ")));
