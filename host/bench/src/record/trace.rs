@@ -15,8 +15,8 @@ use std::io::Write;
 use std::path::Path;
 
 use lashloop_plant::Signal;
-use lashloop_plant::metrics::SignalTable;
-use serde::{Deserialize, Serialize};
+use lashloop_plant::metrics::{DRIVE_PREFIX, SignalTable};
+use serde::Serialize;
 
 use super::row::{Row, row};
 use super::table::TableWriter;
@@ -38,9 +38,6 @@ row! {
     }
 }
 
-/// Prefix of the columns with the drive's signals.
-pub const DRIVE: &str = "drive.";
-
 /// Name of the last column.
 pub const TELEMETRY_TIME: &str = "telemetry_time_s";
 
@@ -48,7 +45,7 @@ pub const TELEMETRY_TIME: &str = "telemetry_time_s";
 #[must_use]
 pub fn columns(signals: &SignalTable) -> Vec<Signal> {
     let fixed = TraceRow::COLUMNS.iter().map(|(name, unit)| named(*name, *unit));
-    let drive = signals.drive.iter().map(|it| named(format!("{DRIVE}{}", it.name), it.unit.clone()));
+    let drive = signals.drive.iter().map(|it| named(format!("{DRIVE_PREFIX}{}", it.name), it.unit.clone()));
     fixed.chain(signals.plant.iter().cloned()).chain(drive).chain([named(TELEMETRY_TIME, "s")]).collect()
 }
 
@@ -68,9 +65,8 @@ impl TraceWriter {
     /// A file can't be created or written.
     pub fn create(folder: &Path, signals: &SignalTable, flush_rows: u32) -> Result<Self, WriteError> {
         let columns = columns(signals);
-        let list = ColumnList::from(&columns[..]);
         write_whole(&folder.join(COLUMNS_FILE), ".columns-", |file| {
-            serde_json::to_writer_pretty(&mut *file, &list)?;
+            serde_json::to_writer_pretty(&mut *file, &ColumnList { columns: &columns })?;
             file.write_all(b"\n")
         })?;
         let header = columns.iter().map(|column| &*column.name);
@@ -100,23 +96,9 @@ pub const TRACE_FILE: &str = "trace.csv";
 pub const COLUMNS_FILE: &str = "trace.json";
 
 /// The content of `trace.json`.
-#[derive(Debug, Serialize, Deserialize)]
-pub(super) struct ColumnList {
-    pub(super) columns: Vec<ListedColumn>,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-pub(super) struct ListedColumn {
-    pub(super) name: String,
-    /// Empty for a pure number.
-    pub(super) unit: String,
-}
-
-impl From<&[Signal]> for ColumnList {
-    fn from(signals: &[Signal]) -> Self {
-        let column = |it: &Signal| ListedColumn { name: it.name.to_string(), unit: it.unit.to_string() };
-        Self { columns: signals.iter().map(column).collect() }
-    }
+#[derive(Debug, Serialize)]
+struct ColumnList<'a> {
+    columns: &'a [Signal],
 }
 
 #[cfg(test)]

@@ -39,5 +39,5 @@ pub use device_under_test::DeviceUnderTest;
 pub use error::RunError;
 pub use outcome::{End, Outcome};
 pub use runner::{Clock, run};
-pub use step::{DriveValues, MAX_DRIVE_SIGNALS, MAX_PLANT_SIGNALS, Observation, PlantValues, Step};
+pub use step::{DriveValues, Observation, Step, TruthValues};
 pub use step_sink::StepObserver;

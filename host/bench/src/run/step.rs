@@ -1,15 +1,12 @@
 //! A step of a run, without an allocation: it goes from the thread of the loop to the record.
 
 use heapless::Vec;
+use lashloop_plant::limits::MAX_SIGNALS;
+use lashloop_protocol::MAX_TELEMETRY_VALUES;
 
 use crate::record::row::Row;
 use crate::record::trace::TraceRow;
 use crate::timing::StepTiming;
-
-/// Most signals of a plant.
-pub const MAX_PLANT_SIGNALS: usize = 48;
-/// Most signals of a drive in one telemetry.
-pub const MAX_DRIVE_SIGNALS: usize = 13;
 
 /// A finished step.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +14,7 @@ pub struct Step {
     /// What every run has: time, reference, positions, torque.
     pub row: TraceRow,
     /// The plant's truth at that time, in the order of its signals.
-    pub plant: PlantValues,
+    pub plant: TruthValues,
     /// The drive's signals, in the order of the subscription.
     pub drive: DriveValues,
     /// How the step went in time.
@@ -30,23 +27,23 @@ pub struct Observation {
     /// The torque is that of the exchange, so it is 0 here.
     pub row: TraceRow,
     /// The plant's truth.
-    pub plant: PlantValues,
+    pub plant: TruthValues,
 }
 
 /// Values of the plant's signals.
-pub type PlantValues = Vec<f64, MAX_PLANT_SIGNALS>;
+pub type TruthValues = Vec<f64, MAX_SIGNALS>;
 
 /// Values of the subscribed signals, from the latest telemetry.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct DriveValues {
     /// NaN before the first telemetry.
-    pub values: Vec<f64, MAX_DRIVE_SIGNALS>,
+    pub values: Vec<f64, MAX_TELEMETRY_VALUES>,
     /// Time of the sample that they belong to; `None` before the first telemetry.
     pub time_s: Option<f64>,
 }
 
 impl DriveValues {
-    /// Before the first telemetry of `count` signals, [`MAX_DRIVE_SIGNALS`] at most.
+    /// Before the first telemetry of `count` signals, [`MAX_TELEMETRY_VALUES`] at most.
     pub(super) fn unknown(count: usize) -> Self {
         Self { values: std::iter::repeat_n(f64::NAN, count).collect(), time_s: None }
     }
