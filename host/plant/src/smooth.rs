@@ -10,8 +10,19 @@ use nalgebra::Vector6;
 use crate::error::validate_substeps;
 use crate::exponential_decay::decay;
 use crate::integrator::{self, HybridSystem, runge_kutta};
+use crate::mechanics_keys::keys;
 use crate::mode::Contact;
-use crate::{Mechanics, ParameterError, Plant, PlantError, Start, Truth};
+use crate::{Mechanics, ParameterError, PlantError, PlantModel, RunningPlant, Start, Truth, TwoMass};
+
+/// The model for scenarios.
+#[must_use]
+pub fn model() -> PlantModel {
+    let summary = "The paper's smooth dead zone, equation (1), with viscous friction.";
+    PlantModel::new("smooth", summary, keys(4), |release| {
+        let plant = Smooth::new(Mechanics::of(release.values)?, release.values.integer("substeps")?)?;
+        Ok(Box::new(RunningPlant::released(plant, release.start)))
+    })
+}
 
 /// Parameters of the smooth plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,7 +99,7 @@ impl HybridSystem for Smooth {
     }
 }
 
-impl Plant for Smooth {
+impl TwoMass for Smooth {
     type State = SmoothState;
 
     fn initial_state(&self, start: Start) -> SmoothState {
