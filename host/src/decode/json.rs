@@ -87,6 +87,14 @@ impl Serialize for Units<'_> {
     }
 }
 
+struct Real(f32);
+
+impl Serialize for Real {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if self.0.is_finite() { serializer.serialize_f32(self.0) } else { serializer.collect_str(&self.0) }
+    }
+}
+
 struct Value<'a>(FieldValue<'a>);
 
 impl Serialize for Value<'_> {
@@ -98,12 +106,9 @@ impl Serialize for Value<'_> {
             }
             FieldValue::Signed(value) => serializer.serialize_i32(value),
             FieldValue::Real(value) | FieldValue::Parameter(ParameterValue::F32(value)) => {
-                if value.is_finite() {
-                    serializer.serialize_f32(value)
-                } else {
-                    serializer.collect_str(&value)
-                }
+                Real(value).serialize(serializer)
             }
+            FieldValue::Reals(values) => serializer.collect_seq(values.as_slice().iter().copied().map(Real)),
             FieldValue::Name(text) | FieldValue::Text(text) => serializer.serialize_str(text),
             FieldValue::Status(state, flags) => {
                 let mut status = serializer.serialize_struct("Status", 2)?;

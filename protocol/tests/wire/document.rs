@@ -5,13 +5,13 @@ use std::collections::BTreeSet;
 
 use ::crc::CRC_32_ISCSI;
 use lashloop_protocol::enums::{FLAG_SETS, VALUE_LISTS};
-use lashloop_protocol::layout::{Direction, FieldType, MessageLayout};
-use lashloop_protocol::limits::{DELIMITER, OVERHEAD};
+use lashloop_protocol::layout::{Direction, FieldLayout, FieldType, MessageLayout};
+use lashloop_protocol::limits::{DELIMITER, MAX_LAWS, MAX_SIGNALS, MAX_TELEMETRY_VALUES, OVERHEAD};
 use lashloop_protocol::{
     Decoder, DriveMessage, HostMessage, MAX_BODY, MAX_FRAME, Message, PROTOCOL_VERSION, crc,
 };
 
-use crate::data_sheet::{data_sheet, type_name};
+use crate::data_sheet::{data_sheet, frame_bytes_of, type_name};
 use crate::digits::bytes_of;
 use crate::markdown::{fences, section, table};
 
@@ -32,12 +32,19 @@ fn number(cell: &str) -> u32 {
 fn every_message_has_a_table_of_its_bytes() {
     for layout in layouts() {
         let (name, body, frame) = (layout.name, layout.body_len, layout.frame_len());
+        let (body, frame) = match layout.element_len {
+            None => (body.to_string(), frame.to_string()),
+            Some(step) => (
+                format!("{} + {step} n", layout.shortest_body_len() - step),
+                format!("{} + {step} n", layout.shortest_body_len() - step + OVERHEAD),
+            ),
+        };
         let section = section(&format!("### {name} ({:#04x})", layout.kind));
         let way = match layout.direction {
             Direction::HostToDrive => "Host to drive",
             Direction::DriveToHost => "Drive to host",
         };
-        let plural = if body == 1 { "" } else { "s" };
+        let plural = if body == "1" { "" } else { "s" };
         let facts = format!("{way}, body {body} byte{plural}, frame {frame} bytes. ");
         assert!(section.trim_start().starts_with(&facts), "{name} begins with {facts:?}: {section}");
         if layout.fields.is_empty() {
@@ -47,8 +54,7 @@ fn every_message_has_a_table_of_its_bytes() {
         let rows = table(section, "offset");
         assert_eq!(rows.len(), layout.fields.len(), "fields of {name}");
         for (row, field) in rows.iter().zip(layout.fields) {
-            let want =
-                [field.offset.to_string(), field.len.to_string(), field.name.to_owned(), type_name(field)];
+            let want = [field.offset.to_string(), length_of(field), field.name.to_owned(), type_name(field)];
             assert_eq!(row[..4], want, "{name}");
             assert_eq!(row.len(), 7, "columns of {name}.{}", field.name);
             assert!(!row[6].is_empty(), "{name}.{} has a meaning", field.name);
@@ -57,6 +63,11 @@ fn every_message_has_a_table_of_its_bytes() {
             }
         }
     }
+}
+
+/// Length of a field, in the notation of the document.
+fn length_of(field: &FieldLayout) -> String {
+    if field.ty == FieldType::F32Repeated { "4 n".to_owned() } else { field.len.to_string() }
 }
 
 /// Names of the lists and flag sets of a field.
@@ -71,6 +82,7 @@ fn values_of(ty: FieldType) -> Vec<&'static str> {
         | FieldType::U32
         | FieldType::I24
         | FieldType::F32
+        | FieldType::F32Repeated
         | FieldType::Text
         | FieldType::Version => Vec::new(),
     }
@@ -90,7 +102,7 @@ fn the_list_of_messages_is_complete() {
     for (row, layout) in rows.iter().zip(layouts()) {
         let sender = if layout.direction == Direction::HostToDrive { "host" } else { "drive" };
         let kind = format!("{:#04x}", layout.kind);
-        assert_eq!(row[..4], [kind, layout.name.into(), sender.into(), layout.frame_len().to_string()]);
+        assert_eq!(row[..4], [kind, layout.name.into(), sender.into(), frame_bytes_of(layout)]);
     }
 }
 
@@ -100,7 +112,7 @@ fn every_field_type_is_documented_with_its_length() {
     let documented: BTreeSet<_> = rows.iter().map(|row| (row[0].as_str(), row[1].as_str())).collect();
     for (layout, field) in layouts().flat_map(|layout| layout.fields.iter().map(move |field| (layout, field)))
     {
-        let (name, len) = (type_name(field), field.len.to_string());
+        let (name, len) = (type_name(field), length_of(field));
         let wanted = if field.ty == FieldType::Text { ("text[n]", "n") } else { (&*name, &*len) };
         assert!(documented.contains(&wanted), "{}.{} is {wanted:?}", layout.name, field.name);
     }
@@ -143,6 +155,9 @@ fn the_limits_are_those_of_the_code() {
         ("MAX_BODY", MAX_BODY),
         ("OVERHEAD", OVERHEAD),
         ("DELIMITER", usize::from(DELIMITER)),
+        ("MAX_LAWS", MAX_LAWS),
+        ("MAX_SIGNALS", MAX_SIGNALS),
+        ("MAX_TELEMETRY_VALUES", MAX_TELEMETRY_VALUES),
     ];
     assert_eq!(have, want);
 }

@@ -13,6 +13,7 @@
 //! | `phase` | where the drive is in the run: started, running, restarting |
 //! | `held_torque` | the torque on the motor while answers stay out |
 //! | `reconnect` | getting a lost drive back |
+//! | `step` | a finished step: truth, torque, the drive's signals, timing |
 //! | `step_sink`, `step_recorder` | where finished steps go, and what is computed from them |
 //! | [`outcome`] | the end of a run and its verdict |
 //! | `error` | why a run fails |
@@ -30,6 +31,7 @@ mod reconnect;
 mod runner;
 pub mod setup;
 pub mod simulator;
+mod step;
 mod step_recorder;
 mod step_sink;
 
@@ -37,4 +39,5 @@ pub use device_under_test::DeviceUnderTest;
 pub use error::RunError;
 pub use outcome::{End, Outcome};
 pub use runner::{Clock, run};
-pub use step_sink::{Step, StepObserver};
+pub use step::{DriveValues, Observation, Step, TruthValues};
+pub use step_sink::StepObserver;
