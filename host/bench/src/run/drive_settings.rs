@@ -1,6 +1,6 @@
 //! What a scenario sets on a drive, checked against the drive's description of itself. Nothing is sent here.
 
-use lashloop_protocol::MAX_TELEMETRY_VALUES;
+use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::parameter_names::{
     CONTROLLER, LOAD_COUNTS_PER_REV, MOTOR_COUNTS_PER_REV, PERIOD_US, WATCHDOG_US,
 };
