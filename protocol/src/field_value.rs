@@ -174,6 +174,6 @@ mod tests {
                 }
             }
         }
-        assert!(with_unit >= 14, "{with_unit} fields with a unit");
+        assert!(with_unit >= 8, "{with_unit} fields with a unit");
     }
 }

@@ -59,7 +59,7 @@ local OUTCOME = {
     [2] = "WrongState",
     [3] = "WrongSession",
     [4] = "VersionMismatch",
-    [5] = "UnknownParameter",
+    [5] = "UnknownIndex",
     [6] = "WrongType",
     [7] = "OutOfRange",
     [8] = "OutOfSequence",
@@ -80,11 +80,9 @@ local TORQUE_FLAGS = {
     [32] = "REPEATED",
     [64] = "GAP",
 }
-local CONTROLLERS = {
-    [2] = "PD",
-    [4] = "MERZOUKI",
-    [8] = "MERZOUKI_AS_PRINTED",
-    [16] = "BACKLASH_INVERSE",
+local PARAMETER_FLAGS = {
+    [1] = "LIVE",
+    [2] = "CHOICES",
 }
 
 -- Units by the suffix of a field's name; the first match applies
@@ -123,6 +121,20 @@ local MESSAGES = {
     [0x08] = { "EmergencyStop", {} },
     [0x09] = { "ClearFault", {} },
     [0x0a] = { "Reset", {} },
+    [0x0b] = { "DescribeLaw", {
+        { "index", u8 },
+    } },
+    [0x0c] = { "DescribeSignal", {
+        { "index", u8 },
+    } },
+    [0x0d] = { "DescribeChoice", {
+        { "parameter", u8 },
+        { "choice", u8 },
+    } },
+    [0x0e] = { "Subscribe", {
+        { "signals", u32 },
+        { "every", u16 },
+    } },
     [0x10] = { "EncoderSample", {
         { "sequence", u16 },
         { "motor_counts", i24 },
@@ -134,21 +146,24 @@ local MESSAGES = {
         { "session", u32 },
         { "firmware", version },
         { "build_id", u32 },
+        { "dirty", u8 },
         { "state", enum(STATE) },
         { "board", text(16) },
         { "period_us", u32 },
         { "motor_counts_per_rev", u32 },
         { "load_counts_per_rev", u32 },
-        { "controllers", flags(2, CONTROLLERS) },
+        { "law_count", u8 },
+        { "signal_count", u8 },
         { "parameter_count", u8 },
     } },
     [0x82] = { "ParameterDescription", {
         { "index", u8 },
-        { "live", u8 },
+        { "flags", flags(PARAMETER_FLAGS) },
+        { "laws", u16 },
         { "default", value },
         { "min", value },
         { "max", value },
-        { "name", text(28) },
+        { "name", text(27) },
         { "unit", text(10) },
     } },
     [0x83] = { "ParameterReport", {
@@ -162,6 +177,21 @@ local MESSAGES = {
         { "outcome", enum(OUTCOME) },
         { "state", enum(STATE) },
     } },
+    [0x86] = { "LawDescription", {
+        { "index", u8 },
+        { "name", text(28) },
+    } },
+    [0x87] = { "SignalDescription", {
+        { "index", u8 },
+        { "laws", u16 },
+        { "name", text(32) },
+        { "unit", text(10) },
+    } },
+    [0x88] = { "ChoiceDescription", {
+        { "parameter", u8 },
+        { "choice", u8 },
+        { "name", text(28) },
+    } },
     [0x90] = { "TorqueAnswer", {
         { "sequence", u16 },
         { "torque_nm", f32 },
@@ -170,12 +200,7 @@ local MESSAGES = {
     } },
     [0x91] = { "Telemetry", {
         { "sequence", u16 },
-        { "dead_zone_estimate_rad", f32 },
-        { "disturbing_torque_nm", f32 },
-        { "load_error_rad", f32 },
-        { "motor_error_rad", f32 },
-        { "elastic_error_nm", f32 },
-        { "requested_torque_nm", f32 },
+        { "values", f32_repeated },
     } },
     [0x92] = { "FaultReport", {
         { "code", enum(FAULT_CODE) },

@@ -5,7 +5,9 @@ use std::collections::BTreeSet;
 use std::fmt::Debug;
 
 use lashloop_protocol::layout::{Direction, MessageLayout};
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, MAX_FRAME, Message};
+use lashloop_protocol::message::Telemetry;
+use lashloop_protocol::wire::Payload;
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, MAX_FRAME, Message, TelemetryValues};
 
 use crate::data_sheet::{data_sheet, frame_bytes_of};
 use crate::examples;
@@ -39,6 +41,27 @@ fn every_message_of_the_drive_is_pinned() {
 fn a_control_cycle_is_19_bytes_out_and_16_back() {
     assert_eq!(HostMessage::from(examples::SAMPLE).frame().len(), 19);
     assert_eq!(DriveMessage::from(examples::TORQUE).frame().len(), 16);
+}
+
+#[test]
+fn telemetry_of_six_signals_is_33_bytes_and_of_thirteen_61() {
+    for (count, bytes) in [(1, 13), (6, 33), (13, 61)] {
+        let values = TelemetryValues::new(&[0.5; 13][..count]).expect("at most 13");
+        let telemetry = DriveMessage::from(Telemetry { sequence: 0, values });
+        assert_eq!(telemetry.frame().len(), bytes);
+        assert_eq!(telemetry.layout().frame_len_of(count), Some(bytes));
+    }
+    let layout = Telemetry::LAYOUT;
+    assert_eq!((layout.frame_len_of(0), layout.frame_len_of(14)), (None, None));
+    assert_eq!(TelemetryValues::new(&[0.5; 14]), None);
+}
+
+#[test]
+fn only_telemetry_has_frames_of_different_lengths() {
+    for layout in layouts() {
+        let lens = (0..=MAX_FRAME).filter(|len| layout.takes(*len)).count();
+        assert_eq!(lens, if layout.name == "Telemetry" { 13 } else { 1 }, "{}", layout.name);
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@
 //! | `device_under_test` | the device with the faults on its link |
 //! | [`mod@simulator`] | the simulated side of the loop: plant, encoders, reference |
 //! | `plant_from_scenario` | the plant that a scenario describes |
+//! | `drive_settings` | what a scenario sets on a drive, checked against its description |
 //! | [`setup`] | applies the scenario's settings to the drive |
 //! | `lockstep` | paces the loop by the drive: the plant waits for it |
 //! | [`real_time`] | paces the loop by the wall clock |
@@ -20,6 +21,7 @@
 
 mod control_loop;
 mod device_under_test;
+mod drive_settings;
 mod error;
 mod held_torque;
 mod lockstep;

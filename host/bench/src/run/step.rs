@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 use lashloop_plant::limits::MAX_SIGNALS;
-use lashloop_protocol::MAX_TELEMETRY_VALUES;
+use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 
 use crate::record::row::Row;
 use crate::record::trace::TraceRow;

@@ -1,6 +1,6 @@
 //! What a run computes from its steps: metrics, digest and timing.
 
-use lashloop_plant::metrics::{Measurement, Sample, SignalTable};
+use lashloop_plant::metrics::{Measurement, Plan, Sample, SignalTable};
 
 use super::error::RunError;
 use super::step::Step;
@@ -25,10 +25,15 @@ impl<'a> StepRecorder<'a> {
         observer: &'a mut dyn StepObserver,
     ) -> Self {
         let run = &scenario.run;
+        let plan = Plan {
+            period_s: run.control_period_s(),
+            steps: run.steps(),
+            reference: Some(&scenario.reference),
+            signals,
+        };
         Self {
             observer,
-            measurement: Measurement::new(run.control_period_s(), signals)
-                .with_middle_of_reference(scenario.reference.middle_rad()),
+            measurement: Measurement::of_run(&plan, []),
             digest: TorqueDigest::default(),
             timings: Timings::new(clock, run.control_period_us, run.warm_up_steps.into()),
         }

@@ -1,7 +1,7 @@
 //! The drive's signals, as the drive describes them, and the subscription to them.
 
 use lashloop_plant::Signal;
-use lashloop_protocol::MAX_TELEMETRY_VALUES;
+use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 
 use super::laws::LawSet;
 
