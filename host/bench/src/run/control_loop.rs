@@ -141,7 +141,9 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
             let sent = telemetry.values.as_slice();
             if sent.len() != step.drive.values.len() {
                 let (have, want) = (sent.len(), step.drive.values.len());
-                return Err(device.unfit(format!("its telemetry has {have} signals; {want} are subscribed")).into());
+                return Err(device
+                    .unfit(format!("its telemetry has {have} signals; {want} are subscribed"))
+                    .into());
             }
             for (value, sent) in step.drive.values.iter_mut().zip(sent) {
                 *value = f64::from(*sent);

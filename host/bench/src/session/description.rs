@@ -48,24 +48,23 @@ fn law(line: &mut Line, index: u8) -> Result<Law, SessionError> {
 }
 
 fn parameter(line: &mut Line, index: u8) -> Result<Parameter, SessionError> {
-    let (flags, mut parameter) =
-        described(line, DescribeParameter { index }, |answer| match answer {
-            DriveMessage::ParameterDescription(it) if it.index == index => {
-                let parameter = Parameter {
-                    index,
-                    name: printable(it.name.as_str()),
-                    unit: printable(it.unit.as_str()),
-                    default: it.default,
-                    min: it.min,
-                    max: it.max,
-                    live: it.flags.contains(ParameterFlags::LIVE),
-                    laws: LawSet(it.laws),
-                    choices: Vec::new(),
-                };
-                Some((it.flags, parameter))
-            }
-            _ => None,
-        })?;
+    let (flags, mut parameter) = described(line, DescribeParameter { index }, |answer| match answer {
+        DriveMessage::ParameterDescription(it) if it.index == index => {
+            let parameter = Parameter {
+                index,
+                name: printable(it.name.as_str()),
+                unit: printable(it.unit.as_str()),
+                default: it.default,
+                min: it.min,
+                max: it.max,
+                live: it.flags.contains(ParameterFlags::LIVE),
+                laws: LawSet(it.laws),
+                choices: Vec::new(),
+            };
+            Some((it.flags, parameter))
+        }
+        _ => None,
+    })?;
     if flags.contains(ParameterFlags::CHOICES)
         && let (ParameterValue::U32(min), ParameterValue::U32(max)) = (parameter.min, parameter.max)
     {

@@ -56,7 +56,10 @@ impl Subscription {
     /// The signals as the bits of `Subscribe`.
     #[must_use]
     pub fn bits(&self) -> u32 {
-        self.signals.iter().filter_map(|it| 1_u32.checked_shl(it.index.into())).fold(0, |bits, bit| bits | bit)
+        self.signals
+            .iter()
+            .filter_map(|it| 1_u32.checked_shl(it.index.into()))
+            .fold(0, |bits, bit| bits | bit)
     }
 }
 
@@ -65,7 +68,11 @@ mod tests {
     use super::*;
 
     fn signal(index: u8, laws: u16) -> DriveSignal {
-        DriveSignal { index, laws: LawSet(laws), signal: Signal { name: format!("s{index}").into(), unit: "".into() } }
+        DriveSignal {
+            index,
+            laws: LawSet(laws),
+            signal: Signal { name: format!("s{index}").into(), unit: "".into() },
+        }
     }
 
     fn indices(subscription: &Subscription) -> Vec<u8> {

@@ -37,7 +37,8 @@ impl Measurement {
     #[must_use]
     pub fn of_run(plan: &Plan<'_>, queries: impl IntoIterator<Item = Query>) -> Self {
         let probe = |query: Query| Probe { meter: plan.meter(&query), query };
-        let is_extra = |query: &Query| query.window.is_some() || !matches!(query.quantity, Quantity::Metric(_));
+        let is_extra =
+            |query: &Query| query.window.is_some() || !matches!(query.quantity, Quantity::Metric(_));
         Self {
             finite: true,
             samples: 0,
@@ -94,5 +95,11 @@ impl Measurement {
     }
 }
 
+#[cfg(test)]
+mod estimate_tests;
+#[cfg(test)]
+mod motion_tests;
+#[cfg(test)]
+mod query_tests;
 #[cfg(test)]
 mod tests;

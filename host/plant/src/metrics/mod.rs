@@ -32,6 +32,8 @@
 
 mod after_move;
 mod channel;
+#[cfg(test)]
+mod fixture;
 mod lost_motion;
 mod measured;
 mod measurement;

@@ -1,8 +1,8 @@
 //! What is known of a run before it starts, as far as metrics need it.
 
 use super::channel::Channel;
-use super::meter::{NewMeter, Setup};
 use super::measured::Measured;
+use super::meter::{NewMeter, Setup};
 use super::query::{Quantity, Query, Window};
 use super::sample::Sample;
 use super::signal_table::SignalTable;
@@ -79,7 +79,11 @@ impl Plan<'_> {
             meter.push(&Sample {
                 time_s: f64::from(step) * self.period_s,
                 reference_rad,
-                load_position_rad: if step == 0 { start.load_position_rad } else { reference_rad + error_rad },
+                load_position_rad: if step == 0 {
+                    start.load_position_rad
+                } else {
+                    reference_rad + error_rad
+                },
                 motor_position_rad: 0.0,
                 torque_nm: 0.0,
                 plant: &plant,
@@ -101,3 +105,6 @@ impl Plan<'_> {
         (last == 0 || at(last - 1) == Some(final_rad)).then_some(final_rad)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -32,16 +32,8 @@ pub enum Statistic {
 
 impl Statistic {
     /// Every statistic, in the order of the documentation.
-    pub const ALL: [Self; 8] = [
-        Self::Min,
-        Self::Max,
-        Self::Mean,
-        Self::Rms,
-        Self::Peak,
-        Self::PeakToPeak,
-        Self::Std,
-        Self::Final,
-    ];
+    pub const ALL: [Self; 8] =
+        [Self::Min, Self::Max, Self::Mean, Self::Rms, Self::Peak, Self::PeakToPeak, Self::Std, Self::Final];
 
     /// Name in scenarios and summaries.
     #[must_use]

@@ -101,8 +101,9 @@ fn counted(
     let supervisor = Supervisor::start(std::env::current_exe().expect("a path")).expect("a supervisor");
     let mut device = Device::open_through(&choice, &scenario.link, &supervisor, middleware).expect("a drive");
     let timeline = Timeline::new(&scenario, &device, None).expect("no faults");
-    let drive_signals =
-        setup::set_up(&mut device, &scenario, ClockName::RealTime).expect("a drive that takes the scenario").len();
+    let drive_signals = setup::set_up(&mut device, &scenario, ClockName::RealTime)
+        .expect("a drive that takes the scenario")
+        .len();
     let watchdog = Some(setup::watchdog(&mut device).expect("a watchdog"));
     let settings = LoopSettings { clock: ClockName::RealTime, watchdog, drive_signals };
     device.session.start().expect("a drive that starts");
@@ -114,8 +115,7 @@ fn counted(
     let work = || {
         let _ = obtain(&RealTime::default());
         let sink = Counting { ring, wastes };
-        let mut control =
-            ControlLoop::new(&scenario, simulator, timeline, settings, sink);
+        let mut control = ControlLoop::new(&scenario, simulator, timeline, settings, sink);
         let closing = || end = Some(close(&mut control, &scenario, &mut device, Duration::ZERO));
         info = allocation_counter::measure(closing);
     };
