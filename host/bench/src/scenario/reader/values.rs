@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 
 use super::section::Section;
 use crate::scenario::key_error::KeyError;
+use crate::scenario::origin::Origin;
 use crate::scenario::range::NumberRange;
 use crate::scenario::spelling::{either, with_unit};
 use crate::scenario::tree::{Node, Value};
@@ -124,6 +125,27 @@ impl<'a> Section<'a> {
         }
         self.wrong_type(key, node, purpose.unwrap_or("a text in quotes").to_owned());
         None
+    }
+
+    /// An optional list of texts, each with its place. `allowed` describes it. `None` if absent or faulty.
+    pub(in crate::scenario) fn texts(
+        &mut self,
+        key: &'static str,
+        allowed: &str,
+    ) -> Option<Vec<(&'a str, &'a Origin)>> {
+        let node = self.look_up(key, "", None)?;
+        let Value::Array(items) = &node.value else {
+            self.wrong_type(key, node, allowed.to_owned());
+            return None;
+        };
+        let mut texts = Vec::new();
+        for (index, item) in items.iter().enumerate() {
+            match &item.value {
+                Value::Text(text) => texts.push((&**text, &item.origin)),
+                _ => self.wrong_type(&format!("{key}.{index}"), item, "a text in quotes".to_owned()),
+            }
+        }
+        Some(texts)
     }
 
     /// One of several names, required unless it has a default. `None` if absent or faulty.
