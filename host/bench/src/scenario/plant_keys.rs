@@ -43,7 +43,7 @@ fn read_value(plant: &mut Section<'_>, key: &Key) -> PlantValue {
             let chosen = plant.choice(key.name, default, &choices).or(default);
             PlantValue::Text(chosen.unwrap_or_default().to_owned())
         }
-        KeyKind::Texts => PlantValue::List(plant.texts(key.name).into_iter().map(PlantValue::Text).collect()),
+        KeyKind::Texts => PlantValue::List(plant.required_texts(key.name).into_iter().map(PlantValue::Text).collect()),
         KeyKind::Table => PlantValue::Table(plant.free_table(key.name)),
     }
 }

@@ -9,7 +9,7 @@ use crate::scenario::tree::{Node, Table, Value};
 
 impl Section<'_> {
     /// A required list of texts, at least one; empty if absent or faulty.
-    pub(in crate::scenario) fn texts(&mut self, key: &'static str) -> Vec<String> {
+    pub(in crate::scenario) fn required_texts(&mut self, key: &'static str) -> Vec<String> {
         let allowed = "a list of texts in quotes, at least one".to_owned();
         let Some(node) = self.look_up(key, "", Some(allowed.clone())) else { return Vec::new() };
         let items = if let Value::Array(items) = &node.value { &items[..] } else { &[] };
