@@ -13,6 +13,9 @@ pub(in crate::scenario) fn collect(read: impl Fn(&mut Section<'_>)) -> Keys {
     collector.keys(&Table::default(), &[], &[])
 }
 
+/// Unit of a key whose unit depends on a choice.
+const DEPENDS: &str = "as chosen";
+
 struct Collector<'a> {
     origin: Origin,
     read: Box<dyn Fn(&mut Section<'_>) + 'a>,
@@ -121,6 +124,7 @@ fn at<'a>(section: &'a SectionKeys, path: &[&str]) -> Option<&'a SectionKeys> {
 impl Keys {
     /// Moves keys that not every variant of a choice has to that choice.
     fn split(&mut self, choice: &'static str, mut variants: Vec<(&'static str, Self)>) {
+        self.merge_units(&mut variants);
         let everywhere = |key: &Key| variants.iter().all(|(_, keys)| keys.keys.contains(key));
         let common: Vec<_> = self.keys.iter().filter(|key| everywhere(key)).cloned().collect();
         // A second choice that is independent of this one splits these keys itself.
@@ -140,5 +144,29 @@ impl Keys {
         }
         self.keys = common;
         self.selectors.push(Selector { key: choice, variants });
+    }
+
+    /// Makes keys equal that every variant has and that differ in their units only.
+    fn merge_units(&mut self, variants: &mut [(&'static str, Self)]) {
+        for key in &mut self.keys {
+            let but_for_unit = |other: &Key| Key { unit: key.unit, ..other.clone() } == *key;
+            let mut others =
+                variants.iter().map(|(_, keys)| keys.keys.iter().find(|other| but_for_unit(other)));
+            if others.clone().all(|other| other.is_some())
+                && others.any(|other| other.is_some_and(|it| it.unit != key.unit))
+            {
+                let before = key.clone();
+                key.unit = DEPENDS;
+                for (_, keys) in variants.iter_mut() {
+                    for other in keys
+                        .keys
+                        .iter_mut()
+                        .filter(|other| Key { unit: before.unit, ..(*other).clone() } == before)
+                    {
+                        other.unit = DEPENDS;
+                    }
+                }
+            }
+        }
     }
 }
