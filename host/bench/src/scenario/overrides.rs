@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::error::ScenarioError;
 use super::key::Keys;
 use super::origin::Origin;
-use super::spelling::{either, spell_key};
+use super::spelling::spell_key;
 use super::tree::{Node, Table, Value, parse_value};
 
 /// Depth of the deepest key, such as `plant.initial.load_position_rad`.
@@ -68,8 +68,8 @@ fn needs_no_section(key: &str, keys: &Keys) -> Result<(), String> {
         return Ok(());
     }
     let parameter = format!("controller.parameters.{}", spell_key(key));
-    let full: Vec<_> = paths.into_iter().chain([parameter]).collect();
-    Err(format!("the key has no section; write {}", either(full.iter().map(String::as_str))))
+    let paths: String = paths.iter().map(|path| format!("{path} or ")).collect();
+    Err(format!("the key has no section; write {paths}{parameter} (a parameter of the drive)"))
 }
 
 /// A TOML value, or a text without quotes.

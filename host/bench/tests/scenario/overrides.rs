@@ -111,6 +111,11 @@ fn every_faulty_option_is_named_in_place_of_file_and_line() {
     --set plnt.model=smooth: plnt: unknown key; did you mean plant?
     --set run.duration_ms=5: run.duration_ms: 5 is in a wrong unit; write duration_s, in s
     --set run.duration_s=fast: run.duration_s: "fast" is text; it must be a number > 0 and <= 1e5 s
+    --set run.duration_s=1,5: run.duration_s: "1,5" has a decimal comma; write 1.5
+    --set k_p2=3: the key has no section; write controller.parameters.k_p2 (a parameter of the drive)
+    --set duration_s=3: the key has no section; write run.duration_s or controller.parameters.duration_s (a parameter of the drive)
+    --set dead_zone_rad=0.2: the key has no section; write plant.dead_zone_rad or controller.parameters.dead_zone_rad (a parameter of the drive)
+    --set titel=x: titel: unknown key; did you mean title?
     --set run.seed=1.5: run.seed: 1.5 is a fractional number; it must be a whole number >= 0 and <= 9223372036854775807
     --set run.duration_s: it must be section.key=value
     --set run.duration_s=: there is no value after the =; an empty text is ""
