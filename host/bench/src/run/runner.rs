@@ -20,6 +20,7 @@ use crate::scenario::Scenario;
 use crate::session::{Session, Traffic};
 use crate::timing::ClockName;
 use crate::verdict::{Judgement, LinkCounts};
+use lashloop_plant::PlantError;
 
 /// What paces a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -159,8 +160,10 @@ fn run_to_end<'a, S: StepSink>(
     }
     let started = Instant::now();
     let end = match close(&mut control, device) {
-        // A result of the run.
-        Err(RunError::Integration(error)) => Ok(End::Diverged(error)),
+        // A result of the run, unless the plant broke down for a reason of its own.
+        Err(RunError::Integration(error)) if !matches!(error, PlantError::Failed(_)) => {
+            Ok(End::Diverged(error))
+        }
         end => end,
     };
     let wall_s = started.elapsed().as_secs_f64();

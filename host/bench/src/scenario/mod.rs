@@ -12,15 +12,15 @@
 //! | `title`, `description` | what the scenario shows | this one |
 //! | `meant` | traps that are meant | `traps` |
 //! | `[run]` `[encoders]` `[link]` `[allow]` `[telemetry]` `[record]` | settings of the bench | [`sections`] |
-//! | `[plant]` | load, motor, gap and initial state | [`plant`], [`backlash_shaft`] |
+//! | `[plant]` | a registered model, its keys and its initial state | [`plant`], [`environment`] |
 //! | `[controller]` | the law and the drive's parameters | [`controller`] |
 //! | `[reference]` | the commanded position | [`lashloop_plant::reference`] |
 //! | `[[fault]]` | faults to inject | [`fault`] |
 //! | `[[expect]]` | bounds on metrics | [`expectation`] |
 
-pub mod backlash_shaft;
 mod catalogue;
 pub mod controller;
+pub mod environment;
 mod error;
 pub mod expectation;
 pub mod fault;
@@ -32,6 +32,7 @@ mod keys;
 mod origin;
 mod overrides;
 pub mod plant;
+mod plant_keys;
 pub mod range;
 mod reader;
 mod reference;
@@ -62,6 +63,7 @@ use self::sections::{
     Allowance, EncoderSettings, LinkSettings, RecordSettings, RunSettings, TelemetrySettings,
 };
 use self::traps::{Facts, Meant, Nominal};
+use lashloop_plant::Plants;
 use lashloop_plant::reference::Reference;
 
 /// A scenario in which every key has a value in its allowed range.
@@ -80,7 +82,7 @@ pub struct Scenario {
     pub meant: Vec<Trap>,
     /// Duration, control period and seed.
     pub run: RunSettings,
-    /// Load, motor and gap.
+    /// The plant.
     pub plant: PlantSettings,
     /// Resolution and noise of the encoders.
     pub encoders: EncoderSettings,
@@ -113,8 +115,20 @@ impl Scenario {
     /// # Errors
     /// The file can't be read, isn't TOML, or has keys that are unknown, missing or out of range; all errors at once.
     pub fn from_file(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioErrors> {
+        Self::from_file_with(path, overrides, &plant::standard())
+    }
+
+    /// As [`from_file`](Self::from_file), with these plant models to choose from.
+    ///
+    /// # Errors
+    /// As [`from_file`](Self::from_file).
+    pub fn from_file_with(
+        path: &Path,
+        overrides: &[Override],
+        plants: &Plants,
+    ) -> Result<Self, ScenarioErrors> {
         let text = file::read(path)?;
-        Self::from_str(&path.to_string_lossy(), &text, overrides)
+        Self::from_str_with(&path.to_string_lossy(), &text, overrides, plants)
     }
 
     /// Reads a text. `name` is the file's name in errors, and relative paths in the text start at its directory.
@@ -122,14 +136,29 @@ impl Scenario {
     /// # Errors
     /// As [`from_file`](Self::from_file), except for reading the file.
     pub fn from_str(name: &str, text: &str, overrides: &[Override]) -> Result<Self, ScenarioErrors> {
+        Self::from_str_with(name, text, overrides, &plant::standard())
+    }
+
+    /// As [`from_str`](Self::from_str), with these plant models to choose from.
+    ///
+    /// # Errors
+    /// As [`from_str`](Self::from_str).
+    pub fn from_str_with(
+        name: &str,
+        text: &str,
+        overrides: &[Override],
+        plants: &Plants,
+    ) -> Result<Self, ScenarioErrors> {
         let file: Arc<str> = name.into();
         let mut tree = tree::parse_file(&file, file::without_mark(text))?;
-        let mut errors: Vec<_> =
-            overrides.iter().filter_map(|option| option.apply(&mut tree, Self::keys).err()).collect();
+        let mut errors: Vec<_> = overrides
+            .iter()
+            .filter_map(|option| option.apply(&mut tree, &|| Self::keys_with(plants)).err())
+            .collect();
         former_names::replace(&mut tree);
         let directory = Path::new(name).parent().unwrap_or(Path::new(""));
         let start = Origin::File { file, line: 1 };
-        let document = reader::read_document(&tree, start, |root| read(root, name, directory));
+        let document = reader::read_document(&tree, start, |root| read(root, name, directory, plants));
         let (mut scenario, meant) = document.result;
         errors.extend(document.errors);
         if errors.is_empty() {
@@ -162,8 +191,14 @@ impl Scenario {
     /// Every key that a scenario can have.
     #[must_use]
     pub fn keys() -> Keys {
+        Self::keys_with(&plant::standard())
+    }
+
+    /// As [`keys`](Self::keys), with these plant models to choose from.
+    #[must_use]
+    pub fn keys_with(plants: &Plants) -> Keys {
         catalogue::collect(|root| {
-            read(root, "", Path::new(""));
+            read(root, "", Path::new(""), plants);
         })
     }
 
@@ -177,13 +212,14 @@ impl Scenario {
     }
 }
 
-fn read(root: &mut Section<'_>, name: &str, directory: &Path) -> (Scenario, Meant) {
+fn read(root: &mut Section<'_>, name: &str, directory: &Path, plants: &Plants) -> (Scenario, Meant) {
     let title = root.doc("One line for lists and reports.").text("title", Some("a text in quotes"));
     let description = root.doc("What the scenario shows, at any length.").text("description", None);
     let meant = traps::read_meant(root);
     let run = root.doc("Duration, control period and seed.").section("run", sections::read_run);
-    let plant =
-        root.doc("The mechanics: load, motor, and what is between them.").section("plant", plant::read);
+    let plant = root
+        .doc("The mechanics: load, motor, and what is between them.")
+        .section("plant", |section| plant::read(section, plants));
     let encoders =
         root.doc("Resolution and noise of the encoders.").section("encoders", EncoderSettings::read);
     let controller =
@@ -197,10 +233,9 @@ fn read(root: &mut Section<'_>, name: &str, directory: &Path) -> (Scenario, Mean
         .section("allow", Allowance::read);
     let telemetry = root.doc("Telemetry of the drive.").section("telemetry", TelemetrySettings::read);
     let record = root.doc("How the record is written.").section("record", RecordSettings::read);
-    let model = plant.model;
     let faults = root
         .doc("A fault to inject; [faults.md](faults.md) has what each kind does and how it is detected.")
-        .sections("fault", |section| fault::read(section, model, &run));
+        .sections("fault", |section| fault::read(section, &plant.model, plants, &run));
     let expectations =
         root.doc("Bounds on a metric that the run must meet to pass.").sections("expect", expectation::read);
     let scenario = Scenario {

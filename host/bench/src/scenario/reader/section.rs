@@ -9,6 +9,7 @@ use crate::scenario::key_error::KeyError;
 use crate::scenario::origin::Origin;
 use crate::scenario::spelling::spell_key;
 use crate::scenario::tree::{Node, Table, Value};
+use crate::scenario::unit;
 
 /// A section that is being read.
 pub struct Section<'a> {
@@ -17,6 +18,7 @@ pub struct Section<'a> {
     table: Option<&'a Table>,
     schema: Schema,
     next_doc: String,
+    next_unit: Option<&'static str>,
     next_choices: Vec<Choice>,
     accepts_the_rest: bool,
     is_open: bool,
@@ -57,6 +59,7 @@ impl<'a> Section<'a> {
             table,
             schema: Schema::default(),
             next_doc: String::new(),
+            next_unit: None,
             next_choices: Vec::new(),
             accepts_the_rest: false,
             is_open: false,
@@ -75,6 +78,17 @@ impl<'a> Section<'a> {
     pub fn doc(&mut self, doc: &str) -> &mut Self {
         doc.trim().clone_into(&mut self.next_doc);
         self
+    }
+
+    /// Unit of the number that is declared next, for a key whose name does not end with a unit of ours.
+    pub fn unit(&mut self, unit: &'static str) -> &mut Self {
+        self.next_unit = Some(unit);
+        self
+    }
+
+    /// The unit of a key that is being declared.
+    pub(super) fn unit_of(&mut self, key: &str) -> &'static str {
+        self.next_unit.take().unwrap_or_else(|| unit::of(key))
     }
 
     /// Meanings of the names that the choice declared next takes.
@@ -224,6 +238,7 @@ impl<'a> Section<'a> {
     ) -> Option<&'a Node> {
         let node = self.node(name);
         let doc = std::mem::take(&mut self.next_doc);
+        self.next_unit = None;
         self.schema.known.push(KnownKey {
             key: Key { name, doc, unit, required: required.is_some(), kind },
             missing: required.filter(|_| node.is_none()),

@@ -9,7 +9,6 @@ use crate::scenario::key_error::KeyError;
 use crate::scenario::range::NumberRange;
 use crate::scenario::spelling::{decimal_point, either, with_unit};
 use crate::scenario::tree::{Node, Value};
-use crate::scenario::unit;
 
 /// Up to here a fraction holds every whole number.
 const EXACT: f64 = (1_u64 << 53) as f64;
@@ -22,7 +21,7 @@ impl<'a> Section<'a> {
         default: impl Into<Option<f64>>,
         range: impl Into<NumberRange>,
     ) -> f64 {
-        let (default, range, unit) = (default.into(), range.into(), unit::of(key));
+        let (default, range, unit) = (default.into(), range.into(), self.unit_of(key));
         let allowed = range.describe(unit);
         let required = default.is_none().then(|| format!("a number {allowed}"));
         let number = match self.look_up(key, unit, KeyKind::Number { range, default }, required) {
@@ -76,7 +75,7 @@ impl<'a> Section<'a> {
     where
         T: Copy + Display + PartialOrd + TryFrom<i64> + Into<i128>,
     {
-        let (default, unit) = (default.into(), unit::of(key));
+        let (default, unit) = (default.into(), self.unit_of(key));
         let allowed = describe(&range, unit);
         let required = default.is_none().then(|| format!("a whole number {allowed}"));
         let stand_in = default.unwrap_or(*range.start());
@@ -91,7 +90,7 @@ impl<'a> Section<'a> {
     where
         T: Copy + Display + PartialOrd + TryFrom<i64> + Into<i128>,
     {
-        let unit = unit::of(key);
+        let unit = self.unit_of(key);
         let node = self.look_up(key, unit, whole_number(&range, None), None)?;
         let allowed = describe(&range, unit);
         self.check_integer(key, node, &range, allowed)
