@@ -47,6 +47,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
+pub use self::former_names::present_law;
 pub use self::error::{ScenarioError, ScenarioErrors};
 pub use self::key_error::KeyError;
 pub use self::origin::Origin;
@@ -94,7 +95,7 @@ pub struct Scenario {
     pub link: LinkSettings,
     /// Losses that don't invalidate the run.
     pub allow: Allowance,
-    /// Rate of the drive's telemetry.
+    /// Signals and rate of the drive's telemetry.
     pub telemetry: TelemetrySettings,
     /// How the record is written.
     pub record: RecordSettings,

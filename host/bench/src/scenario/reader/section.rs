@@ -223,6 +223,11 @@ impl<'a> Section<'a> {
         self.table.and_then(|table| table.get(key))
     }
 
+    /// Where a key is written; for an absent one, where the section begins.
+    pub(in crate::scenario) fn origin_of(&self, key: &str) -> Origin {
+        self.node(key).map_or(&self.origin, |node| &node.origin).clone()
+    }
+
     pub(super) fn wrong_type(&self, key: &str, node: &Node, allowed: String) {
         let (found, kind) = (node.value.to_string(), node.value.kind());
         self.error(key, node, KeyError::WrongType { found, kind, allowed });

@@ -1,0 +1,42 @@
+//! What a scenario asks of a run beyond the metrics of the whole run.
+
+use super::metric::Metric;
+use super::statistic::Statistic;
+
+/// A quantity that a run can be judged by.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Quantity {
+    /// A metric.
+    Metric(Metric),
+    /// A statistic of a signal, in the signal's unit.
+    Statistic {
+        /// Name of a fixed signal, of a plant's signal, or `drive.NAME`.
+        signal: String,
+        /// The statistic.
+        statistic: Statistic,
+    },
+}
+
+/// Samples of a run, counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Window {
+    /// First sample.
+    pub first: u32,
+    /// First sample after the window.
+    pub end: u32,
+}
+
+/// A quantity over the whole run or over one window.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Query {
+    /// What to measure.
+    pub quantity: Quantity,
+    /// The samples to measure; `None` for the whole run.
+    pub window: Option<Window>,
+}
+
+impl From<Metric> for Query {
+    fn from(metric: Metric) -> Self {
+        Self { quantity: Quantity::Metric(metric), window: None }
+    }
+}
