@@ -17,13 +17,13 @@ pub enum Quantity {
     },
 }
 
-/// Samples of a run, counted from 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// A part of a run: the samples from one time up to another, which is not included.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Window {
-    /// First sample.
-    pub first: u32,
-    /// First sample after the window.
-    pub end: u32,
+    /// Start, in time of the run.
+    pub from_s: f64,
+    /// End, in time of the run; `None` for that of the run.
+    pub to_s: Option<f64>,
 }
 
 /// A quantity over the whole run or over one window.
