@@ -8,13 +8,15 @@ use std::ops::RangeInclusive;
 
 use nalgebra::Vector6;
 
-use crate::coordinates::{LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION};
+use crate::coordinates::{self, LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION};
 use crate::error::validate_substeps;
 use crate::integrator::{self, HybridSystem, runge_kutta};
 use crate::mechanics::in_range;
 use crate::mechanics_keys::keys;
 use crate::mode::{Contact, DryFriction, Flank};
-use crate::{Key, Mechanics, ParameterError, PlantError, PlantModel, RunningPlant, Start, Truth, TwoMass};
+use crate::{
+    Key, Mechanics, ParameterError, PlantError, PlantModel, Positions, RunningPlant, Start, Truth, TwoMass,
+};
 
 /// Allowed Coulomb friction.
 const LOAD_COULOMB_NM: RangeInclusive<f64> = 0.0..=1e6;
@@ -204,6 +206,10 @@ impl TwoMass for HardCoulomb {
         integrator::advance(self, &mut state.x, &mut state.mode, torque_nm, dt_s, self.substeps)?;
         state.torque_nm = torque_nm;
         Ok(())
+    }
+
+    fn positions(&self, state: &HardCoulombState) -> Positions {
+        coordinates::positions(state.x.as_slice())
     }
 
     fn truth(&self, state: &HardCoulombState) -> Truth {

@@ -7,12 +7,15 @@ use core::convert::Infallible;
 
 use nalgebra::Vector6;
 
+use crate::coordinates;
 use crate::error::validate_substeps;
 use crate::exponential_decay::decay;
 use crate::integrator::{self, HybridSystem, runge_kutta};
 use crate::mechanics_keys::keys;
 use crate::mode::Contact;
-use crate::{Mechanics, ParameterError, PlantError, PlantModel, RunningPlant, Start, Truth, TwoMass};
+use crate::{
+    Mechanics, ParameterError, PlantError, PlantModel, Positions, RunningPlant, Start, Truth, TwoMass,
+};
 
 /// The model for scenarios.
 #[must_use]
@@ -110,6 +113,10 @@ impl TwoMass for Smooth {
         integrator::advance(self, &mut state.x, &mut (), torque_nm, dt_s, self.substeps)?;
         state.torque_nm = torque_nm;
         Ok(())
+    }
+
+    fn positions(&self, state: &SmoothState) -> Positions {
+        coordinates::positions(state.x.as_slice())
     }
 
     fn truth(&self, state: &SmoothState) -> Truth {

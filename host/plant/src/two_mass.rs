@@ -20,6 +20,12 @@ pub trait TwoMass {
     /// Everything that can be known about a state.
     fn truth(&self, state: &Self::State) -> Truth;
 
+    /// Positions of motor and load in a state.
+    fn positions(&self, state: &Self::State) -> Positions {
+        let Truth { motor_position_rad, load_position_rad, .. } = self.truth(state);
+        Positions { motor_position_rad, load_position_rad }
+    }
+
     /// Imposes wear and load torque on a state.
     ///
     /// # Errors
@@ -81,8 +87,7 @@ impl<P: TwoMass<State: Send> + Send> Plant for RunningPlant<P> {
     }
 
     fn positions(&self) -> Positions {
-        let Truth { motor_position_rad, load_position_rad, .. } = self.truth();
-        Positions { motor_position_rad, load_position_rad }
+        self.plant.positions(&self.state)
     }
 
     fn step(&mut self, torque_nm: f64, dt_s: f64) -> Result<(), PlantError> {

@@ -98,7 +98,7 @@ impl Arguments {
         }
         let [smooth, friction, shaft, sine] = <[Laws; 4]>::try_from(all).expect("one set for each plan");
         let twisted = |file| twist(scenario(file, None)?);
-        let ratio = scenario(SCENARIOS[0], None)?.plant.reduction_ratio;
+        let ratio = scenario(SCENARIOS[0], None)?.plant.number("reduction_ratio").unwrap_or(f64::NAN);
         let (smooth_gap, hard_gap) = (twisted(SCENARIOS[0])?, twisted(SHAFT[0])?);
         let runs = Runs { smooth, friction, shaft, sine, smooth_gap, hard_gap, ratio };
         self.report(&runs, &device.device.description())?;

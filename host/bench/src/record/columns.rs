@@ -47,6 +47,13 @@ impl Columns {
         self.position(name).map(|at| &*self.signals[at].unit)
     }
 
+    /// Sets the unit of a column, if the table has one of this name.
+    pub(super) fn set_unit(&mut self, name: &str, unit: String) {
+        if let Some(at) = self.position(name) {
+            self.signals[at].unit = unit.into();
+        }
+    }
+
     /// The rows whose index `keep` accepts.
     #[must_use]
     pub fn select(&self, keep: impl Fn(usize) -> bool) -> Self {

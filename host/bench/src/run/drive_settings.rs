@@ -65,9 +65,9 @@ impl<'a> DriveSettings<'a> {
             return Err(errors.into());
         }
         // A drive with one law may lack the choice of a law.
-        let is_optional =
-            |name| name == CONTROLLER && session.laws.len() == 1 && session.parameter(name).is_none();
-        let mut required: Vec<_> = from_sections.into_iter().map(|(name, _, value)| (name, value)).collect();
+        let is_optional = |name| name == CONTROLLER && session.laws.len() == 1 && session.parameter(name).is_none();
+        let mut required: Vec<_> =
+            from_sections.into_iter().map(|(name, _, value)| (name, value)).collect();
         required.retain(|(name, _)| !is_optional(*name));
         if clock == ClockName::Lockstep {
             // The watchdog must tolerate a slow bench but not a dead one: it waits as long for the bench as the bench does
@@ -150,12 +150,7 @@ fn foreign(
 }
 
 /// The subscription to the signals that the scenario names.
-fn chosen(
-    scenario: &Scenario,
-    session: &Session,
-    law: &Law,
-    errors: &mut Vec<ScenarioError>,
-) -> Subscription {
+fn chosen(scenario: &Scenario, session: &Session, law: &Law, errors: &mut Vec<ScenarioError>) -> Subscription {
     let mut signals = Vec::new();
     for choice in scenario.telemetry.signals.iter().flatten() {
         let name = &*choice.name;
@@ -176,12 +171,7 @@ fn chosen(
                 continue;
             }
         };
-        errors.push(ScenarioError::by_drive(
-            &choice.origin,
-            "telemetry.signals",
-            format!("{name:?}"),
-            refusal,
-        ));
+        errors.push(ScenarioError::by_drive(&choice.origin, "telemetry.signals", format!("{name:?}"), refusal));
     }
     Subscription::new(signals, scenario.telemetry.every_steps)
 }

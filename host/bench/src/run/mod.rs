@@ -5,7 +5,6 @@
 //! | `runner` | from a scenario and a device to a verdict: [`run`] |
 //! | `device_under_test` | the device with the faults on its link |
 //! | [`mod@simulator`] | the simulated side of the loop: plant, encoders, reference |
-//! | `plant_from_scenario` | the plant that a scenario describes |
 //! | `drive_settings` | what a scenario sets on a drive, checked against its description |
 //! | [`setup`] | applies the scenario's settings to the drive |
 //! | `lockstep` | paces the loop by the drive: the plant waits for it |
@@ -27,7 +26,6 @@ mod held_torque;
 mod lockstep;
 pub mod outcome;
 mod phase;
-mod plant_from_scenario;
 pub mod real_time;
 mod reconnect;
 mod runner;

@@ -20,6 +20,7 @@ use crate::scenario::Scenario;
 use crate::session::{Session, Traffic};
 use crate::timing::ClockName;
 use crate::verdict::{Judgement, LinkCounts};
+use lashloop_plant::PlantError;
 use lashloop_plant::metrics::SignalTable;
 
 /// What paces a run.
@@ -163,8 +164,10 @@ fn run_to_end<'a, S: StepSink>(
     }
     let started = Instant::now();
     let end = match close(&mut control, device) {
-        // A result of the run.
-        Err(RunError::Integration(error)) => Ok(End::Diverged(error)),
+        // A result of the run, unless the plant broke down for a reason of its own.
+        Err(RunError::Integration(error)) if !matches!(error, PlantError::Failed(_)) => {
+            Ok(End::Diverged(error))
+        }
         end => end,
     };
     let wall_s = started.elapsed().as_secs_f64();

@@ -79,7 +79,7 @@ pub(super) fn resume(
     device.session.line.clear().map_err(|source| device.explain(source))?;
     device.session.reset().map_err(|source| device.explain(source))?;
     let firmware_of = |it: &Identity| {
-        (it.board, it.firmware, it.build_id, it.law_count, it.parameter_count, it.signal_count)
+        (it.board, it.firmware, it.build_id, it.dirty, it.law_count, it.parameter_count, it.signal_count)
     };
     if firmware_of(&device.session.identity) != firmware_of(lost) {
         let build = lost.build_id;

@@ -8,6 +8,8 @@
 //!
 //! They are replaced in the tree, from file and command line alike, so that everything after it has the present names only.
 
+use lashloop_plant::backlash_shaft;
+
 use super::tree::Table;
 
 /// Former names of laws, each with the present one.
@@ -25,7 +27,7 @@ pub(super) fn replace(root: &mut Table) {
     if let Some(model) = root.section_mut("plant").and_then(|plant| plant.text_mut("model"))
         && model == "bench"
     {
-        "backlash-shaft".clone_into(model);
+        backlash_shaft::NAME.clone_into(model);
     }
     let Some(controller) = root.section_mut("controller") else { return };
     if let Some(name) = controller.text_mut("name") {

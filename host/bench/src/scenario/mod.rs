@@ -11,14 +11,14 @@
 //! |---|---|---|
 //! | `title`, `description` | what the scenario shows | this one |
 //! | `[run]` `[encoders]` `[link]` `[allow]` `[telemetry]` `[record]` | settings of the bench | [`sections`] |
-//! | `[plant]` | load, motor, gap and initial state | [`plant`], [`backlash_shaft`] |
+//! | `[plant]` | a registered model, its keys and its initial state | [`plant`], [`environment`] |
 //! | `[controller]` | the law and the drive's parameters | [`controller`] |
 //! | `[reference]` | the commanded position | [`lashloop_plant::reference`] |
 //! | `[[fault]]` | faults to inject | [`fault`] |
 //! | `[[expect]]` | bounds on metrics | [`expectation`] |
 
-pub mod backlash_shaft;
 pub mod controller;
+pub mod environment;
 mod error;
 pub mod expectation;
 pub mod fault;
@@ -28,6 +28,7 @@ mod keys;
 mod origin;
 mod overrides;
 pub mod plant;
+mod plant_keys;
 mod range;
 mod reader;
 mod reference;
@@ -41,8 +42,8 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-pub use self::error::{ScenarioError, ScenarioErrors};
 pub use self::former_names::present_law;
+pub use self::error::{ScenarioError, ScenarioErrors};
 pub use self::key_error::KeyError;
 pub use self::origin::Origin;
 pub use self::overrides::Override;
@@ -55,6 +56,7 @@ use self::reader::Section;
 use self::sections::{
     Allowance, EncoderSettings, LinkSettings, RecordSettings, RunSettings, TelemetrySettings,
 };
+use lashloop_plant::Plants;
 use lashloop_plant::reference::Reference;
 
 /// A scenario in which every key has a value in its allowed range.
@@ -70,7 +72,7 @@ pub struct Scenario {
     pub description: Option<String>,
     /// Duration, control period and seed.
     pub run: RunSettings,
-    /// Load, motor and gap.
+    /// The plant.
     pub plant: PlantSettings,
     /// Resolution and noise of the encoders.
     pub encoders: EncoderSettings,
@@ -100,9 +102,21 @@ impl Scenario {
     /// # Errors
     /// The file can't be read, isn't TOML, or has keys that are unknown, missing or out of range; all errors at once.
     pub fn from_file(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioErrors> {
+        Self::from_file_with(path, overrides, &plant::standard())
+    }
+
+    /// As [`from_file`](Self::from_file), with these plant models to choose from.
+    ///
+    /// # Errors
+    /// As [`from_file`](Self::from_file).
+    pub fn from_file_with(
+        path: &Path,
+        overrides: &[Override],
+        plants: &Plants,
+    ) -> Result<Self, ScenarioErrors> {
         let text = std::fs::read_to_string(path)
             .map_err(|source| ScenarioError::Read { path: path.to_owned(), source })?;
-        Self::from_str(&path.to_string_lossy(), &text, overrides)
+        Self::from_str_with(&path.to_string_lossy(), &text, overrides, plants)
     }
 
     /// Reads a text. `name` is the file's name in errors, and relative paths in the text start at its directory.
@@ -110,6 +124,19 @@ impl Scenario {
     /// # Errors
     /// As [`from_file`](Self::from_file), except for reading the file.
     pub fn from_str(name: &str, text: &str, overrides: &[Override]) -> Result<Self, ScenarioErrors> {
+        Self::from_str_with(name, text, overrides, &plant::standard())
+    }
+
+    /// As [`from_str`](Self::from_str), with these plant models to choose from.
+    ///
+    /// # Errors
+    /// As [`from_str`](Self::from_str).
+    pub fn from_str_with(
+        name: &str,
+        text: &str,
+        overrides: &[Override],
+        plants: &Plants,
+    ) -> Result<Self, ScenarioErrors> {
         let file: Arc<str> = name.into();
         let mut tree = tree::parse_file(&file, text)?;
         let mut errors: Vec<_> =
@@ -117,7 +144,7 @@ impl Scenario {
         former_names::replace(&mut tree);
         let directory = Path::new(name).parent().unwrap_or(Path::new(""));
         let start = Origin::File { file, line: 1 };
-        match reader::read_document(&tree, start, |root| read(root, name, directory)) {
+        match reader::read_document(&tree, start, |root| read(root, name, directory, plants)) {
             Ok(scenario) if errors.is_empty() => Ok(scenario),
             Ok(_) => Err(ScenarioErrors::new(errors)),
             Err(found) => {
@@ -137,11 +164,10 @@ impl Scenario {
     }
 }
 
-fn read(root: &mut Section<'_>, name: &str, directory: &Path) -> Scenario {
-    let plant = root.section("plant", plant::read);
-    let model = plant.model;
+fn read(root: &mut Section<'_>, name: &str, directory: &Path, plants: &Plants) -> Scenario {
+    let plant = root.section("plant", |section| plant::read(section, plants));
     let run = root.section("run", sections::read_run);
-    let faults = root.sections("fault", |section| fault::read(section, model, &run));
+    let faults = root.sections("fault", |section| fault::read(section, &plant.model, plants, &run));
     Scenario {
         name: name.to_owned(),
         title: root.text("title", Some("a text in quotes")).unwrap_or_default().to_owned(),

@@ -202,9 +202,8 @@ pub struct SignalChoice {
 }
 
 fn read_signals(telemetry: &mut Section<'_>, key: &'static str) -> Option<Vec<SignalChoice>> {
-    let signals = telemetry.texts(key, "a list of the drive's signals, such as [\"load_error_rad\"]")?;
-    let choice =
-        |(name, origin): (&str, &Origin)| SignalChoice { name: name.to_owned(), origin: origin.clone() };
+    let signals = telemetry.optional_texts(key, "a list of the drive's signals, such as [\"load_error_rad\"]")?;
+    let choice = |(name, origin): (&str, &Origin)| SignalChoice { name: name.to_owned(), origin: origin.clone() };
     Some(signals.into_iter().map(choice).collect())
 }
 

@@ -3,9 +3,9 @@
 use std::f64::consts::FRAC_PI_2;
 
 use lashloop_bench::scenario::controller::ParameterValue;
-use lashloop_bench::scenario::plant::{PlantModel, PlantSettings};
 use lashloop_bench::scenario::{Override, Scenario, ScenarioError};
 use lashloop_firmware::drive::parameters::TABLE;
+use lashloop_plant::Plants;
 use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MIN_COUNTS_PER_REV};
 use lashloop_plant::reference::Reference;
 use lashloop_protocol::enums::{ControllerId, ParameterValue as DriveValue};
@@ -15,26 +15,23 @@ use crate::{SHORTEST, read};
 #[test]
 fn the_default_plant_is_table_1_of_the_paper() {
     let scenario = read(SHORTEST, &[]).expect("a good scenario");
-    let table_1 = PlantSettings {
-        model: PlantModel::Smooth,
-        substeps: 4,
-        load_inertia_kg_m2: 7.5,
-        load_friction_nm_s_rad: 16.0,
-        motor_inertia_kg_m2: 9.72e-4,
-        motor_friction_nm_s_rad: 4.3e-4,
-        reduction_ratio: 3.0,
-        stiffness_nm_rad: 1.0,
-        dead_zone_rad: 0.16,
-        load_coulomb_nm: None,
-        backlash_shaft: None,
-        initial: lashloop_plant::Start {
-            load_position_rad: FRAC_PI_2,
-            load_velocity_rad_s: 0.0,
-            motor_position_rad: 3.0 * FRAC_PI_2,
-            motor_velocity_rad_s: 0.0,
-        },
-    };
-    assert_eq!(scenario.plant, table_1);
+    let table_1 = [
+        ("substeps", 4.0),
+        ("load_inertia_kg_m2", 7.5),
+        ("load_friction_nm_s_rad", 16.0),
+        ("motor_inertia_kg_m2", 9.72e-4),
+        ("motor_friction_nm_s_rad", 4.3e-4),
+        ("reduction_ratio", 3.0),
+        ("stiffness_nm_rad", 1.0),
+        ("dead_zone_rad", 0.16),
+    ];
+    let plant = &scenario.plant;
+    assert_eq!(plant.values.iter().map(|(key, _)| key).collect::<Vec<_>>(), table_1.map(|(key, _)| key));
+    for (key, value) in table_1 {
+        assert_eq!(plant.number(key), Some(value), "{key}");
+    }
+    assert_eq!(plant.environment, None);
+    assert_eq!(plant.initial, lashloop_plant::Start::at_rest(FRAC_PI_2, 3.0 * FRAC_PI_2));
     assert_eq!(scenario.controller.name, ControllerId::Pd);
     assert_eq!(scenario.reference, Reference::Constant { position_rad: 0.0 });
 }
@@ -66,9 +63,9 @@ fn scenarios_allow_the_encoder_resolutions_of_the_drive() {
 
 #[test]
 fn every_plant_model_is_printed_by_its_name() {
-    for model in PlantModel::ALL {
+    for model in Plants::standard().iter() {
         let scenario = read(&SHORTEST.replace("smooth", model.name()), &[]).expect("a good scenario");
-        assert_eq!(scenario.plant.model, model);
+        assert_eq!(scenario.plant.model, *model);
         let line = format!("model = \"{}\"\n", model.name());
         assert!(scenario.to_toml().expect("TOML").contains(&line), "{line}");
     }
@@ -77,8 +74,8 @@ fn every_plant_model_is_printed_by_its_name() {
 #[test]
 fn the_hard_gap_brings_its_friction_and_the_smooth_one_has_none() {
     let hard = read(&SHORTEST.replace("smooth", "hard-coulomb"), &[]).expect("a good scenario");
-    assert_eq!(hard.plant.model, PlantModel::HardCoulomb);
-    assert_eq!(hard.plant.load_coulomb_nm, Some(3.84));
+    assert_eq!(hard.plant.model.name(), "hard-coulomb");
+    assert_eq!(hard.plant.number("load_coulomb_nm"), Some(3.84));
 }
 
 #[test]

@@ -34,7 +34,7 @@ mod state;
 mod stribeck;
 mod substeps;
 
-pub use model::model;
+pub use model::{NAME, model};
 pub use modes::{ShaftGuard, ShaftStride};
 pub use parameters::{BristleParameters, ShaftParameters, StribeckParameters};
 pub use shaft::BacklashShaft;

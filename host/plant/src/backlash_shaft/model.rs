@@ -5,6 +5,9 @@ use super::shaft::BacklashShaft;
 use crate::mechanics_keys;
 use crate::{Changes, Key, Mechanics, PlantError, PlantModel, PlantValues, Release, RunningPlant};
 
+/// Name of the model in scenarios.
+pub const NAME: &str = "backlash-shaft";
+
 /// The model for scenarios.
 #[must_use]
 pub fn model() -> PlantModel {
@@ -19,7 +22,7 @@ pub fn model() -> PlantModel {
     let build = |release: &Release<'_>| -> Result<Box<dyn crate::Plant>, PlantError> {
         Ok(Box::new(RunningPlant::released(BacklashShaft::of(release)?, release.start)))
     };
-    PlantModel::new("backlash-shaft", summary, all, build).with_changes(changes)
+    PlantModel::new(NAME, summary, all, build).with_changes(changes)
 }
 
 fn keys() -> [Key; 14] {

@@ -2,10 +2,10 @@
 
 use super::shaft::BacklashShaft;
 use super::state::{BRISTLE, BacklashShaftState, ShaftCoordinates, ShaftMode, Surroundings};
-use crate::coordinates::{DISSIPATED, LOAD_VELOCITY, MOTOR_VELOCITY};
+use crate::coordinates::{self, DISSIPATED, LOAD_VELOCITY, MOTOR_VELOCITY};
 use crate::integrator;
 use crate::mode::{Contact, DryFriction};
-use crate::{Environment, PlantError, Release, RunningPlant, Start, Truth, TwoMass};
+use crate::{Environment, PlantError, Positions, Release, RunningPlant, Start, Truth, TwoMass};
 
 impl TwoMass for BacklashShaft {
     type State = BacklashShaftState;
@@ -38,6 +38,10 @@ impl TwoMass for BacklashShaft {
         let BacklashShaftState { coordinates, mode } = state;
         let substeps = self.substeps(dt_s, coordinates.x[LOAD_VELOCITY])?;
         integrator::advance(self, coordinates, mode, torque_nm, dt_s, substeps)
+    }
+
+    fn positions(&self, state: &BacklashShaftState) -> Positions {
+        coordinates::positions(state.coordinates.x.as_slice())
     }
 
     fn truth(&self, state: &BacklashShaftState) -> Truth {

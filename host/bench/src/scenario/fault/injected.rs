@@ -8,10 +8,11 @@ use super::kinds::FaultDuration;
 use super::link::{FrameFault, LinkFault, Way};
 use super::motor::MotorFault;
 use super::plant::PlantFault;
-use crate::scenario::plant::PlantModel;
 use crate::scenario::range::positive;
 use crate::scenario::reader::Section;
 use crate::scenario::sections::RunSettings;
+use crate::scenario::spelling::either;
+use lashloop_plant::{PlantModel, Plants};
 
 /// A fault to inject during the run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -119,7 +120,8 @@ const STAND_IN: FaultKind = FaultKind::Link(LinkFault::Cut {});
 /// Reads one fault of a scenario with this plant and this run.
 pub(in crate::scenario) fn read(
     fault: &mut Section<'_>,
-    model: PlantModel,
+    model: &PlantModel,
+    plants: &Plants,
     run: &RunSettings,
 ) -> InjectedFault {
     let at_s = fault.number("at_s", None, 0.0..=1e5);
@@ -135,11 +137,11 @@ pub(in crate::scenario) fn read(
         fault.accept_the_rest();
         return InjectedFault { at_s, for_s, kind: STAND_IN };
     };
-    if matches!(kind, FaultKind::Plant(_)) && model != PlantModel::BacklashShaft {
-        fault.reject(
-            "kind",
-            "needs plant.model = \"backlash-shaft\": no other plant changes while it runs".to_owned(),
-        );
+    if let FaultKind::Plant(change) = &kind
+        && !change.is_taken_by(model)
+    {
+        let takers = either(plants.iter().filter(|it| change.is_taken_by(it)).map(|it| it.name()));
+        fault.reject("kind", format!("needs plant.model = {takers}: {} takes no such change", model.name()));
     }
     match (kind.duration(), for_s) {
         (FaultDuration::Momentary, Some(_)) => {

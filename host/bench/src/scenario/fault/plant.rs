@@ -1,11 +1,13 @@
 //! Faults of the plant.
 
+use lashloop_plant::PlantModel;
+
 use super::kinds::fault_kinds;
 use crate::scenario::keys::number;
 use crate::scenario::range::positive;
 
 fault_kinds! {
-    /// Changes of gap, shaft and load, on the plant `backlash-shaft` only.
+    /// Changes of gap, shaft and load, on plants that take them.
     pub enum PlantFault {
         /// The gap widens.
         "gap-growth" => GapGrowth {
@@ -26,6 +28,18 @@ fault_kinds! {
         "friction-change" => FrictionChange {
             /// New Coulomb and stiction torque over the old ones, > 0 and <= 100.
             factor: f64 = number(positive(100.0)),
+        }
+    }
+}
+
+impl PlantFault {
+    /// Whether the plants of a model take this change.
+    pub(super) fn is_taken_by(&self, model: &PlantModel) -> bool {
+        let changes = model.changes();
+        match self {
+            Self::GapGrowth { .. } | Self::LoadTorque { .. } => changes.environment,
+            Self::StiffnessDrop { .. } => !changes.stiffness.is_empty(),
+            Self::FrictionChange { .. } => !changes.friction.is_empty(),
         }
     }
 }

@@ -9,8 +9,10 @@
 //! |---|---|
 //! | `section` | a section, the sections in it, and missing and unknown keys |
 //! | `values` | numbers, texts and choices |
+//! | `free` | lists of texts, and free tables |
 //! | `schema` | the keys a section has, and what an unknown key was meant to be |
 
+mod free;
 mod schema;
 mod section;
 mod values;

@@ -128,7 +128,7 @@ impl<'a> Section<'a> {
     }
 
     /// An optional list of texts, each with its place. `allowed` describes it. `None` if absent or faulty.
-    pub(in crate::scenario) fn texts(
+    pub(in crate::scenario) fn optional_texts(
         &mut self,
         key: &'static str,
         allowed: &str,
