@@ -2,7 +2,9 @@
 
 mod measurable;
 
-use serde::ser::{Serialize, SerializeMap, Serializer};
+pub(super) use measurable::unmeasurable;
+
+use serde::Serialize;
 
 use super::key_error::KeyError;
 use super::origin::Origin;
@@ -12,20 +14,26 @@ use super::spelling::either;
 use lashloop_plant::metrics::{FIXED_SIGNALS, Metric, Quantity, Query, Statistic, Window};
 
 /// Bounds on one quantity, inclusive. At least one is given.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Expectation {
     /// The metric, or the signal and its statistic.
+    #[serde(flatten)]
     pub quantity: Quantity,
     /// The quantity's unit, which the scenario has to give.
     pub unit: String,
     /// Smallest value that passes, -1e9 to 1e9.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub min: Option<f64>,
     /// Largest value that passes, -1e9 to 1e9.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub max: Option<f64>,
     /// The part of the run that is judged; `None` for all of it.
+    #[serde(flatten)]
     pub window: Option<Window>,
     /// Source of the bounds.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
+    #[serde(skip)]
     places: Places,
 }
 
@@ -64,36 +72,6 @@ impl Expectation {
     #[must_use]
     pub fn query(&self) -> Query {
         Query { quantity: self.quantity.clone(), window: self.window }
-    }
-}
-
-/// The keys as a scenario has them.
-impl Serialize for Expectation {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut keys = serializer.serialize_map(None)?;
-        match &self.quantity {
-            Quantity::Metric(metric) => keys.serialize_entry("metric", metric)?,
-            Quantity::Statistic { signal, statistic } => {
-                keys.serialize_entry("signal", signal)?;
-                keys.serialize_entry("statistic", statistic)?;
-            }
-        }
-        keys.serialize_entry("unit", &self.unit)?;
-        let numbers = [
-            ("min", self.min),
-            ("max", self.max),
-            ("from_s", self.window.map(|window| window.from_s)),
-            ("to_s", self.window.and_then(|window| window.to_s)),
-        ];
-        for (key, number) in numbers {
-            if let Some(number) = number {
-                keys.serialize_entry(key, &number)?;
-            }
-        }
-        if let Some(note) = &self.note {
-            keys.serialize_entry("note", note)?;
-        }
-        keys.end()
     }
 }
 

@@ -145,7 +145,10 @@ impl Scenario {
         let directory = Path::new(name).parent().unwrap_or(Path::new(""));
         let start = Origin::File { file, line: 1 };
         match reader::read_document(&tree, start, |root| read(root, name, directory, plants)) {
-            Ok(scenario) if errors.is_empty() => Ok(scenario),
+            Ok(scenario) if errors.is_empty() => {
+                let errors = expectation::unmeasurable(&scenario, None);
+                if errors.is_empty() { Ok(scenario) } else { Err(ScenarioErrors::new(errors)) }
+            }
             Ok(_) => Err(ScenarioErrors::new(errors)),
             Err(found) => {
                 errors.extend(found);
