@@ -171,6 +171,7 @@ impl Scenario {
             };
             errors = traps::check(&facts, &meant);
             scenario.nominal = Nominal::new(&facts);
+            errors.extend(expectation::unmeasurable(&scenario, None));
         }
         if errors.is_empty() { Ok(scenario) } else { Err(ScenarioErrors::new(errors)) }
     }
