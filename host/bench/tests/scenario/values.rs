@@ -100,6 +100,17 @@ fn a_duration_between_two_periods_goes_to_the_nearest() {
 }
 
 #[test]
+fn a_whole_number_may_have_an_exponent_or_a_point() {
+    let seed =
+        |text: &str| read(SHORTEST, &[Override::Set(format!("run.seed={text}"))]).map(|it| it.run.seed);
+    assert_eq!(["1e3", "7.0", "1_000"].map(|text| seed(text).expect("a whole number")), [1000, 7, 1000]);
+    // 2^53 + 2 is whole, but a file may have meant 2^53 + 1.
+    for text in ["1.5", "1e-3", "9007199254740994.0", "inf"] {
+        assert!(seed(text).is_err(), "{text}");
+    }
+}
+
+#[test]
 fn drive_parameters_keep_their_order_type_and_place() {
     let text = format!("{SHORTEST}[controller.parameters]\nlimit = 25\nlead = true\nsource = \"model\"\n");
     let parameters = read(&text, &[]).expect("a good scenario").controller.parameters;
@@ -120,6 +131,7 @@ fn a_table_is_looked_up_in_the_folder_of_its_scenario() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     std::fs::write(directory.path().join("ramp.csv"), "time_s,position_rad\n0,0\n2,1\n").expect("a table");
     let text = SHORTEST.replace("\"constant\"\nposition_rad = 0.0", "\"table\"\nfile = \"ramp.csv\"");
+    let text = format!("meant = \"start\"\n{text}");
     let path = directory.path().join("x.toml");
     std::fs::write(&path, text).expect("a scenario");
     let scenario = Scenario::from_file(&path, &[]).expect("a good scenario");
@@ -220,7 +232,8 @@ fn every_profile_survives_printing() {
         "\"sine\"\namplitude_rad = 0.5\nfrequency_hz = 0.05\nphase_rad = 0.1",
         "\"trapezoid\"\nfrom_rad = 1\nto_rad = 0.5\nvelocity_rad_s = 2\nacceleration_rad_s2 = 3",
     ] {
-        let text = SHORTEST.replace("\"constant\"\nposition_rad = 0.0", profile);
+        let text =
+            format!("meant = [\"start\"]\n{}", SHORTEST.replace("\"constant\"\nposition_rad = 0.0", profile));
         let scenario = read(&text, &[]).expect(&text);
         assert_eq!(read(&scenario.to_toml().expect("TOML"), &[]).expect(profile), scenario);
     }
