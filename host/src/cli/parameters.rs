@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use lashloop::parameter_set::{ParameterSet, Settings, SettingsError, to_plain_value, to_toml_value};
 use lashloop_bench::device::Device;
-use lashloop_bench::session::{LawSet, Session};
+use lashloop_bench::session::{LawMask, Session};
 use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
@@ -79,7 +79,7 @@ impl Arguments {
 }
 
 fn list(session: &Session, in_force: &ParameterSet) {
-    let laws = |set: LawSet| {
+    let laws = |set: LawMask| {
         if set.is_all(&session.laws) { "all".to_owned() } else { set.names(&session.laws) }
     };
     let rows = in_force.iter().map(|(it, value)| {

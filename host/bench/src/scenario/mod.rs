@@ -170,8 +170,8 @@ impl Scenario {
                 is_overridden: !overrides.is_empty(),
             };
             errors = traps::check(&facts, &meant);
-            scenario.nominal = Nominal::new(&facts);
             errors.extend(expectation::unmeasurable(&scenario, None));
+            scenario.nominal = Nominal::new(&facts);
         }
         if errors.is_empty() { Ok(scenario) } else { Err(ScenarioErrors::new(errors)) }
     }
