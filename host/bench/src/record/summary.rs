@@ -6,6 +6,7 @@ use std::path::Path;
 use lashloop_protocol::PROTOCOL_VERSION;
 use lashloop_protocol::message::Identity;
 use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
 
 use crate::atomic_file::WriteError;
 use crate::atomic_file::write_whole;
@@ -13,7 +14,7 @@ use crate::fault::log::FaultRecord;
 use crate::session::Subscription;
 use crate::timing::TimingReport;
 use crate::verdict::{JudgedExpectation, LinkCounts, Verdict};
-use lashloop_plant::metrics::Metrics;
+use lashloop_plant::metrics::{Measured, Metric, Metrics};
 
 /// Summary of a run: one JSON object with its keys in this order.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -38,7 +39,8 @@ pub struct Summary {
     pub simulated_s: f64,
     /// Wall-clock time.
     pub wall_s: f64,
-    /// The metrics by name; null where there is no value.
+    /// The metrics by name, null where there is no value; then `metrics_without_value`, the reason of each null by name.
+    #[serde(flatten, serialize_with = "with_reasons")]
     pub metrics: Metrics,
     /// The expectations of the scenario with the values measured.
     pub expectations: Vec<JudgedExpectation>,
@@ -52,6 +54,16 @@ pub struct Summary {
     pub torque_sha256: String,
     /// Versions of tool, protocol and firmware.
     pub versions: Versions,
+}
+
+fn with_reasons<S: Serializer>(metrics: &Metrics, serializer: S) -> Result<S::Ok, S::Error> {
+    let reason = |(metric, measured): (Metric, Measured)| Some((metric.name(), measured.reason()?));
+    let reasons: serde_json::Map<_, _> =
+        metrics.iter().filter_map(reason).map(|(name, reason)| (name.to_owned(), reason.into())).collect();
+    let mut keys = serializer.serialize_map(None)?;
+    keys.serialize_entry("metrics", metrics)?;
+    keys.serialize_entry("metrics_without_value", &reasons)?;
+    keys.end()
 }
 
 /// Versions of everything that can change the result.
@@ -152,8 +164,7 @@ mod tests {
             });
         }
         let metrics = measurement.metrics();
-        let settle =
-            Expectation { metric: Metric::SettleTime, unit: "s", min: None, max: Some(2.0), note: None };
+        let settle = Expectation::of_metric(Metric::SettleTime, None, Some(2.0));
         let link = LinkCounts { frames_sent: 4, frames_received: 4, ..LinkCounts::default() };
         let timing = Timings::new(ClockName::Lockstep, 1_000, 0).report(Vec::new());
         let judgement = Judgement::new(&[settle], &metrics, &Allowance::default(), &link, &timing);

@@ -30,9 +30,9 @@ impl EnvironmentSettings {
 settings! {
     /// `[plant.load_torque]`: an external torque on the load during an interval.
     pub struct LoadTorque {
-        /// The torque, -1e6 to 1e6, positive towards positive angles.
+        /// The torque, positive towards positive angles.
         torque_nm: f64 = number_or(0.0, -1e6..=1e6),
-        /// Begin of the interval, 0 to 1e6.
+        /// Begin of the interval.
         from_s: f64 = number_or(0.0, 0.0..=FOREVER_S),
         /// End of the interval, excluded.
         until_s: f64 = number_or(FOREVER_S, positive(FOREVER_S)),
@@ -50,9 +50,9 @@ impl LoadTorque {
 settings! {
     /// `[plant.wear]`: linear growth of the half gap during an interval.
     pub struct Wear {
-        /// Total growth, 0 to 1.
+        /// Total growth.
         growth_rad: f64 = number_or(0.0, 0.0..=1.0),
-        /// Begin of the growth, 0 to 1e6.
+        /// Begin of the growth.
         from_s: f64 = number_or(0.0, 0.0..=FOREVER_S),
         /// End of the growth.
         until_s: f64 = number_or(FOREVER_S, positive(FOREVER_S)),
@@ -76,12 +76,15 @@ const FOREVER_S: f64 = 1e6;
 
 pub(super) fn read(plant: &mut Section<'_>) -> EnvironmentSettings {
     EnvironmentSettings {
-        load_torque: plant.section("load_torque", |section| {
-            let load = LoadTorque::read(section);
-            check_times(section, load.from_s, load.until_s);
-            load
-        }),
-        wear: plant.section("wear", |section| {
+        load_torque: plant.doc("An external torque on the load during an interval.").section(
+            "load_torque",
+            |section| {
+                let load = LoadTorque::read(section);
+                check_times(section, load.from_s, load.until_s);
+                load
+            },
+        ),
+        wear: plant.doc("Linear growth of the half gap during an interval.").section("wear", |section| {
             let wear = Wear::read(section);
             check_times(section, wear.from_s, wear.until_s);
             wear

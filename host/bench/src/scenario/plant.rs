@@ -11,6 +11,7 @@ use lashloop_plant::{TORQUE_DELAY_US, smooth};
 use serde::{Serialize, Serializer};
 
 use super::environment::{self, EnvironmentSettings};
+use super::key::Choice;
 use super::plant_keys;
 use super::reader::Section;
 
@@ -87,7 +88,9 @@ const SYMBOLS: &[(&str, &str)] = &[
 pub(super) fn read(plant: &mut Section<'_>, plants: &Plants) -> PlantSettings {
     plant.symbols(SYMBOLS);
     let names: Vec<_> = plants.iter().map(|model| (model.name(), model)).collect();
-    let Some(model) = plant.choice("model", None, &names) else {
+    let docs = plants.iter().map(|model| Choice { name: model.name(), doc: model.summary() }).collect();
+    let model = plant.doc("Model of the plant.").choice_docs(docs).choice("model", None, &names);
+    let Some(model) = model else {
         // The known keys depend on a choice that is faulty itself. Most plants have those of the smooth one.
         let stand_in = Arc::new(smooth::model());
         let values = plant_keys::read(plant, stand_in.keys());
@@ -110,13 +113,13 @@ pub(super) fn read(plant: &mut Section<'_>, plants: &Plants) -> PlantSettings {
 
 /// The default is the paper's start at rest.
 fn read_initial(plant: &mut Section<'_>) -> Start {
-    plant.section("initial", |initial| {
-        let mut number = |key, default| initial.number(key, default, -1e4..=1e4);
+    plant.doc("Positions and velocities at time 0.").section("initial", |initial| {
+        let mut number = |doc, key, default| initial.doc(doc).number(key, default, -1e4..=1e4);
         Start {
-            load_position_rad: number("load_position_rad", FRAC_PI_2),
-            load_velocity_rad_s: number("load_velocity_rad_s", 0.0),
-            motor_position_rad: number("motor_position_rad", 3.0 * FRAC_PI_2),
-            motor_velocity_rad_s: number("motor_velocity_rad_s", 0.0),
+            load_position_rad: number("Position of the load.", "load_position_rad", FRAC_PI_2),
+            load_velocity_rad_s: number("Velocity of the load.", "load_velocity_rad_s", 0.0),
+            motor_position_rad: number("Position of the motor.", "motor_position_rad", 3.0 * FRAC_PI_2),
+            motor_velocity_rad_s: number("Velocity of the motor.", "motor_velocity_rad_s", 0.0),
         }
     })
 }

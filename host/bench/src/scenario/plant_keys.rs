@@ -2,9 +2,9 @@
 
 use lashloop_plant::{Key, KeyKind, PlantValue, PlantValues};
 
-use super::range::NumberRange;
 use super::reader::Section;
 use super::spelling::with_unit;
+use super::tree::{Node, Value};
 
 /// Reads the values of `keys`, each with its default if it is absent.
 pub(super) fn read(plant: &mut Section<'_>, keys: &[Key]) -> PlantValues {
@@ -30,9 +30,10 @@ pub(super) fn read(plant: &mut Section<'_>, keys: &[Key]) -> PlantValues {
 }
 
 fn read_value(plant: &mut Section<'_>, key: &Key) -> PlantValue {
+    plant.doc(key.meaning).unit(key.unit);
     match &key.kind {
         KeyKind::Number { default, range } => {
-            PlantValue::Number(plant.number(key.name, *default, NumberRange::from(range.clone())))
+            PlantValue::Number(plant.number(key.name, *default, range.clone()))
         }
         KeyKind::Integer { default, range } => {
             PlantValue::Integer(plant.integer(key.name, *default, range.clone()).into())
@@ -43,8 +44,31 @@ fn read_value(plant: &mut Section<'_>, key: &Key) -> PlantValue {
             let chosen = plant.choice(key.name, default, &choices).or(default);
             PlantValue::Text(chosen.unwrap_or_default().to_owned())
         }
-        KeyKind::Texts => PlantValue::List(plant.required_texts(key.name).into_iter().map(PlantValue::Text).collect()),
-        KeyKind::Table => PlantValue::Table(plant.free_table(key.name)),
+        KeyKind::Texts => {
+            let texts = plant.texts(key.name, Some("a list of texts in quotes, at least one"));
+            if texts.as_ref().is_some_and(Vec::is_empty) {
+                plant.reject(key.name, "is empty; it must have at least one text".to_owned());
+            }
+            let texts = texts.unwrap_or_default();
+            PlantValue::List(texts.into_iter().map(|text| PlantValue::Text(text.to_owned())).collect())
+        }
+        KeyKind::Table => plant.section(key.name, |section| free(section.all())),
+    }
+}
+
+/// A table that is passed on as it is.
+fn free<'a>(entries: impl Iterator<Item = (&'a str, &'a Node)>) -> PlantValue {
+    PlantValue::Table(entries.map(|(name, node)| (name.to_owned(), free_value(&node.value))).collect())
+}
+
+fn free_value(value: &Value) -> PlantValue {
+    match value {
+        Value::Text(text) | Value::Date(text) => PlantValue::Text(text.clone()),
+        Value::Integer(number) => PlantValue::Integer(*number),
+        Value::Float(number) => PlantValue::Number(*number),
+        Value::Boolean(boolean) => PlantValue::Boolean(*boolean),
+        Value::Array(items) => PlantValue::List(items.iter().map(|item| free_value(&item.value)).collect()),
+        Value::Table(table) => free(table.iter()),
     }
 }
 

@@ -92,15 +92,16 @@ impl FaultKind {
 
     fn read(fault: &mut Section<'_>) -> Option<Self> {
         let groups = [
-            FrameFault::NAMES,
-            LinkFault::NAMES,
-            EncoderFault::NAMES,
-            MotorFault::NAMES,
-            PlantFault::NAMES,
-            DeviceFault::NAMES,
+            FrameFault::KINDS,
+            LinkFault::KINDS,
+            EncoderFault::KINDS,
+            MotorFault::KINDS,
+            PlantFault::KINDS,
+            DeviceFault::KINDS,
         ];
-        let choices: Vec<_> = groups.into_iter().flatten().map(|name| (*name, *name)).collect();
-        let name = fault.choice("kind", None, &choices)?;
+        let kinds = groups.concat();
+        let choices: Vec<_> = kinds.iter().map(|kind| (kind.name, kind.name)).collect();
+        let name = fault.doc("What goes wrong.").choice_docs(kinds).choice("kind", None, &choices)?;
         FrameFault::read(name, fault)
             .map(|kind| Self::Frame { fault: kind, way: Way::read(fault) })
             .or_else(|| LinkFault::read(name, fault).map(Self::Link))
@@ -124,8 +125,14 @@ pub(in crate::scenario) fn read(
     plants: &Plants,
     run: &RunSettings,
 ) -> InjectedFault {
-    let at_s = fault.number("at_s", None, 0.0..=1e5);
-    let for_s = fault.optional_number("for_s", "s", positive(1e5));
+    let at_s = fault.doc("Time of the run at which the fault begins, before the end of the run.").number(
+        "at_s",
+        None,
+        0.0..=1e5,
+    );
+    let for_s = fault
+        .doc("How long it lasts; absent for the rest of the run. `link-cut` and `device-hang` last in wall-clock time and need it; `device-reset` takes none.")
+        .optional_number("for_s", "s", positive(1e5));
     if run.step_at(at_s) >= run.steps() {
         let last_s = f64::from(run.steps().saturating_sub(1)) * f64::from(run.control_period_us) / 1e6;
         fault.reject(

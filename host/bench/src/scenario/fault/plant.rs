@@ -11,22 +11,22 @@ fault_kinds! {
     pub enum PlantFault {
         /// The gap widens.
         "gap-growth" => GapGrowth {
-            /// Growth of the half width, > 0 and <= 3 rad at the motor.
+            /// Growth of the half width, at the motor.
             growth_rad: f64 = number(positive(3.0)),
         }
         /// The shaft's stiffness changes.
         "stiffness-drop" => StiffnessDrop {
-            /// New stiffness over the old one, > 0 and <= 100.
+            /// New stiffness over the old one.
             factor: f64 = number(positive(100.0)),
         }
         /// An external torque acts on the load.
         "load-torque" => LoadTorque {
-            /// The torque, -1e6 to 1e6 N m, positive towards positive angles.
+            /// The torque, positive towards positive angles.
             torque_nm: f64 = number(-1e6..=1e6),
         }
         /// The load's dry friction changes.
         "friction-change" => FrictionChange {
-            /// New Coulomb and stiction torque over the old ones, > 0 and <= 100.
+            /// New Coulomb and stiction torque over the old ones.
             factor: f64 = number(positive(100.0)),
         }
     }
