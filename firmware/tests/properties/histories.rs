@@ -120,7 +120,7 @@ fn action() -> impl Strategy<Value = Action> {
 }
 
 fn history() -> impl Strategy<Value = Vec<Action>> {
-    (select(State::ALL), vec(setting(), 0..6), vec(action(), 0..80))
+    (select(State::ALL), vec(prop_oneof![4 => setting(), 1 => subscription()], 0..6), vec(action(), 0..80))
         .prop_map(|(state, parameters, actions)| [way_to(state, parameters), actions].concat())
 }
 
