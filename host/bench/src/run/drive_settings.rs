@@ -1,5 +1,6 @@
 //! What a scenario sets on a drive, checked against the drive's description of itself. Nothing is sent here.
 
+use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::parameter_names::{
     CONTROLLER, LOAD_COUNTS_PER_REV, MOTOR_COUNTS_PER_REV, PERIOD_US, WATCHDOG_US,
@@ -34,6 +35,7 @@ impl<'a> DriveSettings<'a> {
         clock: ClockName,
     ) -> Result<Self, ScenarioErrors> {
         let law = law(scenario, session)?;
+        scenario.check_drive(|name| default_of(session.parameter(name)?, law))?;
         let mut errors = Vec::new();
         let mut notes = Vec::new();
         let from_sections = from_sections(scenario, law);
@@ -65,9 +67,9 @@ impl<'a> DriveSettings<'a> {
             return Err(errors.into());
         }
         // A drive with one law may lack the choice of a law.
-        let is_optional = |name| name == CONTROLLER && session.laws.len() == 1 && session.parameter(name).is_none();
-        let mut required: Vec<_> =
-            from_sections.into_iter().map(|(name, _, value)| (name, value)).collect();
+        let is_optional =
+            |name| name == CONTROLLER && session.laws.len() == 1 && session.parameter(name).is_none();
+        let mut required: Vec<_> = from_sections.into_iter().map(|(name, _, value)| (name, value)).collect();
         required.retain(|(name, _)| !is_optional(*name));
         if clock == ClockName::Lockstep {
             // The watchdog must tolerate a slow bench but not a dead one: it waits as long for the bench as the bench does
@@ -96,6 +98,14 @@ fn law<'s>(scenario: &Scenario, session: &'s Session) -> Result<&'s Law, Scenari
         let known = session.laws.iter().map(|law| &*law.name);
         let reason = UnknownName::new("the drive", "law", &wanted.name, known);
         ScenarioError::by_drive(&wanted.origin, "controller.name", format!("{:?}", wanted.name), reason)
+    })
+}
+
+/// The default of a parameter that the law has.
+fn default_of(parameter: &Parameter, law: &Law) -> Option<f64> {
+    parameter.laws.contains(law.index).then_some(match parameter.default {
+        ParameterValue::U32(value) => value.into(),
+        ParameterValue::F32(value) => value.into(),
     })
 }
 
@@ -150,7 +160,12 @@ fn foreign(
 }
 
 /// The subscription to the signals that the scenario names.
-fn chosen(scenario: &Scenario, session: &Session, law: &Law, errors: &mut Vec<ScenarioError>) -> Subscription {
+fn chosen(
+    scenario: &Scenario,
+    session: &Session,
+    law: &Law,
+    errors: &mut Vec<ScenarioError>,
+) -> Subscription {
     let mut signals = Vec::new();
     for choice in scenario.telemetry.signals.iter().flatten() {
         let name = &*choice.name;
@@ -171,7 +186,12 @@ fn chosen(scenario: &Scenario, session: &Session, law: &Law, errors: &mut Vec<Sc
                 continue;
             }
         };
-        errors.push(ScenarioError::by_drive(&choice.origin, "telemetry.signals", format!("{name:?}"), refusal));
+        errors.push(ScenarioError::by_drive(
+            &choice.origin,
+            "telemetry.signals",
+            format!("{name:?}"),
+            refusal,
+        ));
     }
     Subscription::new(signals, scenario.telemetry.every_steps)
 }

@@ -47,8 +47,8 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-pub use self::former_names::present_law;
 pub use self::error::{ScenarioError, ScenarioErrors};
+pub use self::former_names::present_law;
 pub use self::key_error::KeyError;
 pub use self::origin::Origin;
 pub use self::overrides::Override;

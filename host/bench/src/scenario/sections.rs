@@ -180,9 +180,9 @@ settings! {
     /// `[telemetry]`.
     #[derive(Eq)]
     pub struct TelemetrySettings {
-        /// Period of the drive's telemetry in steps; 10 by default, 0 for none.
+        /// Period of the drive's telemetry in steps; 0 for none.
         every_steps: u16 = integer_or(10, 0..=u16::MAX),
-        /// Names of the drive's signals to record, 13 at most; by default all that the law has, as many as fit.
+        /// Names of the drive's signals to record, 13 at most; absent for all that the law has, as many as fit.
         #[serde(skip_serializing_if = "Option::is_none")]
         signals: Option<Vec<SignalChoice>> = read_signals,
     }
@@ -200,8 +200,10 @@ pub struct SignalChoice {
 }
 
 fn read_signals(telemetry: &mut Section<'_>, key: &'static str) -> Option<Vec<SignalChoice>> {
-    let signals = telemetry.optional_texts(key, "a list of the drive's signals, such as [\"load_error_rad\"]")?;
-    let choice = |(name, origin): (&str, &Origin)| SignalChoice { name: name.to_owned(), origin: origin.clone() };
+    let signals =
+        telemetry.optional_texts(key, "a list of the drive's signals, such as [\"load_error_rad\"]")?;
+    let choice =
+        |(name, origin): (&str, &Origin)| SignalChoice { name: name.to_owned(), origin: origin.clone() };
     Some(signals.into_iter().map(choice).collect())
 }
 

@@ -4,11 +4,11 @@ use std::f64::consts::FRAC_PI_2;
 
 use lashloop_bench::scenario::controller::ParameterValue;
 use lashloop_bench::scenario::{Override, Scenario, ScenarioError};
-use lashloop_firmware::drive::parameters::TABLE;
+use lashloop_firmware::Laws;
+use lashloop_firmware::law::{LawSet, Range};
 use lashloop_plant::Plants;
 use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MIN_COUNTS_PER_REV};
 use lashloop_plant::reference::Reference;
-use lashloop_protocol::enums::{ControllerId, ParameterValue as DriveValue};
 
 use crate::{SHORTEST, read};
 
@@ -32,7 +32,7 @@ fn the_default_plant_is_table_1_of_the_paper() {
     }
     assert_eq!(plant.environment, None);
     assert_eq!(plant.initial, lashloop_plant::Start::at_rest(FRAC_PI_2, 3.0 * FRAC_PI_2));
-    assert_eq!(scenario.controller.name, ControllerId::Pd);
+    assert_eq!(scenario.controller.name, "pd");
     assert_eq!(scenario.reference, Reference::Constant { position_rad: 0.0 });
 }
 
@@ -55,9 +55,9 @@ fn defaults_are_1_khz_fine_encoders_and_a_flawless_link() {
 #[test]
 fn scenarios_allow_the_encoder_resolutions_of_the_drive() {
     for name in ["motor_counts_per_rev", "load_counts_per_rev"] {
-        let entry = TABLE.iter().find(|entry| entry.name == name).expect("a parameter of the drive");
-        assert_eq!(entry.min, DriveValue::U32(MIN_COUNTS_PER_REV), "{name}");
-        assert_eq!(entry.max, DriveValue::U32(MAX_COUNTS_PER_REV), "{name}");
+        let entry = Laws::PARAMETERS.iter().find(|entry| entry.name == name).expect("a parameter of the drive");
+        let Range::U32 { min, max, .. } = entry.range else { panic!("{name} is no whole number") };
+        assert_eq!((min, max), (MIN_COUNTS_PER_REV, MAX_COUNTS_PER_REV), "{name}");
     }
 }
 
