@@ -6,6 +6,7 @@ use std::path::Path;
 use lashloop_protocol::PROTOCOL_VERSION;
 use lashloop_protocol::message::Identity;
 use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
 
 use crate::atomic_file::WriteError;
 use crate::atomic_file::write_whole;
@@ -13,7 +14,7 @@ use crate::fault::log::FaultRecord;
 use crate::session::Subscription;
 use crate::timing::TimingReport;
 use crate::verdict::{JudgedExpectation, LinkCounts, Verdict};
-use lashloop_plant::metrics::Metrics;
+use lashloop_plant::metrics::{Measured, Metric, Metrics};
 
 /// Summary of a run: one JSON object with its keys in this order.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -38,7 +39,8 @@ pub struct Summary {
     pub simulated_s: f64,
     /// Wall-clock time.
     pub wall_s: f64,
-    /// The metrics by name; null where there is no value.
+    /// The metrics by name, null where there is no value; then `metrics_without_value`, the reason of each null by name.
+    #[serde(flatten, serialize_with = "with_reasons")]
     pub metrics: Metrics,
     /// The expectations of the scenario with the values measured.
     pub expectations: Vec<JudgedExpectation>,
@@ -52,6 +54,23 @@ pub struct Summary {
     pub torque_sha256: String,
     /// Versions of tool, protocol and firmware.
     pub versions: Versions,
+}
+
+fn with_reasons<S: Serializer>(metrics: &Metrics, serializer: S) -> Result<S::Ok, S::Error> {
+    let mut keys = serializer.serialize_map(None)?;
+    keys.serialize_entry("metrics", metrics)?;
+    keys.serialize_entry("metrics_without_value", &Reasons(metrics))?;
+    keys.end()
+}
+
+/// Why metrics have no value, by name.
+struct Reasons<'a>(&'a Metrics);
+
+impl Serialize for Reasons<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let reason = |(metric, measured): (Metric, Measured)| Some((metric.name(), measured.reason()?));
+        serializer.collect_map(self.0.iter().filter_map(reason))
+    }
 }
 
 /// Versions of everything that can change the result.
@@ -152,8 +171,7 @@ mod tests {
             });
         }
         let metrics = measurement.metrics();
-        let settle =
-            Expectation { metric: Metric::SettleTime, unit: "s", min: None, max: Some(2.0), note: None };
+        let settle = Expectation::of_metric(Metric::SettleTime, None, Some(2.0));
         let link = LinkCounts { frames_sent: 4, frames_received: 4, ..LinkCounts::default() };
         let timing = Timings::new(ClockName::Lockstep, 1_000, 0).report(Vec::new());
         let judgement = Judgement::new(&[settle], &metrics, &Allowance::default(), &link, &timing);
@@ -211,12 +229,19 @@ mod tests {
             "settle_time_5pct_s": null,
             "settle_time_2pct_s": null,
             "settle_time_1pct_s": null,
+            "settle_after_move_s": null,
+            "rise_time_s": null,
             "static_error_rad": 0.375,
             "hunting_rad": null,
             "overshoot_rad": 0.0,
+            "rms_tracking_error_rad": 0.6846531968814576,
+            "peak_tracking_error_rad": 1.0,
+            "steady_velocity_error_rad": null,
             "lost_motion_rad": null,
             "effort_nm2s": 4.5,
             "torque_total_variation_nm": 0.0,
+            "rms_torque_nm": 1.5,
+            "peak_torque_nm": 1.5,
             "dead_zone_estimate_rad": 0.16,
             "dead_zone_error_rad": 0.035,
             "dead_zone_settle_time_s": null,
@@ -225,10 +250,25 @@ mod tests {
             "disturbing_torque_rms_error_nm": 0.0,
             "disturbing_torque_bias_nm": 0.0
           },
+          "metrics_without_value": {
+            "dead_zone_bias_rad": "run too short",
+            "dead_zone_largest_error_rad": "never",
+            "dead_zone_settle_time_s": "never",
+            "hunting_rad": "run too short",
+            "lost_motion_rad": "no reversal",
+            "rise_time_s": "no end of motion",
+            "settle_after_move_s": "no move",
+            "settle_time_1pct_s": "never",
+            "settle_time_2pct_s": "never",
+            "settle_time_5pct_s": "never",
+            "settle_time_s": "never",
+            "steady_velocity_error_rad": "no steady velocity"
+          },
           "expectations": [
             {
               "metric": "settle_time_s",
               "value": null,
+              "reason": "never",
               "unit": "s",
               "min": null,
               "max": 2.0,

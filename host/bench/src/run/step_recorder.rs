@@ -7,6 +7,7 @@ use super::step::Step;
 use super::step_sink::{StepObserver, StepSink};
 use crate::record::digest::TorqueDigest;
 use crate::scenario::Scenario;
+use crate::scenario::expectation::Expectation;
 use crate::timing::{ClockName, Timings};
 
 /// Measures, digests and times the steps of a run, and passes them on to its observer.
@@ -33,7 +34,7 @@ impl<'a> StepRecorder<'a> {
         };
         Self {
             observer,
-            measurement: Measurement::of_run(&plan, []),
+            measurement: Measurement::of_run(&plan, scenario.expectations.iter().map(Expectation::query)),
             digest: TorqueDigest::default(),
             timings: Timings::new(clock, run.control_period_us, run.warm_up_steps.into()),
         }

@@ -170,6 +170,7 @@ impl Scenario {
                 is_overridden: !overrides.is_empty(),
             };
             errors = traps::check(&facts, &meant);
+            errors.extend(expectation::unmeasurable(&scenario, None));
             scenario.nominal = Nominal::new(&facts);
         }
         if errors.is_empty() { Ok(scenario) } else { Err(ScenarioErrors::new(errors)) }

@@ -7,7 +7,7 @@ use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
 use super::error::SessionError;
-use super::laws::{Law, LawSet};
+use super::laws::{Law, LawMask};
 use super::line::Line;
 use super::logs::printable;
 use super::parameters::{Choice, Parameter};
@@ -58,7 +58,7 @@ fn parameter(line: &mut Line, index: u8) -> Result<Parameter, SessionError> {
                 min: it.min,
                 max: it.max,
                 live: it.flags.contains(ParameterFlags::LIVE),
-                laws: LawSet(it.laws),
+                laws: LawMask(it.laws),
                 choices: Vec::new(),
             };
             Some((it.flags, parameter))
@@ -88,7 +88,7 @@ fn signal(line: &mut Line, index: u8) -> Result<DriveSignal, SessionError> {
     described(line, DescribeSignal { index }, |answer| match answer {
         DriveMessage::SignalDescription(it) if it.index == index => {
             let [name, unit] = [it.name.as_str(), it.unit.as_str()].map(|text| printable(text).into());
-            Some(DriveSignal { index, laws: LawSet(it.laws), signal: Signal { name, unit } })
+            Some(DriveSignal { index, laws: LawMask(it.laws), signal: Signal { name, unit } })
         }
         _ => None,
     })

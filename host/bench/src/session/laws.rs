@@ -13,9 +13,9 @@ pub struct Law {
 
 /// A set of laws: bit `n` stands for the law with index `n`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct LawSet(pub u16);
+pub struct LawMask(pub u16);
 
-impl LawSet {
+impl LawMask {
     /// Whether the law with this index is in the set.
     #[must_use]
     pub fn contains(self, index: u8) -> bool {
@@ -45,11 +45,11 @@ mod tests {
     fn a_set_names_its_laws() {
         let laws = ["pd", "merzouki", "own"].map(str::to_owned);
         let laws: Vec<_> = (0..).zip(laws).map(|(index, name)| Law { index, name }).collect();
-        assert_eq!(LawSet(0b101).names(&laws), "pd and own");
-        assert_eq!(LawSet(0b111).names(&laws), "pd, merzouki and own");
-        assert_eq!(LawSet(0b1000).names(&laws), "no law");
-        assert!(LawSet(0b111).is_all(&laws) && !LawSet(0b110).is_all(&laws));
-        assert!(LawSet(u16::MAX).contains(15) && !LawSet(u16::MAX).contains(16));
-        assert!(!LawSet(u16::MAX).contains(200));
+        assert_eq!(LawMask(0b101).names(&laws), "pd and own");
+        assert_eq!(LawMask(0b111).names(&laws), "pd, merzouki and own");
+        assert_eq!(LawMask(0b1000).names(&laws), "no law");
+        assert!(LawMask(0b111).is_all(&laws) && !LawMask(0b110).is_all(&laws));
+        assert!(LawMask(u16::MAX).contains(15) && !LawMask(u16::MAX).contains(16));
+        assert!(!LawMask(u16::MAX).contains(200));
     }
 }

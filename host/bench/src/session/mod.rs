@@ -36,7 +36,7 @@ pub use at_step::AtStep;
 pub use client::{Session, Traffic};
 pub use error::{LastSeen, SessionError};
 pub use exchange::Exchange;
-pub use laws::{Law, LawSet};
+pub use laws::{Law, LawMask};
 pub use logs::printable;
 pub use parameters::{Choice, Parameter, SetError, WrittenValue};
 pub use signals::{DriveSignal, Subscription};

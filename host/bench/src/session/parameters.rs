@@ -3,7 +3,7 @@
 use lashloop_protocol::enums::{Outcome, ParameterType, ParameterValue};
 
 use super::error::SessionError;
-use super::laws::LawSet;
+use super::laws::LawMask;
 use crate::names::{UnknownName, in_words};
 
 /// A parameter of the drive.
@@ -24,7 +24,7 @@ pub struct Parameter {
     /// Whether it may be set while the drive runs.
     pub live: bool,
     /// The laws that have it.
-    pub laws: LawSet,
+    pub laws: LawMask,
     /// The values by name; empty for a parameter without choices.
     pub choices: Vec<Choice>,
 }
@@ -161,7 +161,7 @@ mod tests {
             min,
             max,
             live: false,
-            laws: LawSet(2),
+            laws: LawMask(2),
             choices: choices.map(|(value, name)| Choice { value, name: name.to_owned() }).to_vec(),
         }
     }

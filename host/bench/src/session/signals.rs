@@ -3,7 +3,7 @@
 use lashloop_plant::Signal;
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 
-use super::laws::LawSet;
+use super::laws::LawMask;
 
 /// A signal of the drive.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -11,7 +11,7 @@ pub struct DriveSignal {
     /// Index on the wire.
     pub index: u8,
     /// The laws that have it.
-    pub laws: LawSet,
+    pub laws: LawMask,
     /// Name and unit.
     pub signal: Signal,
 }
@@ -70,7 +70,7 @@ mod tests {
     fn signal(index: u8, laws: u16) -> DriveSignal {
         DriveSignal {
             index,
-            laws: LawSet(laws),
+            laws: LawMask(laws),
             signal: Signal { name: format!("s{index}").into(), unit: "".into() },
         }
     }

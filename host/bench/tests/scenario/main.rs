@@ -1,6 +1,7 @@
 //! Scenarios as a user meets them: valid files, and the messages for invalid ones.
 
 mod backlash_shaft;
+mod expectation;
 mod fault;
 mod file;
 mod hostile;

@@ -1,10 +1,12 @@
 //! Metrics computed sample by sample. Memory is bounded by the windows of the metrics, and no sample allocates.
 
+use std::ops::Range;
+
 use super::measured::Measured;
 use super::meter::NewMeter;
 use super::metric::Metric;
 use super::plan::Plan;
-use super::query::{Quantity, Query, Window};
+use super::query::{Quantity, Query};
 use super::results::Metrics;
 use super::sample::Sample;
 use super::signal_table::SignalTable;
@@ -23,6 +25,9 @@ pub struct Measurement {
 #[derive(Debug)]
 struct Probe {
     query: Query,
+    samples: Range<u32>,
+    /// Number of samples of the run without which there is no answer.
+    least: u32,
     meter: NewMeter,
 }
 
@@ -36,7 +41,12 @@ impl Measurement {
     /// Measures a run as planned. A query of a metric over the whole run needs no place in `queries`.
     #[must_use]
     pub fn of_run(plan: &Plan<'_>, queries: impl IntoIterator<Item = Query>) -> Self {
-        let probe = |query: Query| Probe { meter: plan.meter(&query), query };
+        let probe = |query: Query| {
+            let samples = plan.samples(&query);
+            let ends_early = query.window.is_some_and(|window| window.to_s.is_some());
+            let least = if ends_early { samples.end } else { samples.start.saturating_add(1) };
+            Probe { meter: plan.meter(&query), samples, least, query }
+        };
         let is_extra =
             |query: &Query| query.window.is_some() || !matches!(query.quantity, Quantity::Metric(_));
         Self {
@@ -64,9 +74,9 @@ impl Measurement {
         for meter in self.metrics.iter_mut().flatten() {
             meter.push(sample);
         }
-        for Probe { query, meter } in &mut self.queries {
+        for Probe { samples, meter, .. } in &mut self.queries {
             if let Ok(meter) = meter
-                && query.window.is_none_or(|Window { first, end }| (first..end).contains(&index))
+                && samples.contains(&index)
             {
                 meter.push(sample);
             }
@@ -77,10 +87,10 @@ impl Measurement {
     #[must_use]
     pub fn metrics(&self) -> Metrics {
         let values = self.metrics.each_ref().map(|meter| self.measured(meter, 1));
-        let answers = self.queries.iter().map(|Probe { query, meter }| {
-            let least = query.window.map_or(1, |window| window.end);
-            (query.clone(), self.measured(meter, least))
-        });
+        let answers = self
+            .queries
+            .iter()
+            .map(|Probe { query, meter, least, .. }| (query.clone(), self.measured(meter, *least)));
         Metrics { values, answers: answers.collect(), finite: self.finite }
     }
 

@@ -12,10 +12,12 @@ use super::meter::{Meter, NewMeter, Setup};
 use super::overshoot::Overshoot;
 use super::rise_time::RiseTime;
 use super::settling::{Band, LargestOnceInside, Settling};
+use super::signal_table::{DRIVE_PREFIX, SignalTable};
 use super::statistic::{Statistic, StatisticMeter};
 use super::tail::{Figure, Tail};
 use super::torque::{Effort, TotalVariation};
 use super::velocity_error::SteadyVelocityError;
+use crate::Signal;
 
 /// Band of `settle_time_s`. The paper doesn't define the end of the transient; this band reproduces its 13 s.
 const SETTLED_RAD: f64 = 0.05;
@@ -130,6 +132,16 @@ metrics! {
     };
 }
 
+/// Every signal that some metric needs, for a check before the signals of a run are known.
+pub(super) fn needed_signals() -> SignalTable {
+    let bare = |name: &'static str| name.strip_prefix(DRIVE_PREFIX).unwrap_or(name);
+    let scored = [(DEAD_ZONE, "rad"), (DISTURBING_TORQUE, "N m")];
+    SignalTable {
+        plant: scored.map(|((_, truth), unit)| Signal::new(truth, unit)).to_vec(),
+        drive: scored.map(|((estimate, _), unit)| Signal::new(bare(estimate), unit)).to_vec(),
+    }
+}
+
 fn boxed(meter: impl Meter + 'static) -> NewMeter {
     Ok(Box::new(meter))
 }
@@ -165,3 +177,6 @@ impl Serialize for Metric {
         serializer.serialize_str(self.name())
     }
 }
+
+#[cfg(test)]
+mod tests;

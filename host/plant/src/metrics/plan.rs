@@ -1,12 +1,16 @@
 //! What is known of a run before it starts, as far as metrics need it.
 
+use std::ops::Range;
+
 use super::channel::Channel;
 use super::measured::Measured;
 use super::meter::{NewMeter, Setup};
-use super::query::{Quantity, Query, Window};
+use super::metric;
+use super::query::{Quantity, Query};
 use super::sample::Sample;
-use super::signal_table::SignalTable;
+use super::signal_table::{DRIVE_PREFIX, SignalTable};
 use super::statistic::StatisticMeter;
+use crate::Signal;
 use crate::reference::Reference;
 
 /// Longest rehearsal. A longer run, of 33 minutes at 1 kHz, finds its obstacles at its end.
@@ -25,6 +29,20 @@ pub struct Plan<'a> {
     pub signals: &'a SignalTable,
 }
 
+/// Signals that every query of `quantity` finds, for a check before plant and drive are known.
+#[must_use]
+pub fn assumed_signals(quantity: &Quantity) -> SignalTable {
+    let mut signals = metric::needed_signals();
+    if let Quantity::Statistic { signal, .. } = quantity {
+        let assumed = |name: &str| Signal { name: name.to_owned().into(), unit: "".into() };
+        match signal.strip_prefix(DRIVE_PREFIX) {
+            Some(name) => signals.drive.push(assumed(name)),
+            None => signals.plant.push(assumed(signal)),
+        }
+    }
+    signals
+}
+
 /// What a run starts from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunStart {
@@ -35,14 +53,19 @@ pub struct RunStart {
 }
 
 impl Plan<'_> {
+    /// The samples that a query asks about, counted from 0; beyond the run's last one if its window is.
+    pub(super) fn samples(&self, query: &Query) -> Range<u32> {
+        let at = |time_s: f64| (time_s / self.period_s).round() as u32;
+        query.window.map_or(0..self.steps, |window| at(window.from_s)..window.to_s.map_or(self.steps, at))
+    }
+
     /// Builds the meter of a query, or reports why the run can't have one.
     pub(super) fn meter(&self, query: &Query) -> NewMeter {
-        let end = query.window.map_or(self.steps, |window| window.end.min(self.steps));
         let setup = Setup {
             period_s: self.period_s,
             signals: self.signals,
             middle_rad: self.reference.and_then(Reference::middle_rad),
-            final_rad: self.final_rad(end),
+            final_rad: self.final_rad(self.samples(query).end.min(self.steps)),
         };
         match &query.quantity {
             Quantity::Metric(metric) => metric.meter(&setup),
@@ -56,12 +79,12 @@ impl Plan<'_> {
     /// Why no run of this plan has a value for `query`; `None` if a run can have one. Rehearses the run with a load that
     /// keeps its first error, so that the metric itself decides.
     #[must_use]
-    pub fn obstacle(&self, query: &Query, start: &RunStart) -> Option<Measured> {
+    pub fn obstacle(&self, query: &Query, run: &RunStart) -> Option<Measured> {
         let mut meter = match self.meter(query) {
             Ok(meter) => meter,
             Err(reason) => return Some(reason),
         };
-        let Window { first, end } = query.window.unwrap_or(Window { first: 0, end: self.steps });
+        let Range { start: first, end } = self.samples(query);
         if first >= end || end > self.steps {
             return Some(Measured::RunTooShort);
         }
@@ -71,7 +94,7 @@ impl Plan<'_> {
         }
         let at = |step: u32| reference.position_rad(f64::from(step) * self.period_s);
         // A later error isn't known before the run, so we take any that isn't zero.
-        let error_rad = if first == 0 { start.load_position_rad - at(0) } else { 1.0 };
+        let error_rad = if first == 0 { run.load_position_rad - at(0) } else { 1.0 };
         let plant = vec![0.0; self.signals.plant.len()];
         let drive = vec![0.0; self.signals.drive.len()];
         for step in first..end {
@@ -79,15 +102,11 @@ impl Plan<'_> {
             meter.push(&Sample {
                 time_s: f64::from(step) * self.period_s,
                 reference_rad,
-                load_position_rad: if step == 0 {
-                    start.load_position_rad
-                } else {
-                    reference_rad + error_rad
-                },
+                load_position_rad: if step == 0 { run.load_position_rad } else { reference_rad + error_rad },
                 motor_position_rad: 0.0,
                 torque_nm: 0.0,
                 plant: &plant,
-                drive: (start.telemetry_every > 0 && step % u32::from(start.telemetry_every) == 0)
+                drive: (run.telemetry_every > 0 && step % u32::from(run.telemetry_every) == 0)
                     .then_some(&drive),
             });
         }

@@ -17,7 +17,8 @@ fn statistic(signal: &str, statistic: Statistic) -> Query {
 }
 
 fn within(query: impl Into<Query>, first: u32, end: u32) -> Query {
-    Query { window: Some(Window { first, end }), ..query.into() }
+    let at = |step: u32| f64::from(step) * PERIOD_S;
+    Query { window: Some(Window { from_s: at(first), to_s: Some(at(end)) }), ..query.into() }
 }
 
 #[test]
@@ -163,4 +164,12 @@ fn run_that_is_not_finite_answers_no_query() {
     for query in &queries {
         assert_eq!(metrics.answer(query), Measured::NotFinite);
     }
+}
+
+#[test]
+fn window_without_an_end_reaches_to_the_end_of_the_run() {
+    let window = Some(Window { from_s: 0.9, to_s: None });
+    let query = Query { window, ..statistic("torque_nm", Statistic::Min) };
+    let metrics = ask(std::slice::from_ref(&query), 1.0, |t_s| Sample { torque_nm: t_s, ..at_rest(t_s) });
+    assert_close("min", metrics.answer(&query), 0.9);
 }

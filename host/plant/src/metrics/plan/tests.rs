@@ -54,6 +54,11 @@ impl Run {
     }
 }
 
+fn within(metric: Metric, first: u32, end: u32) -> Query {
+    let at = |step: u32| f64::from(step) * PERIOD_S;
+    Query { window: Some(Window { from_s: at(first), to_s: Some(at(end)) }), ..metric.into() }
+}
+
 #[test]
 fn regulation_measures_everything_but_motion() {
     let want = [
@@ -105,9 +110,7 @@ fn short_run_measures_no_long_window() {
 
 #[test]
 fn window_outside_the_run_or_shorter_than_the_metric_is_an_obstacle() {
-    let obstacle = |metric: Metric, first, end| {
-        regulation().obstacle(&Query { window: Some(Window { first, end }), ..metric.into() })
-    };
+    let obstacle = |metric: Metric, first, end| regulation().obstacle(&within(metric, first, end));
     assert_eq!(obstacle(Metric::PeakTorque, 19_000, 20_000), None);
     assert_eq!(obstacle(Metric::PeakTorque, 19_000, 20_001), Some(Measured::RunTooShort));
     assert_eq!(obstacle(Metric::PeakTorque, 5, 5), Some(Measured::RunTooShort));
@@ -118,7 +121,7 @@ fn window_outside_the_run_or_shorter_than_the_metric_is_an_obstacle() {
 #[test]
 fn window_that_starts_later_may_have_an_initial_error() {
     let run = Run { reference: MOVE, load_position_rad: 0.0, ..regulation() };
-    let query = Query { window: Some(Window { first: 2000, end: 9000 }), ..Metric::Overshoot.into() };
+    let query = within(Metric::Overshoot, 2000, 9000);
     assert_eq!(run.obstacle(&query), None);
 }
 
@@ -132,7 +135,7 @@ fn estimates_need_their_signals_and_telemetry_in_the_window() {
     assert_eq!(no_estimate.obstacle(&query), missing);
     let silent = Run { telemetry_every: 0, ..regulation() };
     assert_eq!(silent.obstacle(&query), Some(Measured::NoTelemetry));
-    let between = Query { window: Some(Window { first: 11, end: 20 }), ..Metric::DeadZoneError.into() };
+    let between = within(Metric::DeadZoneError, 11, 20);
     assert_eq!(regulation().obstacle(&between), Some(Measured::NoTelemetry));
 }
 
