@@ -6,7 +6,9 @@ use super::{Exit, Judgement, LinkCounts, Verdict};
 use crate::scenario::expectation::Expectation;
 use crate::scenario::sections::Allowance;
 use crate::timing::{ClockName, RoundTrip, StepOutcome, StepTiming, TimingReport, Timings};
-use lashloop_plant::metrics::{Measurement, Metric, Metrics, Plan, Quantity, Sample, SignalTable, Statistic, Window};
+use lashloop_plant::metrics::{
+    Measurement, Metric, Metrics, Plan, Quantity, Sample, SignalTable, Statistic, Window,
+};
 
 fn metrics(load_position_rad: f64) -> Metrics {
     let mut measurement = Measurement::new(0.001, &SignalTable::default());
