@@ -57,13 +57,20 @@ pub struct Summary {
 }
 
 fn with_reasons<S: Serializer>(metrics: &Metrics, serializer: S) -> Result<S::Ok, S::Error> {
-    let reason = |(metric, measured): (Metric, Measured)| Some((metric.name(), measured.reason()?));
-    let reasons: serde_json::Map<_, _> =
-        metrics.iter().filter_map(reason).map(|(name, reason)| (name.to_owned(), reason.into())).collect();
     let mut keys = serializer.serialize_map(None)?;
     keys.serialize_entry("metrics", metrics)?;
-    keys.serialize_entry("metrics_without_value", &reasons)?;
+    keys.serialize_entry("metrics_without_value", &Reasons(metrics))?;
     keys.end()
+}
+
+/// Why metrics have no value, by name.
+struct Reasons<'a>(&'a Metrics);
+
+impl Serialize for Reasons<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let reason = |(metric, measured): (Metric, Measured)| Some((metric.name(), measured.reason()?));
+        serializer.collect_map(self.0.iter().filter_map(reason))
+    }
 }
 
 /// Versions of everything that can change the result.

@@ -7,7 +7,7 @@ use crate::scenario::expectation::Expectation;
 use crate::scenario::sections::Allowance;
 use crate::timing::{ClockName, RoundTrip, StepOutcome, StepTiming, TimingReport, Timings};
 use lashloop_plant::metrics::{
-    Measurement, Metric, Metrics, Plan, Quantity, Sample, SignalTable, Statistic, Window,
+    Measurement, Metric, Metrics, Plan, Quantity, Query, Sample, SignalTable, Statistic, Window,
 };
 
 fn metrics(load_position_rad: f64) -> Metrics {
@@ -89,18 +89,14 @@ fn one_missed_expectation_of_many_fails_the_run() {
 #[test]
 fn signals_and_windows_are_judged_like_metrics() {
     let window = Some(Window { from_s: 0.25, to_s: Some(0.5) });
-    let peak = expect(Metric::PeakTorque, None, Some(0.6));
-    let statistic = |signal: &str, statistic| Expectation {
-        quantity: Quantity::Statistic { signal: signal.to_owned(), statistic },
-        unit: "N m".to_owned(),
-        ..peak.clone()
-    };
+    let at_most = |query: Query| Expectation::new(query, "N m", None, Some(0.6));
+    let statistic = |signal: &str, statistic| Quantity::Statistic { signal: signal.to_owned(), statistic };
     let expectations = [
-        peak.clone(),
-        Expectation { window, ..peak.clone() },
-        statistic("torque_nm", Statistic::Mean),
-        Expectation { window, ..statistic("torque_nm", Statistic::Min) },
-        statistic("drive.load_error_rad", Statistic::Max),
+        at_most(Query { quantity: Quantity::Metric(Metric::PeakTorque), window: None }),
+        at_most(Query { quantity: Quantity::Metric(Metric::PeakTorque), window }),
+        at_most(Query { quantity: statistic("torque_nm", Statistic::Mean), window: None }),
+        at_most(Query { quantity: statistic("torque_nm", Statistic::Min), window }),
+        at_most(Query { quantity: statistic("drive.load_error_rad", Statistic::Max), window: None }),
     ];
     let judgement = judge(&expectations, &rising_torque(&expectations));
     assert_eq!(judgement.verdict, Verdict::Fail);
