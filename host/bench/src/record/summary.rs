@@ -251,18 +251,18 @@ mod tests {
             "disturbing_torque_bias_nm": 0.0
           },
           "metrics_without_value": {
-            "dead_zone_bias_rad": "run too short",
-            "dead_zone_largest_error_rad": "never",
-            "dead_zone_settle_time_s": "never",
-            "hunting_rad": "run too short",
-            "lost_motion_rad": "no reversal",
-            "rise_time_s": "no end of motion",
-            "settle_after_move_s": "no move",
-            "settle_time_1pct_s": "never",
-            "settle_time_2pct_s": "never",
-            "settle_time_5pct_s": "never",
             "settle_time_s": "never",
-            "steady_velocity_error_rad": "no steady velocity"
+            "settle_time_5pct_s": "never",
+            "settle_time_2pct_s": "never",
+            "settle_time_1pct_s": "never",
+            "settle_after_move_s": "no move",
+            "rise_time_s": "no end of motion",
+            "hunting_rad": "run too short",
+            "steady_velocity_error_rad": "no steady velocity",
+            "lost_motion_rad": "no reversal",
+            "dead_zone_settle_time_s": "never",
+            "dead_zone_bias_rad": "run too short",
+            "dead_zone_largest_error_rad": "never"
           },
           "expectations": [
             {

@@ -101,7 +101,13 @@ fn signals_and_windows_are_judged_like_metrics() {
     let judgement = judge(&expectations, &rising_torque(&expectations));
     assert_eq!(judgement.verdict, Verdict::Fail);
     let lines: Vec<_> = judgement.expectations.iter().map(ToString::to_string).collect();
-    insta::assert_snapshot!(lines.join("\n"), @"");
+    insta::assert_snapshot!(lines.join("\n"), @r#"
+    peak_torque_nm: 0.999 N m; misses at most 0.6 N m
+    peak_torque_nm, 0.25 s to 0.5 s: 0.499 N m; meets at most 0.6 N m
+    mean of torque_nm: 0.4995 N m; meets at most 0.6 N m
+    min of torque_nm, 0.25 s to 0.5 s: 0.25 N m; meets at most 0.6 N m
+    max of drive.load_error_rad: unknown signal; misses at most 0.6 N m
+    "#);
     let unasked = judge(&expectations[1..2], &rising_torque(&[]));
     assert_eq!(unasked.verdict, Verdict::Fail, "an expectation that nobody measured can't pass");
 }
