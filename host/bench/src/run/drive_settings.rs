@@ -175,11 +175,11 @@ fn chosen(
                 UnknownName::new("the drive", "signal", name, known).to_string()
             }
             Some(signal) if !signal.laws.contains(law.index) => {
-                format!("belongs to {}, and this run uses {}", signal.laws.names(&session.laws), law.name)
+                format!("it belongs to {}, and this run uses {}", signal.laws.names(&session.laws), law.name)
             }
-            Some(signal) if signals.contains(signal) => "is given twice".to_owned(),
+            Some(signal) if signals.contains(signal) => "it is given twice".to_owned(),
             Some(_) if signals.len() == MAX_TELEMETRY_VALUES => {
-                format!("is one too many; a telemetry has {MAX_TELEMETRY_VALUES} signals at most")
+                format!("it is one too many; a telemetry has {MAX_TELEMETRY_VALUES} signals at most")
             }
             Some(signal) => {
                 signals.push(signal.clone());
@@ -204,3 +204,6 @@ pub(super) fn written(value: &controller::ParameterValue) -> WrittenValue<'_> {
         controller::ParameterValue::Text(text) => WrittenValue::Name(text),
     }
 }
+
+#[cfg(test)]
+mod tests;
