@@ -40,15 +40,6 @@ pub(super) fn checks() -> Vec<Check> {
             it.signals.iter().try_for_each(|signal| belongs(&signal.signal.name, signal.laws))
         }),
         check("controller has the names of the laws as choices", controller),
-        check("every value of a parameter with choices has a name", |client| {
-            client.description.parameters.iter().filter(|it| !it.choices.is_empty()).try_for_each(|it| {
-                let (ParameterValue::U32(min), ParameterValue::U32(max)) = (it.min, it.max) else {
-                    return expect(false, format!("{} as U32", it.name), it.min);
-                };
-                expect(max <= 255, format!("a max of {} of at most 255", it.name), max)?;
-                equal(&format!("choices of {}", it.name), max - min + 1, it.choices.len() as u32)
-            })
-        }),
         check("an unknown law, signal or choice is answered with UnknownIndex", unknown_index),
     ];
     for state in [State::Boot, State::Idle, State::Armed, State::Running, State::Faulted] {

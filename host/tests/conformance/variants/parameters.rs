@@ -82,7 +82,7 @@ pub const VARIANTS: &[Variant] = &[
     ),
     alters_answers("knows every index", "an unknown parameter index is refused", |_, answers| {
         each(answers, |answer| match answer {
-            DriveMessage::ParameterReport(it) if it.outcome == Outcome::UnknownParameter => {
+            DriveMessage::ParameterReport(it) if it.outcome == Outcome::UnknownIndex => {
                 it.outcome = Outcome::Accepted;
             }
             _ => {}

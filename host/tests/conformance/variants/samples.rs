@@ -156,37 +156,6 @@ pub const VARIANTS: &[Variant] = &[
             torques(answers, |it| it.torque_nm -= 1e-4 * requests as f32)
         },
     ),
-    alters_answers(
-        "sends telemetry before the torque",
-        "telemetry follows the torque of every n-th sample",
-        |_, mut answers| {
-            answers.sort_by_key(|answer| !matches!(answer, DriveMessage::Telemetry(_)));
-            answers
-        },
-    ),
-    alters_answers(
-        "sends telemetry with every torque",
-        "telemetry_every = 0 means no telemetry",
-        |_, mut answers| {
-            if let Some(DriveMessage::TorqueAnswer(it)) = answers.first().copied()
-                && answers.len() == 1
-            {
-                answers.push(telemetry(it).into());
-            }
-            answers
-        },
-    ),
-    alters_answers(
-        "reports the limited torque",
-        "telemetry carries the requested torque before the limit",
-        |_, answers| {
-            each(answers, |answer| {
-                if let DriveMessage::Telemetry(it) = answer {
-                    it.requested_torque_nm = 0.0;
-                }
-            })
-        },
-    ),
     alters_answers("pushes in Idle", "a sample gets torque zero in Idle", |_, answers| {
         torques(answers, |it| {
             if it.status.state == State::Idle {
