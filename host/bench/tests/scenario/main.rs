@@ -6,6 +6,7 @@ mod hostile;
 mod messages;
 mod overrides;
 mod paper;
+mod process;
 mod values;
 
 use lashloop_bench::scenario::{Override, Scenario};
