@@ -5,6 +5,7 @@
 //! | module | is |
 //! |---|---|
 //! | [`atomic_file`] | files that are written completely or not at all |
+//! | [`names`] | names in messages, and the one that was probably meant |
 //! | [`timing`] | the timing of steps, and its report |
 //! | [`supervisor`] | child processes and signals |
 //! | [`process_plant`] | a plant in another process |
@@ -26,6 +27,7 @@ pub mod capture;
 pub mod device;
 pub mod fault;
 pub mod link;
+pub mod names;
 pub mod process_plant;
 pub mod record;
 pub mod run;

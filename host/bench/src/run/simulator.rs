@@ -7,6 +7,7 @@ use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::of_step;
 
 use super::error::RunError;
+use super::step::{Observation, TruthValues};
 use crate::fault::encoder::EncoderFaults;
 use crate::fault::motor::MotorFaults;
 use crate::fault::plant::PlantFaults;
@@ -14,7 +15,6 @@ use crate::record::trace::TraceRow;
 use crate::scenario::Scenario;
 use crate::scenario::plant::PlantSettings;
 use lashloop_plant::encoder::Encoder;
-use lashloop_plant::limits::MAX_SIGNALS;
 use lashloop_plant::reference::Reference;
 use lashloop_plant::{Environment, Plant, PlantError, PlantValues, Positions, Signal, TransportDelay};
 
@@ -82,12 +82,11 @@ impl Simulator {
         self.plant.signals()
     }
 
-    /// Reads the encoders and the plant's true state. The row has no torque and no estimates yet: they follow from the
-    /// exchange.
+    /// Reads the encoders and the plant's true state.
     ///
     /// # Errors
     /// As [`Plant::set_environment`] and [`Plant::change_parameters`].
-    pub fn observe(&mut self, step: u32) -> Result<(EncoderSample, TraceRow), PlantError> {
+    pub fn observe(&mut self, step: u32) -> Result<(EncoderSample, Observation), PlantError> {
         let time_s = f64::from(step) * self.period_s;
         while let Some((_, values)) = self.next_values.pop_front_if(|(from, _)| *from <= step) {
             self.plant.change_parameters(&self.settings.with(&values, self.period_s))?;
@@ -112,7 +111,7 @@ impl Simulator {
             reference_rad: reference_rad as f32,
         };
         self.encoder_faults.apply(step, &mut sample);
-        Ok((sample, self.row(positions, time_s, reference_rad)))
+        Ok((sample, self.observation(positions, time_s, reference_rad)))
     }
 
     /// Checks that a drive can start with this sample, the last one observed: its readings must be the encoders' positions,
@@ -143,44 +142,13 @@ impl Simulator {
         }
         Ok(())
     }
-    fn row(&self, positions: Positions, time_s: f64, reference_rad: f64) -> TraceRow {
-        let mut values = [0.0; MAX_SIGNALS];
-        let values = &mut values[..self.plant.signals().len()];
-        self.plant.truth(values);
-        let value = |name: &str| {
-            self.plant
-                .signals()
-                .iter()
-                .position(|signal| signal.name == name)
-                .map_or(f64::NAN, |at| values[at])
-        };
-        TraceRow {
-            time_s,
-            reference_rad,
-            load_position_rad: positions.load_position_rad,
-            load_velocity_rad_s: value("load_velocity_rad_s"),
-            motor_position_rad: positions.motor_position_rad,
-            motor_velocity_rad_s: value("motor_velocity_rad_s"),
-            torque_nm: 0.0,
-            transmitted_torque_nm: value("transmitted_torque_nm"),
-            twist_rad: value("twist_rad"),
-            dead_zone_estimate_rad: f64::NAN,
-            dead_zone_rad: value("dead_zone_rad"),
-            gap_position_rad: value("gap_position_rad"),
-            contact: value("contact"),
-            motor_torque_nm: value("motor_torque_nm"),
-            load_torque_nm: value("load_torque_nm"),
-            load_dry_friction_nm: value("load_dry_friction_nm"),
-            motor_dry_friction_nm: value("motor_dry_friction_nm"),
-            load_sticks: value("load_sticks"),
-            motor_sticks: value("motor_sticks"),
-            stored_energy_j: value("stored_energy_j"),
-            supplied_energy_j: value("supplied_energy_j"),
-            dissipated_energy_j: value("dissipated_energy_j"),
-            disturbing_torque_nm: value("disturbing_torque_nm"),
-            disturbing_torque_estimate_nm: f64::NAN,
-            motor_error_rad: f64::NAN,
-            estimate_time_s: f64::NAN,
-        }
+
+    /// The plant's truth, and the columns that every trace has.
+    fn observation(&self, positions: Positions, time_s: f64, reference_rad: f64) -> Observation {
+        let mut plant: TruthValues = std::iter::repeat_n(f64::NAN, self.plant.signals().len()).collect();
+        self.plant.truth(&mut plant);
+        let Positions { motor_position_rad, load_position_rad } = positions;
+        let row = TraceRow { time_s, reference_rad, load_position_rad, motor_position_rad, torque_nm: 0.0 };
+        Observation { row, plant }
     }
 }

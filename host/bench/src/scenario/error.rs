@@ -98,6 +98,12 @@ impl ScenarioErrors {
     }
 }
 
+impl From<Vec<ScenarioError>> for ScenarioErrors {
+    fn from(errors: Vec<ScenarioError>) -> Self {
+        Self::new(errors)
+    }
+}
+
 impl From<ScenarioError> for ScenarioErrors {
     fn from(error: ScenarioError) -> Self {
         Self(vec![error])

@@ -48,6 +48,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 pub use self::error::{ScenarioError, ScenarioErrors};
+pub use self::former_names::present_law;
 pub use self::key_error::KeyError;
 pub use self::origin::Origin;
 pub use self::overrides::Override;
@@ -94,7 +95,7 @@ pub struct Scenario {
     pub link: LinkSettings,
     /// Losses that don't invalidate the run.
     pub allow: Allowance,
-    /// Rate of the drive's telemetry.
+    /// Signals and rate of the drive's telemetry.
     pub telemetry: TelemetrySettings,
     /// How the record is written.
     pub record: RecordSettings,
@@ -169,6 +170,7 @@ impl Scenario {
                 is_overridden: !overrides.is_empty(),
             };
             errors = traps::check(&facts, &meant);
+            errors.extend(expectation::unmeasurable(&scenario, None));
             scenario.nominal = Nominal::new(&facts);
         }
         if errors.is_empty() { Ok(scenario) } else { Err(ScenarioErrors::new(errors)) }

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::error::ScenarioError;
 use super::key::Keys;
 use super::origin::Origin;
-use super::spelling::{either, spell_key};
+use super::spelling::spell_key;
 use super::tree::{Node, Table, Value, parse_value};
 
 /// Depth of the deepest key, such as `plant.initial.load_position_rad`.
@@ -47,7 +47,8 @@ impl Override {
             },
         };
         let placed = value.and_then(|value| {
-            if root.get(path).is_none() && !path.contains('.') && !path.is_empty() {
+            let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_';
+            if root.get(path).is_none() && !path.is_empty() && path.chars().all(is_bare) {
                 needs_no_section(path, &keys())?;
             }
             place(root, path, Node { origin, value })
@@ -68,8 +69,8 @@ fn needs_no_section(key: &str, keys: &Keys) -> Result<(), String> {
         return Ok(());
     }
     let parameter = format!("controller.parameters.{}", spell_key(key));
-    let full: Vec<_> = paths.into_iter().chain([parameter]).collect();
-    Err(format!("the key has no section; write {}", either(full.iter().map(String::as_str))))
+    let paths: String = paths.iter().map(|path| format!("{path} or ")).collect();
+    Err(format!("the key has no section; write {paths}{parameter} (a parameter of the drive)"))
 }
 
 /// A TOML value, or a text without quotes.

@@ -6,6 +6,7 @@ use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MAX_NOISE_COUNTS, MIN_COUNTS_P
 use serde::Serialize;
 
 use super::keys::{integer_or, number, number_or, optional_integer, settings};
+use super::origin::Origin;
 use super::range::positive;
 use super::reader::Section;
 
@@ -179,9 +180,31 @@ settings! {
     /// `[telemetry]`.
     #[derive(Eq)]
     pub struct TelemetrySettings {
-        /// Period of the drive's telemetry in steps; 10 by default, 0 for none.
+        /// Period of the drive's telemetry in steps; 0 for none.
         every_steps: u16 = integer_or(10, 0..=u16::MAX),
+        /// Names of the drive's signals to record, 13 at most; absent for all that the law has, as many as fit.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        signals: Option<Vec<SignalChoice>> = read_signals,
     }
+}
+
+/// A signal by its name. The drive describes its signals; an unknown one is reported at connection.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(transparent)]
+pub struct SignalChoice {
+    /// Name of the signal.
+    pub name: String,
+    /// Where it is named.
+    #[serde(skip)]
+    pub origin: Origin,
+}
+
+fn read_signals(telemetry: &mut Section<'_>, key: &'static str) -> Option<Vec<SignalChoice>> {
+    let signals =
+        telemetry.optional_texts(key, "a list of the drive's signals, such as [\"load_error_rad\"]")?;
+    let choice =
+        |(name, origin): (&str, &Origin)| SignalChoice { name: name.to_owned(), origin: origin.clone() };
+    Some(signals.into_iter().map(choice).collect())
 }
 
 settings! {

@@ -13,6 +13,9 @@ pub(in crate::scenario) fn collect(read: impl Fn(&mut Section<'_>)) -> Keys {
     collector.keys(&Table::default(), &[], &[])
 }
 
+/// Unit of a key whose unit depends on a choice.
+const DEPENDS: &str = "as chosen";
+
 struct Collector<'a> {
     origin: Origin,
     read: Box<dyn Fn(&mut Section<'_>) + 'a>,
@@ -34,21 +37,38 @@ impl Collector<'_> {
             };
             keys.keys.push(key);
         }
-        keys.open = at(&declared, path).is_some_and(|section| section.open);
+        keys.further = at(&declared, path).map(|section| section.further).unwrap_or_default();
         for choice in keys.keys.clone() {
             let KeyKind::Choice { choices, .. } = &choice.kind else { continue };
             if made.contains(&choice.name) || !keys.keys.contains(&choice) {
                 continue;
             }
-            let made = [made, &[choice.name]].concat();
-            let variants = choices.iter().map(|word| {
-                let mut probe = probe.clone();
-                self.insert(&mut probe, path, choice.name, Value::Text(word.name.to_owned()));
-                (word.name, self.keys(&probe, path, &made))
-            });
+            let probes: Vec<_> = choices
+                .iter()
+                .map(|word| (word.name, self.choose(&probe, path, choice.name, word.name)))
+                .collect();
+            // Choices that every variant has are varied here, once, and not in each variant.
+            let declared: Vec<_> = probes.iter().map(|(_, probe)| self.declared(probe)).collect();
+            let is_common = |name: &str| {
+                declared.iter().all(|declared| {
+                    at(declared, path)
+                        .is_some_and(|section| section.keys.iter().any(|known| known.key.name == name))
+                })
+            };
+            let common: Vec<_> =
+                keys.keys.iter().map(|key| key.name).filter(|name| is_common(name)).collect();
+            let made = [made, &common].concat();
+            let variants = probes.iter().map(|(name, probe)| (*name, self.keys(probe, path, &made)));
             keys.split(choice.name, variants.collect());
         }
         keys
+    }
+
+    /// The probe with this choice.
+    fn choose(&self, probe: &Table, path: &[&'static str], key: &str, name: &str) -> Table {
+        let mut probe = probe.clone();
+        self.insert(&mut probe, path, key, Value::Text(name.to_owned()));
+        probe
     }
 
     /// Makes every open choice and gives every list one section, until the reader declares nothing new.
@@ -121,24 +141,40 @@ fn at<'a>(section: &'a SectionKeys, path: &[&str]) -> Option<&'a SectionKeys> {
 impl Keys {
     /// Moves keys that not every variant of a choice has to that choice.
     fn split(&mut self, choice: &'static str, mut variants: Vec<(&'static str, Self)>) {
+        self.merge_units(&mut variants);
         let everywhere = |key: &Key| variants.iter().all(|(_, keys)| keys.keys.contains(key));
         let common: Vec<_> = self.keys.iter().filter(|key| everywhere(key)).cloned().collect();
-        // A second choice that is independent of this one splits these keys itself.
-        let shared: Vec<_> = variants
-            .first()
-            .into_iter()
-            .flat_map(|(_, keys)| &keys.selectors)
-            .filter(|selector| variants.iter().all(|(_, keys)| keys.selectors.contains(selector)))
-            .cloned()
-            .collect();
         for (_, keys) in &mut variants {
             keys.keys.retain(|key| !common.contains(key));
-            keys.selectors.retain(|selector| !shared.contains(selector));
         }
         if variants.iter().all(|(_, keys)| keys.keys.is_empty() && keys.selectors.is_empty()) {
             return;
         }
         self.keys = common;
         self.selectors.push(Selector { key: choice, variants });
+    }
+
+    /// Makes keys equal that every variant has and that differ in their units only.
+    fn merge_units(&mut self, variants: &mut [(&'static str, Self)]) {
+        for key in &mut self.keys {
+            let but_for_unit = |other: &Key| Key { unit: key.unit, ..other.clone() } == *key;
+            let mut others =
+                variants.iter().map(|(_, keys)| keys.keys.iter().find(|other| but_for_unit(other)));
+            if others.clone().all(|other| other.is_some())
+                && others.any(|other| other.is_some_and(|it| it.unit != key.unit))
+            {
+                let before = key.clone();
+                key.unit = DEPENDS;
+                for (_, keys) in variants.iter_mut() {
+                    for other in keys
+                        .keys
+                        .iter_mut()
+                        .filter(|other| Key { unit: before.unit, ..(*other).clone() } == before)
+                    {
+                        other.unit = DEPENDS;
+                    }
+                }
+            }
+        }
     }
 }

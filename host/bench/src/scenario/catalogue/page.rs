@@ -2,14 +2,15 @@
 
 use std::fmt::Write;
 
-use crate::scenario::key::{Choice, Key, KeyKind, Keys};
+use crate::scenario::key::{Choice, Further, Key, KeyKind, Keys};
 use crate::scenario::spelling::{either, spell_number};
 
 const BEGINNING: &str = "\
 # Scenarios
 
-A scenario is a TOML file: what to run, and what to expect. This page lists every key. It is printed by `lashloop show --keys`
-from the declarations that the reader of scenarios uses, so changes belong there.
+A scenario is a TOML file: what to run, and what to expect. This page lists every key. It is generated from the declarations
+that the reader of scenarios uses, by `cargo run -p lashloop-bench --example scenario_documents`; changes belong there. `lashloop
+show --keys` prints it, with the plants of your own program too.
 
 - Each key has its unit in its name. The reader rejects an unknown key, a value out of range and a key of another choice, each with
   file, line, allowed values and remedy. It reports all errors at once.
@@ -35,12 +36,34 @@ impl Keys {
 struct Row<'a> {
     key: &'a Key,
     /// Alternatives; empty for a key that the section always has.
-    conditions: Vec<String>,
+    conditions: Vec<Condition>,
 }
 
-fn section(page: &mut String, keys: &Keys, path: &str, outer: &[String]) {
+/// A choice and its name, after those that the choice itself depends on.
+type Condition = Vec<(&'static str, &'static str)>;
+
+/// Alternatives in words; those that differ in the last name only are one.
+fn spell(conditions: &[Condition]) -> String {
+    let mut spelled: Vec<String> = Vec::new();
+    let mut last: Option<(&[(&str, &str)], &str)> = None;
+    for condition in conditions {
+        let Some(((key, name), before)) = condition.split_last() else { continue };
+        match spelled.last_mut() {
+            Some(text) if last == Some((before, key)) => text.push_str(&format!(", `\"{name}\"`")),
+            _ => {
+                let before: String =
+                    before.iter().map(|(key, name)| format!("`{key} = \"{name}\"` and ")).collect();
+                spelled.push(format!("{before}`{key} = \"{name}\"`"));
+            }
+        }
+        last = Some((before, key));
+    }
+    spelled.join("; ")
+}
+
+fn section(page: &mut String, keys: &Keys, path: &str, outer: &[Condition]) {
     let mut rows = Vec::new();
-    collect(keys, "", &mut rows);
+    collect(keys, &[], &mut rows);
     let is_value = |row: &&Row<'_>| !matches!(row.key.kind, KeyKind::Section(_) | KeyKind::Sections(_));
     let (always, depending): (Vec<_>, Vec<_>) =
         rows.iter().filter(is_value).partition(|row| row.conditions.is_empty());
@@ -50,8 +73,12 @@ fn section(page: &mut String, keys: &Keys, path: &str, outer: &[String]) {
             line(page, row.key, None);
         }
     }
-    if keys.open {
-        page.push_str("\nAny further key takes a number, a boolean or a text: the drive describes its parameters itself.\n");
+    match keys.further {
+        Further::Rejected => {}
+        Further::Values => {
+            page.push_str("\nAny key with a number, a boolean or a text; the drive checks it.\n")
+        }
+        Further::Anything => page.push_str("\nAny key with any value.\n"),
     }
     if !depending.is_empty() {
         page.push_str(
@@ -74,37 +101,38 @@ fn section(page: &mut String, keys: &Keys, path: &str, outer: &[String]) {
         };
         let path = if path.is_empty() { key.name.to_owned() } else { format!("{path}.{}", key.name) };
         let [open, close] = brackets;
-        page.push_str(&format!("\n## `{open}{path}{close}`\n\n{}\n", key.doc));
+        page.push_str(&format!("\n## `{open}{path}{close}`\n"));
+        if !key.doc.is_empty() {
+            page.push_str(&format!("\n{}\n", key.doc));
+        }
         let conditions = if conditions.is_empty() { outer } else { conditions };
         if !conditions.is_empty() {
-            page.push_str(&format!("\nOnly with {}.\n", conditions.join(" or ")));
+            page.push_str(&format!("\nOnly with {}.\n", spell(conditions)));
         }
         section(page, inside, &path, conditions);
     }
 }
 
 /// All keys, equal ones of several variants as one row.
-fn collect<'a>(keys: &'a Keys, condition: &str, rows: &mut Vec<Row<'a>>) {
+fn collect<'a>(keys: &'a Keys, condition: &[(&'static str, &'static str)], rows: &mut Vec<Row<'a>>) {
     for key in &keys.keys {
         match rows.iter_mut().find(|row| row.key == key && !row.conditions.is_empty()) {
-            Some(row) => row.conditions.push(condition.to_owned()),
+            Some(row) => row.conditions.push(condition.to_vec()),
             None => rows.push(Row {
                 key,
-                conditions: if condition.is_empty() { Vec::new() } else { vec![condition.to_owned()] },
+                conditions: if condition.is_empty() { Vec::new() } else { vec![condition.to_vec()] },
             }),
         }
     }
     for selector in &keys.selectors {
         for (name, variant) in &selector.variants {
-            let own = format!("`{} = \"{name}\"`", selector.key);
-            let condition = if condition.is_empty() { own } else { format!("{condition} and {own}") };
-            collect(variant, &condition, rows);
+            collect(variant, &[condition, &[(selector.key, *name)]].concat(), rows);
         }
     }
 }
 
-fn line(page: &mut String, key: &Key, conditions: Option<&[String]>) {
-    let first = conditions.map_or(String::new(), |conditions| format!("| {} ", conditions.join(", ")));
+fn line(page: &mut String, key: &Key, conditions: Option<&[Condition]>) {
+    let first = conditions.map_or(String::new(), |conditions| format!("| {} ", spell(conditions)));
     let Key { name, doc, unit, .. } = key;
     // Writing to a String can't fail.
     let _ = writeln!(page, "{first}| `{name}` | {} | {unit} | {} | {doc} |", value(key), default(key));
@@ -114,6 +142,9 @@ fn line(page: &mut String, key: &Key, conditions: Option<&[String]>) {
 fn value(key: &Key) -> String {
     match &key.kind {
         KeyKind::Number { range, .. } => format!("number {}", range.describe("")),
+        KeyKind::WholeNumber { low, high, .. } if *high == i64::MAX.into() => {
+            format!("whole number >= {low}")
+        }
         KeyKind::WholeNumber { low, high, .. } => format!("whole number >= {low} and <= {high}"),
         KeyKind::Text => "text".to_owned(),
         KeyKind::Texts => "list of texts".to_owned(),

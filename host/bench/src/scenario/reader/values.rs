@@ -6,6 +6,7 @@ use std::ops::RangeInclusive;
 use super::section::Section;
 use crate::scenario::key::KeyKind;
 use crate::scenario::key_error::KeyError;
+use crate::scenario::origin::Origin;
 use crate::scenario::range::NumberRange;
 use crate::scenario::spelling::{decimal_point, either, with_unit};
 use crate::scenario::tree::{Node, Value};
@@ -155,6 +156,27 @@ impl<'a> Section<'a> {
             self.wrong_type(key, node, purpose.unwrap_or("a list of texts in quotes").to_owned());
         }
         texts
+    }
+
+    /// An optional list of texts, each with its place. `allowed` describes it. `None` if absent or faulty.
+    pub(in crate::scenario) fn optional_texts(
+        &mut self,
+        key: &'static str,
+        allowed: &str,
+    ) -> Option<Vec<(&'a str, &'a Origin)>> {
+        let node = self.look_up(key, "", KeyKind::Texts, None)?;
+        let Value::Array(items) = &node.value else {
+            self.wrong_type(key, node, allowed.to_owned());
+            return None;
+        };
+        let mut texts = Vec::new();
+        for (index, item) in items.iter().enumerate() {
+            match &item.value {
+                Value::Text(text) => texts.push((&**text, &item.origin)),
+                _ => self.wrong_type(&format!("{key}.{index}"), item, "a text in quotes".to_owned()),
+            }
+        }
+        Some(texts)
     }
 
     /// One of several names, required unless it has a default. `None` if absent or faulty.

@@ -73,6 +73,8 @@ impl Nominal {
             let Some(default) = default_of(name).filter(|default| differ(*default, plant.value)) else {
                 continue;
             };
+            // A drive has it in single precision: 0.16, and not 0.1599999964237213.
+            let default = default as f32;
             errors.push(plant.error(format!(
                 "is not the drive's default of {default}; set controller.parameters.{name} = {}, {}",
                 plant.value,
