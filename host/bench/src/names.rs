@@ -28,8 +28,7 @@ impl UnknownName {
         let known: Vec<_> = known.into_iter().collect();
         // A name without its prefix or unit is more than similar.
         let is_part = |other: &str| !name.is_empty() && other.contains(name);
-        let similarity =
-            |other: &&str| if is_part(other) { 1.0 } else { strsim::jaro_winkler(other, name) };
+        let similarity = |other: &&str| if is_part(other) { 1.0 } else { strsim::jaro_winkler(other, name) };
         let nearest = known.iter().map(|known| (similarity(known), *known));
         let nearest = nearest.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(it, _)| *it >= MIN_SIMILARITY);
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
