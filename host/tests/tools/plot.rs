@@ -22,10 +22,18 @@ impl Runs {
     fn run(&self, name: &str, settings: &[&str]) -> PathBuf {
         let (scenario, out) = (root().join("scenarios/faults.toml"), self.folder(name));
         let mut arguments = vec!["run", scenario.to_str().unwrap(), "--device", "inproc"];
-        arguments.extend(["--out", out.to_str().unwrap(), "--set", "run.duration_s=0.1"]);
+        // A run this short can't measure what the scenario expects; only its record matters here.
+        arguments.extend([
+            "--out",
+            out.to_str().unwrap(),
+            "--set",
+            "run.duration_s=0.1",
+            "--set",
+            "expect=[]",
+        ]);
         arguments.extend(settings.iter().flat_map(|setting| ["--set", setting]));
         let ended = lashloop(&arguments, &[]);
-        assert_eq!(ended.status.code(), Some(1), "{}", text(&ended.stderr));
+        assert_eq!(ended.status.code(), Some(0), "{}", text(&ended.stderr));
         out
     }
 }
@@ -59,7 +67,8 @@ fn record_is_plotted_into_its_folder() {
 #[test]
 fn several_records_share_axes_and_common_curves() {
     let runs = Runs::new();
-    let (one, other) = (runs.run("one", &[]), runs.run("other", &["plant.dead_zone_rad=0.2"]));
+    let (one, other) =
+        (runs.run("one", &[]), runs.run("other", &["plant.dead_zone_rad=0.2", "meant=[\"mismatch\"]"]));
     let figure = runs.folder("both.svg");
     plot(&[&one, &other, Path::new("--out"), &figure]).unwrap();
     let svg = fs::read_to_string(figure).unwrap();
@@ -159,7 +168,8 @@ fn any_signal_gets_a_panel_with_its_unit() {
         ["--signal", "drive.requested_torque_nm", "stored_energy_j"].map(Path::new);
     plot(&[&one, option, torque, energy]).unwrap();
     let svg = fs::read_to_string(one.join("record.svg")).unwrap();
-    for words in ["drive.requested_torque_nm (N m)", "stored_energy_j (J)"] {
+    // The axis of a small energy carries a power of ten before its unit.
+    for words in ["drive.requested_torque_nm (N m)", "stored_energy_j (", " J)<"] {
         assert!(svg.contains(words), "no {words:?}: {svg}");
     }
     let error = plot(&[&one, Path::new("--signal"), Path::new("requested_torque")]).unwrap_err();
