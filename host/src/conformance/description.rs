@@ -70,7 +70,7 @@ fn controller(client: &mut Client) -> RuleResult {
     }
     let it = client.parameter(CONTROLLER)?;
     expect(!it.live, "controller without LIVE", it.live)?;
-    let range = (ParameterValue::U32(0), ParameterValue::U32(laws.len() as u32 - 1));
+    let range = (ParameterValue::U32(0), ParameterValue::U32((laws.len() as u32).saturating_sub(1)));
     equal("min and max of controller", range, (it.min, it.max))?;
     let choices: Vec<_> = it.choices.iter().map(|choice| choice.name.clone()).collect();
     equal("choices of controller", laws, choices)
