@@ -25,7 +25,7 @@ fn each_file_asks_for_the_figure_of_the_paper() {
         assert_eq!(scenario.controller.name, law, "{name}");
         assert_eq!(scenario.plant.number("load_coulomb_nm").is_some(), friction, "{name}");
         let expectation = &scenario.expectations[0];
-        assert_eq!(expectation.metric.name(), metric, "{name}");
+        assert_eq!(expectation.quantity.to_string(), metric, "{name}");
         assert_eq!((expectation.min, expectation.max), (Some(min), Some(max)), "{name}");
         assert_eq!(scenario.run.steps(), 25_000, "{name}");
     }
