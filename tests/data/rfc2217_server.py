@@ -24,6 +24,8 @@ def serve(port, client):
     client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     connection = Connection(client)
     manager = serial.rfc2217.PortManager(port, connection)
+    # A pseudo-terminal has no modem lines to report.
+    manager.check_modem_lines = lambda force_notification=False: None
     ended = threading.Event()
 
     def to_client():
