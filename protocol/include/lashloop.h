@@ -16,6 +16,9 @@
 #define LASHLOOP_MAX_BODY 58 /* longest body in bytes: kind and fields */
 #define LASHLOOP_OVERHEAD 6 /* bytes of a frame beyond its body: COBS code, CRC, delimiter */
 #define LASHLOOP_DELIMITER 0 /* ends every frame and occurs nowhere else */
+#define LASHLOOP_MAX_LAWS 16 /* most laws of a drive */
+#define LASHLOOP_MAX_SIGNALS 32 /* most signals of a drive */
+#define LASHLOOP_MAX_TELEMETRY_VALUES 13 /* most values of one telemetry message */
 #define LASHLOOP_CRC_LEN 4 /* bytes, little endian, after the body */
 #define LASHLOOP_STATUS_STATE_MASK 15 /* bits of a status byte that hold the state */
 #define LASHLOOP_CRC_POLYNOMIAL 0x1edc6f41u /* CRC-32/ISCSI, over the body */
@@ -24,24 +27,19 @@
 #define LASHLOOP_CRC_XOROUT 0xffffffffu /* exclusive or after the last byte */
 #define LASHLOOP_CRC_CHECK 0xe3069283u /* CRC of the nine bytes "123456789" */
 
+/* Names of parameters with the same meaning in every drive */
+#define LASHLOOP_PARAMETER_CONTROLLER "controller"
+#define LASHLOOP_PARAMETER_PERIOD_US "period_us"
+#define LASHLOOP_PARAMETER_MOTOR_COUNTS_PER_REV "motor_counts_per_rev"
+#define LASHLOOP_PARAMETER_LOAD_COUNTS_PER_REV "load_counts_per_rev"
+#define LASHLOOP_PARAMETER_WATCHDOG_US "watchdog_us"
+
 enum lashloop_state {
     LASHLOOP_STATE_BOOT = 1,
     LASHLOOP_STATE_IDLE = 2,
     LASHLOOP_STATE_ARMED = 3,
     LASHLOOP_STATE_RUNNING = 4,
     LASHLOOP_STATE_FAULTED = 5
-};
-
-enum lashloop_controller_id {
-    LASHLOOP_CONTROLLER_ID_PD = 1,
-    LASHLOOP_CONTROLLER_ID_MERZOUKI = 2,
-    LASHLOOP_CONTROLLER_ID_MERZOUKI_AS_PRINTED = 3,
-    LASHLOOP_CONTROLLER_ID_BACKLASH_INVERSE = 4
-};
-
-enum lashloop_disturbing_torque_source {
-    LASHLOOP_DISTURBING_TORQUE_SOURCE_MODEL = 1,
-    LASHLOOP_DISTURBING_TORQUE_SOURCE_OBSERVED = 2
 };
 
 enum lashloop_fault_code {
@@ -60,7 +58,7 @@ enum lashloop_outcome {
     LASHLOOP_OUTCOME_WRONG_STATE = 2,
     LASHLOOP_OUTCOME_WRONG_SESSION = 3,
     LASHLOOP_OUTCOME_VERSION_MISMATCH = 4,
-    LASHLOOP_OUTCOME_UNKNOWN_PARAMETER = 5,
+    LASHLOOP_OUTCOME_UNKNOWN_INDEX = 5,
     LASHLOOP_OUTCOME_WRONG_TYPE = 6,
     LASHLOOP_OUTCOME_OUT_OF_RANGE = 7,
     LASHLOOP_OUTCOME_OUT_OF_SEQUENCE = 8,
@@ -83,10 +81,8 @@ enum lashloop_parameter_type {
 #define LASHLOOP_TORQUE_FLAGS_REPEATED 0x20
 #define LASHLOOP_TORQUE_FLAGS_GAP 0x40
 
-#define LASHLOOP_CONTROLLERS_PD 0x2
-#define LASHLOOP_CONTROLLERS_MERZOUKI 0x4
-#define LASHLOOP_CONTROLLERS_MERZOUKI_AS_PRINTED 0x8
-#define LASHLOOP_CONTROLLERS_BACKLASH_INVERSE 0x10
+#define LASHLOOP_PARAMETER_FLAGS_LIVE 0x1
+#define LASHLOOP_PARAMETER_FLAGS_CHOICES 0x2
 
 /* Hello: Opens a session. A new session number makes the drive disarm and enter Idle; the number of the open session changes nothing and requests the identity only. */
 #define LASHLOOP_HELLO_KIND 0x01
@@ -99,7 +95,7 @@ enum lashloop_parameter_type {
 #define LASHLOOP_HELLO_SESSION_OFFSET 2
 #define LASHLOOP_HELLO_SESSION_LEN 4
 
-/* DescribeParameter: Requests name, unit, type and range of a parameter. */
+/* DescribeParameter: Requests name, unit, type, range, flags and laws of a parameter. */
 #define LASHLOOP_DESCRIBE_PARAMETER_KIND 0x02
 #define LASHLOOP_DESCRIBE_PARAMETER_BODY_LEN 2
 #define LASHLOOP_DESCRIBE_PARAMETER_FRAME_LEN 8
@@ -162,6 +158,44 @@ enum lashloop_parameter_type {
 #define LASHLOOP_RESET_BODY_LEN 1
 #define LASHLOOP_RESET_FRAME_LEN 7
 
+/* DescribeLaw: Requests the name of a control law. */
+#define LASHLOOP_DESCRIBE_LAW_KIND 0x0b
+#define LASHLOOP_DESCRIBE_LAW_BODY_LEN 2
+#define LASHLOOP_DESCRIBE_LAW_FRAME_LEN 8
+/* uint8_t: Index, from 0 to the law count in Identity, exclusive. */
+#define LASHLOOP_DESCRIBE_LAW_INDEX_OFFSET 1
+#define LASHLOOP_DESCRIBE_LAW_INDEX_LEN 1
+
+/* DescribeSignal: Requests name, unit and laws of a signal. */
+#define LASHLOOP_DESCRIBE_SIGNAL_KIND 0x0c
+#define LASHLOOP_DESCRIBE_SIGNAL_BODY_LEN 2
+#define LASHLOOP_DESCRIBE_SIGNAL_FRAME_LEN 8
+/* uint8_t: Index, from 0 to the signal count in Identity, exclusive. */
+#define LASHLOOP_DESCRIBE_SIGNAL_INDEX_OFFSET 1
+#define LASHLOOP_DESCRIBE_SIGNAL_INDEX_LEN 1
+
+/* DescribeChoice: Requests the name of a value of a parameter with choices. */
+#define LASHLOOP_DESCRIBE_CHOICE_KIND 0x0d
+#define LASHLOOP_DESCRIBE_CHOICE_BODY_LEN 3
+#define LASHLOOP_DESCRIBE_CHOICE_FRAME_LEN 9
+/* uint8_t: Index of the parameter. */
+#define LASHLOOP_DESCRIBE_CHOICE_PARAMETER_OFFSET 1
+#define LASHLOOP_DESCRIBE_CHOICE_PARAMETER_LEN 1
+/* uint8_t: The value, from the smallest to the largest of the parameter. */
+#define LASHLOOP_DESCRIBE_CHOICE_CHOICE_OFFSET 2
+#define LASHLOOP_DESCRIBE_CHOICE_CHOICE_LEN 1
+
+/* Subscribe: Selects the signals that telemetry carries, and its rate. Replaces the subscription before it. */
+#define LASHLOOP_SUBSCRIBE_KIND 0x0e
+#define LASHLOOP_SUBSCRIBE_BODY_LEN 7
+#define LASHLOOP_SUBSCRIBE_FRAME_LEN 13
+/* uint32_t: Signals: bit n stands for the signal with index n. At most 13; none ends telemetry. */
+#define LASHLOOP_SUBSCRIBE_SIGNALS_OFFSET 1
+#define LASHLOOP_SUBSCRIBE_SIGNALS_LEN 4
+/* uint16_t: Telemetry follows the torque of every sample whose sequence is a multiple of this number; 0 ends telemetry. */
+#define LASHLOOP_SUBSCRIBE_EVERY_OFFSET 5
+#define LASHLOOP_SUBSCRIBE_EVERY_LEN 2
+
 /* EncoderSample: Readings of the two encoders at the start of a control period. */
 #define LASHLOOP_ENCODER_SAMPLE_KIND 0x10
 #define LASHLOOP_ENCODER_SAMPLE_BODY_LEN 13
@@ -179,24 +213,29 @@ enum lashloop_parameter_type {
 #define LASHLOOP_ENCODER_SAMPLE_REFERENCE_RAD_OFFSET 9
 #define LASHLOOP_ENCODER_SAMPLE_REFERENCE_RAD_LEN 4
 
-/* X(name, kind, body length) for every message that this side sends. */
+/* X(name, kind, body length, element length) for every message that this side sends. The element length is 0 if every body
+ * has the body length. Else the last field repeats: a body has at least one element and at most the body length. */
 #define LASHLOOP_HOST_MESSAGES(X) \
-    X(HELLO, 0x01, 6) \
-    X(DESCRIBE_PARAMETER, 0x02, 2) \
-    X(GET_PARAMETER, 0x03, 2) \
-    X(SET_PARAMETER, 0x04, 7) \
-    X(ARM, 0x05, 5) \
-    X(START, 0x06, 5) \
-    X(STOP, 0x07, 1) \
-    X(EMERGENCY_STOP, 0x08, 1) \
-    X(CLEAR_FAULT, 0x09, 1) \
-    X(RESET, 0x0a, 1) \
-    X(ENCODER_SAMPLE, 0x10, 13)
+    X(HELLO, 0x01, 6, 0) \
+    X(DESCRIBE_PARAMETER, 0x02, 2, 0) \
+    X(GET_PARAMETER, 0x03, 2, 0) \
+    X(SET_PARAMETER, 0x04, 7, 0) \
+    X(ARM, 0x05, 5, 0) \
+    X(START, 0x06, 5, 0) \
+    X(STOP, 0x07, 1, 0) \
+    X(EMERGENCY_STOP, 0x08, 1, 0) \
+    X(CLEAR_FAULT, 0x09, 1, 0) \
+    X(RESET, 0x0a, 1, 0) \
+    X(DESCRIBE_LAW, 0x0b, 2, 0) \
+    X(DESCRIBE_SIGNAL, 0x0c, 2, 0) \
+    X(DESCRIBE_CHOICE, 0x0d, 3, 0) \
+    X(SUBSCRIBE, 0x0e, 7, 0) \
+    X(ENCODER_SAMPLE, 0x10, 13, 0)
 
 /* Identity: Identity of the drive. Same layout in every protocol version. */
 #define LASHLOOP_IDENTITY_KIND 0x81
-#define LASHLOOP_IDENTITY_BODY_LEN 45
-#define LASHLOOP_IDENTITY_FRAME_LEN 51
+#define LASHLOOP_IDENTITY_BODY_LEN 46
+#define LASHLOOP_IDENTITY_FRAME_LEN 52
 /* uint8_t: Protocol version of the drive. */
 #define LASHLOOP_IDENTITY_PROTOCOL_VERSION_OFFSET 1
 #define LASHLOOP_IDENTITY_PROTOCOL_VERSION_LEN 1
@@ -209,52 +248,61 @@ enum lashloop_parameter_type {
 /* uint32_t: First 32 bits of the commit the firmware was built from; 0 if unknown. */
 #define LASHLOOP_IDENTITY_BUILD_ID_OFFSET 9
 #define LASHLOOP_IDENTITY_BUILD_ID_LEN 4
+/* uint8_t: 0 if the firmware was built from exactly that commit; 1 if the sources had changes, or if that is unknown. */
+#define LASHLOOP_IDENTITY_DIRTY_OFFSET 13
+#define LASHLOOP_IDENTITY_DIRTY_LEN 1
 /* 1 byte of enum lashloop_state: State after the handshake. */
-#define LASHLOOP_IDENTITY_STATE_OFFSET 13
+#define LASHLOOP_IDENTITY_STATE_OFFSET 14
 #define LASHLOOP_IDENTITY_STATE_LEN 1
 /* 16 bytes of UTF-8, padded with zeros, not always terminated: Name of the board. */
-#define LASHLOOP_IDENTITY_BOARD_OFFSET 14
+#define LASHLOOP_IDENTITY_BOARD_OFFSET 15
 #define LASHLOOP_IDENTITY_BOARD_LEN 16
 /* uint32_t: Control period in force, in us. */
-#define LASHLOOP_IDENTITY_PERIOD_US_OFFSET 30
+#define LASHLOOP_IDENTITY_PERIOD_US_OFFSET 31
 #define LASHLOOP_IDENTITY_PERIOD_US_LEN 4
 /* uint32_t: Resolution of the motor encoder in force, in counts per revolution. */
-#define LASHLOOP_IDENTITY_MOTOR_COUNTS_PER_REV_OFFSET 34
+#define LASHLOOP_IDENTITY_MOTOR_COUNTS_PER_REV_OFFSET 35
 #define LASHLOOP_IDENTITY_MOTOR_COUNTS_PER_REV_LEN 4
 /* uint32_t: Resolution of the load encoder in force, in counts per revolution. */
-#define LASHLOOP_IDENTITY_LOAD_COUNTS_PER_REV_OFFSET 38
+#define LASHLOOP_IDENTITY_LOAD_COUNTS_PER_REV_OFFSET 39
 #define LASHLOOP_IDENTITY_LOAD_COUNTS_PER_REV_LEN 4
-/* 16 bits LASHLOOP_CONTROLLERS_*: Control laws offered. */
-#define LASHLOOP_IDENTITY_CONTROLLERS_OFFSET 42
-#define LASHLOOP_IDENTITY_CONTROLLERS_LEN 2
+/* uint8_t: Number of control laws, 1 to 16. */
+#define LASHLOOP_IDENTITY_LAW_COUNT_OFFSET 43
+#define LASHLOOP_IDENTITY_LAW_COUNT_LEN 1
+/* uint8_t: Number of signals, 0 to 32. */
+#define LASHLOOP_IDENTITY_SIGNAL_COUNT_OFFSET 44
+#define LASHLOOP_IDENTITY_SIGNAL_COUNT_LEN 1
 /* uint8_t: Number of parameters. */
-#define LASHLOOP_IDENTITY_PARAMETER_COUNT_OFFSET 44
+#define LASHLOOP_IDENTITY_PARAMETER_COUNT_OFFSET 45
 #define LASHLOOP_IDENTITY_PARAMETER_COUNT_LEN 1
 
-/* ParameterDescription: Name, unit, type and range of a parameter. */
+/* ParameterDescription: Name, unit, type, range, flags and laws of a parameter. */
 #define LASHLOOP_PARAMETER_DESCRIPTION_KIND 0x82
-#define LASHLOOP_PARAMETER_DESCRIPTION_BODY_LEN 56
-#define LASHLOOP_PARAMETER_DESCRIPTION_FRAME_LEN 62
+#define LASHLOOP_PARAMETER_DESCRIPTION_BODY_LEN 57
+#define LASHLOOP_PARAMETER_DESCRIPTION_FRAME_LEN 63
 /* uint8_t: Index of the parameter. */
 #define LASHLOOP_PARAMETER_DESCRIPTION_INDEX_OFFSET 1
 #define LASHLOOP_PARAMETER_DESCRIPTION_INDEX_LEN 1
-/* uint8_t: 1 if the parameter may be set while running, else 0. */
-#define LASHLOOP_PARAMETER_DESCRIPTION_LIVE_OFFSET 2
-#define LASHLOOP_PARAMETER_DESCRIPTION_LIVE_LEN 1
+/* 8 bits LASHLOOP_PARAMETER_FLAGS_*: Whether it may be set while running, and whether its values have names. */
+#define LASHLOOP_PARAMETER_DESCRIPTION_FLAGS_OFFSET 2
+#define LASHLOOP_PARAMETER_DESCRIPTION_FLAGS_LEN 1
+/* uint16_t: Laws that the parameter belongs to: bit n stands for the law with index n. A parameter of the drive itself belongs to all laws. */
+#define LASHLOOP_PARAMETER_DESCRIPTION_LAWS_OFFSET 3
+#define LASHLOOP_PARAMETER_DESCRIPTION_LAWS_LEN 2
 /* 1 byte of enum lashloop_parameter_type, then 4 bytes of that type: Value after power-up. */
-#define LASHLOOP_PARAMETER_DESCRIPTION_DEFAULT_OFFSET 3
+#define LASHLOOP_PARAMETER_DESCRIPTION_DEFAULT_OFFSET 5
 #define LASHLOOP_PARAMETER_DESCRIPTION_DEFAULT_LEN 5
 /* 1 byte of enum lashloop_parameter_type, then 4 bytes of that type: Smallest value accepted. */
-#define LASHLOOP_PARAMETER_DESCRIPTION_MIN_OFFSET 8
+#define LASHLOOP_PARAMETER_DESCRIPTION_MIN_OFFSET 10
 #define LASHLOOP_PARAMETER_DESCRIPTION_MIN_LEN 5
 /* 1 byte of enum lashloop_parameter_type, then 4 bytes of that type: Largest value accepted. */
-#define LASHLOOP_PARAMETER_DESCRIPTION_MAX_OFFSET 13
+#define LASHLOOP_PARAMETER_DESCRIPTION_MAX_OFFSET 15
 #define LASHLOOP_PARAMETER_DESCRIPTION_MAX_LEN 5
-/* 28 bytes of UTF-8, padded with zeros, not always terminated: Name, with the unit as its suffix. */
-#define LASHLOOP_PARAMETER_DESCRIPTION_NAME_OFFSET 18
-#define LASHLOOP_PARAMETER_DESCRIPTION_NAME_LEN 28
+/* 27 bytes of UTF-8, padded with zeros, not always terminated: Name, with the unit as its suffix. */
+#define LASHLOOP_PARAMETER_DESCRIPTION_NAME_OFFSET 20
+#define LASHLOOP_PARAMETER_DESCRIPTION_NAME_LEN 27
 /* 10 bytes of UTF-8, padded with zeros, not always terminated: Unit as text; empty for a pure number. */
-#define LASHLOOP_PARAMETER_DESCRIPTION_UNIT_OFFSET 46
+#define LASHLOOP_PARAMETER_DESCRIPTION_UNIT_OFFSET 47
 #define LASHLOOP_PARAMETER_DESCRIPTION_UNIT_LEN 10
 
 /* ParameterReport: The value of a parameter after a get or a set. */
@@ -288,6 +336,48 @@ enum lashloop_parameter_type {
 #define LASHLOOP_COMMAND_RESULT_STATE_OFFSET 3
 #define LASHLOOP_COMMAND_RESULT_STATE_LEN 1
 
+/* LawDescription: Name of a control law. */
+#define LASHLOOP_LAW_DESCRIPTION_KIND 0x86
+#define LASHLOOP_LAW_DESCRIPTION_BODY_LEN 30
+#define LASHLOOP_LAW_DESCRIPTION_FRAME_LEN 36
+/* uint8_t: Index of the law: the value of the parameter controller, and the bit in the laws of parameters and signals. */
+#define LASHLOOP_LAW_DESCRIPTION_INDEX_OFFSET 1
+#define LASHLOOP_LAW_DESCRIPTION_INDEX_LEN 1
+/* 28 bytes of UTF-8, padded with zeros, not always terminated: Name of the law. */
+#define LASHLOOP_LAW_DESCRIPTION_NAME_OFFSET 2
+#define LASHLOOP_LAW_DESCRIPTION_NAME_LEN 28
+
+/* SignalDescription: Name, unit and laws of a signal. */
+#define LASHLOOP_SIGNAL_DESCRIPTION_KIND 0x87
+#define LASHLOOP_SIGNAL_DESCRIPTION_BODY_LEN 46
+#define LASHLOOP_SIGNAL_DESCRIPTION_FRAME_LEN 52
+/* uint8_t: Index of the signal: the bit in the signals of Subscribe. */
+#define LASHLOOP_SIGNAL_DESCRIPTION_INDEX_OFFSET 1
+#define LASHLOOP_SIGNAL_DESCRIPTION_INDEX_LEN 1
+/* uint16_t: Laws that the signal belongs to: bit n stands for the law with index n. A signal of the drive itself belongs to all laws. */
+#define LASHLOOP_SIGNAL_DESCRIPTION_LAWS_OFFSET 2
+#define LASHLOOP_SIGNAL_DESCRIPTION_LAWS_LEN 2
+/* 32 bytes of UTF-8, padded with zeros, not always terminated: Name, with the unit as its suffix. */
+#define LASHLOOP_SIGNAL_DESCRIPTION_NAME_OFFSET 4
+#define LASHLOOP_SIGNAL_DESCRIPTION_NAME_LEN 32
+/* 10 bytes of UTF-8, padded with zeros, not always terminated: Unit as text; empty for a pure number. */
+#define LASHLOOP_SIGNAL_DESCRIPTION_UNIT_OFFSET 36
+#define LASHLOOP_SIGNAL_DESCRIPTION_UNIT_LEN 10
+
+/* ChoiceDescription: Name of a value of a parameter with choices. */
+#define LASHLOOP_CHOICE_DESCRIPTION_KIND 0x88
+#define LASHLOOP_CHOICE_DESCRIPTION_BODY_LEN 31
+#define LASHLOOP_CHOICE_DESCRIPTION_FRAME_LEN 37
+/* uint8_t: Index of the parameter. */
+#define LASHLOOP_CHOICE_DESCRIPTION_PARAMETER_OFFSET 1
+#define LASHLOOP_CHOICE_DESCRIPTION_PARAMETER_LEN 1
+/* uint8_t: The value that has this name. */
+#define LASHLOOP_CHOICE_DESCRIPTION_CHOICE_OFFSET 2
+#define LASHLOOP_CHOICE_DESCRIPTION_CHOICE_LEN 1
+/* 28 bytes of UTF-8, padded with zeros, not always terminated: Name of the choice. */
+#define LASHLOOP_CHOICE_DESCRIPTION_NAME_OFFSET 3
+#define LASHLOOP_CHOICE_DESCRIPTION_NAME_LEN 28
+
 /* TorqueAnswer: The torque for one sample. */
 #define LASHLOOP_TORQUE_ANSWER_KIND 0x90
 #define LASHLOOP_TORQUE_ANSWER_BODY_LEN 10
@@ -305,31 +395,16 @@ enum lashloop_parameter_type {
 #define LASHLOOP_TORQUE_ANSWER_COMPUTE_TENTHS_US_OFFSET 8
 #define LASHLOOP_TORQUE_ANSWER_COMPUTE_TENTHS_US_LEN 2
 
-/* Telemetry: Signals of the control law. */
+/* Telemetry: Values of the subscribed signals. */
 #define LASHLOOP_TELEMETRY_KIND 0x91
-#define LASHLOOP_TELEMETRY_BODY_LEN 27
-#define LASHLOOP_TELEMETRY_FRAME_LEN 33
-/* uint16_t: Sequence of the sample that these signals belong to. */
+#define LASHLOOP_TELEMETRY_BODY_LEN 55 /* of the longest */
+#define LASHLOOP_TELEMETRY_FRAME_LEN 61 /* of the longest */
+/* uint16_t: Sequence of the sample that these values belong to. */
 #define LASHLOOP_TELEMETRY_SEQUENCE_OFFSET 1
 #define LASHLOOP_TELEMETRY_SEQUENCE_LEN 2
-/* float, IEEE 754 binary32: Estimate of the dead-zone amplitude used in this step's torque, in rad. */
-#define LASHLOOP_TELEMETRY_DEAD_ZONE_ESTIMATE_RAD_OFFSET 3
-#define LASHLOOP_TELEMETRY_DEAD_ZONE_ESTIMATE_RAD_LEN 4
-/* float, IEEE 754 binary32: Estimate of the disturbing torque, in N m. */
-#define LASHLOOP_TELEMETRY_DISTURBING_TORQUE_NM_OFFSET 7
-#define LASHLOOP_TELEMETRY_DISTURBING_TORQUE_NM_LEN 4
-/* float, IEEE 754 binary32: Error of the load position, in rad. */
-#define LASHLOOP_TELEMETRY_LOAD_ERROR_RAD_OFFSET 11
-#define LASHLOOP_TELEMETRY_LOAD_ERROR_RAD_LEN 4
-/* float, IEEE 754 binary32: Error of the motor position relative to the output of the outer loop, in rad. */
-#define LASHLOOP_TELEMETRY_MOTOR_ERROR_RAD_OFFSET 15
-#define LASHLOOP_TELEMETRY_MOTOR_ERROR_RAD_LEN 4
-/* float, IEEE 754 binary32: Error of the elastic torque, in N m. */
-#define LASHLOOP_TELEMETRY_ELASTIC_ERROR_NM_OFFSET 19
-#define LASHLOOP_TELEMETRY_ELASTIC_ERROR_NM_LEN 4
-/* float, IEEE 754 binary32: Torque of the control law before the torque limit, in N m. */
-#define LASHLOOP_TELEMETRY_REQUESTED_TORQUE_NM_OFFSET 23
-#define LASHLOOP_TELEMETRY_REQUESTED_TORQUE_NM_LEN 4
+/* 1 or more floats, IEEE 754 binary32, up to the end of the body: Values of the subscribed signals, in ascending order of their indices. Each has the unit of its signal. */
+#define LASHLOOP_TELEMETRY_VALUES_OFFSET 3
+#define LASHLOOP_TELEMETRY_VALUES_ELEMENT_LEN 4
 
 /* FaultReport: The latched fault. */
 #define LASHLOOP_FAULT_REPORT_KIND 0x92
@@ -379,16 +454,20 @@ enum lashloop_parameter_type {
 #define LASHLOOP_LINE_REPORT_OVERRUNS_OFFSET 13
 #define LASHLOOP_LINE_REPORT_OVERRUNS_LEN 4
 
-/* X(name, kind, body length) for every message that this side sends. */
+/* X(name, kind, body length, element length) for every message that this side sends. The element length is 0 if every body
+ * has the body length. Else the last field repeats: a body has at least one element and at most the body length. */
 #define LASHLOOP_DRIVE_MESSAGES(X) \
-    X(IDENTITY, 0x81, 45) \
-    X(PARAMETER_DESCRIPTION, 0x82, 56) \
-    X(PARAMETER_REPORT, 0x83, 9) \
-    X(COMMAND_RESULT, 0x85, 4) \
-    X(TORQUE_ANSWER, 0x90, 10) \
-    X(TELEMETRY, 0x91, 27) \
-    X(FAULT_REPORT, 0x92, 16) \
-    X(LOG, 0x93, 54) \
-    X(LINE_REPORT, 0x94, 17)
+    X(IDENTITY, 0x81, 46, 0) \
+    X(PARAMETER_DESCRIPTION, 0x82, 57, 0) \
+    X(PARAMETER_REPORT, 0x83, 9, 0) \
+    X(COMMAND_RESULT, 0x85, 4, 0) \
+    X(LAW_DESCRIPTION, 0x86, 30, 0) \
+    X(SIGNAL_DESCRIPTION, 0x87, 46, 0) \
+    X(CHOICE_DESCRIPTION, 0x88, 31, 0) \
+    X(TORQUE_ANSWER, 0x90, 10, 0) \
+    X(TELEMETRY, 0x91, 55, 4) \
+    X(FAULT_REPORT, 0x92, 16, 0) \
+    X(LOG, 0x93, 54, 0) \
+    X(LINE_REPORT, 0x94, 17, 0)
 
 #endif

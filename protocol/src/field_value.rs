@@ -5,6 +5,7 @@ use core::fmt;
 use crate::counts::EncoderCounts;
 use crate::enums::{ParameterValue, TorqueStatus, Version};
 use crate::layout::{FieldLayout, FieldType, FlagSet};
+use crate::telemetry_values::TelemetryValues;
 use crate::wire::Wire;
 
 /// Value of a field.
@@ -16,6 +17,8 @@ pub enum FieldValue<'a> {
     Signed(i32),
     /// Real number, NaN and infinities included.
     Real(f32),
+    /// Real numbers of a repeated field.
+    Reals(TelemetryValues),
     /// Name out of a closed list.
     Name(&'static str),
     /// Flags that are set.
@@ -34,7 +37,7 @@ pub enum FieldValue<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SetFlags {
     set: FlagSet,
-    bits: u16,
+    bits: u8,
 }
 
 /// A flag that is set: its name, or the number of its bit where the set has no name for it.
@@ -49,7 +52,7 @@ pub enum SetFlag {
 impl SetFlags {
     /// The flags that are set, in ascending order of their bits.
     pub fn iter(self) -> impl Iterator<Item = SetFlag> {
-        (0..u16::BITS)
+        (0..u8::BITS)
             .filter(move |bit| self.bits >> bit & 1 == 1)
             .map(move |bit| self.set.name_of(1 << bit).map_or(SetFlag::Bit(bit), SetFlag::Named))
     }
@@ -84,6 +87,13 @@ impl fmt::Display for FieldValue<'_> {
             Self::Unsigned(value) => value.fmt(out),
             Self::Signed(value) => value.fmt(out),
             Self::Real(value) => value.fmt(out),
+            Self::Reals(values) => {
+                for (at, value) in values.as_slice().iter().enumerate() {
+                    let separator = if at > 0 { " " } else { "" };
+                    write!(out, "{separator}{value}")?;
+                }
+                Ok(())
+            }
             Self::Name(name) => out.write_str(name),
             Self::Flags(flags) => flags.fmt(out),
             Self::Status(name, flags) if flags.bits == 0 => out.write_str(name),
@@ -111,11 +121,12 @@ impl FieldType {
             Self::U8 | Self::U16 | Self::U32 => FieldValue::Unsigned(unsigned(bytes)),
             Self::I24 => FieldValue::Signed(<EncoderCounts as Wire>::get(bytes)?.get()),
             Self::F32 => FieldValue::Real(f32::get(bytes)?),
+            Self::F32Repeated => FieldValue::Reals(TelemetryValues::get(bytes)?),
             Self::Enum(list) => FieldValue::Name(list.name_of(*bytes.first()?)?),
-            Self::Flags(set) => FieldValue::Flags(SetFlags { set, bits: unsigned(bytes) as u16 }),
+            Self::Flags(set) => FieldValue::Flags(SetFlags { set, bits: *bytes.first()? }),
             Self::Status { states, flags } => {
                 let byte = *bytes.first()?;
-                let bits = u16::from(byte & !TorqueStatus::STATE_MASK);
+                let bits = byte & !TorqueStatus::STATE_MASK;
                 let state = states.name_of(byte & TorqueStatus::STATE_MASK)?;
                 FieldValue::Status(state, SetFlags { set: flags, bits })
             }
@@ -141,9 +152,9 @@ mod tests {
 
     #[test]
     fn a_flag_without_a_name_is_shown_by_its_bit() {
-        let set = FlagSet { name: "Controllers", flags: &[(2, "PD")] };
-        let value = FieldType::Flags(set).value(&[0b10, 0b10]).expect("any bits are flags");
-        assert_eq!(value.to_string(), "PD|bit 9");
+        let set = FlagSet { name: "ParameterFlags", flags: &[(2, "CHOICES")] };
+        let value = FieldType::Flags(set).value(&[0b1000_0010]).expect("any bits are flags");
+        assert_eq!(value.to_string(), "CHOICES|bit 7");
     }
 
     #[test]
@@ -163,6 +174,6 @@ mod tests {
                 }
             }
         }
-        assert!(with_unit >= 14, "{with_unit} fields with a unit");
+        assert!(with_unit >= 8, "{with_unit} fields with a unit");
     }
 }

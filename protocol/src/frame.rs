@@ -40,9 +40,10 @@ impl Deref for Frame {
 /// Writes the frame of a message to the beginning of `buffer` and returns that part. `buffer` need not be cleared.
 #[inline]
 pub fn write<'buffer, P: Payload>(payload: &P, buffer: &'buffer mut [u8; MAX_FRAME]) -> &'buffer [u8] {
-    payload.put(&mut buffer[1..=P::LAYOUT.body_len]);
-    close(buffer, P::LAYOUT.body_len);
-    &buffer[..P::LAYOUT.frame_len()]
+    let body_len = payload.body_len();
+    payload.put(&mut buffer[1..=body_len]);
+    close(buffer, body_len);
+    &buffer[..body_len + OVERHEAD]
 }
 
 /// Adds CRC, stuffing and delimiter to the body in `buffer[1..]`. Not generic, so that the image holds the code once.

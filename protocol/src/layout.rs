@@ -37,13 +37,13 @@ pub struct FlagSet {
     /// Name of the set in the specification.
     pub name: &'static str,
     /// Every mask with its name, in ascending order.
-    pub flags: &'static [(u16, &'static str)],
+    pub flags: &'static [(u8, &'static str)],
 }
 
 impl FlagSet {
     /// Name of the flag with this mask; `None` if the set has no such flag.
     #[must_use]
-    pub fn name_of(&self, mask: u16) -> Option<&'static str> {
+    pub fn name_of(&self, mask: u8) -> Option<&'static str> {
         self.flags.iter().find(|(flag, _)| *flag == mask).map(|(_, name)| *name)
     }
 }
@@ -61,9 +61,11 @@ pub enum FieldType {
     I24,
     /// IEEE 754 binary32, 4 bytes.
     F32,
+    /// IEEE 754 binary32, 4 bytes each, up to the end of the body; at least one.
+    F32Repeated,
     /// One byte of a closed list; any other byte is rejected.
     Enum(ValueList),
-    /// One bit each, 2 bytes. Bits without a name are kept: a newer drive may offer more.
+    /// One bit each, 1 byte. Bits without a name are kept: a newer drive may set more.
     Flags(FlagSet),
     /// One byte: a value in the low four bits, flags above it. A value or a flag without a name is rejected.
     Status {
@@ -89,7 +91,7 @@ pub struct FieldLayout {
     pub ty: FieldType,
     /// Offset of the first byte; the kind byte has offset 0.
     pub offset: usize,
-    /// Length, in bytes.
+    /// Length, in bytes; of a repeated field the longest.
     pub len: usize,
     /// Documentation of the field.
     pub meaning: &'static str,
@@ -115,7 +117,36 @@ impl FieldLayout {
     /// The bytes of the field in a body; `None` if the body is too short.
     #[must_use]
     pub fn bytes<'a>(&self, body: &'a [u8]) -> Option<&'a [u8]> {
-        body.get(self.offset..self.offset + self.len)
+        let end = match self.ty {
+            FieldType::F32Repeated => body.len(),
+            _ => self.offset + self.len,
+        };
+        body.get(self.offset..end)
+    }
+}
+
+/// Length of an element of the last field, from those of all fields.
+pub(crate) const fn last_element_len(fields: &[Option<usize>]) -> Option<usize> {
+    let mut last = None;
+    let mut at = 0;
+    while at < fields.len() {
+        assert!(last.is_none(), "only the last field of a message may repeat");
+        last = fields[at];
+        at += 1;
+    }
+    last
+}
+
+/// Whether a body may have this length; all lengths in bytes.
+pub(crate) const fn is_body_len(
+    len: usize,
+    shortest: usize,
+    longest: usize,
+    element_len: Option<usize>,
+) -> bool {
+    match element_len {
+        None => len == longest,
+        Some(step) => shortest <= len && len <= longest && (len - shortest).is_multiple_of(step),
     }
 }
 
@@ -130,16 +161,56 @@ pub struct MessageLayout {
     pub direction: Direction,
     /// Fields in the order of their bytes.
     pub fields: &'static [FieldLayout],
-    /// Length of the body: the kind byte and all fields, without CRC and framing.
+    /// Length of the longest body, in bytes: the kind byte and all fields, without CRC and framing.
     pub body_len: usize,
+    /// Length of an element of the last field, in bytes, if that field repeats to the end of the body, at least once. `None`
+    /// if every body has the length `body_len`.
+    pub element_len: Option<usize>,
     /// Documentation of the message.
     pub meaning: &'static str,
 }
 
 impl MessageLayout {
-    /// Length of the whole frame, in bytes.
+    /// Length of the longest frame, in bytes.
     #[must_use]
     pub const fn frame_len(&self) -> usize {
         self.body_len + limits::OVERHEAD
+    }
+
+    /// Length of the shortest body, in bytes.
+    #[must_use]
+    pub const fn shortest_body_len(&self) -> usize {
+        match (self.element_len, self.fields.last()) {
+            (Some(element_len), Some(last)) => last.offset + element_len,
+            _ => self.body_len,
+        }
+    }
+
+    /// Whether a body of this kind may have this length, in bytes.
+    #[must_use]
+    pub const fn takes(&self, body_len: usize) -> bool {
+        is_body_len(body_len, self.shortest_body_len(), self.body_len, self.element_len)
+    }
+
+    /// Length of the body with `elements` elements in its last field, in bytes; `None` unless the last field repeats and takes
+    /// that many.
+    #[must_use]
+    pub const fn body_len_of(&self, elements: usize) -> Option<usize> {
+        match self.element_len {
+            Some(element_len) if elements > 0 => {
+                let len = self.shortest_body_len() + (elements - 1) * element_len;
+                if len <= self.body_len { Some(len) } else { None }
+            }
+            _ => None,
+        }
+    }
+
+    /// Length of the frame with `elements` elements in its last field, in bytes; `None` as for [`Self::body_len_of`].
+    #[must_use]
+    pub const fn frame_len_of(&self, elements: usize) -> Option<usize> {
+        match self.body_len_of(elements) {
+            Some(len) => Some(len + limits::OVERHEAD),
+            None => None,
+        }
     }
 }

@@ -11,7 +11,8 @@
 //!         └ COBS └──────────── stuffed, so never 0x00 ───┘ └ delimiter
 //! ```
 //!
-//! - All numbers are little endian. Every kind of message has one fixed length.
+//! - All numbers are little endian. Every kind of message has one fixed length, except for [`Telemetry`](message::Telemetry),
+//!   whose last field repeats.
 //! - The CRC covers kind and fields before stuffing.
 //! - COBS removes every zero from the frame, so a zero always ends a frame. A receiver that lost synchronisation resumes
 //!   after the next zero.
@@ -24,7 +25,8 @@
 //! | [`limits`] | version, delimiter, sizes of a frame |
 //! | [`layout`] | description of messages and fields as data: name, type, offset, length, unit |
 //! | [`wire`] | how one field and one body are written and read, and the check of a body |
-//! | [`enums`], [`counts`], [`text`] | types of fields |
+//! | [`enums`], [`counts`], [`text`], [`telemetry_values`] | types of fields |
+//! | [`parameter_names`] | names of parameters with a meaning in every drive |
 //! | [`message`] | the messages: fields, sender, and when each is sent |
 //! | [`field_value`] | value of any field, read by its layout |
 //! | [`crc`] | the check value of a body |
@@ -63,7 +65,9 @@ pub mod hex;
 pub mod layout;
 pub mod limits;
 pub mod message;
+pub mod parameter_names;
 pub mod sequence;
+pub mod telemetry_values;
 pub mod text;
 pub mod wire;
 
@@ -72,3 +76,4 @@ pub use decoder::{Counters, Decoder};
 pub use frame::{Frame, FrameError};
 pub use limits::{MAX_BODY, MAX_FRAME, PROTOCOL_VERSION};
 pub use message::{DriveMessage, HostMessage, Message};
+pub use telemetry_values::TelemetryValues;

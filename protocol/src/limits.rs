@@ -25,3 +25,12 @@ pub const MAX_FRAME: usize = 64;
 
 /// Longest body, in bytes: kind and fields.
 pub const MAX_BODY: usize = MAX_FRAME - OVERHEAD;
+
+/// Most laws of a drive: one bit each in the two bytes `laws` of a description.
+pub const MAX_LAWS: usize = 16;
+
+/// Most signals of a drive: one bit each in the four bytes `signals` of `Subscribe`.
+pub const MAX_SIGNALS: usize = 32;
+
+/// Most values of one `Telemetry`: what the longest body holds besides kind and sequence.
+pub const MAX_TELEMETRY_VALUES: usize = (MAX_BODY - 1 - size_of::<u16>()) / size_of::<f32>();

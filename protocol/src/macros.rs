@@ -78,7 +78,7 @@ macro_rules! flag_set {
                     let mut flags = [(0, ""); FLAGS.len()];
                     let mut at = 0;
                     while at < FLAGS.len() {
-                        flags[at] = (FLAGS[at].value().bits() as u16, FLAGS[at].name());
+                        flags[at] = (FLAGS[at].value().bits(), FLAGS[at].name());
                         at += 1;
                     }
                     flags
@@ -137,16 +137,22 @@ macro_rules! payload {
                     direction: $crate::layout::Direction::$direction,
                     fields: FIELDS,
                     body_len: 1 $(+ <$ty as $crate::wire::Wire>::LEN)*,
+                    element_len: $crate::layout::last_element_len(&[$(<$ty as $crate::wire::Wire>::ELEMENT_LEN),*]),
                     meaning: concat!($($doc),+),
                 }
             };
+
+            #[inline]
+            fn body_len(&self) -> usize {
+                1 $(+ $crate::wire::Wire::byte_len(self.$field))*
+            }
 
             #[inline]
             fn put(&self, body: &mut [u8]) {
                 body[0] = $kind;
                 let mut at = 1;
                 $({
-                    let end = at + <$ty as $crate::wire::Wire>::LEN;
+                    let end = at + $crate::wire::Wire::byte_len(self.$field);
                     $crate::wire::Wire::put(self.$field, &mut body[at..end]);
                     at = end;
                 })*
@@ -154,15 +160,13 @@ macro_rules! payload {
 
             #[inline]
             fn get(body: &[u8]) -> Result<Self, $crate::wire::BodyError> {
-                const LEN: usize = <$name as $crate::wire::Payload>::LAYOUT.body_len;
-                let body: &[u8; LEN] = body.try_into().map_err(|_| $crate::wire::BodyError::Length {
-                    name: stringify!($name),
-                    expected: LEN,
-                    found: body.len(),
-                })?;
+                $crate::wire::check_len::<Self>(body.len())?;
                 let mut at = 1;
                 $(
-                    let end = at + <$ty as $crate::wire::Wire>::LEN;
+                    let end = match <$ty as $crate::wire::Wire>::ELEMENT_LEN {
+                        None => at + <$ty as $crate::wire::Wire>::LEN,
+                        Some(_) => body.len(),
+                    };
                     let $field = <$ty as $crate::wire::Wire>::get(&body[at..end]).ok_or(
                         $crate::wire::BodyError::Value { name: stringify!($name), field: stringify!($field) },
                     )?;

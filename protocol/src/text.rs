@@ -5,6 +5,21 @@ use core::fmt;
 use crate::layout::FieldType;
 use crate::wire::Wire;
 
+/// Name of a control law, and of a choice: the choices of the parameter `controller` are the laws.
+pub type LawName = Text<28>;
+
+/// Name of a choice of a parameter.
+pub type ChoiceName = LawName;
+
+/// Name of a parameter.
+pub type ParameterName = Text<27>;
+
+/// Name of a signal.
+pub type SignalName = Text<32>;
+
+/// Unit of a parameter or of a signal; empty for a pure number.
+pub type UnitName = Text<10>;
+
 /// UTF-8 of at most `N` bytes, padded with zeros on the wire.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Text<const N: usize> {
@@ -13,6 +28,9 @@ pub struct Text<const N: usize> {
 }
 
 impl<const N: usize> Text<N> {
+    /// Longest text, in bytes.
+    pub const CAPACITY: usize = N;
+
     /// The empty text.
     pub const EMPTY: Self = Self { bytes: [0; N], len: 0 };
 

@@ -1,19 +1,28 @@
 //! How each type of field, and a body made of fields, is written to bytes and read back. All checks of a body are here.
 
-use crate::layout::{FieldType, MessageLayout};
+use crate::layout::{FieldType, MessageLayout, is_body_len};
 use crate::limits;
 
-/// A type that occupies a fixed number of bytes in a message.
+/// Type of a field: a fixed number of bytes or, in the last field of a message, a number of equal elements.
 pub trait Wire: Copy {
-    /// Length, in bytes.
+    /// Length of the longest value, in bytes.
     const LEN: usize;
+    /// Length of an element, in bytes, if the number of elements differs between values; else every value is [`Self::LEN`]
+    /// bytes long.
+    const ELEMENT_LEN: Option<usize> = None;
     /// Type of the field, for its layout.
     const TYPE: FieldType;
 
-    /// Writes the value to `out`, which is exactly [`Self::LEN`] bytes long.
+    /// Length of this value, in bytes.
+    #[inline]
+    fn byte_len(self) -> usize {
+        Self::LEN
+    }
+
+    /// Writes the value to `out`, which is exactly [`Self::byte_len`] bytes long.
     fn put(self, out: &mut [u8]);
 
-    /// Reads the value from exactly [`Self::LEN`] bytes; `None` if the bytes are no value of this type.
+    /// Reads the value from bytes of a length that the type allows; `None` if the bytes are no value of this type.
     fn get(bytes: &[u8]) -> Option<Self>;
 }
 
@@ -22,13 +31,16 @@ pub trait Payload: Copy {
     /// Layout of the message.
     const LAYOUT: MessageLayout;
 
-    /// Writes kind and fields to `body`, which is exactly `LAYOUT.body_len` bytes long.
+    /// Length of the body of this message, in bytes.
+    fn body_len(&self) -> usize;
+
+    /// Writes kind and fields to `body`, which is exactly [`Self::body_len`] bytes long.
     fn put(&self, body: &mut [u8]);
 
     /// Reads the fields from `body`. The caller has checked the kind byte.
     ///
     /// # Errors
-    /// [`BodyError::Length`] and [`BodyError::Value`].
+    /// [`BodyError::Length`], [`BodyError::Elements`] and [`BodyError::Value`].
     fn get(body: &[u8]) -> Result<Self, BodyError>;
 }
 
@@ -54,6 +66,18 @@ pub enum BodyError {
         /// Length received, in bytes.
         found: usize,
     },
+    /// The length of the body is none of those that its kind, whose last field repeats, may have.
+    #[error("{name} takes at most {longest} bytes, in steps of {step} bytes, got {found}")]
+    Elements {
+        /// Name of the message.
+        name: &'static str,
+        /// Longest length, in bytes.
+        longest: usize,
+        /// Length of an element, in bytes.
+        step: usize,
+        /// Length received, in bytes.
+        found: usize,
+    },
     /// A field holds bytes that are no value of its type.
     #[error("{name}.{field} holds bytes that are no value of its type")]
     Value {
@@ -62,6 +86,24 @@ pub enum BodyError {
         /// Name of the field.
         field: &'static str,
     },
+}
+
+/// Checks the length of a body, in bytes.
+///
+/// # Errors
+/// [`BodyError::Length`] and [`BodyError::Elements`].
+#[inline]
+pub(crate) fn check_len<P: Payload>(found: usize) -> Result<(), BodyError> {
+    let (longest, shortest) = const { (P::LAYOUT.body_len, P::LAYOUT.shortest_body_len()) };
+    let name = const { P::LAYOUT.name };
+    let element_len = const { P::LAYOUT.element_len };
+    if is_body_len(found, shortest, longest, element_len) {
+        return Ok(());
+    }
+    Err(match element_len {
+        None => BodyError::Length { name, expected: longest, found },
+        Some(step) => BodyError::Elements { name, longest, step, found },
+    })
 }
 
 macro_rules! wire_number {

@@ -19,12 +19,12 @@ local u8, u16, u32 = { len = 1, new = ProtoField.uint8 }, { len = 2, new = Proto
     { len = 4, new = ProtoField.uint32 }
 -- Wireshark shows six digits of a float, too few to read it back, and more of a double: reals are declared as doubles.
 local i24, f32 = { len = 3, new = ProtoField.int24 }, { len = 4, new = ProtoField.double, is_real = true }
+-- 1 or more reals, up to the end of the body
+local f32_repeated = { element_len = 4, new = ProtoField.double, is_real = true }
 local value, version = { len = 5, is_value = true }, { len = 3, is_version = true }
 
 local function enum(names) return { len = 1, new = ProtoField.uint8, names = names } end
-local function flags(len, names)
-    return { len = len, new = len == 1 and ProtoField.uint8 or ProtoField.uint16, flags = names }
-end
+local function flags(names) return { len = 1, new = ProtoField.uint8, flags = names } end
 local function status(states, torque_flags)
     return { len = 1, new = ProtoField.uint8, states = states, flags = torque_flags }
 end
@@ -59,7 +59,7 @@ local OUTCOME = {
     [2] = "WrongState",
     [3] = "WrongSession",
     [4] = "VersionMismatch",
-    [5] = "UnknownParameter",
+    [5] = "UnknownIndex",
     [6] = "WrongType",
     [7] = "OutOfRange",
     [8] = "OutOfSequence",
@@ -80,11 +80,9 @@ local TORQUE_FLAGS = {
     [32] = "REPEATED",
     [64] = "GAP",
 }
-local CONTROLLERS = {
-    [2] = "PD",
-    [4] = "MERZOUKI",
-    [8] = "MERZOUKI_AS_PRINTED",
-    [16] = "BACKLASH_INVERSE",
+local PARAMETER_FLAGS = {
+    [1] = "LIVE",
+    [2] = "CHOICES",
 }
 
 -- Units by the suffix of a field's name; the first match applies
@@ -123,6 +121,20 @@ local MESSAGES = {
     [0x08] = { "EmergencyStop", {} },
     [0x09] = { "ClearFault", {} },
     [0x0a] = { "Reset", {} },
+    [0x0b] = { "DescribeLaw", {
+        { "index", u8 },
+    } },
+    [0x0c] = { "DescribeSignal", {
+        { "index", u8 },
+    } },
+    [0x0d] = { "DescribeChoice", {
+        { "parameter", u8 },
+        { "choice", u8 },
+    } },
+    [0x0e] = { "Subscribe", {
+        { "signals", u32 },
+        { "every", u16 },
+    } },
     [0x10] = { "EncoderSample", {
         { "sequence", u16 },
         { "motor_counts", i24 },
@@ -134,21 +146,24 @@ local MESSAGES = {
         { "session", u32 },
         { "firmware", version },
         { "build_id", u32 },
+        { "dirty", u8 },
         { "state", enum(STATE) },
         { "board", text(16) },
         { "period_us", u32 },
         { "motor_counts_per_rev", u32 },
         { "load_counts_per_rev", u32 },
-        { "controllers", flags(2, CONTROLLERS) },
+        { "law_count", u8 },
+        { "signal_count", u8 },
         { "parameter_count", u8 },
     } },
     [0x82] = { "ParameterDescription", {
         { "index", u8 },
-        { "live", u8 },
+        { "flags", flags(PARAMETER_FLAGS) },
+        { "laws", u16 },
         { "default", value },
         { "min", value },
         { "max", value },
-        { "name", text(28) },
+        { "name", text(27) },
         { "unit", text(10) },
     } },
     [0x83] = { "ParameterReport", {
@@ -162,6 +177,21 @@ local MESSAGES = {
         { "outcome", enum(OUTCOME) },
         { "state", enum(STATE) },
     } },
+    [0x86] = { "LawDescription", {
+        { "index", u8 },
+        { "name", text(28) },
+    } },
+    [0x87] = { "SignalDescription", {
+        { "index", u8 },
+        { "laws", u16 },
+        { "name", text(32) },
+        { "unit", text(10) },
+    } },
+    [0x88] = { "ChoiceDescription", {
+        { "parameter", u8 },
+        { "choice", u8 },
+        { "name", text(28) },
+    } },
     [0x90] = { "TorqueAnswer", {
         { "sequence", u16 },
         { "torque_nm", f32 },
@@ -170,12 +200,7 @@ local MESSAGES = {
     } },
     [0x91] = { "Telemetry", {
         { "sequence", u16 },
-        { "dead_zone_estimate_rad", f32 },
-        { "disturbing_torque_nm", f32 },
-        { "load_error_rad", f32 },
-        { "motor_error_rad", f32 },
-        { "elastic_error_nm", f32 },
-        { "requested_torque_nm", f32 },
+        { "values", f32_repeated },
     } },
     [0x92] = { "FaultReport", {
         { "code", enum(FAULT_CODE) },
@@ -342,9 +367,61 @@ local function show_flags(tree, name, ty, range)
         end
     end
     branch:append_text(" (" .. (#set > 0 and table.concat(set, "|") or "none") .. ")")
-    -- A newer drive may offer laws without a name here. A status with an unknown flag is invalid.
-    if ty.len == 1 and known ~= bits then return nil end
+    -- A newer drive may set flags without a name here. A status with an unknown flag is invalid.
+    if ty.states and known ~= bits then return nil end
     return table.concat(set, "|")
+end
+
+-- Signals of the drive, by the descriptions and the subscription in the packets before ----------------------------------
+
+local SUBSCRIBE, RESET, ACCEPTED = 0x0e, 0x0a, 1
+
+-- `names`: name and unit by index. `requested`, `subscribed`: bits of the last request, and of the last one accepted.
+-- `values`: by number of a telemetry packet, the signals of its values, because packets are also shown out of order.
+local signals
+
+function lashloop.init() signals = { names = {}, values = {} } end
+
+local function subscribed_signals(bits)
+    local list = {}
+    for index = 0, 31 do
+        if math.floor(bits / 2 ^ index) % 2 == 1 then
+            list[#list + 1] = signals.names[index] or { name = "signal " .. index, unit = "" }
+        end
+    end
+    return list
+end
+
+local function note_signals(name, body, number)
+    if name == "SignalDescription" then
+        local text = function(offset, len) return (body(offset, len):raw():gsub("%z.*", "")) end
+        signals.names[body(1, 1):uint()] = { name = text(4, 32), unit = text(36, 10) }
+    elseif name == "Subscribe" then
+        signals.requested = body(1, 4):le_uint()
+    elseif name == "CommandResult" and body(2, 1):uint() == ACCEPTED then
+        local request = body(1, 1):uint()
+        if request == SUBSCRIBE then signals.subscribed = signals.requested end
+        if request == RESET then signals.subscribed = nil end
+    elseif name == "Telemetry" and signals.subscribed then
+        signals.values[number] = subscribed_signals(signals.subscribed)
+    end
+end
+
+local function show_elements(tree, name, ty, range)
+    local count, shown = range:len() / ty.element_len, {}
+    local of = signals.values[signals.packet]
+    if of and #of ~= count then of = nil end
+    for at = 1, count do
+        local bytes = range((at - 1) * ty.element_len, ty.element_len)
+        local item = tree:add(fields[name], bytes, bytes:le_float())
+        shown[at] = string.format("%.4g", bytes:le_float())
+        if of then
+            local unit = of[at].unit ~= "" and " " .. of[at].unit or ""
+            item:append_text(unit .. " (" .. of[at].name .. ")")
+            shown[at] = of[at].name .. " " .. shown[at] .. unit
+        end
+    end
+    return table.concat(shown, of and ", " or " ")
 end
 
 -- nil if the bytes are no value of the type
@@ -361,6 +438,7 @@ local function show_field(tree, field, range)
         tree:add(fields[name], range, text)
         return text
     end
+    if ty.element_len then return show_elements(tree, name, ty, range) end
     local unit = unit_of(name)
     if ty.is_real then
         tree:add(fields[name], range, range:le_float()):append_text(unit)
@@ -377,7 +455,10 @@ local IN_INFO = {
     Hello = { "session" }, Arm = { "session" }, Start = { "session" },
     DescribeParameter = { "index" }, GetParameter = { "index" }, SetParameter = { "index", "value" },
     EncoderSample = { "sequence" }, TorqueAnswer = { "sequence", "torque_nm", "status" },
-    Telemetry = { "sequence", "dead_zone_estimate_rad" },
+    Telemetry = { "sequence", "values" },
+    DescribeLaw = { "index" }, DescribeSignal = { "index" }, DescribeChoice = { "parameter", "choice" },
+    Subscribe = { "signals", "every" }, LawDescription = { "index", "name" },
+    SignalDescription = { "index", "name", "unit" }, ChoiceDescription = { "parameter", "choice", "name" },
     Identity = { "board", "firmware", "state" }, ParameterDescription = { "index", "name", "default", "unit" },
     ParameterReport = { "index", "outcome", "value" }, CommandResult = { "request", "outcome", "state" },
     FaultReport = { "code", "sequence", "value", "limit" }, Log = { "level", "text" },
@@ -386,6 +467,7 @@ local IN_INFO = {
 -- Labels of numbers that are ambiguous without one
 local LABELS = {
     sequence = "seq", index = "index", session = "session", messages = "messages", damaged = "damaged", limit = "limit",
+    parameter = "parameter", choice = "choice", signals = "signals", every = "every",
 }
 
 local function info(name, shown)
@@ -398,20 +480,31 @@ local function info(name, shown)
 end
 
 -- Returns the info text, or nil and the error
-local function show_message(tree, message, body, body_len)
+local function show_message(tree, message, body, body_len, pinfo)
     local name, at, shown = message[1], 1, {}
-    local expected = 1
-    for _, field in ipairs(message[2]) do expected = expected + field[2].len end
-    if expected ~= body_len then
+    local expected, element_len = 1, nil
+    for _, field in ipairs(message[2]) do
+        expected = expected + (field[2].len or 0)
+        element_len = field[2].element_len
+    end
+    if element_len then
+        local repeated = body_len - expected
+        if repeated <= 0 or repeated % element_len ~= 0 then
+            return nil, string.format("%s takes %d bytes and %d per value, got %d", name, expected, element_len, body_len)
+        end
+    elseif expected ~= body_len then
         return nil, string.format("%s takes %d bytes, got %d", name, expected, body_len)
     end
+    if not pinfo.visited then note_signals(name, body, pinfo.number) end
+    signals.packet = pinfo.number
     for _, field in ipairs(message[2]) do
-        local range = body(at, field[2].len)
+        local len = field[2].len or body_len - at
+        local range = body(at, len)
         shown[field[1]] = show_field(tree, field, range)
         if not shown[field[1]] then
             return nil, string.format("%s.%s holds bytes that are no value of its type", name, field[1])
         end
-        at = at + field[2].len
+        at = at + len
     end
     if name == "CommandResult" then
         shown.request = KIND_NAMES[body(1, 1):uint()] or "unknown request"
@@ -476,7 +569,7 @@ function lashloop.dissector(buffer, pinfo, root)
         return bad(experts.unknown, string.format("kind 0x%02x is not a message of protocol version %d", kind, PROTOCOL_VERSION))
     end
     tree:append_text(", " .. message[1])
-    local text, problem = show_message(tree, message, frame, body_len)
+    local text, problem = show_message(tree, message, frame, body_len, pinfo)
     if not text then
         return bad(experts.unknown, problem)
     end

@@ -90,8 +90,9 @@ fn constructor(field: &FieldLayout) -> String {
         FieldType::U32 => "u32".into(),
         FieldType::I24 => "i24".into(),
         FieldType::F32 => "f32".into(),
+        FieldType::F32Repeated => "f32_repeated".into(),
         FieldType::Enum(list) => format!("enum({})", list.name.to_shouty_snake_case()),
-        FieldType::Flags(set) => format!("flags({}, {})", field.len, set.name.to_shouty_snake_case()),
+        FieldType::Flags(set) => format!("flags({})", set.name.to_shouty_snake_case()),
         FieldType::Status { states, flags } => {
             format!("status({}, {})", states.name.to_shouty_snake_case(), flags.name.to_shouty_snake_case())
         }

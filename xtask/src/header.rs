@@ -11,8 +11,11 @@ use crc::CRC_32_ISCSI;
 use heck::{ToShoutySnakeCase, ToSnakeCase};
 use lashloop_protocol::enums::{FLAG_SETS, ParameterType, TorqueStatus, VALUE_LISTS};
 use lashloop_protocol::layout::{FieldLayout, FieldType, FlagSet, MessageLayout, ValueList};
-use lashloop_protocol::limits::{CRC_LEN, DELIMITER, MAX_BODY, MAX_FRAME, OVERHEAD, PROTOCOL_VERSION};
-use lashloop_protocol::{DriveMessage, HostMessage, Message, crc as frame_crc};
+use lashloop_protocol::limits::{
+    CRC_LEN, DELIMITER, MAX_BODY, MAX_FRAME, MAX_LAWS, MAX_SIGNALS, MAX_TELEMETRY_VALUES, OVERHEAD,
+    PROTOCOL_VERSION,
+};
+use lashloop_protocol::{DriveMessage, HostMessage, Message, crc as frame_crc, parameter_names};
 
 use crate::paths;
 
@@ -32,6 +35,11 @@ const BEGINNING: &str = "\
 
 #ifndef LASHLOOP_H
 #define LASHLOOP_H
+";
+
+const LIST_OF_MESSAGES: &str = "
+/* X(name, kind, body length, element length) for every message that this side sends. The element length is 0 if every body
+ * has the body length. Else the last field repeats: a body has at least one element and at most the body length. */
 ";
 
 /// Writes the header.
@@ -65,10 +73,11 @@ fn text() -> Result<String> {
         for layout in layouts {
             message(&mut header, layout)?;
         }
-        writeln!(header, "\n/* X(name, kind, body length) for every message that this side sends. */")?;
+        header.push_str(LIST_OF_MESSAGES);
         write!(header, "#define LASHLOOP_{sender}_MESSAGES(X)")?;
-        for MessageLayout { name, kind, body_len, .. } in layouts {
-            write!(header, " \\\n    X({}, {kind:#04x}, {body_len})", name.to_shouty_snake_case())?;
+        for MessageLayout { name, kind, body_len, element_len, .. } in layouts {
+            let (name, element_len) = (name.to_shouty_snake_case(), element_len.unwrap_or(0));
+            write!(header, " \\\n    X({name}, {kind:#04x}, {body_len}, {element_len})")?;
         }
         header.push('\n');
     }
@@ -90,6 +99,9 @@ fn limits(header: &mut String) -> Result<()> {
         ("MAX_BODY", MAX_BODY.to_string(), "longest body in bytes: kind and fields"),
         ("OVERHEAD", OVERHEAD.to_string(), "bytes of a frame beyond its body: COBS code, CRC, delimiter"),
         ("DELIMITER", DELIMITER.to_string(), "ends every frame and occurs nowhere else"),
+        ("MAX_LAWS", MAX_LAWS.to_string(), "most laws of a drive"),
+        ("MAX_SIGNALS", MAX_SIGNALS.to_string(), "most signals of a drive"),
+        ("MAX_TELEMETRY_VALUES", MAX_TELEMETRY_VALUES.to_string(), "most values of one telemetry message"),
         ("CRC_LEN", CRC_LEN.to_string(), "bytes, little endian, after the body"),
         (
             "STATUS_STATE_MASK",
@@ -106,6 +118,10 @@ fn limits(header: &mut String) -> Result<()> {
     for (name, limit, meaning) in limits {
         writeln!(header, "#define LASHLOOP_{name} {limit} /* {meaning} */")?;
     }
+    header.push_str("\n/* Names of parameters with the same meaning in every drive */\n");
+    for name in parameter_names::RESERVED {
+        writeln!(header, "#define LASHLOOP_PARAMETER_{} \"{name}\"", name.to_uppercase())?;
+    }
     Ok(())
 }
 
@@ -113,13 +129,17 @@ fn message(header: &mut String, layout: &MessageLayout) -> Result<()> {
     let name = layout.name.to_shouty_snake_case();
     writeln!(header, "\n/* {}: {} */", layout.name, plain(layout.meaning))?;
     writeln!(header, "#define LASHLOOP_{name}_KIND {:#04x}", layout.kind)?;
-    writeln!(header, "#define LASHLOOP_{name}_BODY_LEN {}", layout.body_len)?;
-    writeln!(header, "#define LASHLOOP_{name}_FRAME_LEN {}", layout.frame_len())?;
+    let longest = if layout.element_len.is_some() { " /* of the longest */" } else { "" };
+    writeln!(header, "#define LASHLOOP_{name}_BODY_LEN {}{longest}", layout.body_len)?;
+    writeln!(header, "#define LASHLOOP_{name}_FRAME_LEN {}{longest}", layout.frame_len())?;
     for field in layout.fields {
         let name = format!("LASHLOOP_{name}_{}", field.name.to_uppercase());
         writeln!(header, "/* {}: {} */", c_type(field), plain(field.meaning))?;
         writeln!(header, "#define {name}_OFFSET {}", field.offset)?;
-        writeln!(header, "#define {name}_LEN {}", field.len)?;
+        match layout.element_len.filter(|_| field.offset + field.len == layout.body_len) {
+            Some(element_len) => writeln!(header, "#define {name}_ELEMENT_LEN {element_len}")?,
+            None => writeln!(header, "#define {name}_LEN {}", field.len)?,
+        }
     }
     Ok(())
 }
@@ -134,6 +154,7 @@ fn c_type(field: &FieldLayout) -> String {
         FieldType::U32 => "uint32_t".into(),
         FieldType::I24 => "3 bytes of two's complement".into(),
         FieldType::F32 => "float, IEEE 754 binary32".into(),
+        FieldType::F32Repeated => "1 or more floats, IEEE 754 binary32, up to the end of the body".into(),
         FieldType::Enum(list) => format!("1 byte of {}", enumeration(list)),
         FieldType::Flags(set) => format!("{} bits {}", field.len * 8, macros(set)),
         FieldType::Status { states, flags } => {

@@ -1,7 +1,11 @@
-//! The initial condition of a plant.
+//! The initial condition of a plant, and all that a plant is built from.
+
+use std::path::Path;
 
 use nalgebra::Vector6;
 use serde::Serialize;
+
+use crate::PlantValues;
 
 /// Positions and velocities at which a plant is released.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -34,4 +38,17 @@ impl Start {
             0.0,
         )
     }
+}
+
+/// Initial state and parameters of a plant that is to be built.
+#[derive(Debug, Clone, Copy)]
+pub struct Release<'a> {
+    /// Values of the model's keys.
+    pub values: &'a PlantValues,
+    /// Positions and velocities at time 0.
+    pub start: Start,
+    /// Control period in s.
+    pub period_s: f64,
+    /// Folder at which relative paths of the values start; empty for the working folder.
+    pub folder: &'a Path,
 }

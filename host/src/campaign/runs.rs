@@ -66,7 +66,7 @@ pub fn run_all(
 /// `None` if the run was stopped.
 fn run_one(case: &Case, stop: &Stop<'_>) -> Result<Option<CaseResult>, CampaignError> {
     let failed = |source: RunError| CampaignError::Run { case: case.id, source: Box::new(source) };
-    let device = Device::open(&InProcessDrive.into(), case.scenario.link.baud, stop.supervisor)
+    let device = Device::open(&<InProcessDrive>::default().into(), case.scenario.link.baud, stop.supervisor)
         .map_err(|source| failed(source.into()))?;
     let mut device = device.into();
     let mut watcher = stop;
@@ -112,7 +112,7 @@ mod tests {
     fn case(settings: &[&str]) -> Case {
         let text = include_str!("../../../scenarios/shaft-pd.toml");
         let overrides: Vec<_> = settings.iter().map(|it| Override::Set((*it).to_owned())).collect();
-        let id = CaseId { part: Part::DeadZone, row: settings.len() as u32, law: Law::Pd };
+        let id = CaseId { part: Part::DeadZone, row: settings.len() as u32, law: Law::BEFORE };
         let scenario = Scenario::from_str("shaft-pd.toml", text, &overrides).expect("a scenario");
         Case { id, settings: Vec::new(), scenario }
     }

@@ -1,18 +1,18 @@
 //! Closed lists of values and sets of flags that both sides use. Each list is one section of the specification.
 
-mod control_law;
 mod fault_code;
 mod log_level;
 mod outcome;
+mod parameter_flags;
 mod parameter_value;
 mod state;
 mod torque_status;
 mod version;
 
-pub use control_law::{ControllerId, Controllers, DisturbingTorqueSource};
 pub use fault_code::FaultCode;
 pub use log_level::LogLevel;
 pub use outcome::Outcome;
+pub use parameter_flags::ParameterFlags;
 pub use parameter_value::{ParameterType, ParameterValue};
 pub use state::State;
 pub use torque_status::{TorqueFlags, TorqueStatus};
@@ -21,15 +21,8 @@ pub use version::Version;
 use crate::layout::{FlagSet, ValueList};
 
 /// Every closed list of the contract.
-pub const VALUE_LISTS: [ValueList; 7] = [
-    State::LIST,
-    ControllerId::LIST,
-    DisturbingTorqueSource::LIST,
-    FaultCode::LIST,
-    Outcome::LIST,
-    LogLevel::LIST,
-    ParameterType::LIST,
-];
+pub const VALUE_LISTS: [ValueList; 5] =
+    [State::LIST, FaultCode::LIST, Outcome::LIST, LogLevel::LIST, ParameterType::LIST];
 
 /// Every set of flags of the contract.
-pub const FLAG_SETS: [FlagSet; 2] = [TorqueFlags::SET, Controllers::SET];
+pub const FLAG_SETS: [FlagSet; 2] = [TorqueFlags::SET, ParameterFlags::SET];

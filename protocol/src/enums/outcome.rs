@@ -11,15 +11,16 @@ wire_enum! {
         WrongSession = 3,
         /// Host and drive have different protocol versions.
         VersionMismatch = 4,
-        /// No parameter has this index.
-        UnknownParameter = 5,
+        /// No parameter, law, signal or choice has this index.
+        UnknownIndex = 5,
         /// The type of the value is not the type of the parameter.
         WrongType = 6,
-        /// The value is outside the range of the parameter.
+        /// The value is outside the range of the parameter, or the subscription has more signals than a frame holds.
         OutOfRange = 7,
         /// The sample is older than the last sample taken, too far ahead of it, or not 0 after a start.
         OutOfSequence = 8,
-        /// The parameters, each within its range, contradict each other; a log text names them.
+        /// The parameters, each within its range, contradict each other, or the law in force lacks a subscribed signal; a log
+        /// text names the cause.
         Inconsistent = 9,
     }
 }

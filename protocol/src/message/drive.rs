@@ -2,18 +2,24 @@
 //!
 //! | kind | message | frame bytes | when |
 //! |---|---|---|---|
-//! | `0x81` | [`Identity`] | 51 | answers `Hello` |
-//! | `0x82` | [`ParameterDescription`] | 62 | answers `DescribeParameter` |
+//! | `0x81` | [`Identity`] | 52 | answers `Hello` |
+//! | `0x82` | [`ParameterDescription`] | 63 | answers `DescribeParameter` |
 //! | `0x83` | [`ParameterReport`] | 15 | answers `GetParameter` and `SetParameter` |
 //! | `0x85` | [`CommandResult`] | 10 | answers every other request, and a sample that the drive rejects |
+//! | `0x86` | [`LawDescription`] | 36 | answers `DescribeLaw` |
+//! | `0x87` | [`SignalDescription`] | 52 | answers `DescribeSignal` |
+//! | `0x88` | [`ChoiceDescription`] | 37 | answers `DescribeChoice` |
 //! | `0x90` | [`TorqueAnswer`] | 16 | answers `EncoderSample`, before any other message that the sample causes |
-//! | `0x91` | [`Telemetry`] | 33 | after every n-th torque while running |
+//! | `0x91` | [`Telemetry`] | 13 to 61 | after every n-th torque while running, if the host subscribed |
 //! | `0x92` | [`FaultReport`] | 22 | when the drive latches a fault, and after an `Identity` while a fault is latched |
 //! | `0x93` | [`Log`] | 60 | any time |
 //! | `0x94` | [`LineReport`] | 23 | answers `Stop`, before its `CommandResult` |
 
-use crate::enums::{Controllers, FaultCode, LogLevel, Outcome, ParameterValue, State, TorqueStatus, Version};
-use crate::text::Text;
+use crate::enums::{
+    FaultCode, LogLevel, Outcome, ParameterFlags, ParameterValue, State, TorqueStatus, Version,
+};
+use crate::telemetry_values::TelemetryValues;
+use crate::text::{ChoiceName, LawName, ParameterName, SignalName, Text, UnitName};
 
 messages! {
     /// A message of the drive.
@@ -29,6 +35,8 @@ messages! {
         firmware: Version,
         /// First 32 bits of the commit the firmware was built from; 0 if unknown.
         build_id: u32,
+        /// 0 if the firmware was built from exactly that commit; 1 if the sources had changes, or if that is unknown.
+        dirty: u8,
         /// State after the handshake.
         state: State,
         /// Name of the board.
@@ -39,18 +47,23 @@ messages! {
         motor_counts_per_rev: u32,
         /// Resolution of the load encoder in force, in counts per revolution.
         load_counts_per_rev: u32,
-        /// Control laws offered.
-        controllers: Controllers,
+        /// Number of control laws, 1 to 16.
+        law_count: u8,
+        /// Number of signals, 0 to 32.
+        signal_count: u8,
         /// Number of parameters.
         parameter_count: u8,
     }
 
-    /// Name, unit, type and range of a parameter.
+    /// Name, unit, type, range, flags and laws of a parameter.
     0x82 ParameterDescription {
         /// Index of the parameter.
         index: u8,
-        /// 1 if the parameter may be set while running, else 0.
-        live: u8,
+        /// Whether it may be set while running, and whether its values have names.
+        flags: ParameterFlags,
+        /// Laws that the parameter belongs to: bit `n` stands for the law with index `n`. A parameter of the drive itself
+        /// belongs to all laws.
+        laws: u16,
         /// Value after power-up.
         default: ParameterValue,
         /// Smallest value accepted.
@@ -58,9 +71,9 @@ messages! {
         /// Largest value accepted.
         max: ParameterValue,
         /// Name, with the unit as its suffix.
-        name: Text<28>,
+        name: ParameterName,
         /// Unit as text; empty for a pure number.
-        unit: Text<10>,
+        unit: UnitName,
     }
 
     /// The value of a parameter after a get or a set.
@@ -85,6 +98,37 @@ messages! {
         state: State,
     }
 
+    /// Name of a control law.
+    0x86 LawDescription {
+        /// Index of the law: the value of the parameter `controller`, and the bit in the laws of parameters and signals.
+        index: u8,
+        /// Name of the law.
+        name: LawName,
+    }
+
+    /// Name, unit and laws of a signal.
+    0x87 SignalDescription {
+        /// Index of the signal: the bit in the signals of `Subscribe`.
+        index: u8,
+        /// Laws that the signal belongs to: bit `n` stands for the law with index `n`. A signal of the drive itself belongs to
+        /// all laws.
+        laws: u16,
+        /// Name, with the unit as its suffix.
+        name: SignalName,
+        /// Unit as text; empty for a pure number.
+        unit: UnitName,
+    }
+
+    /// Name of a value of a parameter with choices.
+    0x88 ChoiceDescription {
+        /// Index of the parameter.
+        parameter: u8,
+        /// The value that has this name.
+        choice: u8,
+        /// Name of the choice.
+        name: ChoiceName,
+    }
+
     /// The torque for one sample.
     0x90 TorqueAnswer {
         /// Sequence of the sample that this message answers.
@@ -97,22 +141,12 @@ messages! {
         compute_tenths_us: u16,
     }
 
-    /// Signals of the control law.
+    /// Values of the subscribed signals.
     0x91 Telemetry {
-        /// Sequence of the sample that these signals belong to.
+        /// Sequence of the sample that these values belong to.
         sequence: u16,
-        /// Estimate of the dead-zone amplitude used in this step's torque, in rad.
-        dead_zone_estimate_rad: f32,
-        /// Estimate of the disturbing torque, in N m.
-        disturbing_torque_nm: f32,
-        /// Error of the load position, in rad.
-        load_error_rad: f32,
-        /// Error of the motor position relative to the output of the outer loop, in rad.
-        motor_error_rad: f32,
-        /// Error of the elastic torque, in N m.
-        elastic_error_nm: f32,
-        /// Torque of the control law before the torque limit, in N m.
-        requested_torque_nm: f32,
+        /// Values of the subscribed signals, in ascending order of their indices. Each has the unit of its signal.
+        values: TelemetryValues,
     }
 
     /// The latched fault.

@@ -12,6 +12,10 @@
 //! | `0x08` | [`EmergencyStop`] | 7 | any time |
 //! | `0x09` | [`ClearFault`] | 7 | in `Faulted` |
 //! | `0x0a` | [`Reset`] | 7 | any time |
+//! | `0x0b` | [`DescribeLaw`] | 8 | any time |
+//! | `0x0c` | [`DescribeSignal`] | 8 | any time |
+//! | `0x0d` | [`DescribeChoice`] | 9 | any time |
+//! | `0x0e` | [`Subscribe`] | 13 | in `Idle`, `Armed` and `Running` |
 //! | `0x10` | [`EncoderSample`] | 19 | once in a control period |
 
 use crate::counts::EncoderCounts;
@@ -30,7 +34,7 @@ messages! {
         session: u32,
     }
 
-    /// Requests name, unit, type and range of a parameter.
+    /// Requests name, unit, type, range, flags and laws of a parameter.
     0x02 DescribeParameter {
         /// Index, from 0 to the parameter count in `Identity`, exclusive.
         index: u8,
@@ -73,6 +77,34 @@ messages! {
 
     /// Returns the drive to `Boot` with default parameters, as after power-up. Same layout in every protocol version.
     0x0a Reset {}
+
+    /// Requests the name of a control law.
+    0x0b DescribeLaw {
+        /// Index, from 0 to the law count in `Identity`, exclusive.
+        index: u8,
+    }
+
+    /// Requests name, unit and laws of a signal.
+    0x0c DescribeSignal {
+        /// Index, from 0 to the signal count in `Identity`, exclusive.
+        index: u8,
+    }
+
+    /// Requests the name of a value of a parameter with choices.
+    0x0d DescribeChoice {
+        /// Index of the parameter.
+        parameter: u8,
+        /// The value, from the smallest to the largest of the parameter.
+        choice: u8,
+    }
+
+    /// Selects the signals that telemetry carries, and its rate. Replaces the subscription before it.
+    0x0e Subscribe {
+        /// Signals: bit `n` stands for the signal with index `n`. At most 13; none ends telemetry.
+        signals: u32,
+        /// Telemetry follows the torque of every sample whose sequence is a multiple of this number; 0 ends telemetry.
+        every: u16,
+    }
 
     /// Readings of the two encoders at the start of a control period.
     0x10 EncoderSample {

@@ -6,6 +6,8 @@
  *   bad    FRAME                                         is rejected
  *   sample FRAME SEQUENCE MOTOR LOAD REFERENCE           decodes to, and is encoded from, these values
  *   torque FRAME SEQUENCE TORQUE STATE FLAGS COMPUTE     the same
+ *   values FRAME SEQUENCE COUNT VALUE...                 the same, of telemetry
+ *   length KIND BODY_LENGTH                              is no length of this kind
  *
  * Prints the number of passed cases. Exits with 1 at the first failed case.
  */
@@ -134,18 +136,23 @@ static size_t open_frame(const uint8_t *frame, size_t len, uint8_t body[LASHLOOP
 
 /* ---- messages ---- */
 
-#define ROW(name, kind, body_len) { kind, body_len },
-static const struct { uint8_t kind; size_t body_len; } MESSAGES[] = {
+#define ROW(name, kind, body_len, element_len) { kind, body_len, element_len },
+static const struct { uint8_t kind; size_t body_len; size_t element_len; } MESSAGES[] = {
     LASHLOOP_HOST_MESSAGES(ROW) LASHLOOP_DRIVE_MESSAGES(ROW)
 };
 
-/* Length of the body of this kind; 0 for an unknown kind. */
-static size_t body_len_of(uint8_t kind)
+/* Whether a body of this kind may have this length. Telemetry is the one kind whose last field repeats. */
+static bool is_body_len(uint8_t kind, size_t len)
 {
-    for (size_t i = 0; i < COUNT_OF(MESSAGES); i++)
-        if (MESSAGES[i].kind == kind)
-            return MESSAGES[i].body_len;
-    return 0;
+    for (size_t i = 0; i < COUNT_OF(MESSAGES); i++) {
+        if (MESSAGES[i].kind != kind)
+            continue;
+        if (MESSAGES[i].element_len == 0)
+            return len == MESSAGES[i].body_len;
+        return len > LASHLOOP_TELEMETRY_VALUES_OFFSET && len <= MESSAGES[i].body_len
+            && (len - LASHLOOP_TELEMETRY_VALUES_OFFSET) % MESSAGES[i].element_len == 0;
+    }
+    return false;
 }
 
 struct sample {
@@ -193,6 +200,35 @@ static struct torque read_torque(const uint8_t *body)
         .flags = status & (uint8_t)~LASHLOOP_STATUS_STATE_MASK,
         .compute_tenths_us = get_u16(body + LASHLOOP_TORQUE_ANSWER_COMPUTE_TENTHS_US_OFFSET),
     };
+}
+
+struct telemetry {
+    uint16_t sequence;
+    size_t count;
+    float values[LASHLOOP_MAX_TELEMETRY_VALUES];
+};
+
+/* The length is that of a telemetry body, which is_body_len has checked. */
+static struct telemetry read_telemetry(const uint8_t *body, size_t len)
+{
+    struct telemetry telemetry = {
+        .sequence = get_u16(body + LASHLOOP_TELEMETRY_SEQUENCE_OFFSET),
+        .count = (len - LASHLOOP_TELEMETRY_VALUES_OFFSET) / LASHLOOP_TELEMETRY_VALUES_ELEMENT_LEN,
+    };
+    const uint8_t *at = body + LASHLOOP_TELEMETRY_VALUES_OFFSET;
+    for (size_t i = 0; i < telemetry.count; i++, at += LASHLOOP_TELEMETRY_VALUES_ELEMENT_LEN)
+        telemetry.values[i] = get_f32(at);
+    return telemetry;
+}
+
+static size_t write_telemetry(const struct telemetry *telemetry, uint8_t *body)
+{
+    body[0] = LASHLOOP_TELEMETRY_KIND;
+    put_u16(body + LASHLOOP_TELEMETRY_SEQUENCE_OFFSET, telemetry->sequence);
+    size_t len = LASHLOOP_TELEMETRY_VALUES_OFFSET;
+    for (size_t i = 0; i < telemetry->count; i++, len += LASHLOOP_TELEMETRY_VALUES_ELEMENT_LEN)
+        put_f32(body + len, telemetry->values[i]);
+    return len;
 }
 
 static size_t write_torque(const struct torque *torque, uint8_t *body)
@@ -247,7 +283,7 @@ static bool frame_case(const char *line)
         return false;
     struct bytes frame = from_hex(digits);
     return open_frame(frame.at, frame.len, body) == body_len && body[0] == kind
-        && body_len_of(body[0]) == body_len && same_frame(body, body_len, &frame);
+        && is_body_len(body[0], body_len) && same_frame(body, body_len, &frame);
 }
 
 static bool bad_case(const char *line)
@@ -304,6 +340,41 @@ static bool torque_case(const char *line)
         && same_frame(body, write_torque(&want, body), &frame);
 }
 
+static bool values_case(const char *line)
+{
+    char digits[256];
+    struct telemetry want;
+    uint8_t body[LASHLOOP_MAX_FRAME];
+    int used = 0;
+    if (sscanf(line, "values %255s %" SCNu16 " %zu%n", digits, &want.sequence, &want.count, &used) != 3
+        || want.count > COUNT_OF(want.values))
+        return false;
+    for (size_t i = 0; i < want.count; i++) {
+        uint32_t bits;
+        int more = 0;
+        if (sscanf(line + used, " %" SCNx32 "%n", &bits, &more) != 1)
+            return false;
+        want.values[i] = float_of(bits);
+        used += more;
+    }
+    struct bytes frame = from_hex(digits);
+    size_t len = open_frame(frame.at, frame.len, body);
+    if (len == 0 || body[0] != LASHLOOP_TELEMETRY_KIND || !is_body_len(body[0], len))
+        return false;
+    struct telemetry have = read_telemetry(body, len);
+    memset(body, 0, sizeof body);
+    return have.sequence == want.sequence && have.count == want.count
+        && memcmp(have.values, want.values, want.count * sizeof want.values[0]) == 0
+        && same_frame(body, write_telemetry(&want, body), &frame);
+}
+
+static bool length_case(const char *line)
+{
+    unsigned kind;
+    size_t len;
+    return sscanf(line, "length %u %zu", &kind, &len) == 2 && !is_body_len((uint8_t)kind, len);
+}
+
 static bool passes(const char *line)
 {
     switch (line[0]) {
@@ -311,6 +382,8 @@ static bool passes(const char *line)
     case 'b': return bad_case(line);
     case 's': return sample_case(line);
     case 't': return torque_case(line);
+    case 'v': return values_case(line);
+    case 'l': return length_case(line);
     default: return false;
     }
 }

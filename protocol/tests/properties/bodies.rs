@@ -14,7 +14,7 @@ pub fn body_of<M: Message>() -> impl Strategy<Value = Vec<u8>> {
 /// The body of any message of one direction, with any bytes in its fields.
 pub fn wild_body_of<M: Message>() -> impl Strategy<Value = Vec<u8>> {
     select(M::LAYOUTS).prop_flat_map(|layout| {
-        vec(any::<u8>(), layout.body_len).prop_map(move |mut body| {
+        vec(any::<u8>(), layout.shortest_body_len()..=layout.body_len).prop_map(move |mut body| {
             body[0] = layout.kind;
             body
         })
@@ -38,15 +38,14 @@ fn of_layout(layout: &MessageLayout) -> BoxedStrategy<Vec<u8>> {
 fn value_of(ty: &FieldType, len: usize) -> BoxedStrategy<Vec<u8>> {
     match *ty {
         FieldType::Enum(list) => select(list.values).prop_map(|(byte, _)| vec![byte]).boxed(),
-        FieldType::Flags(set) => {
-            let all = set.flags.iter().fold(0, |all, (mask, _)| all | mask);
-            any::<u16>().prop_map(move |bits| (bits & all).to_le_bytes()[..len].to_vec()).boxed()
-        }
+        FieldType::Flags(_) => any::<u8>().prop_map(|bits| vec![bits]).boxed(),
         FieldType::Status { states, flags } => {
-            (value_of(&FieldType::Enum(states), len), value_of(&FieldType::Flags(flags), len))
-                .prop_map(|(state, flags)| vec![state[0] | flags[0]])
+            let all = flags.flags.iter().fold(0, |all, (mask, _)| all | mask);
+            (value_of(&FieldType::Enum(states), len), any::<u8>())
+                .prop_map(move |(state, flags)| vec![state[0] | flags & all])
                 .boxed()
         }
+        FieldType::F32Repeated => (1..=len / 4).prop_flat_map(|count| edgy(4 * count)).boxed(),
         FieldType::Text => text(len).boxed(),
         FieldType::ParameterValue => {
             (1..=2_u8, edgy(4)).prop_map(|(ty, value)| [vec![ty], value].concat()).boxed()

@@ -6,8 +6,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use lashloop_protocol::hex::Hex;
-use lashloop_protocol::{DriveMessage, HostMessage, Message, cobs};
+use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
+use lashloop_protocol::message::Telemetry;
+use lashloop_protocol::{DriveMessage, HostMessage, MAX_FRAME, Message, TelemetryValues, cobs};
 
+use crate::data_sheet::body_of;
 use crate::examples;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
@@ -42,7 +45,7 @@ fn frame_cases<M: Message>(messages: &[M]) -> String {
     let mut cases = String::new();
     for message in messages {
         let (layout, frame) = (message.layout(), message.frame());
-        let _ = writeln!(cases, "frame {} {} {}", layout.kind, layout.body_len, Hex(&frame));
+        let _ = writeln!(cases, "frame {} {} {}", layout.kind, body_of(message).len(), Hex(&frame));
     }
     cases
 }
@@ -88,13 +91,35 @@ fn value_cases() -> String {
     )
 }
 
+/// Telemetry with each number of values, and the lengths next to those of every kind.
+fn telemetry_cases() -> String {
+    let mut cases = String::new();
+    let values: Vec<f32> = (0..MAX_TELEMETRY_VALUES).map(|at| 0.1 - at as f32).collect();
+    for count in 1..=MAX_TELEMETRY_VALUES {
+        let values = TelemetryValues::new(&values[..count]).expect("at most 13");
+        let frame = DriveMessage::from(Telemetry { sequence: 258, values }).frame();
+        let _ = write!(cases, "values {} 258 {count}", Hex(&frame));
+        for value in values.as_slice() {
+            let _ = write!(cases, " {:x}", value.to_bits());
+        }
+        cases.push('\n');
+    }
+    for layout in HostMessage::LAYOUTS.iter().chain(DriveMessage::LAYOUTS) {
+        for len in (0..=MAX_FRAME).filter(|len| !layout.takes(*len)) {
+            let _ = writeln!(cases, "length {} {len}", layout.kind);
+        }
+    }
+    cases
+}
+
 #[test]
 fn c_reads_and_writes_the_golden_frames() {
     let Some(program) = program() else { return };
     let cases = frame_cases(&examples::from_host())
         + &frame_cases(&examples::from_drive())
         + &bad_cases()
-        + &value_cases();
+        + &value_cases()
+        + &telemetry_cases();
     let mut child = Command::new(&program)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())

@@ -17,9 +17,7 @@ pub fn body_of<M: Message>(message: &M) -> Vec<u8> {
 /// The data sheet of a message, from its layout and from the bytes of its frame.
 pub fn data_sheet<M: Message>(message: &M) -> String {
     let (layout, frame, body) = (message.layout(), message.frame(), body_of(message));
-    assert_eq!((layout.body_len, layout.frame_len()), (body.len(), frame.len()), "{}", layout.name);
-
-    let mut sheet = heading(layout);
+    let mut sheet = heading(layout, body.len(), frame.len());
     row(&mut sheet, 0, "kind", "u8", &format!("{:#04x}", body[0]), &body[..1]);
     for field in layout.fields {
         let (value, bytes) = field.value(&body).zip(field.bytes(&body)).expect("a field of this body");
@@ -31,12 +29,12 @@ pub fn data_sheet<M: Message>(message: &M) -> String {
     sheet
 }
 
-fn heading(layout: &MessageLayout) -> String {
+fn heading(layout: &MessageLayout, body: usize, frame: usize) -> String {
     let way = match layout.direction {
         Direction::HostToDrive => "host -> drive",
         Direction::DriveToHost => "drive -> host",
     };
-    let (name, kind, body, frame) = (layout.name, layout.kind, layout.body_len, layout.frame_len());
+    let (name, kind) = (layout.name, layout.kind);
     format!(
         "{name}, kind {kind:#04x}, {way}, body {body} bytes, frame {frame} bytes\n\
          offset  field                   type       value               bytes\n"
@@ -49,7 +47,6 @@ fn row(sheet: &mut String, offset: usize, field: &str, ty: &str, value: &str, by
 
 fn text_of(value: FieldValue) -> String {
     match value {
-        FieldValue::Flags(flags) => flags.iter().map(|flag| flag.to_string()).collect::<Vec<_>>().join("|"),
         FieldValue::Parameter(value) => format!("{} {value}", value.ty().name().to_lowercase()),
         value => value.to_string(),
     }
@@ -62,6 +59,7 @@ pub fn type_name(field: &FieldLayout) -> String {
         FieldType::U8 | FieldType::U16 | FieldType::U32 => format!("u{bits}"),
         FieldType::I24 => "i24".to_owned(),
         FieldType::F32 => "f32".to_owned(),
+        FieldType::F32Repeated => "f32[n]".to_owned(),
         FieldType::Enum(_) => "enum8".to_owned(),
         FieldType::Flags(_) => format!("flags{bits}"),
         FieldType::Status { .. } => "status8".to_owned(),
@@ -69,4 +67,10 @@ pub fn type_name(field: &FieldLayout) -> String {
         FieldType::ParameterValue => "value".to_owned(),
         FieldType::Version => "version".to_owned(),
     }
+}
+
+/// Length of the frames of a kind, in bytes, in the notation of the specification.
+pub fn frame_bytes_of(layout: &MessageLayout) -> String {
+    let (shortest, longest) = (layout.shortest_body_len() + frame::OVERHEAD, layout.frame_len());
+    if shortest == longest { longest.to_string() } else { format!("{shortest} to {longest}") }
 }

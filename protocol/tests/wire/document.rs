@@ -5,13 +5,15 @@ use std::collections::BTreeSet;
 
 use ::crc::CRC_32_ISCSI;
 use lashloop_protocol::enums::{FLAG_SETS, VALUE_LISTS};
-use lashloop_protocol::layout::{Direction, FieldType, MessageLayout};
-use lashloop_protocol::limits::{DELIMITER, OVERHEAD};
+use lashloop_protocol::layout::{Direction, FieldLayout, FieldType, MessageLayout};
+use lashloop_protocol::limits::{DELIMITER, MAX_LAWS, MAX_SIGNALS, MAX_TELEMETRY_VALUES, OVERHEAD};
+use lashloop_protocol::message::{Telemetry, TorqueAnswer};
+use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{
-    Decoder, DriveMessage, HostMessage, MAX_BODY, MAX_FRAME, Message, PROTOCOL_VERSION, crc,
+    Decoder, DriveMessage, HostMessage, MAX_BODY, MAX_FRAME, Message, PROTOCOL_VERSION, crc, parameter_names,
 };
 
-use crate::data_sheet::{data_sheet, type_name};
+use crate::data_sheet::{data_sheet, frame_bytes_of, type_name};
 use crate::digits::bytes_of;
 use crate::markdown::{fences, section, table};
 
@@ -32,12 +34,19 @@ fn number(cell: &str) -> u32 {
 fn every_message_has_a_table_of_its_bytes() {
     for layout in layouts() {
         let (name, body, frame) = (layout.name, layout.body_len, layout.frame_len());
+        let (body, frame) = match layout.element_len {
+            None => (body.to_string(), frame.to_string()),
+            Some(step) => (
+                format!("{} + {step} n", layout.shortest_body_len() - step),
+                format!("{} + {step} n", layout.shortest_body_len() - step + OVERHEAD),
+            ),
+        };
         let section = section(&format!("### {name} ({:#04x})", layout.kind));
         let way = match layout.direction {
             Direction::HostToDrive => "Host to drive",
             Direction::DriveToHost => "Drive to host",
         };
-        let plural = if body == 1 { "" } else { "s" };
+        let plural = if body == "1" { "" } else { "s" };
         let facts = format!("{way}, body {body} byte{plural}, frame {frame} bytes. ");
         assert!(section.trim_start().starts_with(&facts), "{name} begins with {facts:?}: {section}");
         if layout.fields.is_empty() {
@@ -47,8 +56,7 @@ fn every_message_has_a_table_of_its_bytes() {
         let rows = table(section, "offset");
         assert_eq!(rows.len(), layout.fields.len(), "fields of {name}");
         for (row, field) in rows.iter().zip(layout.fields) {
-            let want =
-                [field.offset.to_string(), field.len.to_string(), field.name.to_owned(), type_name(field)];
+            let want = [field.offset.to_string(), length_of(field), field.name.to_owned(), type_name(field)];
             assert_eq!(row[..4], want, "{name}");
             assert_eq!(row.len(), 7, "columns of {name}.{}", field.name);
             assert!(!row[6].is_empty(), "{name}.{} has a meaning", field.name);
@@ -57,6 +65,11 @@ fn every_message_has_a_table_of_its_bytes() {
             }
         }
     }
+}
+
+/// Length of a field, in the notation of the document.
+fn length_of(field: &FieldLayout) -> String {
+    if field.ty == FieldType::F32Repeated { "4 n".to_owned() } else { field.len.to_string() }
 }
 
 /// Names of the lists and flag sets of a field.
@@ -71,6 +84,7 @@ fn values_of(ty: FieldType) -> Vec<&'static str> {
         | FieldType::U32
         | FieldType::I24
         | FieldType::F32
+        | FieldType::F32Repeated
         | FieldType::Text
         | FieldType::Version => Vec::new(),
     }
@@ -90,7 +104,7 @@ fn the_list_of_messages_is_complete() {
     for (row, layout) in rows.iter().zip(layouts()) {
         let sender = if layout.direction == Direction::HostToDrive { "host" } else { "drive" };
         let kind = format!("{:#04x}", layout.kind);
-        assert_eq!(row[..4], [kind, layout.name.into(), sender.into(), layout.frame_len().to_string()]);
+        assert_eq!(row[..4], [kind, layout.name.into(), sender.into(), frame_bytes_of(layout)]);
     }
 }
 
@@ -100,7 +114,7 @@ fn every_field_type_is_documented_with_its_length() {
     let documented: BTreeSet<_> = rows.iter().map(|row| (row[0].as_str(), row[1].as_str())).collect();
     for (layout, field) in layouts().flat_map(|layout| layout.fields.iter().map(move |field| (layout, field)))
     {
-        let (name, len) = (type_name(field), field.len.to_string());
+        let (name, len) = (type_name(field), length_of(field));
         let wanted = if field.ty == FieldType::Text { ("text[n]", "n") } else { (&*name, &*len) };
         assert!(documented.contains(&wanted), "{}.{} is {wanted:?}", layout.name, field.name);
     }
@@ -143,8 +157,46 @@ fn the_limits_are_those_of_the_code() {
         ("MAX_BODY", MAX_BODY),
         ("OVERHEAD", OVERHEAD),
         ("DELIMITER", usize::from(DELIMITER)),
+        ("MAX_LAWS", MAX_LAWS),
+        ("MAX_SIGNALS", MAX_SIGNALS),
+        ("MAX_TELEMETRY_VALUES", MAX_TELEMETRY_VALUES),
     ];
     assert_eq!(have, want);
+}
+
+/// Bits of a byte on a UART: start, 8 data bits, stop.
+const BITS_PER_BYTE: f64 = 10.0;
+
+#[test]
+fn the_telemetry_budget_is_that_of_the_frames() {
+    let us = |bytes: usize| (bytes as f64 * BITS_PER_BYTE / 921_600.0 * 1e6).round() as u32;
+    let torque = TorqueAnswer::LAYOUT.frame_len();
+    let section = section("### Budget");
+    for row in table(section, "n") {
+        let frame = Telemetry::LAYOUT.frame_len_of(number(&row[0]) as usize).expect("a number of values");
+        let want = [frame as u32, us(frame), us(torque + frame)];
+        assert_eq!([&row[1], &row[2], &row[3]].map(|cell| number(cell)), want, "{row:?}");
+    }
+    for row in table(section, "bit/s") {
+        let bytes_per_period = f64::from(number(&row[0])) / BITS_PER_BYTE * 1e-3;
+        assert_eq!(row[1], format!("{bytes_per_period:.1}"), "{row:?}");
+        let fits =
+            |n: &usize| (torque + Telemetry::LAYOUT.frame_len_of(*n).unwrap()) as f64 <= bytes_per_period;
+        let largest = (1..=MAX_TELEMETRY_VALUES).filter(fits).max().unwrap_or(0);
+        let want = if torque as f64 > bytes_per_period { "no loop" } else { &largest.to_string() };
+        assert!(row[2].starts_with(want), "{row:?}: {want}");
+    }
+    let mean = torque as f64 + Telemetry::LAYOUT.frame_len_of(6).unwrap() as f64 / 10.0;
+    let fraction = mean / (921_600.0 / BITS_PER_BYTE * 1e-3);
+    let example = format!("{mean:.1} bytes or {:.0} % of 921,600 bit/s", 100.0 * fraction);
+    assert!(section.contains(&example), "the document has {example:?}");
+}
+
+#[test]
+fn reserved_names_are_those_of_the_code() {
+    let names: Vec<_> =
+        table(section("### Reserved names"), "name").into_iter().map(|mut row| row.swap_remove(0)).collect();
+    assert_eq!(names, parameter_names::RESERVED);
 }
 
 #[test]
@@ -181,7 +233,7 @@ fn the_crc_is_that_of_the_code() {
 
 #[test]
 fn the_frames_of_the_example_decode_as_described() {
-    let sheets = fences(section("## 13. A conversation, byte by byte"));
+    let sheets = fences(section("## 15. A conversation, byte by byte"));
     assert!(sheets.len() > 10, "{} frames", sheets.len());
     for sheet in sheets {
         let (_, digits) = sheet.rsplit_once("frame: ").unwrap_or_else(|| panic!("no frame in {sheet}"));

@@ -1,15 +1,16 @@
 //! One message of each kind, with values that show the byte order and contain zeros.
 
 use lashloop_protocol::enums::{
-    Controllers, FaultCode, LogLevel, Outcome, ParameterValue, State, TorqueFlags, TorqueStatus, Version,
+    FaultCode, LogLevel, Outcome, ParameterFlags, ParameterValue, State, TorqueFlags, TorqueStatus, Version,
 };
 use lashloop_protocol::message::{
-    Arm, ClearFault, CommandResult, DescribeParameter, EmergencyStop, EncoderSample, FaultReport,
-    GetParameter, Hello, Identity, LineReport, Log, ParameterDescription, ParameterReport, Reset,
-    SetParameter, Start, Stop, Telemetry, TorqueAnswer,
+    Arm, ChoiceDescription, ClearFault, CommandResult, DescribeChoice, DescribeLaw, DescribeParameter,
+    DescribeSignal, EmergencyStop, EncoderSample, FaultReport, GetParameter, Hello, Identity, LawDescription,
+    LineReport, Log, ParameterDescription, ParameterReport, Reset, SetParameter, SignalDescription, Start,
+    Stop, Subscribe, Telemetry, TorqueAnswer,
 };
 use lashloop_protocol::text::Text;
-use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION, TelemetryValues};
 
 /// A session number whose four bytes differ.
 const SESSION: u32 = 0x4c41_5348;
@@ -28,6 +29,11 @@ pub const TORQUE: TorqueAnswer = TorqueAnswer {
     compute_tenths_us: 57,
 };
 
+/// Values of the signals of `Subscribe` in [`from_host`].
+pub fn telemetry_values() -> TelemetryValues {
+    TelemetryValues::new(&[-30.0, 0.16, -0.64, 0.0, 1.5]).expect("at most 13 values")
+}
+
 pub fn from_host() -> Vec<HostMessage> {
     vec![
         Hello { protocol_version: PROTOCOL_VERSION, session: SESSION }.into(),
@@ -40,6 +46,10 @@ pub fn from_host() -> Vec<HostMessage> {
         EmergencyStop {}.into(),
         ClearFault {}.into(),
         Reset {}.into(),
+        DescribeLaw { index: 1 }.into(),
+        DescribeSignal { index: 2 }.into(),
+        DescribeChoice { parameter: 20, choice: 1 }.into(),
+        Subscribe { signals: 0b10_0001_0111, every: 10 }.into(),
         SAMPLE.into(),
     ]
 }
@@ -51,18 +61,21 @@ pub fn from_drive() -> Vec<DriveMessage> {
             session: SESSION,
             firmware: Version { major: 0, minor: 1, patch: 0 },
             build_id: 0x00c0_ffee,
+            dirty: 1,
             state: State::Idle,
             board: Text::new("stm32f405"),
             period_us: 1000,
             motor_counts_per_rev: 131_072,
             load_counts_per_rev: 131_072,
-            controllers: Controllers::PD | Controllers::MERZOUKI,
+            law_count: 2,
+            signal_count: 10,
             parameter_count: 27,
         }
         .into(),
         ParameterDescription {
             index: 3,
-            live: 0,
+            flags: ParameterFlags::LIVE,
+            laws: 0b11,
             default: ParameterValue::F32(20.0),
             min: ParameterValue::F32(0.0),
             max: ParameterValue::F32(1000.0),
@@ -78,17 +91,17 @@ pub fn from_drive() -> Vec<DriveMessage> {
         }
         .into(),
         CommandResult { request: 0x06, outcome: Outcome::WrongState, state: State::Boot }.into(),
-        TORQUE.into(),
-        Telemetry {
-            sequence: 258,
-            dead_zone_estimate_rad: 0.16,
-            disturbing_torque_nm: -0.64,
-            load_error_rad: 1.5,
-            motor_error_rad: -0.25,
-            elastic_error_nm: 0.0,
-            requested_torque_nm: -30.0,
+        LawDescription { index: 1, name: Text::new("pi-velocity") }.into(),
+        SignalDescription {
+            index: 2,
+            laws: 0b10,
+            name: Text::new("dead_zone_estimate_rad"),
+            unit: Text::new("rad"),
         }
         .into(),
+        ChoiceDescription { parameter: 20, choice: 1, name: Text::new("observed") }.into(),
+        TORQUE.into(),
+        Telemetry { sequence: 258, values: telemetry_values() }.into(),
         FaultReport {
             code: FaultCode::MotorEncoderJump,
             sequence: 258,

@@ -50,6 +50,10 @@ fn json(value: FieldValue) -> String {
         FieldValue::Unsigned(value) => value.to_string(),
         FieldValue::Signed(value) => value.to_string(),
         FieldValue::Real(value) => format!("{value:?}"),
+        FieldValue::Reals(values) => {
+            let values: Vec<_> = values.as_slice().iter().map(|value| format!("{value:?}")).collect();
+            format!("[{}]", values.join(", "))
+        }
         FieldValue::Name(name) => Value::from(name).to_string(),
         FieldValue::Flags(flags) => names(flags).to_string(),
         FieldValue::Status(state, flags) => {

@@ -5,9 +5,11 @@ use std::collections::BTreeSet;
 use std::fmt::Debug;
 
 use lashloop_protocol::layout::{Direction, MessageLayout};
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, MAX_FRAME, Message};
+use lashloop_protocol::message::Telemetry;
+use lashloop_protocol::wire::Payload;
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, MAX_FRAME, Message, TelemetryValues};
 
-use crate::data_sheet::data_sheet;
+use crate::data_sheet::{data_sheet, frame_bytes_of};
 use crate::examples;
 
 fn pin<M: Message + Copy + Debug + PartialEq>(messages: &[M]) {
@@ -42,9 +44,30 @@ fn a_control_cycle_is_19_bytes_out_and_16_back() {
 }
 
 #[test]
+fn telemetry_of_six_signals_is_33_bytes_and_of_thirteen_61() {
+    for (count, bytes) in [(1, 13), (6, 33), (13, 61)] {
+        let values = TelemetryValues::new(&[0.5; 13][..count]).expect("at most 13");
+        let telemetry = DriveMessage::from(Telemetry { sequence: 0, values });
+        assert_eq!(telemetry.frame().len(), bytes);
+        assert_eq!(telemetry.layout().frame_len_of(count), Some(bytes));
+    }
+    let layout = Telemetry::LAYOUT;
+    assert_eq!((layout.frame_len_of(0), layout.frame_len_of(14)), (None, None));
+    assert_eq!(TelemetryValues::new(&[0.5; 14]), None);
+}
+
+#[test]
+fn only_telemetry_has_frames_of_different_lengths() {
+    for layout in layouts() {
+        let lens = (0..=MAX_FRAME).filter(|len| layout.takes(*len)).count();
+        assert_eq!(lens, if layout.name == "Telemetry" { 13 } else { 1 }, "{}", layout.name);
+    }
+}
+
+#[test]
 fn no_frame_is_longer_than_the_limit() {
     let longest = layouts().max_by_key(|layout| layout.frame_len()).expect("there are messages");
-    assert_eq!((longest.name, longest.frame_len()), ("ParameterDescription", 62));
+    assert_eq!((longest.name, longest.frame_len()), ("ParameterDescription", 63));
     assert!(longest.frame_len() <= MAX_FRAME);
 }
 
@@ -68,6 +91,6 @@ fn the_tables_of_messages_in_the_source_are_correct() {
         let row =
             tables.lines().find(|row| row.starts_with(&line)).unwrap_or_else(|| panic!("no row {line}"));
         let frame_bytes = row.split('|').nth(3).map(str::trim);
-        assert_eq!(frame_bytes, Some(layout.frame_len().to_string().as_str()), "{row}");
+        assert_eq!(frame_bytes, Some(frame_bytes_of(layout).as_str()), "{row}");
     }
 }

@@ -3,7 +3,9 @@
 use lashloop_protocol::frame::FrameError;
 use lashloop_protocol::message::{EncoderSample, Stop};
 use lashloop_protocol::wire::BodyError;
-use lashloop_protocol::{Counters, Decoder, DriveMessage, HostMessage, MAX_FRAME, Message, cobs, crc};
+use lashloop_protocol::{
+    Counters, Decoder, DriveMessage, HostMessage, MAX_BODY, MAX_FRAME, Message, cobs, crc,
+};
 
 use crate::examples;
 
@@ -133,6 +135,22 @@ fn a_body_of_the_wrong_length_names_both_lengths() {
 }
 
 #[test]
+fn telemetry_takes_1_to_13_values_and_no_other_length() {
+    for len in 1..=MAX_BODY {
+        let body = [&[0x91], &[0x3f; MAX_BODY][..len - 1]].concat();
+        let item = Decoder::new().next::<DriveMessage>(&mut &frame_around(&body)[..]).expect("a whole frame");
+        if [7, 11, 15, 19, 23, 27, 31, 35, 39, 43, 47, 51, 55].contains(&len) {
+            let Ok(DriveMessage::Telemetry(telemetry)) = item else { panic!("{len} bytes: {item:?}") };
+            assert_eq!(telemetry.values.as_slice().len(), (len - 3) / 4);
+            assert_eq!(DriveMessage::from(telemetry).frame()[..], frame_around(&body)[..]);
+        } else {
+            let expected = BodyError::Elements { name: "Telemetry", longest: 55, step: 4, found: len };
+            assert_eq!(item, Err(FrameError::Body(expected)));
+        }
+    }
+}
+
+#[test]
 fn a_byte_outside_its_list_is_rejected_by_field_name() {
     let mut decoder = Decoder::new();
     let mut input = &frame_around(&[0x85, 6, 99, 4])[..];
@@ -208,6 +226,8 @@ fn errors_are_sentences_with_both_sides() {
         FrameError::Crc { expected: 0x1234, found: 0xffff_0000 }.to_string(),
         FrameError::Body(BodyError::UnknownKind { kind: 0x7f }).to_string(),
         FrameError::Body(BodyError::Length { name: "Stop", expected: 1, found: 9 }).to_string(),
+        FrameError::Body(BodyError::Elements { name: "Telemetry", longest: 55, step: 4, found: 56 })
+            .to_string(),
         FrameError::Truncated { bytes: 12 }.to_string(),
     ];
     insta::assert_snapshot!(messages.join("\n"));

@@ -8,7 +8,7 @@ use lashloop_bench::scenario::Scenario;
 use crate::{SHORTEST, read};
 
 /// What is changed in the shortest scenario: a line, and what stands there instead.
-const CHANGES: &[(&str, &str)] = &[
+pub const CHANGES: &[(&str, &str)] = &[
     // Missing.
     ("title = \"a run\"", ""),
     ("duration_s = 2.0", ""),
@@ -23,18 +23,22 @@ const CHANGES: &[(&str, &str)] = &[
     ("duration_s = 2.0", "duration_s = 2024-05-01"),
     ("model = \"smooth\"", "model = true"),
     ("[run]\nduration_s = 2.0", "run = 2.0"),
-    ("duration_s = 2.0", "duration_s = 2.0\nseed = 1.0"),
+    ("duration_s = 2.0", "duration_s = 2.0\nseed = 1.5"),
     ("name = \"pd\"", "name = \"pd\"\nparameters = \"none\""),
     ("name = \"pd\"", "name = \"pd\"\nparameters.gains = [1, 2]"),
     ("name = \"pd\"", "name = \"pd\"\nparameters.limit = nan"),
     ("title = \"a run\"", "title = \"a run\"\nexpect = 5"),
     ("title = \"a run\"", "title = \"a run\"\nexpect = [5]"),
+    ("position_rad = 0.0", "position_rad = 0.0\n[expect]\nmetric = \"hunting_rad\"\nunit = \"rad\"\nmax = 1"),
+    ("[run]", "[[run]]"),
+    ("duration_s = 2.0", "duration_s = \"2,5\""),
     // Out of range.
     ("duration_s = 2.0", "duration_s = 0"),
     ("duration_s = 2.0", "duration_s = nan"),
     ("duration_s = 2.0", "duration_s = inf"),
     ("duration_s = 2.0", "duration_s = 0.0001"),
     ("duration_s = 2.0", "duration_s = 2.0\nseed = -1"),
+    ("duration_s = 2.0", "duration_s = 2.0\nseed = 1e300"),
     ("duration_s = 2.0", "duration_s = 2.0\ncontrol_period_us = 50"),
     ("model = \"smooth\"", "model = \"smooth\"\nstiffness_nm_rad = -1"),
     ("model = \"smooth\"", "model = \"smooth\"\ninitial.load_position_rad = 1e9"),
@@ -42,7 +46,7 @@ const CHANGES: &[(&str, &str)] = &[
     ("[controller]", "[telemetry]\nevery_steps = 65536\n[controller]"),
     // Not a choice.
     ("model = \"smooth\"", "model = \"smoth\""),
-    ("name = \"pd\"", "name = \"PD\""),
+    ("name = \"pd\"", "name = 5"),
     ("profile = \"constant\"", "profile = \"ramp\""),
     // Unknown, and in a wrong unit.
     ("[run]", "[runn]"),
@@ -79,6 +83,8 @@ const CHANGES: &[(&str, &str)] = &[
     // Not TOML.
     ("duration_s = 2.0", "duration_s = "),
     ("duration_s = 2.0", "duration_s 2.0"),
+    ("duration_s = 2.0", "duration_s = 2,5 # s"),
+    ("position_rad = 0.0", "position_rad = -1,5e-3"),
     ("title = \"a run\"", "title = \"a run"),
     ("[plant]", "[plant"),
     ("[plant]", "[run]"),
@@ -106,13 +112,13 @@ fn all_errors_of_a_file_are_reported_in_its_order() {
         .replace("[run]", "[[expect]]\nmetric = \"overshoot_rad\"\nunit = \"rad\"\n[run]\nseed = \"lucky\"")
         .replace("2.0", "-2.0")
         .replace("[controller]", "dead_zone_mrad = 160\n[controller]")
-        .replace("\"pd\"", "\"pid\"");
+        .replace("\"pd\"", "true");
     insta::assert_snapshot!(read(&text, &[]).expect_err("a faulty scenario"), @r#"
     x.toml:2: expect.0: this section gives neither min nor max; it must give at least one
     x.toml:6: run.seed: "lucky" is text; it must be a whole number >= 0 and <= 9223372036854775807
     x.toml:7: run.duration_s: -2.0 is out of range; it must be > 0 and <= 1e5 s
     x.toml:10: plant.dead_zone_mrad: 160 is in a wrong unit; write dead_zone_rad, in rad
-    x.toml:12: controller.name: "pid" is not a choice; it must be "pd", "merzouki", "merzouki-as-printed" or "backlash-inverse"
+    x.toml:12: controller.name: true is a boolean; it must be the name of one of the drive's laws, in quotes
     "#);
 }
 
