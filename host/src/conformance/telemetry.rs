@@ -157,7 +157,7 @@ fn running_with(client: &mut Client, signals: u32, every: u16) -> RuleResult {
     client.running(&[])
 }
 
-fn values(values: &lashloop_protocol::message::TelemetryValues) -> &[f32] {
+fn values(values: &lashloop_protocol::TelemetryValues) -> &[f32] {
     values.as_slice()
 }
 
