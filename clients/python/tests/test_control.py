@@ -9,17 +9,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lashloop.control import ControlInput, ControlLaw, InconsistentError
+from lashloop.control import ControlInput, InconsistentError
 from lashloop.control.cascade import PD, CascadedPd
 from lashloop.control.sensing import Sensing
 from lashloop.counts import wrapped, wrapping_difference
 from lashloop.drive import Drive, Parameters
-from lashloop.drive.parameters import COMMON_PARAMETERS
+from lashloop.drive.parameters import DRIVE_PARAMETERS
 from lashloop.enums import single
 from lashloop.sequence import nearest_step, of_step
 from support import Clock, document
 
-DEFAULTS = dict(Parameters([*COMMON_PARAMETERS, *PD.parameters]))
+DEFAULTS = dict(Parameters([*DRIVE_PARAMETERS, *PD.parameters]))
 COUNT_RAD = math.tau / 131_072
 
 
@@ -37,10 +37,10 @@ def test_the_first_torque_is_the_closed_form_of_the_law(motor: int, load: int, r
     have = CascadedPd(DEFAULTS).step(at(motor, load, reference_rad))
     scale = abs(theta_e) + 13 * abs(theta_s) + 13 * abs(reference_rad) + 1.0
     assert have.torque_nm == pytest.approx(-twist - motor_error, abs=4e-7 * scale)
-    assert have.load_error_rad == pytest.approx(theta_s - reference_rad, abs=4e-7 * scale)
-    assert have.motor_error_rad == pytest.approx(motor_error, abs=4e-7 * scale)
-    assert have.elastic_error_nm == pytest.approx(twist, abs=4e-7 * scale)
-    assert have.dead_zone_estimate_rad == single(0.16)
+    assert have.signals["load_error_rad"] == pytest.approx(theta_s - reference_rad, abs=4e-7 * scale)
+    assert have.signals["motor_error_rad"] == pytest.approx(motor_error, abs=4e-7 * scale)
+    assert have.signals["elastic_error_nm"] == pytest.approx(twist, abs=4e-7 * scale)
+    assert have.signals["dead_zone_estimate_rad"] == single(0.16)
 
 
 def test_velocities_follow_a_step_with_the_exact_lag() -> None:
@@ -104,7 +104,7 @@ def test_everything_is_computed_in_single_precision() -> None:
     law = CascadedPd(DEFAULTS)
     for step in range(10):
         it = law.step(at(30 * step, 10 * step, 0.001 * step))
-        for number in (it.torque_nm, it.load_error_rad, it.motor_error_rad, it.elastic_error_nm):
+        for number in (it.torque_nm, *it.signals.values()):
             assert number == float(np.float32(number))
 
 

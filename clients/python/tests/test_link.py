@@ -136,7 +136,7 @@ class Broken:
 
 
 def test_a_law_that_raises_ends_the_drive_with_a_panic_report() -> None:
-    with Served(ControlLaw(1, (), lambda _: Broken())) as served, Host.open(served.path) as host:
+    with Served(ControlLaw(name="broken", build=lambda _: Broken())) as served, Host.open(served.path) as host:
         host.set("watchdog_us", 5_000_000)
         host.arm()
         host.start()

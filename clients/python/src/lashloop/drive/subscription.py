@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Subscription:
-    """Signals by index, in ascending order, and the interval in control periods. Without signals, or with 0: no telemetry."""
+    """Signals by index, in ascending order, and the interval in control periods; no telemetry for none, or for 0."""
 
     signals: tuple[int, ...] = ()
     every: int = 0

@@ -116,8 +116,8 @@ class DescriptionError(HostError):
     def __init__(self, name: str, largest: str) -> None:
         """Name the parameter and its largest value."""
         super().__init__(
-            f"the drive describes choices for {name}, whose largest value is {largest}: choices are whole numbers of at "
-            "most 255; correct the drive"
+            f"the drive describes choices for {name}, whose largest value is {largest}: choices are whole numbers "
+            "of at most 255; correct the drive"
         )
         self.name, self.largest = name, largest
 
