@@ -1,4 +1,4 @@
-//! Passes the commit to the build, and memory map and linker script to the Arm image.
+//! Passes the commit to the build, and whether the sources differ from it; memory map and linker script to the Arm image.
 //!
 //! The linker arguments are not in `.cargo/config.toml` because `RUSTFLAGS` would silently replace them there.
 
@@ -9,6 +9,7 @@ use std::process::Command;
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rustc-env=LASHLOOP_BUILD_ID={}", build_id());
+    println!("cargo::rustc-env=LASHLOOP_BUILD_DIRTY={}", u8::from(is_dirty()));
     if env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("none") {
         println!("cargo::rerun-if-changed=memory.x");
         println!(
@@ -30,6 +31,23 @@ fn build_id() -> String {
     }
     let commit = git(&["rev-parse", "HEAD"]).unwrap_or_default();
     commit.get(..8).unwrap_or("00000000").to_owned()
+}
+
+/// What the firmware is compiled from, besides registry crates: relative to this package, in Lashloop's repository.
+const SOURCES: [&str; 5] =
+    ["src", "Cargo.toml", "../protocol/src", "../protocol/Cargo.toml", "../Cargo.toml"];
+
+/// Whether the sources differ from the commit, or whether that is unknown.
+///
+/// The check covers exactly the files that Cargo watches here, so it is repeated whenever its result may change, and costs
+/// one `git status` of two folders. It doesn't cover the toolchain, the lock file, new files that git doesn't track, and
+/// the crate of a user's own laws: their changes leave the mark at 0.
+fn is_dirty() -> bool {
+    for source in SOURCES.iter().filter(|source| Path::new(source).exists()) {
+        println!("cargo::rerun-if-changed={source}");
+    }
+    let status = ["status", "--porcelain", "--untracked-files=no", "--"];
+    git(&[&status[..], &SOURCES[..]].concat()).is_none_or(|changes| !changes.is_empty())
 }
 
 fn git(arguments: &[&str]) -> Option<String> {

@@ -5,7 +5,9 @@
 //!
 //! | module | is |
 //! |---|---|
+//! | [`law`] | what a law is: parameters, signals, state, step; sets of laws |
 //! | [`control`] | control laws, from encoder counts to a torque |
+//! | [`laws`] | the laws of Lashloop's own drive |
 //! | [`drive`] | session, parameters and safety: a state machine with bytes and device time in, bytes and a torque out |
 //! | `board` (in the image) | the drive on the microcontroller |
 //!
@@ -21,3 +23,7 @@ extern crate std;
 
 pub mod control;
 pub mod drive;
+pub mod law;
+pub mod laws;
+
+pub use laws::Laws;

@@ -3,35 +3,24 @@
 //! C2 turns the load error into a wanted motor position; C1 turns the motor error and the elastic torque error into a
 //! torque. The laws of the paper differ only in the [`Compensation`] they add to the cascade.
 
+use crate::control::cascade_signals::CascadeSignals;
 use crate::control::feed_forward::FeedForward;
 use crate::control::nominal_model::NominalModel;
 use crate::control::{ControlOutput, Measurement, Real};
 
-/// Gains of the cascade.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CascadeGains<F> {
-    /// K_P1 of C1, N m/rad.
-    pub motor_position: F,
-    /// K_D1 of C1, N m s/rad.
-    pub motor_velocity: F,
-    /// K_P2 of C2, rad/rad.
-    pub load_position: F,
-    /// K_D2 of C2, s.
-    pub load_velocity: F,
-    /// k1 of C1, N m/N m.
-    pub elastic: F,
-}
-
-impl<F: Real> CascadeGains<F> {
-    /// Tables 1 and 2 of the paper.
-    pub fn paper() -> Self {
-        Self {
-            motor_position: F::ONE,
-            motor_velocity: F::from_f64(0.01),
-            load_position: F::from_f64(10.0),
-            load_velocity: F::from_f64(10.0),
-            elastic: F::ONE,
-        }
+crate::parameters! {
+    /// Gains of the cascade, by default those of tables 1 and 2 of the paper.
+    pub struct CascadeGains<F> {
+        /// K_P1 of C1, motor position to torque.
+        k_p1: F32 = 1.0 in 0.0..=1e6, "N m/rad";
+        /// K_D1 of C1, motor velocity to torque.
+        k_d1: F32 = 0.01 in 0.0..=1e6, "N m s/rad";
+        /// K_P2 of C2, load position to motor position.
+        k_p2: F32 = 10.0 in 0.0..=1e6, "";
+        /// K_D2 of C2, load velocity to motor position.
+        k_d2: F32 = 10.0 in 0.0..=1e6, "s";
+        /// k1 of C1, elastic torque to torque.
+        k_1: F32 = 1.0 in 0.0..=1e6, "";
     }
 }
 
@@ -63,7 +52,11 @@ impl<F: Real> Cascade<F> {
     }
 
     /// Torque and errors at one sample.
-    pub fn output(&self, measurement: &Measurement<F>, compensation: &Compensation<F>) -> ControlOutput<F> {
+    pub fn output(
+        &self,
+        measurement: &Measurement<F>,
+        compensation: &Compensation<F>,
+    ) -> ControlOutput<CascadeSignals<F>, F> {
         let m = measurement;
         let load_error = m.load_position_rad - m.reference_position_rad;
         let load_error_rate = m.load_velocity_rad_s - m.reference_velocity_rad_s;
@@ -71,26 +64,29 @@ impl<F: Real> Cascade<F> {
         let elastic_error = self.model.stiffness_nm_rad * m.twist_rad + compensation.disturbing_torque_nm
             - self.feed_forward.elastic_torque_nm(m);
         // (17) around the motor position that belongs to the reference.
-        let motor_reference = self.model.ratio * m.reference_position_rad
-            - self.gains.load_velocity * load_error_rate
-            - self.gains.load_position * load_error
+        let motor_reference = self.model.reduction_ratio * m.reference_position_rad
+            - self.gains.k_d2 * load_error_rate
+            - self.gains.k_p2 * load_error
             + compensation.lead_rad;
         let motor_error = m.motor_position_rad - motor_reference;
         // Of the rate of theta_e_d only the reference's part is available without another derivative.
-        let motor_error_rate = m.motor_velocity_rad_s - self.model.ratio * m.reference_velocity_rad_s;
+        let motor_error_rate =
+            m.motor_velocity_rad_s - self.model.reduction_ratio * m.reference_velocity_rad_s;
         // (15), (16)
         let torque = self.feed_forward.motor_torque_nm(m)
-            - self.gains.elastic * elastic_error
-            - self.gains.motor_velocity * motor_error_rate
-            - self.gains.motor_position * motor_error
+            - self.gains.k_1 * elastic_error
+            - self.gains.k_d1 * motor_error_rate
+            - self.gains.k_p1 * motor_error
             + compensation.free_torque_nm;
         ControlOutput {
             torque_nm: torque,
-            dead_zone_estimate_rad: compensation.dead_zone_estimate_rad,
-            disturbing_torque_nm: compensation.disturbing_torque_nm,
-            load_error_rad: load_error,
-            motor_error_rad: motor_error,
-            elastic_error_nm: elastic_error,
+            signals: CascadeSignals {
+                dead_zone_estimate_rad: compensation.dead_zone_estimate_rad,
+                disturbing_torque_estimate_nm: compensation.disturbing_torque_nm,
+                load_error_rad: load_error,
+                motor_error_rad: motor_error,
+                elastic_error_nm: elastic_error,
+            },
         }
     }
 }

@@ -38,7 +38,7 @@ mod tests {
 
     #[test]
     fn dead_zone_cancels_the_spring_at_small_twist() {
-        let dead_zone = DeadZone::new(&NominalModel::<f64>::paper());
+        let dead_zone = DeadZone::new(&NominalModel::<f64>::default());
         let z = 1e-4;
         let transmitted = z + dead_zone.disturbing_torque_nm(0.16, z);
         // K z - 4 K j0 tanh(z / 4 j0) = K z^3 / (3 (4 j0)^2) + ...
@@ -47,7 +47,7 @@ mod tests {
 
     #[test]
     fn dead_zone_subtracts_four_amplitudes_from_a_wound_spring() {
-        let dead_zone = DeadZone::new(&NominalModel::<f64>::paper());
+        let dead_zone = DeadZone::new(&NominalModel::<f64>::default());
         assert!((dead_zone.disturbing_torque_nm(0.2, -50.0) - 0.8).abs() < 1e-15);
     }
 }

@@ -4,53 +4,52 @@
 //! from which it approaches, and extends it by symmetry. The estimate is clamped from zero to an upper bound. A bound
 //! below 2 rad distorts the paper's transient, in which the estimate passes through 1.7 rad.
 
-use crate::control::parameter_error::at_most;
 use crate::control::{ParameterError, Real};
 
-/// Gains and bounds of the observer; its state is the estimate itself.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DeadZoneObserver<F> {
-    /// Gain k21 on the load error, 1/s.
-    pub load_error_gain: F,
-    /// Gain k22 on the elastic torque error, rad/(N m s).
-    pub elastic_error_gain: F,
-    /// Initial estimate in rad.
-    pub initial_rad: F,
-    /// Largest estimate in rad.
-    pub max_rad: F,
+crate::parameters! {
+    /// Gains of the observer, by default those of table 1 of the paper; its state is the estimate itself.
+    pub struct DeadZoneObserver<F> {
+        /// k21, load position error to the dead-zone estimate.
+        k_21: F32 = 0.01 in 0.0..=1e6, "1/s";
+        /// k22, elastic torque error to the dead-zone estimate.
+        k_22: F32 = 0.5 in 0.0..=1e6, "1/(N m s)";
+    }
 }
 
-impl<F: Real> DeadZoneObserver<F> {
-    /// Table 1 of the paper, from its j0, with an upper bound of 3 rad.
-    pub fn paper() -> Self {
-        Self {
-            load_error_gain: F::from_f64(0.01),
-            elastic_error_gain: F::from_f64(0.5),
-            initial_rad: F::from_f64(0.16),
-            max_rad: F::from_f64(3.0),
-        }
+crate::parameters! {
+    /// Start and upper bound of an estimate of the dead-zone amplitude.
+    pub struct DeadZoneBounds<F> {
+        /// Initial estimate.
+        dead_zone_initial_rad: F32 = 0.16 in 0.0..=3.0, "rad";
+        /// Largest estimate. The paper's transient passes 1.7 rad; a bound below 2 rad distorts it.
+        dead_zone_max_rad: F32 = 3.0 in 0.0..=100.0, "rad";
     }
+}
 
+impl<F: Real> DeadZoneBounds<F> {
     /// Checks the initial estimate against its upper bound.
     ///
     /// # Errors
     /// If the initial estimate is beyond the bound.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        at_most("dead_zone_initial_rad", self.initial_rad, self.max_rad, "dead_zone_max_rad")
+        let (initial_rad, max_rad) = (self.dead_zone_initial_rad, self.dead_zone_max_rad);
+        ParameterError::at_most("dead_zone_initial_rad", initial_rad, max_rad, "dead_zone_max_rad")
     }
+}
 
+impl<F: Real> DeadZoneObserver<F> {
     /// The estimate one period later, from the errors of this sample (forward Euler).
     pub fn step(
         &self,
         estimate_rad: &mut F,
+        bounds: &DeadZoneBounds<F>,
         period_s: F,
         load_error_rad: F,
         elastic_error_nm: F,
         twist_rad: F,
     ) {
-        let rate = (self.load_error_gain * load_error_rad + self.elastic_error_gain * elastic_error_nm)
-            * twist_rad.sign();
-        *estimate_rad = (*estimate_rad + period_s * rate).clamp(F::ZERO, self.max_rad);
+        let rate = (self.k_21 * load_error_rad + self.k_22 * elastic_error_nm) * twist_rad.sign();
+        *estimate_rad = (*estimate_rad + period_s * rate).clamp(F::ZERO, bounds.dead_zone_max_rad);
     }
 }
 
@@ -60,23 +59,23 @@ mod tests {
 
     #[test]
     fn estimate_grows_on_either_side_with_a_positive_elastic_error() {
-        let observer = DeadZoneObserver::<f64>::paper();
+        let observer = DeadZoneObserver::<f64>::default();
         for side in [1.0, -1.0] {
             let mut estimate = 0.16;
-            observer.step(&mut estimate, 1e-3, 0.0, 2.0 * side, side);
+            observer.step(&mut estimate, &DeadZoneBounds::default(), 1e-3, 0.0, 2.0 * side, side);
             assert!((estimate - 0.161).abs() < 1e-15, "side {side}: have {estimate}, want 0.161");
         }
     }
 
     #[test]
     fn estimate_rests_at_zero_twist_and_stays_in_its_bounds() {
-        let observer = DeadZoneObserver::<f64>::paper();
+        let observer = DeadZoneObserver::<f64>::default();
         let mut estimate = 0.16;
-        observer.step(&mut estimate, 1e-3, 1.0, 2.0, 0.0);
+        observer.step(&mut estimate, &DeadZoneBounds::default(), 1e-3, 1.0, 2.0, 0.0);
         assert_eq!(estimate, 0.16);
-        observer.step(&mut estimate, 1.0, 0.0, 1e3, 1.0);
+        observer.step(&mut estimate, &DeadZoneBounds::default(), 1.0, 0.0, 1e3, 1.0);
         assert_eq!(estimate, 3.0);
-        observer.step(&mut estimate, 1.0, 0.0, 1e3, -1.0);
+        observer.step(&mut estimate, &DeadZoneBounds::default(), 1.0, 0.0, 1e3, -1.0);
         assert_eq!(estimate, 0.0);
     }
 }

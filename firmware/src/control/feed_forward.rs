@@ -19,13 +19,13 @@ pub struct FeedForward<F> {
 impl<F: Real> FeedForward<F> {
     /// Feed-forward for the mechanics of `model`.
     pub fn new(model: &NominalModel<F>) -> Self {
-        let load_inertia_at_motor = model.load_inertia_kg_m2 / model.ratio;
-        let load_friction_at_motor = model.load_friction_nm_s_rad / model.ratio;
+        let load_inertia_at_motor = model.load_inertia_kg_m2 / model.reduction_ratio;
+        let load_friction_at_motor = model.load_friction_nm_s_rad / model.reduction_ratio;
         Self {
             load_inertia_at_motor,
             load_friction_at_motor,
-            whole_inertia: model.motor_inertia_kg_m2 * model.ratio + load_inertia_at_motor,
-            whole_friction: model.motor_friction_nm_s_rad * model.ratio + load_friction_at_motor,
+            whole_inertia: model.motor_inertia_kg_m2 * model.reduction_ratio + load_inertia_at_motor,
+            whole_friction: model.motor_friction_nm_s_rad * model.reduction_ratio + load_friction_at_motor,
         }
     }
 

@@ -28,7 +28,6 @@ pub struct Measurement<F> {
 }
 
 #[cfg(test)]
-#[cfg(test)]
 impl<F: Real> Measurement<F> {
     /// All zero.
     pub(crate) fn at_rest() -> Self {
@@ -48,17 +47,9 @@ impl<F: Real> Measurement<F> {
 
 /// Output of a control law for one [`Measurement`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ControlOutput<F> {
+pub struct ControlOutput<S, F = f32> {
     /// Motor torque U in N m, before the drive's limit.
     pub torque_nm: F,
-    /// Dead-zone amplitude j_hat in rad, as used in this torque.
-    pub dead_zone_estimate_rad: F,
-    /// Estimated disturbing torque w_hat in N m; zero for a law without compensation.
-    pub disturbing_torque_nm: F,
-    /// Load error e_s = theta_s - r in rad.
-    pub load_error_rad: F,
-    /// Motor error e_e = theta_e - theta_e_d in rad.
-    pub motor_error_rad: F,
-    /// Elastic torque error e_zeta = K z - zeta_d in N m.
-    pub elastic_error_nm: F,
+    /// Signals of the law for the host; they belong to this torque.
+    pub signals: S,
 }

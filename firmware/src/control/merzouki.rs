@@ -1,7 +1,6 @@
-//! The cascade after compensation, in the reading that meets the paper's figures and as the paper prints it.
+//! The cascade after compensation, in the reading that meets the paper's figures.
 //!
-//! The paper leaves the free control u of equation (16) open. As printed, the law has the estimate of equation (19),
-//! but neither a lead nor a free control: an ablation that shows the effect of those two. With u = w - w_hat, equation (24) with H = 0, and a lead
+//! The paper leaves the free control u of equation (16) open. With u = w - w_hat, equation (24) with H = 0, and a lead
 //! of the motor by zeta_d / K, as (13) and (18) imply, both the simulated transients and the measured static error of
 //! the paper result. With a constant reference zeta_d / K is -w_hat / K. Under a slow sine the reference's part of
 //! zeta_d in the lead moves the motor ahead of the dead zone: lost motion is 0.003 instead of 0.13 rad on the hard gap.
@@ -10,12 +9,32 @@
 //! w = C_obs - K z with the momentum observer's C_obs.
 
 use crate::control::cascade::{Cascade, CascadeGains, Compensation};
+use crate::control::cascade_signals::CascadeSignals;
 use crate::control::dead_zone::DeadZone;
-use crate::control::dead_zone_observer::DeadZoneObserver;
+use crate::control::dead_zone_observer::{DeadZoneBounds, DeadZoneObserver};
 use crate::control::feed_forward::FeedForward;
-use crate::control::momentum_observer::MomentumObserver;
+use crate::control::momentum_observer::{MomentumObserver, MomentumObserverPole};
 use crate::control::nominal_model::NominalModel;
 use crate::control::{ControlOutput, Measurement, ParameterError, Real};
+use crate::law::{ControlLaw, DriveParameters};
+
+crate::choices! {
+    /// Source of the disturbing torque, as the host sets it.
+    pub enum SourceChoice {
+        /// Equation (4) with the nominal amplitude.
+        Model = "model",
+        /// The momentum observer.
+        Observed = "observed",
+    }
+}
+
+crate::parameters! {
+    /// Setting of the compensation.
+    pub struct MerzoukiSetting {
+        /// Source of the disturbing torque.
+        disturbing_torque_source: SourceChoice = Observed;
+    }
+}
 
 /// Source of the disturbing torque w for the free control.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,12 +49,13 @@ pub enum DisturbingTorqueSource<F> {
 
 /// The two loops with the estimated disturbing torque, the lead and the free control, and their state.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Merzouki<F> {
+pub struct Merzouki<F = f32> {
     cascade: Cascade<F>,
     feed_forward: FeedForward<F>,
     dead_zone: DeadZone<F>,
     model: NominalModel<F>,
     observer: DeadZoneObserver<F>,
+    bounds: DeadZoneBounds<F>,
     source: DisturbingTorqueSource<F>,
     period_s: F,
     /// Dead-zone amplitude j_hat in rad, for the next torque.
@@ -48,30 +68,32 @@ impl<F: Real> Merzouki<F> {
     /// The law in its initial state, for the mechanics of `model`, run every `period_s` seconds.
     ///
     /// # Errors
-    /// If the observer's parameters don't go together.
+    /// If the initial estimate is beyond its upper bound.
     pub fn new(
         model: &NominalModel<F>,
         gains: CascadeGains<F>,
         observer: DeadZoneObserver<F>,
+        bounds: DeadZoneBounds<F>,
         source: DisturbingTorqueSource<F>,
         period_s: F,
     ) -> Result<Self, ParameterError> {
-        observer.validate()?;
+        bounds.validate()?;
         Ok(Self {
             cascade: Cascade::new(model, gains),
             feed_forward: FeedForward::new(model),
             dead_zone: DeadZone::new(model),
             model: *model,
             observer,
+            bounds,
             source,
             period_s,
-            dead_zone_estimate_rad: observer.initial_rad,
+            dead_zone_estimate_rad: bounds.dead_zone_initial_rad,
             momentum_balance_nm: F::ZERO,
         })
     }
 
     /// The torque for one sample, before the drive's limit.
-    pub fn step(&mut self, measurement: &Measurement<F>) -> ControlOutput<F> {
+    pub fn step(&mut self, measurement: &Measurement<F>) -> ControlOutput<CascadeSignals<F>, F> {
         let twist = measurement.twist_rad;
         let observed_torque = match &self.source {
             DisturbingTorqueSource::AsPrinted => None,
@@ -102,11 +124,36 @@ impl<F: Real> Merzouki<F> {
         let output = self.cascade.output(measurement, &compensation);
         self.observer.step(
             &mut self.dead_zone_estimate_rad,
+            &self.bounds,
             self.period_s,
-            output.load_error_rad,
-            output.elastic_error_nm,
+            output.signals.load_error_rad,
+            output.signals.elastic_error_nm,
             twist,
         );
         output
+    }
+}
+
+impl ControlLaw for Merzouki {
+    const NAME: &'static str = "merzouki";
+    type Parameters =
+        (CascadeGains, DeadZoneObserver, DeadZoneBounds, MerzoukiSetting, MomentumObserverPole, NominalModel);
+    type Signals = CascadeSignals;
+
+    fn new(parameters: Self::Parameters, drive: &DriveParameters) -> Result<Self, ParameterError> {
+        let (gains, observer, bounds, setting, pole, model) = parameters;
+        let source = match setting.disturbing_torque_source {
+            SourceChoice::Model => DisturbingTorqueSource::NominalModel,
+            SourceChoice::Observed => DisturbingTorqueSource::Observed(MomentumObserver::new(
+                &model,
+                pole.momentum_observer_rad_s,
+                drive.period_s(),
+            )),
+        };
+        Self::new(&model, gains, observer, bounds, source, drive.period_s())
+    }
+
+    fn step(&mut self, measurement: &Measurement<f32>) -> ControlOutput<CascadeSignals> {
+        Self::step(self, measurement)
     }
 }

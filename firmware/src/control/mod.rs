@@ -13,9 +13,10 @@
 //! | [`momentum_observer`] | transmitted torque, observed on the motor side |
 //! | [`feed_forward`] | torques of a moving reference, equations (11) and (15) |
 //! | [`cascade`] | the two proportional-derivative loops C1 and C2, equations (16) and (17) |
+//! | [`cascade_signals`] | the signals of these laws |
 //! | [`pd`], [`merzouki`] | the cascade before compensation, and after it |
+//! | [`merzouki_as_printed`] | the compensation without lead and free control |
 //! | [`backlash_inverse`] | the gap inverted in the torque domain and identified by least squares; not from the paper |
-//! | [`law`] | the choice of a law at run time |
 //! | [`sensing`] | encoder counts to [`Measurement`] |
 //! | `encoder_channel` | one encoder: wraparound, position, velocity filter |
 //! | `reference_rates` | velocity and acceleration of the reference |
@@ -25,16 +26,17 @@
 
 pub mod backlash_inverse;
 pub mod cascade;
+pub mod cascade_signals;
 pub mod dead_zone;
 pub mod dead_zone_observer;
 mod encoder_channel;
 pub mod feed_forward;
-pub mod law;
 mod measurement;
 pub mod merzouki;
+pub mod merzouki_as_printed;
 pub mod momentum_observer;
 pub mod nominal_model;
-pub(crate) mod parameter_error;
+mod parameter_error;
 pub mod pd;
 mod real;
 mod reference_rates;

@@ -12,6 +12,15 @@ use crate::control::{Measurement, Real};
 /// Velocity in rad/s over which the motor's Coulomb friction changes sign.
 const COULOMB_WIDTH_RAD_S: f64 = 0.1;
 
+crate::parameters! {
+    /// Setting of the observer.
+    pub struct MomentumObserverPole<F> {
+        /// Pole of the observer. 60 rad/s suits the paper's machine; at 300 rad/s the law `merzouki` oscillates from 3 ms
+        /// of delay.
+        momentum_observer_rad_s: F32 = 60.0 in 0.1..=10_000.0, "rad/s";
+    }
+}
+
 /// The observer with its constants. Its state is the filtered momentum balance y in N m, zero for a motor at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MomentumObserver<F> {
@@ -22,8 +31,7 @@ pub struct MomentumObserver<F> {
 }
 
 impl<F: Real> MomentumObserver<F> {
-    /// An observer with its pole in rad/s, run every `period_s` seconds. 60 rad/s suits the paper's machine; at 300
-    /// rad/s the law `merzouki` oscillates from 3 ms of delay.
+    /// An observer with its pole in rad/s, run every `period_s` seconds.
     pub fn new(model: &NominalModel<F>, pole_rad_s: F, period_s: F) -> Self {
         Self {
             pole_times_inertia: pole_rad_s * model.motor_inertia_kg_m2,
@@ -60,7 +68,7 @@ mod tests {
 
     #[test]
     fn blocked_motor_transmits_the_applied_torque_after_the_lag() {
-        let observer = MomentumObserver::new(&NominalModel::paper(), 60.0, 1e-3);
+        let observer = MomentumObserver::new(&NominalModel::default(), 60.0, 1e-3);
         let mut state = 0.0;
         let observed = (0..50).map(|_| observer.step(&mut state, &at_velocity(0.0, 2.0))).last();
         // 50 ms at 60 rad/s is three time constants, and the lag is exact for a held torque.
@@ -70,7 +78,7 @@ mod tests {
 
     #[test]
     fn free_motor_under_torque_transmits_none() {
-        let model = NominalModel { motor_friction_nm_s_rad: 0.0, ..NominalModel::paper() };
+        let model = NominalModel { motor_friction_nm_s_rad: 0.0, ..NominalModel::default() };
         let observer = MomentumObserver::new(&model, 60.0, 1e-3);
         let mut state = 0.0;
         let mut observed = 0.0;
@@ -85,7 +93,7 @@ mod tests {
     #[test]
     fn motor_coulomb_friction_is_no_transmitted_torque() {
         let model =
-            NominalModel { motor_coulomb_nm: 0.02, motor_friction_nm_s_rad: 0.0, ..NominalModel::paper() };
+            NominalModel { motor_coulomb_nm: 0.02, motor_friction_nm_s_rad: 0.0, ..NominalModel::default() };
         let observer = MomentumObserver::new(&model, 60.0, 1e-3);
         let mut state = 0.0;
         // The initial momentum decays with the lag within a second.

@@ -19,16 +19,21 @@ pub struct ParameterError {
     pub given_by: &'static str,
 }
 
-/// Checks a parameter against a limit that other parameters set. NaN is beyond every limit.
-pub(crate) fn at_most<F: Real>(
-    name: &'static str,
-    value: F,
-    max: F,
-    given_by: &'static str,
-) -> Result<(), ParameterError> {
-    if value <= max {
-        Ok(())
-    } else {
-        Err(ParameterError { name, value: value.to_f64() as f32, max: max.to_f64() as f32, given_by })
+impl ParameterError {
+    /// Checks a parameter against a limit that other parameters set. NaN is beyond every limit.
+    ///
+    /// # Errors
+    /// The value is beyond `max`. `given_by` names what sets `max`, as in "the control period".
+    pub fn at_most<F: Real>(
+        name: &'static str,
+        value: F,
+        max: F,
+        given_by: &'static str,
+    ) -> Result<(), Self> {
+        if value <= max {
+            Ok(())
+        } else {
+            Err(Self { name, value: value.to_f64() as f32, max: max.to_f64() as f32, given_by })
+        }
     }
 }

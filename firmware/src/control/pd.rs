@@ -4,12 +4,14 @@
 //! paper's 13 s and its static error of 0.32 rad result.
 
 use crate::control::cascade::{Cascade, CascadeGains, Compensation};
+use crate::control::cascade_signals::CascadeSignals;
 use crate::control::nominal_model::NominalModel;
-use crate::control::{ControlOutput, Measurement, Real};
+use crate::control::{ControlOutput, Measurement, ParameterError, Real};
+use crate::law::{ControlLaw, DriveParameters};
 
 /// The two loops alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pd<F> {
+pub struct Pd<F = f32> {
     cascade: Cascade<F>,
     nominal_dead_zone_rad: F,
 }
@@ -21,7 +23,7 @@ impl<F: Real> Pd<F> {
     }
 
     /// The torque for one sample, before the drive's limit.
-    pub fn step(&self, measurement: &Measurement<F>) -> ControlOutput<F> {
+    pub fn step(&self, measurement: &Measurement<F>) -> ControlOutput<CascadeSignals<F>, F> {
         let none = Compensation {
             dead_zone_estimate_rad: self.nominal_dead_zone_rad,
             disturbing_torque_nm: F::ZERO,
@@ -29,5 +31,19 @@ impl<F: Real> Pd<F> {
             free_torque_nm: F::ZERO,
         };
         self.cascade.output(measurement, &none)
+    }
+}
+
+impl ControlLaw for Pd {
+    const NAME: &'static str = "pd";
+    type Parameters = (CascadeGains, NominalModel);
+    type Signals = CascadeSignals;
+
+    fn new((gains, model): Self::Parameters, _drive: &DriveParameters) -> Result<Self, ParameterError> {
+        Ok(Self::new(&model, gains))
+    }
+
+    fn step(&mut self, measurement: &Measurement<f32>) -> ControlOutput<CascadeSignals> {
+        Self::step(self, measurement)
     }
 }

@@ -6,7 +6,6 @@
 //! z = ((2 n_e + 1) - whole (2 n_s + 1) - rest (2 n_s + 1)) pi / counts_e, which is exact where rest is zero.
 
 use crate::control::encoder_channel::{EncoderChannel, EncoderState};
-use crate::control::parameter_error::at_most;
 use crate::control::reference_rates::ReferenceRates;
 use crate::control::{Measurement, ParameterError, Real};
 
@@ -55,6 +54,17 @@ pub struct Sensing<F> {
     previous: Option<Previous<F>>,
 }
 
+/// What a measurement has besides positions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion<F> {
+    /// Motor velocity in rad/s.
+    pub motor_velocity_rad_s: F,
+    /// Load velocity in rad/s.
+    pub load_velocity_rad_s: F,
+    /// Twist z in rad.
+    pub twist_rad: F,
+}
+
 /// Both encoders and the reference at the last sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Previous<F> {
@@ -75,7 +85,12 @@ impl<F: Real> Sensing<F> {
             [config.motor, config.load].map(|encoder| F::from_i64(encoder.counts_per_revolution.into()));
         let ratio_in_counts = config.ratio * motor_counts / load_counts;
         let max = F::from_i64(COUNTS_RATIO_MAX);
-        at_most("motor counts per load count", ratio_in_counts, max, "the range of the twist")?;
+        ParameterError::at_most(
+            "motor counts per load count",
+            ratio_in_counts,
+            max,
+            "the range of the twist",
+        )?;
         let whole = ratio_in_counts.whole();
         Ok(Self {
             motor: EncoderChannel::new(config.motor, config.period_s),
@@ -111,19 +126,37 @@ impl<F: Real> Sensing<F> {
         self.previous = Some(now);
         let motor_half_counts = now.motor.half_counts();
         let load_half_counts = now.load.half_counts();
-        let whole = motor_half_counts - self.ratio_in_counts * load_half_counts;
-        let rest = self.ratio_rest * F::from_i64(load_half_counts);
         Measurement {
             motor_position_rad: self.motor.angle_rad(F::from_i64(motor_half_counts)),
             motor_velocity_rad_s: now.motor.velocity_rad_s,
             load_position_rad: self.load.angle_rad(F::from_i64(load_half_counts)),
             load_velocity_rad_s: now.load.velocity_rad_s,
-            twist_rad: self.motor.angle_rad(F::from_i64(whole) - rest),
+            twist_rad: self.twist_rad(motor_half_counts, load_half_counts),
             reference_position_rad: sample.reference_rad,
             reference_velocity_rad_s: rates.0,
             reference_acceleration_rad_s2: rates.1,
             applied_torque_nm: sample.applied_torque_nm,
         }
+    }
+
+    /// Velocities and twist of the last measurement; zero before the first one.
+    pub fn motion(&self) -> Motion<F> {
+        match &self.previous {
+            None => {
+                Motion { motor_velocity_rad_s: F::ZERO, load_velocity_rad_s: F::ZERO, twist_rad: F::ZERO }
+            }
+            Some(last) => Motion {
+                motor_velocity_rad_s: last.motor.velocity_rad_s,
+                load_velocity_rad_s: last.load.velocity_rad_s,
+                twist_rad: self.twist_rad(last.motor.half_counts(), last.load.half_counts()),
+            },
+        }
+    }
+
+    fn twist_rad(&self, motor_half_counts: i64, load_half_counts: i64) -> F {
+        let whole = motor_half_counts - self.ratio_in_counts * load_half_counts;
+        let rest = self.ratio_rest * F::from_i64(load_half_counts);
+        self.motor.angle_rad(F::from_i64(whole) - rest)
     }
 }
 

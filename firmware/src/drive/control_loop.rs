@@ -3,23 +3,22 @@
 use core::f32::consts::TAU;
 
 use lashloop_protocol::EncoderCounts;
+use lashloop_protocol::limits::MAX_SIGNALS;
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::LONGEST_GAP;
 
-use super::law_from_parameters::{law, sensing_config};
 use super::parameters::Parameters;
-use crate::control::law::Law;
-use crate::control::parameter_error::at_most;
-use crate::control::sensing::{Sample, Sensing};
+use crate::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig};
 use crate::control::{ControlOutput, ParameterError};
+use crate::law::{DriveParameters, DriveSignals, LawSet, Signals};
 
 /// Largest move in counts, either way, that the difference of two readings shows without wraparound. One count is
 /// reserved: an encoder may show one count more than it has turned.
 const LARGEST_MOVE_COUNTS: f32 = (EncoderCounts::MAX.get() - 1) as f32;
 
-pub(super) struct ControlLoop {
+pub(super) struct ControlLoop<L> {
     sensing: Sensing<f32>,
-    law: Law<f32>,
+    law: L,
     /// Counters of motor and load: the readings without wraparound. `None` before the first sample.
     previous_counts: Option<(i32, i32)>,
     longest_gap: u16,
@@ -27,25 +26,26 @@ pub(super) struct ControlLoop {
     load_rad_s_per_count: f32,
 }
 
-impl ControlLoop {
+impl<L: LawSet> ControlLoop<L> {
     /// Sensing and law before the first sample.
     ///
     /// # Errors
     /// If the parameters, each in its range, don't go together.
-    pub(super) fn new(parameters: &Parameters) -> Result<Self, ParameterError> {
-        let period_s = parameters.period_us as f32 * 1e-6;
-        let sensing = Sensing::new(sensing_config(parameters, period_s))?;
-        let law = law(parameters, period_s)?;
+    pub(super) fn new(parameters: &Parameters<L>) -> Result<Self, ParameterError> {
+        let drive = parameters.drive();
+        let sensing = Sensing::new(sensing_config(&drive))?;
+        let law = L::new(parameters.law(), parameters.words(), &drive)?;
         let [motor_rad_s_per_count, load_rad_s_per_count] =
-            [parameters.motor_counts_per_rev, parameters.load_counts_per_rev]
-                .map(|counts| TAU / (counts as f32 * period_s));
+            [drive.motor_counts_per_rev, drive.load_counts_per_rev]
+                .map(|counts| TAU / (counts as f32 * drive.period_s()));
         let mut longest_gap = LONGEST_GAP;
         for (name, limit_rad_s, rad_s_per_count) in [
-            ("motor_speed_limit_rad_s", parameters.motor_speed_limit_rad_s, motor_rad_s_per_count),
-            ("load_speed_limit_rad_s", parameters.load_speed_limit_rad_s, load_rad_s_per_count),
+            ("motor_speed_limit_rad_s", drive.motor_speed_limit_rad_s, motor_rad_s_per_count),
+            ("load_speed_limit_rad_s", drive.load_speed_limit_rad_s, load_rad_s_per_count),
         ] {
             let fastest_rad_s = LARGEST_MOVE_COUNTS * rad_s_per_count;
-            at_most(name, limit_rad_s, fastest_rad_s, "half the range of a reading over the control period")?;
+            let given_by = "half the range of a reading over the control period";
+            ParameterError::at_most(name, limit_rad_s, fastest_rad_s, given_by)?;
             longest_gap = longest_gap.min((fastest_rad_s / limit_rad_s) as u16);
         }
         Ok(Self {
@@ -82,7 +82,7 @@ impl ControlLoop {
         sample: &EncoderSample,
         periods: u32,
         applied_torque_nm: f32,
-    ) -> ControlOutput<f32> {
+    ) -> ControlOutput<L::Signals> {
         let (motor_counts, load_counts) = match self.previous_counts {
             None => (sample.motor_counts.get(), sample.load_counts.get()),
             Some((motor, load)) => (
@@ -99,6 +99,34 @@ impl ControlLoop {
             elapsed_periods: periods,
         });
         self.law.step(&measurement)
+    }
+
+    /// The values of all signals after a step, by their indices; zero for a signal of another law.
+    pub(super) fn signals(&self, output: &ControlOutput<L::Signals>) -> [f32; MAX_SIGNALS] {
+        let motion = self.sensing.motion();
+        let of_drive = DriveSignals {
+            requested_torque_nm: output.torque_nm,
+            measured_motor_velocity_rad_s: motion.motor_velocity_rad_s,
+            measured_load_velocity_rad_s: motion.load_velocity_rad_s,
+            measured_twist_rad: motion.twist_rad,
+        };
+        let mut values = [0.0; MAX_SIGNALS];
+        of_drive.write(&mut values);
+        L::write_signals(&output.signals, &mut values);
+        values
+    }
+}
+
+fn sensing_config(drive: &DriveParameters) -> SensingConfig<f32> {
+    let encoder = |counts_per_revolution, velocity_bandwidth_rad_s| EncoderConfig {
+        counts_per_revolution,
+        velocity_bandwidth_rad_s,
+    };
+    SensingConfig {
+        motor: encoder(drive.motor_counts_per_rev, drive.motor_filter_rad_s),
+        load: encoder(drive.load_counts_per_rev, drive.load_filter_rad_s),
+        ratio: drive.reduction_ratio,
+        period_s: drive.period_s(),
     }
 }
 

@@ -1,11 +1,11 @@
 //! Versions of the firmware, and the answer to `Hello`.
 
 use lashloop_protocol::PROTOCOL_VERSION;
-use lashloop_protocol::enums::{Controllers, State, Version};
+use lashloop_protocol::enums::{State, Version};
 use lashloop_protocol::message::Identity;
 use lashloop_protocol::text::Text;
 
-use super::parameters::{Parameters, TABLE};
+use crate::law::{DriveParameters, LawSet};
 
 /// Version of this firmware.
 pub const FIRMWARE_VERSION: Version = Version {
@@ -27,19 +27,29 @@ pub const BUILD_ID: u32 = match u32::from_str_radix(env!("LASHLOOP_BUILD_ID"), 1
     Err(_) => 0,
 };
 
+/// Whether the sources of this firmware differed from that commit when it was built, or whether that is unknown.
+pub const BUILD_IS_DIRTY: bool = !matches!(env!("LASHLOOP_BUILD_DIRTY").as_bytes(), b"0");
+
 /// The identity of a drive on `board`, in answer to the `Hello` of `session`.
-pub(super) fn identity(board: &str, session: u32, state: State, parameters: &Parameters) -> Identity {
+pub(super) fn identity<L: LawSet>(
+    board: &str,
+    session: u32,
+    state: State,
+    parameters: &DriveParameters,
+) -> Identity {
     Identity {
         protocol_version: PROTOCOL_VERSION,
         session,
         firmware: FIRMWARE_VERSION,
         build_id: BUILD_ID,
+        dirty: u8::from(BUILD_IS_DIRTY),
         state,
         board: Text::new(board),
         period_us: parameters.period_us,
         motor_counts_per_rev: parameters.motor_counts_per_rev,
         load_counts_per_rev: parameters.load_counts_per_rev,
-        controllers: Controllers::all(),
-        parameter_count: TABLE.len() as u8,
+        law_count: L::NAMES.len() as u8,
+        signal_count: L::SIGNALS.len() as u8,
+        parameter_count: L::PARAMETERS.len() as u8,
     }
 }

@@ -8,11 +8,11 @@ use lashloop_protocol::enums::{Outcome, State};
 use lashloop_protocol::message::FaultReport;
 
 use super::control_loop::ControlLoop;
-use super::parameters::Parameters;
 use super::run::Run;
 use super::safety::Violation;
+use crate::law::{DriveParameters, LawSet};
 
-pub(super) enum Lifecycle {
+pub(super) enum Lifecycle<L> {
     /// Before the first session.
     Boot,
     Idle {
@@ -21,11 +21,11 @@ pub(super) enum Lifecycle {
     /// The controller is built when arming, so that inconsistent parameters are found before the start.
     Armed {
         session: u32,
-        control: ControlLoop,
+        control: ControlLoop<L>,
     },
     Running {
         session: u32,
-        run: Run,
+        run: Run<L>,
     },
     /// The first fault stays latched until it is cleared: later ones are usually its consequence.
     Faulted {
@@ -35,7 +35,7 @@ pub(super) enum Lifecycle {
     },
 }
 
-impl Lifecycle {
+impl<L: LawSet> Lifecycle<L> {
     pub(super) fn state(&self) -> State {
         match self {
             Self::Boot => State::Boot,
@@ -56,7 +56,7 @@ impl Lifecycle {
         }
     }
 
-    pub(super) fn run(&self) -> Option<&Run> {
+    pub(super) fn run(&self) -> Option<&Run<L>> {
         if let Self::Running { run, .. } = self { Some(run) } else { None }
     }
 
@@ -79,7 +79,7 @@ impl Lifecycle {
     }
 
     /// `Accepted` if the drive was armed and now runs.
-    pub(super) fn start(&mut self, parameters: &Parameters, now: Duration) -> Outcome {
+    pub(super) fn start(&mut self, parameters: &DriveParameters, now: Duration) -> Outcome {
         match core::mem::replace(self, Self::Boot) {
             Self::Armed { session, control } => {
                 *self = Self::Running { session, run: Run::new(control, parameters, now) };

@@ -3,43 +3,57 @@
 use core::time::Duration;
 
 use lashloop_protocol::enums::{FaultCode, LogLevel, Outcome, State, TorqueFlags};
-use lashloop_protocol::message::{self, CommandResult, EncoderSample, FaultReport, Hello};
+use lashloop_protocol::message::{self, CommandResult, EncoderSample, FaultReport, Hello, Subscribe};
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{Counters, Decoder, HostMessage, PROTOCOL_VERSION};
+use lashloop_protocol::{Counters, Decoder, DriveMessage, HostMessage, PROTOCOL_VERSION};
 
 use super::clock::Clock;
 use super::control_loop::ControlLoop;
+use super::descriptions;
 use super::identity::identity;
 use super::lifecycle::Lifecycle;
 use super::line_counts::LineCounts;
 use super::output::Output;
-use super::parameter_requests;
-use super::parameters::Parameters;
+use super::parameters::{self, Parameters};
 use super::run::{Reply, Run};
 use super::safety::Violation;
-use super::torque_answer::{telemetry, torque_answer};
+use super::subscription::Subscription;
+use super::torque_answer::torque_answer;
+use crate::law::{LawSet, Signal};
+use crate::laws::Laws;
 
-/// The state machine.
-pub struct Drive {
+/// The state machine of a drive with these laws.
+pub struct Drive<L: LawSet = Laws> {
     board: &'static str,
     decoder: Decoder,
     output: Output,
-    parameters: Parameters,
-    lifecycle: Lifecycle,
+    parameters: Parameters<L>,
+    subscription: Subscription,
+    lifecycle: Lifecycle<L>,
     line_counts: LineCounts,
     /// Number of the last sample taken, for fault reports after the run too; 0 before the first sample of a run.
     last_sequence: u16,
 }
 
 impl Drive {
-    /// A drive after power-up: disarmed, with default parameters. `board` is the name of the board, at most 16 bytes.
+    /// A drive with Lashloop's own laws, see [`Self::with_laws`].
     #[must_use]
     pub fn new(board: &'static str) -> Self {
+        Self::with_laws(board)
+    }
+}
+
+impl<L: LawSet> Drive<L> {
+    /// A drive after power-up: disarmed, with default parameters, without telemetry. `board` is the name of the board, at
+    /// most 16 bytes.
+    #[must_use]
+    pub fn with_laws(board: &'static str) -> Self {
         Self {
             board,
             decoder: Decoder::new(),
             output: Output::default(),
             parameters: Parameters::default(),
+            subscription: Subscription::default(),
             lifecycle: Lifecycle::Boot,
             line_counts: LineCounts::default(),
             last_sequence: 0,
@@ -123,14 +137,29 @@ impl Drive {
             HostMessage::EncoderSample(sample) => return self.answer_sample(sample, clock),
             HostMessage::Hello(hello) => return self.answer_hello(hello),
             HostMessage::DescribeParameter(request) => {
-                return self.output.send(parameter_requests::describe(request.index, state));
+                return self.output.send(parameters::describe(L::PARAMETERS, request.index, state));
             }
             HostMessage::GetParameter(request) => {
-                return self.output.send(parameter_requests::get(request.index, &self.parameters, state));
+                return self.output.send(self.parameters.get(request.index, state));
             }
             HostMessage::SetParameter(request) => {
-                return self.output.send(parameter_requests::set(request, &mut self.parameters, state));
+                let report = self.parameters.set(request, state);
+                return self.output.send(report);
             }
+            HostMessage::DescribeLaw(request) => {
+                let description = descriptions::law(L::NAMES, request.index);
+                return self.send_description(message::DescribeLaw::LAYOUT.kind, description);
+            }
+            HostMessage::DescribeSignal(request) => {
+                let description = descriptions::signal(L::SIGNALS, request.index);
+                return self.send_description(message::DescribeSignal::LAYOUT.kind, description);
+            }
+            HostMessage::DescribeChoice(request) => {
+                let description =
+                    parameters::describe_choice(L::PARAMETERS, request.parameter, request.choice);
+                return self.send_description(message::DescribeChoice::LAYOUT.kind, description);
+            }
+            HostMessage::Subscribe(request) => (message::Subscribe::LAYOUT.kind, self.subscribe(request)),
             HostMessage::Arm(request) => (message::Arm::LAYOUT.kind, self.arm(request.session)),
             HostMessage::Start(request) => {
                 (message::Start::LAYOUT.kind, self.start(request.session, clock.now()))
@@ -149,6 +178,7 @@ impl Drive {
             HostMessage::Reset(_) => {
                 self.lifecycle = Lifecycle::Boot;
                 self.parameters = Parameters::default();
+                self.subscription = Subscription::default();
                 self.last_sequence = 0;
                 (message::Reset::LAYOUT.kind, Outcome::Accepted)
             }
@@ -162,7 +192,8 @@ impl Drive {
             self.lifecycle.open_session(hello.session);
         }
         // A host of another version gets the identity too: it carries the version of the drive.
-        self.output.send(identity(self.board, hello.session, self.state(), &self.parameters));
+        let parameters = self.parameters.drive();
+        self.output.send(identity::<L>(self.board, hello.session, self.state(), &parameters));
         if let Some(fault) = self.lifecycle.fault() {
             self.output.send(fault);
         }
@@ -178,6 +209,9 @@ impl Drive {
         if self.state() != State::Idle {
             return Outcome::WrongState;
         }
+        if let Err(signal) = self.subscription.check(self.parameters.law(), L::SIGNALS) {
+            return self.refuse_signal(signal);
+        }
         match ControlLoop::new(&self.parameters) {
             Ok(control) => {
                 self.lifecycle = Lifecycle::Armed { session, control };
@@ -190,11 +224,37 @@ impl Drive {
         }
     }
 
+    /// A signal that the law in force doesn't have.
+    fn refuse_signal(&mut self, signal: &Signal) -> Outcome {
+        let law = L::NAMES.get(self.parameters.law() as usize).copied().unwrap_or_default();
+        self.log(LogLevel::Error, &[signal.name, " is no signal of ", law]);
+        Outcome::Inconsistent
+    }
+
+    fn subscribe(&mut self, request: &Subscribe) -> Outcome {
+        let state = self.state();
+        if matches!(state, State::Boot | State::Faulted) {
+            return Outcome::WrongState;
+        }
+        let subscription = match Subscription::requested(request, L::SIGNALS) {
+            Ok(subscription) => subscription,
+            Err(outcome) => return outcome,
+        };
+        // In Idle the law may still change; arming checks it.
+        if state != State::Idle
+            && let Err(signal) = subscription.check(self.parameters.law(), L::SIGNALS)
+        {
+            return self.refuse_signal(signal);
+        }
+        self.subscription = subscription;
+        Outcome::Accepted
+    }
+
     fn start(&mut self, session: u32, now: Duration) -> Outcome {
         if self.lifecycle.session() != Some(session) {
             return Outcome::WrongSession;
         }
-        let outcome = self.lifecycle.start(&self.parameters, now);
+        let outcome = self.lifecycle.start(&self.parameters.drive(), now);
         if outcome == Outcome::Accepted {
             self.line_counts = LineCounts::starting_at(self.decoder.counters());
             self.last_sequence = 0;
@@ -216,9 +276,11 @@ impl Drive {
                 Reply::Torque(answer, output) => {
                     self.last_sequence = sample.sequence;
                     self.output.send(answer);
-                    let every = self.parameters.telemetry_every;
-                    if every > 0 && u32::from(sample.sequence).is_multiple_of(every) {
-                        self.output.send(telemetry(sample.sequence, &output));
+                    if self.subscription.is_due(sample.sequence)
+                        && let Some(telemetry) =
+                            self.subscription.telemetry(sample.sequence, &run.signals(&output))
+                    {
+                        self.output.send(telemetry);
                     }
                 }
                 Reply::Repeated(answer) => self.output.send(answer),
@@ -247,6 +309,14 @@ impl Drive {
     fn send_zero_torque(&mut self, sequence: u16, flags: TorqueFlags, arrived: Duration, clock: &impl Clock) {
         let elapsed = clock.now().saturating_sub(arrived);
         self.output.send(torque_answer(sequence, 0.0, self.state(), flags, elapsed));
+    }
+
+    /// Sends a description, or the result of the request of this kind if there is none.
+    fn send_description(&mut self, request: u8, description: Option<DriveMessage>) {
+        match description {
+            Some(description) => self.output.send(description),
+            None => self.send_result(request, Outcome::UnknownIndex),
+        }
     }
 
     /// Sends the result of a request of this kind, which has no answer of its own.

@@ -24,27 +24,30 @@
 //! | `watchdog` | the limit on time without a new sample |
 //! | `safety` | limits between controller and motor |
 //! | `control_loop` | encoder sample to requested torque |
-//! | `law_from_parameters` | parameters to sensing and control law |
-//! | [`parameters`], `parameter_requests` | the parameter table, and its requests |
+//! | `parameters` | the values of the parameters, and the requests for them |
+//! | `descriptions` | names of laws and signals |
+//! | `subscription` | signals and rate of telemetry |
 //! | `identity` | versions, and the answer to `Hello` |
 //! | `torque_answer`, `line_counts`, `output` | messages sent, and the transmit buffer |
+//!
+//! The laws of a drive, and with them the tables of its parameters and signals, are a [`LawSet`](crate::law::LawSet).
 
 mod clock;
 mod control_loop;
+mod descriptions;
 mod identity;
-mod law_from_parameters;
 mod lifecycle;
 mod line_counts;
 mod machine;
 mod output;
-mod parameter_requests;
-pub mod parameters;
+mod parameters;
 mod run;
 mod safety;
+mod subscription;
 mod torque_answer;
 mod watchdog;
 
 pub use clock::{Clock, ManualClock};
-pub use identity::{BUILD_ID, FIRMWARE_VERSION};
+pub use identity::{BUILD_ID, BUILD_IS_DIRTY, FIRMWARE_VERSION};
 pub use machine::Drive;
 pub use output::fault_frame;

@@ -3,18 +3,19 @@
 use core::time::Duration;
 
 use lashloop_protocol::enums::{State, TorqueFlags};
+use lashloop_protocol::limits::MAX_SIGNALS;
 use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
 
 use super::clock::Clock;
 use super::control_loop::ControlLoop;
-use super::parameters::Parameters;
 use super::safety::{Limits, Violation};
 use super::torque_answer::{repeated, torque_answer};
 use super::watchdog::Watchdog;
 use crate::control::ControlOutput;
+use crate::law::{DriveParameters, LawSet};
 
-pub(super) struct Run {
-    control: ControlLoop,
+pub(super) struct Run<L> {
+    control: ControlLoop<L>,
     limits: Limits,
     watchdog: Watchdog,
     /// The answer to the last sample; its torque is the held torque.
@@ -22,9 +23,9 @@ pub(super) struct Run {
 }
 
 /// What a running drive replies to a sample.
-pub(super) enum Reply {
+pub(super) enum Reply<S> {
     /// The torque, and the controller's output, whose torque is the one before the limit.
-    Torque(TorqueAnswer, ControlOutput<f32>),
+    Torque(TorqueAnswer, ControlOutput<S>),
     /// The answer of the last sample again; no control step was made.
     Repeated(TorqueAnswer),
     /// The number is old, too far ahead, or not zero after the start. Nothing changed.
@@ -33,8 +34,8 @@ pub(super) enum Reply {
     Violation(Violation, TorqueFlags),
 }
 
-impl Run {
-    pub(super) fn new(control: ControlLoop, parameters: &Parameters, now: Duration) -> Self {
+impl<L: LawSet> Run<L> {
+    pub(super) fn new(control: ControlLoop<L>, parameters: &DriveParameters, now: Duration) -> Self {
         let watchdog = Watchdog::start(parameters.watchdog_us, now);
         Self { control, limits: Limits::new(parameters), watchdog, last_answer: None }
     }
@@ -44,12 +45,22 @@ impl Run {
         self.last_answer.map_or(0.0, |answer| answer.torque_nm)
     }
 
+    /// The values of all signals after a step, by their indices.
+    pub(super) fn signals(&self, output: &ControlOutput<L::Signals>) -> [f32; MAX_SIGNALS] {
+        self.control.signals(output)
+    }
+
     pub(super) fn watchdog(&self) -> &Watchdog {
         &self.watchdog
     }
 
     /// Answers a sample; a new one makes a control step and restarts the watchdog.
-    pub(super) fn answer(&mut self, sample: &EncoderSample, arrived: Duration, clock: &impl Clock) -> Reply {
+    pub(super) fn answer(
+        &mut self,
+        sample: &EncoderSample,
+        arrived: Duration,
+        clock: &impl Clock,
+    ) -> Reply<L::Signals> {
         let periods = match self.periods_since_last(sample.sequence) {
             Ok(periods) => periods,
             Err(reply) => return reply,
@@ -70,7 +81,7 @@ impl Run {
     }
 
     /// Periods from the last sample to this one, 1 for the first sample; the reply to a sample that isn't new.
-    fn periods_since_last(&self, sequence: u16) -> Result<u32, Reply> {
+    fn periods_since_last(&self, sequence: u16) -> Result<u32, Reply<L::Signals>> {
         match self.last_answer {
             None if sequence == 0 => Ok(1),
             None => Err(Reply::OutOfSequence),
@@ -83,7 +94,11 @@ impl Run {
     }
 
     /// The torque after the limit in N m, and the controller's output.
-    fn step(&mut self, sample: &EncoderSample, periods: u32) -> Result<(f32, ControlOutput<f32>), Violation> {
+    fn step(
+        &mut self,
+        sample: &EncoderSample,
+        periods: u32,
+    ) -> Result<(f32, ControlOutput<L::Signals>), Violation> {
         Limits::check_reference(sample.reference_rad)?;
         let (motor_rad_s, load_rad_s) = self.control.speeds(sample, periods);
         self.limits.check_speeds(motor_rad_s, load_rad_s)?;

@@ -13,8 +13,8 @@
 
 use lashloop_protocol::enums::FaultCode;
 
-use super::parameters::Parameters;
 use crate::control::Real;
+use crate::law::DriveParameters;
 
 /// A broken rule: what a fault report carries besides the sequence number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +32,7 @@ pub(super) struct Limits {
 }
 
 impl Limits {
-    pub(super) fn new(parameters: &Parameters) -> Self {
+    pub(super) fn new(parameters: &DriveParameters) -> Self {
         Self {
             torque_nm: parameters.torque_limit_nm,
             motor_speed_rad_s: parameters.motor_speed_limit_rad_s,

@@ -1,11 +1,9 @@
-//! The messages that answer a sample.
+//! The answer to a sample.
 
 use core::time::Duration;
 
 use lashloop_protocol::enums::{State, TorqueFlags, TorqueStatus};
-use lashloop_protocol::message::{Telemetry, TorqueAnswer};
-
-use crate::control::ControlOutput;
+use lashloop_protocol::message::TorqueAnswer;
 
 /// A torque in N m for the sample of this number, computed within `elapsed` of its arrival.
 pub(super) fn torque_answer(
@@ -23,18 +21,6 @@ pub(super) fn torque_answer(
 pub(super) fn repeated(answer: TorqueAnswer) -> TorqueAnswer {
     let flags = answer.status.flags | TorqueFlags::REPEATED;
     TorqueAnswer { status: TorqueStatus { flags, ..answer.status }, ..answer }
-}
-
-pub(super) fn telemetry(sequence: u16, output: &ControlOutput<f32>) -> Telemetry {
-    Telemetry {
-        sequence,
-        dead_zone_estimate_rad: output.dead_zone_estimate_rad,
-        disturbing_torque_nm: output.disturbing_torque_nm,
-        load_error_rad: output.load_error_rad,
-        motor_error_rad: output.motor_error_rad,
-        elastic_error_nm: output.elastic_error_nm,
-        requested_torque_nm: output.torque_nm,
-    }
 }
 
 /// In 32-bit arithmetic: a microcontroller divides 64 bits in software.

@@ -6,6 +6,7 @@ use lashloop_protocol::{FrameError, Message, frame};
 use serde::Serialize;
 
 use super::message::AnyMessage;
+use super::subscription::Label;
 
 /// Location of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -30,21 +31,33 @@ pub enum Location {
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecodedMessage {
     pub layout: &'static MessageLayout,
+    /// Of the values of telemetry, in their order; empty for any other message, and if the stream lacks the subscription.
+    pub labels: Vec<Label>,
     body: Vec<u8>,
 }
 
 impl DecodedMessage {
-    pub(super) fn new(message: &AnyMessage) -> Self {
+    pub(super) fn new(message: &AnyMessage, labels: Vec<Label>) -> Self {
         let mut stuffed = message.frame().to_vec();
         stuffed.pop();
         // This frame was just encoded, so it is good.
         let body = frame::open(&mut stuffed).map_or_else(|_| Vec::new(), <[u8]>::to_vec);
-        Self { layout: message.layout(), body }
+        Self { layout: message.layout(), labels, body }
     }
 
     /// In the order of the bytes.
     pub fn fields(&self) -> impl Iterator<Item = (&'static FieldLayout, FieldValue<'_>)> {
         self.layout.fields.iter().filter_map(|field| Some((field, field.value(&self.body)?)))
+    }
+
+    /// Telemetry values with their labels; none if the labels are unknown.
+    pub fn signals(&self) -> impl Iterator<Item = (&Label, f32)> {
+        let values = self.fields().find_map(|(_, value)| match value {
+            FieldValue::Reals(values) => Some(values),
+            _ => None,
+        });
+        let values = values.map_or_else(Vec::new, |values| values.as_slice().to_vec());
+        self.labels.iter().zip(values)
     }
 }
 

@@ -7,7 +7,8 @@
 //! {"counters":{"messages":1,...}}
 //! ```
 //!
-//! The first object is wrapped here. NaN and infinities are strings.
+//! The first object is wrapped here. `Telemetry` also has `"signals":{"NAME":VALUE,...}` if the descriptions of the signals and
+//! the subscription are part of the stream. NaN and infinities are strings.
 
 use lashloop_protocol::Counters;
 use lashloop_protocol::enums::ParameterValue;
@@ -29,6 +30,7 @@ pub fn line(entry: &Entry) -> serde_json::Result<String> {
             message: message.layout.name,
             kind: message.layout.kind,
             fields: Fields(message),
+            signals: (!message.labels.is_empty()).then_some(Signals(message)),
             units: Units(message),
         },
         Err(error) => Content::Bad { error: error.to_string(), bytes: Hex(&entry.bytes).to_string() },
@@ -67,7 +69,14 @@ struct Line<'a> {
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Content<'a> {
-    Good { message: &'static str, kind: u8, fields: Fields<'a>, units: Units<'a> },
+    Good {
+        message: &'static str,
+        kind: u8,
+        fields: Fields<'a>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        signals: Option<Signals<'a>>,
+        units: Units<'a>,
+    },
     Bad { error: String, bytes: String },
 }
 
@@ -79,11 +88,21 @@ impl Serialize for Fields<'_> {
     }
 }
 
+struct Signals<'a>(&'a DecodedMessage);
+
+impl Serialize for Signals<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.signals().map(|(label, value)| (label.name.as_str(), Real(value))))
+    }
+}
+
 struct Units<'a>(&'a DecodedMessage);
 
 impl Serialize for Units<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.fields().filter_map(|(field, _)| Some((field.name, field.unit()?))))
+        let fields = self.0.fields().filter_map(|(field, _)| Some((field.name, field.unit()?)));
+        let signals = self.0.labels.iter().filter(|label| !label.unit.is_empty());
+        serializer.collect_map(fields.chain(signals.map(|label| (label.name.as_str(), label.unit.as_str()))))
     }
 }
 

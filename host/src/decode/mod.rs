@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `entry` | one frame of a stream or of a capture |
 //! | `reader` | splits streams and captures into entries |
+//! | `subscription` | names telemetry values, by the descriptions and the subscription in the same stream |
 //! | [`message`] | decodes a message of either direction, for streams that mix both |
 //! | [`table`], [`json`] | formats an entry as a line of text, or of JSON |
 //!
@@ -13,7 +14,9 @@ mod entry;
 pub mod json;
 pub mod message;
 mod reader;
+mod subscription;
 pub mod table;
 
 pub use entry::{DecodedMessage, Entry, Location};
 pub use reader::{PacketReader, StreamReader};
+pub use subscription::Label;

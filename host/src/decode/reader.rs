@@ -7,12 +7,14 @@ use lashloop_protocol::{Decoder, FrameError};
 
 use super::entry::{DecodedMessage, Entry, Location};
 use super::message::AnyMessage;
+use super::subscription::Subscription;
 
 /// Splits a byte stream into frames; the stream may mix both directions.
 #[derive(Debug, Default)]
 pub struct StreamReader {
     splitter: Splitter,
     pub decoder: Decoder,
+    subscription: Subscription,
     /// Bytes received so far.
     offset: u64,
     /// Start of a frame that an earlier piece began.
@@ -22,11 +24,11 @@ pub struct StreamReader {
 impl StreamReader {
     /// Passes every frame that `bytes` completes to `take`.
     pub fn push(&mut self, bytes: &[u8], mut take: impl FnMut(Entry)) {
-        let Self { splitter, decoder, offset, began } = self;
+        let Self { splitter, decoder, subscription, offset, began } = self;
         splitter.push(bytes, |piece| {
             let start = began.take().unwrap_or(*offset);
             *offset += piece.len() as u64;
-            match decode(decoder, piece) {
+            match decode(decoder, subscription, piece) {
                 Some(message) => {
                     take(Entry {
                         location: Location::Stream { offset: start },
@@ -45,7 +47,7 @@ impl StreamReader {
         let start = self.began.take().unwrap_or(self.offset);
         let mut bytes = Vec::new();
         self.splitter.finish(|piece| bytes = piece.to_vec());
-        let decoded = decode(&mut self.decoder, &bytes);
+        let decoded = decode(&mut self.decoder, &mut self.subscription, &bytes);
         if let Some(message) = decoded.or_else(|| self.decoder.finish().err().map(Err)) {
             take(Entry { location: Location::Stream { offset: start }, bytes, message });
         }
@@ -56,6 +58,7 @@ impl StreamReader {
 #[derive(Debug, Default)]
 pub struct PacketReader {
     pub decoder: Decoder,
+    subscription: Subscription,
     began_ns: Option<u64>,
 }
 
@@ -69,7 +72,7 @@ impl PacketReader {
             direction: packet.direction,
         };
         for piece in packet.bytes.split_inclusive(|&byte| byte == frame::DELIMITER) {
-            let decoded = decode(&mut self.decoder, piece);
+            let decoded = decode(&mut self.decoder, &mut self.subscription, piece);
             if let Some(message) = decoded.or_else(|| self.decoder.finish().err().map(Err)) {
                 take(Entry { location, bytes: piece.to_vec(), message });
             }
@@ -78,7 +81,11 @@ impl PacketReader {
 }
 
 /// `None` for a piece that completes no frame.
-fn decode(decoder: &mut Decoder, piece: &[u8]) -> Option<Result<DecodedMessage, FrameError>> {
+fn decode(
+    decoder: &mut Decoder,
+    subscription: &mut Subscription,
+    piece: &[u8],
+) -> Option<Result<DecodedMessage, FrameError>> {
     let message = decoder.next::<AnyMessage>(&mut &piece[..])?;
-    Some(message.map(|message| DecodedMessage::new(&message)))
+    Some(message.map(|message| DecodedMessage::new(&message, subscription.follow(&message))))
 }

@@ -3,10 +3,12 @@
 use std::fmt::{self, Write};
 
 use lashloop_protocol::Counters;
+use lashloop_protocol::field_value::FieldValue;
 use lashloop_protocol::hex::Hex;
 use lashloop_protocol::layout::Direction;
 
 use super::entry::{Entry, Location};
+use super::subscription::Label;
 
 /// Printed bytes of a bad frame.
 const SHOWN: usize = 24;
@@ -47,6 +49,13 @@ fn describe(line: &mut String, entry: &Entry) -> fmt::Result {
             write!(line, "{:<20}  ", message.layout.name)?;
             for (at, (field, value)) in message.fields().enumerate() {
                 let separator = if at == 0 { "" } else { ", " };
+                if matches!(value, FieldValue::Reals(_)) && !message.labels.is_empty() {
+                    for (Label { name, unit }, value) in message.signals() {
+                        let space = if unit.is_empty() { "" } else { " " };
+                        write!(line, ", {name} {value}{space}{unit}")?;
+                    }
+                    continue;
+                }
                 write!(line, "{separator}{} {value}", field.name)?;
                 if let Some(unit) = field.unit() {
                     // 57 x 0.1 us

@@ -7,8 +7,10 @@ use ::crc::CRC_32_ISCSI;
 use lashloop_protocol::enums::{FLAG_SETS, VALUE_LISTS};
 use lashloop_protocol::layout::{Direction, FieldLayout, FieldType, MessageLayout};
 use lashloop_protocol::limits::{DELIMITER, MAX_LAWS, MAX_SIGNALS, MAX_TELEMETRY_VALUES, OVERHEAD};
+use lashloop_protocol::message::{Telemetry, TorqueAnswer};
+use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{
-    Decoder, DriveMessage, HostMessage, MAX_BODY, MAX_FRAME, Message, PROTOCOL_VERSION, crc,
+    Decoder, DriveMessage, HostMessage, MAX_BODY, MAX_FRAME, Message, PROTOCOL_VERSION, crc, parameter_names,
 };
 
 use crate::data_sheet::{data_sheet, frame_bytes_of, type_name};
@@ -162,6 +164,41 @@ fn the_limits_are_those_of_the_code() {
     assert_eq!(have, want);
 }
 
+/// Bits of a byte on a UART: start, 8 data bits, stop.
+const BITS_PER_BYTE: f64 = 10.0;
+
+#[test]
+fn the_telemetry_budget_is_that_of_the_frames() {
+    let us = |bytes: usize| (bytes as f64 * BITS_PER_BYTE / 921_600.0 * 1e6).round() as u32;
+    let torque = TorqueAnswer::LAYOUT.frame_len();
+    let section = section("### Budget");
+    for row in table(section, "n") {
+        let frame = Telemetry::LAYOUT.frame_len_of(number(&row[0]) as usize).expect("a number of values");
+        let want = [frame as u32, us(frame), us(torque + frame)];
+        assert_eq!([&row[1], &row[2], &row[3]].map(|cell| number(cell)), want, "{row:?}");
+    }
+    for row in table(section, "bit/s") {
+        let bytes_per_period = f64::from(number(&row[0])) / BITS_PER_BYTE * 1e-3;
+        assert_eq!(row[1], format!("{bytes_per_period:.1}"), "{row:?}");
+        let fits =
+            |n: &usize| (torque + Telemetry::LAYOUT.frame_len_of(*n).unwrap()) as f64 <= bytes_per_period;
+        let largest = (1..=MAX_TELEMETRY_VALUES).filter(fits).max().unwrap_or(0);
+        let want = if torque as f64 > bytes_per_period { "no loop" } else { &largest.to_string() };
+        assert!(row[2].starts_with(want), "{row:?}: {want}");
+    }
+    let mean = torque as f64 + Telemetry::LAYOUT.frame_len_of(6).unwrap() as f64 / 10.0;
+    let fraction = mean / (921_600.0 / BITS_PER_BYTE * 1e-3);
+    let example = format!("{mean:.1} bytes or {:.0} % of 921,600 bit/s", 100.0 * fraction);
+    assert!(section.contains(&example), "the document has {example:?}");
+}
+
+#[test]
+fn reserved_names_are_those_of_the_code() {
+    let names: Vec<_> =
+        table(section("### Reserved names"), "name").into_iter().map(|mut row| row.swap_remove(0)).collect();
+    assert_eq!(names, parameter_names::RESERVED);
+}
+
 #[test]
 fn the_crc_is_that_of_the_code() {
     let section = section("### CRC");
@@ -196,7 +233,7 @@ fn the_crc_is_that_of_the_code() {
 
 #[test]
 fn the_frames_of_the_example_decode_as_described() {
-    let sheets = fences(section("## 13. A conversation, byte by byte"));
+    let sheets = fences(section("## 15. A conversation, byte by byte"));
     assert!(sheets.len() > 10, "{} frames", sheets.len());
     for sheet in sheets {
         let (_, digits) = sheet.rsplit_once("frame: ").unwrap_or_else(|| panic!("no frame in {sheet}"));

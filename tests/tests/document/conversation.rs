@@ -28,7 +28,7 @@ enum Side {
 
 /// Sender and bytes of every frame of the document.
 fn script() -> Vec<(Side, Vec<u8>)> {
-    let sheets = fences(section("## 13. A conversation, byte by byte"));
+    let sheets = fences(section("## 15. A conversation, byte by byte"));
     let frame = |sheet: &str| {
         let side = if sheet.contains("host -> drive") { Side::Host } else { Side::Drive };
         let (_, digits) = sheet.rsplit_once("frame: ").expect("every piece ends with its frame");

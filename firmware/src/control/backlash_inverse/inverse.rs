@@ -5,21 +5,21 @@ use super::identification::{Estimate, GAP_PROCESS_NOISE_RAD2, Identification};
 use super::load_loop::{LoadLoop, LoadLoopState};
 use super::load_observer::{LoadObserver, LoadObserverState};
 use super::motor_friction::MotorFriction;
-use crate::control::momentum_observer::MomentumObserver;
+use crate::control::cascade_signals::CascadeSignals;
+use crate::control::dead_zone_observer::DeadZoneBounds;
+use crate::control::momentum_observer::{MomentumObserver, MomentumObserverPole};
 use crate::control::nominal_model::NominalModel;
-use crate::control::parameter_error::at_most;
 use crate::control::real::alpha;
 use crate::control::{ControlOutput, Measurement, ParameterError, Real};
+use crate::law::{ControlLaw, DriveParameters};
 
 /// What the law needs besides mechanics and gains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BacklashInverseSetting<F> {
     /// Pole of the momentum observer in rad/s.
     pub momentum_observer_rad_s: F,
-    /// Dead-zone estimate at the first sample in rad.
-    pub dead_zone_initial_rad: F,
-    /// Largest dead-zone estimate in rad.
-    pub dead_zone_max_rad: F,
+    /// Start and upper bound of the dead-zone estimate.
+    pub dead_zone: DeadZoneBounds<F>,
     /// One count of the load encoder in rad.
     pub load_resolution_rad: F,
     /// Torque limit of the drive in N m, which bounds the transmitted torque too.
@@ -30,7 +30,7 @@ pub struct BacklashInverseSetting<F> {
 
 /// The law with its constants and its state.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BacklashInverse<F: Real> {
+pub struct BacklashInverse<F: Real = f32> {
     model: NominalModel<F>,
     gains: BacklashInverseGains<F>,
     load_loop: LoadLoop<F>,
@@ -77,8 +77,7 @@ impl<F: Real> BacklashInverse<F> {
     ) -> Result<Self, ParameterError> {
         let BacklashInverseSetting { momentum_observer_rad_s, period_s, .. } = setting;
         gains.validate(model.motor_inertia_kg_m2, period_s)?;
-        let (initial_rad, max_rad) = (setting.dead_zone_initial_rad, setting.dead_zone_max_rad);
-        at_most("dead_zone_initial_rad", initial_rad, max_rad, "dead_zone_max_rad")?;
+        setting.dead_zone.validate()?;
         let gains = BacklashInverseGains {
             transmitted_limit_nm: gains
                 .transmitted_limit_nm
@@ -87,8 +86,8 @@ impl<F: Real> BacklashInverse<F> {
         };
         let identification = Identification {
             nominal_rad_nm: F::ONE / model.stiffness_nm_rad,
-            initial_rad,
-            max_rad,
+            initial_rad: setting.dead_zone.dead_zone_initial_rad,
+            max_rad: setting.dead_zone.dead_zone_max_rad,
             min_torque_nm: gains.identification_min_nm,
             process_noise_rad2: F::from_f64(GAP_PROCESS_NOISE_RAD2),
         };
@@ -110,7 +109,7 @@ impl<F: Real> BacklashInverse<F> {
     }
 
     /// The torque for one sample, before the drive's limit.
-    pub fn step(&mut self, measurement: &Measurement<F>) -> ControlOutput<F> {
+    pub fn step(&mut self, measurement: &Measurement<F>) -> ControlOutput<CascadeSignals<F>, F> {
         let m = measurement;
         let observers = self.observers.get_or_insert_with(|| Observers::at(m));
 
@@ -131,19 +130,43 @@ impl<F: Real> BacklashInverse<F> {
         let dead_zone = self.estimate.dead_zone_rad();
         let side = (self.per_crossing_nm * wanted_nm).clamp(-F::ONE, F::ONE);
         let twist_error = m.twist_rad - (compliance * wanted_nm + dead_zone * side);
-        let twist_velocity = m.motor_velocity_rad_s - self.model.ratio * load_velocity;
+        let twist_velocity = m.motor_velocity_rad_s - self.model.reduction_ratio * load_velocity;
         let torque = wanted_nm + self.model.motor_friction_nm_s_rad * m.motor_velocity_rad_s
             - self.gains.twist_gain_nm_rad * twist_error
             - self.gains.twist_damping_nm_s_rad * twist_velocity;
         let stiffness = F::ONE / compliance;
         ControlOutput {
             torque_nm: torque,
-            dead_zone_estimate_rad: dead_zone,
-            disturbing_torque_nm: transmitted_nm - stiffness * lagging_twist,
-            load_error_rad: m.load_position_rad - m.reference_position_rad,
-            // The load loop requests a twist, that is, a motor position relative to the load.
-            motor_error_rad: twist_error,
-            elastic_error_nm: stiffness * twist_error,
+            signals: CascadeSignals {
+                dead_zone_estimate_rad: dead_zone,
+                disturbing_torque_estimate_nm: transmitted_nm - stiffness * lagging_twist,
+                load_error_rad: m.load_position_rad - m.reference_position_rad,
+                // The load loop requests a twist, that is, a motor position relative to the load.
+                motor_error_rad: twist_error,
+                elastic_error_nm: stiffness * twist_error,
+            },
         }
+    }
+}
+
+impl ControlLaw for BacklashInverse {
+    const NAME: &'static str = "backlash-inverse";
+    type Parameters = (BacklashInverseGains, DeadZoneBounds, MomentumObserverPole, NominalModel);
+    type Signals = CascadeSignals;
+
+    fn new(parameters: Self::Parameters, drive: &DriveParameters) -> Result<Self, ParameterError> {
+        let (gains, dead_zone, pole, model) = parameters;
+        let setting = BacklashInverseSetting {
+            momentum_observer_rad_s: pole.momentum_observer_rad_s,
+            dead_zone,
+            load_resolution_rad: drive.load_resolution_rad(),
+            torque_limit_nm: drive.torque_limit_nm,
+            period_s: drive.period_s(),
+        };
+        Self::new(&model, gains, setting)
+    }
+
+    fn step(&mut self, measurement: &Measurement<f32>) -> ControlOutput<CascadeSignals> {
+        Self::step(self, measurement)
     }
 }

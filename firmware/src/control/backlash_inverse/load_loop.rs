@@ -48,7 +48,7 @@ impl<F: Real> LoadLoop<F> {
         Self {
             gains,
             friction_nm_s_rad: model.load_friction_nm_s_rad,
-            per_ratio: F::ONE / model.ratio,
+            per_ratio: F::ONE / model.reduction_ratio,
             integral_per_period: gains.load_integral_gain_nm_rad * period_s,
             band_rad,
             release_rad: F::from_f64(RELEASE_BANDS) * band_rad,
@@ -104,7 +104,7 @@ mod tests {
     const LSB_RAD: f64 = core::f64::consts::TAU / 4000.0;
 
     fn load_loop() -> LoadLoop<f64> {
-        LoadLoop::new(&NominalModel::paper(), BacklashInverseGains::paper(), LSB_RAD, 1e-3)
+        LoadLoop::new(&NominalModel::default(), BacklashInverseGains::default(), LSB_RAD, 1e-3)
     }
 
     fn at(load_position_rad: f64) -> Measurement<f64> {
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn the_band_is_at_least_one_count_wide() {
-        let coarse = LoadLoop::new(&NominalModel::paper(), BacklashInverseGains::paper(), 0.01, 1e-3);
+        let coarse = LoadLoop::new(&NominalModel::default(), BacklashInverseGains::default(), 0.01, 1e-3);
         let mut state = LoadLoop::initial_state();
         coarse.step(&mut state, &at(0.01), 0.0);
         assert!(state.holding, "one count off the reference is within the resolution");

@@ -46,7 +46,7 @@ impl<F: Real> LoadObserver<F> {
         let decay = model.load_friction_nm_s_rad / model.load_inertia_kg_m2;
         let position_gain = three * pole - decay;
         Self {
-            ratio: model.ratio,
+            ratio: model.reduction_ratio,
             friction_nm_s_rad: model.load_friction_nm_s_rad,
             per_inertia: F::ONE / model.load_inertia_kg_m2,
             period_s,
@@ -87,7 +87,7 @@ mod tests {
     const PERIOD_S: f64 = 1e-3;
 
     fn observer<F: Real>() -> LoadObserver<F> {
-        LoadObserver::new(&NominalModel::paper(), F::from_f64(12.0), F::from_f64(PERIOD_S))
+        LoadObserver::new(&NominalModel::default(), F::from_f64(12.0), F::from_f64(PERIOD_S))
     }
 
     #[test]

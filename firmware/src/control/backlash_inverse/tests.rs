@@ -4,6 +4,8 @@ use std::string::ToString;
 
 use super::gains::BacklashInverseGains;
 use super::inverse::{BacklashInverse, BacklashInverseSetting};
+use crate::control::cascade_signals::CascadeSignals;
+use crate::control::dead_zone_observer::DeadZoneBounds;
 use crate::control::nominal_model::NominalModel;
 use crate::control::{ControlOutput, Measurement};
 
@@ -12,8 +14,7 @@ const LSB_RAD: f64 = core::f64::consts::TAU / 4000.0;
 fn setting() -> BacklashInverseSetting<f64> {
     BacklashInverseSetting {
         momentum_observer_rad_s: 60.0,
-        dead_zone_initial_rad: 0.16,
-        dead_zone_max_rad: 3.0,
+        dead_zone: DeadZoneBounds::default(),
         load_resolution_rad: LSB_RAD,
         torque_limit_nm: 20.0,
         period_s: 1e-3,
@@ -21,11 +22,11 @@ fn setting() -> BacklashInverseSetting<f64> {
 }
 
 fn law() -> BacklashInverse<f64> {
-    BacklashInverse::new(&NominalModel::paper(), BacklashInverseGains::paper(), setting()).expect("valid")
+    BacklashInverse::new(&NominalModel::default(), BacklashInverseGains::default(), setting()).expect("valid")
 }
 
 /// The last output after `samples` identical measurements.
-fn output_after(m: Measurement<f64>, samples: usize) -> ControlOutput<f64> {
+fn output_after(m: Measurement<f64>, samples: usize) -> ControlOutput<CascadeSignals<f64>, f64> {
     let mut law = law();
     (0..samples).map(|_| law.step(&m)).last().expect("at least one sample")
 }
@@ -39,7 +40,10 @@ fn at_rest_on_the_reference_the_torque_is_zero() {
         ..Measurement::at_rest()
     };
     let output = output_after(anywhere, 100);
-    assert_eq!((output.torque_nm, output.load_error_rad, output.motor_error_rad), (0.0, 0.0, 0.0));
+    assert_eq!(
+        (output.torque_nm, output.signals.load_error_rad, output.signals.motor_error_rad),
+        (0.0, 0.0, 0.0)
+    );
 }
 
 #[test]
@@ -50,8 +54,12 @@ fn the_motor_leads_the_wanted_torque_by_the_gap() {
     // (f_s + D_v) lam e / N0, with nothing integrated yet.
     let wanted_nm = 46.0 * 2.5 * 0.1 / 3.0;
     let twist_rad = wanted_nm / 1.0 + 0.16;
-    assert!((output.motor_error_rad + twist_rad).abs() < 1e-12, "have {}", output.motor_error_rad);
-    assert!((output.elastic_error_nm + twist_rad).abs() < 1e-12, "at 1 N m/rad");
+    assert!(
+        (output.signals.motor_error_rad + twist_rad).abs() < 1e-12,
+        "have {}",
+        output.signals.motor_error_rad
+    );
+    assert!((output.signals.elastic_error_nm + twist_rad).abs() < 1e-12, "at 1 N m/rad");
     assert!((output.torque_nm - (wanted_nm + 1.0 * twist_rad)).abs() < 1e-12, "have {}", output.torque_nm);
 }
 
@@ -60,10 +68,14 @@ fn a_torque_below_the_crossing_moves_the_motor_part_of_the_gap() {
     // 2.5 mrad request 0.0958 N m: half of the gap at a crossing twice as wide.
     let off_reference = Measurement { load_position_rad: -0.0025, ..Measurement::at_rest() };
     let wanted_nm = 46.0 * 2.5 * 0.0025 / 3.0;
-    let gains = BacklashInverseGains { gap_crossing_nm: 2.0 * wanted_nm, ..BacklashInverseGains::paper() };
-    let mut law = BacklashInverse::new(&NominalModel::paper(), gains, setting()).expect("valid");
+    let gains = BacklashInverseGains { gap_crossing_nm: 2.0 * wanted_nm, ..BacklashInverseGains::default() };
+    let mut law = BacklashInverse::new(&NominalModel::default(), gains, setting()).expect("valid");
     let output = law.step(&off_reference);
-    assert!((output.motor_error_rad + wanted_nm + 0.08).abs() < 1e-12, "have {}", output.motor_error_rad);
+    assert!(
+        (output.signals.motor_error_rad + wanted_nm + 0.08).abs() < 1e-12,
+        "have {}",
+        output.signals.motor_error_rad
+    );
 }
 
 #[test]
@@ -71,8 +83,12 @@ fn disturbing_torque_is_the_transmitted_less_the_spring_torque() {
     // At a twist of 1.66 rad the paper's machine transmits 1.5 N m: w = 1.5 - 1.66 N m.
     let wound = Measurement { twist_rad: 1.66, applied_torque_nm: 1.5, ..Measurement::at_rest() };
     let output = output_after(Measurement { motor_position_rad: 1.66, ..wound }, 2000);
-    assert!((output.disturbing_torque_nm + 0.16).abs() < 1e-9, "have {} N m", output.disturbing_torque_nm);
-    assert!((output.dead_zone_estimate_rad - 0.16).abs() < 1e-9);
+    assert!(
+        (output.signals.disturbing_torque_estimate_nm + 0.16).abs() < 1e-9,
+        "have {} N m",
+        output.signals.disturbing_torque_estimate_nm
+    );
+    assert!((output.signals.dead_zone_estimate_rad - 0.16).abs() < 1e-9);
 }
 
 #[test]
@@ -86,16 +102,16 @@ fn load_friction_does_not_bias_the_gap_estimate() {
         let wound = Measurement { applied_torque_nm: torque, twist_rad: twist, ..Measurement::at_rest() };
         output = Some(law.step(&Measurement { load_position_rad: -0.5, ..wound }));
     }
-    let have = output.expect("stepped").dead_zone_estimate_rad;
+    let have = output.expect("stepped").signals.dead_zone_estimate_rad;
     assert!((have - 0.1).abs() < 5e-3, "have {have} rad, want 0.1");
 }
 
 #[test]
 fn the_estimate_is_frozen_during_a_hold() {
     let wound = Measurement { twist_rad: 3.0, applied_torque_nm: 1.5, ..Measurement::at_rest() };
-    assert_eq!(output_after(wound, 5000).dead_zone_estimate_rad, 0.16, "a hold on the reference");
+    assert_eq!(output_after(wound, 5000).signals.dead_zone_estimate_rad, 0.16, "a hold on the reference");
     let off_reference = Measurement { load_position_rad: 0.1, ..wound };
-    assert!(output_after(off_reference, 5000).dead_zone_estimate_rad > 0.2, "off the reference");
+    assert!(output_after(off_reference, 5000).signals.dead_zone_estimate_rad > 0.2, "off the reference");
 }
 
 #[test]
@@ -103,10 +119,15 @@ fn the_drive_limit_bounds_the_transmitted_torque() {
     let far = Measurement { load_position_rad: -2.0, ..Measurement::at_rest() };
     let weak = BacklashInverseSetting { torque_limit_nm: 2.0, ..setting() };
     for (setting, limit_nm) in [(setting(), 8.0), (weak, 2.0)] {
-        let mut law = BacklashInverse::new(&NominalModel::paper(), BacklashInverseGains::paper(), setting)
-            .expect("valid");
+        let mut law =
+            BacklashInverse::new(&NominalModel::default(), BacklashInverseGains::default(), setting)
+                .expect("valid");
         let output = law.step(&far);
-        assert!((output.motor_error_rad + limit_nm + 0.16).abs() < 1e-12, "{}", output.motor_error_rad);
+        assert!(
+            (output.signals.motor_error_rad + limit_nm + 0.16).abs() < 1e-12,
+            "{}",
+            output.signals.motor_error_rad
+        );
     }
 }
 
@@ -135,16 +156,16 @@ fn the_other_direction_is_the_mirror_image() {
         };
         let (one, two) = (law.step(&m), mirrored.step(&other));
         assert_eq!(one.torque_nm, -two.torque_nm, "sample {k}");
-        assert_eq!(one.dead_zone_estimate_rad, two.dead_zone_estimate_rad, "sample {k}");
+        assert_eq!(one.signals.dead_zone_estimate_rad, two.signals.dead_zone_estimate_rad, "sample {k}");
     }
 }
 
 #[test]
 fn inconsistent_gains_are_rejected_by_name() {
     let rejected = |gains, setting| {
-        BacklashInverse::new(&NominalModel::paper(), gains, setting).expect_err("rejected").to_string()
+        BacklashInverse::new(&NominalModel::default(), gains, setting).expect_err("rejected").to_string()
     };
-    let gains = BacklashInverseGains::paper();
+    let gains = BacklashInverseGains::default();
     let damped = BacklashInverseGains { twist_damping_nm_s_rad: 0.1, ..gains };
     let slow = BacklashInverseSetting { period_s: 0.01, ..setting() };
     assert_eq!(
@@ -158,7 +179,8 @@ fn inconsistent_gains_are_rejected_by_name() {
         "control parameter load_observer_rad_s is 51, allowed is at most 50, \
          given by half of 1 over the control period"
     );
-    let wide = BacklashInverseSetting { dead_zone_initial_rad: 3.5, ..setting() };
+    let dead_zone = DeadZoneBounds { dead_zone_initial_rad: 3.5, ..DeadZoneBounds::default() };
+    let wide = BacklashInverseSetting { dead_zone, ..setting() };
     assert_eq!(
         rejected(gains, wide),
         "control parameter dead_zone_initial_rad is 3.5, allowed is at most 3, given by dead_zone_max_rad"

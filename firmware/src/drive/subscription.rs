@@ -1,0 +1,58 @@
+//! What the host has subscribed to: signals, and every how many samples.
+
+use lashloop_protocol::enums::Outcome;
+use lashloop_protocol::limits::{MAX_SIGNALS, MAX_TELEMETRY_VALUES};
+use lashloop_protocol::message::{Subscribe, Telemetry};
+use lashloop_protocol::telemetry_values::TelemetryValues;
+
+use crate::law::Signal;
+
+/// Signals of telemetry and its rate. Both are zero without a subscription.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Subscription {
+    /// Bit `n` for the signal with index `n`.
+    signals: u32,
+    /// Telemetry follows the torque of every sample whose sequence is a multiple of this number.
+    every: u16,
+}
+
+impl Subscription {
+    /// The subscription of a request.
+    ///
+    /// # Errors
+    /// [`Outcome::UnknownIndex`] for a bit without a signal, [`Outcome::OutOfRange`] for more signals than one frame
+    /// carries.
+    pub(super) fn requested(request: &Subscribe, table: &[Signal]) -> Result<Self, Outcome> {
+        let Subscribe { signals, every } = *request;
+        if (signals as u64) >> table.len() != 0 {
+            return Err(Outcome::UnknownIndex);
+        }
+        if signals.count_ones() as usize > MAX_TELEMETRY_VALUES {
+            return Err(Outcome::OutOfRange);
+        }
+        Ok(Self { signals, every })
+    }
+
+    /// Checks that a law has every subscribed signal.
+    ///
+    /// # Errors
+    /// The first signal that the law lacks.
+    pub(super) fn check(&self, law: u32, table: &'static [Signal]) -> Result<(), &'static Signal> {
+        let mut subscribed = table.iter().enumerate().filter(|(index, _)| self.signals >> index & 1 != 0);
+        let missing = subscribed.find(|(_, signal)| u32::from(signal.laws) >> law & 1 == 0);
+        missing.map_or(Ok(()), |(_, signal)| Err(signal))
+    }
+
+    /// Whether telemetry follows the torque of this sample.
+    pub(super) fn is_due(&self, sequence: u16) -> bool {
+        self.every > 0 && sequence.is_multiple_of(self.every)
+    }
+
+    /// The subscribed ones of all signals' values; `None` without a subscribed signal.
+    pub(super) fn telemetry(&self, sequence: u16, all: &[f32; MAX_SIGNALS]) -> Option<Telemetry> {
+        let mut values = heapless::Vec::<f32, MAX_TELEMETRY_VALUES>::new();
+        let subscribed = all.iter().enumerate().filter(|(index, _)| self.signals >> index & 1 != 0);
+        values.extend(subscribed.map(|(_, value)| *value).take(MAX_TELEMETRY_VALUES));
+        TelemetryValues::new(&values).map(|values| Telemetry { sequence, values })
+    }
+}

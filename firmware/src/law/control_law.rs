@@ -1,0 +1,37 @@
+//! The interface of a control law to the drive.
+
+use super::drive_parameters::DriveParameters;
+use super::parameter_group::ParameterGroups;
+use super::signal::Signals;
+use crate::control::{ControlOutput, Measurement, ParameterError};
+
+/// A control law: parameters in, then one torque for each measurement.
+///
+/// The value is the law with its constants and its state. The drive builds it on `Arm`, steps it once for each sample
+/// while running, and drops it at the end of the run. A law has no clock, no input and no output besides these: equal
+/// measurements give equal torques on every machine. Use [`Real`](crate::control::Real) or `libm` for functions such as
+/// `tanh`; the operators of `f32` are exact everywhere.
+///
+/// The drive checks what comes before and after a law: range and type of each parameter, plausible encoder speeds, a
+/// finite torque within `torque_limit_nm`, and the watchdog. A law can't reach the motor.
+pub trait ControlLaw: Sized {
+    /// Name in scenarios and records, at most 28 bytes; lower case with hyphens by convention.
+    const NAME: &'static str;
+
+    /// What the host may set: one group of [`parameters!`](crate::parameters), a tuple of groups, or `()`.
+    type Parameters: ParameterGroups;
+
+    /// What telemetry may carry: a struct of [`signals!`](crate::signals), or `()`.
+    type Signals: Signals;
+
+    /// The law in its initial state. The values are in their ranges; `drive` has the period, the encoders and the torque
+    /// limit.
+    ///
+    /// # Errors
+    /// A parameter beyond a limit that other parameters set; [`ParameterError::at_most`] checks one. `Arm` is then
+    /// rejected as inconsistent, and the log names the parameter.
+    fn new(parameters: Self::Parameters, drive: &DriveParameters) -> Result<Self, ParameterError>;
+
+    /// Torque and signals for one sample. A torque that is not finite is a fault of the drive.
+    fn step(&mut self, measurement: &Measurement<f32>) -> ControlOutput<Self::Signals>;
+}
