@@ -24,20 +24,20 @@ def test_a_drive_prints_its_path_and_reports_its_identity() -> None:
     with python_drive() as program:
         code, output, _ = run("identify", "--port", program.path)
         assert code == 0
-        lines = dict(
-            line.split(maxsplit=1)
-            for line in output.splitlines()
-            if not line.startswith(("control", "motor", "load", "pro"))
-        )
+        rows = (line.split("  ", maxsplit=1) for line in output.splitlines())
+        lines = {name: text.strip() for name, text in rows}
         assert lines == {
             "board": "python",
             "firmware": "0.1.0, build 00000000, built from changed or unknown sources",
+            "protocol version": "1",
             "state": "Idle",
+            "control period": "1000 us",
+            "motor encoder": "131072 counts/rev",
+            "load encoder": "131072 counts/rev",
+            "control laws": "pd",
             "signals": "6",
             "parameters": str(PARAMETER_COUNT),
         }
-        assert "control laws          pd\n" in output
-        assert "protocol version      1\n" in output
 
 
 def test_identify_names_a_latched_fault() -> None:

@@ -8,7 +8,6 @@ import pytest
 
 from lashloop.control import ControlInput, ControlLaw, ControlOutput
 from lashloop.counts import wrapped
-from lashloop.drive import Drive
 from lashloop.enums import FaultCode, Outcome, ParameterValue, State, single
 from lashloop.messages import (
     Arm,

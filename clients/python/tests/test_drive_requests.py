@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from lashloop.control import u32
+from lashloop.control import ControlLaw, signal, u32
 from lashloop.control.cascade import PD
 from lashloop.enums import FaultCode, Outcome, ParameterType, ParameterValue, State
 from lashloop.frames import encode
@@ -61,13 +61,9 @@ REQUESTS: dict[str, HostMessage] = {
     "Hello, same session": HELLO,
     "Hello, another version": Hello(PROTOCOL_VERSION + 1, OTHER),
     "DescribeParameter": DescribeParameter(0),
-    "DescribeLaw": DescribeLaw(0),
-    "DescribeSignal": DescribeSignal(0),
-    "DescribeChoice": DescribeChoice(0, 0),
     "GetParameter": GetParameter(0),
-    "SetParameter": SetParameter(0, ParameterValue.u32(1)),
+    "SetParameter": SetParameter(0, ParameterValue.u32(0)),
     "SetParameter, live": SetParameter(PARAMETER_COUNT, ParameterValue.u32(10)),
-    "Subscribe": Subscribe(1, 10),
     "Arm": Arm(SESSION),
     "Arm, another session": Arm(OTHER),
     "Start": Start(SESSION),
@@ -76,6 +72,10 @@ REQUESTS: dict[str, HostMessage] = {
     "EmergencyStop": EmergencyStop(),
     "ClearFault": ClearFault(),
     "Reset": Reset(),
+    "DescribeLaw": DescribeLaw(0),
+    "DescribeSignal": DescribeSignal(0),
+    "DescribeChoice": DescribeChoice(0, 0),
+    "Subscribe": Subscribe(1, 10),
     "EncoderSample": sample(0),
 }
 TRANSITIONS = [
@@ -133,6 +133,13 @@ def inconsistent() -> DriveUnderTest:
     return dut
 
 
+def foreign_signal() -> DriveUnderTest:
+    """An idle drive with a subscription to a signal of its other law."""
+    dut = DriveUnderTest(laws=[PD, ControlLaw(name="other", signals=(signal("other", ""),), build=PD.build)]).idle()
+    assert dut.subscribe(6) is Outcome.ACCEPTED
+    return dut
+
+
 def with_telemetry(every: int) -> DriveUnderTest:
     """A running drive after sample 0."""
     dut = DriveUnderTest().running()
@@ -156,6 +163,11 @@ ANSWERS: dict[tuple[str, str], list[tuple[Callable[[], DriveUnderTest], HostMess
     ("Hello", "another version, fault latched"): [(faulted, Hello(2, SESSION))],
     ("DescribeParameter", "known index"): [(DriveUnderTest, DescribeParameter(PARAMETER_COUNT - 1))],
     ("DescribeParameter", "unknown index"): [(DriveUnderTest, DescribeParameter(PARAMETER_COUNT))],
+    ("GetParameter", "any index"): [(DriveUnderTest, GetParameter(0)), (DriveUnderTest, GetParameter(255))],
+    ("SetParameter", "any index"): [
+        (DriveUnderTest().idle, SetParameter(0, ParameterValue.u32(1))),
+        (DriveUnderTest().idle, SetParameter(255, ParameterValue.u32(1))),
+    ],
     ("DescribeLaw", "known index"): [(DriveUnderTest, DescribeLaw(0))],
     ("DescribeLaw", "unknown index"): [(DriveUnderTest, DescribeLaw(1))],
     ("DescribeSignal", "known index"): [(DriveUnderTest, DescribeSignal(5))],
@@ -164,11 +176,7 @@ ANSWERS: dict[tuple[str, str], list[tuple[Callable[[], DriveUnderTest], HostMess
     ("DescribeChoice", "unknown index"): [
         (DriveUnderTest, DescribeChoice(0, 1)),
         (DriveUnderTest, DescribeChoice(1, 0)),
-    ],
-    ("GetParameter", "any index"): [(DriveUnderTest, GetParameter(0)), (DriveUnderTest, GetParameter(255))],
-    ("SetParameter", "any index"): [
-        (DriveUnderTest().idle, SetParameter(0, ParameterValue.u32(1))),
-        (DriveUnderTest().idle, SetParameter(255, ParameterValue.u32(1))),
+        (DriveUnderTest, DescribeChoice(255, 0)),
     ],
     ("Subscribe", "any"): [(enter, Subscribe(1, 10)) for enter in ENTER.values()],
     ("Arm", "done, wrong state, wrong session"): [
@@ -177,6 +185,7 @@ ANSWERS: dict[tuple[str, str], list[tuple[Callable[[], DriveUnderTest], HostMess
         (DriveUnderTest().idle, Arm(OTHER)),
     ],
     ("Arm", "parameters don't go together"): [(inconsistent, Arm(SESSION))],
+    ("Arm", "the law lacks a subscribed signal"): [(foreign_signal, Arm(SESSION))],
     ("Start", "any"): [(DriveUnderTest().armed, Start(SESSION)), (DriveUnderTest, Start(SESSION))],
     ("Stop", "any"): [(enter, Stop()) for enter in ENTER.values()],
     ("EmergencyStop", "any"): [(enter, EmergencyStop()) for enter in ENTER.values()],

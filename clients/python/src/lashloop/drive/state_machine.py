@@ -99,6 +99,11 @@ class Drive:
         self._output = bytearray()
 
     @property
+    def signals(self) -> list[str]:
+        """Names of the signals, in the order of their indices."""
+        return [spec.name for spec in self._description.signals]
+
+    @property
     def state(self) -> State:
         """State of the drive."""
         return self._safety.state

@@ -203,7 +203,8 @@ class Host:
         while idle `arm` checks the law.
         """
         if signals is None:
-            law = self.laws[int(self.get("controller"))]
+            # A drive with one law may lack the parameter.
+            law = self.laws[int(self.get("controller")) if "controller" in self.parameters else 0]
             names = [it.name for it in self.signals.values() if law in it.laws][:MAX_TELEMETRY_VALUES]
         else:
             names = list(signals)
