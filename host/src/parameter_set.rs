@@ -1,7 +1,7 @@
 //! The parameters of a drive as a file and as a fingerprint.
 //!
 //! The file is TOML, with a line per parameter in the order of the index, and unit and range as comments. Real numbers have
-//! enough digits to restore the same bits.
+//! enough digits to restore the same bits, and choices are written by name.
 
 use std::fmt;
 use std::fs;
@@ -11,7 +11,7 @@ use lashloop_protocol::enums::ParameterValue;
 use toml_edit::{Document, Item, Value};
 
 use lashloop_bench::record::digest;
-use lashloop_bench::session::{Parameter, Session, SessionError, SetError};
+use lashloop_bench::session::{Parameter, Session, SessionError, SetError, WrittenValue};
 
 /// All parameters of a drive with their values, in the order of the index.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +36,7 @@ impl ParameterSet {
     #[must_use]
     pub fn to_toml(&self) -> String {
         let line = |(it, value): &(Parameter, ParameterValue)| {
-            format!("{:<36} # {}", format!("{} = {}", it.name, to_toml_value(*value)), it.range())
+            format!("{:<36} # {}", format!("{} = {}", it.name, to_toml_value(it, *value)), it.range())
         };
         self.0.iter().map(line).fold(String::new(), |text, line| text + &line + "\n")
     }
@@ -59,12 +59,23 @@ impl ParameterSet {
     }
 }
 
-/// A value in TOML. A real number keeps its decimal point, so that it is read back as one.
+/// A value of a parameter in TOML: the name of a choice in quotes, a real number with its decimal point, so that it is read
+/// back as one.
 #[must_use]
-pub fn to_toml_value(value: ParameterValue) -> String {
-    match value {
-        ParameterValue::U32(value) => value.to_string(),
-        ParameterValue::F32(value) => format!("{value:?}"),
+pub fn to_toml_value(parameter: &Parameter, value: ParameterValue) -> String {
+    match (parameter.choice(value), value) {
+        (Some(choice), _) => Value::from(choice).to_string(),
+        (None, ParameterValue::U32(value)) => value.to_string(),
+        (None, ParameterValue::F32(value)) => format!("{value:?}"),
+    }
+}
+
+/// A value as a list shows it: as in TOML, without the quotes.
+#[must_use]
+pub fn to_plain_value(parameter: &Parameter, value: ParameterValue) -> String {
+    match parameter.choice(value) {
+        Some(choice) => choice.to_owned(),
+        None => to_toml_value(parameter, value),
     }
 }
 
@@ -102,12 +113,38 @@ pub struct Settings(Vec<Setting>);
 pub struct Setting {
     place: String,
     name: String,
-    number: f64,
+    value: SettingValue,
+}
+
+/// A value as it is written.
+#[derive(Debug, Clone, PartialEq)]
+enum SettingValue {
+    Number(f64),
+    /// The name of a choice.
+    Name(String),
+}
+
+impl SettingValue {
+    fn written(&self) -> WrittenValue<'_> {
+        match self {
+            Self::Number(number) => WrittenValue::Number(*number),
+            Self::Name(name) => WrittenValue::Name(name),
+        }
+    }
+}
+
+impl fmt::Display for SettingValue {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => write!(out, "{number}"),
+            Self::Name(name) => out.write_str(name),
+        }
+    }
 }
 
 impl fmt::Display for Setting {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "{}: {} = {}", self.place, self.name, self.number)
+        write!(out, "{}: {} = {}", self.place, self.name, self.value)
     }
 }
 
@@ -115,7 +152,7 @@ impl Settings {
     /// Reads a file of [`ParameterSet::to_toml`], which may hold a part of the parameters.
     ///
     /// # Errors
-    /// The file can't be read, is not TOML, or holds values other than numbers.
+    /// The file can't be read, is not TOML, or holds values other than numbers and texts.
     pub fn from_file(path: &Path) -> Result<Self, SettingsError> {
         let text = fs::read_to_string(path)
             .map_err(|source| SettingsError::Unreadable { path: path.to_owned(), source })?;
@@ -128,15 +165,16 @@ impl Settings {
         let mut settings = Self::default();
         for (name, item) in document.iter() {
             let place = format!("{}:{}", path.display(), line_of(item.span().map_or(0, |span| span.start)));
-            let number = match item {
-                Item::Value(Value::Integer(value)) => *value.value() as f64,
-                Item::Value(Value::Float(value)) => *value.value(),
+            let value = match item {
+                Item::Value(Value::Integer(value)) => SettingValue::Number(*value.value() as f64),
+                Item::Value(Value::Float(value)) => SettingValue::Number(*value.value()),
+                Item::Value(Value::String(value)) => SettingValue::Name(value.value().clone()),
                 _ => {
                     let found = format!("{name} is no setting");
-                    return Err(SettingsError::Malformed { place, found, wanted: "NAME = NUMBER" });
+                    return Err(SettingsError::Malformed { place, found, wanted: "NAME = NUMBER or NAME = \"CHOICE\"" });
                 }
             };
-            settings.push(place, name, number)?;
+            settings.push(place, name, value)?;
         }
         Ok(settings)
     }
@@ -151,11 +189,15 @@ impl Settings {
             let malformed = || SettingsError::Malformed {
                 place: format!("set {word}"),
                 found: "no setting".to_owned(),
-                wanted: "NAME=NUMBER",
+                wanted: "NAME=NUMBER or NAME=CHOICE",
             };
-            let (name, number) = word.split_once('=').ok_or_else(malformed)?;
-            let number = number.trim().parse().map_err(|_| malformed())?;
-            settings.push(format!("set {word}"), name.trim(), number)?;
+            let (name, value) = word.split_once('=').ok_or_else(malformed)?;
+            let value = match (value.trim(), value.trim().parse()) {
+                ("", _) => return Err(malformed()),
+                (_, Ok(number)) => SettingValue::Number(number),
+                (text, Err(_)) => SettingValue::Name(text.to_owned()),
+            };
+            settings.push(format!("set {word}"), name.trim(), value)?;
         }
         Ok(settings)
     }
@@ -168,10 +210,10 @@ impl Settings {
     pub fn apply(&self, session: &mut Session) -> Result<ParameterSet, SettingsError> {
         for setting in &self.0 {
             let unfit = |source| SettingsError::Unfit { setting: setting.clone(), source: Box::new(source) };
-            session.fits(&setting.name, setting.number).map_err(unfit)?;
+            session.fits(&setting.name, setting.value.written()).map_err(unfit)?;
         }
         for (done, setting) in self.0.iter().enumerate() {
-            session.set(&setting.name, setting.number).map_err(|error| match error {
+            session.set(&setting.name, setting.value.written()).map_err(|error| match error {
                 SetError::Session(source) => SettingsError::Session(source),
                 source => SettingsError::Refused { setting: setting.clone(), done, source: Box::new(source) },
             })?;
@@ -184,12 +226,12 @@ impl Settings {
         self.0.iter().any(|setting| setting.name == name)
     }
 
-    fn push(&mut self, place: String, name: &str, number: f64) -> Result<(), SettingsError> {
+    fn push(&mut self, place: String, name: &str, value: SettingValue) -> Result<(), SettingsError> {
         if let Some(before) = self.0.iter().find(|setting| setting.name == name) {
             let before = before.place.clone();
             return Err(SettingsError::Twice { place, name: name.to_owned(), before });
         }
-        self.0.push(Setting { place, name: name.to_owned(), number });
+        self.0.push(Setting { place, name: name.to_owned(), value });
         Ok(())
     }
 }

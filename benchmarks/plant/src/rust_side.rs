@@ -6,7 +6,7 @@ use std::time::Instant;
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;
-use lashloop_plant::{Mechanics, Plant, Start};
+use lashloop_plant::{Mechanics, Start, TwoMass};
 
 use crate::Round;
 
@@ -37,7 +37,7 @@ impl Named {
     }
 }
 
-fn run<P: Plant>(plant: &P, periods: u32) -> Result<Round, Box<dyn Error>> {
+fn run<P: TwoMass>(plant: &P, periods: u32) -> Result<Round, Box<dyn Error>> {
     let mut state = plant.initial_state(Start::at_rest(0.0, 0.0));
     let started = Instant::now();
     for k in 0..periods {

@@ -41,6 +41,8 @@ pub mod pd;
 mod real;
 mod reference_rates;
 pub mod sensing;
+#[cfg(test)]
+mod tests;
 
 pub use measurement::{ControlOutput, Measurement};
 pub use parameter_error::ParameterError;

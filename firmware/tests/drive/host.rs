@@ -2,7 +2,9 @@
 
 use std::time::Duration;
 
+use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{Clock, Drive, ManualClock};
+use lashloop_firmware::law::LawSet;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
     Arm, CommandResult, EncoderSample, FaultReport, Hello, Identity, ParameterReport, SetParameter, Start,
@@ -12,26 +14,43 @@ use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Messa
 
 pub const SESSION: u32 = 7;
 
-pub struct Host {
-    pub drive: Drive,
+/// The host of a drive with Lashloop's laws, unless others are named.
+pub struct Host<L: LawSet = Laws> {
+    pub drive: Drive<L>,
     pub clock: ManualClock,
 }
 
 impl Host {
     pub fn new() -> Self {
-        Self { drive: Drive::new("test"), clock: ManualClock::default() }
+        Self::of_laws()
+    }
+
+    /// As [`Self::in_session`].
+    pub fn idle() -> Self {
+        Self::in_session()
+    }
+
+    /// As [`Self::running_with`].
+    pub fn running(parameters: &[(&str, ParameterValue)]) -> Self {
+        Self::running_with(parameters)
+    }
+}
+
+impl<L: LawSet> Host<L> {
+    pub fn of_laws() -> Self {
+        Self { drive: Drive::with_laws("test"), clock: ManualClock::default() }
     }
 
     /// A host of a disarmed drive in a session.
-    pub fn idle() -> Self {
-        let mut host = Self::new();
+    pub fn in_session() -> Self {
+        let mut host = Self::of_laws();
         host.send(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION });
         host
     }
 
     /// A host of a drive that runs with these parameters.
-    pub fn running(parameters: &[(&str, ParameterValue)]) -> Self {
-        let mut host = Self::idle();
+    pub fn running_with(parameters: &[(&str, ParameterValue)]) -> Self {
+        let mut host = Self::in_session();
         for (name, value) in parameters {
             assert_eq!(host.set(name, *value).outcome, Outcome::Accepted, "{name}");
         }
@@ -90,12 +109,23 @@ impl Host {
     }
 
     pub fn set(&mut self, name: &str, value: ParameterValue) -> ParameterReport {
-        let index = lashloop_firmware::drive::parameters::TABLE.iter().position(|entry| entry.name == name);
-        let index = index.unwrap_or_else(|| panic!("no parameter {name}")) as u8;
+        let index = Self::parameter(name);
         match self.send(SetParameter { index, value })[..] {
             [DriveMessage::ParameterReport(report)] => report,
             ref other => panic!("{other:?}"),
         }
+    }
+
+    /// Index of the parameter of this name.
+    pub fn parameter(name: &str) -> u8 {
+        let index = L::PARAMETERS.iter().position(|parameter| parameter.name == name);
+        index.unwrap_or_else(|| panic!("no parameter {name}")) as u8
+    }
+
+    /// Bit of the signal of this name.
+    pub fn signal(name: &str) -> u32 {
+        let index = L::SIGNALS.iter().position(|signal| signal.name == name);
+        1 << index.unwrap_or_else(|| panic!("no signal {name}"))
     }
 
     pub fn sample(&mut self, sequence: u16, motor_counts: i64, load_counts: i64) -> Vec<DriveMessage> {

@@ -2,7 +2,9 @@
 
 mod host;
 mod parameters;
+mod pinned_torques;
 mod running;
 mod safety;
 mod session;
+mod telemetry;
 mod wraparound;

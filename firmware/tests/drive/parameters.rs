@@ -2,12 +2,15 @@
 
 use std::fmt::Write;
 
-use lashloop_firmware::drive::parameters::TABLE;
+use lashloop_firmware::Laws;
+use lashloop_firmware::law::{LawSet, Parameter};
 use lashloop_protocol::DriveMessage;
-use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::message::{Arm, DescribeParameter, GetParameter, SetParameter};
+use lashloop_protocol::enums::{Outcome, ParameterFlags, ParameterValue, State};
+use lashloop_protocol::message::{Arm, DescribeChoice, DescribeParameter, GetParameter, SetParameter};
 
 use crate::host::{Host, SESSION};
+
+const TABLE: &[Parameter] = Laws::PARAMETERS;
 
 #[test]
 fn the_drive_describes_its_parameters() {
@@ -16,10 +19,11 @@ fn the_drive_describes_its_parameters() {
     for index in 0..TABLE.len() as u8 {
         match host.send(DescribeParameter { index })[..] {
             [DriveMessage::ParameterDescription(it)] => {
-                let live = if it.live == 1 { "live" } else { "" };
+                let choices = if it.flags == ParameterFlags::CHOICES { "choices" } else { "" };
                 let _ = writeln!(
                     table,
-                    "{index:>2} {:<26} {:<10} {:?} in {} ..= {} {live}",
+                    "{index:>2} {:04b} {:<27} {:<10} {:?} in {} ..= {} {choices}",
+                    it.laws,
                     it.name.as_str(),
                     it.unit.as_str(),
                     it.default,
@@ -43,7 +47,7 @@ fn names_and_units_fit_and_defaults_are_in_range() {
             }
             ref other => panic!("{other:?}"),
         }
-        for value in [entry.default, entry.min, entry.max] {
+        for value in [entry.range.default(), entry.range.min(), entry.range.max()] {
             let report = host.set(entry.name, value);
             assert_eq!((report.outcome, report.value), (Outcome::Accepted, value), "{}", entry.name);
         }
@@ -54,11 +58,11 @@ fn names_and_units_fit_and_defaults_are_in_range() {
 fn a_value_outside_its_range_is_rejected_and_changes_nothing() {
     let mut host = Host::idle();
     for entry in TABLE {
-        for value in outside(entry.min, entry.max) {
+        for value in outside(entry.range.min(), entry.range.max()) {
             let report = host.set(entry.name, value);
             assert_eq!(
                 (report.outcome, report.value),
-                (Outcome::OutOfRange, entry.default),
+                (Outcome::OutOfRange, entry.range.default()),
                 "{} = {value:?}",
                 entry.name
             );
@@ -98,19 +102,68 @@ fn an_unknown_index_is_rejected() {
         host.send(SetParameter { index, value }),
     ] {
         assert!(
-            matches!(answers[..], [DriveMessage::ParameterReport(r)] if r.outcome == Outcome::UnknownParameter),
+            matches!(answers[..], [DriveMessage::ParameterReport(r)] if r.outcome == Outcome::UnknownIndex),
             "{answers:?}"
         );
     }
 }
 
 #[test]
-fn only_live_parameters_can_be_set_while_running() {
-    let mut host = Host::running(&[]);
-    let rejected = host.set("k_p1", ParameterValue::F32(2.0));
-    assert_eq!((rejected.outcome, rejected.state), (Outcome::WrongState, State::Running));
-    assert_eq!(rejected.value, ParameterValue::F32(1.0));
-    assert_eq!(host.set("telemetry_every", ParameterValue::U32(1)).outcome, Outcome::Accepted);
+fn no_parameter_can_be_set_while_armed_or_running() {
+    let mut armed = Host::idle();
+    armed.send(Arm { session: SESSION });
+    for (mut host, state) in [(armed, State::Armed), (Host::running(&[]), State::Running)] {
+        let rejected = host.set("k_p1", ParameterValue::F32(2.0));
+        assert_eq!((rejected.outcome, rejected.state), (Outcome::WrongState, state));
+        assert_eq!(rejected.value, ParameterValue::F32(1.0));
+    }
+}
+
+/// A parameter of choices is a `U32` of one byte, every value of which has a name.
+#[test]
+fn every_choice_of_a_parameter_has_a_name() {
+    let mut host = Host::idle();
+    let mut described = Vec::new();
+    for (parameter, entry) in (0..).zip(TABLE) {
+        let count = entry.range.choices().map_or(0, <[_]>::len) as u8;
+        for choice in 0..count {
+            match host.send(DescribeChoice { parameter, choice })[..] {
+                [DriveMessage::ChoiceDescription(it)] => {
+                    assert_eq!((it.parameter, it.choice), (parameter, choice));
+                    described.push(format!("{} {choice} {}", entry.name, it.name));
+                }
+                ref other => panic!("{other:?}"),
+            }
+        }
+        let answers = host.send(DescribeChoice { parameter, choice: count });
+        assert!(
+            matches!(answers[..], [DriveMessage::CommandResult(r)] if r.outcome == Outcome::UnknownIndex),
+            "{}: {answers:?}",
+            entry.name
+        );
+    }
+    let want = [
+        "controller 0 pd",
+        "controller 1 merzouki",
+        "controller 2 merzouki-as-printed",
+        "controller 3 backlash-inverse",
+        "disturbing_torque_source 0 model",
+        "disturbing_torque_source 1 observed",
+    ];
+    assert_eq!(described, want);
+}
+
+#[test]
+fn the_source_of_the_disturbing_torque_changes_the_torque() {
+    let torque_nm = |source| {
+        let mut host = Host::running(&[
+            ("controller", ParameterValue::U32(1)),
+            ("disturbing_torque_source", ParameterValue::U32(source)),
+        ]);
+        host.sample(0, 20_000, 0);
+        crate::host::torque(&host.sample(1, 20_000, 0)).torque_nm
+    };
+    assert_ne!(torque_nm(0), torque_nm(1));
 }
 
 #[test]
@@ -123,7 +176,7 @@ fn no_parameter_can_be_set_in_boot() {
 #[test]
 fn inconsistent_parameters_are_named_when_arming() {
     use ParameterValue::{F32, U32};
-    let (merzouki, as_printed, inverse) = (2, 3, 4);
+    let (merzouki, as_printed, inverse) = (1, 2, 3);
     let cases: [(&str, &[(&str, ParameterValue)]); 6] = [
         ("dead_zone_initial_rad", &[("controller", U32(merzouki)), ("dead_zone_max_rad", F32(0.1))]),
         ("dead_zone_initial_rad", &[("controller", U32(as_printed)), ("dead_zone_max_rad", F32(0.1))]),

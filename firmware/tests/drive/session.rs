@@ -1,6 +1,6 @@
 //! Sessions: handshake, arming, stopping.
 
-use lashloop_firmware::drive::BUILD_ID;
+use lashloop_firmware::drive::{BUILD_ID, BUILD_IS_DIRTY};
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, GetParameter, Hello, Reset, Start, Stop};
 use lashloop_protocol::{DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
@@ -19,6 +19,8 @@ fn hello_ends_boot_and_returns_the_identity() {
     let mut host = Host::new();
     let identity = host.identity(HELLO);
     assert_eq!((identity.session, identity.state, identity.build_id), (SESSION, State::Idle, BUILD_ID));
+    assert_eq!(identity.dirty, u8::from(BUILD_IS_DIRTY));
+    assert_eq!((identity.law_count, identity.signal_count, identity.parameter_count), (4, 9, 42));
     assert_eq!(identity.board.as_str(), "test");
     assert_eq!(identity.protocol_version, PROTOCOL_VERSION);
 }

@@ -2,7 +2,7 @@
 
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::message::Arm;
+use lashloop_protocol::message::{Arm, Subscribe};
 
 use crate::host::{Host, SESSION, torque};
 
@@ -33,6 +33,7 @@ fn motor_limit(rad_s: f32) -> (&'static str, ParameterValue) {
 #[test]
 fn sequence_0_follows_65535() {
     let mut host = at_the_last_number(&[]);
+    host.send(Subscribe { signals: 1, every: 10 });
     let answers = host.sample(0, 0, 0);
     assert_eq!((torque(&answers).sequence, flags(&answers)), (0, TorqueFlags::empty()));
     assert!(matches!(answers[1], DriveMessage::Telemetry(it) if it.sequence == 0), "0 is a multiple of 10");

@@ -3,10 +3,11 @@
 use std::cell::RefCell;
 use std::time::Duration;
 
-use lashloop_firmware::drive::parameters::TABLE;
+use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{Drive, ManualClock};
+use lashloop_firmware::law::{LawSet, Parameter};
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
-use lashloop_protocol::message::{Arm, EmergencyStop, Hello, SetParameter, Start};
+use lashloop_protocol::message::{Arm, EmergencyStop, Hello, SetParameter, Start, Subscribe};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{HostMessage, Message, PROTOCOL_VERSION};
 use proptest::collection::vec;
@@ -19,6 +20,7 @@ use crate::action::Action;
 use crate::invariants::{CheckedDrive, Coverage, frame_around};
 
 const SESSION: u32 = 7;
+const TABLE: &[Parameter] = Laws::PARAMETERS;
 
 fn request<P: Payload>(message: P) -> Action {
     let mut body = vec![0; P::LAYOUT.body_len];
@@ -48,7 +50,8 @@ fn setting() -> impl Strategy<Value = Action> {
             1 => 1.0,
             _ => part,
         };
-        let value = match (TABLE[index].min, TABLE[index].max, TABLE[index].default) {
+        let range = TABLE[index].range;
+        let value = match (range.min(), range.max(), range.default()) {
             (ParameterValue::U32(min), ParameterValue::U32(max), _) => {
                 ParameterValue::U32(min + (f64::from(max - min) * f64::from(part)) as u32)
             }
@@ -67,6 +70,13 @@ fn setting() -> impl Strategy<Value = Action> {
 fn wild_setting() -> impl Strategy<Value = Action> {
     let value = prop_oneof![any::<u32>().prop_map(ParameterValue::U32), ANY.prop_map(ParameterValue::F32)];
     (0..TABLE.len() as u8 + 2, value).prop_map(|(index, value)| request(SetParameter { index, value }))
+}
+
+/// Any signals, of which half are known to the drive.
+fn subscription() -> impl Strategy<Value = Action> {
+    let known = (1 << Laws::SIGNALS.len()) - 1;
+    let signals = prop_oneof![any::<u32>().prop_map(move |bits| bits & known), any::<u32>()];
+    (signals, 0..5_u16).prop_map(|(signals, every)| request(Subscribe { signals, every }))
 }
 
 fn host_body() -> impl Strategy<Value = Action> {
@@ -99,6 +109,7 @@ fn action() -> impl Strategy<Value = Action> {
         4 => host_body(),
         2 => setting(),
         1 => wild_setting(),
+        1 => subscription(),
         1 => vec(any::<u8>(), 0..9).prop_map(Action::Body),
         1 => vec(any::<u8>(), 0..200).prop_map(Action::Line),
         3 => (0..2_000_u64).prop_map(|us| Action::Elapse(Duration::from_micros(us))),
@@ -134,6 +145,7 @@ fn no_history_violates_an_invariant() {
         reached.faults.extend(coverage.faults);
         reached.outcomes.extend(coverage.outcomes);
         reached.torques += coverage.torques;
+        reached.telemetry += coverage.telemetry;
         reached.full += coverage.full;
         Ok(())
     });
@@ -153,6 +165,7 @@ fn no_history_violates_an_invariant() {
     let missing: Vec<_> = Outcome::ALL.iter().filter(|outcome| !reached.outcomes.contains(outcome)).collect();
     assert!(missing.is_empty(), "no history led to {missing:?}");
     assert!(reached.torques > 10_000, "{} torques", reached.torques);
+    assert!(reached.telemetry > 1_000, "{} messages of telemetry", reached.telemetry);
     assert!(reached.full > 100, "the output was full {} times", reached.full);
 }
 

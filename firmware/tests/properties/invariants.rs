@@ -2,10 +2,13 @@
 
 use std::time::Duration;
 
-use lashloop_firmware::drive::parameters::{Parameters, TABLE};
+use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{Clock, Drive, ManualClock};
+use lashloop_firmware::law::{DriveParameters, LawSet};
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
-use lashloop_protocol::message::{CommandResult, EncoderSample, FaultReport, ParameterReport, Reset};
+use lashloop_protocol::message::{
+    CommandResult, EncoderSample, FaultReport, ParameterReport, Reset, Subscribe, Telemetry,
+};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{
     Decoder, DriveMessage, EncoderCounts, HostMessage, Message, PROTOCOL_VERSION, cobs, crc,
@@ -23,6 +26,8 @@ pub struct CheckedDrive {
     /// Bytes of the output already checked.
     checked_bytes: usize,
     torque_limit_nm: f32,
+    /// What the drive has accepted.
+    subscription: Subscribe,
     /// The latched fault.
     fault: Option<FaultReport>,
     next_sample: EncoderSample,
@@ -41,9 +46,13 @@ pub struct Coverage {
     pub outcomes: Vec<Outcome>,
     /// Number of torques other than zero.
     pub torques: usize,
+    /// Number of messages of telemetry.
+    pub telemetry: usize,
     /// Number of stalls by a full output buffer.
     pub full: usize,
 }
+
+const NO_TELEMETRY: Subscribe = Subscribe { signals: 0, every: 0 };
 
 impl CheckedDrive {
     /// A drive after power-up.
@@ -53,7 +62,8 @@ impl CheckedDrive {
             clock: ManualClock::default(),
             decoder: Decoder::new(),
             checked_bytes: 0,
-            torque_limit_nm: Parameters::default().torque_limit_nm,
+            torque_limit_nm: DriveParameters::default().torque_limit_nm,
+            subscription: NO_TELEMETRY,
             fault: None,
             next_sample: EncoderSample {
                 sequence: 0,
@@ -140,6 +150,7 @@ impl CheckedDrive {
             assert!(!sent.is_empty(), "no answer to {message:?} in {before:?}");
             self.note_request(message, after);
             self.check_answers(message, before, after, &sent);
+            self.check_telemetry(message, &sent);
         }
         for message in &sent {
             self.check_message(message, after);
@@ -199,6 +210,29 @@ impl CheckedDrive {
         }
     }
 
+    /// Telemetry follows the torque of a sample that is due, with one value for each subscribed signal.
+    fn check_telemetry(&mut self, request: &HostMessage, sent: &[DriveMessage]) {
+        let accepted = sent.iter().any(|message| {
+            matches!(message, DriveMessage::CommandResult(result) if result.outcome == Outcome::Accepted)
+        });
+        match request {
+            HostMessage::Subscribe(subscription) if accepted => self.subscription = *subscription,
+            HostMessage::Reset(_) => self.subscription = NO_TELEMETRY,
+            _ => {}
+        }
+        for message in sent {
+            let DriveMessage::Telemetry(Telemetry { sequence, values }) = message else { continue };
+            let Subscribe { signals, every } = self.subscription;
+            assert!(
+                matches!(sent[0], DriveMessage::TorqueAnswer(answer) if answer.sequence == *sequence),
+                "telemetry follows its torque: {sent:?}"
+            );
+            assert!(every > 0 && sequence % every == 0, "telemetry of {sequence}, every {every}");
+            assert_eq!(values.as_slice().len(), signals.count_ones() as usize);
+            self.coverage.telemetry += 1;
+        }
+    }
+
     fn check_message(&mut self, message: &DriveMessage, state: State) {
         match message {
             DriveMessage::TorqueAnswer(answer) => {
@@ -223,7 +257,7 @@ impl CheckedDrive {
                 self.note_outcome(result.outcome);
                 let reset = CommandResult { request: Reset::LAYOUT.kind, outcome: Outcome::Accepted, state };
                 if *result == reset {
-                    self.torque_limit_nm = Parameters::default().torque_limit_nm;
+                    self.torque_limit_nm = DriveParameters::default().torque_limit_nm;
                 }
             }
             _ => {}
@@ -232,11 +266,16 @@ impl CheckedDrive {
 
     fn note_parameter(&mut self, report: &ParameterReport) {
         self.note_outcome(report.outcome);
-        let Some(entry) = TABLE.get(usize::from(report.index)) else {
-            assert_eq!(report.outcome, Outcome::UnknownParameter);
+        let Some(entry) = Laws::PARAMETERS.get(usize::from(report.index)) else {
+            assert_eq!(report.outcome, Outcome::UnknownIndex);
             return;
         };
-        assert!(in_range(report.value, entry.min, entry.max), "{} = {:?}", entry.name, report.value);
+        assert!(
+            in_range(report.value, entry.range.min(), entry.range.max()),
+            "{} = {:?}",
+            entry.name,
+            report.value
+        );
         if let ("torque_limit_nm", ParameterValue::F32(limit)) = (entry.name, report.value) {
             self.torque_limit_nm = limit;
         }

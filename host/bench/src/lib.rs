@@ -5,6 +5,7 @@
 //! | module | is |
 //! |---|---|
 //! | [`atomic_file`] | files that are written completely or not at all |
+//! | [`names`] | names in messages, and the one that was probably meant |
 //! | [`timing`] | the timing of steps, and its report |
 //! | [`scenario`] | what is run and what is expected, as data |
 //! | [`link`] | anything that carries bytes, and the link's time |
@@ -25,6 +26,7 @@ pub mod capture;
 pub mod device;
 pub mod fault;
 pub mod link;
+pub mod names;
 pub mod record;
 pub mod run;
 pub mod scenario;

@@ -1,4 +1,6 @@
-//! The order of coordinates in the state vector of every plant.
+//! The order of coordinates in the state vector of every plant of two masses.
+
+use crate::Positions;
 
 /// Index of the load position in a state vector.
 pub(crate) const LOAD_POSITION: usize = 0;
@@ -12,3 +14,8 @@ pub(crate) const MOTOR_VELOCITY: usize = 3;
 pub(crate) const SUPPLIED: usize = 4;
 /// Index of the energy dissipated since the start in a state vector.
 pub(crate) const DISSIPATED: usize = 5;
+
+/// The positions in a state vector.
+pub(crate) fn positions(x: &[f64]) -> Positions {
+    Positions { motor_position_rad: x[MOTOR_POSITION], load_position_rad: x[LOAD_POSITION] }
+}

@@ -26,8 +26,8 @@ pub(crate) fn validate_substeps(substeps: u32) -> Result<(), ParameterError> {
     within("substeps", f64::from(substeps), 1.0, f64::from(MAX_SUBSTEPS))
 }
 
-/// Why a plant rejected a step or a change.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+/// Why a plant can't be built, or rejected a step or a change.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlantError {
     /// The torque is NaN or infinite.
     #[error("plant was given a torque of {torque_nm} N m, needs a finite one")]
@@ -71,15 +71,25 @@ pub enum PlantError {
         /// Torque of the step that diverged.
         torque_nm: f64,
     },
-    /// A value of the environment is outside its range.
+    /// A parameter or a value of the environment is outside its range.
     #[error(transparent)]
-    Environment(#[from] ParameterError),
+    Parameter(#[from] ParameterError),
     /// The plant's environment and parameters are fixed.
     #[error(
-        "a {plant} plant takes no load torque, wear or change of parameters; use the backlash-shaft plant for them"
+        "this plant takes no load torque, wear or change of parameters; use the backlash-shaft plant for them"
     )]
-    FixedEnvironment {
-        /// Name of the plant, as scenarios write it.
-        plant: &'static str,
+    FixedEnvironment,
+    /// A plant asked for a value that its keys don't give.
+    #[error(
+        "key {key} of the simulated plant has no {kind}; declare it in the model's keys, or give it in [plant]"
+    )]
+    NoValue {
+        /// The key.
+        key: &'static str,
+        /// The kind of value.
+        kind: &'static str,
     },
+    /// The plant failed for a reason of its own, which says what to do. It judges no drive.
+    #[error("{0}")]
+    Failed(String),
 }

@@ -4,13 +4,37 @@
 //! carries Coulomb friction F_c and viscous friction, and sticks while |N0 C| <= F_c. With F_c = 3.84 N m the
 //! proportional-derivative cascade stops at (3 F_c / N0 + 2 j0) / 13 = 0.3200 rad, the paper's static error.
 
+use std::ops::RangeInclusive;
+
 use nalgebra::Vector6;
 
-use crate::coordinates::{LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION};
-use crate::error::{validate_substeps, within};
+use crate::coordinates::{self, LOAD_POSITION, LOAD_VELOCITY, MOTOR_POSITION};
+use crate::error::validate_substeps;
 use crate::integrator::{self, HybridSystem, runge_kutta};
+use crate::mechanics::in_range;
+use crate::mechanics_keys::keys;
 use crate::mode::{Contact, DryFriction, Flank};
-use crate::{Mechanics, ParameterError, Plant, PlantError, Start, Truth};
+use crate::{
+    Key, Mechanics, ParameterError, PlantError, PlantModel, Positions, RunningPlant, Start, Truth, TwoMass,
+};
+
+/// Allowed Coulomb friction.
+const LOAD_COULOMB_NM: RangeInclusive<f64> = 0.0..=1e6;
+
+/// The model for scenarios.
+#[must_use]
+pub fn model() -> PlantModel {
+    let mut keys = keys(4);
+    let meaning = "Coulomb friction F_c of the load; 3.84 N m leaves the paper's static error of 0.32 rad.";
+    keys.push(Key::number("load_coulomb_nm", "N m", 3.84, LOAD_COULOMB_NM, meaning));
+    let summary = "A gap with hard edges, with viscous and Coulomb friction on the load.";
+    PlantModel::new("hard-coulomb", summary, keys, |release| {
+        let values = release.values;
+        let coulomb_nm = values.number("load_coulomb_nm")?;
+        let plant = HardCoulomb::new(Mechanics::of(values)?, coulomb_nm, values.integer("substeps")?)?;
+        Ok(Box::new(RunningPlant::released(plant, release.start)))
+    })
+}
 
 /// Parameters of the plant with a hard gap and Coulomb friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,7 +75,7 @@ impl HardCoulomb {
     /// Names the first parameter outside its range.
     pub fn new(mechanics: Mechanics, load_coulomb_nm: f64, substeps: u32) -> Result<Self, ParameterError> {
         mechanics.validate()?;
-        within("load_coulomb_nm", load_coulomb_nm, 0.0, 1e6)?;
+        in_range("load_coulomb_nm", load_coulomb_nm, &LOAD_COULOMB_NM)?;
         validate_substeps(substeps)?;
         Ok(Self { mechanics, load_coulomb_nm, substeps })
     }
@@ -167,7 +191,7 @@ impl HybridSystem for HardCoulomb {
     }
 }
 
-impl Plant for HardCoulomb {
+impl TwoMass for HardCoulomb {
     type State = HardCoulombState;
 
     fn initial_state(&self, start: Start) -> HardCoulombState {
@@ -182,6 +206,10 @@ impl Plant for HardCoulomb {
         integrator::advance(self, &mut state.x, &mut state.mode, torque_nm, dt_s, self.substeps)?;
         state.torque_nm = torque_nm;
         Ok(())
+    }
+
+    fn positions(&self, state: &HardCoulombState) -> Positions {
+        coordinates::positions(state.x.as_slice())
     }
 
     fn truth(&self, state: &HardCoulombState) -> Truth {

@@ -21,7 +21,6 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod any_plant;
 pub mod backlash_shaft;
 mod coordinates;
 pub mod encoder;
@@ -29,23 +28,35 @@ mod error;
 mod exponential_decay;
 pub mod hard_coulomb;
 pub mod integrator;
+mod key;
 pub mod limits;
 mod mechanics;
+mod mechanics_keys;
 pub mod metrics;
 mod mode;
+mod model;
 mod plant;
 pub mod random;
 pub mod reference;
+mod registry;
+mod signal;
 pub mod smooth;
 mod start;
 mod transport_delay;
 mod truth;
+mod two_mass;
+mod values;
 
-pub use any_plant::{AnyPlant, PlantModel};
 pub use error::{ParameterError, PlantError};
+pub use key::{Key, KeyKind, TORQUE_DELAY_US};
 pub use mechanics::Mechanics;
 pub use mode::{Contact, DryFriction, Flank};
-pub use plant::{Plant, RunningPlant};
-pub use start::Start;
+pub use model::{Changes, PlantModel};
+pub use plant::{Environment, Plant, Positions};
+pub use registry::Plants;
+pub use signal::Signal;
+pub use start::{Release, Start};
 pub use transport_delay::TransportDelay;
 pub use truth::Truth;
+pub use two_mass::{RunningPlant, TwoMass};
+pub use values::{PlantValue, PlantValues};

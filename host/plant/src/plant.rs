@@ -1,49 +1,66 @@
-//! What every plant implements, and a plant with its state as one value.
+//! The contract of a plant: anything that takes a torque and turns two encoders.
 
-use crate::{PlantError, Start, Truth};
+use crate::{PlantError, Release, Signal};
 
-/// A plant: constant parameters in the implementor, coordinates and modes in the state.
-pub trait Plant {
-    /// Coordinates and modes.
-    type State: Clone;
-
-    /// State of a plant that is released at `start`.
-    fn initial_state(&self, start: Start) -> Self::State;
-
-    /// Holds `torque_nm` at the motor for `dt_s` seconds.
-    ///
-    /// # Errors
-    /// The input isn't finite, the state left the range of finite numbers, or contact or sticking changes without end.
-    fn step(&self, state: &mut Self::State, torque_nm: f64, dt_s: f64) -> Result<(), PlantError>;
-
-    /// Everything that can be known about a state.
-    fn truth(&self, state: &Self::State) -> Truth;
-}
-
-/// A plant in motion: its parameters and its state as one value, so that neither can meet another plant's.
+/// Positions of the two shafts that carry encoders.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RunningPlant<P: Plant> {
-    pub(crate) plant: P,
-    pub(crate) state: P::State,
+pub struct Positions {
+    /// Motor position theta_e in rad.
+    pub motor_position_rad: f64,
+    /// Load position theta_s in rad.
+    pub load_position_rad: f64,
 }
 
-impl<P: Plant> RunningPlant<P> {
-    /// A plant that is released at `start`.
-    pub fn released(plant: P, start: Start) -> Self {
-        let state = plant.initial_state(start);
-        Self { plant, state }
-    }
+/// What the bench imposes on a plant during a run, relative to the plant's own parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Environment {
+    /// Growth of the gap's half width j0 in rad; gears wear.
+    pub gap_growth_rad: f64,
+    /// External torque T on the load in N m, positive towards positive angles.
+    pub load_torque_nm: f64,
+}
+
+/// A plant in motion: parameters and state.
+///
+/// The bench owns a plant as `Box<dyn Plant>` and calls, in every control period: [`set_environment`] if the plant's model
+/// takes one, [`positions`] and [`truth`], then [`step`] with the torque of the drive. A period may be split into several
+/// steps, because torques arrive with a delay. A run in lockstep repeats bit for bit if the plant does.
+///
+/// [`set_environment`]: Self::set_environment
+/// [`positions`]: Self::positions
+/// [`truth`]: Self::truth
+/// [`step`]: Self::step
+pub trait Plant: Send {
+    /// Signals of the plant's truth, at most [`MAX_SIGNALS`](crate::limits::MAX_SIGNALS), constant over the plant's life. The
+    /// names are unique, and none is a fixed column of the record: `time_s`, `reference_rad`, `load_position_rad`,
+    /// `motor_position_rad`, `torque_nm`.
+    fn signals(&self) -> &[Signal];
+
+    /// Writes the present values, in the order of [`signals`](Self::signals). `values` has one element per signal.
+    fn truth(&self, values: &mut [f64]);
+
+    /// What the encoders read.
+    fn positions(&self) -> Positions;
 
     /// Holds `torque_nm` at the motor for `dt_s` seconds.
     ///
     /// # Errors
-    /// As [`Plant::step`].
-    pub fn step(&mut self, torque_nm: f64, dt_s: f64) -> Result<(), PlantError> {
-        self.plant.step(&mut self.state, torque_nm, dt_s)
+    /// The input isn't finite, the state left the range of finite numbers, or the plant can't be followed any further.
+    fn step(&mut self, torque_nm: f64, dt_s: f64) -> Result<(), PlantError>;
+
+    /// Imposes wear and load torque from now on.
+    ///
+    /// # Errors
+    /// A value is outside its range, or the plant takes no environment, which is the default.
+    fn set_environment(&mut self, _environment: Environment) -> Result<(), PlantError> {
+        Err(PlantError::FixedEnvironment)
     }
 
-    /// Everything that can be known about the present state.
-    pub fn truth(&self) -> Truth {
-        self.plant.truth(&self.state)
+    /// Replaces the parameters from now on by those of a release and keeps the state.
+    ///
+    /// # Errors
+    /// A value is outside its range, or the plant's parameters are fixed, which is the default.
+    fn change_parameters(&mut self, _release: &Release<'_>) -> Result<(), PlantError> {
+        Err(PlantError::FixedEnvironment)
     }
 }

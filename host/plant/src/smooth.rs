@@ -7,11 +7,25 @@ use core::convert::Infallible;
 
 use nalgebra::Vector6;
 
+use crate::coordinates;
 use crate::error::validate_substeps;
 use crate::exponential_decay::decay;
 use crate::integrator::{self, HybridSystem, runge_kutta};
+use crate::mechanics_keys::keys;
 use crate::mode::Contact;
-use crate::{Mechanics, ParameterError, Plant, PlantError, Start, Truth};
+use crate::{
+    Mechanics, ParameterError, PlantError, PlantModel, Positions, RunningPlant, Start, Truth, TwoMass,
+};
+
+/// The model for scenarios.
+#[must_use]
+pub fn model() -> PlantModel {
+    let summary = "The paper's smooth dead zone, equation (1), with viscous friction.";
+    PlantModel::new("smooth", summary, keys(4), |release| {
+        let plant = Smooth::new(Mechanics::of(release.values)?, release.values.integer("substeps")?)?;
+        Ok(Box::new(RunningPlant::released(plant, release.start)))
+    })
+}
 
 /// Parameters of the smooth plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,7 +102,7 @@ impl HybridSystem for Smooth {
     }
 }
 
-impl Plant for Smooth {
+impl TwoMass for Smooth {
     type State = SmoothState;
 
     fn initial_state(&self, start: Start) -> SmoothState {
@@ -99,6 +113,10 @@ impl Plant for Smooth {
         integrator::advance(self, &mut state.x, &mut (), torque_nm, dt_s, self.substeps)?;
         state.torque_nm = torque_nm;
         Ok(())
+    }
+
+    fn positions(&self, state: &SmoothState) -> Positions {
+        coordinates::positions(state.x.as_slice())
     }
 
     fn truth(&self, state: &SmoothState) -> Truth {

@@ -1,7 +1,9 @@
-//! The initial condition of a plant.
+//! The initial condition of a plant, and all that a plant is built from.
 
 use nalgebra::Vector6;
 use serde::Serialize;
+
+use crate::PlantValues;
 
 /// Positions and velocities at which a plant is released.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -34,4 +36,15 @@ impl Start {
             0.0,
         )
     }
+}
+
+/// Initial state and parameters of a plant that is to be built.
+#[derive(Debug, Clone, Copy)]
+pub struct Release<'a> {
+    /// Values of the model's keys.
+    pub values: &'a PlantValues,
+    /// Positions and velocities at time 0.
+    pub start: Start,
+    /// Control period in s.
+    pub period_s: f64,
 }

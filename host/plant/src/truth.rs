@@ -1,5 +1,6 @@
 //! The true quantities of a plant. The record contains them; the drive never receives them.
 
+use crate::Signal;
 use crate::mode::{Contact, DryFriction};
 
 /// Everything that can be known about a state.
@@ -52,5 +53,52 @@ impl Truth {
     /// Energy stored in masses and springs in J. Its change equals the energy supplied less the energy dissipated.
     pub fn energy_j(&self) -> f64 {
         self.kinetic_energy_j + self.elastic_energy_j
+    }
+}
+
+/// Signals of every plant of two masses, in the order of [`Truth::values`].
+pub(crate) static SIGNALS: [Signal; 17] = [
+    Signal::new("load_velocity_rad_s", "rad/s"),
+    Signal::new("motor_velocity_rad_s", "rad/s"),
+    Signal::new("transmitted_torque_nm", "N m"),
+    Signal::new("twist_rad", "rad"),
+    Signal::new("dead_zone_rad", "rad"),
+    Signal::new("gap_position_rad", "rad"),
+    Signal::new("contact", ""),
+    Signal::new("motor_torque_nm", "N m"),
+    Signal::new("load_torque_nm", "N m"),
+    Signal::new("load_dry_friction_nm", "N m"),
+    Signal::new("motor_dry_friction_nm", "N m"),
+    Signal::new("load_sticks", ""),
+    Signal::new("motor_sticks", ""),
+    Signal::new("stored_energy_j", "J"),
+    Signal::new("supplied_energy_j", "J"),
+    Signal::new("dissipated_energy_j", "J"),
+    Signal::new("disturbing_torque_nm", "N m"),
+];
+
+impl Truth {
+    /// The values of [`SIGNALS`]. Contact is -1, 0 or 1; a mass sticks with 1 and slips with 0.
+    pub(crate) fn values(&self) -> [f64; SIGNALS.len()] {
+        let sticks = |friction| f64::from(friction == DryFriction::Stick);
+        [
+            self.load_velocity_rad_s,
+            self.motor_velocity_rad_s,
+            self.transmitted_torque_nm,
+            self.twist_rad,
+            self.dead_zone_rad,
+            self.gap_position_rad,
+            self.contact.sign(),
+            self.motor_torque_nm,
+            self.load_torque_nm,
+            self.load_dry_friction_nm,
+            self.motor_dry_friction_nm,
+            sticks(self.load_friction),
+            sticks(self.motor_friction),
+            self.energy_j(),
+            self.supplied_energy_j,
+            self.dissipated_energy_j,
+            self.disturbing_torque_nm,
+        ]
     }
 }

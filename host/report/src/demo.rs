@@ -4,7 +4,9 @@
 //! our numbers next to the paper's, also where they differ.
 
 use crate::paper::Run;
-use crate::paper::curves::{Curve, SETTLED_RAD, fixed, mark_settling, mark_static_error, of, over_time};
+use crate::paper::curves::{
+    Curve, DEAD_ZONE_ESTIMATE_RAD, SETTLED_RAD, column, fixed, mark_settling, mark_static_error, of, over_time,
+};
 use crate::plot::{Axis, Figure, Panel, Role, Series};
 use lashloop_plant::metrics::Metric;
 
@@ -51,11 +53,11 @@ pub fn before_after(runs: &DemoRuns) -> Figure {
             [" (paper: 0.32 rad)", " (paper: eliminated)"],
         ))
         .panel(estimate(runs))
-        .panel(over_time("Control torque, with friction", torque, friction.each(), |row| row.torque_nm))
+        .panel(over_time("Control torque, with friction", torque, friction.each(), column("torque_nm")))
 }
 
 fn position(title: &str, plant: &PlantRuns) -> Panel {
-    over_time(title, Axis::new("load position", "rad"), plant.each(), |row| row.load_position_rad).band(
+    over_time(title, Axis::new("load position", "rad"), plant.each(), column("load_position_rad")).band(
         format!("\u{b1}{SETTLED_RAD} rad"),
         -SETTLED_RAD,
         SETTLED_RAD,
@@ -65,18 +67,18 @@ fn position(title: &str, plant: &PlantRuns) -> Panel {
 fn estimate(runs: &DemoRuns) -> Panel {
     let DemoRuns { smooth, friction, dead_zone_rad } = runs;
     let curves = [("smooth", Role::After, &smooth.after), ("with friction", Role::Other(0), &friction.after)];
-    let rows = &smooth.after.rows;
-    let ends_s: Vec<f64> = rows.first().into_iter().chain(rows.last()).map(|row| row.time_s).collect();
+    let time_s = smooth.after.column("time_s");
+    let ends_s: Vec<f64> = time_s.first().into_iter().chain(time_s.last()).copied().collect();
     let set = format!("set on the plant: {dead_zone_rad} rad");
     let axis = Axis::new("dead-zone amplitude", "rad");
-    over_time("Dead-zone estimate, after", axis, curves, |row| row.dead_zone_estimate_rad)
+    over_time("Dead-zone estimate, after", axis, curves, column(DEAD_ZONE_ESTIMATE_RAD))
         .series(Series::new(set, Role::Reference, ends_s, vec![*dead_zone_rad; 2]))
 }
 
 fn caption(runs: &DemoRuns) -> String {
     let DemoRuns { smooth, friction, dead_zone_rad } = runs;
-    let end_of = |run: &Run| match run.rows.last() {
-        Some(row) => format!("{} rad", fixed(row.dead_zone_estimate_rad, 3)).replace('-', "\u{2212}"),
+    let end_of = |run: &Run| match run.column(DEAD_ZONE_ESTIMATE_RAD).last() {
+        Some(estimate_rad) => format!("{} rad", fixed(*estimate_rad, 3)).replace('-', "\u{2212}"),
         None => "nothing".to_owned(),
     };
     let settled = |run: &Run| match run.metrics.get(Metric::SettleTime).value() {

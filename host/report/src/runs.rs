@@ -2,11 +2,13 @@
 
 use std::ops::RangeInclusive;
 
-use crate::plot::{Axis, Figure, Panel, Role, Series};
+use lashloop_bench::names::UnknownName;
+use lashloop_bench::record::columns::Columns;
 use lashloop_bench::record::reader::{ReadError, Record};
 use lashloop_bench::record::row::Row;
 use lashloop_bench::record::timing::TimingRow;
-use lashloop_bench::record::trace::TraceRow;
+
+use crate::plot::{Axis, Figure, Panel, Role, Series};
 
 /// Why records can't be plotted.
 #[derive(Debug, thiserror::Error)]
@@ -24,26 +26,67 @@ pub enum DrawError {
         /// Time of the last step of all runs, in s.
         end_s: f64,
     },
+    /// No record has the signal.
+    #[error("{name}: {reason}")]
+    Signal {
+        /// The signal as the user named it.
+        name: String,
+        /// The names there are.
+        reason: UnknownName,
+    },
+    /// Two records have the signal in different units.
+    #[error("{name} is in {} in {record} and in {} in {other_record}; plot them apart", named(unit), named(other))]
+    Units {
+        /// The signal.
+        name: String,
+        /// A record.
+        record: String,
+        /// Its unit.
+        unit: String,
+        /// Another record.
+        other_record: String,
+        /// Its unit.
+        other: String,
+    },
 }
 
 fn to(until_s: f64) -> String {
     if until_s.is_finite() { format!("to {until_s} s") } else { "on".to_owned() }
 }
 
+fn named(unit: &str) -> &str {
+    if unit.is_empty() { "no unit" } else { unit }
+}
+
+/// What is plotted of the records.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Selection {
+    /// Range of time, in s.
+    pub shown_s: RangeInclusive<f64>,
+    /// Columns of the traces that get a panel of their own, in addition to the standard ones.
+    pub signals: Vec<String>,
+}
+
 /// Largest number of marked faults; more would hide the curves.
 const MARKED: usize = 6;
 
-/// Position, position error, torque, gap, estimate and timing of named runs, over a range of time in s.
+const DEAD_ZONE_RAD: &str = "dead_zone_rad";
+const ESTIMATE_RAD: &str = "drive.dead_zone_estimate_rad";
+const TWIST_RAD: &str = "twist_rad";
+
+/// Position, position error, torque, timing and the selected signals of named runs. Runs of a plant with a gap also get the
+/// twist, runs of a drive with an estimator its estimate.
 ///
 /// # Errors
-/// A record lacks a column, or none has a step in the range.
-pub fn figure(runs: &[(String, Record)], shown_s: &RangeInclusive<f64>) -> Result<Figure, DrawError> {
+/// A record lacks a column that every run has, none has a selected signal, or none has a step in the range.
+pub fn figure(runs: &[(String, Record)], selection: &Selection) -> Result<Figure, DrawError> {
+    let shown_s = &selection.shown_s;
     let runs = runs
         .iter()
         .enumerate()
         .map(|(number, (name, record))| Run::new(number, name, record, shown_s))
         .collect::<Result<Vec<_>, _>>()?;
-    if runs.iter().all(|run| run.trace.is_empty()) {
+    if runs.iter().all(|run| run.shown.is_empty()) {
         return Err(DrawError::Nothing {
             from_s: *shown_s.start(),
             until_s: *shown_s.end(),
@@ -57,12 +100,20 @@ pub fn figure(runs: &[(String, Record)], shown_s: &RangeInclusive<f64>) -> Resul
     let caption: Vec<_> = runs.iter().map(Run::caption).collect();
     let mut figure = Figure::new(title, caption.join("\n"), 2)
         .panel(position(&runs))
-        .panel(of_all(&runs, "Position error", Axis::new("load less reference", "rad"), |row| {
-            row.load_position_rad - row.reference_rad
+        .panel(of_all(&runs, "Position error", Axis::new("load less reference", "rad"), |run| {
+            let load_and_reference = run.column("load_position_rad").zip(run.column("reference_rad"));
+            load_and_reference.map(|(load, reference)| load.iter().zip(reference).map(|(a, b)| a - b).collect())
         }))
-        .panel(of_all(&runs, "Control torque", Axis::new("torque", "N m"), |row| row.torque_nm))
-        .panel(gap(&runs))
-        .panel(estimate(&runs));
+        .panel(of_all(&runs, "Control torque", Axis::new("torque", "N m"), |run| run.values("torque_nm")));
+    if runs.iter().any(|run| run.column(TWIST_RAD).is_some()) {
+        figure = figure.panel(gap(&runs));
+    }
+    if runs.iter().any(|run| run.column(ESTIMATE_RAD).is_some()) {
+        figure = figure.panel(estimate(&runs));
+    }
+    for name in &selection.signals {
+        figure = figure.panel(signal(&runs, name)?);
+    }
     if runs.iter().any(|run| run.timing.is_some()) {
         figure = figure.panel(round_trip(&runs));
     }
@@ -76,7 +127,7 @@ struct Run<'a> {
     record: &'a Record,
     /// Step of the first row in the range.
     first_step: usize,
-    trace: Vec<TraceRow>,
+    shown: Columns,
     /// All rows. After a killed run it may be shorter than the trace, because the two files are written in turn.
     timing: Option<Vec<TimingRow>>,
     /// Time of the last row of the record.
@@ -90,11 +141,13 @@ impl<'a> Run<'a> {
         record: &'a Record,
         shown_s: &RangeInclusive<f64>,
     ) -> Result<Self, ReadError> {
-        let mut trace = TraceRow::read(&record.trace)?;
-        let end_s = trace.last().map_or(f64::NAN, |row| row.time_s);
-        trace.truncate(trace.partition_point(|row| row.time_s <= *shown_s.end()));
-        let first_step = trace.partition_point(|row| row.time_s < *shown_s.start());
-        trace.drain(..first_step);
+        let time_s = record.trace.column("time_s")?;
+        for column in ["reference_rad", "load_position_rad", "torque_nm"] {
+            record.trace.column(column)?;
+        }
+        let end = time_s.partition_point(|time_s| time_s <= shown_s.end());
+        let first_step = time_s[..end].partition_point(|time_s| time_s < shown_s.start());
+        let shown = record.trace.columns.select(|row| (first_step..end).contains(&row));
         let timing = record.timing.as_ref().map(TimingRow::read).transpose()?;
         // The two most distinct colours first.
         let role = match number {
@@ -102,15 +155,21 @@ impl<'a> Run<'a> {
             1 => Role::Before,
             more => Role::Other(more - 2),
         };
-        Ok(Self { role, name, record, first_step, trace, timing, end_s })
+        let end_s = time_s.last().copied().unwrap_or(f64::NAN);
+        Ok(Self { role, name, record, first_step, shown, timing, end_s })
     }
 
-    fn column(&self, value: impl Fn(&TraceRow) -> f64) -> Vec<f64> {
-        self.trace.iter().map(value).collect()
+    /// The rows of a column in the range; `None` if the record has no such column.
+    fn column(&self, name: &str) -> Option<&[f64]> {
+        self.shown.get(name)
+    }
+
+    fn values(&self, name: &str) -> Option<Vec<f64>> {
+        self.column(name).map(<[f64]>::to_vec)
     }
 
     fn time_s(&self) -> Vec<f64> {
-        self.column(|row| row.time_s)
+        self.values("time_s").unwrap_or_default()
     }
 
     fn series(&self, values: Vec<f64>) -> Series {
@@ -151,33 +210,60 @@ impl<'a> Run<'a> {
     }
 }
 
-/// A panel over time with a curve of every run.
-fn of_all(runs: &[Run<'_>], title: &str, axis: Axis, value: impl Fn(&TraceRow) -> f64) -> Panel {
+/// A panel over time with a curve of every run that has the quantity.
+fn of_all(
+    runs: &[Run<'_>],
+    title: &str,
+    axis: Axis,
+    quantity: impl Fn(&Run<'_>) -> Option<Vec<f64>>,
+) -> Panel {
     let panel = Panel::new(title, Axis::new("time", "s"), axis);
-    runs.iter().fold(panel, |panel, run| panel.series(run.series(run.column(&value))))
+    let curves = runs.iter().filter_map(|run| quantity(run).map(|values| run.series(values)));
+    curves.fold(panel, Panel::series)
+}
+
+/// A panel with a column of the traces; its unit is the axis'.
+fn signal(runs: &[Run<'_>], name: &str) -> Result<Panel, DrawError> {
+    let mut units = runs.iter().filter_map(|run| run.shown.unit(name).map(|unit| (run, unit)));
+    let Some((first, unit)) = units.next() else {
+        let known = runs.iter().flat_map(|run| run.shown.signals()).map(|signal| &*signal.name);
+        let mut names = Vec::new();
+        known.for_each(|name| if !names.contains(&name) { names.push(name) });
+        let reason = UnknownName::new("the record", "signal", name, names);
+        return Err(DrawError::Signal { name: name.to_owned(), reason });
+    };
+    if let Some((run, other)) = units.find(|(_, other)| *other != unit) {
+        return Err(DrawError::Units {
+            name: name.to_owned(),
+            record: first.name.to_owned(),
+            unit: unit.to_owned(),
+            other_record: run.name.to_owned(),
+            other: other.to_owned(),
+        });
+    }
+    Ok(of_all(runs, name, Axis::new(name, unit), |run| run.values(name)))
 }
 
 fn round_trip(runs: &[Run<'_>]) -> Panel {
-    let panel = Panel::new("Round trip", Axis::new("time", "s"), Axis::new("sample to torque", "us"));
-    runs.iter().fold(panel, |panel, run| {
-        let timing = run.timing.iter().flatten().skip(run.first_step).take(run.trace.len());
+    of_all(runs, "Round trip", Axis::new("sample to torque", "us"), |run| {
+        let timing = run.timing.iter().flatten().skip(run.first_step).take(run.shown.len());
         let sum_us = timing.map(|row| row.send_us + row.line_and_device_us + row.compute_us + row.receive_us);
-        panel.series(run.series(sum_us.collect()))
+        Some(sum_us.collect())
     })
 }
 
-/// Adds a curve of every run, and of equal ones only the first.
+/// Adds a curve of every run that has one, and of equal ones only the first.
 fn distinct<'a>(
     panel: Panel,
     runs: &'a [Run<'a>],
     label: &str,
     role: Role,
-    points: impl Fn(&Run<'a>) -> (Vec<f64>, Vec<f64>),
+    points: impl Fn(&Run<'a>) -> Option<(Vec<f64>, Vec<f64>)>,
 ) -> Panel {
     let same =
         |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.total_cmp(b).is_eq());
     let mut drawn: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
-    for (x, y) in runs.iter().map(points) {
+    for (x, y) in runs.iter().filter_map(points) {
         if !drawn.iter().any(|other| same(&x, &other.0) && same(&y, &other.1)) {
             drawn.push((x, y));
         }
@@ -188,17 +274,20 @@ fn distinct<'a>(
 /// Load position and reference, with the faults of the scenario.
 fn position(runs: &[Run<'_>]) -> Panel {
     let panel = Panel::new("Load position", Axis::new("time", "s"), Axis::new("load position", "rad"));
-    let reference = |run: &Run<'_>| (run.time_s(), run.column(|row| row.reference_rad));
+    let reference = |run: &Run<'_>| Some((run.time_s(), run.values("reference_rad")?));
     let mut panel = distinct(panel, runs, "reference", Role::Reference, reference);
     for run in runs {
-        panel = panel.series(run.series(run.column(|row| row.load_position_rad)));
+        let load_rad = run.values("load_position_rad").unwrap_or_default();
         let faults = run.record.summary.iter().flat_map(|summary| &summary.faults);
+        let time_s = run.time_s();
         let marks = faults.filter_map(|fault| {
-            let row = run.trace.get(fault.step.checked_sub(run.first_step)?)?;
-            Some((&fault.kind, row))
+            let row = fault.step.checked_sub(run.first_step)?;
+            Some((&fault.kind, *time_s.get(row)?, *load_rad.get(row)?))
         });
-        for (kind, row) in marks.take(MARKED) {
-            panel = panel.mark(kind, run.role, row.time_s, row.load_position_rad);
+        let marks: Vec<_> = marks.take(MARKED).collect();
+        panel = panel.series(run.series(load_rad.clone()));
+        for (kind, time_s, position_rad) in marks {
+            panel = panel.mark(kind, run.role, time_s, position_rad);
         }
     }
     panel
@@ -206,18 +295,19 @@ fn position(runs: &[Run<'_>]) -> Panel {
 
 /// Twist, the motor position less the reduced load position: outside the edges of the gap the motor drives the load.
 fn gap(runs: &[Run<'_>]) -> Panel {
-    let panel = of_all(runs, "Twist and the gap", Axis::new("twist", "rad"), |row| row.twist_rad);
+    let panel = of_all(runs, "Twist and the gap", Axis::new("twist", "rad"), |run| run.values(TWIST_RAD));
     distinct(panel, runs, "edges of the gap", Role::Limit, |run| {
-        let edge = |sign: f64| run.column(|row| sign * row.dead_zone_rad);
+        let half_gap_rad = run.column(DEAD_ZONE_RAD)?;
+        let edge = |sign: f64| half_gap_rad.iter().map(|half_gap_rad| sign * half_gap_rad).collect();
         // One curve for both edges; the NaN separates them.
         let x = [run.time_s(), vec![f64::NAN], run.time_s()].concat();
-        (x, [edge(1.0), vec![f64::NAN], edge(-1.0)].concat())
+        Some((x, [edge(1.0), vec![f64::NAN], edge(-1.0)].concat()))
     })
 }
 
 fn estimate(runs: &[Run<'_>]) -> Panel {
     let axis = Axis::new("dead-zone amplitude", "rad");
-    let panel = of_all(runs, "Dead-zone estimate", axis, |row| row.dead_zone_estimate_rad);
-    let true_gap = |run: &Run<'_>| (run.time_s(), run.column(|row| row.dead_zone_rad));
+    let panel = of_all(runs, "Dead-zone estimate", axis, |run| run.values(ESTIMATE_RAD));
+    let true_gap = |run: &Run<'_>| Some((run.time_s(), run.values(DEAD_ZONE_RAD)?));
     distinct(panel, runs, "true", Role::Reference, true_gap)
 }

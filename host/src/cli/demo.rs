@@ -54,7 +54,7 @@ impl Arguments {
         for (scenario, (what, metric, paper)) in scenarios.into_iter().zip(PAPER) {
             let (run, verdict) = run_for_figure(&scenario, 0.0, &mut device, &supervisor)?;
             let here = here(run.metrics.get(metric), metric);
-            dead_zone_rad = scenario.plant.dead_zone_rad;
+            dead_zone_rad = scenario.plant.number("dead_zone_rad").unwrap_or(f64::NAN);
             runs.push(run);
             outln!("{what:<38} {paper:>12} {here:>12}  {verdict}");
             worst = worst.max(verdict);

@@ -5,11 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 use lashloop::campaign::law::Law;
 use lashloop_bench::device::Device;
-use lashloop_bench::record::trace::TraceRow;
+use lashloop_bench::record::columns::Columns;
+use lashloop_bench::record::row::Row;
+use lashloop_bench::record::trace::columns;
 use lashloop_bench::run::simulator::Simulator;
-use lashloop_bench::run::{DeviceUnderTest, RunError};
+use lashloop_bench::run::{DeviceUnderTest, Observation, RunError};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::verdict::{Exit, Verdict};
+use lashloop_plant::metrics::SignalTable;
 use lashloop_report::paper::{Laws, Run, Runs, figures, file_name, page, tables};
 
 use super::error::CliError;
@@ -86,7 +89,7 @@ impl Arguments {
                 let scenario = scenario(file, law)?;
                 let (run, verdict) =
                     run_for_figure(&scenario, shown_from_s(&scenario), &mut device, &supervisor)?;
-                outln!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name.name());
+                outln!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name);
                 laws.push(run);
                 worst = worst.max(verdict);
                 if supervisor.interrupted() {
@@ -98,7 +101,7 @@ impl Arguments {
         }
         let [smooth, friction, shaft, sine] = <[Laws; 4]>::try_from(all).expect("one set for each plan");
         let twisted = |file| twist(scenario(file, None)?);
-        let ratio = scenario(SCENARIOS[0], None)?.plant.reduction_ratio;
+        let ratio = scenario(SCENARIOS[0], None)?.plant.number("reduction_ratio").unwrap_or(f64::NAN);
         let (smooth_gap, hard_gap) = (twisted(SCENARIOS[0])?, twisted(SHAFT[0])?);
         let runs = Runs { smooth, friction, shaft, sine, smooth_gap, hard_gap, ratio };
         self.report(&runs, &device.device.description())?;
@@ -139,13 +142,20 @@ fn shown_from_s(scenario: &Scenario) -> f64 {
 }
 
 /// The plant of a scenario at rest, at each twist in turn.
-fn twist(mut scenario: Scenario) -> Result<Vec<TraceRow>, CliError> {
-    let mut at = |twist_rad| -> Result<TraceRow, RunError> {
+fn twist(mut scenario: Scenario) -> Result<Columns, CliError> {
+    let mut trace: Option<Columns> = None;
+    for step in -TWISTS..=TWISTS {
         let initial = &mut scenario.plant.initial;
-        (initial.load_position_rad, initial.motor_position_rad) = (0.0, twist_rad);
-        let (_, row) = Simulator::new(&scenario)?.observe(0)?;
-        Ok(row)
-    };
-    let twists = (-TWISTS..=TWISTS).map(|step| TWIST_RAD * f64::from(step) / f64::from(TWISTS));
-    Ok(twists.map(&mut at).collect::<Result<_, _>>()?)
+        initial.load_position_rad = 0.0;
+        initial.motor_position_rad = TWIST_RAD * f64::from(step) / f64::from(TWISTS);
+        let mut simulator = Simulator::new(&scenario)?;
+        let (_, Observation { row, plant }) = simulator.observe(0).map_err(RunError::from)?;
+        let trace = trace.get_or_insert_with(|| {
+            let signals = SignalTable { plant: simulator.signals().to_vec(), drive: Vec::new() };
+            Columns::new(columns(&signals))
+        });
+        // No drive has sent telemetry.
+        trace.push(row.values().chain(plant).chain([f64::NAN]));
+    }
+    Ok(trace.unwrap_or_default())
 }

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use lashloop::parameter_set::{ParameterSet, Settings, SettingsError, to_toml_value};
+use lashloop::parameter_set::{ParameterSet, Settings, SettingsError, to_plain_value, to_toml_value};
 use lashloop_bench::device::Device;
+use lashloop_bench::session::{LawMask, Session};
 use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
@@ -31,13 +32,13 @@ pub(crate) struct Arguments {
 
 #[derive(Subcommand)]
 enum Verb {
-    /// Print every parameter with its value, default, range and unit
+    /// Print the laws of the drive, its signals, and every parameter with its value, default, range, unit and laws
     List,
     /// Print every value as TOML, for `restore`
     Dump,
     /// Set parameters and read them back
     Set {
-        /// Parameter and value, such as torque_limit_nm=5
+        /// Parameter and value, such as torque_limit_nm=5 or controller=pd
         #[arg(required = true, value_name = "NAME=VALUE")]
         settings: Vec<String>,
     },
@@ -68,7 +69,7 @@ impl Arguments {
             other => CliError::Settings(other),
         })?;
         match self.verb {
-            Verb::List => list(&in_force),
+            Verb::List => list(&device.session, &in_force),
             Verb::Dump => dump(&device, &in_force),
             Verb::Set { .. } | Verb::Restore { .. } => confirm(&in_force, &settings),
             Verb::Hash => outln!("{}", in_force.sha256()),
@@ -77,12 +78,38 @@ impl Arguments {
     }
 }
 
-fn list(in_force: &ParameterSet) {
-    outln!("{:<28} {:>12} {:>12}  {:<4} allowed", "name", "value", "default", "live");
-    for (it, value) in in_force.iter() {
+fn list(session: &Session, in_force: &ParameterSet) {
+    let laws = |set: LawMask| {
+        if set.is_all(&session.laws) { "all".to_owned() } else { set.names(&session.laws) }
+    };
+    let rows = in_force.iter().map(|(it, value)| {
         let live = if it.live { "yes" } else { "no" };
-        let (value, default) = (to_toml_value(*value), to_toml_value(it.default));
-        outln!("{:<28} {value:>12} {default:>12}  {live:<4} {}", it.name, it.range());
+        let [value, default] = [*value, it.default].map(|value| to_plain_value(it, value));
+        [it.name.clone(), value, default, live.to_owned(), it.range(), laws(it.laws)]
+    });
+    let header = ["name", "value", "default", "live", "allowed", "laws"].map(str::to_owned);
+    print_table([header].into_iter().chain(rows).collect(), &[1, 2]);
+    let names: Vec<_> = session.laws.iter().map(|law| &*law.name).collect();
+    outln!("\nlaws: {}", names.join(", "));
+    outln!("");
+    let rows = session.signals.iter().map(|it| {
+        [it.signal.name.to_string(), it.signal.unit.to_string(), laws(it.laws)]
+    });
+    let header = ["signal", "unit", "laws"].map(str::to_owned);
+    print_table([header].into_iter().chain(rows).collect(), &[]);
+}
+
+/// Prints rows in columns as wide as their widest cell. Those of `right` are aligned to the right.
+fn print_table<const N: usize>(rows: Vec<[String; N]>, right: &[usize]) {
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<_> = (0..N).map(width).collect();
+    for row in &rows {
+        let cells = row.iter().enumerate().map(|(column, cell)| {
+            let width = widths[column];
+            if right.contains(&column) { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
+        });
+        let line = cells.collect::<Vec<_>>().join("  ");
+        outln!("{}", line.trim_end());
     }
 }
 
@@ -94,6 +121,6 @@ fn dump(device: &Device, in_force: &ParameterSet) {
 
 fn confirm(in_force: &ParameterSet, settings: &Settings) {
     for (it, value) in in_force.iter().filter(|(it, _)| settings.contains(&it.name)) {
-        outln!("{} = {}", it.name, to_toml_value(*value));
+        outln!("{} = {}", it.name, to_toml_value(it, *value));
     }
 }

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use lashloop_bench::record::reader::Record;
 use lashloop_bench::verdict::Exit;
-use lashloop_report::runs::figure;
+use lashloop_report::runs::{Selection, figure};
 
 use super::error::CliError;
 use super::output::{outln, write_file};
 
 const FIGURE_FILE: &str = "record.svg";
 
-/// Plot records: position, error, torque, gap, estimate and round trip
+/// Plot records: position, error, torque, gap, estimate, round trip, and any signal
 ///
 /// A record is a folder of `run --out`. The record of an interrupted run is plotted up to its last whole row. Several
 /// records share the axes.
@@ -21,6 +21,10 @@ pub(crate) struct Arguments {
     /// Folders of records
     #[arg(required = true, value_name = "DIR")]
     records: Vec<PathBuf>,
+
+    /// Columns of trace.csv to plot as well, such as drive.requested_torque_nm
+    #[arg(long = "signal", value_name = "NAME", num_args = 1..)]
+    signals: Vec<String>,
 
     /// File for the figure [default: record.svg in the first folder]
     #[arg(long, value_name = "FILE.svg")]
@@ -46,7 +50,8 @@ impl Arguments {
             .iter()
             .map(|folder| Ok((self.name(folder), Record::read(folder)?)))
             .collect::<Result<Vec<_>, CliError>>()?;
-        let svg = figure(&runs, &(from..=until))?.to_svg();
+        let selection = Selection { shown_s: from..=until, signals: self.signals.clone() };
+        let svg = figure(&runs, &selection)?.to_svg();
         let path = self.out.unwrap_or_else(|| self.records[0].join(FIGURE_FILE));
         write_file(&path, &svg)?;
         outln!("figure: {}", path.display());

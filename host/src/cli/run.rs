@@ -8,7 +8,7 @@ use lashloop_bench::capture::link::Captured;
 use lashloop_bench::capture::{self, Capture, WhenFull};
 use lashloop_bench::device::{Device, DeviceChoice};
 use lashloop_bench::link::Link;
-use lashloop_bench::record::summary::{Summary, Versions};
+use lashloop_bench::record::summary::{SUMMARY_FILE, Summary, Telemetry, Versions};
 use lashloop_bench::record::timing::{TimingRow, TimingWriter};
 use lashloop_bench::record::trace::TraceWriter;
 use lashloop_bench::run::DeviceUnderTest;
@@ -17,7 +17,7 @@ use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
-use lashloop_protocol::PROTOCOL_VERSION;
+use lashloop_plant::metrics::SignalTable;
 
 use super::clock_options::ClockOptions;
 use super::error::CliError;
@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value = "native", value_name = "DEVICE")]
     device: DeviceChoice,
 
-    /// Controller in place of the scenario's: pd, merzouki, merzouki-as-printed or backlash-inverse
+    /// Law in place of the scenario's: any that the drive has, see `lashloop parameters list`
     #[arg(long, value_name = "NAME")]
     controller: Option<String>,
 
@@ -72,9 +72,9 @@ impl Arguments {
         };
         let mut device = DeviceUnderTest::open(&scenario, &self.device, &supervisor, listen)?;
         // Only once a drive is open: a failed start keeps the old record.
-        let tables = self.out.as_deref().map(|folder| prepare(folder, &scenario)).transpose()?;
+        let record = self.out.as_deref().map(|folder| Folder::prepare(folder, &scenario)).transpose()?;
         let progress = Progress::of(&scenario);
-        let mut watcher = RunWatcher { tables, capture, supervisor: &supervisor, progress };
+        let mut watcher = RunWatcher { record, tables: None, capture, supervisor: &supervisor, progress };
         let signals = supervisor.guard_signals();
         let outcome = run::run(&scenario, &mut device, clock, &mut watcher)?;
         let RunWatcher { tables, capture, progress, .. } = watcher;
@@ -90,7 +90,7 @@ impl Arguments {
             capture.finish()?;
         }
         if let Some(folder) = &self.out {
-            summary.write(&folder.join(SUMMARY))?;
+            summary.write(&folder.join(SUMMARY_FILE))?;
         }
         // A signal before this point would truncate the record.
         drop(signals);
@@ -99,9 +99,19 @@ impl Arguments {
     }
 }
 
-const SUMMARY: &str = "summary.json";
-const TRACE: &str = "trace.csv";
-const TIMING: &str = "timing.csv";
+/// The folder of the record, without the summary of an earlier run.
+#[derive(Clone, Copy)]
+struct Folder<'a> {
+    path: &'a Path,
+    flush_rows: u32,
+}
+
+impl<'a> Folder<'a> {
+    fn prepare(path: &'a Path, scenario: &Scenario) -> Result<Self, CliError> {
+        prepare_folder(path, &[SUMMARY_FILE])?;
+        Ok(Self { path, flush_rows: scenario.record.flush_rows })
+    }
+}
 
 struct Tables {
     trace: TraceWriter,
@@ -109,23 +119,13 @@ struct Tables {
     steps: u64,
 }
 
-/// Creates the folder and the tables.
-fn prepare(folder: &Path, scenario: &Scenario) -> Result<Tables, CliError> {
-    prepare_folder(folder, &[SUMMARY])?;
-    let flush_rows = scenario.record.flush_rows;
-    Ok(Tables {
-        trace: TraceWriter::create(&folder.join(TRACE), flush_rows)?,
-        timing: TimingWriter::create(&folder.join(TIMING), flush_rows)?,
-        steps: 0,
-    })
-}
-
 pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -> Summary {
     Summary {
         verdict: outcome.judgement.verdict,
         scenario: scenario.name.clone(),
         device: device.description(),
-        controller: scenario.controller.name.to_string(),
+        controller: scenario.controller.name.clone(),
+        telemetry: Telemetry::from(device.session.subscription()),
         seed: scenario.run.seed,
         end: outcome.end.to_string(),
         steps: outcome.steps,
@@ -137,15 +137,13 @@ pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -
         timing: outcome.timing.clone(),
         faults: outcome.faults.clone(),
         torque_sha256: outcome.torque_sha256.clone(),
-        versions: Versions {
-            lashloop: env!("CARGO_PKG_VERSION").to_owned(),
-            protocol: PROTOCOL_VERSION.to_string(),
-            firmware: device.session.identity.firmware.to_string(),
-        },
+        versions: Versions::of(&device.session.identity),
     }
 }
 
 struct RunWatcher<'a> {
+    record: Option<Folder<'a>>,
+    /// Created at the start, when the signals are known.
     tables: Option<Tables>,
     capture: Option<Capture>,
     supervisor: &'a Supervisor,
@@ -153,13 +151,23 @@ struct RunWatcher<'a> {
 }
 
 impl StepObserver for RunWatcher<'_> {
+    fn begin(&mut self, signals: &SignalTable) -> Result<(), WriteError> {
+        let Some(Folder { path, flush_rows }) = self.record else { return Ok(()) };
+        self.tables = Some(Tables {
+            trace: TraceWriter::create(path, signals, flush_rows)?,
+            timing: TimingWriter::create(path, flush_rows)?,
+            steps: 0,
+        });
+        Ok(())
+    }
+
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
         self.progress.step();
         if let Some(capture) = &self.capture {
             capture.check()?;
         }
         let Some(Tables { trace, timing, steps }) = &mut self.tables else { return Ok(()) };
-        trace.push(&step.row)?;
+        trace.push(step.trace())?;
         timing.push(&TimingRow::new(*steps, &step.timing))?;
         *steps += 1;
         Ok(())

@@ -1,13 +1,24 @@
-//! `lashloop tied`: replaces itself by another program that the system kills when the bench ends.
+//! `lashloop tied`: runs another program that ends with the bench, however the bench ends.
+//!
+//! A program of one process replaces this one, and the kernel kills it with the bench. A command of the user may start any
+//! number of processes, and the kernel ties only one to its parent. So this process stays as their guard: it waits for the
+//! end of the bench and of the command, and kills their process group. A process that leaves the group escapes.
 
+use std::convert::Infallible;
 use std::ffi::OsString;
-use std::io;
-use std::os::unix::process::CommandExt;
-use std::process::Command;
+use std::os::fd::AsFd;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::process::{Child, Command, ExitStatus};
+use std::{fs, io, process};
 
 use clap::Args;
 use lashloop_bench::verdict::Exit;
-use rustix::process::{Signal, set_parent_process_death_signal};
+use rustix::event::{PollFd, PollFlags, poll};
+use rustix::process::{
+    Pid, PidfdFlags, Resource, Rlimit, Signal, getpgrp, getpid, kill_process, kill_process_group, pidfd_open,
+    set_parent_process_death_signal, setrlimit,
+};
+use rustix::stdio::{dup2_stdin, dup2_stdout};
 use rustix::thread::{CpuSet, sched_setaffinity};
 
 use super::error::{CliError, system};
@@ -18,6 +29,10 @@ pub(crate) struct Arguments {
     #[arg(long)]
     core: Option<usize>,
 
+    /// Process number of the bench: stay as the guard of a program with descendants
+    #[arg(long, value_name = "PID")]
+    guard: Option<i32>,
+
     /// Program and its arguments
     #[arg(required = true, last = true)]
     program: Vec<OsString>,
@@ -25,17 +40,66 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self) -> Result<Exit, CliError> {
-        // A hung emulator ignores every other signal.
-        set_parent_process_death_signal(Some(Signal::KILL)).map_err(system("tie a program to the bench"))?;
         if let Some(core) = self.core {
             let mut cores = CpuSet::new();
             cores.set(core);
             sched_setaffinity(None, &cores).map_err(system("keep to one core"))?;
         }
-        let source = match self.program.split_first() {
-            Some((program, arguments)) => Command::new(program).args(arguments).exec(),
-            None => io::ErrorKind::InvalidInput.into(),
-        };
-        Err(CliError::System { what: "run the program", source })
+        let (program, arguments) = self.program.split_first().expect("clap requires a program");
+        let mut command = Command::new(program);
+        command.args(arguments);
+        let failed = |source| CliError::System { what: "run the program", source };
+        match self.guard.map(Pid::from_raw) {
+            Some(bench) => match guard(bench, &mut command).map_err(failed)? {},
+            None => {
+                // A hung emulator ignores every other signal.
+                set_parent_process_death_signal(Some(Signal::KILL))
+                    .map_err(system("tie a program to the bench"))?;
+                Err(failed(command.exec()))
+            }
+        }
     }
+}
+
+/// Runs the program and ends as it ends. If the bench ends first, kills the process group, this process included.
+fn guard(bench: Option<Pid>, command: &mut Command) -> io::Result<Infallible> {
+    // Without a process of this number the bench has ended already.
+    let bench = pidfd_open(bench.ok_or(io::ErrorKind::InvalidInput)?, PidfdFlags::empty())?;
+    let mut child = command.spawn()?;
+    let child_fd = pidfd_open(pid_of(&child), PidfdFlags::empty())?;
+    // The ends of the line belong to the program alone: once it closes them, the bench sees the end of the line.
+    let null = fs::File::options().read(true).write(true).open("/dev/null")?;
+    dup2_stdin(&null)?;
+    dup2_stdout(&null)?;
+    let has_ended = |fd: &dyn AsFd| -> io::Result<bool> {
+        let mut fds = [PollFd::from_borrowed_fd(fd.as_fd(), PollFlags::IN)];
+        Ok(poll(&mut fds, Some(&Default::default()))? > 0)
+    };
+    loop {
+        let mut fds = [PollFd::new(&bench, PollFlags::IN), PollFd::new(&child_fd, PollFlags::IN)];
+        match poll(&mut fds, None) {
+            Ok(_) | Err(rustix::io::Errno::INTR) => {}
+            Err(error) => return Err(error.into()),
+        }
+        if has_ended(&bench)? {
+            kill_process_group(getpgrp(), Signal::KILL)?;
+        }
+        if has_ended(&child_fd)? {
+            end_as(child.wait()?);
+        }
+    }
+}
+
+fn pid_of(child: &Child) -> Pid {
+    Pid::from_child(child)
+}
+
+/// Ends this process with the exit code or by the signal of another one.
+fn end_as(status: ExitStatus) -> ! {
+    if let Some(signal) = status.signal().and_then(Signal::from_named_raw) {
+        // The program has dumped its core; this one is of no interest.
+        let _ = setrlimit(Resource::Core, Rlimit { current: Some(0), maximum: Some(0) });
+        let _ = kill_process(getpid(), signal);
+    }
+    process::exit(status.code().unwrap_or_else(|| 128 + status.signal().unwrap_or(0)))
 }

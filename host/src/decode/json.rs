@@ -77,7 +77,10 @@ enum Content<'a> {
         signals: Option<Signals<'a>>,
         units: Units<'a>,
     },
-    Bad { error: String, bytes: String },
+    Bad {
+        error: String,
+        bytes: String,
+    },
 }
 
 struct Fields<'a>(&'a DecodedMessage);

@@ -57,7 +57,9 @@ impl Subscription {
         }
         let subscribed = (0..u32::BITS as u8).filter(|index| signals >> index & 1 == 1);
         let unknown = |index| Label { name: format!("signal {index}"), unit: String::new() };
-        subscribed.map(|index| self.described.get(&index).cloned().unwrap_or_else(|| unknown(index))).collect()
+        subscribed
+            .map(|index| self.described.get(&index).cloned().unwrap_or_else(|| unknown(index)))
+            .collect()
     }
 }
 

@@ -69,7 +69,12 @@ fn examine_steps(
     diagnoses.push(assessment::latency_timer(timer.as_ref()));
     let broken = |about| {
         let device = terminal.display().to_string();
-        move |source| Diagnosis::wrong(about, DeviceError::Session { device, source }.to_string())
+        move |source| {
+            Diagnosis::wrong(
+                about,
+                DeviceError::Session { device, stderr: String::new(), source }.to_string(),
+            )
+        }
     };
     diagnoses.push(assessment::drained());
     let mut session = Session::open(link, device::session_number()).map_err(broken("handshake"))?;

@@ -47,7 +47,6 @@ fn row(sheet: &mut String, offset: usize, field: &str, ty: &str, value: &str, by
 
 fn text_of(value: FieldValue) -> String {
     match value {
-        FieldValue::Flags(flags) => flags.iter().map(|flag| flag.to_string()).collect::<Vec<_>>().join("|"),
         FieldValue::Parameter(value) => format!("{} {value}", value.ty().name().to_lowercase()),
         value => value.to_string(),
     }

@@ -2,19 +2,32 @@
 
 use std::time::Duration;
 
+use lashloop_firmware::Laws;
+use lashloop_firmware::law::LawSet;
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{ParameterValue, State};
-use lashloop_protocol::message::{DescribeParameter, EncoderSample, SetParameter};
+use lashloop_protocol::message::{
+    DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EncoderSample, SetParameter, Subscribe,
+};
+use lashloop_protocol::parameter_names::CONTROLLER;
 
-use crate::host::{Host, SESSION, names, request, rest};
+use crate::host::{Host, index, names, refusal, request, rest};
 use crate::markdown::{section, table};
+use crate::two_laws::{OF_THE_SECOND_LAW, TwoLaws};
 
+/// A running drive whose telemetry follows every 10th torque.
 fn running_after(samples: u16) -> Host {
     let mut host = Host::running(&[]);
+    host.send(request("Subscribe"));
     for sequence in 0..samples {
         host.sample(sequence);
     }
     host
+}
+
+/// Parameter and choice of each documented case.
+fn unknown_choices() -> [(u8, u8); 3] {
+    [(255, 0), (index("k_p1"), 0), (index(CONTROLLER), Laws::NAMES.len() as u8)]
 }
 
 /// The drive's answers in a case of the document, one list for each way to reach the case.
@@ -38,14 +51,41 @@ fn answers(message: &str, case: &str) -> Vec<Vec<DriveMessage>> {
         ("Arm", "parameters don't go together") => {
             let mut host = Host::in_state(State::Idle);
             for (name, value) in
-                [("controller", ParameterValue::U32(2)), ("dead_zone_max_rad", ParameterValue::F32(0.1))]
+                [("controller", ParameterValue::U32(1)), ("dead_zone_max_rad", ParameterValue::F32(0.1))]
             {
-                host.send(SetParameter { index: crate::host::index(name), value });
+                host.send(SetParameter { index: index(name), value });
             }
-            vec![host.send(lashloop_protocol::message::Arm { session: SESSION })]
+            vec![host.send(request("Arm"))]
+        }
+        ("DescribeLaw", "unknown index") => {
+            vec![Host::in_state(State::Idle).send(DescribeLaw { index: Laws::NAMES.len() as u8 })]
+        }
+        ("DescribeSignal", "unknown index") => {
+            vec![Host::in_state(State::Idle).send(DescribeSignal { index: Laws::SIGNALS.len() as u8 })]
+        }
+        ("DescribeChoice", "unknown index") => unknown_choices()
+            .map(|(parameter, choice)| Host::in_state(State::Idle).send(DescribeChoice { parameter, choice }))
+            .into(),
+        ("Subscribe", "done, refused for any other reason") => {
+            let too_many = Subscribe { signals: u32::MAX, every: 1 };
+            State::ALL
+                .iter()
+                .flat_map(|state| {
+                    [request(message), too_many.into()].map(|it| Host::in_state(*state).send(it))
+                })
+                .collect()
+        }
+        ("Subscribe", "the law in force lacks a signal") => {
+            let subscribe = |state| Host::<TwoLaws>::with_laws_in_state(state).send(OF_THE_SECOND_LAW);
+            [State::Armed, State::Running].map(subscribe).into()
+        }
+        ("Arm", "the law in force lacks a subscribed signal") => {
+            let mut host = Host::<TwoLaws>::with_laws_in_state(State::Idle);
+            assert_eq!(refusal(&host.send(OF_THE_SECOND_LAW)), None);
+            vec![host.send(request("Arm"))]
         }
         ("Arm", "done, wrong state, wrong session")
-        | ("DescribeParameter", "known index")
+        | ("DescribeParameter" | "DescribeLaw" | "DescribeSignal" | "DescribeChoice", "known index")
         | ("GetParameter" | "SetParameter", "any index")
         | ("Start" | "Stop" | "EmergencyStop" | "ClearFault" | "Reset", "any") => everywhere(),
         ("EncoderSample", "Boot") => vec![Host::in_state(State::Boot).sample(0)],

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::time::Duration;
 
-use lashloop_firmware::drive::{BUILD_ID, Clock, Drive, FIRMWARE_VERSION};
+use lashloop_firmware::drive::{BUILD_ID, BUILD_IS_DIRTY, Clock, Drive, FIRMWARE_VERSION};
 use lashloop_protocol::message::Identity;
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 
@@ -42,7 +42,8 @@ fn script() -> Vec<(Side, Vec<u8>)> {
 fn of_this_build(frame: &[u8]) -> Vec<u8> {
     match Decoder::new().next(&mut &frame[..]) {
         Some(Ok(DriveMessage::Identity(identity))) => {
-            let identity = Identity { firmware: FIRMWARE_VERSION, build_id: BUILD_ID, ..identity };
+            let (firmware, build_id, dirty) = (FIRMWARE_VERSION, BUILD_ID, u8::from(BUILD_IS_DIRTY));
+            let identity = Identity { firmware, build_id, dirty, ..identity };
             DriveMessage::from(identity).frame().to_vec()
         }
         _ => frame.to_vec(),
@@ -75,6 +76,19 @@ fn the_drive_sends_the_documented_frames() {
 fn the_conversation_covers_handshake_to_stop() {
     let requests = script().into_iter().filter(|(side, _)| *side == Side::Host);
     let names: Vec<_> = requests.map(|(_, frame)| name_of(&frame)).collect();
-    let want = ["Hello", "SetParameter", "Arm", "Start", "EncoderSample", "EncoderSample", "Stop"];
+    let want = [
+        "Hello",
+        "DescribeLaw",
+        "DescribeSignal",
+        "DescribeParameter",
+        "DescribeChoice",
+        "SetParameter",
+        "Subscribe",
+        "Arm",
+        "Start",
+        "EncoderSample",
+        "EncoderSample",
+        "Stop",
+    ];
     assert_eq!(names, want);
 }

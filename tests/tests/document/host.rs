@@ -2,25 +2,29 @@
 
 use std::time::Duration;
 
+use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{Clock, Drive, ManualClock};
+use lashloop_firmware::law::LawSet;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
-    Arm, ClearFault, EmergencyStop, EncoderSample, GetParameter, Hello, Reset, SetParameter, Start, Stop,
+    Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
+    EncoderSample, GetParameter, Hello, Reset, SetParameter, Start, Stop, Subscribe,
 };
+use lashloop_protocol::parameter_names::CONTROLLER;
 use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message, PROTOCOL_VERSION};
 
 pub const SESSION: u32 = 7;
 pub const HELLO: Hello = Hello { protocol_version: PROTOCOL_VERSION, session: SESSION };
 
-pub struct Host {
-    pub drive: Drive,
+pub struct Host<L: LawSet = Laws> {
+    pub drive: Drive<L>,
     clock: ManualClock,
 }
 
-impl Host {
+impl<L: LawSet> Host<L> {
     /// A drive in this state, by the shortest sequence of requests.
-    pub fn in_state(state: State) -> Self {
-        let mut host = Self { drive: Drive::new("document"), clock: ManualClock::default() };
+    pub fn with_laws_in_state(state: State) -> Self {
+        let mut host = Self { drive: Drive::with_laws("document"), clock: ManualClock::default() };
         let requests: &[HostMessage] = &[
             HELLO.into(),
             Arm { session: SESSION }.into(),
@@ -38,18 +42,6 @@ impl Host {
             host.send(*request);
         }
         assert_eq!(host.drive.state(), state);
-        host
-    }
-
-    /// A running drive with these parameters.
-    pub fn running(parameters: &[(&str, ParameterValue)]) -> Self {
-        let mut host = Self::in_state(State::Idle);
-        for (name, value) in parameters {
-            host.send(SetParameter { index: index(name), value: *value });
-        }
-        host.send(Arm { session: SESSION });
-        host.send(Start { session: SESSION });
-        assert_eq!(host.drive.state(), State::Running);
         host
     }
 
@@ -85,6 +77,25 @@ impl Host {
     }
 }
 
+impl Host {
+    /// A Lashloop drive in this state.
+    pub fn in_state(state: State) -> Self {
+        Self::with_laws_in_state(state)
+    }
+
+    /// A running Lashloop drive with these parameters.
+    pub fn running(parameters: &[(&str, ParameterValue)]) -> Self {
+        let mut host = Self::in_state(State::Idle);
+        for (name, value) in parameters {
+            host.send(SetParameter { index: index(name), value: *value });
+        }
+        host.send(Arm { session: SESSION });
+        host.send(Start { session: SESSION });
+        assert_eq!(host.drive.state(), State::Running);
+        host
+    }
+}
+
 pub fn rest(sequence: u16) -> EncoderSample {
     let [motor_counts, load_counts] = [EncoderCounts::default(); 2];
     EncoderSample { sequence, motor_counts, load_counts, reference_rad: 0.0 }
@@ -92,9 +103,14 @@ pub fn rest(sequence: u16) -> EncoderSample {
 
 /// Index of the parameter of this name.
 pub fn index(name: &str) -> u8 {
-    let table = lashloop_firmware::drive::parameters::TABLE;
-    let index = table.iter().position(|entry| entry.name == name);
+    let index = Laws::PARAMETERS.iter().position(|parameter| parameter.name == name);
     index.unwrap_or_else(|| panic!("no parameter {name}")) as u8
+}
+
+/// The mask of the signals of these names.
+pub fn signals(names: &[&str]) -> u32 {
+    let index = |name: &&str| Laws::SIGNALS.iter().position(|signal| signal.name == *name);
+    names.iter().map(|name| 1 << index(name).unwrap_or_else(|| panic!("no signal {name}"))).sum()
 }
 
 /// What the document calls `request`; the part after the comma is a case of it.
@@ -104,10 +120,13 @@ pub fn request(name: &str) -> HostMessage {
         "Hello, same session" => HELLO.into(),
         "Hello, another session" => Hello { session: other, ..HELLO }.into(),
         "Hello, another version" => Hello { protocol_version: PROTOCOL_VERSION + 1, session: other }.into(),
-        "DescribeParameter" => lashloop_protocol::message::DescribeParameter { index: 0 }.into(),
+        "DescribeParameter" => DescribeParameter { index: 0 }.into(),
+        "DescribeLaw" => DescribeLaw { index: 0 }.into(),
+        "DescribeSignal" => DescribeSignal { index: 0 }.into(),
+        "DescribeChoice" => DescribeChoice { parameter: index(CONTROLLER), choice: 0 }.into(),
+        "Subscribe" => Subscribe { signals: signals(&["requested_torque_nm"]), every: 10 }.into(),
         "GetParameter" => GetParameter { index: 0 }.into(),
         "SetParameter" => set("k_p1", ParameterValue::F32(2.0)),
-        "SetParameter, live" => set("telemetry_every", ParameterValue::U32(5)),
         "Arm" => Arm { session: SESSION }.into(),
         "Arm, another session" => Arm { session: other }.into(),
         "Start" => Start { session: SESSION }.into(),

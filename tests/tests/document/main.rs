@@ -1,4 +1,4 @@
-//! `docs/protocol.md` against the drive: states, answers, sequences, faults, parameters and the conversation byte by byte; and
+//! `docs/protocol.md` against the drive: states, answers, sequences, faults, descriptions, telemetry and the conversation byte by byte; and
 //! the links of all documents.
 
 #[path = "../../../protocol/tests/wire/markdown.rs"]
@@ -11,3 +11,5 @@ mod links;
 mod parameters;
 mod sequence;
 mod states;
+mod subscriptions;
+mod two_laws;

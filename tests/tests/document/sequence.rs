@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use lashloop_firmware::drive::parameters::Parameters;
+use lashloop_firmware::law::DriveParameters;
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, TorqueFlags};
 
@@ -73,7 +73,7 @@ fn only_sequence_0_starts_a_run() {
 
 #[test]
 fn the_longest_default_gap_matches_the_document() {
-    let parameters = Parameters::default();
+    let parameters = DriveParameters::default();
     let speed = f64::from(parameters.motor_speed_limit_rad_s);
     let period_s = f64::from(parameters.period_us) * 1e-6;
     let counts_per_period = speed * period_s * f64::from(parameters.motor_counts_per_rev) / TAU;

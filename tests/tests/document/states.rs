@@ -22,6 +22,10 @@ fn every_request_in_every_state_matches_the_table() {
                 assert_eq!(state, State::Boot);
                 continue;
             }
+            if name == "SetParameter, live" {
+                // No parameter of this drive is live; the case of a drive with one is that of the Python drive.
+                continue;
+            }
             let mut host = Host::in_state(state);
             if state == State::Running {
                 let [motor_counts, load_counts] = [3000, 1000].map(EncoderCounts::wrapping);

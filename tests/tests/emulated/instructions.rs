@@ -14,7 +14,7 @@ use lashloop_bench::link::socket::Socket;
 use lashloop_bench::session::{Exchange, Session};
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::encoder::Encoder;
-use lashloop_plant::{Mechanics, Plant, Start};
+use lashloop_plant::{Mechanics, Start, TwoMass};
 use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::ControllerId;
 use lashloop_protocol::message::EncoderSample;

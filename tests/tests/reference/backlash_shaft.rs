@@ -4,7 +4,7 @@ use core::f64::consts::TAU;
 
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters, StribeckParameters};
 use lashloop_plant::hard_coulomb::HardCoulomb;
-use lashloop_plant::{Contact, DryFriction, Mechanics, Plant, Start, Truth};
+use lashloop_plant::{Contact, DryFriction, Mechanics, Start, Truth, TwoMass};
 
 use crate::closed_loop::{Ideal, Timing, regulate_to_zero, run};
 use crate::open_loop::{push_nm, pushed};
@@ -24,7 +24,7 @@ pub(crate) fn recorded_imbalance(truths: &[Truth]) -> f64 {
     truths.iter().map(imbalance_j).fold(0.0, f64::max) / turned_over_j
 }
 
-pub(crate) fn truths<P: Plant>(plant: &P, dt_s: f64, steps: usize) -> Vec<Truth> {
+pub(crate) fn truths<P: TwoMass>(plant: &P, dt_s: f64, steps: usize) -> Vec<Truth> {
     pushed(plant, dt_s, steps).into_iter().map(|(truth, _)| truth).collect()
 }
 

@@ -8,7 +8,7 @@ use lashloop_firmware::control::law::Law;
 use lashloop_firmware::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig};
 use lashloop_firmware::control::{Measurement, Real};
 use lashloop_plant::encoder::Encoder;
-use lashloop_plant::{Plant, Start, Truth};
+use lashloop_plant::{Start, Truth, TwoMass};
 
 use crate::trajectory::Row;
 

@@ -1,6 +1,6 @@
 //! The order of the integrator, with and without located events.
 
-use lashloop_plant::{Mechanics, Plant, PlantError, Start, Truth};
+use lashloop_plant::{Mechanics, PlantError, Start, Truth, TwoMass};
 
 use crate::closed_loop::{Ideal, Timing, regulate_to_zero, run};
 use crate::paper;
@@ -9,12 +9,12 @@ use crate::paper;
 const TIMING: Timing = Timing { periods: 8_000, ..Timing::RECORDED };
 
 /// Largest error of the motor position against a run with 64 substeps of the plant's own method.
-fn errors<P: Plant, const N: usize>(
+fn errors<P: TwoMass, const N: usize>(
     plant: impl Fn(u32) -> P,
-    best: &impl Plant,
+    best: &impl TwoMass,
     substeps: [u32; N],
 ) -> [f64; N] {
-    fn motor<P: Plant>(plant: &P) -> Vec<f64> {
+    fn motor<P: TwoMass>(plant: &P) -> Vec<f64> {
         let rows = run::<f64, _>(plant, paper::START, &paper::pd(), Ideal, regulate_to_zero, TIMING);
         rows.iter().map(|row| row.truth.motor_position_rad).collect()
     }
@@ -36,7 +36,7 @@ struct WithoutEvents {
     substeps: u32,
 }
 
-impl Plant for WithoutEvents {
+impl TwoMass for WithoutEvents {
     type State = [f64; 4];
 
     fn initial_state(&self, start: Start) -> [f64; 4] {
@@ -88,7 +88,7 @@ fn located_events_keep_the_order_across_mode_changes() {
 
 /// Asserts that the largest errors in rad at load and motor over 25 s, with 1, 4 and 16 substeps, lie below the bounds, but
 /// not far below.
-fn assert_errors<P: Plant>(plant: impl Fn(u32) -> P, bounds_rad: [[f64; 2]; 3]) {
+fn assert_errors<P: TwoMass>(plant: impl Fn(u32) -> P, bounds_rad: [[f64; 2]; 3]) {
     let rows = |substeps| {
         let law = paper::pd::<f64>();
         run(&plant(substeps), paper::START, &law, Ideal, regulate_to_zero, Timing::RECORDED)

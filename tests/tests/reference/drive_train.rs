@@ -9,7 +9,7 @@ use lashloop_firmware::control::backlash_inverse::{
 use lashloop_firmware::control::law::Law;
 use lashloop_firmware::control::nominal_model::NominalModel;
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
-use lashloop_plant::{Mechanics, Plant, PlantError, Start, TransportDelay, Truth};
+use lashloop_plant::{Mechanics, PlantError, Start, TransportDelay, Truth, TwoMass};
 
 use crate::closed_loop::{Quantised, Reference, Sensors, Timing, regulate_to_zero, run, slow_sine};
 use crate::paper;
@@ -21,7 +21,7 @@ struct Delayed<P> {
     delay_us: u32,
 }
 
-impl<P: Plant> Plant for Delayed<P> {
+impl<P: TwoMass> TwoMass for Delayed<P> {
     type State = (P::State, TransportDelay);
 
     fn initial_state(&self, start: Start) -> Self::State {

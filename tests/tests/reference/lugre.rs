@@ -2,8 +2,8 @@
 
 use core::f64::consts::PI;
 
-use lashloop_plant::backlash_shaft::{BristleParameters, Environment, ShaftParameters};
-use lashloop_plant::{PlantError, RunningPlant, Start, Truth};
+use lashloop_plant::backlash_shaft::{BristleParameters, ShaftParameters};
+use lashloop_plant::{Environment, PlantError, RunningPlant, Start, Truth};
 
 use crate::backlash_shaft::{recorded_imbalance, truths};
 use crate::closed_loop::{Ideal, Timing, regulate_to_zero, run};
@@ -22,7 +22,7 @@ fn under_load_torque(parameters: ShaftParameters, torque_nm: impl Fn(f64) -> f64
         RunningPlant::released(paper::backlash_shaft_with(parameters, 16), Start::at_rest(0.0, 0.0));
     for k in 0..steps {
         let load_torque_nm = torque_nm(f64::from(k) * 1e-3);
-        let environment = Environment { dead_zone_rad: 10.0, load_torque_nm };
+        let environment = Environment { gap_growth_rad: 9.0, load_torque_nm };
         plant.set_environment(environment).expect("in range");
         plant.step(0.0, 1e-3).expect("the plant steps");
     }

@@ -1,6 +1,6 @@
 //! A plant under an alternating open-loop torque.
 
-use lashloop_plant::{Plant, Start, Truth};
+use lashloop_plant::{Start, Truth, TwoMass};
 
 /// Seconds for which a push is held before it reverses.
 const PUSH_S: f64 = 0.4;
@@ -11,7 +11,7 @@ pub(crate) fn push_nm(time_s: f64) -> f64 {
 }
 
 /// The truth at every step of `dt_s`, from rest in the middle of the gap; `dt_s` divides [`PUSH_S`].
-pub(crate) fn pushed<P: Plant>(plant: &P, dt_s: f64, steps: usize) -> Vec<(Truth, f64)> {
+pub(crate) fn pushed<P: TwoMass>(plant: &P, dt_s: f64, steps: usize) -> Vec<(Truth, f64)> {
     let mut state = plant.initial_state(Start::at_rest(0.0, 0.0));
     let mut trajectory = Vec::with_capacity(steps + 1);
     for k in 0..=steps {

@@ -1,6 +1,6 @@
 //! Physical laws on the paper's plants: the smooth gap, and the hard gap with Coulomb friction.
 
-use lashloop_plant::{Contact, DryFriction, Mechanics, Plant, Start, Truth};
+use lashloop_plant::{Contact, DryFriction, Mechanics, Start, Truth, TwoMass};
 
 use crate::closed_loop::{Ideal, Timing, regulate_to_zero, run, slow_sine};
 use crate::open_loop::pushed;
@@ -18,7 +18,7 @@ fn mirrored(start: Start) -> Start {
 
 /// Largest imbalance between work, stored and dissipated energy along an open-loop run, as a fraction of the work turned
 /// over. The work of a held torque and of dry friction is exact from positions; viscous losses by Simpson's rule.
-fn energy_imbalance<P: Plant>(plant: &P, load_coulomb_nm: f64) -> f64 {
+fn energy_imbalance<P: TwoMass>(plant: &P, load_coulomb_nm: f64) -> f64 {
     let mechanics = Mechanics::paper();
     let dt_s = 1e-4;
     let trajectory = pushed(plant, dt_s, 40_000);

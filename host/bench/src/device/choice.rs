@@ -44,7 +44,17 @@ mod tests {
 
     #[test]
     fn every_kind_is_displayed_as_it_is_named() {
-        for name in ["inproc", "native", "qemu", "qemu:a.elf", "/dev/ttyACM0"] {
+        for name in [
+            "inproc",
+            "native",
+            "qemu",
+            "qemu:a.elf",
+            "exec:./drive --name 'a b' {tty}",
+            "tcp:localhost:4000",
+            "tcp:[::1]:4000",
+            "rfc2217:192.0.2.1:2217",
+            "/dev/ttyACM0",
+        ] {
             let choice: DeviceChoice = name.parse().expect("a device");
             assert_eq!(choice.to_string(), name);
         }
@@ -52,9 +62,18 @@ mod tests {
 
     #[test]
     fn an_unknown_name_is_refused_with_those_that_are_known() {
-        let known = "inproc, native, qemu, qemu:ELF or the path of a terminal like /dev/ttyACM0";
+        let known = "inproc, native, qemu, qemu:ELF, exec:CMD ARGS, tcp:HOST:PORT, rfc2217:HOST:PORT or the path \
+                     of a terminal like /dev/ttyACM0";
         assert_eq!("board".parse::<DeviceChoice>().map(drop), Err(format!("expected {known}")));
         let incomplete = "qemu:".parse::<DeviceChoice>().map(drop);
         assert_eq!(incomplete, Err("qemu: needs the path of an image after the colon".to_owned()));
+        for (name, problem) in [
+            ("tcp:here", "the port is missing"),
+            ("rfc2217:a:0", "a port is a number"),
+            ("exec:", "needs a command"),
+        ] {
+            let error = name.parse::<DeviceChoice>().map(drop).unwrap_err();
+            assert!(error.contains(problem), "{name}: {error}");
+        }
     }
 }

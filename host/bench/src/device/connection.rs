@@ -7,12 +7,13 @@ use lashloop_protocol::message::Identity;
 use super::choice::DeviceChoice;
 use super::drive_host::DriveHost;
 use super::error::DeviceError;
+use super::evidence::{Evidence, OpenFiles};
 use super::kind::Opened;
 use crate::link::uart_model::UartModel;
 use crate::link::{Link, LinkError};
 use crate::scenario::sections::LinkSettings;
 use crate::session::{SessionError, printable};
-use crate::supervisor::Supervisor;
+use crate::supervisor::{Process, Supervisor};
 
 /// A line that closes is often the first sign of a process that ends; the end itself follows within this time.
 const END_LIMIT: Duration = Duration::from_millis(500);
@@ -46,6 +47,7 @@ pub struct Connection {
     /// What runs the drive.
     pub host: DriveHost,
     modelled_baud: Option<u32>,
+    files: OpenFiles,
 }
 
 impl Connection {
@@ -63,11 +65,12 @@ impl Connection {
             choice.0.check_modelled_uart(baud)?;
         }
         let Opened { link, host } = choice.0.open(baud, supervisor)?;
+        let files = OpenFiles::open(choice.0.files(supervisor));
         let link = match modelled_baud {
             Some(baud) => Box::new(UartModel::new(link, baud)),
             None => link,
         };
-        Ok((link, Self { choice: choice.clone(), host, modelled_baud }))
+        Ok((link, Self { choice: choice.clone(), host, modelled_baud, files }))
     }
 
     /// The choice, the drive's identity and the modelled UART as one line of text.
@@ -82,6 +85,19 @@ impl Connection {
             identity.firmware,
             identity.build_id
         )
+    }
+
+    /// What casts doubt on the drive's origin, each in a sentence: an image or twin that is older than its sources, or of
+    /// another build than the bench.
+    #[must_use]
+    pub fn warnings(&self, identity: &Identity) -> Vec<String> {
+        self.files.warnings(identity)
+    }
+
+    /// The drive's origin, for the record. Reads and hashes the files that run as the drive.
+    #[must_use]
+    pub fn evidence(&self, identity: &Identity) -> Evidence {
+        self.files.evidence(identity)
     }
 
     /// An error of the session as an error of this device: with its name, and with the end of its process.
@@ -104,10 +120,13 @@ impl Connection {
                 name: process.name,
                 id: process.id,
                 status,
-                stderr: process.stderr_head(),
+                stderr: process.stderr(),
                 source: Box::new(source),
             },
-            None => DeviceError::Session { device, source },
+            None => {
+                let stderr = self.host.process().map(Process::stderr).unwrap_or_default();
+                DeviceError::Session { device, stderr, source }
+            }
         }
     }
 }

@@ -2,8 +2,6 @@
 
 use std::time::Duration;
 
-use rustix::process::{Pid, Signal, kill_process};
-
 use super::error::DeviceError;
 use crate::link::in_process::Suspension;
 use crate::supervisor::{Process, Program, Supervisor};
@@ -46,18 +44,9 @@ impl DriveHost {
     pub fn set_suspended(&self, is_suspended: bool) {
         match self {
             Self::InProcess(suspension) => suspension.set(is_suspended),
-            Self::Process(process) => {
-                signal(process, if is_suspended { Signal::STOP } else { Signal::CONT });
-            }
+            Self::Process(process) => process.set_suspended(is_suspended),
             Self::External => {}
         }
-    }
-}
-
-fn signal(process: &Process, signal: Signal) {
-    if let Some(pid) = Pid::from_raw(process.id.cast_signed()) {
-        // A process that has ended can't be signalled; the link reports its end.
-        let _ = kill_process(pid, signal);
     }
 }
 
@@ -68,5 +57,5 @@ pub(super) fn spawn(supervisor: &Supervisor, program: &Program) -> Result<Proces
 /// The error for a program that did not come up.
 pub(super) fn not_up(process: &Process) -> DeviceError {
     let _ = process.ended_within(END_LIMIT);
-    DeviceError::NotUp { name: process.name, stderr: process.stderr_head() }
+    DeviceError::NotUp { name: process.name, stderr: process.stderr() }
 }

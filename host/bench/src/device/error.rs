@@ -6,6 +6,8 @@ use std::process::ExitStatus;
 
 use lashloop_protocol::enums::State;
 
+use crate::link::rfc2217::NegotiationError;
+use crate::link::tcp::ConnectError;
 use crate::session::SessionError;
 
 /// Why a drive can't be reached or was lost: which side failed, and what to do.
@@ -21,20 +23,46 @@ pub enum DeviceError {
     },
     /// A UART is to be modelled on a line that has one.
     #[error(
-        "{}: a serial port has a UART of its own, at link.baud = {baud}; link.modelled_baud is for drives without one, so leave it 0 here",
-        path.display()
+        "{device}: a serial port has a UART of its own, at link.baud = {baud}; link.modelled_baud is for drives without one, so leave it 0 here"
     )]
     HasUart {
-        /// Path of the serial port.
-        path: PathBuf,
+        /// The serial port, as given to `--device`.
+        device: String,
         /// Speed of its UART, bit/s.
         baud: u32,
     },
     /// The firmware image is missing.
-    #[error("no image of the firmware at {}: build it with `cargo xtask image`", path.display())]
+    #[error(
+        "no image of the firmware at {}: build it with `cargo xtask image`, or name it by qemu:PATH or LASHLOOP_IMAGE",
+        listed(places)
+    )]
     NoImage {
-        /// The path that was tried.
-        path: PathBuf,
+        /// The paths that were tried, in this order.
+        places: Vec<PathBuf>,
+    },
+    /// The program of a command is missing or may not be executed.
+    #[error("{device}: {problem}")]
+    NoProgram {
+        /// The command, as given to `--device`.
+        device: String,
+        /// What is missing, and what to do.
+        problem: String,
+    },
+    /// The host of a TCP port can't be reached.
+    #[error("{device}: {source}")]
+    Connect {
+        /// The port, as given to `--device`.
+        device: String,
+        /// Why.
+        source: ConnectError,
+    },
+    /// The host was reached but does not serve its port by RFC 2217.
+    #[error("{device}: {source}")]
+    Negotiation {
+        /// The port, as given to `--device`.
+        device: String,
+        /// Why.
+        source: NegotiationError,
     },
     /// The emulator is not installed.
     #[error(
@@ -74,7 +102,7 @@ pub enum DeviceError {
         id: u32,
         /// Exit code or signal.
         status: ExitStatus,
-        /// The first lines of its standard error.
+        /// The lines of its standard error that matter most.
         stderr: String,
         /// Error of the session at the end of the process.
         source: Box<SessionError>,
@@ -88,10 +116,12 @@ pub enum DeviceError {
         problem: String,
     },
     /// The session failed.
-    #[error("drive on {device}: {source}{}", remedy(source))]
+    #[error("drive on {device}: {source}{}{}", remedy(source), quoted(stderr))]
     Session {
         /// The device, as given to `--device`.
         device: String,
+        /// The lines that its process has printed; empty for a drive without one.
+        stderr: String,
         /// Error of the session.
         source: SessionError,
     },
@@ -106,6 +136,10 @@ impl DeviceError {
             _ => false,
         }
     }
+}
+
+fn listed(places: &[PathBuf]) -> String {
+    places.iter().map(|place| place.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
 fn quoted(stderr: &str) -> String {

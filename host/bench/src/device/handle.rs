@@ -5,6 +5,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use super::choice::DeviceChoice;
 use super::connection::{Connection, LineSpeed};
 use super::error::DeviceError;
+use super::evidence::Evidence;
 use crate::link::Link;
 use crate::session::{Session, SessionError};
 use crate::supervisor::Supervisor;
@@ -50,6 +51,18 @@ impl Device {
     #[must_use]
     pub fn description(&self) -> String {
         self.connection.description(&self.session.identity)
+    }
+
+    /// What casts doubt on the drive's origin, see [`Connection::warnings`].
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        self.connection.warnings(&self.session.identity)
+    }
+
+    /// The drive's origin for the record, see [`Connection::evidence`].
+    #[must_use]
+    pub fn evidence(&self) -> Evidence {
+        self.connection.evidence(&self.session.identity)
     }
 
     /// An error of the session as an error of this device, see [`Connection::explain`].

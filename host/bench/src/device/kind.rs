@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::drive_host::DriveHost;
 use super::error::DeviceError;
+use super::evidence::DriveFiles;
 use crate::link::Link;
 use crate::supervisor::Supervisor;
 
@@ -26,6 +27,12 @@ pub trait DeviceKind: fmt::Debug + Send + Sync {
     fn check_modelled_uart(&self, baud: u32) -> Result<(), DeviceError> {
         let _ = baud;
         Ok(())
+    }
+
+    /// The files that run as the drive; none for a drive that the bench did not start.
+    fn files(&self, supervisor: &Supervisor) -> DriveFiles {
+        let _ = supervisor;
+        DriveFiles::default()
     }
 }
 

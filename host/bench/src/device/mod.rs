@@ -7,6 +7,8 @@
 //! | `choice` | [`DeviceChoice`]: the drive that a user names |
 //! | `kind` | [`DeviceKind`]: one way to reach a drive |
 //! | [`kinds`] | all of them, each in a file of its own |
+//! | `image` | where the image of the firmware is |
+//! | `evidence` | [`Evidence`]: the files that run as the drive, for the record |
 //! | `drive_host` | [`DriveHost`]: what runs the drive, and can suspend it |
 //! | [`twin`] | the native twin's own side: a drive served on a pseudo-terminal |
 
@@ -14,7 +16,9 @@ mod choice;
 mod connection;
 mod drive_host;
 mod error;
+mod evidence;
 mod handle;
+mod image;
 mod kind;
 pub mod kinds;
 pub mod twin;
@@ -23,6 +27,7 @@ pub use choice::DeviceChoice;
 pub use connection::{Connection, LineSpeed};
 pub use drive_host::DriveHost;
 pub use error::DeviceError;
+pub use evidence::{DriveFiles, Evidence, FileHash};
 pub use handle::{Device, session_number};
 pub use kind::{DeviceKind, Opened, ParsedKind, Syntax};
 pub use kinds::terminal::open_terminal;

@@ -10,7 +10,9 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use std::{io, panic, process, thread};
 
+use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{Clock, Drive, fault_frame};
+use lashloop_firmware::law::LawSet;
 use lashloop_protocol::enums::FaultCode;
 
 use crate::link::terminal::Terminal;
@@ -33,16 +35,24 @@ impl Twin {
         Ok(Self { terminal: Terminal::open()? })
     }
 
-    /// Runs the drive until the line breaks. A panic ends the process, as it ends the image: the torque is zero, and the
-    /// last frame on the line is the fault report.
+    /// Runs a drive with Lashloop's own laws, see [`Self::serve_laws`].
     ///
     /// # Errors
     /// Why the line broke.
     pub fn serve(&self) -> io::Result<()> {
+        self.serve_laws::<Laws>()
+    }
+
+    /// Runs a drive with these laws until the line breaks. A panic ends the process, as it ends the image: the torque is zero, and the
+    /// last frame on the line is the fault report.
+    ///
+    /// # Errors
+    /// Why the line broke.
+    pub fn serve_laws<L: LawSet>(&self) -> io::Result<()> {
         let line = &self.terminal.far_end;
         report_panics(line.try_clone()?);
         let shared = Shared {
-            drive: Mutex::new(Drive::new(BOARD)),
+            drive: Mutex::new(Drive::<L>::with_laws(BOARD)),
             changed: Condvar::new(),
             ended: AtomicBool::new(false),
             sending: Mutex::new(Vec::new()),
@@ -79,8 +89,8 @@ impl Clock for BootClock {
     }
 }
 
-struct Shared {
-    drive: Mutex<Drive>,
+struct Shared<L: LawSet> {
+    drive: Mutex<Drive<L>>,
     /// Notified when the next tick becomes earlier, and at the end.
     changed: Condvar,
     /// Whether the line broke.
@@ -90,8 +100,8 @@ struct Shared {
     clock: BootClock,
 }
 
-impl Shared {
-    fn drive(&self) -> MutexGuard<'_, Drive> {
+impl<L: LawSet> Shared<L> {
+    fn drive(&self) -> MutexGuard<'_, Drive<L>> {
         self.drive.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use lashloop_plant::{Environment, PlantValues};
+
 use super::schedule::{FaultGroups, Schedule};
 use crate::scenario::Scenario;
 use crate::scenario::fault::PlantFault;
@@ -10,17 +12,6 @@ use crate::scenario::plant::PlantSettings;
 /// The faults of the plant.
 pub struct PlantFaults(Vec<(Schedule, PlantFault)>);
 
-/// The plant as the active faults leave it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FaultyPlant {
-    /// Parameters of the plant.
-    pub settings: PlantSettings,
-    /// Growth of the gap's half width, rad.
-    pub growth_rad: f64,
-    /// External torque on the load, N m.
-    pub load_torque_nm: f64,
-}
-
 impl PlantFaults {
     /// The plant faults of a scenario.
     #[must_use]
@@ -28,40 +19,55 @@ impl PlantFaults {
         Self(FaultGroups::of(scenario).plant)
     }
 
-    /// The steps at which faults change the plant's parameters, each with the parameters from then on.
+    /// The steps at which faults change the values of the plant's keys, each with the values from then on.
     #[must_use]
-    pub fn changes(&self, healthy: &PlantSettings) -> Vec<(u32, PlantSettings)> {
+    pub fn changes(&self, healthy: &PlantSettings) -> Vec<(u32, PlantValues)> {
         let edges: BTreeSet<_> = self.0.iter().flat_map(|(schedule, _)| schedule.edges()).collect();
         let mut changes = Vec::new();
-        let mut before = healthy.clone();
+        let mut before = healthy.values.clone();
         for step in edges {
-            let settings = self.at(step, healthy).settings;
-            if settings != before {
-                changes.push((step, settings.clone()));
-                before = settings;
+            let values = self.values(step, healthy);
+            if values != before {
+                changes.push((step, values.clone()));
+                before = values;
             }
         }
         changes
     }
 
-    /// The plant in a step.
+    /// The values of the plant's keys in a step.
     #[must_use]
-    pub fn at(&self, step: u32, healthy: &PlantSettings) -> FaultyPlant {
-        let mut plant = FaultyPlant { settings: healthy.clone(), growth_rad: 0.0, load_torque_nm: 0.0 };
-        for (_, fault) in self.0.iter().filter(|(schedule, _)| schedule.contains(step)) {
-            match *fault {
-                PlantFault::GapGrowth { growth_rad } => plant.growth_rad += growth_rad,
-                PlantFault::LoadTorque { torque_nm } => plant.load_torque_nm += torque_nm,
-                PlantFault::StiffnessDrop { factor } => plant.settings.stiffness_nm_rad *= factor,
-                PlantFault::FrictionChange { factor } => {
-                    // The reader rejects this fault on every other plant.
-                    if let Some(shaft) = &mut plant.settings.backlash_shaft {
-                        shaft.load_coulomb_nm *= factor;
-                        shaft.load_stiction_nm *= factor;
-                    }
-                }
+    pub fn values(&self, step: u32, healthy: &PlantSettings) -> PlantValues {
+        let mut values = healthy.values.clone();
+        let changes = healthy.model.changes();
+        for fault in self.active(step) {
+            let (keys, factor) = match *fault {
+                PlantFault::GapGrowth { .. } | PlantFault::LoadTorque { .. } => continue,
+                PlantFault::StiffnessDrop { factor } => (changes.stiffness, factor),
+                PlantFault::FrictionChange { factor } => (changes.friction, factor),
+            };
+            for key in keys {
+                values.scale(key, factor);
             }
         }
-        plant
+        values
+    }
+
+    /// Growth of the gap and load torque in a step, in addition to those of the scenario.
+    #[must_use]
+    pub fn environment(&self, step: u32) -> Environment {
+        let mut environment = Environment::default();
+        for fault in self.active(step) {
+            match *fault {
+                PlantFault::GapGrowth { growth_rad } => environment.gap_growth_rad += growth_rad,
+                PlantFault::LoadTorque { torque_nm } => environment.load_torque_nm += torque_nm,
+                PlantFault::StiffnessDrop { .. } | PlantFault::FrictionChange { .. } => {}
+            }
+        }
+        environment
+    }
+
+    fn active(&self, step: u32) -> impl Iterator<Item = &PlantFault> {
+        self.0.iter().filter(move |(schedule, _)| schedule.contains(step)).map(|(_, fault)| fault)
     }
 }

@@ -1,4 +1,4 @@
-//! Waiting for a file descriptor until a deadline, in wall-clock time.
+//! Waits on file descriptors with a deadline, in wall-clock time.
 
 use std::os::fd::AsFd;
 use std::time::{Duration, Instant};
@@ -7,6 +7,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
 
 use super::LinkError;
+use super::error::WRITE_LIMIT;
 
 /// Time until the deadline; `None` once it has passed.
 pub(super) fn remaining(deadline: Instant) -> Option<Duration> {
@@ -25,4 +26,23 @@ pub(super) fn readable_by(line: impl AsFd, deadline: Instant) -> Result<bool, Li
             Err(error) => return Err(error.into()),
         }
     }
+}
+
+/// Writes all of `bytes` to a non-blocking `line`. A line that takes no byte for [`WRITE_LIMIT`] is stuck.
+pub(super) fn send_all(line: impl AsFd, mut bytes: &[u8]) -> Result<(), LinkError> {
+    while !bytes.is_empty() {
+        match rustix::io::write(&line, bytes) {
+            Ok(count) => bytes = &bytes[count..],
+            Err(Errno::INTR) => {}
+            Err(Errno::AGAIN) => {
+                let mut fds = [PollFd::new(&line, PollFlags::OUT)];
+                let limit = Timespec { tv_sec: WRITE_LIMIT.as_secs() as i64, tv_nsec: 0 };
+                if poll(&mut fds, Some(&limit))? == 0 {
+                    return Err(LinkError::Stuck);
+                }
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
+    Ok(())
 }

@@ -9,7 +9,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{Clock, Drive};
+use lashloop_firmware::law::LawSet;
 
 use super::{Link, LinkError, TimeBase};
 
@@ -53,9 +55,9 @@ impl Clock for DeviceClock {
     }
 }
 
-/// A link to a drive in this process.
-pub struct InProcess {
-    drive: Drive,
+/// A link to a drive with these laws in this process.
+pub struct InProcess<L: LawSet = Laws> {
+    drive: Drive<L>,
     /// The instant at device time zero.
     boot: Instant,
     clock: DeviceClock,
@@ -67,10 +69,10 @@ pub struct InProcess {
     from_drive: Vec<u8>,
 }
 
-impl Default for InProcess {
+impl<L: LawSet> Default for InProcess<L> {
     fn default() -> Self {
         Self {
-            drive: Drive::new(BOARD),
+            drive: Drive::with_laws(BOARD),
             boot: Instant::now(),
             clock: DeviceClock::Virtual { now: Duration::ZERO },
             suspension: Suspension::default(),
@@ -80,7 +82,7 @@ impl Default for InProcess {
     }
 }
 
-impl InProcess {
+impl<L: LawSet> InProcess<L> {
     /// Brings the drive to the present time, unless it is suspended: the watchdog first, then the bytes that wait.
     fn catch_up(&mut self) {
         if self.suspension.is_active() {
@@ -128,7 +130,7 @@ impl InProcess {
     }
 }
 
-impl Link for InProcess {
+impl<L: LawSet> Link for InProcess<L> {
     fn inner(&mut self) -> Option<&mut dyn Link> {
         None
     }

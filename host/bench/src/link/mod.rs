@@ -5,8 +5,11 @@
 //! | [`in_process`] | the drive in this process, called directly, with a virtual clock |
 //! | [`pty`] | a drive on a pseudo-terminal: the native twin or any other program |
 //! | [`serial`] | a drive on a serial port, by the `serialport` crate |
+//! | [`child_line`] | a drive that the bench started, on its standard input and output or on a pseudo-terminal |
 //! | [`socket`] | the emulator's UART |
-//! | [`reopening`] | a terminal that is opened again after it was disconnected |
+//! | [`tcp`] | a drive behind a TCP port |
+//! | [`rfc2217`] | a serial port of another machine, by telnet over TCP |
+//! | [`reopening`] | a terminal or TCP port that is opened again after it was disconnected |
 //! | [`uart_model`] | any of these but a serial port, as slow as a UART |
 //!
 //! [`terminal`] makes the pseudo-terminal that a drive serves.
@@ -14,14 +17,17 @@
 //! Every wait has a deadline, and the end of a line is an error of its own: a terminal whose far end is closed otherwise
 //! reads as silence for ever.
 
+pub mod child_line;
 mod contract;
 mod deadline;
 mod error;
 pub mod in_process;
 pub mod pty;
 pub mod reopening;
+pub mod rfc2217;
 pub mod serial;
 pub mod socket;
+pub mod tcp;
 pub mod terminal;
 pub mod uart_model;
 

@@ -15,8 +15,7 @@ use rustix::fs::{FlockOperation, Mode, OFlags, flock};
 use rustix::io::Errno;
 use rustix::termios::{OptionalActions, QueueSelector, Termios, tcflush, tcgetattr, tcsetattr, ttyname};
 
-use super::deadline::{readable_by, remaining};
-use super::error::WRITE_LIMIT;
+use super::deadline::{readable_by, remaining, send_all};
 use super::terminal::set_raw;
 use super::{Link, LinkError};
 
@@ -61,12 +60,6 @@ impl Pty {
         poll(&mut fds, Some(&Timespec { tv_sec: 0, tv_nsec: 0 }))?;
         Ok(fds[0].revents().intersects(PollFlags::HUP | PollFlags::ERR))
     }
-
-    fn wait_until_writable(&self) -> Result<(), LinkError> {
-        let mut fds = [PollFd::new(&self.writer, PollFlags::OUT)];
-        let limit = Timespec { tv_sec: WRITE_LIMIT.as_secs() as i64, tv_nsec: 0 };
-        if poll(&mut fds, Some(&limit))? == 0 { Err(LinkError::Stuck) } else { Ok(()) }
-    }
 }
 
 fn is_own_terminal(path: &Path) -> bool {
@@ -90,16 +83,8 @@ impl Link for Pty {
         None
     }
 
-    fn send(&mut self, mut bytes: &[u8]) -> Result<(), LinkError> {
-        while !bytes.is_empty() {
-            match rustix::io::write(&self.writer, bytes) {
-                Ok(count) => bytes = &bytes[count..],
-                Err(Errno::INTR) => {}
-                Err(Errno::AGAIN) => self.wait_until_writable()?,
-                Err(error) => return Err(error.into()),
-            }
-        }
-        Ok(())
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        send_all(&self.writer, bytes)
     }
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {

@@ -1,17 +1,15 @@
-//! A terminal that is opened again after it was disconnected: unplugged and plugged in, or closed and opened by a drive.
+//! A link that is opened again after it was disconnected: a board unplugged and plugged in, a terminal closed and opened by
+//! a drive, a TCP connection that a server closed.
 
-use std::path::PathBuf;
 use std::time::Instant;
 
 use super::{Link, LinkError};
 
-/// Opens the link at a path.
-pub type Open = Box<dyn FnMut(&PathBuf) -> std::io::Result<Box<dyn Link>> + Send>;
+type Open = Box<dyn FnMut() -> Option<Box<dyn Link>> + Send>;
 
-/// A link that is opened again, by the same path, when it is disconnected and its input is to be discarded: every session
+/// A link that is opened again, by the same name, when it is disconnected and its input is to be discarded: every session
 /// begins with that. Until then it stays disconnected, so that no request reaches another drive unnoticed.
 pub struct Reopening {
-    path: PathBuf,
     open: Open,
     link: Option<Box<dyn Link>>,
 }
@@ -21,9 +19,9 @@ impl Reopening {
     ///
     /// # Errors
     /// `open` fails.
-    pub fn new(path: PathBuf, mut open: Open) -> std::io::Result<Self> {
-        let link = Some(open(&path)?);
-        Ok(Self { path, open, link })
+    pub fn new<E>(mut open: impl FnMut() -> Result<Box<dyn Link>, E> + Send + 'static) -> Result<Self, E> {
+        let link = Some(open()?);
+        Ok(Self { open: Box::new(move || open().ok()), link })
     }
 
     fn with<T>(&mut self, act: impl FnOnce(&mut dyn Link) -> Result<T, LinkError>) -> Result<T, LinkError> {
@@ -51,7 +49,7 @@ impl Link for Reopening {
 
     fn discard_input(&mut self) -> Result<(), LinkError> {
         if self.link.is_none() {
-            self.link = (self.open)(&self.path).ok();
+            self.link = (self.open)();
         }
         self.with(|link| link.discard_input())
     }

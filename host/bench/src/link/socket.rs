@@ -1,8 +1,12 @@
-//! A Unix socket: the emulator's UART without the delays of its pseudo-terminal.
+//! A connected stream socket: the emulator's UART without the delays of its pseudo-terminal, or a TCP connection.
 
-use std::io::{self, Read, Write};
-use std::os::unix::net::UnixStream;
+use std::io;
+use std::os::fd::OwnedFd;
 use std::time::{Duration, Instant};
+
+use rustix::io::Errno;
+use rustix::net::sockopt::{Timeout, set_socket_timeout};
+use rustix::net::{RecvFlags, SendFlags, recv, send};
 
 use super::deadline::{readable_by, remaining};
 use super::error::WRITE_LIMIT;
@@ -12,20 +16,21 @@ use super::{Link, LinkError};
 /// waited for by poll.
 const SLICE: Duration = Duration::from_millis(50);
 
-/// A connected socket.
+/// A connected stream socket.
 pub struct Socket {
-    stream: UnixStream,
+    stream: OwnedFd,
 }
 
 impl Socket {
-    /// Takes over a connected stream.
+    /// Takes over a connected Unix or TCP stream.
     ///
     /// # Errors
     /// The system refused to set the time limits.
-    pub fn new(stream: UnixStream) -> io::Result<Self> {
-        stream.set_nonblocking(false)?;
-        stream.set_read_timeout(Some(SLICE))?;
-        stream.set_write_timeout(Some(WRITE_LIMIT))?;
+    pub fn new(stream: impl Into<OwnedFd>) -> io::Result<Self> {
+        let stream = stream.into();
+        rustix::io::ioctl_fionbio(&stream, false)?;
+        set_socket_timeout(&stream, Timeout::Recv, Some(SLICE))?;
+        set_socket_timeout(&stream, Timeout::Send, Some(WRITE_LIMIT))?;
         Ok(Self { stream })
     }
 }
@@ -35,8 +40,17 @@ impl Link for Socket {
         None
     }
 
-    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
-        self.stream.write_all(bytes).map_err(LinkError::of_write)
+    fn send(&mut self, mut bytes: &[u8]) -> Result<(), LinkError> {
+        while !bytes.is_empty() {
+            match send(&self.stream, bytes, SendFlags::NOSIGNAL) {
+                Ok(count) => bytes = &bytes[count..],
+                Err(Errno::INTR) => {}
+                // The time limit of the socket has passed.
+                Err(Errno::AGAIN) => return Err(LinkError::Stuck),
+                Err(error) => return Err(error.into()),
+            }
+        }
+        Ok(())
     }
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
@@ -45,12 +59,10 @@ impl Link for Socket {
             if is_near && !readable_by(&self.stream, deadline)? {
                 return Ok(0);
             }
-            match self.stream.read(buffer) {
+            match rustix::io::read(&self.stream, &mut *buffer) {
                 Ok(0) => return Err(LinkError::Disconnected),
                 Ok(count) => return Ok(count),
-                Err(error)
-                    if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted) =>
-                {
+                Err(Errno::AGAIN | Errno::INTR) => {
                     if remaining(deadline).is_none() {
                         return Ok(0);
                     }
@@ -63,13 +75,10 @@ impl Link for Socket {
     fn discard_input(&mut self) -> Result<(), LinkError> {
         // As much as a socket holds at most. A drive that fills it goes on sending, and the rest is no older.
         let mut rest = vec![0; 1 << 18];
-        self.stream.set_nonblocking(true)?;
-        let drained = match self.stream.read(&mut rest) {
-            Ok(0) => Err(LinkError::Disconnected),
-            Err(error) if error.kind() != io::ErrorKind::WouldBlock => Err(error.into()),
-            _ => Ok(()),
-        };
-        self.stream.set_nonblocking(false)?;
-        drained
+        match recv(&self.stream, &mut rest[..], RecvFlags::DONTWAIT) {
+            Ok((0, _)) => Err(LinkError::Disconnected),
+            Ok(_) | Err(Errno::AGAIN) => Ok(()),
+            Err(error) => Err(error.into()),
+        }
     }
 }

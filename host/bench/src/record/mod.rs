@@ -2,13 +2,15 @@
 //!
 //! | file | content | module |
 //! |---|---|---|
-//! | `trace.csv` | the plant's true state and the torque, one row per control step | [`trace`] |
+//! | `trace.csv` | the plant's true state, the torque and the drive's signals, one row per control step | [`trace`] |
+//! | `trace.json` | the columns of `trace.csv` with their units | [`trace`] |
 //! | `timing.csv` | timing of each control step | [`timing`] |
 //! | `summary.json` | the verdict and all that is needed to check and repeat it | [`summary`] |
 //!
-//! [`reader`] reads them back. Rows are written whole, and a summary takes its name only when it is complete, so that an
+//! [`reader`] reads them back, and [`columns`] holds them in memory. Rows are written whole, and a summary takes its name only when it is complete, so that an
 //! interrupted run leaves neither half a row nor half a summary.
 
+pub mod columns;
 pub mod digest;
 pub mod reader;
 pub mod row;

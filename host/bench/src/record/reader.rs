@@ -4,15 +4,21 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
+use lashloop_plant::Signal;
 use serde::Deserialize;
+use serde::de::DeserializeOwned;
 
-/// A table of numbers, read by columns.
+use super::columns::Columns;
+use super::summary::SUMMARY_FILE;
+use super::timing::TIMING_FILE;
+use super::trace::{COLUMNS_FILE, TRACE_FILE};
+
+/// A table of numbers from a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     path: PathBuf,
-    /// Names of the columns.
-    pub header: Vec<String>,
-    columns: Vec<Vec<f64>>,
+    /// The columns. Their units are in another file: [`Record::read`] adds those of the trace.
+    pub columns: Columns,
     /// Whether the last line had no end and was omitted.
     pub is_torn: bool,
 }
@@ -20,7 +26,7 @@ pub struct Table {
 /// The folder of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
-    /// `trace.csv`.
+    /// `trace.csv`, with the units of `trace.json`.
     pub trace: Table,
     /// `timing.csv`, if it exists.
     pub timing: Option<Table>,
@@ -102,7 +108,10 @@ pub enum ReadFault {
     Csv(#[from] csv::Error),
     /// Not a summary.
     #[error("is not the summary of a run: {0}")]
-    Summary(#[from] serde_json::Error),
+    Summary(serde_json::Error),
+    /// Not a list of columns.
+    #[error("is not the list of a trace's columns: {0}")]
+    Columns(serde_json::Error),
 }
 
 impl Table {
@@ -119,35 +128,40 @@ impl Table {
 
         let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(&text[..]);
         let header = reader.headers().map_err(|source| error(None, source.into()))?;
-        let header: Vec<String> = header.iter().map(str::to_owned).collect();
-        let mut columns = vec![Vec::new(); header.len()];
+        let signal = |name: &str| Signal { name: name.to_owned().into(), unit: "".into() };
+        let mut columns = Columns::new(header.iter().map(signal).collect());
+        let mut numbers = Vec::new();
         for row in reader.records() {
             let row =
                 row.map_err(|source| error(source.position().map(csv::Position::line), source.into()))?;
             let line = row.position().map(csv::Position::line);
-            if row.len() != header.len() {
-                return Err(error(line, ReadFault::Fields { found: row.len(), columns: header.len() }));
+            let width = columns.signals().len();
+            if row.len() != width {
+                return Err(error(line, ReadFault::Fields { found: row.len(), columns: width }));
             }
-            for ((field, name), column) in row.iter().zip(&header).zip(&mut columns) {
+            numbers.clear();
+            for (field, signal) in row.iter().zip(columns.signals()) {
                 let number = field.trim().parse().map_err(|_| {
-                    error(line, ReadFault::NotANumber { column: name.clone(), found: field.to_owned() })
+                    let column = signal.name.to_string();
+                    error(line, ReadFault::NotANumber { column, found: field.to_owned() })
                 })?;
-                column.push(number);
+                numbers.push(number);
             }
+            columns.push(numbers.iter().copied());
         }
-        Ok(Self { path: path.to_owned(), header, columns, is_torn })
+        Ok(Self { path: path.to_owned(), columns, is_torn })
     }
 
     /// Number of rows.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.columns.first().map_or(0, Vec::len)
+        self.columns.len()
     }
 
     /// Whether the table has no rows.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.columns.is_empty()
     }
 
     /// A column by its name.
@@ -155,11 +169,10 @@ impl Table {
     /// # Errors
     /// The table has no column of this name.
     pub fn column(&self, name: &str) -> Result<&[f64], ReadError> {
-        let at = self.header.iter().position(|column| column == name).ok_or_else(|| {
+        self.columns.get(name).ok_or_else(|| {
             let fault = ReadFault::Column { column: name.to_owned() };
             ReadError { path: self.path.clone(), line: None, fault }
-        })?;
-        Ok(&self.columns[at])
+        })
     }
 }
 
@@ -169,12 +182,17 @@ impl Record {
     /// # Errors
     /// `trace.csv` is missing or has no rows, or one of the files is unusable.
     pub fn read(folder: &Path) -> Result<Self, ReadError> {
-        let trace = Table::read(&folder.join("trace.csv"))?;
+        let mut trace = Table::read(&folder.join(TRACE_FILE))?;
         if trace.is_empty() {
             return Err(ReadError { path: trace.path, line: None, fault: ReadFault::Empty });
         }
-        let timing = if_it_exists(Table::read(&folder.join("timing.csv")))?;
-        let summary = if_it_exists(SummaryHead::read(&folder.join("summary.json")))?;
+        if let Some(list) = if_it_exists(ColumnList::read(&folder.join(COLUMNS_FILE)))? {
+            for ListedColumn { name, unit } in list.columns {
+                trace.columns.set_unit(&name, unit);
+            }
+        }
+        let timing = if_it_exists(Table::read(&folder.join(TIMING_FILE)))?;
+        let summary = if_it_exists(SummaryHead::read(&folder.join(SUMMARY_FILE)))?;
         Ok(Self { trace, timing, summary })
     }
 }
@@ -185,10 +203,35 @@ impl SummaryHead {
     /// # Errors
     /// The file can't be read or isn't a summary.
     pub fn read(path: &Path) -> Result<Self, ReadError> {
-        let error = |fault| ReadError { path: path.to_owned(), line: None, fault };
-        let text = fs::read(path).map_err(|source| error(source.into()))?;
-        serde_json::from_slice(&text).map_err(|source| error(source.into()))
+        read_json(path, ReadFault::Summary)
     }
+}
+
+/// The content of `trace.json`.
+#[derive(Debug, Deserialize)]
+struct ColumnList {
+    columns: Vec<ListedColumn>,
+}
+
+#[derive(Debug, Deserialize)]
+struct ListedColumn {
+    name: String,
+    unit: String,
+}
+
+impl ColumnList {
+    fn read(path: &Path) -> Result<Self, ReadError> {
+        read_json(path, ReadFault::Columns)
+    }
+}
+
+fn read_json<T: DeserializeOwned>(
+    path: &Path,
+    fault: fn(serde_json::Error) -> ReadFault,
+) -> Result<T, ReadError> {
+    let error = |fault| ReadError { path: path.to_owned(), line: None, fault };
+    let text = fs::read(path).map_err(|source| error(source.into()))?;
+    serde_json::from_slice(&text).map_err(|source| error(fault(source)))
 }
 
 fn if_it_exists<T>(read: Result<T, ReadError>) -> Result<Option<T>, ReadError> {

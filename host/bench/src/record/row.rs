@@ -4,8 +4,8 @@ use super::reader::{ReadError, Table};
 
 /// A row of numbers in a table with named columns.
 pub trait Row: Sized {
-    /// Names of the columns, in their order in the file.
-    const COLUMNS: &'static [&'static str];
+    /// Name and unit of each column, in their order in the file.
+    const COLUMNS: &'static [(&'static str, &'static str)];
 
     /// The values, in the order of [`COLUMNS`](Self::COLUMNS).
     fn values(&self) -> impl Iterator<Item = f64>;
@@ -17,12 +17,12 @@ pub trait Row: Sized {
     fn read(table: &Table) -> Result<Vec<Self>, ReadError>;
 }
 
-/// Declares a row. A column's name is that of its field; its unit is in the name.
+/// Declares a row. A column has the name of its field, then its unit.
 macro_rules! row {
     (
         $(#[$attribute:meta])*
         pub struct $row:ident {
-            $($(#[$doc:meta])* $column:ident,)+
+            $($(#[$doc:meta])* $column:ident: $unit:literal,)+
         }
     ) => {
         $(#[$attribute])*
@@ -32,7 +32,7 @@ macro_rules! row {
         }
 
         impl $crate::record::row::Row for $row {
-            const COLUMNS: &'static [&'static str] = &[$(stringify!($column)),+];
+            const COLUMNS: &'static [(&'static str, &'static str)] = &[$((stringify!($column), $unit)),+];
 
             fn values(&self) -> impl Iterator<Item = f64> {
                 [$(self.$column),+].into_iter()

@@ -3,14 +3,18 @@
 use std::io::Write;
 use std::path::Path;
 
+use lashloop_protocol::PROTOCOL_VERSION;
+use lashloop_protocol::message::Identity;
 use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
 
 use crate::atomic_file::WriteError;
 use crate::atomic_file::write_whole;
 use crate::fault::log::FaultRecord;
+use crate::session::Subscription;
 use crate::timing::TimingReport;
 use crate::verdict::{JudgedExpectation, LinkCounts, Verdict};
-use lashloop_plant::metrics::Metrics;
+use lashloop_plant::metrics::{Measured, Metric, Metrics};
 
 /// Summary of a run: one JSON object with its keys in this order.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -23,6 +27,8 @@ pub struct Summary {
     pub device: String,
     /// The control law.
     pub controller: String,
+    /// The telemetry subscribed.
+    pub telemetry: Telemetry,
     /// Seed of every random stream of the run.
     pub seed: u64,
     /// How the run ended: `complete`, or what interrupted it.
@@ -33,7 +39,8 @@ pub struct Summary {
     pub simulated_s: f64,
     /// Wall-clock time.
     pub wall_s: f64,
-    /// The metrics by name; null where there is no value.
+    /// The metrics by name, null where there is no value; then `metrics_without_value`, the reason of each null by name.
+    #[serde(flatten, serialize_with = "with_reasons")]
     pub metrics: Metrics,
     /// The expectations of the scenario with the values measured.
     pub expectations: Vec<JudgedExpectation>,
@@ -49,6 +56,16 @@ pub struct Summary {
     pub versions: Versions,
 }
 
+fn with_reasons<S: Serializer>(metrics: &Metrics, serializer: S) -> Result<S::Ok, S::Error> {
+    let reason = |(metric, measured): (Metric, Measured)| Some((metric.name(), measured.reason()?));
+    let reasons: serde_json::Map<_, _> =
+        metrics.iter().filter_map(reason).map(|(name, reason)| (name.to_owned(), reason.into())).collect();
+    let mut keys = serializer.serialize_map(None)?;
+    keys.serialize_entry("metrics", metrics)?;
+    keys.serialize_entry("metrics_without_value", &reasons)?;
+    keys.end()
+}
+
 /// Versions of everything that can change the result.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Versions {
@@ -58,7 +75,45 @@ pub struct Versions {
     pub protocol: String,
     /// The drive's firmware.
     pub firmware: String,
+    /// First 32 bits of the commit that the firmware was built from, in hexadecimal; null if the drive doesn't know it.
+    pub firmware_build: Option<String>,
+    /// Whether the firmware was built from a tree with changes that are not committed, or from an unknown one.
+    pub firmware_dirty: bool,
 }
+
+/// The telemetry that the drive sent.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Telemetry {
+    /// Its period in steps; 0 for none.
+    pub every_steps: u16,
+    /// Names of the signals, in the order of their columns.
+    pub signals: Vec<String>,
+}
+
+impl From<&Subscription> for Telemetry {
+    fn from(subscription: &Subscription) -> Self {
+        let signals = subscription.signals().iter().map(|it| it.signal.name.to_string()).collect();
+        Self { every_steps: subscription.every, signals }
+    }
+}
+
+impl Versions {
+    /// The versions of a run by this tool of the drive with this identity.
+    #[must_use]
+    pub fn of(identity: &Identity) -> Self {
+        let build = identity.build_id;
+        Self {
+            lashloop: env!("CARGO_PKG_VERSION").to_owned(),
+            protocol: PROTOCOL_VERSION.to_string(),
+            firmware: identity.firmware.to_string(),
+            firmware_build: (build != 0).then(|| format!("{build:08x}")),
+            firmware_dirty: identity.dirty != 0,
+        }
+    }
+}
+
+/// Name of the summary in the folder of a run.
+pub const SUMMARY_FILE: &str = "summary.json";
 
 impl Summary {
     /// Writes the summary to a temporary file in the same directory, then renames it, so that the name stands for a complete
@@ -80,29 +135,36 @@ mod tests {
     use std::os::unix::fs::PermissionsExt;
     use std::path::Path;
 
-    use super::{Summary, Versions};
+    use super::{Summary, Telemetry, Versions};
     use crate::scenario::expectation::Expectation;
     use crate::scenario::sections::Allowance;
     use crate::timing::{ClockName, Timings};
     use crate::verdict::{Judgement, LinkCounts};
-    use lashloop_plant::metrics::{Estimates, Measurement, Metric, Sample};
+    use lashloop_plant::Signal;
+    use lashloop_plant::metrics::{Measurement, Metric, Sample, SignalTable};
 
     fn summary() -> Summary {
-        let mut measurement = Measurement::new(0.5);
+        let signals = |names: [&'static str; 2], units: [&'static str; 2]| {
+            names.into_iter().zip(units).map(|(name, unit)| Signal::new(name, unit)).collect()
+        };
+        let table = SignalTable {
+            plant: signals(["dead_zone_rad", "disturbing_torque_nm"], ["rad", "N m"]),
+            drive: signals(["dead_zone_estimate_rad", "disturbing_torque_estimate_nm"], ["rad", "N m"]),
+        };
+        let mut measurement = Measurement::new(0.5, &table);
         for step in 0..4 {
             measurement.push(&Sample {
                 time_s: f64::from(step) * 0.5,
                 reference_rad: 0.0,
                 load_position_rad: 1.0 - 0.25 * f64::from(step),
+                motor_position_rad: 0.0,
                 torque_nm: -1.5,
-                estimates: Some(Estimates { dead_zone_rad: 0.16, disturbing_torque_nm: 0.0 }),
-                dead_zone_rad: 0.125,
-                disturbing_torque_nm: 0.0,
+                plant: &[0.125, 0.0],
+                drive: Some(&[0.16, 0.0]),
             });
         }
         let metrics = measurement.metrics();
-        let settle =
-            Expectation { metric: Metric::SettleTime, unit: "s", min: None, max: Some(2.0), note: None };
+        let settle = Expectation::of_metric(Metric::SettleTime, None, Some(2.0));
         let link = LinkCounts { frames_sent: 4, frames_received: 4, ..LinkCounts::default() };
         let timing = Timings::new(ClockName::Lockstep, 1_000, 0).report(Vec::new());
         let judgement = Judgement::new(&[settle], &metrics, &Allowance::default(), &link, &timing);
@@ -111,6 +173,7 @@ mod tests {
             scenario: "scenarios/smooth-before.toml".to_owned(),
             device: "native twin".to_owned(),
             controller: "pd".to_owned(),
+            telemetry: Telemetry { every_steps: 10, signals: vec!["dead_zone_estimate_rad".to_owned()] },
             seed: 1,
             end: "complete".to_owned(),
             steps: 4,
@@ -126,6 +189,8 @@ mod tests {
                 lashloop: "0.1.0".to_owned(),
                 protocol: "1".to_owned(),
                 firmware: "0.1.0".to_owned(),
+                firmware_build: Some("0123abcd".to_owned()),
+                firmware_dirty: true,
             },
         }
     }
@@ -141,6 +206,12 @@ mod tests {
           "scenario": "scenarios/smooth-before.toml",
           "device": "native twin",
           "controller": "pd",
+          "telemetry": {
+            "every_steps": 10,
+            "signals": [
+              "dead_zone_estimate_rad"
+            ]
+          },
           "seed": 1,
           "end": "complete",
           "steps": 4,
@@ -208,7 +279,9 @@ mod tests {
           "versions": {
             "lashloop": "0.1.0",
             "protocol": "1",
-            "firmware": "0.1.0"
+            "firmware": "0.1.0",
+            "firmware_build": "0123abcd",
+            "firmware_dirty": true
           }
         }
         "#);

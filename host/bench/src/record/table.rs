@@ -4,47 +4,50 @@
 //! an interrupted run leaves whole rows. This is ours because `csv::Writer` writes its buffer whenever the buffer is full,
 //! in the middle of a row if need be, and emits the header with the first row only.
 
-use std::marker::PhantomData;
 use std::path::Path;
 
-use super::row::Row;
 use crate::atomic_file::{GrowingFile, WriteError};
 
-/// Writes a table of rows `R`. [`finish`](Self::finish) reports whether the last rows were written; a dropped writer writes
-/// them too, but can't report an error.
+/// Writes a table. [`finish`](Self::finish) reports whether the last rows were written; a dropped writer writes them too,
+/// but can't report an error.
 #[derive(Debug)]
-pub struct TableWriter<R> {
+pub struct TableWriter {
     file: GrowingFile,
     flush_rows: u32,
     pending: Vec<u8>,
     pending_rows: u32,
-    row: PhantomData<fn(&R)>,
 }
 
-impl<R: Row> TableWriter<R> {
+impl TableWriter {
     /// Creates the file with its header, in place of an older one. `flush_rows` is the number of rows per chunk; 0 counts
     /// as 1.
     ///
     /// # Errors
     /// The file can't be created or the header can't be written.
-    pub fn create(path: &Path, flush_rows: u32) -> Result<Self, WriteError> {
-        let header = R::COLUMNS.join(",") + "\n";
+    pub fn create<'a>(
+        path: &Path,
+        header: impl IntoIterator<Item = &'a str>,
+        flush_rows: u32,
+    ) -> Result<Self, WriteError> {
+        let mut line = csv::Writer::from_writer(Vec::new());
+        // A Vec takes every byte.
+        let _ = line.write_record(header);
+        let line = line.into_inner().unwrap_or_default();
         Ok(Self {
-            file: GrowingFile::create(path, ".table-", header.as_bytes())?,
+            file: GrowingFile::create(path, ".table-", &line)?,
             flush_rows,
             pending: Vec::new(),
             pending_rows: 0,
-            row: PhantomData,
         })
     }
 
-    /// Appends a row.
+    /// Appends a row: the values in the order of the header.
     ///
     /// # Errors
     /// A chunk is complete and can't be written. Its rows are lost, those before are kept.
-    pub fn push(&mut self, row: &R) -> Result<(), WriteError> {
+    pub fn push(&mut self, row: impl IntoIterator<Item = f64>) -> Result<(), WriteError> {
         let mut number = zmij::Buffer::new();
-        for value in row.values() {
+        for value in row {
             self.pending.extend_from_slice(number.format(value).as_bytes());
             self.pending.push(b',');
         }
@@ -62,9 +65,7 @@ impl<R: Row> TableWriter<R> {
     pub fn finish(mut self) -> Result<(), WriteError> {
         self.flush()
     }
-}
 
-impl<R> TableWriter<R> {
     fn flush(&mut self) -> Result<(), WriteError> {
         let result = self.file.append(&self.pending);
         self.pending.clear();
@@ -73,7 +74,7 @@ impl<R> TableWriter<R> {
     }
 }
 
-impl<R> Drop for TableWriter<R> {
+impl Drop for TableWriter {
     fn drop(&mut self) {
         // `finish` reports this error.
         let _ = self.flush();

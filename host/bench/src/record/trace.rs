@@ -1,72 +1,105 @@
-//! `trace.csv`: the plant's true state and the torque, one row per control step.
+//! `trace.csv`: the plant's true state, the torque and the drive's signals, one row per control step.
 //!
-//! The trace doesn't depend on the link or on timing, which are in [`timing`](super::timing).
+//! | columns, in this order | content |
+//! |---|---|
+//! | those of [`TraceRow`] | what every run has |
+//! | the signals of the plant | its truth at `time_s` |
+//! | `drive.NAME` for each signal subscribed | the latest telemetry, repeated until the next; NaN before the first |
+//! | `telemetry_time_s` | time of the sample that the drive's signals belong to; NaN before the first telemetry |
+//!
+//! `trace.json` lists the columns with their units. The trace doesn't depend on the link or on timing, which are in
+//! [`timing`](super::timing).
 
-use super::row::row;
+use std::borrow::Cow;
+use std::io::Write;
+use std::path::Path;
+
+use lashloop_plant::Signal;
+use lashloop_plant::metrics::{DRIVE_PREFIX, SignalTable};
+use serde::Serialize;
+
+use super::row::{Row, row};
 use super::table::TableWriter;
+use crate::atomic_file::{WriteError, write_whole};
 
 row! {
-    /// One control step. Positions, velocities and torques are the true ones at `time_s`, unless the column is an estimate.
+    /// The columns that every trace has. Positions are the true ones at `time_s`.
     pub struct TraceRow {
         /// Time of the run.
-        time_s,
+        time_s: "s",
         /// Commanded load position.
-        reference_rad,
+        reference_rad: "rad",
         /// Load position theta_s.
-        load_position_rad,
-        /// Load velocity.
-        load_velocity_rad_s,
+        load_position_rad: "rad",
         /// Motor position theta_e.
-        motor_position_rad,
-        /// Motor velocity.
-        motor_velocity_rad_s,
+        motor_position_rad: "rad",
         /// Torque U, held from `time_s` on.
-        torque_nm,
-        /// Torque C through gap and spring.
-        transmitted_torque_nm,
-        /// Motor position minus reduced load position, z.
-        twist_rad,
-        /// The drive's estimate of the half gap j0.
-        dead_zone_estimate_rad,
-        /// Half gap j0.
-        dead_zone_rad,
-        /// Position in the gap, theta_b.
-        gap_position_rad,
-        /// Side in contact: -1, 0 or 1.
-        contact,
-        /// Motor torque after delay, saturation and lag; at a jump, the torque before it.
-        motor_torque_nm,
-        /// External torque on the load.
-        load_torque_nm,
-        /// Dry friction on the load, positive against positive motion.
-        load_dry_friction_nm,
-        /// Dry friction on the motor, positive against positive motion.
-        motor_dry_friction_nm,
-        /// 1 while the load sticks, else 0.
-        load_sticks,
-        /// 1 while the motor sticks, else 0.
-        motor_sticks,
-        /// Energy stored in masses, spring and bristles.
-        stored_energy_j,
-        /// Energy supplied by motor and load torque since the start: stored plus dissipated energy, less the energy stored at
-        /// the start.
-        supplied_energy_j,
-        /// Energy dissipated by friction and damping since the start.
-        dissipated_energy_j,
-        /// Disturbing torque w = C - K z.
-        disturbing_torque_nm,
-        /// The drive's estimate of w.
-        disturbing_torque_estimate_nm,
-        /// Motor position minus the one that the load loop commands, from the drive's telemetry.
-        motor_error_rad,
-        /// Time of the sample that estimates and motor error belong to. Telemetry arrives every n-th step, and the last one is
-        /// repeated until the next.
-        estimate_time_s,
+        torque_nm: "N m",
     }
 }
 
-/// Writes a trace.
-pub type TraceWriter = TableWriter<TraceRow>;
+/// Name of the last column.
+pub const TELEMETRY_TIME: &str = "telemetry_time_s";
+
+/// Name and unit of each column of a run with these signals.
+#[must_use]
+pub fn columns(signals: &SignalTable) -> Vec<Signal> {
+    let fixed = TraceRow::COLUMNS.iter().map(|(name, unit)| named(*name, *unit));
+    let drive = signals.drive.iter().map(|it| named(format!("{DRIVE_PREFIX}{}", it.name), it.unit.clone()));
+    fixed.chain(signals.plant.iter().cloned()).chain(drive).chain([named(TELEMETRY_TIME, "s")]).collect()
+}
+
+fn named(name: impl Into<Cow<'static, str>>, unit: impl Into<Cow<'static, str>>) -> Signal {
+    Signal { name: name.into(), unit: unit.into() }
+}
+
+/// Writes a trace and the list of its columns.
+#[derive(Debug)]
+pub struct TraceWriter(TableWriter);
+
+impl TraceWriter {
+    /// Creates `trace.json` and `trace.csv` in `folder`, in place of older ones. `flush_rows` is the number of rows per
+    /// chunk.
+    ///
+    /// # Errors
+    /// A file can't be created or written.
+    pub fn create(folder: &Path, signals: &SignalTable, flush_rows: u32) -> Result<Self, WriteError> {
+        let columns = columns(signals);
+        write_whole(&folder.join(COLUMNS_FILE), ".columns-", |file| {
+            serde_json::to_writer_pretty(&mut *file, &ColumnList { columns: &columns })?;
+            file.write_all(b"\n")
+        })?;
+        let header = columns.iter().map(|column| &*column.name);
+        TableWriter::create(&folder.join(TRACE_FILE), header, flush_rows).map(Self)
+    }
+
+    /// Appends a row: the values of [`columns`].
+    ///
+    /// # Errors
+    /// As [`TableWriter::push`].
+    pub fn push(&mut self, row: impl IntoIterator<Item = f64>) -> Result<(), WriteError> {
+        self.0.push(row)
+    }
+
+    /// Writes the pending rows.
+    ///
+    /// # Errors
+    /// The rows can't be written.
+    pub fn finish(self) -> Result<(), WriteError> {
+        self.0.finish()
+    }
+}
+
+/// Name of the trace in the folder of a run.
+pub const TRACE_FILE: &str = "trace.csv";
+/// Name of the list of its columns.
+pub const COLUMNS_FILE: &str = "trace.json";
+
+/// The content of `trace.json`.
+#[derive(Debug, Serialize)]
+struct ColumnList<'a> {
+    columns: &'a [Signal],
+}
 
 #[cfg(test)]
 mod tests;

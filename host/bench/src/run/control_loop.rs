@@ -14,11 +14,11 @@ use super::held_torque::HeldTorque;
 use super::outcome::End;
 use super::phase::{Phase, Request};
 use super::simulator::Simulator;
-use super::step_sink::{Step, StepSink};
+use super::step::{DriveValues, Observation, Step};
+use super::step_sink::StepSink;
 use super::{reconnect, setup};
 use crate::device::Device;
 use crate::fault::timeline::Timeline;
-use crate::record::trace::TraceRow;
 use crate::scenario::Scenario;
 use crate::session::{Exchange, SessionError};
 use crate::timing::{ClockName, RoundTrip, StepOutcome, StepTiming};
@@ -35,8 +35,20 @@ pub(super) struct ControlLoop<'a, S> {
     /// When the first sample was sent that has no answer yet, in the link's time.
     silent_since: Option<Instant>,
     pub(super) counts: Counts,
+    /// Signals that the drive sends in a telemetry.
+    drive_signals: usize,
     /// The last step. Its telemetry follows its torque, so it is complete only with the next one.
     unfinished: Option<Step>,
+}
+
+/// What the loop knows of its clock and of the drive.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LoopSettings {
+    pub(super) clock: ClockName,
+    /// The drive's watchdog in real time; `None` in lockstep.
+    pub(super) watchdog: Option<Duration>,
+    /// Signals that the drive sends in a telemetry.
+    pub(super) drive_signals: usize,
 }
 
 /// What the loop counts.
@@ -54,15 +66,15 @@ pub(super) struct Counts {
 type Exchanged = ControlFlow<End, (StepOutcome, Option<RoundTrip>)>;
 
 impl<'a, S: StepSink> ControlLoop<'a, S> {
-    /// The loop for a drive that is about to be started. `watchdog` is the drive's in real time, `None` in lockstep.
+    /// The loop for a drive that is about to be started.
     pub(super) fn new(
         scenario: &'a Scenario,
         simulator: Simulator,
         timeline: Timeline,
-        clock: ClockName,
-        watchdog: Option<Duration>,
+        settings: LoopSettings,
         sink: S,
     ) -> Self {
+        let LoopSettings { clock, watchdog, drive_signals } = settings;
         let period = Duration::from_micros(scenario.run.control_period_us.into());
         Self {
             scenario,
@@ -74,6 +86,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
             torque: HeldTorque::new(period, watchdog),
             silent_since: None,
             counts: Counts::default(),
+            drive_signals,
             unfinished: None,
         }
     }
@@ -93,7 +106,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
             return Ok(Some(end));
         }
         self.begin(step, device)?;
-        let (sample, row) = self.simulator.observe(step)?;
+        let (sample, observation) = self.simulator.observe(step)?;
         let exchanged = match self.phase.request(step, sample, &self.simulator)? {
             Some(request) => self.exchange(&request, deadline, device)?,
             // The drive was lost again or started too late: the next step retries the start.
@@ -103,7 +116,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
             ControlFlow::Break(end) => Ok(Some(end)),
             ControlFlow::Continue((outcome, round_trip)) => {
                 self.finish(device)?;
-                self.hold(step, row, StepTiming { lateness, outcome, round_trip })?;
+                self.hold(step, observation, StepTiming { lateness, outcome, round_trip })?;
                 Ok(None)
             }
         }
@@ -112,26 +125,32 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
     /// Makes a step without an exchange: holds the last torque.
     pub(super) fn miss(&mut self, step: u32, device: &mut Device) -> Result<(), RunError> {
         self.begin(step, device)?;
-        let (_, row) = self.simulator.observe(step)?;
+        let (_, observation) = self.simulator.observe(step)?;
         self.finish(device)?;
         self.hold(
             step,
-            row,
+            observation,
             StepTiming { lateness: Duration::ZERO, outcome: StepOutcome::Missed, round_trip: None },
         )
     }
 
-    /// Passes the last step on, with the drive's latest estimates.
+    /// Passes the last step on, with the drive's latest signals.
     pub(super) fn finish(&mut self, device: &Device) -> Result<(), RunError> {
         let Some(mut step) = self.unfinished.take() else { return Ok(()) };
         if let Some((telemetry, origin)) = device.session.line.telemetry.zip(self.phase.origin()) {
-            let row = &mut step.row;
-            row.dead_zone_estimate_rad = telemetry.dead_zone_estimate_rad.into();
-            row.disturbing_torque_estimate_nm = telemetry.disturbing_torque_nm.into();
-            row.motor_error_rad = telemetry.motor_error_rad.into();
+            let sent = telemetry.values.as_slice();
+            if sent.len() != step.drive.values.len() {
+                let (have, want) = (sent.len(), step.drive.values.len());
+                return Err(device
+                    .unfit(format!("its telemetry has {have} signals; {want} are subscribed"))
+                    .into());
+            }
+            for (value, sent) in step.drive.values.iter_mut().zip(sent) {
+                *value = f64::from(*sent);
+            }
             // Not as integers: a drive may send any sequence number.
-            let estimated_step = f64::from(origin) + f64::from(telemetry.step);
-            row.estimate_time_s = estimated_step * self.scenario.run.control_period_s();
+            let sent_at = f64::from(origin) + f64::from(telemetry.step);
+            step.drive.time_s = Some(sent_at * self.scenario.run.control_period_s());
         }
         self.sink.take(step)
     }
@@ -239,10 +258,11 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
     }
 
     /// Lets the plant go on for a period under the torque of the step.
-    fn hold(&mut self, step: u32, mut row: TraceRow, timing: StepTiming) -> Result<(), RunError> {
+    fn hold(&mut self, step: u32, observed: Observation, timing: StepTiming) -> Result<(), RunError> {
         let torque_nm = self.torque.advance(timing.outcome == StepOutcome::Answered);
+        let Observation { mut row, plant } = observed;
         row.torque_nm = torque_nm.into();
-        self.unfinished = Some(Step { row, timing });
+        self.unfinished = Some(Step { row, plant, drive: DriveValues::unknown(self.drive_signals), timing });
         self.counts.steps += 1;
         Ok(self.simulator.step(step, torque_nm)?)
     }

@@ -5,14 +5,14 @@ use lashloop_plant::{ParameterError, PlantError};
 use crate::atomic_file::WriteError;
 use crate::device::DeviceError;
 use crate::fault::timeline::UnsupportedFault;
-use crate::scenario::ScenarioError;
+use crate::scenario::{ScenarioError, ScenarioErrors};
 
 /// Why a run could not be started or finished.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// The drive does not take a setting of the scenario.
+    /// The drive does not take settings of the scenario.
     #[error(transparent)]
-    Scenario(#[from] ScenarioError),
+    Scenario(#[from] ScenarioErrors),
     /// The drive's parameters contradict each other.
     #[error(
         "the drive reports \"{log}\": change [controller.parameters], [encoders] or [run] in the scenario"
@@ -57,4 +57,10 @@ pub enum RunError {
     /// The system can't pace the run.
     #[error("the system can't keep time: {0}")]
     Pace(#[from] std::io::Error),
+}
+
+impl From<ScenarioError> for RunError {
+    fn from(error: ScenarioError) -> Self {
+        Self::Scenario(error.into())
+    }
 }

@@ -5,7 +5,7 @@
 //! | `runner` | from a scenario and a device to a verdict: [`run`] |
 //! | `device_under_test` | the device with the faults on its link |
 //! | [`mod@simulator`] | the simulated side of the loop: plant, encoders, reference |
-//! | `plant_from_scenario` | the plant that a scenario describes |
+//! | `drive_settings` | what a scenario sets on a drive, checked against its description |
 //! | [`setup`] | applies the scenario's settings to the drive |
 //! | `lockstep` | paces the loop by the drive: the plant waits for it |
 //! | [`real_time`] | paces the loop by the wall clock |
@@ -13,23 +13,25 @@
 //! | `phase` | where the drive is in the run: started, running, restarting |
 //! | `held_torque` | the torque on the motor while answers stay out |
 //! | `reconnect` | getting a lost drive back |
+//! | `step` | a finished step: truth, torque, the drive's signals, timing |
 //! | `step_sink`, `step_recorder` | where finished steps go, and what is computed from them |
 //! | [`outcome`] | the end of a run and its verdict |
 //! | `error` | why a run fails |
 
 mod control_loop;
 mod device_under_test;
+mod drive_settings;
 mod error;
 mod held_torque;
 mod lockstep;
 pub mod outcome;
 mod phase;
-mod plant_from_scenario;
 pub mod real_time;
 mod reconnect;
 mod runner;
 pub mod setup;
 pub mod simulator;
+mod step;
 mod step_recorder;
 mod step_sink;
 
@@ -37,4 +39,5 @@ pub use device_under_test::DeviceUnderTest;
 pub use error::RunError;
 pub use outcome::{End, Outcome};
 pub use runner::{Clock, run};
-pub use step_sink::{Step, StepObserver};
+pub use step::{DriveValues, Observation, Step, TruthValues};
+pub use step_sink::StepObserver;

@@ -10,7 +10,7 @@ use crate::session::AtStep;
 use crate::timing::TimingReport;
 use crate::verdict::{Judgement, LinkCounts, Verdict};
 use lashloop_plant::PlantError;
-use lashloop_plant::metrics::Metrics;
+use lashloop_plant::metrics::{Metrics, SignalTable};
 
 /// How a run ended.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,6 +109,8 @@ pub struct Outcome {
     pub torque_sha256: String,
     /// The drive's log texts.
     pub logs: Vec<String>,
+    /// The signals of plant and drive that every step has a value for.
+    pub signals: SignalTable,
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! From a scenario and a device to a verdict.
 
 use std::sync::atomic::AtomicBool;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use super::control_loop::{ControlLoop, Counts};
+use super::control_loop::{ControlLoop, Counts, LoopSettings};
 use super::device_under_test::DeviceUnderTest;
 use super::error::RunError;
 use super::outcome::{End, Outcome};
@@ -20,6 +20,8 @@ use crate::scenario::Scenario;
 use crate::session::{Session, Traffic};
 use crate::timing::ClockName;
 use crate::verdict::{Judgement, LinkCounts};
+use lashloop_plant::PlantError;
+use lashloop_plant::metrics::SignalTable;
 
 /// What paces a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -60,24 +62,28 @@ pub fn run(
         Clock::Lockstep => TimeBase::Virtual,
         Clock::RealTime(_) => TimeBase::WallClock,
     });
-    setup::set_up(device, scenario, clock.name())?;
+    let drive = setup::set_up(device, scenario, clock.name())?;
+    let signals = SignalTable { plant: simulator.signals().to_vec(), drive };
+    scenario.check_expectations(&signals)?;
+    scenario.check_expectations(&signals)?;
     let watchdog = match clock {
         Clock::Lockstep => None,
         Clock::RealTime(_) => Some(setup::watchdog(device)?),
     };
+    observer.begin(&signals)?;
     let before = device.session.traffic();
-    let mut recorder = StepRecorder::new(scenario, clock.name(), observer);
+    let settings = LoopSettings { clock: clock.name(), watchdog, drive_signals: signals.drive.len() };
+    let mut recorder = StepRecorder::new(scenario, &signals, clock.name(), observer);
     let (closed, refused) = match clock {
         Clock::Lockstep => {
-            let control =
-                ControlLoop::new(scenario, simulator, timeline, clock.name(), watchdog, &mut recorder);
+            let control = ControlLoop::new(scenario, simulator, timeline, settings, &mut recorder);
             (
                 run_to_end(control, device, |control, device| lockstep::close(control, scenario, device))?,
                 Vec::new(),
             )
         }
         Clock::RealTime(options) => {
-            in_real_time(scenario, simulator, timeline, watchdog, device, &options, &mut recorder)?
+            in_real_time(scenario, simulator, timeline, settings, device, &options, &mut recorder)?
         }
     };
     let Closed { end, counts: Counts { steps, unanswered, resumes }, wall_s, faults } = closed;
@@ -101,6 +107,7 @@ pub fn run(
         wall_s,
         torque_sha256: recorder.digest.finish(),
         logs: device.session.line.logs.take(),
+        signals,
     })
 }
 
@@ -117,7 +124,7 @@ fn in_real_time(
     scenario: &Scenario,
     simulator: Simulator,
     timeline: Timeline,
-    watchdog: Option<Duration>,
+    settings: LoopSettings,
     device: &mut Device,
     options: &RealTime,
     recorder: &mut StepRecorder<'_>,
@@ -128,7 +135,7 @@ fn in_real_time(
     let mut recorder = recorder;
     let work = || {
         let refused = real_time::obtain(options);
-        let control = ControlLoop::new(scenario, simulator, timeline, ClockName::RealTime, watchdog, ring);
+        let control = ControlLoop::new(scenario, simulator, timeline, settings, ring);
         let closed = run_to_end(control, device, |control, device| {
             real_time::close(control, scenario, device, options.spin)
         });
@@ -159,8 +166,10 @@ fn run_to_end<'a, S: StepSink>(
     }
     let started = Instant::now();
     let end = match close(&mut control, device) {
-        // A result of the run.
-        Err(RunError::Integration(error)) => Ok(End::Diverged(error)),
+        // A result of the run, unless the plant broke down for a reason of its own.
+        Err(RunError::Integration(error)) if !matches!(error, PlantError::Failed(_)) => {
+            Ok(End::Diverged(error))
+        }
         end => end,
     };
     let wall_s = started.elapsed().as_secs_f64();

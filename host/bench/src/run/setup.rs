@@ -4,59 +4,49 @@
 
 use std::time::Duration;
 
-use lashloop_protocol::enums::{ControllerId, DisturbingTorqueSource, Outcome, ParameterValue};
+use lashloop_plant::Signal;
+use lashloop_protocol::enums::{Outcome, ParameterValue};
 use lashloop_protocol::message::Identity;
+use lashloop_protocol::parameter_names::WATCHDOG_US;
 
+use super::drive_settings::{DriveSettings, written};
 use super::error::RunError;
 use crate::device::{Device, DeviceError};
-use crate::scenario::controller::{self, ParameterSetting};
 use crate::scenario::{Scenario, ScenarioError};
-use crate::session::{SessionError, SetError};
+use crate::session::{SessionError, SetError, SubscribeError};
 use crate::timing::ClockName;
 
-/// Parameters that keys outside `[controller.parameters]` set: name, key and value.
-fn from_sections(scenario: &Scenario) -> [(&'static str, &'static str, f64); 5] {
-    let Scenario { controller, run, encoders, telemetry, .. } = scenario;
-    [
-        ("controller", "controller.name", f64::from(controller.name as u8)),
-        ("period_us", "run.control_period_us", run.control_period_us.into()),
-        ("motor_counts_per_rev", "encoders.motor_counts_per_rev", encoders.motor_counts_per_rev.into()),
-        ("load_counts_per_rev", "encoders.load_counts_per_rev", encoders.load_counts_per_rev.into()),
-        ("telemetry_every", "telemetry.every_steps", telemetry.every_steps.into()),
-    ]
-}
-
-/// Resets the drive and applies all settings of the scenario.
+/// Resets the drive and applies all settings of the scenario. Returns the signals that its telemetry carries.
 ///
 /// # Errors
-/// The drive does not offer the control law or does not take a parameter, with the place in the scenario; or the session
-/// failed.
-pub fn set_up(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
+/// The drive lacks the control law, a parameter or a signal, with the place in the scenario; or the session failed.
+pub fn set_up(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<Vec<Signal>, RunError> {
     device.session.reset().map_err(|source| device.explain(source))?;
-    configure(device, scenario, clock)
+    configure(device, scenario, clock)?;
+    let subscribed = device.session.subscription().signals();
+    Ok(subscribed.iter().map(|it| it.signal.clone()).collect())
 }
 
 /// Applies all settings to a drive that was just reset.
 fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
-    let controller = scenario.controller.name;
-    // Setting the parameter would fail too, but with a number instead of a name.
-    if !device.session.identity.controllers.offers(controller) {
-        return Err(not_offered(device, scenario.controller.name).into());
-    }
-    let from_sections = from_sections(scenario);
-    for (name, _, number) in from_sections {
+    let settings = DriveSettings::new(scenario, &device.session, clock)?;
+    for (name, number) in settings.required {
         set_required(device, name, number)?;
     }
-    if clock == ClockName::Lockstep {
-        // The watchdog must tolerate a slow bench but not a dead one: it waits as long for the bench as the bench does for
-        // the drive. In real time it stays as on a real bench.
-        set_required(device, "watchdog_us", 1e3 * f64::from(scenario.link.silence_limit_ms))?;
+    for setting in settings.parameters {
+        device.session.set(&setting.name, written(&setting.value)).map_err(|error| match error {
+            SetError::Session(source) => device.explain(source).into(),
+            refused => RunError::from(ScenarioError::parameter(setting, format!("is refused: {refused}"))),
+        })?;
     }
-    for setting in &scenario.controller.parameters {
-        if let Some((_, key, _)) = from_sections.iter().find(|(name, ..)| *name == setting.name) {
-            return Err(ScenarioError::parameter(setting, format!("is set by {key}; set it there")).into());
+    device.session.subscribe(settings.subscription).map_err(|error| match error {
+        SubscribeError::Session(source) => device.explain(source),
+        rejected @ SubscribeError::Rejected { .. } => {
+            device.unfit(format!("it does not send the signals that the scenario needs: {rejected}"))
         }
-        apply(device, setting)?;
+    })?;
+    for note in settings.notes {
+        device.session.line.logs.note(note);
     }
     Ok(())
 }
@@ -66,7 +56,7 @@ fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Resu
 /// # Errors
 /// The drive has no such parameter, or the session failed.
 pub(super) fn watchdog(device: &mut Device) -> Result<Duration, RunError> {
-    let Some(index) = device.session.parameter("watchdog_us").map(|parameter| parameter.index) else {
+    let Some(index) = device.session.parameter(WATCHDOG_US).map(|parameter| parameter.index) else {
         return Err(device
             .unfit("it has no parameter watchdog_us, which every drive must have".to_owned())
             .into());
@@ -88,7 +78,9 @@ pub(super) fn resume(
 ) -> Result<(), RunError> {
     device.session.line.clear().map_err(|source| device.explain(source))?;
     device.session.reset().map_err(|source| device.explain(source))?;
-    let firmware_of = |it: &Identity| (it.board, it.firmware, it.build_id, it.parameter_count);
+    let firmware_of = |it: &Identity| {
+        (it.board, it.firmware, it.build_id, it.dirty, it.law_count, it.parameter_count, it.signal_count)
+    };
     if firmware_of(&device.session.identity) != firmware_of(lost) {
         let build = lost.build_id;
         return Err(device
@@ -103,42 +95,6 @@ pub(super) fn refused_start(device: &Device, source: SessionError) -> RunError {
     match source {
         SessionError::Refused { outcome: Outcome::Inconsistent, log, .. } => RunError::Inconsistent { log },
         source => device.explain(source).into(),
-    }
-}
-
-fn not_offered(device: &Device, wanted: ControllerId) -> DeviceError {
-    let offered = device.session.identity.controllers;
-    let mut laws: Vec<_> =
-        ControllerId::ALL.iter().filter(|law| offered.offers(**law)).map(|law| law.name()).collect();
-    if laws.is_empty() {
-        laws.push("none that a scenario can name");
-    }
-    let laws = laws.join(", ");
-    device.unfit(format!(
-        "it does not offer the control law {wanted}, which the scenario needs; it offers {laws}"
-    ))
-}
-
-fn apply(device: &mut Device, setting: &ParameterSetting) -> Result<(), RunError> {
-    let number = number_of(setting)?;
-    device.session.set(&setting.name, number).map_err(|error| match error {
-        SetError::Session(source) => device.explain(source).into(),
-        refused => RunError::from(ScenarioError::parameter(setting, format!("is refused: {refused}"))),
-    })
-}
-
-fn number_of(setting: &ParameterSetting) -> Result<f64, ScenarioError> {
-    match (&setting.value, setting.name.as_str()) {
-        (controller::ParameterValue::Number(number), _) => Ok(*number),
-        (controller::ParameterValue::Boolean(on), _) => Ok(f64::from(u8::from(*on))),
-        (controller::ParameterValue::Text(text), "disturbing_torque_source") => match text.as_str() {
-            "model" => Ok(f64::from(DisturbingTorqueSource::Model as u8)),
-            "observed" => Ok(f64::from(DisturbingTorqueSource::Observed as u8)),
-            _ => Err(ScenarioError::parameter(setting, "is no source; it must be \"model\" or \"observed\"")),
-        },
-        (controller::ParameterValue::Text(_), _) => {
-            Err(ScenarioError::parameter(setting, "is a text; the drive takes a number"))
-        }
     }
 }
 

@@ -7,24 +7,23 @@ use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::of_step;
 
 use super::error::RunError;
-use super::plant_from_scenario;
+use super::step::{Observation, TruthValues};
 use crate::fault::encoder::EncoderFaults;
 use crate::fault::motor::MotorFaults;
 use crate::fault::plant::PlantFaults;
 use crate::record::trace::TraceRow;
 use crate::scenario::Scenario;
 use crate::scenario::plant::PlantSettings;
-use lashloop_plant::backlash_shaft::BacklashShaft;
 use lashloop_plant::encoder::Encoder;
 use lashloop_plant::reference::Reference;
-use lashloop_plant::{AnyPlant, DryFriction, PlantError, TransportDelay, Truth};
+use lashloop_plant::{Environment, Plant, PlantError, PlantValues, Positions, Signal, TransportDelay};
 
 /// Separates the noise of the load encoder from that of the motor encoder.
 const LOAD_ENCODER_STREAM: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Plant, encoders and reference of a scenario, with their state.
 pub struct Simulator {
-    plant: AnyPlant,
+    plant: Box<dyn Plant>,
     motor_encoder: Encoder,
     load_encoder: Encoder,
     /// The latest positions of the motor and load encoders, in counts.
@@ -36,27 +35,34 @@ pub struct Simulator {
     encoder_faults: EncoderFaults,
     motor_faults: MotorFaults,
     plant_faults: PlantFaults,
-    /// The parameters after each fault of the plant, with the first step they apply to.
-    next_parameters: VecDeque<(u32, BacklashShaft)>,
+    /// The values of the plant's keys after each fault, with the first step they apply to.
+    next_values: VecDeque<(u32, PlantValues)>,
 }
 
 impl Simulator {
     /// The simulator of a scenario at the start of its run.
     ///
     /// # Errors
-    /// A parameter of the plant or of an encoder is outside its range.
+    /// A parameter of the plant, as it is or after a fault, or of an encoder is outside its range.
     pub fn new(scenario: &Scenario) -> Result<Self, RunError> {
         let period_s = scenario.run.control_period_s();
         let plant_faults = PlantFaults::new(scenario);
-        let next_parameters = plant_faults.changes(&scenario.plant).into_iter().map(|(step, settings)| {
-            plant_from_scenario::changed(&settings, period_s).map(|parameters| (step, parameters))
-        });
+        let settings = &scenario.plant;
+        let plant = settings.release(period_s)?;
+        let next_values = plant_faults.changes(settings);
+        if !next_values.is_empty() {
+            // What a fault makes of the plant is checked before the run, on a plant that is not used.
+            let mut rehearsal = settings.release(period_s)?;
+            for (_, values) in &next_values {
+                rehearsal.change_parameters(&settings.with(values, period_s))?;
+            }
+        }
         let encoders = &scenario.encoders;
         let encoder = |counts_per_rev, seed| -> Result<_, RunError> {
             Ok(Encoder::new(counts_per_rev, encoders.noise_counts, seed)?)
         };
         Ok(Self {
-            plant: plant_from_scenario::plant(&scenario.plant, period_s)?,
+            plant,
             motor_encoder: encoder(encoders.motor_counts_per_rev, scenario.run.seed)?,
             load_encoder: encoder(encoders.load_counts_per_rev, scenario.run.seed ^ LOAD_ENCODER_STREAM)?,
             counts: [0; 2],
@@ -64,37 +70,39 @@ impl Simulator {
             settings: scenario.plant.clone(),
             encoder_faults: EncoderFaults::new(scenario),
             motor_faults: MotorFaults::new(scenario),
-            next_parameters: next_parameters.collect::<Result<_, _>>()?,
+            next_values: next_values.into(),
             plant_faults,
-            delay: TransportDelay::new(
-                scenario.plant.backlash_shaft.as_ref().map_or(0, |bench| bench.torque_delay_us),
-                scenario.run.control_period_us,
-            ),
+            delay: TransportDelay::new(scenario.plant.torque_delay_us(), scenario.run.control_period_us),
             period_s,
         })
     }
 
-    /// Reads the encoders and the plant's true state. The row has no torque and no estimates yet: they follow from the
-    /// exchange.
+    /// Signals of the plant's truth.
+    pub fn signals(&self) -> &[Signal] {
+        self.plant.signals()
+    }
+
+    /// Reads the encoders and the plant's true state.
     ///
     /// # Errors
-    /// As [`AnyPlant::set_environment`] and [`AnyPlant::change_parameters`].
-    pub fn observe(&mut self, step: u32) -> Result<(EncoderSample, TraceRow), PlantError> {
+    /// As [`Plant::set_environment`] and [`Plant::change_parameters`].
+    pub fn observe(&mut self, step: u32) -> Result<(EncoderSample, Observation), PlantError> {
         let time_s = f64::from(step) * self.period_s;
-        while let Some((_, parameters)) = self.next_parameters.pop_front_if(|(from, _)| *from <= step) {
-            self.plant.change_parameters(parameters)?;
+        while let Some((_, values)) = self.next_values.pop_front_if(|(from, _)| *from <= step) {
+            self.plant.change_parameters(&self.settings.with(&values, self.period_s))?;
         }
-        if let Some(mut environment) = plant_from_scenario::environment(&self.settings, time_s) {
-            let faulty = self.plant_faults.at(step, &self.settings);
-            environment.dead_zone_rad += faulty.growth_rad;
-            environment.load_torque_nm += faulty.load_torque_nm;
-            self.plant.set_environment(environment)?;
+        if let Some(environment) = &self.settings.environment {
+            let (scheduled, faulty) = (environment.at(time_s), self.plant_faults.environment(step));
+            self.plant.set_environment(Environment {
+                gap_growth_rad: scheduled.gap_growth_rad + faulty.gap_growth_rad,
+                load_torque_nm: scheduled.load_torque_nm + faulty.load_torque_nm,
+            })?;
         }
-        let truth = self.plant.truth();
+        let positions = self.plant.positions();
         let reference_rad = self.reference.position_rad(time_s);
         self.counts = [
-            self.motor_encoder.read(truth.motor_position_rad),
-            self.load_encoder.read(truth.load_position_rad),
+            self.motor_encoder.read(positions.motor_position_rad),
+            self.load_encoder.read(positions.load_position_rad),
         ];
         let mut sample = EncoderSample {
             sequence: of_step(step),
@@ -103,7 +111,7 @@ impl Simulator {
             reference_rad: reference_rad as f32,
         };
         self.encoder_faults.apply(step, &mut sample);
-        Ok((sample, row(&truth, time_s, reference_rad)))
+        Ok((sample, self.observation(positions, time_s, reference_rad)))
     }
 
     /// Checks that a drive can start with this sample, the last one observed: its readings must be the encoders' positions,
@@ -126,7 +134,7 @@ impl Simulator {
     /// Advances the plant by a control period. The torque is held for one, beginning after its delay.
     ///
     /// # Errors
-    /// As [`AnyPlant::step`]; as a rule the state overflowed.
+    /// As [`Plant::step`]; as a rule the state overflowed.
     pub fn step(&mut self, step: u32, torque_nm: f32) -> Result<(), PlantError> {
         let torque_nm = self.motor_faults.apply(step, torque_nm);
         for (held_nm, held_s) in self.delay.step(torque_nm.into()) {
@@ -134,35 +142,13 @@ impl Simulator {
         }
         Ok(())
     }
-}
 
-fn row(truth: &Truth, time_s: f64, reference_rad: f64) -> TraceRow {
-    TraceRow {
-        time_s,
-        reference_rad,
-        load_position_rad: truth.load_position_rad,
-        load_velocity_rad_s: truth.load_velocity_rad_s,
-        motor_position_rad: truth.motor_position_rad,
-        motor_velocity_rad_s: truth.motor_velocity_rad_s,
-        torque_nm: 0.0,
-        transmitted_torque_nm: truth.transmitted_torque_nm,
-        twist_rad: truth.twist_rad,
-        dead_zone_estimate_rad: f64::NAN,
-        dead_zone_rad: truth.dead_zone_rad,
-        gap_position_rad: truth.gap_position_rad,
-        contact: truth.contact.sign(),
-        motor_torque_nm: truth.motor_torque_nm,
-        load_torque_nm: truth.load_torque_nm,
-        load_dry_friction_nm: truth.load_dry_friction_nm,
-        motor_dry_friction_nm: truth.motor_dry_friction_nm,
-        load_sticks: f64::from(truth.load_friction == DryFriction::Stick),
-        motor_sticks: f64::from(truth.motor_friction == DryFriction::Stick),
-        stored_energy_j: truth.energy_j(),
-        supplied_energy_j: truth.supplied_energy_j,
-        dissipated_energy_j: truth.dissipated_energy_j,
-        disturbing_torque_nm: truth.disturbing_torque_nm,
-        disturbing_torque_estimate_nm: f64::NAN,
-        motor_error_rad: f64::NAN,
-        estimate_time_s: f64::NAN,
+    /// The plant's truth, and the columns that every trace has.
+    fn observation(&self, positions: Positions, time_s: f64, reference_rad: f64) -> Observation {
+        let mut plant: TruthValues = std::iter::repeat_n(f64::NAN, self.plant.signals().len()).collect();
+        self.plant.truth(&mut plant);
+        let Positions { motor_position_rad, load_position_rad } = positions;
+        let row = TraceRow { time_s, reference_rad, load_position_rad, motor_position_rad, torque_nm: 0.0 };
+        Observation { row, plant }
     }
 }

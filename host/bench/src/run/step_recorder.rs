@@ -1,12 +1,13 @@
 //! What a run computes from its steps: metrics, digest and timing.
 
-use lashloop_plant::metrics::{Estimates, Measurement, Sample};
+use lashloop_plant::metrics::{Measurement, Plan, Sample, SignalTable};
 
 use super::error::RunError;
-use super::step_sink::{Step, StepObserver, StepSink};
+use super::step::Step;
+use super::step_sink::{StepObserver, StepSink};
 use crate::record::digest::TorqueDigest;
-use crate::record::trace::TraceRow;
 use crate::scenario::Scenario;
+use crate::scenario::expectation::Expectation;
 use crate::timing::{ClockName, Timings};
 
 /// Measures, digests and times the steps of a run, and passes them on to its observer.
@@ -18,12 +19,22 @@ pub(super) struct StepRecorder<'a> {
 }
 
 impl<'a> StepRecorder<'a> {
-    pub(super) fn new(scenario: &Scenario, clock: ClockName, observer: &'a mut dyn StepObserver) -> Self {
+    pub(super) fn new(
+        scenario: &Scenario,
+        signals: &SignalTable,
+        clock: ClockName,
+        observer: &'a mut dyn StepObserver,
+    ) -> Self {
         let run = &scenario.run;
+        let plan = Plan {
+            period_s: run.control_period_s(),
+            steps: run.steps(),
+            reference: Some(&scenario.reference),
+            signals,
+        };
         Self {
             observer,
-            measurement: Measurement::new(run.control_period_s())
-                .with_middle_of_reference(scenario.reference.middle_rad()),
+            measurement: Measurement::of_run(&plan, scenario.expectations.iter().map(Expectation::query)),
             digest: TorqueDigest::default(),
             timings: Timings::new(clock, run.control_period_us, run.warm_up_steps.into()),
         }
@@ -32,17 +43,17 @@ impl<'a> StepRecorder<'a> {
 
 impl StepSink for &mut StepRecorder<'_> {
     fn take(&mut self, step: Step) -> Result<(), RunError> {
-        let Step { row, timing } = &step;
+        let Step { row, plant, timing, .. } = &step;
         self.digest.push(row.torque_nm as f32);
         self.timings.push(timing);
         self.measurement.push(&Sample {
             time_s: row.time_s,
             reference_rad: row.reference_rad,
             load_position_rad: row.load_position_rad,
+            motor_position_rad: row.motor_position_rad,
             torque_nm: row.torque_nm,
-            estimates: estimates(row),
-            dead_zone_rad: row.dead_zone_rad,
-            disturbing_torque_nm: row.disturbing_torque_nm,
+            plant,
+            drive: step.fresh_drive(),
         });
         Ok(self.observer.step(&step)?)
     }
@@ -50,13 +61,4 @@ impl StepSink for &mut StepRecorder<'_> {
     fn stop_asked(&self) -> bool {
         self.observer.stop_asked()
     }
-}
-
-/// The drive's estimates for this very step. Estimates that are repeated until the next telemetry or came too late are not
-/// compared with the truth of another step.
-fn estimates(row: &TraceRow) -> Option<Estimates> {
-    (row.estimate_time_s == row.time_s).then_some(Estimates {
-        dead_zone_rad: row.dead_zone_estimate_rad,
-        disturbing_torque_nm: row.disturbing_torque_estimate_nm,
-    })
 }

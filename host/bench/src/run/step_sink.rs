@@ -1,21 +1,21 @@
 //! Where the finished steps of a run go.
 
-use super::error::RunError;
-use crate::atomic_file::WriteError;
-use crate::record::trace::TraceRow;
-use crate::timing::StepTiming;
+use lashloop_plant::metrics::SignalTable;
 
-/// A finished step.
-#[derive(Debug, Clone, Copy)]
-pub struct Step {
-    /// The plant's true state, the torque and the drive's estimates.
-    pub row: TraceRow,
-    /// How the step went in time.
-    pub timing: StepTiming,
-}
+use super::error::RunError;
+use super::step::Step;
+use crate::atomic_file::WriteError;
 
 /// Observes the steps of a run: a record, a progress bar, a plot. Never on the loop's thread in real time.
 pub trait StepObserver {
+    /// The drive is set up and about to start. `signals` names the values of every step.
+    ///
+    /// # Errors
+    /// The run can't be recorded; it ends before its first step.
+    fn begin(&mut self, _signals: &SignalTable) -> Result<(), WriteError> {
+        Ok(())
+    }
+
     /// A step is finished.
     ///
     /// # Errors

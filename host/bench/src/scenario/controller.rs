@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use lashloop_protocol::enums::ControllerId;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
@@ -16,9 +15,11 @@ use super::tree::{Node, Value};
 /// The law, and the parameters set on the drive before the run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ControllerSettings {
-    /// The law.
-    #[serde(serialize_with = "serialize_name")]
-    pub name: ControllerId,
+    /// The law: one that the drive describes. A law that it doesn't describe is reported at connection.
+    pub name: String,
+    /// Where the law is named.
+    #[serde(skip)]
+    pub origin: Origin,
     /// `[controller.parameters]` in the order of the file.
     #[serde(serialize_with = "serialize_parameters")]
     pub parameters: Vec<ParameterSetting>,
@@ -37,6 +38,14 @@ pub struct ParameterSetting {
 }
 
 impl ScenarioError {
+    /// The error for a value of `key` that the drive has nothing for, which shows only after connecting. `reason` continues
+    /// the sentence after `found`, the value as written.
+    #[must_use]
+    pub fn by_drive(origin: &Origin, key: &str, found: String, reason: impl fmt::Display) -> Self {
+        let error = KeyError::Rejected { found, reason: format!("is refused: {reason}") };
+        Self::Key { origin: origin.clone(), key: key.to_owned(), error: Box::new(error) }
+    }
+
     /// The error for a parameter that the drive rejects, which shows only after connecting, because the drive describes its
     /// parameters itself. `reason` continues the sentence after the value, for instance
     /// `is out of range; it must be >= 0 and <= 50 N m`.
@@ -73,10 +82,15 @@ impl fmt::Display for ParameterValue {
 }
 
 pub(super) fn read(controller: &mut Section<'_>) -> ControllerSettings {
-    let choices: Vec<_> = ControllerId::ALL.iter().map(|law| (law.name(), *law)).collect();
+    let name = controller
+        .doc("The control law, by its name in the drive; `lashloop parameters` prints the laws.")
+        .text("name", Some("the name of one of the drive's laws, in quotes"));
     ControllerSettings {
-        name: controller.choice("name", None, &choices).unwrap_or(ControllerId::Pd),
-        parameters: controller.section("parameters", read_parameters),
+        name: name.unwrap_or_default().to_owned(),
+        origin: controller.origin_of("name"),
+        parameters: controller
+            .doc("Parameters set on the drive before the run, by their names in the drive; `lashloop parameters` prints them with unit, range and default.")
+            .section("parameters", read_parameters),
     }
 }
 
@@ -109,12 +123,6 @@ fn read_value(node: &Node) -> Result<ParameterValue, KeyError> {
             allowed: "a number, a boolean or a text".to_owned(),
         }),
     }
-}
-
-// serde passes a reference.
-#[allow(clippy::trivially_copy_pass_by_ref)]
-fn serialize_name<S: Serializer>(law: &ControllerId, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(law.name())
 }
 
 fn serialize_parameters<S: Serializer>(

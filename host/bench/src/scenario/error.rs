@@ -26,6 +26,14 @@ pub enum ScenarioError {
         /// The operating system's reason.
         source: io::Error,
     },
+    /// The file can't be a scenario, for instance a folder.
+    #[error("{}: {reason}", path.display())]
+    Unusable {
+        /// The file as the user named it.
+        path: PathBuf,
+        /// What it is, and what to do.
+        reason: String,
+    },
     /// The file isn't TOML.
     #[error("{file}:{line}:{column}: {reason}")]
     Syntax {
@@ -68,7 +76,7 @@ impl ScenarioError {
     pub(super) fn order(&self) -> (bool, usize) {
         match self {
             Self::Key { origin, .. } => origin.order(),
-            Self::Read { .. } | Self::Syntax { .. } => (false, 0),
+            Self::Read { .. } | Self::Unusable { .. } | Self::Syntax { .. } => (false, 0),
             Self::Option { .. } => (true, 0),
         }
     }
@@ -87,6 +95,12 @@ impl ScenarioErrors {
     /// Each error, in the order of the file, then of the command line.
     pub fn iter(&self) -> std::slice::Iter<'_, ScenarioError> {
         self.0.iter()
+    }
+}
+
+impl From<Vec<ScenarioError>> for ScenarioErrors {
+    fn from(errors: Vec<ScenarioError>) -> Self {
+        Self::new(errors)
     }
 }
 

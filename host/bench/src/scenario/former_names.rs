@@ -8,23 +8,30 @@
 //!
 //! They are replaced in the tree, from file and command line alike, so that everything after it has the present names only.
 
-use lashloop_plant::PlantModel;
-use lashloop_protocol::enums::ControllerId;
+use lashloop_plant::backlash_shaft;
 
 use super::tree::Table;
+
+/// Former names of laws, each with the present one.
+const LAWS: [(&str, &str); 3] =
+    [("faithful", "merzouki"), ("literal", "merzouki-as-printed"), ("compensating", "backlash-inverse")];
+
+/// The present name of a law; any other name as it is.
+#[must_use]
+pub fn present_law(name: &str) -> &str {
+    LAWS.iter().find(|(former, _)| *former == name).map_or(name, |(_, present)| present)
+}
 
 /// Replaces former names by present ones.
 pub(super) fn replace(root: &mut Table) {
     if let Some(model) = root.section_mut("plant").and_then(|plant| plant.text_mut("model"))
         && model == "bench"
     {
-        PlantModel::BacklashShaft.name().clone_into(model);
+        backlash_shaft::NAME.clone_into(model);
     }
     let Some(controller) = root.section_mut("controller") else { return };
-    if let Some(name) = controller.text_mut("name")
-        && let Some(law) = ControllerId::from_name(name)
-    {
-        law.name().clone_into(name);
+    if let Some(name) = controller.text_mut("name") {
+        *name = present_law(name).to_owned();
     }
     if let Some(parameters) = controller.section_mut("parameters") {
         parameters.rename("hold_share", "hold_fraction");

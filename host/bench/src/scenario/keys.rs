@@ -7,23 +7,24 @@ use super::range::{NumberRange, positive};
 use super::reader::Section;
 
 /// Declares a section whose keys depend on no other key. An entry reads `key: Type = reader`; a reader is called with the
-/// section and the key's name. Yields the struct and its reading.
+/// section and the key's name. Yields the struct and its reading. The doc lines of a key are its meaning on the page of
+/// scenarios too, so they omit unit, range and default, which the reader has.
 macro_rules! settings {
     (
         $(#[$attribute:meta])*
         pub struct $name:ident {
-            $($(#[$doc:meta])* $key:ident: $type:ty = $read:expr,)+
+            $($(#[doc = $doc:literal])+ $(#[serde($($serde:tt)+)])? $key:ident: $type:ty = $read:expr,)+
         }
     ) => {
         $(#[$attribute])*
         #[derive(Debug, Clone, PartialEq, serde::Serialize)]
         pub struct $name {
-            $($(#[$doc])* pub $key: $type,)+
+            $($(#[doc = $doc])+ $(#[serde($($serde)+)])? pub $key: $type,)+
         }
 
         impl $name {
             pub(super) fn read(section: &mut $crate::scenario::reader::Section<'_>) -> Self {
-                Self { $($key: $read(section, stringify!($key)),)+ }
+                Self { $($key: $read(section.doc(concat!($($doc),+)), stringify!($key)),)+ }
             }
         }
     };
@@ -50,7 +51,7 @@ pub(super) fn integer(range: RangeInclusive<u32>) -> impl FnOnce(&mut Section<'_
 }
 
 /// A whole number with a default.
-pub(super) fn integer_or<T: Copy + Display + PartialOrd + TryFrom<i64>>(
+pub(super) fn integer_or<T: Copy + Display + PartialOrd + TryFrom<i64> + Into<i128>>(
     default: T,
     range: RangeInclusive<T>,
 ) -> impl FnOnce(&mut Section<'_>, &'static str) -> T {

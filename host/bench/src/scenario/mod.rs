@@ -10,29 +10,35 @@
 //! | section | content | module |
 //! |---|---|---|
 //! | `title`, `description` | what the scenario shows | this one |
+//! | `meant` | traps that are meant | `traps` |
 //! | `[run]` `[encoders]` `[link]` `[allow]` `[telemetry]` `[record]` | settings of the bench | [`sections`] |
-//! | `[plant]` | load, motor, gap and initial state | [`plant`], [`backlash_shaft`] |
+//! | `[plant]` | a registered model, its keys and its initial state | [`plant`], [`environment`] |
 //! | `[controller]` | the law and the drive's parameters | [`controller`] |
 //! | `[reference]` | the commanded position | [`lashloop_plant::reference`] |
 //! | `[[fault]]` | faults to inject | [`fault`] |
 //! | `[[expect]]` | bounds on metrics | [`expectation`] |
 
-pub mod backlash_shaft;
+mod catalogue;
 pub mod controller;
+pub mod environment;
 mod error;
 pub mod expectation;
 pub mod fault;
+mod file;
 mod former_names;
+pub mod key;
 mod key_error;
 mod keys;
 mod origin;
 mod overrides;
 pub mod plant;
-mod range;
+mod plant_keys;
+pub mod range;
 mod reader;
 mod reference;
 pub mod sections;
 mod spelling;
+mod traps;
 mod tree;
 mod unit;
 
@@ -42,18 +48,23 @@ use std::sync::Arc;
 use serde::Serialize;
 
 pub use self::error::{ScenarioError, ScenarioErrors};
+pub use self::former_names::present_law;
 pub use self::key_error::KeyError;
 pub use self::origin::Origin;
 pub use self::overrides::Override;
+pub use self::reader::Section;
+pub use self::traps::Trap;
 
 use self::controller::ControllerSettings;
 use self::expectation::Expectation;
 use self::fault::InjectedFault;
+use self::key::Keys;
 use self::plant::PlantSettings;
-use self::reader::Section;
 use self::sections::{
     Allowance, EncoderSettings, LinkSettings, RecordSettings, RunSettings, TelemetrySettings,
 };
+use self::traps::{Facts, Meant, Nominal};
+use lashloop_plant::Plants;
 use lashloop_plant::reference::Reference;
 
 /// A scenario in which every key has a value in its allowed range.
@@ -67,9 +78,12 @@ pub struct Scenario {
     /// What the scenario shows, at any length.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub description: Option<String>,
+    /// Traps that are meant.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub meant: Vec<Trap>,
     /// Duration, control period and seed.
     pub run: RunSettings,
-    /// Load, motor and gap.
+    /// The plant.
     pub plant: PlantSettings,
     /// Resolution and noise of the encoders.
     pub encoders: EncoderSettings,
@@ -81,7 +95,7 @@ pub struct Scenario {
     pub link: LinkSettings,
     /// Losses that don't invalidate the run.
     pub allow: Allowance,
-    /// Rate of the drive's telemetry.
+    /// Signals and rate of the drive's telemetry.
     pub telemetry: TelemetrySettings,
     /// How the record is written.
     pub record: RecordSettings,
@@ -91,6 +105,9 @@ pub struct Scenario {
     /// Bounds on metrics.
     #[serde(rename = "expect")]
     pub expectations: Vec<Expectation>,
+    /// What the drive's defaults have to equal.
+    #[serde(skip)]
+    nominal: Nominal,
 }
 
 impl Scenario {
@@ -99,9 +116,20 @@ impl Scenario {
     /// # Errors
     /// The file can't be read, isn't TOML, or has keys that are unknown, missing or out of range; all errors at once.
     pub fn from_file(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioErrors> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| ScenarioError::Read { path: path.to_owned(), source })?;
-        Self::from_str(&path.to_string_lossy(), &text, overrides)
+        Self::from_file_with(path, overrides, &plant::standard())
+    }
+
+    /// As [`from_file`](Self::from_file), with these plant models to choose from.
+    ///
+    /// # Errors
+    /// As [`from_file`](Self::from_file).
+    pub fn from_file_with(
+        path: &Path,
+        overrides: &[Override],
+        plants: &Plants,
+    ) -> Result<Self, ScenarioErrors> {
+        let text = file::read(path)?;
+        Self::from_str_with(&path.to_string_lossy(), &text, overrides, plants)
     }
 
     /// Reads a text. `name` is the file's name in errors, and relative paths in the text start at its directory.
@@ -109,21 +137,71 @@ impl Scenario {
     /// # Errors
     /// As [`from_file`](Self::from_file), except for reading the file.
     pub fn from_str(name: &str, text: &str, overrides: &[Override]) -> Result<Self, ScenarioErrors> {
+        Self::from_str_with(name, text, overrides, &plant::standard())
+    }
+
+    /// As [`from_str`](Self::from_str), with these plant models to choose from.
+    ///
+    /// # Errors
+    /// As [`from_str`](Self::from_str).
+    pub fn from_str_with(
+        name: &str,
+        text: &str,
+        overrides: &[Override],
+        plants: &Plants,
+    ) -> Result<Self, ScenarioErrors> {
         let file: Arc<str> = name.into();
-        let mut tree = tree::parse_file(&file, text)?;
-        let mut errors: Vec<_> =
-            overrides.iter().filter_map(|option| option.apply(&mut tree).err()).collect();
+        let mut tree = tree::parse_file(&file, file::without_mark(text))?;
+        let mut errors: Vec<_> = overrides
+            .iter()
+            .filter_map(|option| option.apply(&mut tree, &|| Self::keys_with(plants)).err())
+            .collect();
         former_names::replace(&mut tree);
         let directory = Path::new(name).parent().unwrap_or(Path::new(""));
         let start = Origin::File { file, line: 1 };
-        match reader::read_document(&tree, start, |root| read(root, name, directory)) {
-            Ok(scenario) if errors.is_empty() => Ok(scenario),
-            Ok(_) => Err(ScenarioErrors::new(errors)),
-            Err(found) => {
-                errors.extend(found);
-                Err(ScenarioErrors::new(errors))
-            }
+        let document = reader::read_document(&tree, start, |root| read(root, name, directory, plants));
+        let (mut scenario, meant) = document.result;
+        errors.extend(document.errors);
+        if errors.is_empty() {
+            let facts = Facts {
+                keys: &document.keys,
+                reference: &scenario.reference,
+                parameters: &scenario.controller.parameters,
+                is_overridden: !overrides.is_empty(),
+            };
+            errors = traps::check(&facts, &meant);
+            errors.extend(expectation::unmeasurable(&scenario, None));
+            scenario.nominal = Nominal::new(&facts);
         }
+        if errors.is_empty() { Ok(scenario) } else { Err(ScenarioErrors::new(errors)) }
+    }
+
+    /// Compares the plant with the drive's own parameters: ratio, gap and inertias, as far as `[controller.parameters]` leaves
+    /// them to the drive. `default_of` gives the default of the drive's parameter of a name; `None` if the drive, or the law
+    /// in force, has no such parameter.
+    ///
+    /// # Errors
+    /// The plant differs, and the scenario has no `meant = ["mismatch"]`.
+    pub fn check_drive(&self, default_of: impl Fn(&str) -> Option<f64>) -> Result<(), ScenarioErrors> {
+        if self.meant.contains(&Trap::Mismatch) {
+            return Ok(());
+        }
+        let errors = self.nominal.check(default_of);
+        if errors.is_empty() { Ok(()) } else { Err(ScenarioErrors::new(errors)) }
+    }
+
+    /// Every key that a scenario can have.
+    #[must_use]
+    pub fn keys() -> Keys {
+        Self::keys_with(&plant::standard())
+    }
+
+    /// As [`keys`](Self::keys), with these plant models to choose from.
+    #[must_use]
+    pub fn keys_with(plants: &Plants) -> Keys {
+        catalogue::collect(|root| {
+            read(root, "", Path::new(""), plants);
+        })
     }
 
     /// The scenario as a file with every default written out. It reads back as the same scenario, except that the path of a
@@ -136,25 +214,49 @@ impl Scenario {
     }
 }
 
-fn read(root: &mut Section<'_>, name: &str, directory: &Path) -> Scenario {
-    let plant = root.section("plant", plant::read);
-    let model = plant.model;
-    let run = root.section("run", sections::read_run);
-    let faults = root.sections("fault", |section| fault::read(section, model, &run));
-    Scenario {
+fn read(root: &mut Section<'_>, name: &str, directory: &Path, plants: &Plants) -> (Scenario, Meant) {
+    let title = root.doc("One line for lists and reports.").text("title", Some("a text in quotes"));
+    let description = root.doc("What the scenario shows, at any length.").text("description", None);
+    let meant = traps::read_meant(root);
+    let run = root.doc("Duration, control period and seed.").section("run", sections::read_run);
+    let plant = root
+        .doc("The mechanics: load, motor, and what is between them.")
+        .section("plant", |section| plant::read(section, plants));
+    let encoders =
+        root.doc("Resolution and noise of the encoders.").section("encoders", EncoderSettings::read);
+    let controller =
+        root.doc("The drive's control law and parameters.").section("controller", controller::read);
+    let reference = root
+        .doc("The commanded load position.")
+        .section("reference", |section| reference::read(section, directory));
+    let link = root.doc("Timeouts and line speed.").section("link", sections::read_link);
+    let allow = root
+        .doc("Limits beyond which a run is INVALID, because it doesn't judge the drive.")
+        .section("allow", Allowance::read);
+    let telemetry = root.doc("Telemetry of the drive.").section("telemetry", TelemetrySettings::read);
+    let record = root.doc("How the record is written.").section("record", RecordSettings::read);
+    let faults = root
+        .doc("A fault to inject; [faults.md](faults.md) has what each kind does and how it is detected.")
+        .sections("fault", |section| fault::read(section, &plant.model, plants, &run));
+    let expectations =
+        root.doc("Bounds on a metric that the run must meet to pass.").sections("expect", expectation::read);
+    let scenario = Scenario {
         name: name.to_owned(),
-        title: root.text("title", Some("a text in quotes")).unwrap_or_default().to_owned(),
-        description: root.text("description", None).map(str::to_owned),
+        title: title.unwrap_or_default().to_owned(),
+        description: description.map(str::to_owned),
+        meant: meant.iter().map(|(trap, _)| *trap).collect(),
         run,
         plant,
-        encoders: root.section("encoders", EncoderSettings::read),
-        controller: root.section("controller", controller::read),
-        reference: root.section("reference", |section| reference::read(section, directory)),
-        link: root.section("link", sections::read_link),
-        allow: root.section("allow", Allowance::read),
-        telemetry: root.section("telemetry", TelemetrySettings::read),
-        record: root.section("record", RecordSettings::read),
+        encoders,
+        controller,
+        reference,
+        link,
+        allow,
+        telemetry,
+        record,
         faults,
-        expectations: root.sections("expect", expectation::read),
-    }
+        expectations,
+        nominal: Nominal::default(),
+    };
+    (scenario, meant)
 }

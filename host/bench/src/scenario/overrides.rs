@@ -8,7 +8,9 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::error::ScenarioError;
+use super::key::Keys;
 use super::origin::Origin;
+use super::spelling::spell_key;
 use super::tree::{Node, Table, Value, parse_value};
 
 /// Depth of the deepest key, such as `plant.initial.load_position_rad`.
@@ -33,8 +35,8 @@ impl fmt::Display for Override {
 }
 
 impl Override {
-    /// Replaces or adds the value in `root`. The reader rejects unknown keys.
-    pub(super) fn apply(&self, root: &mut Table) -> Result<(), ScenarioError> {
+    /// Replaces or adds the value in `root`. The reader rejects unknown keys. `keys` are those that the reader reads.
+    pub(super) fn apply(&self, root: &mut Table, keys: &dyn Fn() -> Keys) -> Result<(), ScenarioError> {
         let option: Arc<str> = self.to_string().into();
         let origin = Origin::Option(option.clone());
         let (path, value) = match self {
@@ -44,9 +46,30 @@ impl Override {
                 None => ("", Err("it must be section.key=value".to_owned())),
             },
         };
-        let placed = value.and_then(|value| place(root, path, Node { origin, value }));
+        let placed = value.and_then(|value| {
+            if root.get(path).is_none() && !path.contains('.') && !path.is_empty() {
+                needs_no_section(path, &keys())?;
+            }
+            place(root, path, Node { origin, value })
+        });
         placed.map_err(|reason| ScenarioError::Option { option, reason })
     }
+}
+
+/// A key without a section must be one of the few keys that have none.
+fn needs_no_section(key: &str, keys: &Keys) -> Result<(), String> {
+    /// Similarity, 0 to 1, from which on a key counts as a misspelling, which the reader reports.
+    const MISSPELLED: f64 = 0.6;
+    let similar = |known: &str| strsim::normalized_damerau_levenshtein(known, key) >= MISSPELLED;
+    let paths = keys.paths_of(key);
+    if paths.iter().any(|path| path == key)
+        || (paths.is_empty() && keys.keys.iter().any(|known| similar(known.name)))
+    {
+        return Ok(());
+    }
+    let parameter = format!("controller.parameters.{}", spell_key(key));
+    let paths: String = paths.iter().map(|path| format!("{path} or ")).collect();
+    Err(format!("the key has no section; write {paths}{parameter} (a parameter of the drive)"))
 }
 
 /// A TOML value, or a text without quotes.

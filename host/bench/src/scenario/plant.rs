@@ -1,44 +1,77 @@
-//! `[plant]`: the load, the motor and the gap between them. The defaults are table 1 of the paper.
+//! `[plant]`: a registered model, the values of its keys, and where it is released.
+//!
+//! A model declares its keys as data ([`lashloop_plant::Key`]); [`plant_keys`](super::plant_keys) reads them. What every
+//! model has is declared here: `model`, `[plant.initial]`, and the environment of a model that takes one.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
 
-pub use lashloop_plant::PlantModel;
-use lashloop_plant::{Mechanics, Start};
-use serde::Serialize;
+use lashloop_plant::{Plant, PlantError, PlantModel, PlantValue, PlantValues, Plants, Release, Start};
+use lashloop_plant::{TORQUE_DELAY_US, smooth};
+use serde::{Serialize, Serializer};
 
-use super::backlash_shaft::{self, BacklashShaftSettings};
-use super::range::NumberRange;
+use super::environment::{self, EnvironmentSettings};
+use super::key::Choice;
+use super::plant_keys;
 use super::reader::Section;
 
-/// The plant and how finely it is integrated. Without a range of its own a key has the range of [`Mechanics`].
+/// The plant of a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlantSettings {
-    /// Model of the gap.
-    pub model: PlantModel,
-    /// Integration steps per control period, 1 to 4096.
-    pub substeps: u32,
-    /// Inertia J_s of the load.
-    pub load_inertia_kg_m2: f64,
-    /// Viscous friction f_s of the load.
-    pub load_friction_nm_s_rad: f64,
-    /// Inertia J_m of the motor.
-    pub motor_inertia_kg_m2: f64,
-    /// Viscous friction f_m of the motor.
-    pub motor_friction_nm_s_rad: f64,
-    /// Reduction ratio N0, motor revolutions per load revolution.
-    pub reduction_ratio: f64,
-    /// Stiffness K between motor and load, at the motor, 1e-6 to 1e6.
-    pub stiffness_nm_rad: f64,
-    /// Half gap j0, at the motor, 1e-6 to pi.
-    pub dead_zone_rad: f64,
-    /// Coulomb friction F_c of the load, 0 to 1e6; `None` for another model than `hard-coulomb`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub load_coulomb_nm: Option<f64>,
-    /// Keys of the plant `backlash-shaft`; `None` for another model.
+    /// The model.
+    #[serde(serialize_with = "as_name")]
+    pub model: Arc<PlantModel>,
+    /// The values of the model's keys.
     #[serde(flatten)]
-    pub backlash_shaft: Option<BacklashShaftSettings>,
+    pub values: PlantValues,
+    /// Wear and load torque; `None` for a model that takes neither.
+    #[serde(flatten)]
+    pub environment: Option<EnvironmentSettings>,
     /// `[plant.initial]`: positions and velocities at time 0, -1e4 to 1e4.
     pub initial: Start,
+}
+
+fn as_name<S: Serializer>(model: &PlantModel, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(model.name())
+}
+
+impl PlantSettings {
+    /// The number of a key, whole or not; `None` if the model has no such key, or the key no number.
+    #[must_use]
+    pub fn number(&self, key: &str) -> Option<f64> {
+        match self.values.get(key)? {
+            PlantValue::Number(number) => Some(*number),
+            // Keys of plants have 32 bits.
+            PlantValue::Integer(number) => Some(*number as f64),
+            _ => None,
+        }
+    }
+
+    /// Delay from a sample to its torque at the motor, 0 unless the model has the key [`TORQUE_DELAY_US`].
+    #[must_use]
+    pub fn torque_delay_us(&self) -> u32 {
+        self.values.integer(TORQUE_DELAY_US).unwrap_or(0)
+    }
+
+    /// The plant, released at its initial state.
+    ///
+    /// # Errors
+    /// The model can't build a plant from these values, or not for this control period.
+    pub fn release(&self, period_s: f64) -> Result<Box<dyn Plant>, PlantError> {
+        self.model.release(&self.with(&self.values, period_s))
+    }
+
+    /// What a plant of this model is built from with other values.
+    #[must_use]
+    pub fn with<'a>(&self, values: &'a PlantValues, period_s: f64) -> Release<'a> {
+        Release { values, start: self.initial, period_s }
+    }
+}
+
+/// The models of a scenario that is read without a registry of its own.
+#[must_use]
+pub fn standard() -> Plants {
+    Plants::standard()
 }
 
 /// Symbols of the paper, so that messages can name the key for a symbol.
@@ -52,71 +85,41 @@ const SYMBOLS: &[(&str, &str)] = &[
     ("f_m", "motor_friction_nm_s_rad"),
 ];
 
-pub(super) fn read(plant: &mut Section<'_>) -> PlantSettings {
+pub(super) fn read(plant: &mut Section<'_>, plants: &Plants) -> PlantSettings {
     plant.symbols(SYMBOLS);
-    let model = plant.choice("model", None, &PlantModel::ALL.map(|model| (model.name(), model)));
-    // Narrower than the plant's ranges: faults change both during the run.
-    let stiffness = NumberRange::from(Mechanics::STIFFNESS_NM_RAD).up_to(1e6);
-    let dead_zone = NumberRange::from(Mechanics::DEAD_ZONE_RAD).up_to(PI);
-    let substeps = if model == Some(PlantModel::BacklashShaft) { 16 } else { 4 };
-    PlantSettings {
-        model: model.unwrap_or(PlantModel::Smooth),
-        substeps: plant.integer("substeps", substeps, 1..=4096),
-        load_inertia_kg_m2: plant.number("load_inertia_kg_m2", 7.5, Mechanics::LOAD_INERTIA_KG_M2),
-        load_friction_nm_s_rad: plant.number(
-            "load_friction_nm_s_rad",
-            16.0,
-            Mechanics::LOAD_FRICTION_NM_S_RAD,
-        ),
-        motor_inertia_kg_m2: plant.number("motor_inertia_kg_m2", 9.72e-4, Mechanics::MOTOR_INERTIA_KG_M2),
-        motor_friction_nm_s_rad: plant.number(
-            "motor_friction_nm_s_rad",
-            4.3e-4,
-            Mechanics::MOTOR_FRICTION_NM_S_RAD,
-        ),
-        reduction_ratio: plant.number("reduction_ratio", 3.0, Mechanics::RATIO),
-        stiffness_nm_rad: plant.number("stiffness_nm_rad", 1.0, stiffness),
-        dead_zone_rad: plant.number("dead_zone_rad", 0.16, dead_zone),
-        load_coulomb_nm: read_coulomb_friction(plant, model),
-        backlash_shaft: read_backlash_shaft(plant, model),
-        initial: plant.section("initial", read_initial),
+    let names: Vec<_> = plants.iter().map(|model| (model.name(), model)).collect();
+    let docs = plants.iter().map(|model| Choice { name: model.name(), doc: model.summary() }).collect();
+    let model = plant.doc("Model of the plant.").choice_docs(docs).choice("model", None, &names);
+    let Some(model) = model else {
+        // The known keys depend on a choice that is faulty itself. Most plants have those of the smooth one.
+        let stand_in = Arc::new(smooth::model());
+        let values = plant_keys::read(plant, stand_in.keys());
+        plant.accept_the_rest();
+        return PlantSettings { model: stand_in, values, environment: None, initial: read_initial(plant) };
+    };
+    let values = plant_keys::read(plant, model.keys());
+    let environment = model.changes().environment.then(|| environment::read(plant));
+    // A key of another model is an error that names the model.
+    for other in plants.iter().filter(|other| *other != model) {
+        plant.belongs_to("model", other.name(), model.name(), |section| {
+            plant_keys::read(section, other.keys());
+            if other.changes().environment {
+                environment::read(section);
+            }
+        });
     }
-}
-
-/// Coulomb friction on its own is a key of `hard-coulomb`; on `smooth` it is an error, not a value without effect.
-fn read_coulomb_friction(plant: &mut Section<'_>, model: Option<PlantModel>) -> Option<f64> {
-    // 3.84 N m leaves the paper's static error of 0.32 rad under the uncompensated law.
-    let read = |plant: &mut Section<'_>| plant.number("load_coulomb_nm", 3.84, 0.0..=1e6);
-    match model {
-        Some(PlantModel::Smooth) => {
-            plant.belongs_to("model", PlantModel::HardCoulomb.name(), PlantModel::Smooth.name(), read);
-            None
-        }
-        Some(PlantModel::BacklashShaft) => None,
-        Some(PlantModel::HardCoulomb) | None => Some(read(plant)),
-    }
-}
-
-/// Keys of `backlash-shaft`; on another model they are errors.
-fn read_backlash_shaft(plant: &mut Section<'_>, model: Option<PlantModel>) -> Option<BacklashShaftSettings> {
-    match model {
-        Some(PlantModel::BacklashShaft) => return Some(backlash_shaft::read(plant)),
-        Some(chosen @ (PlantModel::HardCoulomb | PlantModel::Smooth)) => {
-            plant.belongs_to("model", PlantModel::BacklashShaft.name(), chosen.name(), backlash_shaft::read);
-        }
-        // The known keys depend on a choice that is faulty itself.
-        None => plant.accept_the_rest(),
-    }
-    None
+    PlantSettings { model: Arc::clone(model), values, environment, initial: read_initial(plant) }
 }
 
 /// The default is the paper's start at rest.
-fn read_initial(initial: &mut Section<'_>) -> Start {
-    let mut number = |key, default| initial.number(key, default, -1e4..=1e4);
-    Start {
-        load_position_rad: number("load_position_rad", FRAC_PI_2),
-        load_velocity_rad_s: number("load_velocity_rad_s", 0.0),
-        motor_position_rad: number("motor_position_rad", 3.0 * FRAC_PI_2),
-        motor_velocity_rad_s: number("motor_velocity_rad_s", 0.0),
-    }
+fn read_initial(plant: &mut Section<'_>) -> Start {
+    plant.doc("Positions and velocities at time 0.").section("initial", |initial| {
+        let mut number = |doc, key, default| initial.doc(doc).number(key, default, -1e4..=1e4);
+        Start {
+            load_position_rad: number("Position of the load.", "load_position_rad", FRAC_PI_2),
+            load_velocity_rad_s: number("Velocity of the load.", "load_velocity_rad_s", 0.0),
+            motor_position_rad: number("Position of the motor.", "motor_position_rad", 3.0 * FRAC_PI_2),
+            motor_velocity_rad_s: number("Velocity of the motor.", "motor_velocity_rad_s", 0.0),
+        }
+    })
 }

@@ -5,11 +5,14 @@ use std::ops::RangeInclusive;
 use super::spelling::{spell_number, with_unit};
 
 /// The numbers a key may take; never NaN, never infinite.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct NumberRange {
-    low: f64,
-    low_is_allowed: bool,
-    high: f64,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NumberRange {
+    /// Lower end.
+    pub low: f64,
+    /// Whether the lower end is allowed itself.
+    pub low_is_allowed: bool,
+    /// Upper end, which is allowed.
+    pub high: f64,
 }
 
 impl From<RangeInclusive<f64>> for NumberRange {
@@ -19,13 +22,15 @@ impl From<RangeInclusive<f64>> for NumberRange {
 }
 
 /// Above zero, up to `high`, which is allowed.
-pub(super) const fn positive(high: f64) -> NumberRange {
+#[must_use]
+pub const fn positive(high: f64) -> NumberRange {
     NumberRange { low: 0.0, low_is_allowed: false, high }
 }
 
 impl NumberRange {
     /// This range with another upper end.
-    pub(super) const fn up_to(self, high: f64) -> Self {
+    #[must_use]
+    pub const fn up_to(self, high: f64) -> Self {
         Self { high, ..self }
     }
 

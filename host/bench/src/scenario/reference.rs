@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use super::key::Choice;
 use super::key_error::KeyError;
 use super::range::positive;
 use super::reader::Section;
@@ -22,7 +23,11 @@ const PROFILES: [(&str, ReadProfile); 5] = [
 /// `directory` is where the path of a table starts.
 pub(super) fn read(reference: &mut Section<'_>, directory: &Path) -> Reference {
     let choices = PROFILES.map(|(name, _)| (name, name));
-    let Some(chosen) = reference.choice("profile", None, &choices) else {
+    let Some(chosen) = reference
+        .doc("Shape of the reference over time.")
+        .choice_docs(DOCS.to_vec())
+        .choice("profile", None, &choices)
+    else {
         reference.accept_the_rest();
         return STAND_IN;
     };
@@ -46,41 +51,62 @@ fn position(section: &mut Section<'_>, key: &'static str, default: Option<f64>) 
     section.number(key, default, -1e4..=1e4)
 }
 
+const DOCS: [Choice; 5] = [
+    Choice {
+        name: "constant",
+        doc: "One position for the whole run; regulation from the start to this position.",
+    },
+    Choice { name: "step", doc: "A jump from one position to another." },
+    Choice { name: "sine", doc: "offset + amplitude sin(2 pi frequency t + phase)." },
+    Choice { name: "trapezoid", doc: "A move with limited velocity and acceleration." },
+    Choice { name: "table", doc: "Points of a file." },
+];
+
 fn read_constant(constant: &mut Section<'_>, _: &Path) -> Option<Reference> {
-    Some(Reference::Constant { position_rad: position(constant, "position_rad", None) })
+    Some(Reference::Constant {
+        position_rad: position(constant.doc("Position of the load."), "position_rad", None),
+    })
 }
 
 fn read_step(step: &mut Section<'_>, _: &Path) -> Option<Reference> {
     Some(Reference::Step {
-        before_rad: position(step, "before_rad", None),
-        after_rad: position(step, "after_rad", None),
-        at_s: step.number("at_s", None, 0.0..=1e6),
+        before_rad: position(step.doc("Position before the jump."), "before_rad", None),
+        after_rad: position(step.doc("Position from the jump on."), "after_rad", None),
+        at_s: step.doc("First time at which `after_rad` holds.").number("at_s", None, 0.0..=1e6),
     })
 }
 
 fn read_sine(sine: &mut Section<'_>, _: &Path) -> Option<Reference> {
     Some(Reference::Sine {
-        amplitude_rad: sine.number("amplitude_rad", None, 0.0..=1e4),
-        frequency_hz: sine.number("frequency_hz", None, positive(1e4)),
-        offset_rad: position(sine, "offset_rad", Some(0.0)),
-        phase_rad: position(sine, "phase_rad", Some(0.0)),
+        amplitude_rad: sine.doc("Half of peak to peak.").number("amplitude_rad", None, 0.0..=1e4),
+        frequency_hz: sine.doc("Frequency.").number("frequency_hz", None, positive(1e4)),
+        offset_rad: position(sine.doc("Middle of the sine."), "offset_rad", Some(0.0)),
+        phase_rad: position(sine.doc("Phase at time 0."), "phase_rad", Some(0.0)),
     })
 }
 
 fn read_trapezoid(move_: &mut Section<'_>, _: &Path) -> Option<Reference> {
     Some(Reference::Trapezoid(Trapezoid {
-        from_rad: position(move_, "from_rad", None),
-        to_rad: position(move_, "to_rad", None),
-        start_s: move_.number("start_s", 0.0, 0.0..=1e6),
-        velocity_rad_s: move_.number("velocity_rad_s", None, positive(1e4)),
-        acceleration_rad_s2: move_.number("acceleration_rad_s2", None, positive(1e6)),
+        from_rad: position(move_.doc("Position before the move."), "from_rad", None),
+        to_rad: position(move_.doc("Position after the move."), "to_rad", None),
+        start_s: move_.doc("Begin of the move.").number("start_s", 0.0, 0.0..=1e6),
+        velocity_rad_s: move_.doc("Largest velocity.").number("velocity_rad_s", None, positive(1e4)),
+        acceleration_rad_s2: move_.doc("Acceleration and deceleration.").number(
+            "acceleration_rad_s2",
+            None,
+            positive(1e6),
+        ),
     }))
 }
 
 fn read_table(table: &mut Section<'_>, directory: &Path) -> Option<Reference> {
     let interpolations = [("linear", Interpolation::Linear), ("hold", Interpolation::Hold)];
-    let interpolation = table.choice("interpolation", Interpolation::Linear, &interpolations);
-    let file = table.text("file", Some("the path of a CSV file with the columns time_s,position_rad"))?;
+    let interpolation = table
+        .doc("Positions between two points: on a line, or that of the point before.")
+        .choice("interpolation", Interpolation::Linear, &interpolations);
+    let file = table
+        .doc("CSV file with the columns `time_s,position_rad`, relative to the folder of the scenario.")
+        .text("file", Some("the path of a CSV file with the columns time_s,position_rad"))?;
     match Table::from_file(&directory.join(file), interpolation.unwrap_or(Interpolation::Linear)) {
         Ok(points) => Some(Reference::Table(points)),
         Err(error) => {

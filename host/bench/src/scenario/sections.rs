@@ -6,6 +6,7 @@ use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MAX_NOISE_COUNTS, MIN_COUNTS_P
 use serde::Serialize;
 
 use super::keys::{integer_or, number, number_or, optional_integer, settings};
+use super::origin::Origin;
 use super::range::positive;
 use super::reader::Section;
 
@@ -15,13 +16,13 @@ const LARGEST: u64 = i64::MAX as u64;
 settings! {
     /// `[run]`.
     pub struct RunSettings {
-        /// Simulated time, > 0 and <= 1e5 s.
+        /// Simulated time.
         duration_s: f64 = number(positive(1e5)),
-        /// Control period, 100 to 100,000 us; 1000 by default.
+        /// Control period.
         control_period_us: u32 = integer_or(1000, 100..=100_000),
-        /// Seed of every random stream of the run; 1 by default.
+        /// Seed of every random stream of the run.
         seed: u64 = integer_or(1, 0..=LARGEST),
-        /// Steps at the start that timing statistics omit; 0 by default.
+        /// Steps at the start that timing statistics omit.
         warm_up_steps: u32 = integer_or(0, 0..=u32::MAX),
     }
 }
@@ -69,11 +70,11 @@ pub(super) fn read_run(run: &mut Section<'_>) -> RunSettings {
 settings! {
     /// `[encoders]`.
     pub struct EncoderSettings {
-        /// Counts per revolution of the motor, after quadrature; 131,072 by default.
+        /// Counts per revolution of the motor, after quadrature.
         motor_counts_per_rev: u32 = integer_or(131_072, MIN_COUNTS_PER_REV..=MAX_COUNTS_PER_REV),
-        /// Counts per revolution of the load, after quadrature; 131,072 by default.
+        /// Counts per revolution of the load, after quadrature.
         load_counts_per_rev: u32 = integer_or(131_072, MIN_COUNTS_PER_REV..=MAX_COUNTS_PER_REV),
-        /// Amplitude of the noise added before counting, 0 to 1000 counts; uniform within +- this.
+        /// Amplitude of the noise added before counting, uniform within +- this.
         noise_counts: f64 = number_or(0.0, 0.0..=MAX_NOISE_COUNTS),
     }
 }
@@ -81,19 +82,17 @@ settings! {
 settings! {
     /// `[link]`.
     pub struct LinkSettings {
-        /// Time the bench waits for one answer, 100 to 30,000 ms; 1000 by default. Serial ports have timeouts in tenths of
-        /// a second.
+        /// Time the bench waits for one answer. Serial ports have timeouts in tenths of a second.
         answer_timeout_ms: u32 = integer_or(1000, 100..=30_000),
-        /// Silence after which the drive counts as lost, 100 to 60,000 ms; 2500 by default. It becomes the drive's watchdog,
-        /// whose limit is 60 s.
+        /// Silence after which the drive counts as lost. In lockstep it becomes the drive's watchdog.
         silence_limit_ms: u32 = integer_or(2500, 100..=60_000),
-        /// Speed of a serial port, 1200 to 12,000,000 Bd; 921,600 by default. Other links ignore it.
+        /// Speed of a serial port. Other links ignore it.
         baud: u32 = integer_or(921_600, 1200..=12_000_000),
-        /// Speed of the modelled UART, 9600 to 12,000,000 Bd; 0, the default, for none. See [`crate::link::uart_model`].
+        /// Speed of the modelled UART, from 9600; 0 for none.
         modelled_baud: u32 = integer_or(0, 0..=12_000_000),
-        /// Reaction to the loss or restart of the drive; `end` by default.
+        /// Reaction to the loss or restart of the drive.
         on_loss: OnLoss = read_on_loss,
-        /// Time for which the bench tries to resume, 100 to 600,000 ms; 5000 by default.
+        /// Time for which the bench tries to resume.
         resume_limit_ms: u32 = integer_or(5000, 100..=600_000),
     }
 }
@@ -165,13 +164,13 @@ settings! {
         crc_errors: u64 = integer_or(0, 0..=LARGEST),
         /// Times that a lost drive came back and the run resumed.
         resumes: u64 = integer_or(0, 0..=LARGEST),
-        /// Late steps in a row, in real time; unlimited by default.
+        /// Late steps in a row, in real time; absent for no limit.
         #[serde(skip_serializing_if = "Option::is_none")]
         late_in_a_row: Option<u64> = optional_integer(0..=LARGEST),
-        /// 99th percentile of the lateness of the bench's wake-ups in real time; unlimited by default.
+        /// 99th percentile of the lateness of the bench's wake-ups in real time; absent for no limit.
         #[serde(skip_serializing_if = "Option::is_none")]
         lateness_p99_us: Option<u64> = optional_integer(1..=LARGEST),
-        /// 99th percentile of the round trip; unlimited by default.
+        /// 99th percentile of the round trip; absent for no limit.
         #[serde(skip_serializing_if = "Option::is_none")]
         round_trip_p99_us: Option<u64> = optional_integer(1..=LARGEST),
     }
@@ -181,16 +180,38 @@ settings! {
     /// `[telemetry]`.
     #[derive(Eq)]
     pub struct TelemetrySettings {
-        /// Period of the drive's telemetry in steps; 10 by default, 0 for none.
+        /// Period of the drive's telemetry in steps; 0 for none.
         every_steps: u16 = integer_or(10, 0..=u16::MAX),
+        /// Names of the drive's signals to record, 13 at most; absent for all that the law has, as many as fit.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        signals: Option<Vec<SignalChoice>> = read_signals,
     }
+}
+
+/// A signal by its name. The drive describes its signals; an unknown one is reported at connection.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(transparent)]
+pub struct SignalChoice {
+    /// Name of the signal.
+    pub name: String,
+    /// Where it is named.
+    #[serde(skip)]
+    pub origin: Origin,
+}
+
+fn read_signals(telemetry: &mut Section<'_>, key: &'static str) -> Option<Vec<SignalChoice>> {
+    let signals =
+        telemetry.optional_texts(key, "a list of the drive's signals, such as [\"load_error_rad\"]")?;
+    let choice =
+        |(name, origin): (&str, &Origin)| SignalChoice { name: name.to_owned(), origin: origin.clone() };
+    Some(signals.into_iter().map(choice).collect())
 }
 
 settings! {
     /// `[record]`.
     #[derive(Eq)]
     pub struct RecordSettings {
-        /// Rows per chunk written to the record, 1 to 1,000,000; 1000 by default.
+        /// Rows per chunk written to the record.
         flush_rows: u32 = integer_or(1000, 1..=1_000_000),
     }
 }

@@ -46,3 +46,13 @@ pub(super) fn either<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
         None => String::new(),
     }
 }
+
+/// The number in `text` with a decimal point, if it is one with a decimal comma, such as `1,5`.
+pub(super) fn decimal_point(text: &str) -> Option<String> {
+    let (whole, fraction) = text.split_once(',')?;
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let is_number =
+        digits(whole.trim_start_matches(['-', '+'])) && fraction.starts_with(|c: char| c.is_ascii_digit());
+    let written = format!("{whole}.{fraction}");
+    (is_number && written.parse::<f64>().is_ok()).then_some(written)
+}

@@ -10,7 +10,7 @@ use toml_edit::{Document, Item, TableLike, TomlError};
 
 use super::error::ScenarioError;
 use super::origin::Origin;
-use super::spelling::{spell_number, spell_text};
+use super::spelling::{decimal_point, spell_number, spell_text};
 
 /// A value with its origin.
 #[derive(Debug, Clone)]
@@ -76,6 +76,16 @@ impl Table {
     }
 }
 
+impl Node {
+    pub(super) fn text(&self) -> Option<&str> {
+        if let Value::Text(text) = &self.value { Some(text) } else { None }
+    }
+
+    pub(super) fn is_table(&self) -> bool {
+        matches!(self.value, Value::Table(_))
+    }
+}
+
 impl Value {
     /// The type in words, to follow "is".
     pub(super) fn kind(&self) -> &'static str {
@@ -113,6 +123,11 @@ pub(super) fn parse_file(file: &Arc<str>, text: &str) -> Result<Table, ScenarioE
     let document = Document::parse(text).map_err(|error| {
         let span = error.span().unwrap_or_default();
         let (line, column) = lines.place(span.start);
+        let value = text.lines().nth(line - 1).and_then(|line| line.split('#').next()?.split_once('='));
+        if let Some(written) = value.and_then(|(_, value)| decimal_point(value.trim())) {
+            let reason = format!("a number has a decimal point and no comma; write {written}");
+            return ScenarioError::Syntax { file: file.clone(), line, column, reason };
+        }
         let found = text.get(span).unwrap_or_default();
         let found = if found.is_empty() { String::new() } else { format!(" at {}", spell_text(found)) };
         ScenarioError::Syntax { file: file.clone(), line, column, reason: reason(&error) + &found }

@@ -4,10 +4,13 @@ use std::time::Instant;
 
 use lashloop_protocol::message::Identity;
 
+use super::description::Description;
 use super::error::SessionError;
 use super::handshake::shake_hands;
+use super::laws::Law;
 use super::line::Line;
-use super::parameters::{self, Parameter};
+use super::parameters::Parameter;
+use super::signals::{DriveSignal, Subscription};
 use crate::link::Link;
 use crate::timing::Timestamps;
 
@@ -31,8 +34,13 @@ pub struct Session {
     pub(super) number: u32,
     /// The drive's identity, from the latest handshake.
     pub identity: Identity,
+    /// The drive's laws, in the order of their index.
+    pub laws: Vec<Law>,
     /// The drive's parameters, in the order of their index.
     pub parameters: Vec<Parameter>,
+    /// The drive's signals, in the order of their index.
+    pub signals: Vec<DriveSignal>,
+    pub(super) subscription: Subscription,
     /// Answers after their deadline.
     pub(super) late: u64,
     /// Sequence number of the sample answered last.
@@ -42,7 +50,7 @@ pub struct Session {
 }
 
 impl Session {
-    /// Opens a session on a fresh link: clears the line, shakes hands, reads the parameters. `number` distinguishes this
+    /// Opens a session on a fresh link: clears the line, shakes hands, reads what the drive describes. `number` distinguishes this
     /// session from earlier ones.
     ///
     /// # Errors
@@ -51,10 +59,28 @@ impl Session {
         let mut line = Line::new(link);
         line.clear()?;
         let identity = shake_hands(&mut line, number)?;
-        let parameters = parameters::read_all(&mut line, identity.parameter_count)?;
+        let Description { laws, parameters, signals } = Description::read(&mut line, &identity)?;
         let now = Instant::now();
         let timestamps = Timestamps { asked: now, sent: now, arrived: now, decoded: now };
-        Ok(Self { line, number, identity, parameters, late: 0, answered: None, timestamps })
+        let subscription = Subscription::default();
+        Ok(Self {
+            line,
+            number,
+            identity,
+            laws,
+            parameters,
+            signals,
+            subscription,
+            late: 0,
+            answered: None,
+            timestamps,
+        })
+    }
+
+    /// The telemetry that the drive sends.
+    #[must_use]
+    pub fn subscription(&self) -> &Subscription {
+        &self.subscription
     }
 
     /// The frame counts.

@@ -11,6 +11,7 @@ use super::client::Session;
 use super::error::SessionError;
 use super::handshake::shake_hands;
 use super::request::Answered;
+use super::signals::Subscription;
 
 /// Timeouts of the attempts to start a drive, in their order. A slow line needs the longer ones.
 const START_LIMITS: [Duration; 3] =
@@ -28,6 +29,7 @@ impl Session {
         }
         self.command(Reset {}, State::Boot)?;
         self.forget_run();
+        self.subscription = Subscription::default();
         self.number = self.number.wrapping_add(1);
         self.identity = shake_hands(&mut self.line, self.number)?;
         Ok(())
@@ -126,7 +128,7 @@ impl Session {
     }
 
     /// Sends a command until the drive has answered it.
-    fn result<C: Payload + Into<HostMessage>>(
+    pub(super) fn result<C: Payload + Into<HostMessage>>(
         &mut self,
         command: C,
     ) -> Result<Answered<(Outcome, State)>, SessionError> {

@@ -123,6 +123,7 @@ fn is_late(answer: &TorqueAnswer, answered: Option<u16>) -> bool {
 mod tests {
     use std::time::Duration;
 
+    use lashloop_firmware::Laws;
     use lashloop_protocol::EncoderCounts;
 
     use super::*;
@@ -130,7 +131,7 @@ mod tests {
 
     /// A started drive with encoders so coarse that their speed limits the gap nowhere.
     fn started() -> Session {
-        let mut session = Session::open(Box::new(InProcess::default()), 1).expect("a drive");
+        let mut session = Session::open(Box::new(InProcess::<Laws>::default()), 1).expect("a drive");
         for parameter in ["motor_counts_per_rev", "load_counts_per_rev"] {
             session.set(parameter, 4096.0).expect("a coarse encoder");
         }

@@ -6,7 +6,9 @@
 //! | `commands` | reset, start, stop |
 //! | `exchange` | a sample for a torque: [`Exchange`] |
 //! | `parameter_access` | a parameter by its name |
-//! | [`parameters`] | the parameters as the drive describes them |
+//! | `subscribe` | the signals that telemetry carries |
+//! | [`description`] | the drive's description of itself, read |
+//! | [`parameters`], [`laws`], [`signals`] | what it describes |
 //! | [`request`] | a request and its answer, with retries |
 //! | [`handshake`] | `Hello` and `Identity` |
 //! | [`mod@line`] | messages on a link |
@@ -17,18 +19,25 @@
 mod at_step;
 mod client;
 mod commands;
+pub mod description;
 mod error;
 mod exchange;
 pub mod handshake;
+pub mod laws;
 pub mod line;
 mod logs;
 mod parameter_access;
 pub mod parameters;
 pub mod request;
+pub mod signals;
+mod subscribe;
 
 pub use at_step::AtStep;
 pub use client::{Session, Traffic};
 pub use error::{LastSeen, SessionError};
 pub use exchange::Exchange;
+pub use laws::{Law, LawMask};
 pub use logs::printable;
-pub use parameters::{Parameter, SetError};
+pub use parameters::{Choice, Parameter, SetError, WrittenValue};
+pub use signals::{DriveSignal, Subscription};
+pub use subscribe::SubscribeError;

@@ -6,7 +6,8 @@ use lashloop_protocol::{DriveMessage, HostMessage};
 
 use super::client::Session;
 use super::error::SessionError;
-use super::parameters::{Parameter, SetError};
+use super::parameters::{Parameter, SetError, WrittenValue};
+use crate::names::UnknownName;
 
 impl Session {
     /// The parameter of this name.
@@ -18,17 +19,17 @@ impl Session {
     /// Checks a name and a value against the drive's description of its parameters. Nothing is sent.
     ///
     /// # Errors
-    /// Unknown name, or value outside the drive's range.
-    pub fn fits(&self, name: &str, number: f64) -> Result<(), SetError> {
-        self.on_wire(name, number).map(drop)
+    /// Unknown name or choice, or value outside the drive's range.
+    pub fn fits<'a>(&self, name: &str, value: impl Into<WrittenValue<'a>>) -> Result<(), SetError> {
+        self.on_wire(name, value.into()).map(drop)
     }
 
     /// Sets a parameter and checks the value read back.
     ///
     /// # Errors
-    /// Unknown name, value outside the drive's range, a rejection by the drive, or a failed session.
-    pub fn set(&mut self, name: &str, number: f64) -> Result<(), SetError> {
-        let (index, value) = self.on_wire(name, number)?;
+    /// Unknown name or choice, value outside the drive's range, a rejection by the drive, or a failed session.
+    pub fn set<'a>(&mut self, name: &str, value: impl Into<WrittenValue<'a>>) -> Result<(), SetError> {
+        let (index, value) = self.on_wire(name, value.into())?;
         let report = self.report_of(index, &SetParameter { index, value }.into())?;
         if report.outcome == Outcome::Accepted && report.value == value {
             Ok(())
@@ -46,18 +47,12 @@ impl Session {
     }
 
     /// Index and value on the wire.
-    fn on_wire(&self, name: &str, number: f64) -> Result<(u8, ParameterValue), SetError> {
-        let parameter = self.parameter(name).ok_or_else(|| self.unknown(name))?;
-        let value =
-            parameter.value(number).ok_or_else(|| SetError::OutOfRange { range: parameter.range() })?;
-        Ok((parameter.index, value))
-    }
-
-    fn unknown(&self, name: &str) -> SetError {
-        let known: Vec<_> = self.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-        let similarity = |known: &&&str| strsim::jaro_winkler(known, name);
-        let nearest = known.iter().max_by(|a, b| similarity(a).total_cmp(&similarity(b))).copied();
-        SetError::Unknown { nearest: nearest.unwrap_or_default().to_owned(), known: known.join(", ") }
+    fn on_wire(&self, name: &str, value: WrittenValue<'_>) -> Result<(u8, ParameterValue), SetError> {
+        let parameter = self.parameter(name).ok_or_else(|| {
+            let known = self.parameters.iter().map(|parameter| &*parameter.name);
+            SetError::Unknown(UnknownName::new("the drive", "parameter", name, known))
+        })?;
+        Ok((parameter.index, parameter.value(value)?))
     }
 
     fn report_of(&mut self, index: u8, request: &HostMessage) -> Result<ParameterReport, SessionError> {

@@ -3,10 +3,13 @@
 //! | module | holds |
 //! |---|---|
 //! | `service` | [`Supervisor`]: the thread that starts children and receives SIGINT and SIGTERM |
+//! | `find` | [`find_program`]: where a program is |
 //! | `process` | [`Program`] and [`Process`]: what is started, and the running child |
 
+mod find;
 mod process;
 mod service;
 
+pub use find::find_program;
 pub use process::{Process, Program};
 pub use service::{SignalGuard, Supervisor};

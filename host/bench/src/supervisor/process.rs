@@ -6,17 +6,19 @@ use std::process::ExitStatus;
 use std::sync::{Arc, Condvar, Mutex, PoisonError, mpsc};
 use std::time::{Duration, Instant};
 
-use tokio::io::{AsyncBufReadExt, AsyncRead, BufReader};
+use rustix::process::{Pid, Signal, kill_process, kill_process_group};
+use tokio::io::{AsyncBufReadExt, AsyncRead, AsyncReadExt, BufReader};
 use tokio::process::{Child, Command};
 use tokio::sync::oneshot;
 
-/// Lines of standard error that are kept for an error message. The first ones: a dump of registers or a stack follows the
-/// cause.
-const STDERR_LINES: usize = 2;
+/// Longest line that is kept, in bytes.
+const LONGEST_LINE: u64 = 512;
 /// Time that standard error may take to end after its process.
 const STDERR_LIMIT: Duration = Duration::from_millis(200);
 /// Time that a killed child may take to end, on a busy machine.
 const KILL_LIMIT: Duration = Duration::from_secs(2);
+/// Time that a user's command may take to end by itself once its line is closed: it may have files to write.
+const GRACE: Duration = Duration::from_millis(500);
 
 /// A program to be run as a child of the bench.
 #[derive(Debug, Clone)]
@@ -31,12 +33,39 @@ pub struct Program {
     pub core: Option<usize>,
 }
 
-/// A child process. Dropping it kills the child.
+/// Whose program a child is. It decides what is kept for an error message and how the child ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Author {
+    /// Ours, or the emulator: one process. The first lines are kept, because a dump of registers or a stack follows the
+    /// cause.
+    Bench,
+    /// A command of the user, with a guard as its parent: any number of processes. The last lines are kept, because most
+    /// languages print the cause last.
+    User,
+}
+
+impl Author {
+    fn keep(self, lines: &mut Vec<String>, line: String) {
+        match self {
+            Self::Bench if lines.len() < 2 => lines.push(line),
+            Self::Bench => {}
+            Self::User => {
+                lines.push(line);
+                if lines.len() > 4 {
+                    lines.remove(0);
+                }
+            }
+        }
+    }
+}
+
+/// A child process and its descendants. Dropping it ends them all.
 pub struct Process {
     /// Its name in messages.
     pub name: &'static str,
-    /// Its process number.
+    /// Its process number, which is also that of its group.
     pub id: u32,
+    author: Author,
     end: Arc<End>,
     stderr: Arc<Mutex<Vec<String>>>,
     stdout: mpsc::Receiver<String>,
@@ -55,28 +84,33 @@ impl Process {
     ///
     /// # Errors
     /// The system refused.
-    pub(super) fn start(command: std::process::Command, name: &'static str) -> io::Result<Self> {
+    pub(super) fn start(
+        command: std::process::Command,
+        name: &'static str,
+        author: Author,
+    ) -> io::Result<Self> {
         let mut child = Command::from(command).kill_on_drop(true).spawn()?;
         let id = child.id().unwrap_or_default();
         let end = Arc::new(End::default());
         let stderr = Arc::new(Mutex::new(Vec::new()));
         let (line_to, stdout) = mpsc::channel();
         let (kill, killed) = oneshot::channel();
-        if let Some(stdout) = child.stdout.take() {
-            tokio::spawn(each_line(stdout, move |line| drop(line_to.send(line))));
-        }
         let kept = Arc::clone(&stderr);
-        let reader = child.stderr.take().map(|stderr| {
-            tokio::spawn(each_line(stderr, move |line| {
-                let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-                if kept.len() < STDERR_LINES && !line.is_empty() {
-                    kept.push(line);
-                }
-            }))
-        });
+        let keep = move |line: String| {
+            if !line.is_empty() {
+                author.keep(&mut kept.lock().unwrap_or_else(PoisonError::into_inner), line);
+            }
+        };
+        if let Some(stdout) = child.stdout.take() {
+            match author {
+                Author::Bench => drop(tokio::spawn(each_line(stdout, move |line| drop(line_to.send(line))))),
+                Author::User => drop(tokio::spawn(each_line(stdout, keep.clone()))),
+            }
+        }
+        let reader = child.stderr.take().map(|stderr| tokio::spawn(each_line(stderr, keep)));
         let ended = Arc::clone(&end);
         tokio::spawn(async move {
-            let status = wait_or_kill(child, killed).await;
+            let status = wait_or_kill(child, id, killed).await;
             // An error message quotes standard error, so the end is published only after it.
             if let Some(reader) = reader {
                 let _ = tokio::time::timeout(STDERR_LIMIT, reader).await;
@@ -84,7 +118,7 @@ impl Process {
             *ended.status.lock().unwrap_or_else(PoisonError::into_inner) = status.ok();
             ended.changed.notify_all();
         });
-        Ok(Self { name, id, end, stderr, stdout, kill: Some(kill) })
+        Ok(Self { name, id, author, end, stderr, stdout, kill: Some(kill) })
     }
 
     /// Waits for its end, `limit` at most; `None` if it still runs.
@@ -105,33 +139,64 @@ impl Process {
         self.stdout.recv_timeout(deadline.saturating_duration_since(Instant::now())).ok()
     }
 
-    /// The first lines of its standard error, joined by semicolons; empty if there are none.
+    /// The lines of its standard error that matter most, joined by semicolons; empty if there are none.
     #[must_use]
-    pub fn stderr_head(&self) -> String {
+    pub fn stderr(&self) -> String {
         self.stderr.lock().unwrap_or_else(PoisonError::into_inner).join("; ")
+    }
+}
+
+impl Process {
+    /// Stops or continues it and its descendants.
+    pub fn set_suspended(&self, is_suspended: bool) {
+        signal_group(self.id, if is_suspended { Signal::STOP } else { Signal::CONT });
+        // The guard has to notice the end of the bench meanwhile.
+        if let (Author::User, true, Some(guard)) = (self.author, is_suspended, pid(self.id)) {
+            let _ = kill_process(guard, Signal::CONT);
+        }
     }
 }
 
 impl Drop for Process {
     fn drop(&mut self) {
+        if self.author == Author::User {
+            let _ = self.ended_within(GRACE);
+        }
         drop(self.kill.take());
         let _ = self.ended_within(KILL_LIMIT);
     }
 }
 
-/// Waits for the end of a child, and kills it as soon as its [`Process`] is dropped.
-async fn wait_or_kill(mut child: Child, killed: oneshot::Receiver<()>) -> io::Result<ExitStatus> {
-    tokio::select! {
-        status = child.wait() => return status,
-        _ = killed => {}
-    }
-    child.start_kill()?;
-    child.wait().await
+fn pid(id: u32) -> Option<Pid> {
+    Pid::from_raw(id.cast_signed())
 }
 
+/// Signals every process of a group. One that has ended can't be signalled; the link reports its end.
+fn signal_group(id: u32, signal: Signal) {
+    if let Some(group) = pid(id) {
+        let _ = kill_process_group(group, signal);
+    }
+}
+
+/// Waits for the end of a child, and kills it as soon as its [`Process`] is dropped. Either way no descendant stays.
+async fn wait_or_kill(mut child: Child, id: u32, killed: oneshot::Receiver<()>) -> io::Result<ExitStatus> {
+    let ended = tokio::select! {
+        status = child.wait() => Some(status),
+        _ = killed => None,
+    };
+    signal_group(id, Signal::KILL);
+    match ended {
+        Some(status) => status,
+        None => child.wait().await,
+    }
+}
+
+/// Passes on each line without its end. A longer line than [`LONGEST_LINE`] comes in pieces.
 async fn each_line(stream: impl AsyncRead + Unpin, mut take: impl FnMut(String)) {
-    let mut lines = BufReader::new(stream).lines();
-    while let Ok(Some(line)) = lines.next_line().await {
-        take(line);
+    let mut stream = BufReader::new(stream);
+    let mut line = Vec::new();
+    while let Ok(1..) = (&mut stream).take(LONGEST_LINE).read_until(b'\n', &mut line).await {
+        take(String::from_utf8_lossy(&line).trim_end().to_owned());
+        line.clear();
     }
 }

@@ -1,5 +1,6 @@
 //! The thread that starts children and receives signals.
 
+use std::io::{PipeReader, PipeWriter};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,7 +10,7 @@ use std::{io, thread};
 use tokio::signal::unix::{Signal, SignalKind, signal};
 use tokio::sync::mpsc as channel;
 
-use super::process::{Process, Program};
+use super::process::{Author, Process, Program};
 
 /// What a shell reports of a program that Ctrl-C ended.
 const KILLED: i32 = 130;
@@ -50,6 +51,7 @@ impl Drop for SignalGuard<'_> {
 struct Order {
     command: Command,
     name: &'static str,
+    author: Author,
     reply: mpsc::Sender<io::Result<Process>>,
 }
 
@@ -86,23 +88,58 @@ impl Supervisor {
         self.signals.requested.load(Ordering::Relaxed)
     }
 
-    /// Runs a program until it ends by itself or its [`Process`] is dropped.
+    /// Runs a program of one process until it ends by itself or its [`Process`] is dropped. Its standard output is read
+    /// line by line.
     ///
     /// # Errors
     /// The program can't be started.
     pub fn spawn(&self, program: &Program) -> io::Result<Process> {
+        let mut command = self.command(program, Author::Bench);
+        command.stdin(Stdio::null()).stdout(Stdio::piped());
+        self.order(command, program.name, Author::Bench)
+    }
+
+    /// Runs a command of the user, of any number of processes, until it ends by itself or its [`Process`] is dropped. The
+    /// bench writes its standard input and reads its standard output through the pipes.
+    ///
+    /// # Errors
+    /// The command can't be started.
+    pub fn spawn_piped(&self, program: &Program) -> io::Result<(Process, PipeWriter, PipeReader)> {
+        let ((stdin, to_child), (from_child, stdout)) = (io::pipe()?, io::pipe()?);
+        let mut command = self.command(program, Author::User);
+        command.stdin(stdin).stdout(stdout);
+        Ok((self.order(command, program.name, Author::User)?, to_child, from_child))
+    }
+
+    /// As [`Self::spawn_piped`], without a standard input. Its standard output is kept with its standard error.
+    ///
+    /// # Errors
+    /// The command can't be started.
+    pub fn spawn_logged(&self, program: &Program) -> io::Result<Process> {
+        let mut command = self.command(program, Author::User);
+        command.stdin(Stdio::null()).stdout(Stdio::piped());
+        self.order(command, program.name, Author::User)
+    }
+
+    fn command(&self, program: &Program, author: Author) -> Command {
         use std::os::unix::process::CommandExt;
         let mut command = Command::new(&self.bench);
         command.arg("tied");
+        if author == Author::User {
+            command.arg("--guard").arg(std::process::id().to_string());
+        }
         if let Some(core) = program.core {
             command.arg("--core").arg(core.to_string());
         }
         command.arg("--").arg(&program.program).args(&program.arguments);
-        // In a process group of its own: Ctrl-C reaches the bench alone, which then ends the child.
-        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).process_group(0);
+        // In a process group of its own: Ctrl-C reaches the bench alone, which then ends the child. Descendants share it.
+        command.stderr(Stdio::piped()).process_group(0);
+        command
+    }
+
+    fn order(&self, command: Command, name: &'static str, author: Author) -> io::Result<Process> {
         let (reply, answer) = mpsc::channel();
-        let order = Order { command, name: program.name, reply };
-        self.orders.send(order).map_err(io::Error::other)?;
+        self.orders.send(Order { command, name, author, reply }).map_err(io::Error::other)?;
         answer.recv().map_err(io::Error::other)?
     }
 }
@@ -118,7 +155,9 @@ async fn supervise(
             _ = interrupt.recv() => shared.arrived(),
             _ = terminate.recv() => shared.arrived(),
             order = orders.recv() => match order {
-                Some(order) => { let _ = order.reply.send(Process::start(order.command, order.name)); }
+                Some(Order { command, name, author, reply }) => {
+                    let _ = reply.send(Process::start(command, name, author));
+                }
                 None => return,
             },
         }

@@ -8,7 +8,7 @@ use super::exit::Verdict;
 use crate::scenario::expectation::Expectation;
 use crate::scenario::sections::Allowance;
 use crate::timing::{ClockName, Quantiles, TimingReport};
-use lashloop_plant::metrics::{Measured, Metric, Metrics};
+use lashloop_plant::metrics::{Measured, Metrics, Quantity, Window};
 
 /// Counters of the link during a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
@@ -31,36 +31,56 @@ pub struct LinkCounts {
     pub overruns_at_drive: u64,
 }
 
-/// An expectation and what its metric came out as.
+/// An expectation and what its quantity came out as.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct JudgedExpectation {
-    /// The metric.
-    pub metric: Metric,
-    /// Its value; null in a summary if the metric has none, and then never `ok`.
+    /// The metric, or the signal and its statistic.
+    #[serde(flatten)]
+    pub quantity: Quantity,
+    /// The part of the run that is judged; `None` for all of it.
+    #[serde(flatten)]
+    pub window: Option<Window>,
+    /// Its value; null in a summary if the run has none, and then never `ok`.
     pub value: Measured,
-    /// The metric's unit.
-    pub unit: &'static str,
+    /// Why there is no value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// The quantity's unit.
+    pub unit: String,
     /// Smallest value that passes.
     pub min: Option<f64>,
     /// Largest value that passes.
     pub max: Option<f64>,
-    /// Whether the metric has a value, within the bounds.
+    /// Whether there is a value, within the bounds.
     pub ok: bool,
 }
 
 impl JudgedExpectation {
     fn new(expectation: &Expectation, metrics: &Metrics) -> Self {
-        let &Expectation { metric, unit, min, max, .. } = expectation;
-        let value = metrics.get(metric);
+        let &Expectation { min, max, window, .. } = expectation;
+        let value = metrics.answer(&expectation.query());
         let within = |value: f64| min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max);
-        Self { metric, value, unit, min, max, ok: value.value().is_some_and(within) }
+        Self {
+            quantity: expectation.quantity.clone(),
+            window,
+            value,
+            reason: value.reason(),
+            unit: expectation.unit.clone(),
+            min,
+            max,
+            ok: value.value().is_some_and(within),
+        }
     }
 }
 
 impl fmt::Display for JudgedExpectation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { metric, value, unit, min, max, ok } = self;
-        write!(f, "{metric}: {value}")?;
+        let Self { quantity, window, value, unit, min, max, ok, .. } = self;
+        write!(f, "{quantity}")?;
+        if let Some(window) = window {
+            write!(f, ", {window}")?;
+        }
+        write!(f, ": {value}")?;
         if value.value().is_some() {
             write!(f, " {unit}")?;
         }

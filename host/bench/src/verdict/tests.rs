@@ -6,26 +6,46 @@ use super::{Exit, Judgement, LinkCounts, Verdict};
 use crate::scenario::expectation::Expectation;
 use crate::scenario::sections::Allowance;
 use crate::timing::{ClockName, RoundTrip, StepOutcome, StepTiming, TimingReport, Timings};
-use lashloop_plant::metrics::{Estimates, Measurement, Metric, Metrics, Sample};
+use lashloop_plant::metrics::{Measurement, Metric, Metrics, Plan, Quantity, Sample, SignalTable, Statistic, Window};
 
 fn metrics(load_position_rad: f64) -> Metrics {
-    let mut measurement = Measurement::new(0.001);
+    let mut measurement = Measurement::new(0.001, &SignalTable::default());
     for step in 0..1000 {
         measurement.push(&Sample {
             time_s: f64::from(step) * 0.001,
             reference_rad: 0.0,
             load_position_rad,
+            motor_position_rad: 0.0,
             torque_nm: 0.0,
-            estimates: Some(Estimates { dead_zone_rad: 0.16, disturbing_torque_nm: 0.0 }),
-            dead_zone_rad: 0.16,
-            disturbing_torque_nm: 0.0,
+            plant: &[],
+            drive: None,
+        });
+    }
+    measurement.metrics()
+}
+
+/// A run of one second whose torque is its time, with the answers to these expectations.
+fn rising_torque(expectations: &[Expectation]) -> Metrics {
+    let signals = SignalTable::default();
+    let plan = Plan { period_s: 0.001, steps: 1000, reference: None, signals: &signals };
+    let mut measurement = Measurement::of_run(&plan, expectations.iter().map(Expectation::query));
+    for step in 0..1000 {
+        let time_s = f64::from(step) * 0.001;
+        measurement.push(&Sample {
+            time_s,
+            reference_rad: 0.0,
+            load_position_rad: 0.0,
+            motor_position_rad: 0.0,
+            torque_nm: time_s,
+            plant: &[],
+            drive: None,
         });
     }
     measurement.metrics()
 }
 
 fn expect(metric: Metric, min: Option<f64>, max: Option<f64>) -> Expectation {
-    Expectation { metric, unit: metric.unit(), min, max, note: None }
+    Expectation::of_metric(metric, min, max)
 }
 
 fn judge(expectations: &[Expectation], metrics: &Metrics) -> Judgement {
@@ -62,6 +82,30 @@ fn one_missed_expectation_of_many_fails_the_run() {
     overshoot_rad: 0 rad; meets at most 0 rad
     settle_time_s: never; misses at most 100 s
     "#);
+}
+
+#[test]
+fn signals_and_windows_are_judged_like_metrics() {
+    let window = Some(Window { from_s: 0.25, to_s: Some(0.5) });
+    let peak = expect(Metric::PeakTorque, None, Some(0.6));
+    let statistic = |signal: &str, statistic| Expectation {
+        quantity: Quantity::Statistic { signal: signal.to_owned(), statistic },
+        unit: "N m".to_owned(),
+        ..peak.clone()
+    };
+    let expectations = [
+        peak.clone(),
+        Expectation { window, ..peak.clone() },
+        statistic("torque_nm", Statistic::Mean),
+        Expectation { window, ..statistic("torque_nm", Statistic::Min) },
+        statistic("drive.load_error_rad", Statistic::Max),
+    ];
+    let judgement = judge(&expectations, &rising_torque(&expectations));
+    assert_eq!(judgement.verdict, Verdict::Fail);
+    let lines: Vec<_> = judgement.expectations.iter().map(ToString::to_string).collect();
+    insta::assert_snapshot!(lines.join("\n"), @"");
+    let unasked = judge(&expectations[1..2], &rising_torque(&[]));
+    assert_eq!(unasked.verdict, Verdict::Fail, "an expectation that nobody measured can't pass");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lashloop_bench::scenario::Scenario;
-use lashloop_bench::scenario::backlash_shaft::LoadFrictionModel;
+use lashloop_plant::Environment;
 use lashloop_plant::backlash_shaft::ShaftParameters;
 
 use crate::read;
@@ -28,19 +28,19 @@ fn with(keys: &str) -> Result<Scenario, String> {
 fn the_default_bench_stands_for_the_experiment_of_the_paper() {
     let scenario = with("").expect("a good scenario");
     let plant = scenario.plant;
-    let bench = plant.backlash_shaft.expect("a bench");
+    let number = |key| plant.number(key).expect(key);
     let paper = ShaftParameters::paper();
-    assert_eq!(plant.substeps, 16);
-    assert_eq!(plant.load_coulomb_nm, None);
-    assert_eq!(bench.shaft_damping_nm_s_rad, paper.shaft_damping_nm_s_rad);
-    let load = [bench.load_coulomb_nm, bench.load_stiction_nm, bench.load_stribeck_rad_s];
+    assert_eq!(number("substeps"), 16.0);
+    assert_eq!(number("shaft_damping_nm_s_rad"), paper.shaft_damping_nm_s_rad);
+    let load = ["load_coulomb_nm", "load_stiction_nm", "load_stribeck_rad_s"].map(number);
     assert_eq!(load, [paper.load.coulomb_nm, paper.load.stiction_nm, paper.load.velocity_rad_s]);
-    let motor = [bench.motor_coulomb_nm, bench.motor_stiction_nm, bench.motor_stribeck_rad_s];
+    let motor = ["motor_coulomb_nm", "motor_stiction_nm", "motor_stribeck_rad_s"].map(number);
     assert_eq!(motor, [paper.motor.coulomb_nm, paper.motor.stiction_nm, paper.motor.velocity_rad_s]);
-    assert_eq!((bench.current_lag_ms, bench.torque_delay_us), (0.5, 1000));
-    assert_eq!(bench.torque_saturation_nm, paper.torque_saturation_nm);
-    assert_eq!((bench.load_friction, bench.bristles), (LoadFrictionModel::Stribeck, None));
-    assert_eq!((bench.load_torque.at_nm(1.0), bench.wear.at_rad(1.0)), (0.0, 0.0));
+    assert_eq!((number("current_lag_ms"), plant.torque_delay_us()), (0.5, 1000));
+    assert_eq!(number("torque_saturation_nm"), paper.torque_saturation_nm);
+    assert_eq!(plant.values.text("load_friction"), Ok("stribeck"));
+    assert_eq!(plant.number("bristle_stiffness_nm_rad"), None);
+    assert_eq!(plant.environment.expect("wear and load torque").at(1.0), Environment::default());
 }
 
 #[test]
@@ -78,9 +78,11 @@ fn errors_of_a_shaft_plant_name_their_key() {
 fn wear_and_load_torque_keep_to_their_intervals() {
     let keys = "[plant.wear]\ngrowth_rad = 0.2\nfrom_s = 1\nuntil_s = 3\n\
                 [plant.load_torque]\ntorque_nm = -4\nfrom_s = 1\nuntil_s = 3";
-    let bench = with(keys).expect("a good scenario").plant.backlash_shaft.expect("a bench");
-    assert_eq!([0.0, 1.0, 2.0, 3.0, 9.0].map(|time_s| bench.wear.at_rad(time_s)), [0.0, 0.0, 0.1, 0.2, 0.2]);
-    assert_eq!([0.0, 1.0, 2.9, 3.0].map(|time_s| bench.load_torque.at_nm(time_s)), [0.0, -4.0, -4.0, 0.0]);
+    let environment = with(keys).expect("a good scenario").plant.environment.expect("an environment");
+    let growth_rad = |time_s| environment.at(time_s).gap_growth_rad;
+    assert_eq!([0.0, 1.0, 2.0, 3.0, 9.0].map(growth_rad), [0.0, 0.0, 0.1, 0.2, 0.2]);
+    let torque_nm = |time_s| environment.at(time_s).load_torque_nm;
+    assert_eq!([0.0, 1.0, 2.9, 3.0].map(torque_nm), [0.0, -4.0, -4.0, 0.0]);
 }
 
 #[test]
@@ -94,7 +96,7 @@ fn every_scenario_of_the_bench_is_right_and_expects_something() {
             continue;
         }
         let scenario = Scenario::from_file(&path, &[]).unwrap_or_else(|errors| panic!("{errors}"));
-        assert!(scenario.plant.backlash_shaft.is_some(), "{name}");
+        assert_eq!(scenario.plant.model.name(), "backlash-shaft", "{name}");
         assert!(!scenario.expectations.is_empty(), "{name}");
         assert_eq!(scenario.encoders.load_counts_per_rev, 4000, "{name}");
         seen += 1;

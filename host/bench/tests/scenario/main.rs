@@ -2,10 +2,13 @@
 
 mod backlash_shaft;
 mod fault;
+mod file;
 mod hostile;
+mod keys;
 mod messages;
 mod overrides;
 mod paper;
+mod traps;
 mod values;
 
 use lashloop_bench::scenario::{Override, Scenario};

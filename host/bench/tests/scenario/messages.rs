@@ -8,7 +8,7 @@ use lashloop_bench::scenario::Scenario;
 use crate::{SHORTEST, read};
 
 /// What is changed in the shortest scenario: a line, and what stands there instead.
-const CHANGES: &[(&str, &str)] = &[
+pub const CHANGES: &[(&str, &str)] = &[
     // Missing.
     ("title = \"a run\"", ""),
     ("duration_s = 2.0", ""),
@@ -23,18 +23,22 @@ const CHANGES: &[(&str, &str)] = &[
     ("duration_s = 2.0", "duration_s = 2024-05-01"),
     ("model = \"smooth\"", "model = true"),
     ("[run]\nduration_s = 2.0", "run = 2.0"),
-    ("duration_s = 2.0", "duration_s = 2.0\nseed = 1.0"),
+    ("duration_s = 2.0", "duration_s = 2.0\nseed = 1.5"),
     ("name = \"pd\"", "name = \"pd\"\nparameters = \"none\""),
     ("name = \"pd\"", "name = \"pd\"\nparameters.gains = [1, 2]"),
     ("name = \"pd\"", "name = \"pd\"\nparameters.limit = nan"),
     ("title = \"a run\"", "title = \"a run\"\nexpect = 5"),
     ("title = \"a run\"", "title = \"a run\"\nexpect = [5]"),
+    ("position_rad = 0.0", "position_rad = 0.0\n[expect]\nmetric = \"hunting_rad\"\nunit = \"rad\"\nmax = 1"),
+    ("[run]", "[[run]]"),
+    ("duration_s = 2.0", "duration_s = \"2,5\""),
     // Out of range.
     ("duration_s = 2.0", "duration_s = 0"),
     ("duration_s = 2.0", "duration_s = nan"),
     ("duration_s = 2.0", "duration_s = inf"),
     ("duration_s = 2.0", "duration_s = 0.0001"),
     ("duration_s = 2.0", "duration_s = 2.0\nseed = -1"),
+    ("duration_s = 2.0", "duration_s = 2.0\nseed = 1e300"),
     ("duration_s = 2.0", "duration_s = 2.0\ncontrol_period_us = 50"),
     ("model = \"smooth\"", "model = \"smooth\"\nstiffness_nm_rad = -1"),
     ("model = \"smooth\"", "model = \"smooth\"\ninitial.load_position_rad = 1e9"),
@@ -79,6 +83,8 @@ const CHANGES: &[(&str, &str)] = &[
     // Not TOML.
     ("duration_s = 2.0", "duration_s = "),
     ("duration_s = 2.0", "duration_s 2.0"),
+    ("duration_s = 2.0", "duration_s = 2,5 # s"),
+    ("position_rad = 0.0", "position_rad = -1,5e-3"),
     ("title = \"a run\"", "title = \"a run"),
     ("[plant]", "[plant"),
     ("[plant]", "[run]"),

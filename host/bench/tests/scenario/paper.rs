@@ -22,8 +22,8 @@ fn scenario(name: &str) -> Scenario {
 fn each_file_asks_for_the_figure_of_the_paper() {
     for (name, law, friction, metric, min, max) in FILES {
         let scenario = scenario(name);
-        assert_eq!(scenario.controller.name.name(), law, "{name}");
-        assert_eq!(scenario.plant.load_coulomb_nm.is_some(), friction, "{name}");
+        assert_eq!(scenario.controller.name, law, "{name}");
+        assert_eq!(scenario.plant.number("load_coulomb_nm").is_some(), friction, "{name}");
         let expectation = &scenario.expectations[0];
         assert_eq!(expectation.metric.name(), metric, "{name}");
         assert_eq!((expectation.min, expectation.max), (Some(min), Some(max)), "{name}");

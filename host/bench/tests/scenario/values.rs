@@ -3,39 +3,36 @@
 use std::f64::consts::FRAC_PI_2;
 
 use lashloop_bench::scenario::controller::ParameterValue;
-use lashloop_bench::scenario::plant::{PlantModel, PlantSettings};
 use lashloop_bench::scenario::{Override, Scenario, ScenarioError};
-use lashloop_firmware::drive::parameters::TABLE;
+use lashloop_firmware::Laws;
+use lashloop_firmware::law::{LawSet, Range};
+use lashloop_plant::Plants;
 use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MIN_COUNTS_PER_REV};
 use lashloop_plant::reference::Reference;
-use lashloop_protocol::enums::{ControllerId, ParameterValue as DriveValue};
 
 use crate::{SHORTEST, read};
 
 #[test]
 fn the_default_plant_is_table_1_of_the_paper() {
     let scenario = read(SHORTEST, &[]).expect("a good scenario");
-    let table_1 = PlantSettings {
-        model: PlantModel::Smooth,
-        substeps: 4,
-        load_inertia_kg_m2: 7.5,
-        load_friction_nm_s_rad: 16.0,
-        motor_inertia_kg_m2: 9.72e-4,
-        motor_friction_nm_s_rad: 4.3e-4,
-        reduction_ratio: 3.0,
-        stiffness_nm_rad: 1.0,
-        dead_zone_rad: 0.16,
-        load_coulomb_nm: None,
-        backlash_shaft: None,
-        initial: lashloop_plant::Start {
-            load_position_rad: FRAC_PI_2,
-            load_velocity_rad_s: 0.0,
-            motor_position_rad: 3.0 * FRAC_PI_2,
-            motor_velocity_rad_s: 0.0,
-        },
-    };
-    assert_eq!(scenario.plant, table_1);
-    assert_eq!(scenario.controller.name, ControllerId::Pd);
+    let table_1 = [
+        ("substeps", 4.0),
+        ("load_inertia_kg_m2", 7.5),
+        ("load_friction_nm_s_rad", 16.0),
+        ("motor_inertia_kg_m2", 9.72e-4),
+        ("motor_friction_nm_s_rad", 4.3e-4),
+        ("reduction_ratio", 3.0),
+        ("stiffness_nm_rad", 1.0),
+        ("dead_zone_rad", 0.16),
+    ];
+    let plant = &scenario.plant;
+    assert_eq!(plant.values.iter().map(|(key, _)| key).collect::<Vec<_>>(), table_1.map(|(key, _)| key));
+    for (key, value) in table_1 {
+        assert_eq!(plant.number(key), Some(value), "{key}");
+    }
+    assert_eq!(plant.environment, None);
+    assert_eq!(plant.initial, lashloop_plant::Start::at_rest(FRAC_PI_2, 3.0 * FRAC_PI_2));
+    assert_eq!(scenario.controller.name, "pd");
     assert_eq!(scenario.reference, Reference::Constant { position_rad: 0.0 });
 }
 
@@ -58,17 +55,17 @@ fn defaults_are_1_khz_fine_encoders_and_a_flawless_link() {
 #[test]
 fn scenarios_allow_the_encoder_resolutions_of_the_drive() {
     for name in ["motor_counts_per_rev", "load_counts_per_rev"] {
-        let entry = TABLE.iter().find(|entry| entry.name == name).expect("a parameter of the drive");
-        assert_eq!(entry.min, DriveValue::U32(MIN_COUNTS_PER_REV), "{name}");
-        assert_eq!(entry.max, DriveValue::U32(MAX_COUNTS_PER_REV), "{name}");
+        let entry = Laws::PARAMETERS.iter().find(|entry| entry.name == name).expect("a parameter of the drive");
+        let Range::U32 { min, max, .. } = entry.range else { panic!("{name} is no whole number") };
+        assert_eq!((min, max), (MIN_COUNTS_PER_REV, MAX_COUNTS_PER_REV), "{name}");
     }
 }
 
 #[test]
 fn every_plant_model_is_printed_by_its_name() {
-    for model in PlantModel::ALL {
+    for model in Plants::standard().iter() {
         let scenario = read(&SHORTEST.replace("smooth", model.name()), &[]).expect("a good scenario");
-        assert_eq!(scenario.plant.model, model);
+        assert_eq!(scenario.plant.model, *model);
         let line = format!("model = \"{}\"\n", model.name());
         assert!(scenario.to_toml().expect("TOML").contains(&line), "{line}");
     }
@@ -77,8 +74,8 @@ fn every_plant_model_is_printed_by_its_name() {
 #[test]
 fn the_hard_gap_brings_its_friction_and_the_smooth_one_has_none() {
     let hard = read(&SHORTEST.replace("smooth", "hard-coulomb"), &[]).expect("a good scenario");
-    assert_eq!(hard.plant.model, PlantModel::HardCoulomb);
-    assert_eq!(hard.plant.load_coulomb_nm, Some(3.84));
+    assert_eq!(hard.plant.model.name(), "hard-coulomb");
+    assert_eq!(hard.plant.number("load_coulomb_nm"), Some(3.84));
 }
 
 #[test]
@@ -103,6 +100,17 @@ fn a_duration_between_two_periods_goes_to_the_nearest() {
 }
 
 #[test]
+fn a_whole_number_may_have_an_exponent_or_a_point() {
+    let seed =
+        |text: &str| read(SHORTEST, &[Override::Set(format!("run.seed={text}"))]).map(|it| it.run.seed);
+    assert_eq!(["1e3", "7.0", "1_000"].map(|text| seed(text).expect("a whole number")), [1000, 7, 1000]);
+    // 2^53 + 2 is whole, but a file may have meant 2^53 + 1.
+    for text in ["1.5", "1e-3", "9007199254740994.0", "inf"] {
+        assert!(seed(text).is_err(), "{text}");
+    }
+}
+
+#[test]
 fn drive_parameters_keep_their_order_type_and_place() {
     let text = format!("{SHORTEST}[controller.parameters]\nlimit = 25\nlead = true\nsource = \"model\"\n");
     let parameters = read(&text, &[]).expect("a good scenario").controller.parameters;
@@ -123,6 +131,7 @@ fn a_table_is_looked_up_in_the_folder_of_its_scenario() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     std::fs::write(directory.path().join("ramp.csv"), "time_s,position_rad\n0,0\n2,1\n").expect("a table");
     let text = SHORTEST.replace("\"constant\"\nposition_rad = 0.0", "\"table\"\nfile = \"ramp.csv\"");
+    let text = format!("meant = \"start\"\n{text}");
     let path = directory.path().join("x.toml");
     std::fs::write(&path, text).expect("a scenario");
     let scenario = Scenario::from_file(&path, &[]).expect("a good scenario");
@@ -223,7 +232,8 @@ fn every_profile_survives_printing() {
         "\"sine\"\namplitude_rad = 0.5\nfrequency_hz = 0.05\nphase_rad = 0.1",
         "\"trapezoid\"\nfrom_rad = 1\nto_rad = 0.5\nvelocity_rad_s = 2\nacceleration_rad_s2 = 3",
     ] {
-        let text = SHORTEST.replace("\"constant\"\nposition_rad = 0.0", profile);
+        let text =
+            format!("meant = [\"start\"]\n{}", SHORTEST.replace("\"constant\"\nposition_rad = 0.0", profile));
         let scenario = read(&text, &[]).expect(&text);
         assert_eq!(read(&scenario.to_toml().expect("TOML"), &[]).expect(profile), scenario);
     }

@@ -31,7 +31,7 @@ impl BacklashShaft {
 
     /// Torque that drives the load against its friction, N0 C + T, in N m.
     pub(super) fn load_drive_nm(&self, at: &ShaftCoordinates, contact: Contact) -> f64 {
-        self.mechanics.ratio * self.transmitted_torque_nm(at, contact) + at.environment.load_torque_nm
+        self.mechanics.ratio * self.transmitted_torque_nm(at, contact) + at.surroundings.load_torque_nm
     }
 
     /// Torque that drives the motor against its friction, tau - C, in N m.
@@ -42,7 +42,7 @@ impl BacklashShaft {
     /// Guard of a flank: its distance while the gap is open, the torque that pushes on it while it is in contact.
     #[inline]
     pub(super) fn flank_guard(&self, flank: Flank, at: &ShaftCoordinates, contact: Contact) -> f64 {
-        let half_gap = at.environment.dead_zone_rad;
+        let half_gap = at.surroundings.dead_zone_rad;
         match (flank, contact) {
             (Flank::Lower, Contact::Gap) => at.gap_position_rad + half_gap,
             (Flank::Upper, Contact::Gap) => half_gap - at.gap_position_rad,
@@ -56,7 +56,7 @@ impl BacklashShaft {
     /// The contact after the guard of `flank` has reached zero; theta_b is exactly at the flank then.
     pub(super) fn after_flank(&self, flank: Flank, at: &mut ShaftCoordinates, contact: Contact) -> Contact {
         let side = flank.side();
-        at.gap_position_rad = side.sign() * at.environment.dead_zone_rad;
+        at.gap_position_rad = side.sign() * at.surroundings.dead_zone_rad;
         if contact == Contact::Gap { side } else { Contact::Gap }
     }
 
@@ -74,7 +74,7 @@ impl BacklashShaft {
 
     /// Contact of a plant released with these coordinates.
     pub(super) fn contact_at_release(&self, at: &ShaftCoordinates) -> Contact {
-        let half_gap = at.environment.dead_zone_rad;
+        let half_gap = at.surroundings.dead_zone_rad;
         let twist_rad = self.mechanics.twist_of(at.x[LOAD_POSITION], at.x[MOTOR_POSITION]);
         let shaft_nm = self.shaft_torque_nm(at);
         let side = Contact::outside(twist_rad, half_gap);

@@ -14,15 +14,17 @@
 //! |---|---|
 //! | `parameters` | what is constant |
 //! | `stribeck`, `lugre` | dry friction |
-//! | `shaft`, `state` | prepared parameters; coordinates, modes, and the environment, which may change in a run |
+//! | `shaft`, `state` | prepared parameters; coordinates, modes, and the surroundings, which may change in a run |
 //! | `contact` | the gap: transmitted torque, flanks, relaxation |
 //! | `motion` | the right-hand side |
 //! | `modes` | guards and mode changes |
 //! | `substeps` | the substeps that stability needs |
 //! | `plant` | the plant made of all these |
+//! | `model` | its keys in scenarios |
 
 mod contact;
 mod lugre;
+mod model;
 mod modes;
 mod motion;
 mod parameters;
@@ -32,7 +34,8 @@ mod state;
 mod stribeck;
 mod substeps;
 
+pub use model::{NAME, model};
 pub use modes::{ShaftGuard, ShaftStride};
 pub use parameters::{BristleParameters, ShaftParameters, StribeckParameters};
 pub use shaft::BacklashShaft;
-pub use state::{BacklashShaftState, Environment, ShaftCoordinates, ShaftMode};
+pub use state::{BacklashShaftState, ShaftCoordinates, ShaftMode};

@@ -29,7 +29,7 @@ impl<'a, const LUGRE: bool> Masses<'a, LUGRE> {
         mode: ShaftMode,
         motor_torque_nm: [f64; 3],
     ) -> Self {
-        let load_torque_nm = at.environment.load_torque_nm;
+        let load_torque_nm = at.surroundings.load_torque_nm;
         Self { plant, mode, motor_torque_nm, load_torque_nm, gap_position_rad: at.gap_position_rad }
     }
 }

@@ -1,13 +1,13 @@
 //! The plant: release, step, truth, and changes while it runs.
 
 use super::shaft::BacklashShaft;
-use super::state::{BRISTLE, BacklashShaftState, Environment, ShaftCoordinates, ShaftMode};
-use crate::coordinates::{DISSIPATED, LOAD_VELOCITY, MOTOR_VELOCITY};
+use super::state::{BRISTLE, BacklashShaftState, ShaftCoordinates, ShaftMode, Surroundings};
+use crate::coordinates::{self, DISSIPATED, LOAD_VELOCITY, MOTOR_VELOCITY};
 use crate::integrator;
 use crate::mode::{Contact, DryFriction};
-use crate::{ParameterError, Plant, PlantError, RunningPlant, Start, Truth};
+use crate::{Environment, PlantError, Positions, Release, RunningPlant, Start, Truth, TwoMass};
 
-impl Plant for BacklashShaft {
+impl TwoMass for BacklashShaft {
     type State = BacklashShaftState;
 
     fn initial_state(&self, start: Start) -> BacklashShaftState {
@@ -17,7 +17,7 @@ impl Plant for BacklashShaft {
             x: start.coordinates().fixed_resize::<7, 1>(0.0),
             gap_position_rad: twist_rad.clamp(-half_gap, half_gap),
             motor_torque_nm: 0.0,
-            environment: Environment { dead_zone_rad: half_gap, load_torque_nm: 0.0 },
+            surroundings: Surroundings { dead_zone_rad: half_gap, load_torque_nm: 0.0 },
         };
         let contact = self.contact_at_release(&coordinates);
         let load = match self.load_friction.bristles {
@@ -40,6 +40,10 @@ impl Plant for BacklashShaft {
         integrator::advance(self, coordinates, mode, torque_nm, dt_s, substeps)
     }
 
+    fn positions(&self, state: &BacklashShaftState) -> Positions {
+        coordinates::positions(state.coordinates.x.as_slice())
+    }
+
     fn truth(&self, state: &BacklashShaftState) -> Truth {
         let BacklashShaftState { coordinates: at, mode } = state;
         let [load_velocity, motor_velocity] = [at.x[LOAD_VELOCITY], at.x[MOTOR_VELOCITY]];
@@ -57,44 +61,70 @@ impl Plant for BacklashShaft {
         let motor_drive_nm = self.motor_drive_nm(at, mode.contact);
         let x = at.x.fixed_rows::<6>(0).into_owned();
         Truth {
-            load_torque_nm: at.environment.load_torque_nm,
+            load_torque_nm: at.surroundings.load_torque_nm,
             gap_position_rad: at.gap_position_rad,
             load_friction: mode.load,
             motor_friction: mode.motor,
             load_dry_friction_nm,
             motor_dry_friction_nm: self.motor_friction.torque_nm(mode.motor, motor_velocity, motor_drive_nm),
-            dead_zone_rad: at.environment.dead_zone_rad,
+            dead_zone_rad: at.surroundings.dead_zone_rad,
             ..self.mechanics.truth(&x, at.motor_torque_nm, transmitted_nm, elastic_j, mode.contact)
         }
     }
-}
-
-impl RunningPlant<BacklashShaft> {
-    /// Changes gap and load torque from now on. A gap that widens under a twisted shaft lets the shaft unwind; the energy
-    /// set free counts as dissipated.
-    ///
-    /// # Errors
-    /// Names the value outside its range.
-    pub fn set_environment(&mut self, environment: Environment) -> Result<(), ParameterError> {
-        environment.validate()?;
-        let BacklashShaftState { coordinates, mode } = &mut self.state;
-        let before_j = self.plant.shaft_energy_j(coordinates);
-        let half_gap = environment.dead_zone_rad;
+    /// A gap that widens under a twisted shaft lets the shaft unwind; the energy set free counts as dissipated.
+    fn set_environment(
+        &self,
+        state: &mut BacklashShaftState,
+        environment: Environment,
+    ) -> Result<(), PlantError> {
+        let surroundings = Surroundings {
+            dead_zone_rad: self.mechanics.dead_zone_rad + environment.gap_growth_rad,
+            load_torque_nm: environment.load_torque_nm,
+        };
+        surroundings.validate()?;
+        let BacklashShaftState { coordinates, mode } = state;
+        let before_j = self.shaft_energy_j(coordinates);
+        let half_gap = surroundings.dead_zone_rad;
         coordinates.gap_position_rad = match mode.contact {
             Contact::Gap => coordinates.gap_position_rad.clamp(-half_gap, half_gap),
             side => side.sign() * half_gap,
         };
-        coordinates.environment = environment;
-        coordinates.x[DISSIPATED] += before_j - self.plant.shaft_energy_j(coordinates);
+        coordinates.surroundings = surroundings;
+        coordinates.x[DISSIPATED] += before_j - self.shaft_energy_j(coordinates);
         Ok(())
     }
 
-    /// Replaces the parameters from now on and keeps the state. The shaft's energy that the change sets free counts as
-    /// dissipated, the energy it binds as negative dissipation.
-    pub fn change_parameters(&mut self, parameters: BacklashShaft) {
-        let coordinates = &mut self.state.coordinates;
+    fn change_parameters(
+        &mut self,
+        state: &mut BacklashShaftState,
+        release: &Release<'_>,
+    ) -> Result<(), PlantError> {
+        self.replace(&mut state.coordinates, Self::of(release)?);
+        Ok(())
+    }
+}
+
+impl BacklashShaft {
+    /// Replaces the parameters. The shaft's energy that the change sets free counts as dissipated, the energy it binds as
+    /// negative dissipation.
+    fn replace(&mut self, coordinates: &mut ShaftCoordinates, parameters: Self) {
         coordinates.x[DISSIPATED] +=
-            self.plant.shaft_energy_j(coordinates) - parameters.shaft_energy_j(coordinates);
-        self.plant = parameters;
+            self.shaft_energy_j(coordinates) - parameters.shaft_energy_j(coordinates);
+        *self = parameters;
+    }
+}
+
+impl RunningPlant<BacklashShaft> {
+    /// Imposes wear and load torque from now on.
+    ///
+    /// # Errors
+    /// Names the value outside its range.
+    pub fn set_environment(&mut self, environment: Environment) -> Result<(), PlantError> {
+        self.plant.set_environment(&mut self.state, environment)
+    }
+
+    /// Replaces the parameters from now on and keeps the state.
+    pub fn change_parameters(&mut self, parameters: BacklashShaft) {
+        self.plant.replace(&mut self.state.coordinates, parameters);
     }
 }

@@ -1,10 +1,11 @@
-//! Coordinates, modes and environment of the backlash shaft.
+//! Coordinates, modes and surroundings of the backlash shaft.
 
 use nalgebra::SVector;
 
-use crate::ParameterError;
 use crate::error::within;
+use crate::mechanics::in_range;
 use crate::mode::{Contact, DryFriction};
+use crate::{Mechanics, ParameterError};
 
 /// Index of the bristles' deflection in the state vector, after the coordinates of every plant.
 pub(super) const BRISTLE: usize = 6;
@@ -17,7 +18,7 @@ pub struct ShaftMode {
     pub(super) motor: DryFriction,
 }
 
-/// Coordinates, and the environment they move in.
+/// Coordinates, and the surroundings they move in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShaftCoordinates {
     pub(super) x: SVector<f64, 7>,
@@ -25,7 +26,7 @@ pub struct ShaftCoordinates {
     pub(super) gap_position_rad: f64,
     /// tau.
     pub(super) motor_torque_nm: f64,
-    pub(super) environment: Environment,
+    pub(super) surroundings: Surroundings,
 }
 
 /// Coordinates and mode.
@@ -37,20 +38,20 @@ pub struct BacklashShaftState {
 
 /// Gap and load torque, which may change at every step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Environment {
+pub(super) struct Surroundings {
     /// j0 in rad, half the gap; it grows as gears wear.
-    pub dead_zone_rad: f64,
+    pub(super) dead_zone_rad: f64,
     /// External torque T on the load in N m.
-    pub load_torque_nm: f64,
+    pub(super) load_torque_nm: f64,
 }
 
-impl Environment {
+impl Surroundings {
     /// Checks both values.
     ///
     /// # Errors
     /// Names the value outside its range.
-    pub fn validate(&self) -> Result<(), ParameterError> {
-        within("dead_zone_rad", self.dead_zone_rad, 1e-6, 10.0)?;
+    pub(super) fn validate(&self) -> Result<(), ParameterError> {
+        in_range("dead_zone_rad", self.dead_zone_rad, &Mechanics::DEAD_ZONE_RAD)?;
         within("load_torque_nm", self.load_torque_nm, -1e6, 1e6)
     }
 }

@@ -1,62 +1,60 @@
-//! Metrics computed sample by sample. Memory is bounded by one window of errors and one of estimates.
+//! Metrics computed sample by sample. Memory is bounded by the windows of the metrics, and no sample allocates.
 
-use std::collections::VecDeque;
+use std::ops::Range;
 
-use super::estimator_score::{BIAS_WINDOW_S, EstimatorScore};
-use super::lost_motion::Reversal;
-use super::metric::{Measured, Metric, Metrics};
+use super::measured::Measured;
+use super::meter::NewMeter;
+use super::metric::Metric;
+use super::plan::Plan;
+use super::query::{Quantity, Query};
+use super::results::Metrics;
 use super::sample::Sample;
-use super::settling::Settling;
+use super::signal_table::SignalTable;
 
-/// The band of `settle_time_s`. The paper doesn't define the end of the transient; this band reproduces its 13 s.
-const SETTLED_RAD: f64 = 0.05;
-/// The bands of `settle_time_5pct_s` and its like, as fractions of the initial error.
-const SETTLED_FRACTIONS: [f64; 3] = [0.05, 0.02, 0.01];
-const STATIC_WINDOW_S: f64 = 1.0;
-const HUNTING_WINDOW_S: f64 = 10.0;
-
-/// Computes the metrics of one run from its samples.
-#[derive(Debug, Clone)]
+/// Computes the metrics of one run, and the answers to its queries, from its samples.
+#[derive(Debug)]
 pub struct Measurement {
-    period_s: f64,
+    /// Latched, because comparisons drop NaN.
     finite: bool,
-    initial_error_rad: Option<f64>,
-    settling: Settling,
-    settling_relative: [Settling; 3],
-    /// The errors of the longest window, oldest first.
-    recent_rad: VecDeque<f64>,
-    overshoot_rad: f64,
-    reversal: Reversal,
-    effort_nm2s: f64,
-    variation_nm: f64,
-    last_torque_nm: Option<f64>,
-    estimators: EstimatorScore,
+    samples: u32,
+    metrics: [NewMeter; Metric::ALL.len()],
+    queries: Vec<Probe>,
+}
+
+/// The meter of one query.
+#[derive(Debug)]
+struct Probe {
+    query: Query,
+    samples: Range<u32>,
+    /// Number of samples of the run without which there is no answer.
+    least: u32,
+    meter: NewMeter,
 }
 
 impl Measurement {
-    /// `period_s` is the time between two samples, above 0.
+    /// Measures a run of unknown length and reference: metrics that depend on either have no value.
     #[must_use]
-    pub fn new(period_s: f64) -> Self {
-        Self {
-            period_s,
-            finite: true,
-            initial_error_rad: None,
-            settling: Settling::new(SETTLED_RAD),
-            settling_relative: [const { Settling::new(f64::NAN) }; 3],
-            recent_rad: VecDeque::new(),
-            overshoot_rad: 0.0,
-            reversal: Reversal::new(f64::NAN),
-            effort_nm2s: 0.0,
-            variation_nm: 0.0,
-            last_torque_nm: None,
-            estimators: EstimatorScore::new(window(BIAS_WINDOW_S, period_s)),
-        }
+    pub fn new(period_s: f64, signals: &SignalTable) -> Self {
+        Self::of_run(&Plan { period_s, steps: u32::MAX, reference: None, signals }, [])
     }
 
-    /// Sets the middle of a reference that reverses; `None` for any other reference.
+    /// Measures a run as planned. A query of a metric over the whole run needs no place in `queries`.
     #[must_use]
-    pub fn with_middle_of_reference(self, middle_rad: Option<f64>) -> Self {
-        Self { reversal: Reversal::new(middle_rad.unwrap_or(f64::NAN)), ..self }
+    pub fn of_run(plan: &Plan<'_>, queries: impl IntoIterator<Item = Query>) -> Self {
+        let probe = |query: Query| {
+            let samples = plan.samples(&query);
+            let ends_early = query.window.is_some_and(|window| window.to_s.is_some());
+            let least = if ends_early { samples.end } else { samples.start.saturating_add(1) };
+            Probe { meter: plan.meter(&query), samples, least, query }
+        };
+        let is_extra =
+            |query: &Query| query.window.is_some() || !matches!(query.quantity, Quantity::Metric(_));
+        Self {
+            finite: true,
+            samples: 0,
+            metrics: Metric::ALL.map(|metric| plan.meter(&metric.into())),
+            queries: queries.into_iter().filter(is_extra).map(probe).collect(),
+        }
     }
 
     /// Marks a run whose plant could not be integrated to the end, though every sample was finite: no metric has a value.
@@ -65,98 +63,53 @@ impl Measurement {
     }
 
     /// Adds the next sample, in the order of time, one per period.
-    pub fn push(&mut self, sample: &Sample) {
-        let &Sample { time_s, reference_rad, load_position_rad, torque_nm, .. } = sample;
-        let error_rad = load_position_rad - reference_rad;
-        self.finite &= error_rad.is_finite() && torque_nm.is_finite() && time_s.is_finite();
+    pub fn push(&mut self, sample: &Sample<'_>) {
+        let index = self.samples;
+        self.samples += 1;
+        let error_rad = sample.load_position_rad - sample.reference_rad;
+        self.finite &= error_rad.is_finite() && sample.torque_nm.is_finite() && sample.time_s.is_finite();
         if !self.finite {
             return;
         }
-        let initial_rad = *self.initial_error_rad.get_or_insert(error_rad);
-        self.settling.push(time_s, error_rad);
-        for (settling, fraction) in self.settling_relative.iter_mut().zip(SETTLED_FRACTIONS) {
-            settling.band_rad = fraction * initial_rad.abs();
-            settling.push(time_s, error_rad);
+        for meter in self.metrics.iter_mut().flatten() {
+            meter.push(sample);
         }
-        self.reversal.push(reference_rad, load_position_rad);
-        self.overshoot_rad = self.overshoot_rad.max(-error_rad * initial_rad.signum());
-        self.effort_nm2s += torque_nm * torque_nm * self.period_s;
-        self.variation_nm += self.last_torque_nm.map_or(0.0, |last_nm| (torque_nm - last_nm).abs());
-        self.last_torque_nm = Some(torque_nm);
-        self.estimators.push(sample);
-        if self.recent_rad.len() == window(HUNTING_WINDOW_S, self.period_s) {
-            self.recent_rad.pop_front();
+        for Probe { samples, meter, .. } in &mut self.queries {
+            if let Ok(meter) = meter
+                && samples.contains(&index)
+            {
+                meter.push(sample);
+            }
         }
-        self.recent_rad.push_back(error_rad);
     }
 
     /// The metrics of the samples so far.
     #[must_use]
     pub fn metrics(&self) -> Metrics {
-        Metrics { values: Metric::ALL.map(|metric| self.measure(metric)), finite: self.finite }
+        let values = self.metrics.each_ref().map(|meter| self.measured(meter, 1));
+        let answers = self
+            .queries
+            .iter()
+            .map(|Probe { query, meter, least, .. }| (query.clone(), self.measured(meter, *least)));
+        Metrics { values, answers: answers.collect(), finite: self.finite }
     }
 
-    fn measure(&self, metric: Metric) -> Measured {
-        if !self.finite {
-            return Measured::NotFinite;
-        }
-        // Without a sample no metric has a value, not even the effort.
-        let Some(initial_rad) = self.initial_error_rad else {
-            return Measured::RunTooShort;
-        };
-        let settled_to_fraction = |index: usize| match initial_rad {
-            0.0 => Measured::NoInitialError,
-            _ => self.settling_relative[index].measured(),
-        };
-        match metric {
-            Metric::SettleTime => self.settling.measured(),
-            Metric::SettleTime5Pct => settled_to_fraction(0),
-            Metric::SettleTime2Pct => settled_to_fraction(1),
-            Metric::SettleTime1Pct => settled_to_fraction(2),
-            Metric::Overshoot if initial_rad == 0.0 => Measured::NoInitialError,
-            Metric::Overshoot => Measured::finite(self.overshoot_rad),
-            Metric::StaticError => self.over_last(STATIC_WINDOW_S, mean),
-            Metric::Hunting => self.over_last(HUNTING_WINDOW_S, peak_to_peak),
-            Metric::LostMotion => self.reversal.measured(),
-            Metric::Effort => Measured::finite(self.effort_nm2s),
-            Metric::TorqueTotalVariation => Measured::finite(self.variation_nm),
-            Metric::DeadZoneEstimate => self.estimators.dead_zone(),
-            Metric::DeadZoneError => self.estimators.dead_zone_error(),
-            Metric::DeadZoneSettleTime => self.estimators.dead_zone_settle_time(),
-            Metric::DeadZoneBias => self.estimators.dead_zone_bias(),
-            Metric::DeadZoneLargestError => self.estimators.dead_zone_largest_error(),
-            Metric::DisturbingTorqueRmsError => self.estimators.disturbing_torque_rms_error(),
-            Metric::DisturbingTorqueBias => self.estimators.disturbing_torque_bias(),
-        }
-    }
-
-    /// A metric over the errors of the last `window_s`. A shorter run has none: a mean over fewer samples would report a
-    /// transient as a static error.
-    fn over_last(&self, window_s: f64, figure: fn(&mut dyn Iterator<Item = f64>) -> f64) -> Measured {
-        match self.recent_rad.len().checked_sub(window(window_s, self.period_s)) {
-            Some(earlier) => Measured::finite(figure(&mut self.recent_rad.range(earlier..).copied())),
-            None => Measured::RunTooShort,
+    /// `least` is the number of samples without which there is no value.
+    fn measured(&self, meter: &NewMeter, least: u32) -> Measured {
+        match meter {
+            _ if !self.finite => Measured::NotFinite,
+            Err(reason) => *reason,
+            Ok(_) if self.samples < least => Measured::RunTooShort,
+            Ok(meter) => meter.measured(),
         }
     }
 }
 
-/// Number of samples in a window, at least 1. We count samples because comparing times is inexact.
-fn window(window_s: f64, period_s: f64) -> usize {
-    ((window_s / period_s).round() as usize).max(1)
-}
-
-fn mean(errors_rad: &mut dyn Iterator<Item = f64>) -> f64 {
-    let (count, sum) = errors_rad.fold((0.0, 0.0), |(count, sum), error_rad| (count + 1.0, sum + error_rad));
-    sum / count
-}
-
-/// Needs finite numbers: `f64::min` and `f64::max` would drop a NaN.
-fn peak_to_peak(errors_rad: &mut dyn Iterator<Item = f64>) -> f64 {
-    let (low, high) = errors_rad.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), error_rad| {
-        (error_rad.min(low), error_rad.max(high))
-    });
-    high - low
-}
-
+#[cfg(test)]
+mod estimate_tests;
+#[cfg(test)]
+mod motion_tests;
+#[cfg(test)]
+mod query_tests;
 #[cfg(test)]
 mod tests;

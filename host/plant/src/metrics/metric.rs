@@ -1,13 +1,38 @@
-//! The metrics: names, units and values.
+//! The metrics: each with its name, its unit, its definition and its meter.
 
 use std::fmt;
 
 use serde::ser::{Serialize, Serializer};
 
-/// Each metric once: its meaning, its name in scenarios and summaries, and its unit.
+use super::after_move::SettlingAfterMove;
+use super::channel::Channel;
+use super::lost_motion::Reversal;
+use super::measured::Measured;
+use super::meter::{Meter, NewMeter, Setup};
+use super::overshoot::Overshoot;
+use super::rise_time::RiseTime;
+use super::settling::{Band, LargestOnceInside, Settling};
+use super::signal_table::{DRIVE_PREFIX, SignalTable};
+use super::statistic::{Statistic, StatisticMeter};
+use super::tail::{Figure, Tail};
+use super::torque::{Effort, TotalVariation};
+use super::velocity_error::SteadyVelocityError;
+use crate::Signal;
+
+/// Band of `settle_time_s`. The paper doesn't define the end of the transient; this band reproduces its 13 s.
+const SETTLED_RAD: f64 = 0.05;
+/// Band of `dead_zone_settle_time_s`: an eighth of the paper's half gap, above the error that motor friction and lag leave
+/// in a good estimate.
+const ESTIMATE_SETTLED_RAD: f64 = 0.02;
+/// The drive's estimate of half the gap, and its truth.
+const DEAD_ZONE: (&str, &str) = ("drive.dead_zone_estimate_rad", "dead_zone_rad");
+/// The drive's estimate of the disturbing torque w = C - K z, and its truth.
+const DISTURBING_TORQUE: (&str, &str) = ("drive.disturbing_torque_estimate_nm", "disturbing_torque_nm");
+
+/// Each metric once: its definition, its name in scenarios and summaries, its unit, and its meter.
 macro_rules! metrics {
-    ($( $(#[doc = $doc:expr])+ $metric:ident = $name:literal in $unit:literal; )+) => {
-        /// A quantity by which a run is judged. The module defines each of them.
+    ($( $(#[doc = $doc:literal])+ $metric:ident = $name:literal in $unit:literal by $new:expr; )+) => {
+        /// A quantity by which a run is judged, with the error e = load position - reference.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum Metric { $( $(#[doc = $doc])+ $metric, )+ }
 
@@ -26,45 +51,119 @@ macro_rules! metrics {
             pub const fn unit(self) -> &'static str {
                 match self { $(Self::$metric => $unit,)+ }
             }
+
+            /// Definition, as `docs/metrics.md` lists it.
+            #[must_use]
+            pub const fn meaning(self) -> &'static str {
+                match self { $(Self::$metric => concat!($($doc),+).trim_ascii_start(),)+ }
+            }
+
+            pub(super) fn meter(self, setup: &Setup<'_>) -> NewMeter {
+                match self { $(Self::$metric => { let new: fn(&Setup<'_>) -> NewMeter = $new; new(setup) })+ }
+            }
         }
     };
 }
 
 metrics! {
-    /// Time into the band of 0.05 rad, for good.
-    SettleTime = "settle_time_s" in "s";
-    /// Time into the band of 5 % of the initial error, for good.
-    SettleTime5Pct = "settle_time_5pct_s" in "s";
-    /// Time into the band of 2 % of the initial error, for good.
-    SettleTime2Pct = "settle_time_2pct_s" in "s";
-    /// Time into the band of 1 % of the initial error, for good.
-    SettleTime1Pct = "settle_time_1pct_s" in "s";
-    /// Mean error of the last second.
-    StaticError = "static_error_rad" in "rad";
-    /// Peak to peak of the error over the last 10 s.
-    Hunting = "hunting_rad" in "rad";
-    /// Largest error beyond the reference.
-    Overshoot = "overshoot_rad" in "rad";
-    /// Distance between the load's two passages through the middle of the reference.
-    LostMotion = "lost_motion_rad" in "rad";
-    /// Integral of the squared torque.
-    Effort = "effort_nm2s" in "N^2 m^2 s";
-    /// Sum of the absolute changes of torque.
-    TorqueTotalVariation = "torque_total_variation_nm" in "N m";
-    /// The drive's last estimate of the half gap.
-    DeadZoneEstimate = "dead_zone_estimate_rad" in "rad";
-    /// That estimate less the true half gap.
-    DeadZoneError = "dead_zone_error_rad" in "rad";
-    /// Time of the estimate of the half gap into the band of 0.02 rad, for good.
-    DeadZoneSettleTime = "dead_zone_settle_time_s" in "s";
-    /// Mean error of the estimate of the half gap over the last 5 s.
-    DeadZoneBias = "dead_zone_bias_rad" in "rad";
-    /// Largest error of the estimate of the half gap since its first sample within the band.
-    DeadZoneLargestError = "dead_zone_largest_error_rad" in "rad";
-    /// Root mean square of the error of the disturbing torque.
-    DisturbingTorqueRmsError = "disturbing_torque_rms_error_nm" in "N m";
-    /// Mean error of the disturbing torque.
-    DisturbingTorqueBias = "disturbing_torque_bias_nm" in "N m";
+    /// First sample time after the last sample with abs(e) > 0.05 rad.
+    SettleTime = "settle_time_s" in "s" by |_| error_settles(Band::Absolute(SETTLED_RAD));
+    /// The same with a band of 5 % of the first abs(e).
+    SettleTime5Pct = "settle_time_5pct_s" in "s" by |_| error_settles(Band::OfFirst(0.05));
+    /// The same with a band of 2 % of the first abs(e).
+    SettleTime2Pct = "settle_time_2pct_s" in "s" by |_| error_settles(Band::OfFirst(0.02));
+    /// The same with a band of 1 % of the first abs(e).
+    SettleTime1Pct = "settle_time_1pct_s" in "s" by |_| error_settles(Band::OfFirst(0.01));
+    /// Time from the last change of the reference to the first sample after the last one with abs(e) > 2 % of the
+    /// reference's last move; the move is peak to peak.
+    SettleAfterMove = "settle_after_move_s" in "s" by |_| boxed(SettlingAfterMove::default());
+    /// Time from the load's first sample at 10 % of its way to its first at 90 %; the way leads from the load's first
+    /// position to the reference's last value.
+    RiseTime = "rise_time_s" in "s" by |setup| boxed(RiseTime::new(setup.final_rad));
+    /// Mean of e over the last second.
+    StaticError = "static_error_rad" in "rad" by |setup| tail(setup, Channel::Error, Figure::Mean, 1.0);
+    /// Peak to peak of e over the last 10 s.
+    Hunting = "hunting_rad" in "rad" by |setup| tail(setup, Channel::Error, Figure::PeakToPeak, 10.0);
+    /// Largest abs(e) on the far side of the reference, seen from the first e; 0 if none.
+    Overshoot = "overshoot_rad" in "rad" by |_| boxed(Overshoot::default());
+    /// Root of the mean of e^2.
+    RmsTrackingError = "rms_tracking_error_rad" in "rad" by |_| statistic(Channel::Error, Statistic::Rms);
+    /// Largest abs(e).
+    PeakTrackingError = "peak_tracking_error_rad" in "rad" by |_| statistic(Channel::Error, Statistic::Peak);
+    /// Mean lag over the last 0.2 s of the reference's last stretch of constant velocity; the lag is -e in the direction
+    /// of motion.
+    SteadyVelocityError = "steady_velocity_error_rad" in "rad" by |setup| {
+        boxed(SteadyVelocityError::new(setup.period_s, setup.samples(0.2)))
+    };
+    /// Distance between the load's positions at the reference's last upward and last downward passage through its middle.
+    LostMotion = "lost_motion_rad" in "rad" by |setup| boxed(Reversal::new(setup.middle_rad));
+    /// Integral of the squared torque, which is held over each period.
+    Effort = "effort_nm2s" in "N^2 m^2 s" by |setup| boxed(Effort::new(setup.period_s));
+    /// Sum of abs(U_k - U_(k-1)) of the torque U.
+    TorqueTotalVariation = "torque_total_variation_nm" in "N m" by |_| boxed(TotalVariation::default());
+    /// Root of the mean of the squared torque.
+    RmsTorque = "rms_torque_nm" in "N m" by |_| statistic(Channel::Torque, Statistic::Rms);
+    /// Largest amount of the torque.
+    PeakTorque = "peak_torque_nm" in "N m" by |_| statistic(Channel::Torque, Statistic::Peak);
+    /// The drive's last estimate of j0, half the gap.
+    DeadZoneEstimate = "dead_zone_estimate_rad" in "rad" by |setup| {
+        dead_zone(setup)?;
+        statistic(setup.needed(DEAD_ZONE.0)?, Statistic::Final)
+    };
+    /// The last estimate of j0 less the true j0 of its sample.
+    DeadZoneError = "dead_zone_error_rad" in "rad" by |setup| statistic(dead_zone(setup)?, Statistic::Final);
+    /// Time of the first estimate after the last one more than 0.02 rad from the true j0.
+    DeadZoneSettleTime = "dead_zone_settle_time_s" in "s" by |setup| {
+        boxed(Settling::new(dead_zone(setup)?, Band::Absolute(ESTIMATE_SETTLED_RAD)))
+    };
+    /// Mean of estimate less true j0 over the last 5 s.
+    DeadZoneBias = "dead_zone_bias_rad" in "rad" by |setup| tail(setup, dead_zone(setup)?, Figure::Mean, 5.0);
+    /// Largest abs(estimate - j0) since the first estimate within 0.02 rad, settled or not.
+    DeadZoneLargestError = "dead_zone_largest_error_rad" in "rad" by |setup| {
+        boxed(LargestOnceInside::new(dead_zone(setup)?, ESTIMATE_SETTLED_RAD))
+    };
+    /// Root of the mean square of estimate less true w, the disturbing torque w = C - K z.
+    DisturbingTorqueRmsError = "disturbing_torque_rms_error_nm" in "N m" by |setup| {
+        statistic(disturbing_torque(setup)?, Statistic::Rms)
+    };
+    /// Mean of estimate less true w.
+    DisturbingTorqueBias = "disturbing_torque_bias_nm" in "N m" by |setup| {
+        statistic(disturbing_torque(setup)?, Statistic::Mean)
+    };
+}
+
+/// Every signal that some metric needs, for a check before the signals of a run are known.
+pub(super) fn needed_signals() -> SignalTable {
+    let bare = |name: &'static str| name.strip_prefix(DRIVE_PREFIX).unwrap_or(name);
+    let scored = [(DEAD_ZONE, "rad"), (DISTURBING_TORQUE, "N m")];
+    SignalTable {
+        plant: scored.map(|((_, truth), unit)| Signal::new(truth, unit)).to_vec(),
+        drive: scored.map(|((estimate, _), unit)| Signal::new(bare(estimate), unit)).to_vec(),
+    }
+}
+
+fn boxed(meter: impl Meter + 'static) -> NewMeter {
+    Ok(Box::new(meter))
+}
+
+fn error_settles(band: Band) -> NewMeter {
+    boxed(Settling::new(Channel::Error, band))
+}
+
+fn statistic(channel: Channel, statistic: Statistic) -> NewMeter {
+    boxed(StatisticMeter::new(channel, statistic))
+}
+
+fn tail(setup: &Setup<'_>, channel: Channel, figure: Figure, window_s: f64) -> NewMeter {
+    boxed(Tail::new(channel, figure, setup.samples(window_s)))
+}
+
+fn dead_zone(setup: &Setup<'_>) -> Result<Channel, Measured> {
+    setup.estimate_error(DEAD_ZONE.0, DEAD_ZONE.1)
+}
+
+fn disturbing_torque(setup: &Setup<'_>) -> Result<Channel, Measured> {
+    setup.estimate_error(DISTURBING_TORQUE.0, DISTURBING_TORQUE.1)
 }
 
 impl fmt::Display for Metric {
@@ -76,89 +175,5 @@ impl fmt::Display for Metric {
 impl Serialize for Metric {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name())
-    }
-}
-
-/// The value of a metric, or the reason for its absence. Serialised as a number or null.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Measured {
-    /// A finite number in the metric's unit.
-    Value(f64),
-    /// The last sample lies outside the band.
-    Never,
-    /// The run ended before the window was full.
-    RunTooShort,
-    /// The metric refers to the initial error, which is zero.
-    NoInitialError,
-    /// The reference did not pass its middle in both directions, or has none.
-    NoReversal,
-    /// The drive sent no estimate, or none in the window.
-    NoEstimate,
-    /// The run, or this metric's sum, left the range of finite numbers.
-    NotFinite,
-}
-
-impl Measured {
-    /// The number, or `None` without a value.
-    #[must_use]
-    pub const fn value(self) -> Option<f64> {
-        if let Self::Value(value) = self { Some(value) } else { None }
-    }
-
-    /// A finite number, or [`Measured::NotFinite`].
-    pub(super) fn finite(value: f64) -> Self {
-        if value.is_finite() { Self::Value(value) } else { Self::NotFinite }
-    }
-}
-
-impl fmt::Display for Measured {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Value(value) => value.fmt(f),
-            Self::Never => f.pad("never"),
-            Self::RunTooShort => f.pad("run too short"),
-            Self::NoInitialError => f.pad("no initial error"),
-            Self::NoReversal => f.pad("no reversal"),
-            Self::NoEstimate => f.pad("no estimate"),
-            Self::NotFinite => f.pad("not finite"),
-        }
-    }
-}
-
-impl Serialize for Measured {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.value().serialize(serializer)
-    }
-}
-
-/// All metrics of one run. Serialised as a map from name to number or null.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Metrics {
-    pub(super) values: [Measured; Metric::ALL.len()],
-    pub(super) finite: bool,
-}
-
-impl Metrics {
-    /// One metric.
-    #[must_use]
-    pub const fn get(&self, metric: Metric) -> Measured {
-        self.values[metric as usize]
-    }
-
-    /// Whether every position, reference and torque of the run was finite.
-    #[must_use]
-    pub const fn run_was_finite(&self) -> bool {
-        self.finite
-    }
-
-    /// Every metric with its value, in the order of reports.
-    pub fn iter(&self) -> impl Iterator<Item = (Metric, Measured)> {
-        Metric::ALL.into_iter().zip(self.values)
-    }
-}
-
-impl Serialize for Metrics {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.iter().map(|(metric, measured)| (metric.name(), measured)))
     }
 }

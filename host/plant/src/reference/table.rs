@@ -120,6 +120,13 @@ impl Table {
         }
     }
 
+    /// The position farthest from zero, in rad.
+    #[must_use]
+    pub fn farthest_rad(&self) -> f64 {
+        let positions = self.points.iter().map(|point| point.position_rad);
+        positions.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or_default()
+    }
+
     /// Half way between the lowest and the highest point, in rad.
     #[must_use]
     pub fn middle_rad(&self) -> f64 {

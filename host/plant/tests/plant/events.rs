@@ -1,8 +1,8 @@
 //! Single events of the backlash shaft against their closed forms. A substep is a millisecond here, so an instant within
 //! it is correct only if it was located.
 
-use lashloop_plant::backlash_shaft::{BacklashShaft, Environment, ShaftParameters, StribeckParameters};
-use lashloop_plant::{Contact, DryFriction, Mechanics, PlantError, RunningPlant, Start, Truth};
+use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters, StribeckParameters};
+use lashloop_plant::{Contact, DryFriction, Environment, Mechanics, PlantError, RunningPlant, Start, Truth};
 
 const NO_FRICTION: StribeckParameters =
     StribeckParameters { coulomb_nm: 0.0, stiction_nm: 0.0, velocity_rad_s: 1.0 };
@@ -174,7 +174,7 @@ fn asymmetric_friction_holds_more_in_its_stronger_direction() {
     let asymmetric = ShaftParameters { load, load_asymmetry: 0.25, ..parameters() };
     for (load_torque_nm, sticks) in [(4.99, true), (5.01, false), (-2.99, true), (-3.01, false)] {
         let mut plant = released(Mechanics::paper(), asymmetric, 4, Start::at_rest(0.0, 0.0));
-        let environment = Environment { dead_zone_rad: HALF_GAP, load_torque_nm };
+        let environment = Environment { gap_growth_rad: 0.0, load_torque_nm };
         plant.set_environment(environment).expect("in range");
         plant.step(0.0, 1e-3).expect("the plant steps");
         assert_eq!(plant.truth().load_friction == DryFriction::Stick, sticks, "{load_torque_nm} N m");
@@ -211,14 +211,15 @@ fn masses_pressed_together_at_rest_do_not_move() {
 fn gap_that_widens_lets_the_shaft_unwind() {
     let mut plant = paper(Start::at_rest(0.0, HALF_GAP + 0.5));
     let before = plant.truth();
-    let worn = Environment { dead_zone_rad: HALF_GAP + 0.1, load_torque_nm: 0.0 };
+    let worn = Environment { gap_growth_rad: 0.1, load_torque_nm: 0.0 };
     plant.set_environment(worn).expect("in range");
     let after = plant.truth();
     assert_eq!(after.gap_position_rad, HALF_GAP + 0.1);
     assert_close("C, N m", after.transmitted_torque_nm, 0.4, 1e-15);
     assert_close("J", after.dissipated_energy_j, before.energy_j() - after.energy_j(), 1e-15);
-    let error = plant.set_environment(Environment { dead_zone_rad: f64::NAN, load_torque_nm: 0.0 });
-    assert_eq!(error.expect_err("NaN").name, "dead_zone_rad");
+    let unknown = Environment { gap_growth_rad: f64::NAN, load_torque_nm: 0.0 };
+    let error = plant.set_environment(unknown).expect_err("NaN").to_string();
+    assert_eq!(error, "parameter dead_zone_rad of the simulated plant is NaN, allowed is 0.000001 to 10");
 }
 
 #[test]

@@ -1,11 +1,9 @@
 //! For all parameters and torques a plant returns finite numbers or an error, never a panic or NaN.
 
-use lashloop_plant::backlash_shaft::{
-    BacklashShaft, BristleParameters, Environment, ShaftParameters, StribeckParameters,
-};
+use lashloop_plant::backlash_shaft::{BacklashShaft, BristleParameters, ShaftParameters, StribeckParameters};
 use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;
-use lashloop_plant::{Mechanics, Plant, PlantError, RunningPlant, Start, Truth};
+use lashloop_plant::{Environment, Mechanics, PlantError, RunningPlant, Start, Truth, TwoMass};
 use proptest::prelude::*;
 
 /// Magnitudes between the bounds, uniform in their logarithm; sometimes a bound.
@@ -108,7 +106,7 @@ fn all_finite(truth: &Truth) -> bool {
 }
 
 /// Runs a plant until the torques end or the plant returns an error; every state before is finite.
-fn run<P: Plant>(plant: P, start: Start, torques: &[f64], dt_s: f64) -> Result<(), TestCaseError> {
+fn run<P: TwoMass>(plant: P, start: Start, torques: &[f64], dt_s: f64) -> Result<(), TestCaseError> {
     let mut plant = RunningPlant::released(plant, start);
     for &torque_nm in torques {
         match plant.step(torque_nm, dt_s) {
@@ -179,7 +177,7 @@ proptest! {
         let mut plant = RunningPlant::released(plant, Start::at_rest(0.0, 0.0));
         let mut turned_over_j = 1.0;
         for (k, torque_nm) in torques.into_iter().enumerate() {
-            let environment = Environment { dead_zone_rad: mechanics.dead_zone_rad + wear * k as f64, load_torque_nm };
+            let environment = Environment { gap_growth_rad: wear * k as f64, load_torque_nm };
             plant.set_environment(environment).expect("in range");
             let before_j = plant.truth().supplied_energy_j;
             // Five milliseconds of each torque.

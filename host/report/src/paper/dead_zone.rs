@@ -1,15 +1,17 @@
 //! Figures 5 and 14: the torque through the dead zone, and what compensation makes of it.
 
 use crate::plot::{Axis, Figure, Panel, Role, Series};
-use lashloop_bench::record::trace::TraceRow;
+use lashloop_bench::record::columns::Columns;
 use lashloop_plant::metrics::Metric;
 
-use super::curves::{each, over_time, telemetered, three};
-use super::laws::{Laws, Runs};
+use super::curves::{DISTURBING_TORQUE_ESTIMATE_NM, column, each, over_time, telemetered, three};
+use super::laws::{Laws, Run, Runs, difference, values};
 
 pub(super) fn transmitted_torque(runs: &Runs) -> Figure {
-    let twist_at = |row: &&TraceRow| row.transmitted_torque_nm == 0.0 && row.twist_rad >= 0.0;
-    let edge_rad = runs.hard_gap.iter().filter(twist_at).map(|row| row.twist_rad).fold(0.0, f64::max);
+    let (twist_rad, torque_nm) =
+        (values(&runs.hard_gap, "twist_rad"), values(&runs.hard_gap, "transmitted_torque_nm"));
+    let without_torque = twist_rad.iter().zip(torque_nm).filter(|(_, torque_nm)| *torque_nm == 0.0);
+    let edge_rad = without_torque.map(|(twist_rad, _)| *twist_rad).fold(0.0, f64::max);
     let caption = format!(
         "The paper: C = C0 + w is smooth and zero inside the gap.\n\
          Here: a) smooth, with no slope at z = 0, but nonzero elsewhere; far outside, the line is offset by 4 j0, so this gap is \
@@ -22,17 +24,13 @@ pub(super) fn transmitted_torque(runs: &Runs) -> Figure {
 }
 
 /// C0, w and C against z, from the plant's own functions.
-fn parts(title: &str, twisted: &[TraceRow]) -> Panel {
-    let curve = |label, role, value: fn(&TraceRow) -> f64| {
-        let twist_rad = twisted.iter().map(|row| row.twist_rad).collect();
-        Series::new(label, role, twist_rad, twisted.iter().map(value).collect())
-    };
+fn parts(title: &str, twisted: &Columns) -> Panel {
+    let curve = |label, role, torque_nm| Series::new(label, role, values(twisted, "twist_rad"), torque_nm);
+    let (transmitted, disturbing) = ("transmitted_torque_nm", "disturbing_torque_nm");
     Panel::new(title, Axis::new("twist z", "rad"), Axis::new("torque", "N m"))
-        .series(curve("C0 = K z", Role::Reference, |row| {
-            row.transmitted_torque_nm - row.disturbing_torque_nm
-        }))
-        .series(curve("w", Role::Before, |row| row.disturbing_torque_nm))
-        .series(curve("C = C0 + w", Role::After, |row| row.transmitted_torque_nm))
+        .series(curve("C0 = K z", Role::Reference, difference(twisted, transmitted, disturbing)))
+        .series(curve("w", Role::Before, values(twisted, disturbing)))
+        .series(curve("C = C0 + w", Role::After, values(twisted, transmitted)))
 }
 
 pub(super) fn made_linear(runs: &Runs) -> Figure {
@@ -58,12 +56,14 @@ pub(super) fn made_linear(runs: &Runs) -> Figure {
 
 /// What the drive takes the transmitted torque for once the disturbing part is compensated, against the twist.
 fn linear(title: &str, laws: &Laws) -> Panel {
-    let twist = (Axis::new("twist z", "rad"), |row: &TraceRow| row.twist_rad);
-    let linear = |row: &TraceRow| row.transmitted_torque_nm - row.disturbing_torque_estimate_nm;
+    let twist = (Axis::new("twist z", "rad"), column("twist_rad"));
+    let linear = |run: &Run| run.difference("transmitted_torque_nm", DISTURBING_TORQUE_ESTIMATE_NM);
     let panel = each(title, twist, (Axis::new("C \u{2212} w_hat", "N m"), linear), laws.each());
-    let rows = laws.each().into_iter().flat_map(|(_, _, run)| &run.rows);
-    let ends = rows.fold([(f64::MAX, 0.0), (f64::MIN, 0.0)], |[low, high]: [(f64, f64); 2], row| {
-        let point = (row.twist_rad, row.transmitted_torque_nm - row.disturbing_torque_nm);
+    let points = laws.each().into_iter().flat_map(|(_, _, run)| {
+        let linear_nm = run.difference("transmitted_torque_nm", "disturbing_torque_nm");
+        run.column("twist_rad").into_iter().zip(linear_nm)
+    });
+    let ends = points.fold([(f64::MAX, 0.0), (f64::MIN, 0.0)], |[low, high]: [(f64, f64); 2], point| {
         [if point.0 < low.0 { point } else { low }, if point.0 > high.0 { point } else { high }]
     });
     let (x, y) = ends.into_iter().unzip();
@@ -71,6 +71,6 @@ fn linear(title: &str, laws: &Laws) -> Panel {
 }
 
 fn left_over(title: &str, laws: &Laws) -> Panel {
-    let left = |row: &TraceRow| row.disturbing_torque_nm - row.disturbing_torque_estimate_nm;
+    let left = |run: &Run| run.difference("disturbing_torque_nm", DISTURBING_TORQUE_ESTIMATE_NM);
     over_time(title, Axis::new("w \u{2212} w_hat", "N m"), laws.each(), left)
 }

@@ -3,7 +3,7 @@
 use crate::plot::{Axis, Figure, Panel};
 use lashloop_plant::metrics::Metric;
 
-use super::curves::{mark_static_error, of, over_time, three};
+use super::curves::{column, mark_static_error, of, over_time, three};
 use super::laws::{Laws, Runs};
 
 const FRICTION: &str = "Hard gap, Coulomb friction";
@@ -16,7 +16,7 @@ pub(super) fn figures(runs: &Runs) -> [(u8, Figure); 3] {
 fn load_position(runs: &Runs) -> Figure {
     let panel = |title, laws: &Laws, paper| {
         let axis = Axis::new("load position", "rad");
-        let panel = over_time(title, axis, laws.each(), |row| row.load_position_rad);
+        let panel = over_time(title, axis, laws.each(), column("load_position_rad"));
         mark_static_error(panel, laws.each(), paper)
     };
     let caption = format!(
@@ -39,7 +39,7 @@ fn load_velocity(runs: &Runs) -> Figure {
                    Here: before, the load stops early and sticks, without oscillating; after, the load \
                    reverses twice on its way to zero; beyond, not at all.";
     both("Figure 16: load velocity, experiment", caption, runs, |title, laws| {
-        over_time(title, Axis::new("load velocity", "rad/s"), laws.each(), |row| row.load_velocity_rad_s)
+        over_time(title, Axis::new("load velocity", "rad/s"), laws.each(), column("load_velocity_rad_s"))
     })
 }
 
@@ -54,7 +54,7 @@ fn torque(runs: &Runs) -> Figure {
         three(&runs.shaft, Metric::TorqueTotalVariation, 0),
     );
     both("Figure 17: control signal, experiment", &caption, runs, |title, laws| {
-        over_time(title, Axis::new("torque", "N m"), laws.each(), |row| row.torque_nm)
+        over_time(title, Axis::new("torque", "N m"), laws.each(), column("torque_nm"))
     })
 }
 

@@ -1,15 +1,15 @@
 //! Figure 13: motor against load position, for the step of the paper and for a slow sine.
 
 use crate::plot::{Axis, Figure};
-use lashloop_bench::record::trace::TraceRow;
 use lashloop_plant::metrics::{Measured, Metric};
 
-use super::curves::{each, of, written};
+use super::curves::{column, each, of, written};
 use super::laws::{Laws, Run, Runs};
 
 /// Thickness of the loop of motor against load position: the range of z / N0, both positions referred to the load.
 pub(super) fn thickness(run: &Run, ratio: f64) -> Measured {
-    let twists_rad = || run.rows.iter().map(|row| row.twist_rad);
+    let twists_rad = run.column("twist_rad");
+    let twists_rad = || twists_rad.iter().copied();
     match (twists_rad().reduce(f64::min), twists_rad().reduce(f64::max)) {
         // `min` and `max` ignore NaN and would return a number.
         _ if !run.metrics.run_was_finite() => Measured::NotFinite,
@@ -33,11 +33,11 @@ pub(super) fn motor_against_load(runs: &Runs) -> Figure {
         lost(&sine.beyond),
     );
     let ratio = *ratio;
-    let load = || (Axis::new("load position", "rad"), |row: &TraceRow| row.load_position_rad);
-    let motor = || (Axis::new("motor position", "rad"), |row: &TraceRow| row.motor_position_rad);
-    let twist =
-        (Axis::new("motor less load, at the load", "rad"), move |row: &TraceRow| row.twist_rad / ratio);
-    let reference = (Axis::new("reference", "rad"), |row: &TraceRow| row.reference_rad);
+    let load = || (Axis::new("load position", "rad"), column("load_position_rad"));
+    let motor = || (Axis::new("motor position", "rad"), column("motor_position_rad"));
+    let at_load = move |run: &Run| run.column("twist_rad").iter().map(|twist_rad| twist_rad / ratio).collect();
+    let twist = (Axis::new("motor less load, at the load", "rad"), at_load);
+    let reference = (Axis::new("reference", "rad"), column("reference_rad"));
     Figure::new("Figure 13: hysteresis", caption, 2)
         .panel(each("Step on the smooth plant", load(), motor(), smooth.each()))
         .panel(each("Step: thickness of the loop", load(), twist, smooth.each()))

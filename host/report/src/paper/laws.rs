@@ -1,6 +1,6 @@
 //! The runs that the figures are drawn from.
 
-use lashloop_bench::record::trace::TraceRow;
+use lashloop_bench::record::columns::Columns;
 use lashloop_plant::metrics::Metrics;
 
 use crate::plot::Role;
@@ -8,8 +8,8 @@ use crate::plot::Role;
 /// One run.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// The steps to draw.
-    pub rows: Vec<TraceRow>,
+    /// The steps to draw, with the columns of [`columns`](lashloop_bench::record::trace::columns).
+    pub trace: Columns,
     /// Metrics of the whole run.
     pub metrics: Metrics,
 }
@@ -37,11 +37,33 @@ pub struct Runs {
     /// The full experiment under a slow sine; rows of the last period only.
     pub sine: Laws,
     /// The smooth plant at rest, at each twist in turn.
-    pub smooth_gap: Vec<TraceRow>,
+    pub smooth_gap: Columns,
     /// The backlash shaft at rest, at each twist in turn.
-    pub hard_gap: Vec<TraceRow>,
+    pub hard_gap: Columns,
     /// Reduction ratio N0 of all plants.
     pub ratio: f64,
+}
+
+impl Run {
+    /// A column of the trace; not a number in every row if plant or drive lack the signal, so that a panel shows no curve.
+    pub(crate) fn column(&self, name: &str) -> Vec<f64> {
+        values(&self.trace, name)
+    }
+
+    /// One column less another.
+    pub(crate) fn difference(&self, name: &str, less: &str) -> Vec<f64> {
+        difference(&self.trace, name, less)
+    }
+}
+
+/// As [`Run::column`].
+pub(super) fn values(trace: &Columns, name: &str) -> Vec<f64> {
+    trace.get(name).map_or_else(|| vec![f64::NAN; trace.len()], <[f64]>::to_vec)
+}
+
+/// As [`Run::difference`].
+pub(super) fn difference(trace: &Columns, name: &str, less: &str) -> Vec<f64> {
+    values(trace, name).iter().zip(values(trace, less)).map(|(value, less)| value - less).collect()
 }
 
 impl Laws {

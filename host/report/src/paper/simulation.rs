@@ -1,10 +1,11 @@
 //! Figures 7 to 12: load and motor on the paper's smooth plant, from rest at pi/2 rad to zero.
 
 use crate::plot::{Axis, Figure};
-use lashloop_bench::record::trace::TraceRow;
 use lashloop_plant::metrics::Metric;
 
-use super::curves::{SETTLED_RAD, from, load_error_rad, mark_settling, of, over_time, telemetered, within};
+use super::curves::{
+    MOTOR_ERROR_RAD, SETTLED_RAD, column, from, load_error_rad, mark_settling, of, over_time, telemetered, within,
+};
 use super::laws::Laws;
 
 /// Range of the second panel of figure 8, in rad.
@@ -23,9 +24,7 @@ pub(super) fn figures(smooth: &Laws) -> [(u8, Figure); 6] {
 
 fn load_position(smooth: &Laws) -> Figure {
     let Laws { before, after, beyond } = smooth;
-    let panel = over_time("Smooth plant", Axis::new("load position", "rad"), smooth.each(), |row| {
-        row.load_position_rad
-    });
+    let panel = over_time("Smooth plant", Axis::new("load position", "rad"), smooth.each(), column("load_position_rad"));
     let panel = panel.band(format!("\u{b1}{SETTLED_RAD} rad"), -SETTLED_RAD, SETTLED_RAD);
     let caption = format!(
         "The paper: a transient of about 13 s before, 5.2 s after.\n\
@@ -68,7 +67,7 @@ fn load_velocity(smooth: &Laws) -> Figure {
                    Here: sooner, but the load reverses repeatedly, which is the ringing of figure 7. Beyond, the load arrives \
                    without a reversal; the law limits the load's speed to 1.5 rad/s.";
     let axis = Axis::new("load velocity", "rad/s");
-    let panel = over_time("Smooth plant", axis, smooth.each(), |row| row.load_velocity_rad_s);
+    let panel = over_time("Smooth plant", axis, smooth.each(), column("load_velocity_rad_s"));
     Figure::new("Figure 9: load velocity, simulation", caption, 1).panel(panel)
 }
 
@@ -78,13 +77,13 @@ fn motor_position(smooth: &Laws) -> Figure {
                    the gap at each reversal of the load, and swings on the spring. Beyond, the motor crosses twice and stops, \
                    except for a ripple in the slack middle of this gap; the hard gaps of figure 17 have none.";
     let axis = Axis::new("motor position", "rad");
-    let panel = over_time("Smooth plant", axis, smooth.each(), |row| row.motor_position_rad);
+    let panel = over_time("Smooth plant", axis, smooth.each(), column("motor_position_rad"));
     Figure::new("Figure 10: motor position, simulation", caption, 1).panel(panel)
 }
 
 fn motor_error(smooth: &Laws) -> Figure {
     let axis = || Axis::new("motor position error", "rad");
-    let error = |row: &TraceRow| row.motor_error_rad;
+    let error = || column(MOTOR_ERROR_RAD);
     let telemetered_laws = &telemetered(smooth);
     let caption = "The paper: the motor's error goes to zero, sooner after.\n\
                    Here: as sent by the drive: motor position less the set point of its load loop. The set point of the two cascades \
@@ -92,18 +91,18 @@ fn motor_error(smooth: &Laws) -> Figure {
                    position. After, the error is sooner near zero, with the same swings as the motor. The fringe stems from the \
                    load's velocity, which is formed from counts.";
     Figure::new("Figure 11: motor position error, simulation", caption, 2)
-        .panel(over_time("Smooth plant", axis(), telemetered_laws.each(), error))
-        .panel(over_time("The same from 5 s on", axis(), telemetered_laws.each(), from(5.0, error)))
+        .panel(over_time("Smooth plant", axis(), telemetered_laws.each(), error()))
+        .panel(over_time("The same from 5 s on", axis(), telemetered_laws.each(), from(5.0, error())))
 }
 
 fn motor_velocity(smooth: &Laws) -> Figure {
     let axis = || Axis::new("motor velocity", "rad/s");
-    let velocity = |row: &TraceRow| row.motor_velocity_rad_s;
+    let velocity = || column("motor_velocity_rad_s");
     let caption = "The paper: the velocity goes to zero, sooner and more smoothly after.\n\
                    Here: not more smoothly. After, the light motor crosses the gap fast and swings on the spring at each \
                    reversal of the load. Panel b) omits the first second, in which the motor jumps to the set point of the load \
                    loop.";
     Figure::new("Figure 12: motor velocity, simulation", caption, 2)
-        .panel(over_time("Smooth plant", axis(), smooth.each(), velocity))
-        .panel(over_time("The same from 1 s on", axis(), smooth.each(), from(1.0, velocity)))
+        .panel(over_time("Smooth plant", axis(), smooth.each(), velocity()))
+        .panel(over_time("The same from 1 s on", axis(), smooth.each(), from(1.0, velocity())))
 }

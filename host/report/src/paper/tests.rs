@@ -6,48 +6,60 @@ use roxmltree::Document;
 
 use super::hysteresis::thickness;
 use super::{Laws, Run, Runs, Table, figures, page, tables};
-use lashloop_bench::record::trace::TraceRow;
-use lashloop_bench::run::simulator::Simulator;
-use lashloop_bench::scenario::Scenario;
-use lashloop_plant::metrics::{Estimates, Measured, Measurement, Sample};
+use lashloop_bench::record::columns::Columns;
+use lashloop_bench::record::trace::columns;
+use lashloop_plant::Signal;
+use lashloop_plant::metrics::{Measured, Measurement, Sample, SignalTable};
 
 const PERIOD_S: f64 = 0.001;
 
-/// A load that decays from pi/2 to `rest_rad`, with a twist of three times the error. The drive sends telemetry with every tenth step.
+/// The signals of the synthetic runs: those of a plant with a gap, and those of a law with an estimator.
+fn signals() -> SignalTable {
+    let signals = |list: &[(&'static str, &'static str)]| {
+        list.iter().map(|(name, unit)| Signal::new(name, unit)).collect()
+    };
+    SignalTable {
+        plant: signals(&[
+            ("load_velocity_rad_s", "rad/s"),
+            ("motor_velocity_rad_s", "rad/s"),
+            ("twist_rad", "rad"),
+            ("transmitted_torque_nm", "N m"),
+            ("dead_zone_rad", "rad"),
+            ("disturbing_torque_nm", "N m"),
+        ]),
+        drive: signals(&[
+            ("dead_zone_estimate_rad", "rad"),
+            ("disturbing_torque_estimate_nm", "N m"),
+            ("motor_error_rad", "rad"),
+        ]),
+    }
+}
+
+/// A load that decays from pi/2 to `rest_rad`, with a twist of three times the error. The drive sends telemetry with every
+/// tenth step.
 fn run(seconds: f64, rest_rad: f64) -> Run {
-    let text = include_str!("../../../../scenarios/smooth-before.toml");
-    let scenario = Scenario::from_str("smooth-before.toml", text, &[]).expect("a scenario");
-    let (_, at_rest) = Simulator::new(&scenario).expect("a simulator").observe(0).expect("a state");
-    let mut measurement = Measurement::new(PERIOD_S);
-    let mut rows = Vec::new();
+    let signals = signals();
+    let mut measurement = Measurement::new(PERIOD_S, &signals);
+    let mut trace = Columns::new(columns(&signals));
     for step in 0..(seconds / PERIOD_S).round() as u32 {
         let time_s = f64::from(step) * PERIOD_S;
         let load_position_rad = rest_rad + (FRAC_PI_2 - rest_rad) * (-time_s).exp();
         let telemetry_s = f64::from(step - step % 10) * PERIOD_S;
-        rows.push(TraceRow {
-            time_s,
-            load_position_rad,
-            twist_rad: 3.0 * load_position_rad,
-            transmitted_torque_nm: 2.0 * load_position_rad,
-            disturbing_torque_nm: -load_position_rad,
-            disturbing_torque_estimate_nm: 0.0,
-            torque_nm: -1.0,
-            motor_error_rad: load_position_rad,
-            estimate_time_s: telemetry_s,
-            ..at_rest
-        });
+        let fixed = [time_s, 0.0, load_position_rad, 3.0 * FRAC_PI_2, -1.0];
+        let plant = [0.0, 0.0, 3.0 * load_position_rad, 2.0 * load_position_rad, 0.16, -load_position_rad];
+        let drive = [0.16, 0.0, load_position_rad];
+        trace.push(fixed.into_iter().chain(plant).chain(drive).chain([telemetry_s]));
         measurement.push(&Sample {
             time_s,
             reference_rad: 0.0,
             load_position_rad,
+            motor_position_rad: 3.0 * FRAC_PI_2,
             torque_nm: -1.0,
-            estimates: (step % 10 == 0)
-                .then_some(Estimates { dead_zone_rad: 0.16, disturbing_torque_nm: 0.0 }),
-            dead_zone_rad: 0.16,
-            disturbing_torque_nm: -load_position_rad,
+            plant: &plant,
+            drive: (step % 10 == 0).then_some(&drive[..]),
         });
     }
-    Run { rows, metrics: measurement.metrics() }
+    Run { trace, metrics: measurement.metrics() }
 }
 
 fn runs(seconds: f64) -> Runs {
@@ -55,7 +67,7 @@ fn runs(seconds: f64) -> Runs {
         let [before, after, beyond] = rests.map(|rest_rad| run(seconds, rest_rad));
         Laws { before, after, beyond }
     };
-    let gap = run(seconds, 0.0).rows;
+    let gap = run(seconds, 0.0).trace;
     Runs {
         smooth: laws([0.03, 0.0, 0.002]),
         friction: laws([0.32, -0.0087, 0.0019]),
@@ -104,7 +116,7 @@ fn estimates_are_drawn_at_the_steps_of_their_telemetry() {
 #[test]
 fn runs_without_a_step_still_give_figures_and_tables() {
     let mut nothing = runs(0.0);
-    (nothing.smooth_gap, nothing.hard_gap) = (Vec::new(), Vec::new());
+    (nothing.smooth_gap, nothing.hard_gap) = (Columns::default(), Columns::default());
     for (number, figure) in figures(&nothing) {
         let svg = figure.to_svg();
         Document::parse(&svg).unwrap_or_else(|error| panic!("figure {number}: {error}"));
@@ -116,10 +128,9 @@ fn runs_without_a_step_still_give_figures_and_tables() {
 
 #[test]
 fn thickness_of_a_loop_is_the_range_of_the_twist_at_the_load() {
-    let mut run = run(1.0, 0.0);
-    for (row, twist_rad) in run.rows.iter_mut().zip([0.5, -1.0].into_iter().cycle()) {
-        row.twist_rad = twist_rad;
-    }
+    let mut trace = Columns::new(vec![Signal::new("twist_rad", "rad")]);
+    [0.5, -1.0, 0.25].into_iter().for_each(|twist_rad| trace.push([twist_rad]));
+    let run = Run { trace, ..run(1.0, 0.0) };
     assert_eq!(thickness(&run, 3.0), Measured::Value(0.5));
 }
 
@@ -151,4 +162,19 @@ fn page_holds_every_figure_once_and_is_self_contained() {
         assert!(page.contains(&format!("href=\"figure-{number:02}.svg\"")), "figure {number}");
     }
     assert!(!page.contains("src=") && !page.contains("<script") && !page.contains("@import"));
+}
+
+#[test]
+fn a_drive_without_an_estimator_leaves_its_panels_empty() {
+    let mut runs = runs(1.0);
+    for run in [&mut runs.smooth.before, &mut runs.smooth.after, &mut runs.smooth.beyond] {
+        let mut trace = Columns::new(columns(&SignalTable { drive: Vec::new(), ..signals() }));
+        trace.push([0.0; 12]);
+        run.trace = trace;
+    }
+    let figures = figures(&runs);
+    let (_, made_linear) = figures.iter().find(|(number, _)| *number == 14).expect("figure 14");
+    let curves = |panel: usize| made_linear.panels[panel].series.iter().take(3);
+    assert!(curves(0).all(|series| series.y.iter().all(|y| y.is_nan())), "{:?}", made_linear.panels[0]);
+    assert!(curves(1).any(|series| series.y.iter().any(|y| y.is_finite())));
 }

@@ -5,39 +5,36 @@ use roxmltree::Document;
 use super::{SAMPLES, noise, texts};
 use crate::demo::{DemoRuns, PlantRuns, before_after};
 use crate::paper::Run;
-use lashloop_bench::record::trace::TraceRow;
-use lashloop_bench::run::simulator::Simulator;
-use lashloop_bench::scenario::Scenario;
-use lashloop_plant::metrics::{Measurement, Sample};
+use lashloop_bench::record::columns::Columns;
+use lashloop_bench::record::trace::columns;
+use lashloop_plant::Signal;
+use lashloop_plant::metrics::{Measurement, Sample, SignalTable};
 
 /// The curves decay; the metrics are those of a load that settles at `settle_time_s` and rests at `static_error_rad`.
 fn demo_run(settle_time_s: Option<f64>, static_error_rad: f64) -> Run {
-    let text = include_str!("../../../../scenarios/smooth-before.toml");
-    let scenario = Scenario::from_str("smooth-before.toml", text, &[]).expect("a scenario");
-    let (_, at_rest) = Simulator::new(&scenario).expect("a bench").observe(0).expect("a state");
-    let mut measurement = Measurement::new(1e-3);
-    let mut rows = Vec::new();
+    let signals = SignalTable {
+        plant: Vec::new(),
+        drive: vec![Signal::new("dead_zone_estimate_rad", "rad")],
+    };
+    let mut measurement = Measurement::new(1e-3, &signals);
+    let mut trace = Columns::new(columns(&signals));
     for sample in 0..SAMPLES {
         let time_s = sample as f64 * 1e-3;
-        rows.push(TraceRow {
-            time_s,
-            load_position_rad: static_error_rad + 1.57 * (-time_s).exp(),
-            torque_nm: 20.0 * noise(sample) - 10.0,
-            dead_zone_estimate_rad: 0.16 + 0.1 * noise(sample),
-            ..at_rest
-        });
+        let load_position_rad = static_error_rad + 1.57 * (-time_s).exp();
+        let (torque_nm, estimate_rad) = (20.0 * noise(sample) - 10.0, 0.16 + 0.1 * noise(sample));
+        trace.push([time_s, 0.0, load_position_rad, 0.0, torque_nm, estimate_rad, time_s]);
         let is_settled = settle_time_s.is_none_or(|settle_s| time_s >= settle_s);
         measurement.push(&Sample {
             time_s,
             reference_rad: 0.0,
             load_position_rad: if is_settled { static_error_rad } else { 1.0 },
+            motor_position_rad: 0.0,
             torque_nm: 0.0,
-            estimates: None,
-            dead_zone_rad: 0.16,
-            disturbing_torque_nm: 0.0,
+            plant: &[],
+            drive: None,
         });
     }
-    Run { rows, metrics: measurement.metrics() }
+    Run { trace, metrics: measurement.metrics() }
 }
 
 fn demo_runs() -> DemoRuns {
@@ -75,7 +72,10 @@ fn our_numbers_stand_next_to_the_paper_s() {
 
 #[test]
 fn runs_without_samples_still_give_a_figure() {
-    let nothing = Run { rows: Vec::new(), metrics: Measurement::new(1e-3).metrics() };
+    let nothing = Run {
+        trace: Columns::default(),
+        metrics: Measurement::new(1e-3, &SignalTable::default()).metrics(),
+    };
     let plant = PlantRuns { before: nothing.clone(), after: nothing };
     let svg =
         before_after(&DemoRuns { smooth: plant.clone(), friction: plant, dead_zone_rad: 0.16 }).to_svg();

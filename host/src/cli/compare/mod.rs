@@ -194,7 +194,7 @@ fn far_end(supervisor: &Supervisor) -> Result<(Process, PathBuf), CliError> {
     let process = supervisor.spawn(&program).map_err(spawn_failed)?;
     let path = process
         .next_line(Instant::now() + Duration::from_secs(5))
-        .ok_or_else(|| DeviceError::NotUp { name: process.name, stderr: process.stderr_head() })?;
+        .ok_or_else(|| DeviceError::NotUp { name: process.name, stderr: process.stderr() })?;
     Ok((process, path.into()))
 }
 

@@ -5,18 +5,18 @@ use std::os::unix::net::{SocketAddr, UnixListener};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
-use std::{env, io, thread};
+use std::{io, thread};
 
 use crate::device::drive_host::{DriveHost, START_LIMIT, not_up, spawn};
 use crate::device::error::DeviceError;
+use crate::device::evidence::DriveFiles;
+use crate::device::image;
 use crate::device::kind::{DeviceKind, Opened, ParsedKind, Syntax};
 use crate::link::socket::Socket;
-use crate::supervisor::{Process, Program, Supervisor};
+use crate::supervisor::{Process, Program, Supervisor, find_program};
 
 /// The emulator.
 const PROGRAM: &str = "qemu-system-arm";
-/// Where `cargo xtask image` puts the image, below the target directory.
-const IMAGE: &str = "lashloop-firmware.elf";
 
 /// Makes the names of this bench's sockets unique.
 static SOCKETS: AtomicU32 = AtomicU32::new(0);
@@ -38,7 +38,7 @@ fn parse(text: &str) -> Option<ParsedKind> {
 /// The emulator, started by the bench.
 #[derive(Debug, Clone)]
 pub struct Emulator {
-    /// The image to run; `None` for the one that `cargo xtask image` built.
+    /// The image to run; `None` for the one that is found.
     pub image: Option<PathBuf>,
 }
 
@@ -50,6 +50,11 @@ impl DeviceKind for Emulator {
     fn open(&self, _baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         start(self.image.as_deref(), supervisor)
     }
+
+    fn files(&self, _supervisor: &Supervisor) -> DriveFiles {
+        let paths = image::find(self.image.as_deref()).into_iter().collect();
+        DriveFiles { paths, rebuilt_by: Some("cargo xtask image") }
+    }
 }
 
 /// Starts QEMU with `image`, its second UART on a socket of the bench.
@@ -57,32 +62,26 @@ impl DeviceKind for Emulator {
 /// A socket, because QEMU polls a pseudo-terminal only once a second. One core, because the emulated processor and the
 /// emulator's event loop alternate: on two cores each change is a wake-up, and a round trip takes about twice as long.
 fn start(image: Option<&Path>, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
-    let image = image.map_or_else(built_image, Path::to_owned);
-    if !image.is_file() {
-        return Err(DeviceError::NoImage { path: image });
-    }
-    let path = env::var_os("PATH").unwrap_or_default();
-    if !env::split_paths(&path).any(|folder| folder.join(PROGRAM).is_file()) {
-        return Err(DeviceError::NoEmulator);
-    }
+    let image = image::find(image)?;
+    let emulator = find_program(PROGRAM).map_err(|_| DeviceError::NoEmulator)?;
     let failed = |source| DeviceError::Spawn { name: "emulator", source };
     // In the abstract namespace, because a killed bench would leave a file behind.
     let socket = format!("lashloop-{}-{}", std::process::id(), SOCKETS.fetch_add(1, Ordering::Relaxed));
     let address = SocketAddr::from_abstract_name(&socket).map_err(failed)?;
     let listener = UnixListener::bind_addr(&address).map_err(failed)?;
     listener.set_nonblocking(true).map_err(failed)?;
-    let process = spawn(supervisor, &program(&image, &socket))?;
+    let process = spawn(supervisor, &program(emulator, &image, &socket))?;
     let link = accept(&listener, &process)?;
     Ok(Opened { link: Box::new(link), host: DriveHost::Process(process) })
 }
 
-fn program(image: &Path, socket: &str) -> Program {
+fn program(emulator: PathBuf, image: &Path, socket: &str) -> Program {
     let uart = format!("socket,id=uart,path={socket},abstract=on");
     let options =
         ["-M", "netduinoplus2", "-display", "none", "-monitor", "none", "-serial", "null", "-chardev"];
     let mut arguments: Vec<_> = options.map(Into::into).to_vec();
     arguments.extend([uart.into(), "-serial".into(), "chardev:uart".into(), "-kernel".into(), image.into()]);
-    Program { name: "emulator", program: PROGRAM.into(), arguments, core: last_core() }
+    Program { name: "emulator", program: emulator.into(), arguments, core: last_core() }
 }
 
 /// The last core that this process may use: the first ones carry most of a machine's other load.
@@ -104,12 +103,4 @@ fn accept(listener: &UnixListener, process: &Process) -> Result<Socket, DeviceEr
             Err(_) => thread::sleep(Duration::from_millis(2)),
         }
     }
-}
-
-/// The image that the build puts next to the bench's program; in the present `target` if there is none.
-fn built_image() -> PathBuf {
-    let built = env::current_exe().ok().and_then(|program| {
-        program.ancestors().skip(1).take(3).map(|folder| folder.join(IMAGE)).find(|image| image.is_file())
-    });
-    built.unwrap_or_else(|| Path::new("target").join(IMAGE))
 }

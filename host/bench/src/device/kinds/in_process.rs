@@ -1,5 +1,11 @@
 //! `inproc`: the drive in this process, called directly.
 
+use std::fmt;
+use std::marker::PhantomData;
+
+use lashloop_firmware::Laws;
+use lashloop_firmware::law::LawSet;
+
 use crate::device::drive_host::DriveHost;
 use crate::device::error::DeviceError;
 use crate::device::kind::{DeviceKind, Opened, Syntax};
@@ -8,22 +14,41 @@ use crate::supervisor::Supervisor;
 
 const NAME: &str = "inproc";
 
-pub(in crate::device) const SYNTAX: Syntax = Syntax {
-    form: NAME,
-    parse: |text| (text == NAME).then(|| Ok(Box::new(InProcessDrive) as Box<dyn DeviceKind>)),
-};
+pub(in crate::device) const SYNTAX: Syntax = syntax::<Laws>();
 
-/// The drive in this process.
-#[derive(Debug, Clone, Copy)]
-pub struct InProcessDrive;
+/// How a user names the drive with these laws in this process.
+#[must_use]
+pub const fn syntax<L: LawSet>() -> Syntax {
+    Syntax {
+        form: NAME,
+        parse: |text| {
+            (text == NAME).then(|| Ok(Box::new(InProcessDrive::<L>::default()) as Box<dyn DeviceKind>))
+        },
+    }
+}
 
-impl DeviceKind for InProcessDrive {
+/// The drive with these laws in this process.
+pub struct InProcessDrive<L = Laws>(PhantomData<fn() -> L>);
+
+impl<L> Default for InProcessDrive<L> {
+    fn default() -> Self {
+        Self(PhantomData)
+    }
+}
+
+impl<L> fmt::Debug for InProcessDrive<L> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str("InProcessDrive")
+    }
+}
+
+impl<L: LawSet> DeviceKind for InProcessDrive<L> {
     fn name(&self) -> String {
         NAME.to_owned()
     }
 
     fn open(&self, _baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
-        let link = InProcess::default();
+        let link = InProcess::<L>::default();
         let host = DriveHost::InProcess(link.suspension.clone());
         Ok(Opened { link: Box::new(link), host })
     }

@@ -6,6 +6,7 @@ use std::time::Instant;
 use super::terminal::open_terminal;
 use crate::device::drive_host::{DriveHost, START_LIMIT, not_up, spawn};
 use crate::device::error::DeviceError;
+use crate::device::evidence::DriveFiles;
 use crate::device::kind::{DeviceKind, Opened, Syntax};
 use crate::supervisor::{Program, Supervisor};
 
@@ -39,5 +40,9 @@ impl DeviceKind for NativeTwin {
         // A pseudo-terminal has no baud rate.
         let link = open_terminal(Path::new(&path), 0)?;
         Ok(Opened { link, host: DriveHost::Process(process) })
+    }
+
+    fn files(&self, supervisor: &Supervisor) -> DriveFiles {
+        DriveFiles { paths: vec![supervisor.bench.clone()], rebuilt_by: Some("cargo build") }
     }
 }

@@ -43,7 +43,7 @@ impl DeviceKind for TerminalDrive {
         if is_pseudo_terminal(&resolved) {
             Ok(())
         } else {
-            Err(DeviceError::HasUart { path: path.clone(), baud })
+            Err(DeviceError::HasUart { device: self.name(), baud })
         }
     }
 }
@@ -53,16 +53,17 @@ impl DeviceKind for TerminalDrive {
 /// # Errors
 /// `path` is missing, is no terminal, or another program holds it.
 pub fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, DeviceError> {
-    let open = move |path: &PathBuf| -> io::Result<Box<dyn Link>> {
+    let name = path.to_owned();
+    let open = move || -> io::Result<Box<dyn Link>> {
         // Resolved on every opening: a name under /dev/serial/by-id may point to another file after a reconnect.
-        let path = path.canonicalize()?;
+        let path = name.canonicalize()?;
         if is_pseudo_terminal(&path) {
             Ok(Box::new(Pty::open(&path)?))
         } else {
             Ok(Box::new(Serial::open(&path, baud)?))
         }
     };
-    match Reopening::new(path.to_owned(), Box::new(open)) {
+    match Reopening::new(open) {
         Ok(link) => Ok(Box::new(link)),
         Err(source) => Err(DeviceError::Open { path: path.to_owned(), source }),
     }

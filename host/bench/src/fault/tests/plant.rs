@@ -2,7 +2,6 @@
 
 use super::scenario;
 use crate::fault::plant::PlantFaults;
-use crate::scenario::plant::PlantSettings;
 
 const FROM_2_FOR_3: &str = "at_s = 0.002\nfor_s = 0.003\n";
 
@@ -10,15 +9,15 @@ fn at(step: u32, faults: &[String]) -> (f64, f64, f64, f64) {
     let faults: Vec<_> = faults.iter().map(String::as_str).collect();
     let scenario = scenario(&faults);
     let healthy = &scenario.plant;
-    let plant = PlantFaults::new(&scenario).at(step, healthy);
-    let friction = |plant: &PlantSettings| {
-        plant.backlash_shaft.as_ref().map(|shaft| shaft.load_coulomb_nm).unwrap_or_default()
-    };
+    let faults = PlantFaults::new(&scenario);
+    let (environment, values) = (faults.environment(step), faults.values(step, healthy));
+    let ratio = |key| values.number(key).expect("a number") / healthy.number(key).expect("a number");
+    assert_eq!(ratio("load_coulomb_nm"), ratio("load_stiction_nm"));
     (
-        plant.growth_rad,
-        plant.load_torque_nm,
-        plant.settings.stiffness_nm_rad / healthy.stiffness_nm_rad,
-        friction(&plant.settings) / friction(healthy),
+        environment.gap_growth_rad,
+        environment.load_torque_nm,
+        ratio("stiffness_nm_rad"),
+        ratio("load_coulomb_nm"),
     )
 }
 

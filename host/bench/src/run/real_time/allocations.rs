@@ -16,9 +16,10 @@ use crate::device::{Device, DeviceChoice};
 use crate::fault::timeline::Timeline;
 use crate::link::Link;
 use crate::link::terminal::Terminal;
-use crate::run::control_loop::ControlLoop;
+use crate::run::control_loop::{ControlLoop, LoopSettings};
 use crate::run::simulator::Simulator;
-use crate::run::step_sink::{Step, StepSink};
+use crate::run::step::Step;
+use crate::run::step_sink::StepSink;
 use crate::run::{End, RunError, setup};
 use crate::scenario::{Override, Scenario};
 use crate::supervisor::Supervisor;
@@ -72,7 +73,7 @@ struct Counting<'a> {
 impl StepSink for Counting<'_> {
     fn take(&mut self, step: Step) -> Result<(), RunError> {
         if self.wastes {
-            drop(std::hint::black_box(Box::new(step)));
+            drop(std::hint::black_box(Box::new(step.clone())));
         }
         self.ring.take(step)
     }
@@ -100,8 +101,11 @@ fn counted(
     let supervisor = Supervisor::start(std::env::current_exe().expect("a path")).expect("a supervisor");
     let mut device = Device::open_through(&choice, &scenario.link, &supervisor, middleware).expect("a drive");
     let timeline = Timeline::new(&scenario, &device, None).expect("no faults");
-    setup::set_up(&mut device, &scenario, ClockName::RealTime).expect("a drive that takes the scenario");
+    let drive_signals = setup::set_up(&mut device, &scenario, ClockName::RealTime)
+        .expect("a drive that takes the scenario")
+        .len();
     let watchdog = Some(setup::watchdog(&mut device).expect("a watchdog"));
+    let settings = LoopSettings { clock: ClockName::RealTime, watchdog, drive_signals };
     device.session.start().expect("a drive that starts");
 
     let simulator = Simulator::new(&scenario).expect("a bench");
@@ -111,8 +115,7 @@ fn counted(
     let work = || {
         let _ = obtain(&RealTime::default());
         let sink = Counting { ring, wastes };
-        let mut control =
-            ControlLoop::new(&scenario, simulator, timeline, ClockName::RealTime, watchdog, sink);
+        let mut control = ControlLoop::new(&scenario, simulator, timeline, settings, sink);
         let closing = || end = Some(close(&mut control, &scenario, &mut device, Duration::ZERO));
         info = allocation_counter::measure(closing);
     };

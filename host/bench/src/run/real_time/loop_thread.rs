@@ -7,7 +7,8 @@ use std::time::Duration;
 use rtrb::{Consumer, Producer, RingBuffer};
 
 use crate::run::error::RunError;
-use crate::run::step_sink::{Step, StepSink};
+use crate::run::step::Step;
+use crate::run::step_sink::StepSink;
 
 /// Steps that may wait to be recorded: 16 s at 1 kHz, longer than a disk stalls.
 const CAPACITY: usize = 1 << 14;

@@ -22,7 +22,7 @@ impl Side {
     /// Reads the key `side`.
     pub(super) fn read(section: &mut Section<'_>) -> Self {
         let choices = [("motor", Self::Motor), ("load", Self::Load)];
-        section.choice("side", None, &choices).unwrap_or(Self::Motor)
+        section.doc("The encoder's side of the gears.").choice("side", None, &choices).unwrap_or(Self::Motor)
     }
 }
 
@@ -41,24 +41,24 @@ fault_kinds! {
         "encoder-dead" => Dead {}
         /// The reading is offset at once.
         "encoder-jump" => Jump {
-            /// Offset in counts, up to [`EncoderCounts::MAX`] either way.
+            /// Offset.
             counts: i32 = offset_counts,
         }
         /// The reading drifts linearly to an offset and keeps it.
         "encoder-offset" => Offset {
-            /// Offset in counts, up to [`EncoderCounts::MAX`] either way.
+            /// Offset.
             counts: i32 = offset_counts,
-            /// Time of the drift, > 0 and <= 1e5 s.
+            /// Time of the drift.
             over_s: f64 = number(positive(1e5)),
         }
         /// The encoder misses a fraction of each movement, in either direction. Lost counts stay lost after the fault.
         "encoder-lost-counts" => LostCounts {
-            /// Fraction of counts lost, > 0 and <= 1.
+            /// Fraction of counts lost.
             share: f64 = fraction,
         }
         /// The reading has additional noise, uniform in whole counts.
         "encoder-noise" => Noise {
-            /// Amplitude, 1 to 1,000,000 counts either way.
+            /// Amplitude, either way.
             counts: u32 = integer(1..=1_000_000),
         }
         /// The encoder counts backwards from where the fault began.

@@ -8,10 +8,11 @@ use super::kinds::FaultDuration;
 use super::link::{FrameFault, LinkFault, Way};
 use super::motor::MotorFault;
 use super::plant::PlantFault;
-use crate::scenario::plant::PlantModel;
 use crate::scenario::range::positive;
 use crate::scenario::reader::Section;
 use crate::scenario::sections::RunSettings;
+use crate::scenario::spelling::either;
+use lashloop_plant::{PlantModel, Plants};
 
 /// A fault to inject during the run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -91,15 +92,16 @@ impl FaultKind {
 
     fn read(fault: &mut Section<'_>) -> Option<Self> {
         let groups = [
-            FrameFault::NAMES,
-            LinkFault::NAMES,
-            EncoderFault::NAMES,
-            MotorFault::NAMES,
-            PlantFault::NAMES,
-            DeviceFault::NAMES,
+            FrameFault::KINDS,
+            LinkFault::KINDS,
+            EncoderFault::KINDS,
+            MotorFault::KINDS,
+            PlantFault::KINDS,
+            DeviceFault::KINDS,
         ];
-        let choices: Vec<_> = groups.into_iter().flatten().map(|name| (*name, *name)).collect();
-        let name = fault.choice("kind", None, &choices)?;
+        let kinds = groups.concat();
+        let choices: Vec<_> = kinds.iter().map(|kind| (kind.name, kind.name)).collect();
+        let name = fault.doc("What goes wrong.").choice_docs(kinds).choice("kind", None, &choices)?;
         FrameFault::read(name, fault)
             .map(|kind| Self::Frame { fault: kind, way: Way::read(fault) })
             .or_else(|| LinkFault::read(name, fault).map(Self::Link))
@@ -119,11 +121,18 @@ const STAND_IN: FaultKind = FaultKind::Link(LinkFault::Cut {});
 /// Reads one fault of a scenario with this plant and this run.
 pub(in crate::scenario) fn read(
     fault: &mut Section<'_>,
-    model: PlantModel,
+    model: &PlantModel,
+    plants: &Plants,
     run: &RunSettings,
 ) -> InjectedFault {
-    let at_s = fault.number("at_s", None, 0.0..=1e5);
-    let for_s = fault.optional_number("for_s", "s", positive(1e5));
+    let at_s = fault.doc("Time of the run at which the fault begins, before the end of the run.").number(
+        "at_s",
+        None,
+        0.0..=1e5,
+    );
+    let for_s = fault
+        .doc("How long it lasts; absent for the rest of the run. `link-cut` and `device-hang` last in wall-clock time and need it; `device-reset` takes none.")
+        .optional_number("for_s", "s", positive(1e5));
     if run.step_at(at_s) >= run.steps() {
         let last_s = f64::from(run.steps().saturating_sub(1)) * f64::from(run.control_period_us) / 1e6;
         fault.reject(
@@ -135,11 +144,11 @@ pub(in crate::scenario) fn read(
         fault.accept_the_rest();
         return InjectedFault { at_s, for_s, kind: STAND_IN };
     };
-    if matches!(kind, FaultKind::Plant(_)) && model != PlantModel::BacklashShaft {
-        fault.reject(
-            "kind",
-            "needs plant.model = \"backlash-shaft\": no other plant changes while it runs".to_owned(),
-        );
+    if let FaultKind::Plant(change) = &kind
+        && !change.is_taken_by(model)
+    {
+        let takers = either(plants.iter().filter(|it| change.is_taken_by(it)).map(|it| it.name()));
+        fault.reject("kind", format!("needs plant.model = {takers}: {} takes no such change", model.name()));
     }
     match (kind.duration(), for_s) {
         (FaultDuration::Momentary, Some(_)) => {

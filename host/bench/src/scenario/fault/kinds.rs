@@ -21,9 +21,9 @@ macro_rules! fault_kinds {
         $(#[$attribute:meta])*
         pub enum $group:ident {
             $(
-                $(#[$kind_doc:meta])*
+                #[doc = $kind_doc:literal]
                 $name:literal => $kind:ident $(lasts $duration:ident)? {
-                    $($(#[$key_doc:meta])* $key:ident: $type:ty = $read:expr,)*
+                    $($(#[doc = $key_doc:literal])+ $key:ident: $type:ty = $read:expr,)*
                 }
             )+
         }
@@ -33,17 +33,18 @@ macro_rules! fault_kinds {
         #[serde(tag = "kind")]
         pub enum $group {
             $(
-                $(#[$kind_doc])*
+                #[doc = $kind_doc]
                 #[serde(rename = $name)]
                 $kind {
-                    $($(#[$key_doc])* $key: $type,)*
+                    $($(#[doc = $key_doc])+ $key: $type,)*
                 },
             )+
         }
 
         impl $group {
-            /// Names of the kinds, as scenarios spell them.
-            pub const NAMES: &[&'static str] = &[$($name),+];
+            /// The kinds, as scenarios spell them, with their meanings.
+            pub const KINDS: &[$crate::scenario::key::Choice] =
+                &[$($crate::scenario::key::Choice { name: $name, doc: $kind_doc.trim_ascii() }),+];
 
             /// The kind's name, and what ends a fault of this kind.
             pub(super) const fn entry(&self) -> (&'static str, $crate::scenario::fault::kinds::FaultDuration) {
@@ -57,7 +58,7 @@ macro_rules! fault_kinds {
             #[allow(unused_variables)]
             pub(super) fn read(name: &str, section: &mut $crate::scenario::reader::Section<'_>) -> Option<Self> {
                 match name {
-                    $($name => Some(Self::$kind { $($key: $read(section, stringify!($key)),)* }),)+
+                    $($name => Some(Self::$kind { $($key: $read(section.doc(concat!($($key_doc),+)), stringify!($key)),)* }),)+
                     _ => None,
                 }
             }

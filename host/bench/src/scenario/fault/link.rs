@@ -22,12 +22,12 @@ impl Way {
     /// Reads the key `way`.
     pub(super) fn read(section: &mut Section<'_>) -> Self {
         let choices = [("both", Self::Both), ("to-drive", Self::ToDrive), ("to-bench", Self::ToBench)];
-        section.choice("way", Self::Both, &choices).unwrap_or(Self::Both)
+        section.doc("Direction of the frames.").choice("way", Self::Both, &choices).unwrap_or(Self::Both)
     }
 }
 
 fault_kinds! {
-    /// Faults of frames. `share` is the fraction of frames hit, > 0 and <= 1.
+    /// Faults of frames. `share` is the fraction of frames hit.
     pub enum FrameFault {
         /// A frame loses one byte.
         "link-byte-loss" => ByteLoss {
@@ -43,7 +43,7 @@ fault_kinds! {
         "link-burst" => Burst {
             /// Fraction of frames hit.
             share: f64 = fraction,
-            /// Length of the burst, 1 to 64 bytes; 8 by default. A shorter frame is replaced whole.
+            /// Bytes of the burst. A shorter frame is replaced whole.
             bytes: u32 = integer_or(8, 1..=64),
         }
         /// A frame arrives twice.
@@ -58,9 +58,9 @@ fault_kinds! {
         }
         /// Every frame arrives later by delay and jitter, in the link's time. Frames keep their order.
         "link-delay" => Delay {
-            /// Constant part, 0 to 1e4 ms.
+            /// Constant part of the delay.
             delay_ms: f64 = number(0.0..=1e4),
-            /// Upper end of a uniform random part, 0 to 1e4 ms; 0 by default.
+            /// Upper end of a uniform random part.
             jitter_ms: f64 = number_or(0.0, 0.0..=1e4),
         }
         /// Frames are held back, and all arrive when the fault ends.

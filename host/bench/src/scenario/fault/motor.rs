@@ -8,17 +8,17 @@ fault_kinds! {
     pub enum MotorFault {
         /// The motor's torque is limited.
         "torque-saturation" => Saturation {
-            /// Limit of the magnitude, 0 to 1e6 N m.
+            /// Limit of the magnitude.
             limit_nm: f64 = number(0.0..=1e6),
         }
         /// The motor's torque is the commanded one times a gain.
         "torque-gain" => Gain {
-            /// The gain, -1e3 to 1e3; negative for a motor that is wired with reversed polarity.
+            /// The gain; negative for a motor that is wired with reversed polarity.
             gain: f64 = number(-1e3..=1e3),
         }
         /// The motor's torque is the one commanded some steps earlier.
         "torque-delay" => Delay {
-            /// Delay, 1 to 1000 control steps.
+            /// Delay in control steps.
             steps: u32 = integer(1..=1_000),
         }
         /// The motor gives no torque.

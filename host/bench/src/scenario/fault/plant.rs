@@ -1,31 +1,45 @@
 //! Faults of the plant.
 
+use lashloop_plant::PlantModel;
+
 use super::kinds::fault_kinds;
 use crate::scenario::keys::number;
 use crate::scenario::range::positive;
 
 fault_kinds! {
-    /// Changes of gap, shaft and load, on the plant `backlash-shaft` only.
+    /// Changes of gap, shaft and load, on plants that take them.
     pub enum PlantFault {
         /// The gap widens.
         "gap-growth" => GapGrowth {
-            /// Growth of the half width, > 0 and <= 3 rad at the motor.
+            /// Growth of the half width, at the motor.
             growth_rad: f64 = number(positive(3.0)),
         }
         /// The shaft's stiffness changes.
         "stiffness-drop" => StiffnessDrop {
-            /// New stiffness over the old one, > 0 and <= 100.
+            /// New stiffness over the old one.
             factor: f64 = number(positive(100.0)),
         }
         /// An external torque acts on the load.
         "load-torque" => LoadTorque {
-            /// The torque, -1e6 to 1e6 N m, positive towards positive angles.
+            /// The torque, positive towards positive angles.
             torque_nm: f64 = number(-1e6..=1e6),
         }
         /// The load's dry friction changes.
         "friction-change" => FrictionChange {
-            /// New Coulomb and stiction torque over the old ones, > 0 and <= 100.
+            /// New Coulomb and stiction torque over the old ones.
             factor: f64 = number(positive(100.0)),
+        }
+    }
+}
+
+impl PlantFault {
+    /// Whether the plants of a model take this change.
+    pub(super) fn is_taken_by(&self, model: &PlantModel) -> bool {
+        let changes = model.changes();
+        match self {
+            Self::GapGrowth { .. } | Self::LoadTorque { .. } => changes.environment,
+            Self::StiffnessDrop { .. } => !changes.stiffness.is_empty(),
+            Self::FrictionChange { .. } => !changes.friction.is_empty(),
         }
     }
 }

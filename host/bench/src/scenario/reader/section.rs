@@ -2,33 +2,48 @@
 
 use std::cell::RefCell;
 
-use super::schema::{Elsewhere, KnownKey, Schema};
+use super::schema::{Elsewhere, KnownKey, Schema, SectionKeys};
 use crate::scenario::error::ScenarioError;
+use crate::scenario::key::{Choice, Key, KeyKind, Keys};
 use crate::scenario::key_error::KeyError;
 use crate::scenario::origin::Origin;
 use crate::scenario::spelling::spell_key;
 use crate::scenario::tree::{Node, Table, Value};
+use crate::scenario::unit;
 
 /// A section that is being read.
-pub(in crate::scenario) struct Section<'a> {
+pub struct Section<'a> {
     path: String,
     origin: Origin,
     table: Option<&'a Table>,
     schema: Schema,
+    next_doc: String,
+    next_unit: Option<&'static str>,
+    next_choices: Vec<Choice>,
     accepts_the_rest: bool,
+    is_open: bool,
     errors: &'a RefCell<Vec<ScenarioError>>,
 }
 
-/// Reads a document, and returns what was read or all of its errors.
+/// A document that was read.
+pub(in crate::scenario) struct Document<T> {
+    /// The result; with stand-ins for faulty values if there are errors.
+    pub(in crate::scenario) result: T,
+    /// The keys that were declared.
+    pub(in crate::scenario) keys: SectionKeys,
+    /// Everything that is wrong.
+    pub(in crate::scenario) errors: Vec<ScenarioError>,
+}
+
+/// Reads a document.
 pub(in crate::scenario) fn read_document<T>(
     table: &Table,
     start: Origin,
     read: impl FnOnce(&mut Section<'_>) -> T,
-) -> Result<T, Vec<ScenarioError>> {
+) -> Document<T> {
     let errors = RefCell::new(Vec::new());
-    let result = Section::new(String::new(), start, Some(table), &errors).read(read);
-    let errors = errors.into_inner();
-    if errors.is_empty() { Ok(result) } else { Err(errors) }
+    let (result, keys) = Section::new(String::new(), start, Some(table), &errors).read(read);
+    Document { result, keys, errors: errors.into_inner() }
 }
 
 impl<'a> Section<'a> {
@@ -38,47 +53,84 @@ impl<'a> Section<'a> {
         table: Option<&'a Table>,
         errors: &'a RefCell<Vec<ScenarioError>>,
     ) -> Self {
-        Self { path, origin, table, schema: Schema::default(), accepts_the_rest: false, errors }
+        Self {
+            path,
+            origin,
+            table,
+            schema: Schema::default(),
+            next_doc: String::new(),
+            next_unit: None,
+            next_choices: Vec::new(),
+            accepts_the_rest: false,
+            is_open: false,
+            errors,
+        }
     }
 
     /// Reads this section, then reports missing and unknown keys.
-    fn read<T>(mut self, read: impl FnOnce(&mut Self) -> T) -> T {
+    fn read<T>(mut self, read: impl FnOnce(&mut Self) -> T) -> (T, SectionKeys) {
         let result = read(&mut self);
-        self.finish();
-        result
+        (result, self.finish())
+    }
+
+    /// Meaning of the key that is declared next: one paragraph of Markdown without unit, range and default, which the
+    /// declaration gives.
+    pub fn doc(&mut self, doc: &str) -> &mut Self {
+        doc.trim().clone_into(&mut self.next_doc);
+        self
+    }
+
+    /// Unit of the number that is declared next, for a key whose name does not end with a unit of ours.
+    pub fn unit(&mut self, unit: &'static str) -> &mut Self {
+        self.next_unit = Some(unit);
+        self
+    }
+
+    /// The unit of a key that is being declared.
+    pub(super) fn unit_of(&mut self, key: &str) -> &'static str {
+        self.next_unit.take().unwrap_or_else(|| unit::of(key))
+    }
+
+    /// Meanings of the names that the choice declared next takes.
+    pub fn choice_docs(&mut self, choices: Vec<Choice>) -> &mut Self {
+        self.next_choices = choices;
+        self
     }
 
     /// A section inside this one. An absent section reads as its defaults.
-    pub(in crate::scenario) fn section<T>(
-        &mut self,
-        key: &'static str,
-        read: impl FnOnce(&mut Section<'_>) -> T,
-    ) -> T {
+    pub fn section<T>(&mut self, key: &'static str, read: impl FnOnce(&mut Section<'_>) -> T) -> T {
         let path = self.path_of(key);
-        match self.look_up(key, "", None) {
+        let (result, keys) = match self.look_up(key, "", KeyKind::Section(Keys::default()), None) {
             None => Section::new(path, self.origin.clone(), None, self.errors).read(read),
             Some(Node { origin, value: Value::Table(table) }) => {
                 Section::new(path, origin.clone(), Some(table), self.errors).read(read)
             }
             Some(node) => {
-                self.wrong_type(key, node, format!("a section [{path}]"));
+                if matches!(&node.value, Value::Array(items) if items.iter().all(Node::is_table)) {
+                    let reason = format!("is a list; there is one section, so write [{path}]");
+                    self.reject(key, reason);
+                } else {
+                    self.wrong_type(key, node, format!("a section [{path}]"));
+                }
                 let ignored = RefCell::new(Vec::new());
                 Section::new(path, node.origin.clone(), None, &ignored).read(read)
             }
-        }
+        };
+        self.schema.entry(key).inside = Some(keys);
+        result
     }
 
     /// The sections of a list `[[key]]`. An absent list is empty.
-    pub(in crate::scenario) fn sections<T>(
-        &mut self,
-        key: &'static str,
-        mut read: impl FnMut(&mut Section<'_>) -> T,
-    ) -> Vec<T> {
-        let Some(node) = self.look_up(key, "", None) else {
+    pub fn sections<T>(&mut self, key: &'static str, mut read: impl FnMut(&mut Section<'_>) -> T) -> Vec<T> {
+        let Some(node) = self.look_up(key, "", KeyKind::Sections(Keys::default()), None) else {
             return Vec::new();
         };
         let Value::Array(items) = &node.value else {
-            self.wrong_type(key, node, format!("a list of sections [[{key}]]"));
+            if node.is_table() {
+                self.reject(key, format!("is one section; there can be several, so write [[{key}]]"));
+            } else {
+                self.wrong_type(key, node, format!("a list of sections [[{key}]]"));
+            }
             return Vec::new();
         };
         let mut sections = Vec::new();
@@ -88,7 +140,10 @@ impl<'a> Section<'a> {
                 self.wrong_type(&format!("{key}.{index}"), item, format!("a section [[{key}]]"));
                 continue;
             };
-            sections.push(Section::new(path, item.origin.clone(), Some(table), self.errors).read(&mut read));
+            let section = Section::new(path, item.origin.clone(), Some(table), self.errors);
+            let (result, keys) = section.read(&mut read);
+            self.schema.entry(key).inside.get_or_insert(keys);
+            sections.push(result);
         }
         sections
     }
@@ -96,16 +151,17 @@ impl<'a> Section<'a> {
     /// All keys of this section with their values, for a section whose keys are declared elsewhere.
     pub(in crate::scenario) fn all(&mut self) -> impl Iterator<Item = (&'a str, &'a Node)> + use<'a> {
         self.accepts_the_rest = true;
+        self.is_open = true;
         self.table.into_iter().flat_map(Table::iter)
     }
 
     /// Accepts unknown keys, because the key that decides on them is faulty itself.
-    pub(in crate::scenario) fn accept_the_rest(&mut self) {
+    pub fn accept_the_rest(&mut self) {
         self.accepts_the_rest = true;
     }
 
     /// Declares the keys that `read` would read if the value of `key` were `owner` and not `chosen`.
-    pub(in crate::scenario) fn belongs_to<T>(
+    pub fn belongs_to<T>(
         &mut self,
         key: &str,
         owner: &str,
@@ -122,37 +178,37 @@ impl<'a> Section<'a> {
         self.schema.elsewhere.push(Elsewhere {
             owner: format!("{key} = \"{owner}\""),
             chosen: format!("{chooser} chooses {key} = \"{chosen}\""),
-            keys: section.schema.known,
+            keys: section.schema.known.iter().map(|known| known.key.name).collect(),
         });
     }
 
     /// Declares symbols of the paper, each with its key.
-    pub(in crate::scenario) fn symbols(&mut self, symbols: &'static [(&'static str, &'static str)]) {
+    pub fn symbols(&mut self, symbols: &'static [(&'static str, &'static str)]) {
         self.schema.symbols = symbols;
     }
 
     /// Attributes missing keys to the option that set `key`, if an option did: it is the option that chose a profile that has
     /// to be completed, not the section of the file.
-    pub(in crate::scenario) fn attribute_to_option(&mut self, key: &str) {
+    pub fn attribute_to_option(&mut self, key: &str) {
         if let Some(origin @ Origin::Option(_)) = self.node(key).map(|node| &node.origin) {
             self.origin = origin.clone();
         }
     }
 
     /// Whether an option set this key. Of two keys that contradict each other, that one is to be corrected.
-    pub(in crate::scenario) fn is_option(&self, key: &str) -> bool {
+    pub fn is_option(&self, key: &str) -> bool {
         matches!(self.node(key), Some(Node { origin: Origin::Option(_), .. }))
     }
 
     /// Reports a value that contradicts others. `reason` continues the sentence after the value.
-    pub(in crate::scenario) fn reject(&self, key: &str, reason: String) {
+    pub fn reject(&self, key: &str, reason: String) {
         if let Some(node) = self.node(key) {
             self.error(key, node, KeyError::Rejected { found: node.value.to_string(), reason });
         }
     }
 
     /// Reports a section whose keys contradict each other.
-    pub(in crate::scenario) fn reject_section(&self, reason: &str) {
+    pub fn reject_section(&self, reason: &str) {
         let error = KeyError::Rejected { found: "this section".to_owned(), reason: reason.to_owned() };
         self.push(self.path.clone(), self.origin.clone(), error);
     }
@@ -167,6 +223,11 @@ impl<'a> Section<'a> {
         self.table.and_then(|table| table.get(key))
     }
 
+    /// Where a key is written; for an absent one, where the section begins.
+    pub(in crate::scenario) fn origin_of(&self, key: &str) -> Origin {
+        self.node(key).map_or(&self.origin, |node| &node.origin).clone()
+    }
+
     pub(super) fn wrong_type(&self, key: &str, node: &Node, allowed: String) {
         let (found, kind) = (node.value.to_string(), node.value.kind());
         self.error(key, node, KeyError::WrongType { found, kind, allowed });
@@ -175,16 +236,38 @@ impl<'a> Section<'a> {
     /// Declares a key and returns its value. `required` is what the key must be, if the scenario has to give it.
     pub(super) fn look_up(
         &mut self,
-        key: &'static str,
+        name: &'static str,
         unit: &'static str,
+        kind: KeyKind,
         required: Option<String>,
     ) -> Option<&'a Node> {
-        let node = self.node(key);
-        self.schema.known.push(KnownKey { name: key, unit, missing: required.filter(|_| node.is_none()) });
+        let node = self.node(name);
+        let doc = std::mem::take(&mut self.next_doc);
+        self.next_unit = None;
+        self.schema.known.push(KnownKey {
+            key: Key { name, doc, unit, required: required.is_some(), kind },
+            missing: required.filter(|_| node.is_none()),
+            origin: node.map(|node| node.origin.clone()),
+            number: None,
+            inside: None,
+        });
         node
     }
 
-    fn finish(mut self) {
+    /// The names of a choice with their meanings, as far as the choice has any.
+    pub(super) fn documented<'b>(&mut self, names: impl Iterator<Item = &'static str> + 'b) -> Vec<Choice> {
+        let docs = std::mem::take(&mut self.next_choices);
+        let of = |name| docs.iter().find(|choice| choice.name == name).map_or("", |choice| choice.doc);
+        names.map(|name| Choice { name, doc: of(name) }).collect()
+    }
+
+    /// Records the number in force, and returns it.
+    pub(super) fn in_force(&mut self, key: &'static str, number: f64) -> f64 {
+        self.schema.entry(key).number = Some(number);
+        number
+    }
+
+    fn finish(mut self) -> SectionKeys {
         for (name, node) in self.table.into_iter().flat_map(Table::iter) {
             if self.accepts_the_rest || self.schema.knows(name) {
                 continue;
@@ -193,16 +276,17 @@ impl<'a> Section<'a> {
             self.error(&spell_key(name), node, error);
             // A key under a wrong name is reported once, and not also as missing; so is a section with all its keys.
             if let Some(meant) = meant {
-                self.schema.known.retain(|key| key.name != meant);
+                self.schema.known.retain(|known| known.key.name != meant);
                 let inside = format!("{}.", self.path_of(meant));
                 self.errors.borrow_mut().retain(|error| !error.is_missing_inside(&inside));
             }
         }
-        for KnownKey { name, missing, .. } in &self.schema.known {
+        for KnownKey { key, missing, .. } in &self.schema.known {
             if let Some(allowed) = missing.clone() {
-                self.push(self.path_of(name), self.origin.clone(), KeyError::Missing { allowed });
+                self.push(self.path_of(key.name), self.origin.clone(), KeyError::Missing { allowed });
             }
         }
+        SectionKeys { keys: self.schema.known, open: self.is_open, origin: self.origin }
     }
 
     fn push(&self, key: String, origin: Origin, error: KeyError) {

@@ -4,39 +4,45 @@ use std::fmt::Display;
 use std::ops::RangeInclusive;
 
 use super::section::Section;
+use crate::scenario::key::KeyKind;
 use crate::scenario::key_error::KeyError;
+use crate::scenario::origin::Origin;
 use crate::scenario::range::NumberRange;
-use crate::scenario::spelling::{either, with_unit};
+use crate::scenario::spelling::{decimal_point, either, with_unit};
 use crate::scenario::tree::{Node, Value};
-use crate::scenario::unit;
+
+/// Up to here a fraction holds every whole number.
+const EXACT: f64 = (1_u64 << 53) as f64;
 
 impl<'a> Section<'a> {
     /// A number, required unless it has a default.
-    pub(in crate::scenario) fn number(
+    pub fn number(
         &mut self,
         key: &'static str,
         default: impl Into<Option<f64>>,
         range: impl Into<NumberRange>,
     ) -> f64 {
-        let (default, range, unit) = (default.into(), range.into(), unit::of(key));
+        let (default, range, unit) = (default.into(), range.into(), self.unit_of(key));
         let allowed = range.describe(unit);
         let required = default.is_none().then(|| format!("a number {allowed}"));
-        let Some(node) = self.look_up(key, unit, required) else {
-            return default.unwrap_or(f64::NAN);
+        let number = match self.look_up(key, unit, KeyKind::Number { range, default }, required) {
+            Some(node) => self.check_number(key, node, range, &allowed),
+            None => default.unwrap_or(f64::NAN),
         };
-        self.check_number(key, node, range, &allowed)
+        self.in_force(key, number)
     }
 
     /// An optional number in `unit`.
-    pub(in crate::scenario) fn optional_number(
+    pub fn optional_number(
         &mut self,
         key: &'static str,
         unit: &'static str,
         range: impl Into<NumberRange>,
     ) -> Option<f64> {
         let range = range.into();
-        let node = self.look_up(key, unit, None)?;
-        Some(self.check_number(key, node, range, &range.describe(unit)))
+        let node = self.look_up(key, unit, KeyKind::Number { range, default: None }, None)?;
+        let number = self.check_number(key, node, range, &range.describe(unit));
+        Some(self.in_force(key, number))
     }
 
     fn check_number(&self, key: &str, node: &Node, range: NumberRange, allowed: &str) -> f64 {
@@ -45,7 +51,7 @@ impl<'a> Section<'a> {
             Value::Integer(number) => number as f64,
             Value::Float(number) => number,
             _ => {
-                self.wrong_type(key, node, format!("a number {allowed}"));
+                self.not_a_number(key, node, format!("a number {allowed}"));
                 return f64::NAN;
             }
         };
@@ -61,36 +67,32 @@ impl<'a> Section<'a> {
     }
 
     /// A whole number, required unless it has a default.
-    pub(in crate::scenario) fn integer<T>(
+    pub fn integer<T>(
         &mut self,
         key: &'static str,
         default: impl Into<Option<T>>,
         range: RangeInclusive<T>,
     ) -> T
     where
-        T: Copy + Display + PartialOrd + TryFrom<i64>,
+        T: Copy + Display + PartialOrd + TryFrom<i64> + Into<i128>,
     {
-        let (default, unit) = (default.into(), unit::of(key));
+        let (default, unit) = (default.into(), self.unit_of(key));
         let allowed = describe(&range, unit);
         let required = default.is_none().then(|| format!("a whole number {allowed}"));
         let stand_in = default.unwrap_or(*range.start());
-        let Some(node) = self.look_up(key, unit, required) else {
+        let Some(node) = self.look_up(key, unit, whole_number(&range, default), required) else {
             return stand_in;
         };
         self.check_integer(key, node, &range, allowed).unwrap_or(stand_in)
     }
 
     /// An optional whole number.
-    pub(in crate::scenario) fn optional_integer<T>(
-        &mut self,
-        key: &'static str,
-        range: RangeInclusive<T>,
-    ) -> Option<T>
+    pub fn optional_integer<T>(&mut self, key: &'static str, range: RangeInclusive<T>) -> Option<T>
     where
-        T: Copy + Display + PartialOrd + TryFrom<i64>,
+        T: Copy + Display + PartialOrd + TryFrom<i64> + Into<i128>,
     {
-        let unit = unit::of(key);
-        let node = self.look_up(key, unit, None)?;
+        let unit = self.unit_of(key);
+        let node = self.look_up(key, unit, whole_number(&range, None), None)?;
         let allowed = describe(&range, unit);
         self.check_integer(key, node, &range, allowed)
     }
@@ -105,20 +107,37 @@ impl<'a> Section<'a> {
     where
         T: PartialOrd + TryFrom<i64>,
     {
-        let Value::Integer(found) = node.value else {
-            self.wrong_type(key, node, format!("a whole number {allowed}"));
-            return None;
+        let found = match node.value {
+            Value::Integer(found) => Some(found),
+            // 1e3 is a whole number. A larger one may have been rounded by the reader of the file.
+            Value::Float(found) if found.fract() == 0.0 => (found.abs() <= EXACT).then_some(found as i64),
+            _ => {
+                self.not_a_number(key, node, format!("a whole number {allowed}"));
+                return None;
+            }
         };
-        let number = T::try_from(found).ok().filter(|number| range.contains(number));
+        let number = found.and_then(|found| T::try_from(found).ok()).filter(|number| range.contains(number));
         if number.is_none() {
-            self.error(key, node, KeyError::OutOfRange { found: found.to_string(), allowed });
+            self.error(key, node, KeyError::OutOfRange { found: node.value.to_string(), allowed });
         }
         number
     }
 
+    /// A value that is no number, for instance because of a decimal comma.
+    fn not_a_number(&self, key: &str, node: &Node, allowed: String) {
+        let written = match &node.value {
+            Value::Text(text) => decimal_point(text),
+            _ => None,
+        };
+        match written {
+            Some(written) => self.reject(key, format!("has a decimal comma; write {written}")),
+            None => self.wrong_type(key, node, allowed),
+        }
+    }
+
     /// A text; `None` if absent or faulty. `purpose` describes a required one.
-    pub(in crate::scenario) fn text(&mut self, key: &'static str, purpose: Option<&str>) -> Option<&'a str> {
-        let node = self.look_up(key, "", purpose.map(str::to_owned))?;
+    pub fn text(&mut self, key: &'static str, purpose: Option<&str>) -> Option<&'a str> {
+        let node = self.look_up(key, "", KeyKind::Text, purpose.map(str::to_owned))?;
         if let Value::Text(text) = &node.value {
             return Some(text);
         }
@@ -126,8 +145,42 @@ impl<'a> Section<'a> {
         None
     }
 
+    /// A list of texts; `None` if absent or faulty. `purpose` describes a required one.
+    pub fn texts(&mut self, key: &'static str, purpose: Option<&str>) -> Option<Vec<&'a str>> {
+        let node = self.look_up(key, "", KeyKind::Texts, purpose.map(str::to_owned))?;
+        let texts = match &node.value {
+            Value::Array(items) => items.iter().map(Node::text).collect(),
+            _ => None,
+        };
+        if texts.is_none() {
+            self.wrong_type(key, node, purpose.unwrap_or("a list of texts in quotes").to_owned());
+        }
+        texts
+    }
+
+    /// An optional list of texts, each with its place. `allowed` describes it. `None` if absent or faulty.
+    pub(in crate::scenario) fn optional_texts(
+        &mut self,
+        key: &'static str,
+        allowed: &str,
+    ) -> Option<Vec<(&'a str, &'a Origin)>> {
+        let node = self.look_up(key, "", KeyKind::Texts, None)?;
+        let Value::Array(items) = &node.value else {
+            self.wrong_type(key, node, allowed.to_owned());
+            return None;
+        };
+        let mut texts = Vec::new();
+        for (index, item) in items.iter().enumerate() {
+            match &item.value {
+                Value::Text(text) => texts.push((&**text, &item.origin)),
+                _ => self.wrong_type(&format!("{key}.{index}"), item, "a text in quotes".to_owned()),
+            }
+        }
+        Some(texts)
+    }
+
     /// One of several names, required unless it has a default. `None` if absent or faulty.
-    pub(in crate::scenario) fn choice<T: Copy>(
+    pub fn choice<T: Copy + PartialEq>(
         &mut self,
         key: &'static str,
         default: impl Into<Option<T>>,
@@ -135,18 +188,64 @@ impl<'a> Section<'a> {
     ) -> Option<T> {
         let default = default.into();
         let allowed = either(choices.iter().map(|(word, _)| *word));
-        let Some(node) = self.look_up(key, "", default.is_none().then(|| allowed.clone())) else {
+        let kind = KeyKind::Choice {
+            choices: self.documented(choices.iter().map(|(word, _)| *word)),
+            default: default
+                .and_then(|default| choices.iter().find(|(_, choice)| *choice == default))
+                .map(|(word, _)| *word),
+        };
+        let Some(node) = self.look_up(key, "", kind, default.is_none().then(|| allowed.clone())) else {
             return default;
         };
         let Value::Text(found) = &node.value else {
             self.wrong_type(key, node, allowed);
             return None;
         };
-        let choice = choices.iter().find(|(word, _)| word == found).map(|(_, choice)| *choice);
+        let choice = find(choices, found);
         if choice.is_none() {
             self.error(key, node, KeyError::NotAChoice { found: node.value.to_string(), allowed });
         }
         choice
+    }
+
+    /// Several of these names, each with the origin of its entry; a single one may stand without a list.
+    pub(in crate::scenario) fn choices<T: Copy>(
+        &mut self,
+        key: &'static str,
+        choices: &[(&'static str, T)],
+    ) -> Vec<(T, Node)> {
+        let kind = KeyKind::Choices(self.documented(choices.iter().map(|(word, _)| *word)));
+        let Some(node) = self.look_up(key, "", kind, None) else {
+            return Vec::new();
+        };
+        let items = match &node.value {
+            Value::Array(items) => items.as_slice(),
+            _ => std::slice::from_ref(node),
+        };
+        let mut chosen = Vec::new();
+        for item in items {
+            let allowed = either(choices.iter().map(|(word, _)| *word));
+            match item.text().map(|text| find(choices, text)) {
+                Some(Some(choice)) => chosen.push((choice, item.clone())),
+                Some(None) => {
+                    self.error(key, item, KeyError::NotAChoice { found: item.value.to_string(), allowed });
+                }
+                None => self.wrong_type(key, item, allowed),
+            }
+        }
+        chosen
+    }
+}
+
+fn find<T: Copy>(choices: &[(&'static str, T)], found: &str) -> Option<T> {
+    choices.iter().find(|(word, _)| *word == found).map(|(_, choice)| *choice)
+}
+
+fn whole_number<T: Copy + Into<i128>>(range: &RangeInclusive<T>, default: Option<T>) -> KeyKind {
+    KeyKind::WholeNumber {
+        low: (*range.start()).into(),
+        high: (*range.end()).into(),
+        default: default.map(Into::into),
     }
 }
 

@@ -1,36 +1,23 @@
 //! Runs with metrics in closed form.
 
-use crate::metrics::{Estimates, Measured, Measurement, Metric, Metrics, Sample};
-
-const PERIOD_S: f64 = 0.001;
+use crate::metrics::fixture::{self, PERIOD_S, assert_metric as assert_close, at_rest, signals};
+use crate::metrics::{Measured, Measurement, Metric, Metrics, Plan, Sample};
+use crate::reference::Reference;
 
 /// A run of `seconds` whose error and torque are functions of time.
 fn run(seconds: f64, error_rad: impl Fn(f64) -> f64, torque_nm: impl Fn(f64) -> f64) -> Metrics {
-    let mut measurement = Measurement::new(PERIOD_S);
-    for step in 0..(seconds / PERIOD_S).round() as u32 {
-        let time_s = f64::from(step) * PERIOD_S;
-        measurement.push(&Sample {
-            time_s,
-            reference_rad: 0.5,
-            load_position_rad: 0.5 + error_rad(time_s),
-            torque_nm: torque_nm(time_s),
-            estimates: Some(Estimates { dead_zone_rad: 0.16, disturbing_torque_nm: 0.0 }),
-            dead_zone_rad: 0.1,
-            disturbing_torque_nm: 0.0,
-        });
-    }
-    measurement.metrics()
+    let at = |time_s| Sample {
+        reference_rad: 0.5,
+        load_position_rad: 0.5 + error_rad(time_s),
+        torque_nm: torque_nm(time_s),
+        drive: Some(&[0.16, 0.0]),
+        ..at_rest(time_s)
+    };
+    fixture::measure(Measurement::new(PERIOD_S, &signals()), seconds, at)
 }
 
 fn error(seconds: f64, error_rad: impl Fn(f64) -> f64) -> Metrics {
     run(seconds, error_rad, |_| 0.0)
-}
-
-#[track_caller]
-fn assert_close(metrics: &Metrics, metric: Metric, want: f64) {
-    let have = metrics.get(metric);
-    let close = have.value().is_some_and(|have| (have - want).abs() < 1e-9);
-    assert!(close, "{metric}: have {have}, want {want}");
 }
 
 #[test]
@@ -58,17 +45,8 @@ fn run_that_ends_outside_the_band_never_settles() {
 
 #[test]
 fn error_on_the_edge_of_the_band_is_inside() {
-    let mut measurement = Measurement::new(PERIOD_S);
-    let sample = Sample {
-        time_s: 0.0,
-        reference_rad: 0.0,
-        load_position_rad: -0.05,
-        torque_nm: 0.0,
-        estimates: Some(Estimates { dead_zone_rad: 0.0, disturbing_torque_nm: 0.0 }),
-        dead_zone_rad: 0.1,
-        disturbing_torque_nm: 0.0,
-    };
-    measurement.push(&sample);
+    let mut measurement = Measurement::new(PERIOD_S, &signals());
+    measurement.push(&Sample { load_position_rad: -0.05, ..at_rest(0.0) });
     assert_close(&measurement.metrics(), Metric::SettleTime, 0.0);
 }
 
@@ -115,7 +93,7 @@ fn run_shorter_than_a_window_has_no_metric_of_that_window() {
 
 #[test]
 fn run_without_samples_has_no_metric() {
-    let metrics = Measurement::new(PERIOD_S).metrics();
+    let metrics = Measurement::new(PERIOD_S, &signals()).metrics();
     assert!(metrics.iter().all(|(_, measured)| measured == Measured::RunTooShort));
 }
 
@@ -156,17 +134,10 @@ fn finite_divergence_is_scored_by_its_size() {
 
 #[test]
 fn plant_that_failed_takes_every_metric_of_the_run() {
-    let mut measurement = Measurement::new(PERIOD_S);
+    let mut measurement = Measurement::new(PERIOD_S, &signals());
     for step in 0..20_000 {
-        measurement.push(&Sample {
-            time_s: f64::from(step) * PERIOD_S,
-            reference_rad: 0.0,
-            load_position_rad: if step == 0 { 1.0 } else { 0.0 },
-            torque_nm: 0.0,
-            estimates: Some(Estimates { dead_zone_rad: 0.16, disturbing_torque_nm: 0.0 }),
-            dead_zone_rad: 0.16,
-            disturbing_torque_nm: 0.0,
-        });
+        let load_position_rad = if step == 0 { 1.0 } else { 0.0 };
+        measurement.push(&Sample { load_position_rad, ..at_rest(f64::from(step) * PERIOD_S) });
     }
     assert_close(&measurement.metrics(), Metric::SettleTime, 0.001);
     measurement.diverged();
@@ -177,21 +148,26 @@ fn plant_that_failed_takes_every_metric_of_the_run() {
 
 /// A load that lags by `lag_rad` behind a triangle of +-1 rad around 0.5 rad with a period of 4 s.
 fn behind_a_triangle(seconds: f64, lag_rad: f64, middle_rad: Option<f64>) -> Metrics {
-    let mut measurement = Measurement::new(PERIOD_S).with_middle_of_reference(middle_rad);
-    for step in 0..(seconds / PERIOD_S).round() as u32 {
+    let reference = match middle_rad {
+        Some(offset_rad) => {
+            Reference::Sine { amplitude_rad: 1.0, frequency_hz: 0.25, offset_rad, phase_rad: 0.0 }
+        }
+        None => Reference::Constant { position_rad: 0.5 },
+    };
+    let signals = signals();
+    let steps = fixture::steps(seconds);
+    let plan = Plan { period_s: PERIOD_S, steps, reference: Some(&reference), signals: &signals };
+    let mut measurement = Measurement::of_run(&plan, []);
+    for step in 0..steps {
         // Offset by half a period, so that the passages lie between samples.
         let time_s = (f64::from(step) + 0.5) * PERIOD_S;
         let phase = (time_s + 1.0).rem_euclid(4.0);
         let upwards = phase < 2.0;
         let reference_rad = 0.5 + if upwards { phase - 1.0 } else { 3.0 - phase };
         measurement.push(&Sample {
-            time_s,
             reference_rad,
             load_position_rad: reference_rad - if upwards { lag_rad } else { -lag_rad },
-            torque_nm: 0.0,
-            estimates: Some(Estimates { dead_zone_rad: 0.16, disturbing_torque_nm: 0.0 }),
-            dead_zone_rad: 0.1,
-            disturbing_torque_nm: 0.0,
+            ..at_rest(time_s)
         });
     }
     measurement.metrics()
@@ -219,15 +195,12 @@ fn dead_zone_error_is_the_estimate_less_the_true_half_gap() {
 
 #[test]
 fn estimate_that_is_nan_takes_its_own_metrics_only() {
-    let mut measurement = Measurement::new(PERIOD_S);
+    let mut measurement = Measurement::new(PERIOD_S, &signals());
     measurement.push(&Sample {
-        time_s: 0.0,
-        reference_rad: 0.0,
         load_position_rad: 1.0,
         torque_nm: 1.0,
-        estimates: Some(Estimates { dead_zone_rad: f64::NAN, disturbing_torque_nm: 0.0 }),
-        dead_zone_rad: 0.1,
-        disturbing_torque_nm: 0.0,
+        drive: Some(&[f64::NAN, 0.0]),
+        ..at_rest(0.0)
     });
     let metrics = measurement.metrics();
     assert_eq!(metrics.get(Metric::DeadZoneEstimate), Measured::NotFinite);

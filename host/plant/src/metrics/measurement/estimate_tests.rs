@@ -1,8 +1,8 @@
 //! Estimates with scores in closed form.
 
-use crate::metrics::{Estimates, Measured, Measurement, Metric, Metrics, Sample};
+use crate::metrics::fixture::{PERIOD_S, assert_metric as assert_close, at_rest, signals, steps};
+use crate::metrics::{Measured, Measurement, Metric, Metrics, Sample, SignalTable};
 
-const PERIOD_S: f64 = 0.001;
 const ESTIMATOR_SCORES: [Metric; 5] = [
     Metric::DeadZoneSettleTime,
     Metric::DeadZoneBias,
@@ -14,22 +14,18 @@ const ESTIMATOR_SCORES: [Metric; 5] = [
 /// A run of `seconds` with j0 = 0.1 + 0.01 t and w = t, whose telemetry carries estimates with these errors every tenth
 /// step.
 fn with_telemetry_every_tenth(seconds: f64, errors: impl Fn(f64) -> Option<(f64, f64)>) -> Metrics {
-    let mut measurement = Measurement::new(PERIOD_S);
-    for step in 0..(seconds / PERIOD_S).round() as u32 {
+    let mut measurement = Measurement::new(PERIOD_S, &signals());
+    for step in 0..steps(seconds) {
         let time_s = f64::from(step) * PERIOD_S;
         let (dead_zone_rad, disturbing_torque_nm) = (0.1 + 0.01 * time_s, time_s);
         let errors = if step % 10 == 0 { errors(time_s) } else { None };
+        let estimates =
+            errors.map(|(error_rad, error_nm)| [dead_zone_rad + error_rad, disturbing_torque_nm + error_nm]);
         measurement.push(&Sample {
-            time_s,
-            reference_rad: 0.0,
             load_position_rad: 1.0,
-            torque_nm: 0.0,
-            estimates: errors.map(|(error_rad, error_nm)| Estimates {
-                dead_zone_rad: dead_zone_rad + error_rad,
-                disturbing_torque_nm: disturbing_torque_nm + error_nm,
-            }),
-            dead_zone_rad,
-            disturbing_torque_nm,
+            plant: &[dead_zone_rad, disturbing_torque_nm],
+            drive: estimates.as_ref().map(<[f64; 2]>::as_slice),
+            ..at_rest(time_s)
         });
     }
     measurement.metrics()
@@ -37,13 +33,6 @@ fn with_telemetry_every_tenth(seconds: f64, errors: impl Fn(f64) -> Option<(f64,
 
 fn dead_zone_errors(seconds: f64, error_rad: impl Fn(f64) -> f64) -> Metrics {
     with_telemetry_every_tenth(seconds, |t_s| Some((error_rad(t_s), 0.0)))
-}
-
-#[track_caller]
-fn assert_close(metrics: &Metrics, metric: Metric, want: f64) {
-    let have = metrics.get(metric);
-    let close = have.value().is_some_and(|have| (have - want).abs() < 1e-9);
-    assert!(close, "{metric}: have {have}, want {want}");
 }
 
 #[test]
@@ -109,7 +98,7 @@ fn estimate_outside_the_band_never_settles() {
 fn drive_without_telemetry_is_not_scored() {
     let metrics = with_telemetry_every_tenth(10.0, |_| None);
     for metric in ESTIMATOR_SCORES.into_iter().chain([Metric::DeadZoneEstimate, Metric::DeadZoneError]) {
-        assert_eq!(metrics.get(metric), Measured::NoEstimate, "{metric}");
+        assert_eq!(metrics.get(metric), Measured::NoTelemetry, "{metric}");
     }
     assert!(metrics.run_was_finite());
 }
@@ -117,7 +106,7 @@ fn drive_without_telemetry_is_not_scored() {
 #[test]
 fn drive_without_late_telemetry_has_no_bias_at_the_end() {
     let metrics = with_telemetry_every_tenth(10.0, |t_s| (t_s < 4.9).then_some((0.01, 0.5)));
-    assert_eq!(metrics.get(Metric::DeadZoneBias), Measured::NoEstimate);
+    assert_eq!(metrics.get(Metric::DeadZoneBias), Measured::NoTelemetry);
     assert_close(&metrics, Metric::DisturbingTorqueBias, 0.5);
 }
 
@@ -138,4 +127,33 @@ fn estimate_that_is_not_finite_takes_its_own_scores_only() {
         assert_close(&torque, Metric::DeadZoneBias, 0.01);
         assert!(dead_zone.run_was_finite() && torque.run_was_finite());
     }
+}
+
+#[test]
+fn metric_without_its_signal_names_it() {
+    let of = |signals: &SignalTable, metric| Measurement::new(PERIOD_S, signals).metrics().get(metric);
+    let no_gap = SignalTable { plant: Vec::new(), ..signals() };
+    let no_estimate = SignalTable { drive: Vec::new(), ..signals() };
+    for metric in ESTIMATOR_SCORES.into_iter().chain([Metric::DeadZoneEstimate, Metric::DeadZoneError]) {
+        let torque = metric.name().starts_with("disturbing");
+        let truth = if torque { "disturbing_torque_nm" } else { "dead_zone_rad" };
+        let estimate =
+            if torque { "drive.disturbing_torque_estimate_nm" } else { "drive.dead_zone_estimate_rad" };
+        assert_eq!(of(&no_gap, metric), Measured::MissingSignal(truth), "{metric}");
+        assert_eq!(of(&no_estimate, metric), Measured::MissingSignal(estimate), "{metric}");
+    }
+    let reason = of(&no_gap, Metric::DeadZoneBias).reason();
+    assert_eq!(reason.as_deref(), Some("no signal dead_zone_rad"));
+}
+
+#[test]
+fn signals_are_found_by_name_in_any_order() {
+    let mut reversed = signals();
+    reversed.plant.reverse();
+    reversed.drive.reverse();
+    let mut measurement = Measurement::new(PERIOD_S, &reversed);
+    // w = 5 N m and j0 = 0.1 rad, estimated as 4 N m and 0.16 rad.
+    measurement.push(&Sample { plant: &[5.0, 0.1], drive: Some(&[4.0, 0.16]), ..at_rest(0.0) });
+    assert_close(&measurement.metrics(), Metric::DeadZoneError, 0.06);
+    assert_close(&measurement.metrics(), Metric::DisturbingTorqueBias, -1.0);
 }

@@ -1,0 +1,68 @@
+//! Where the image of the firmware is.
+
+use std::env;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use super::error::DeviceError;
+
+/// Name of the image that `cargo xtask image` builds.
+const IMAGE: &str = "lashloop-firmware.elf";
+/// Variable of the environment with the path of an image.
+pub(super) const VARIABLE: &str = "LASHLOOP_IMAGE";
+/// The workspace that this program was built in. The build puts the image into its target folder.
+const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
+/// The image to run: the one given, else the first that exists.
+///
+/// # Errors
+/// No image is there; the error lists the places.
+pub(super) fn find(given: Option<&Path>) -> Result<PathBuf, DeviceError> {
+    let places = match given {
+        Some(image) => vec![image.to_owned()],
+        None => places(env::var_os(VARIABLE), env::current_exe().ok().as_deref()),
+    };
+    let found = places.iter().find(|image| image.is_file()).cloned();
+    found.ok_or(DeviceError::NoImage { places })
+}
+
+/// Where an image is looked for, in this order. One that the environment names is the only one.
+fn places(variable: Option<OsString>, program: Option<&Path>) -> Vec<PathBuf> {
+    if let Some(image) = variable.filter(|image| !image.is_empty()) {
+        return vec![image.into()];
+    }
+    let workspace = Path::new(WORKSPACE);
+    let built = workspace.canonicalize().unwrap_or_else(|_| workspace.to_owned()).join("target").join(IMAGE);
+    // Next to the program, and above target/debug for one that Cargo has built in another target folder.
+    let near = program.into_iter().flat_map(Path::ancestors).skip(1).take(3).map(|folder| folder.join(IMAGE));
+    let here = env::current_dir().unwrap_or_default().join("target").join(IMAGE);
+    let mut places: Vec<PathBuf> = Vec::new();
+    for place in [built].into_iter().chain(near).chain([here]) {
+        if !places.contains(&place) {
+            places.push(place);
+        }
+    }
+    places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_environment_is_the_only_place_and_the_workspace_the_first() {
+        let program = Path::new("/opt/lashloop/bin/lashloop");
+        assert_eq!(places(Some("x.elf".into()), Some(program)), [PathBuf::from("x.elf")]);
+        let places = places(Some(OsString::new()), Some(program));
+        let workspace = Path::new(WORKSPACE).canonicalize().unwrap();
+        assert_eq!(places[0], workspace.join("target/lashloop-firmware.elf"));
+        assert_eq!(places[1], Path::new("/opt/lashloop/bin/lashloop-firmware.elf"));
+        assert_eq!(places.last(), Some(&env::current_dir().unwrap().join("target/lashloop-firmware.elf")));
+    }
+
+    #[test]
+    fn a_missing_image_is_reported_with_its_place() {
+        let error = find(Some(Path::new("none.elf"))).unwrap_err();
+        assert!(matches!(&error, DeviceError::NoImage { places } if places == &[PathBuf::from("none.elf")]));
+    }
+}

@@ -1,0 +1,54 @@
+//! `rfc2217:HOST:PORT`: a serial port of another machine. A name of its own, because raw bytes and telnet can't be told
+//! apart by looking: a raw server would pass the negotiation on to the drive.
+
+use crate::device::drive_host::DriveHost;
+use crate::device::error::DeviceError;
+use crate::device::kind::{DeviceKind, Opened, Syntax};
+use crate::link::Link;
+use crate::link::reopening::Reopening;
+use crate::link::rfc2217::Rfc2217;
+use crate::link::tcp::{Address, connect};
+use crate::supervisor::Supervisor;
+
+const PREFIX: &str = "rfc2217:";
+
+pub(in crate::device) const SYNTAX: Syntax = Syntax {
+    form: "rfc2217:HOST:PORT",
+    parse: |text| {
+        let address = text.strip_prefix(PREFIX)?.parse();
+        Some(match address {
+            Ok(address) => Ok(Box::new(RemotePort { address }) as Box<dyn DeviceKind>),
+            Err(problem) => Err(format!("{PREFIX} {problem}")),
+        })
+    },
+};
+
+/// A drive on a serial port of another machine, behind an RFC 2217 server.
+#[derive(Debug, Clone)]
+pub struct RemotePort {
+    /// Where the server listens.
+    pub address: Address,
+}
+
+impl DeviceKind for RemotePort {
+    fn name(&self) -> String {
+        format!("{PREFIX}{}", self.address)
+    }
+
+    fn open(&self, baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
+        let (address, device) = (self.address.clone(), self.name());
+        let open = move || {
+            let device = || device.clone();
+            let socket =
+                connect(&address).map_err(|source| DeviceError::Connect { device: device(), source })?;
+            let port = Rfc2217::open(Box::new(socket), baud)
+                .map_err(|source| DeviceError::Negotiation { device: device(), source })?;
+            Ok::<_, DeviceError>(Box::new(port) as Box<dyn Link>)
+        };
+        Ok(Opened { link: Box::new(Reopening::new(open)?), host: DriveHost::External })
+    }
+
+    fn check_modelled_uart(&self, baud: u32) -> Result<(), DeviceError> {
+        Err(DeviceError::HasUart { device: self.name(), baud })
+    }
+}

@@ -1,0 +1,206 @@
+//! What a scenario sets on a drive, checked against the drive's description of itself. Nothing is sent here.
+
+use lashloop_protocol::enums::ParameterValue;
+use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
+use lashloop_protocol::parameter_names::{
+    CONTROLLER, LOAD_COUNTS_PER_REV, MOTOR_COUNTS_PER_REV, PERIOD_US, WATCHDOG_US,
+};
+
+use crate::names::UnknownName;
+use crate::scenario::controller::{self, ParameterSetting};
+use crate::scenario::{Origin, Scenario, ScenarioError, ScenarioErrors};
+use crate::session::{Law, Parameter, Session, Subscription, WrittenValue};
+use crate::timing::ClockName;
+
+/// What a scenario sets on a drive.
+pub(super) struct DriveSettings<'a> {
+    /// Parameters that every drive must have, with their values.
+    pub(super) required: Vec<(&'static str, f64)>,
+    /// Those of `[controller.parameters]` that the law has.
+    pub(super) parameters: Vec<&'a ParameterSetting>,
+    pub(super) subscription: Subscription,
+    /// What the scenario has and the drive is not given, for the log of the run.
+    pub(super) notes: Vec<String>,
+}
+
+impl<'a> DriveSettings<'a> {
+    /// The settings of a scenario for the drive of this session.
+    ///
+    /// # Errors
+    /// The drive has no such law, parameter, choice or signal, or the law in force has not; all errors at once, each with its
+    /// place in the scenario.
+    pub(super) fn new(
+        scenario: &'a Scenario,
+        session: &Session,
+        clock: ClockName,
+    ) -> Result<Self, ScenarioErrors> {
+        let law = law(scenario, session)?;
+        scenario.check_drive(|name| default_of(session.parameter(name)?, law))?;
+        let mut errors = Vec::new();
+        let mut notes = Vec::new();
+        let from_sections = from_sections(scenario, law);
+        let parameters = scenario.controller.parameters.iter().filter(|setting| {
+            match check(setting, scenario, session, law, &from_sections) {
+                Ok(Use::Set) => return true,
+                Ok(Use::LeaveOut(note)) => notes.push(note),
+                Err(error) => errors.push(error),
+            }
+            false
+        });
+        let parameters = parameters.collect();
+        let subscription = match &scenario.telemetry.signals {
+            Some(_) => chosen(scenario, session, law, &mut errors),
+            None => {
+                let every = scenario.telemetry.every_steps;
+                let (subscription, left_out) = Subscription::to_all(&session.signals, law.index, every);
+                if !left_out.is_empty() && every > 0 {
+                    let names: Vec<_> = left_out.iter().map(|it| &*it.signal.name).collect();
+                    notes.push(format!(
+                        "a telemetry has {MAX_TELEMETRY_VALUES} signals at most, so it lacks {}; telemetry.signals selects them",
+                        names.join(", ")
+                    ));
+                }
+                subscription
+            }
+        };
+        if !errors.is_empty() {
+            return Err(errors.into());
+        }
+        // A drive with one law may lack the choice of a law.
+        let is_optional =
+            |name| name == CONTROLLER && session.laws.len() == 1 && session.parameter(name).is_none();
+        let mut required: Vec<_> = from_sections.into_iter().map(|(name, _, value)| (name, value)).collect();
+        required.retain(|(name, _)| !is_optional(*name));
+        if clock == ClockName::Lockstep {
+            // The watchdog must tolerate a slow bench but not a dead one: it waits as long for the bench as the bench does
+            // for the drive. In real time it stays as on a real bench.
+            required.push((WATCHDOG_US, 1e3 * f64::from(scenario.link.silence_limit_ms)));
+        }
+        Ok(Self { required, parameters, subscription, notes })
+    }
+}
+
+/// Parameters that keys outside `[controller.parameters]` set: name, key and value.
+fn from_sections(scenario: &Scenario, law: &Law) -> [(&'static str, &'static str, f64); 4] {
+    let Scenario { run, encoders, .. } = scenario;
+    [
+        (CONTROLLER, "controller.name", law.index.into()),
+        (PERIOD_US, "run.control_period_us", run.control_period_us.into()),
+        (MOTOR_COUNTS_PER_REV, "encoders.motor_counts_per_rev", encoders.motor_counts_per_rev.into()),
+        (LOAD_COUNTS_PER_REV, "encoders.load_counts_per_rev", encoders.load_counts_per_rev.into()),
+    ]
+}
+
+/// The law that the scenario names.
+fn law<'s>(scenario: &Scenario, session: &'s Session) -> Result<&'s Law, ScenarioError> {
+    let wanted = &scenario.controller;
+    session.laws.iter().find(|law| law.name == wanted.name).ok_or_else(|| {
+        let known = session.laws.iter().map(|law| &*law.name);
+        let reason = UnknownName::new("the drive", "law", &wanted.name, known);
+        ScenarioError::by_drive(&wanted.origin, "controller.name", format!("{:?}", wanted.name), reason)
+    })
+}
+
+/// The default of a parameter that the law has.
+fn default_of(parameter: &Parameter, law: &Law) -> Option<f64> {
+    parameter.laws.contains(law.index).then_some(match parameter.default {
+        ParameterValue::U32(value) => value.into(),
+        ParameterValue::F32(value) => value.into(),
+    })
+}
+
+/// What becomes of a parameter of the scenario.
+enum Use {
+    Set,
+    LeaveOut(String),
+}
+
+fn check(
+    setting: &ParameterSetting,
+    scenario: &Scenario,
+    session: &Session,
+    law: &Law,
+    from_sections: &[(&str, &str, f64)],
+) -> Result<Use, ScenarioError> {
+    if let Some((_, key, _)) = from_sections.iter().find(|(name, ..)| *name == setting.name) {
+        return Err(ScenarioError::parameter(setting, format!("is set by {key}; set it there")));
+    }
+    let parameter = session.parameter(&setting.name).ok_or_else(|| {
+        let known = session.parameters.iter().map(|parameter| &*parameter.name);
+        let unknown = UnknownName::new("the drive", "parameter", &setting.name, known);
+        ScenarioError::parameter(setting, format!("is refused: {unknown}"))
+    })?;
+    if !parameter.laws.contains(law.index) {
+        return foreign(setting, scenario, session, parameter);
+    }
+    let value = parameter.value(written(&setting.value));
+    value.map_err(|error| ScenarioError::parameter(setting, format!("is refused: {error}")))?;
+    Ok(Use::Set)
+}
+
+/// A parameter of another law is an error, except where the command line has replaced the law that the file sets it for.
+fn foreign(
+    setting: &ParameterSetting,
+    scenario: &Scenario,
+    session: &Session,
+    parameter: &Parameter,
+) -> Result<Use, ScenarioError> {
+    let (laws, chosen) = (parameter.laws.names(&session.laws), &scenario.controller);
+    let name = &setting.name;
+    match (&chosen.origin, &setting.origin) {
+        (Origin::Option(option), Origin::File { .. }) => Ok(Use::LeaveOut(format!(
+            "controller.parameters.{name} of {} is left out: it belongs to {laws}, and {option} chooses {}",
+            setting.origin, chosen.name
+        ))),
+        _ => Err(ScenarioError::parameter(
+            setting,
+            format!("is given, but {name} belongs to {laws}, and this run uses {}", chosen.name),
+        )),
+    }
+}
+
+/// The subscription to the signals that the scenario names.
+fn chosen(
+    scenario: &Scenario,
+    session: &Session,
+    law: &Law,
+    errors: &mut Vec<ScenarioError>,
+) -> Subscription {
+    let mut signals = Vec::new();
+    for choice in scenario.telemetry.signals.iter().flatten() {
+        let name = &*choice.name;
+        let refusal = match session.signal(name) {
+            None => {
+                let known = session.signals.iter().map(|it| &*it.signal.name);
+                UnknownName::new("the drive", "signal", name, known).to_string()
+            }
+            Some(signal) if !signal.laws.contains(law.index) => {
+                format!("belongs to {}, and this run uses {}", signal.laws.names(&session.laws), law.name)
+            }
+            Some(signal) if signals.contains(signal) => "is given twice".to_owned(),
+            Some(_) if signals.len() == MAX_TELEMETRY_VALUES => {
+                format!("is one too many; a telemetry has {MAX_TELEMETRY_VALUES} signals at most")
+            }
+            Some(signal) => {
+                signals.push(signal.clone());
+                continue;
+            }
+        };
+        errors.push(ScenarioError::by_drive(
+            &choice.origin,
+            "telemetry.signals",
+            format!("{name:?}"),
+            refusal,
+        ));
+    }
+    Subscription::new(signals, scenario.telemetry.every_steps)
+}
+
+/// A value of the scenario as the session takes it.
+pub(super) fn written(value: &controller::ParameterValue) -> WrittenValue<'_> {
+    match value {
+        controller::ParameterValue::Number(number) => WrittenValue::Number(*number),
+        controller::ParameterValue::Boolean(on) => WrittenValue::Number(f64::from(u8::from(*on))),
+        controller::ParameterValue::Text(text) => WrittenValue::Name(text),
+    }
+}

@@ -1,0 +1,123 @@
+//! The keys as a JSON Schema for editors.
+//!
+//! Each section lists every key that it can have, so that editors complete them; `allOf` narrows the keys to those of the choices
+//! made. The schema has types, ranges, names, required and unknown keys. Rules between keys, such as a fault after the end of the
+//! run, are the reader's alone. We use no keyword that changed its meaning between draft 7 and draft 2020-12, because editors
+//! differ in the drafts that they support.
+
+use serde_json::{Map, Value, json};
+
+use crate::scenario::key::{Key, KeyKind, Keys, Selector};
+use crate::scenario::spelling::with_unit;
+
+impl Keys {
+    /// The schema `docs/scenario.schema.json`.
+    #[must_use]
+    pub fn to_json_schema(&self) -> Value {
+        let mut schema = section(self);
+        schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
+        schema["title"] = json!("Lashloop scenario");
+        schema
+    }
+}
+
+fn section(keys: &Keys) -> Value {
+    let mut properties: Map<String, Value> = Map::new();
+    let mut names: Vec<_> = keys.all().map(|key| key.name).collect();
+    names.sort_unstable();
+    names.dedup();
+    for name in names {
+        let mut variants: Vec<Value> = Vec::new();
+        for key in keys.all().filter(|key| key.name == name) {
+            let variant = property(key);
+            if !variants.contains(&variant) {
+                variants.push(variant);
+            }
+        }
+        let property = if variants.len() == 1 { variants.remove(0) } else { json!({ "anyOf": variants }) };
+        properties.insert(name.to_owned(), property);
+    }
+    let mut schema = json!({
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": if keys.open { json!({ "type": ["number", "boolean", "string"] }) } else { json!(false) },
+    });
+    constrain(&mut schema, keys);
+    schema
+}
+
+/// Adds what these keys require, and what each of their choices requires and excludes.
+fn constrain(schema: &mut Value, keys: &Keys) {
+    let is_required =
+        |key: &&Key| key.required || matches!(&key.kind, KeyKind::Section(inside) if inside.is_required());
+    let required: Vec<_> = keys.keys.iter().filter(is_required).map(|key| key.name).collect();
+    if !required.is_empty() {
+        schema["required"] = json!(required);
+    }
+    let conditions: Vec<_> = keys.selectors.iter().flat_map(|selector| conditions(keys, selector)).collect();
+    if !conditions.is_empty() {
+        schema["allOf"] = json!(conditions);
+    }
+}
+
+/// One condition for each name of a choice.
+fn conditions(keys: &Keys, selector: &Selector) -> Vec<Value> {
+    let default = keys.keys.iter().find(|key| key.name == selector.key).and_then(|key| match &key.kind {
+        KeyKind::Choice { default, .. } => *default,
+        _ => None,
+    });
+    let condition = |(name, variant): &(&'static str, Keys)| {
+        let mut then = json!({ "properties": {} });
+        for key in selector.variants.iter().flat_map(|(_, keys)| keys.all()) {
+            then["properties"][key.name] = json!(false);
+        }
+        for key in variant.all() {
+            then["properties"][key.name] = property(key);
+        }
+        constrain(&mut then, variant);
+        let mut applies = json!({ "properties": { selector.key: { "const": name } } });
+        if default != Some(name) {
+            applies["required"] = json!([selector.key]);
+        }
+        json!({ "if": applies, "then": then })
+    };
+    selector.variants.iter().map(condition).collect()
+}
+
+fn property(key: &Key) -> Value {
+    let mut schema = match &key.kind {
+        KeyKind::Number { range, default } => {
+            let least = if range.low_is_allowed { "minimum" } else { "exclusiveMinimum" };
+            with_default(json!({ "type": "number", least: range.low, "maximum": range.high }), *default)
+        }
+        KeyKind::WholeNumber { low, high, default } => {
+            let [low, high] = [low, high].map(|end| i64::try_from(*end).unwrap_or(i64::MAX));
+            let default = default.and_then(|default| i64::try_from(default).ok());
+            with_default(json!({ "type": "integer", "minimum": low, "maximum": high }), default)
+        }
+        KeyKind::Text => json!({ "type": "string" }),
+        KeyKind::Texts => json!({ "type": "array", "items": { "type": "string" } }),
+        KeyKind::Choice { choices, default } => {
+            let names: Vec<_> = choices.iter().map(|choice| choice.name).collect();
+            with_default(json!({ "enum": names }), *default)
+        }
+        KeyKind::Choices(choices) => {
+            let names: Vec<_> = choices.iter().map(|choice| choice.name).collect();
+            let name = json!({ "enum": names });
+            json!({ "anyOf": [name.clone(), { "type": "array", "items": name, "uniqueItems": true }] })
+        }
+        KeyKind::Section(inside) => section(inside),
+        KeyKind::Sections(inside) => json!({ "type": "array", "items": section(inside) }),
+    };
+    let unit =
+        if key.unit.is_empty() { String::new() } else { with_unit(" Unit:".to_owned(), key.unit) + "." };
+    schema["description"] = json!(format!("{}{unit}", key.doc));
+    schema
+}
+
+fn with_default(mut schema: Value, default: Option<impl serde::Serialize>) -> Value {
+    if let Some(default) = default {
+        schema["default"] = json!(default);
+    }
+    schema
+}

@@ -1,0 +1,56 @@
+//! A scenario's file as text.
+//!
+//! Only a regular file is read: a pipe or a terminal would make the program wait for a writer that may not exist.
+
+use std::fs::File;
+use std::io::Read;
+use std::os::unix::fs::FileTypeExt;
+use std::path::Path;
+
+use super::error::ScenarioError;
+
+/// Largest file in bytes. A long reference is a table in a file of its own, and a scenario of this size has 10,000 faults.
+const LARGEST: u64 = 1 << 20;
+
+/// Reads a file in UTF-8.
+pub(super) fn read(path: &Path) -> Result<String, ScenarioError> {
+    let cannot_read = |source| ScenarioError::Read { path: path.to_owned(), source };
+    let unusable = |reason: String| ScenarioError::Unusable { path: path.to_owned(), reason };
+    let kind = std::fs::metadata(path).map_err(cannot_read)?.file_type();
+    let other = match () {
+        () if kind.is_file() => None,
+        () if kind.is_dir() => Some("a folder; name a file in it"),
+        () if kind.is_fifo() => Some("a pipe; write the scenario to a file first"),
+        () => Some("a device; name a file"),
+    };
+    if let Some(other) = other {
+        return Err(unusable(format!("is {other}")));
+    }
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(cannot_read)?;
+    file.take(LARGEST + 1).read_to_end(&mut bytes).map_err(cannot_read)?;
+    if bytes.len() as u64 > LARGEST {
+        return Err(unusable("is larger than 1 MiB, so it is no scenario; name a TOML file".to_owned()));
+    }
+    decode(bytes).map_err(unusable)
+}
+
+fn decode(bytes: Vec<u8>) -> Result<String, String> {
+    // In UTF-16 every second byte of a TOML text is zero, with a byte order mark or without.
+    if bytes.starts_with(&[0xff, 0xfe])
+        || bytes.starts_with(&[0xfe, 0xff])
+        || bytes.iter().take(64).any(|&byte| byte == 0)
+    {
+        return Err("is in UTF-16 or binary; save it as text in UTF-8".to_owned());
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        let line = 1 + error.as_bytes()[..at].iter().filter(|&&byte| byte == b'\n').count();
+        format!("is not in UTF-8 in line {line}; save it as text in UTF-8")
+    })
+}
+
+/// A text without the byte order mark that some editors write.
+pub(super) fn without_mark(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}

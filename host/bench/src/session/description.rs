@@ -1,0 +1,115 @@
+//! What a drive describes of itself: laws, parameters with their choices, signals.
+
+use lashloop_plant::Signal;
+use lashloop_protocol::enums::{ParameterFlags, ParameterValue};
+use lashloop_protocol::message::{DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, Identity};
+use lashloop_protocol::wire::Payload;
+use lashloop_protocol::{DriveMessage, HostMessage};
+
+use super::error::SessionError;
+use super::laws::{Law, LawMask};
+use super::line::Line;
+use super::logs::printable;
+use super::parameters::{Choice, Parameter};
+use super::signals::DriveSignal;
+
+/// A drive's description of itself. Each list is in the order of the index.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Description {
+    /// The laws.
+    pub laws: Vec<Law>,
+    /// The parameters.
+    pub parameters: Vec<Parameter>,
+    /// The signals.
+    pub signals: Vec<DriveSignal>,
+}
+
+impl Description {
+    /// Requests everything that `identity` announces.
+    ///
+    /// # Errors
+    /// The drive is silent or rejects an index that it announced, or the line broke.
+    pub fn read(line: &mut Line, identity: &Identity) -> Result<Self, SessionError> {
+        let laws = (0..identity.law_count).map(|index| law(line, index)).collect::<Result<_, _>>()?;
+        let parameters = (0..identity.parameter_count).map(|index| parameter(line, index));
+        let parameters = parameters.collect::<Result<_, _>>()?;
+        let signals = (0..identity.signal_count).map(|index| signal(line, index));
+        Ok(Self { laws, parameters, signals: signals.collect::<Result<_, _>>()? })
+    }
+}
+
+fn law(line: &mut Line, index: u8) -> Result<Law, SessionError> {
+    described(line, DescribeLaw { index }, |answer| match answer {
+        DriveMessage::LawDescription(it) if it.index == index => {
+            Some(Law { index, name: printable(it.name.as_str()) })
+        }
+        _ => None,
+    })
+}
+
+fn parameter(line: &mut Line, index: u8) -> Result<Parameter, SessionError> {
+    let (flags, mut parameter) = described(line, DescribeParameter { index }, |answer| match answer {
+        DriveMessage::ParameterDescription(it) if it.index == index => {
+            let parameter = Parameter {
+                index,
+                name: printable(it.name.as_str()),
+                unit: printable(it.unit.as_str()),
+                default: it.default,
+                min: it.min,
+                max: it.max,
+                live: it.flags.contains(ParameterFlags::LIVE),
+                laws: LawMask(it.laws),
+                choices: Vec::new(),
+            };
+            Some((it.flags, parameter))
+        }
+        _ => None,
+    })?;
+    if flags.contains(ParameterFlags::CHOICES)
+        && let (ParameterValue::U32(min), ParameterValue::U32(max)) = (parameter.min, parameter.max)
+    {
+        // A choice is one byte on the wire.
+        let choices = (min..=max).filter_map(|value| u8::try_from(value).ok());
+        parameter.choices = choices.map(|value| choice(line, index, value)).collect::<Result<_, _>>()?;
+    }
+    Ok(parameter)
+}
+
+fn choice(line: &mut Line, parameter: u8, choice: u8) -> Result<Choice, SessionError> {
+    described(line, DescribeChoice { parameter, choice }, |answer| match answer {
+        DriveMessage::ChoiceDescription(it) if (it.parameter, it.choice) == (parameter, choice) => {
+            Some(Choice { value: choice.into(), name: printable(it.name.as_str()) })
+        }
+        _ => None,
+    })
+}
+
+fn signal(line: &mut Line, index: u8) -> Result<DriveSignal, SessionError> {
+    described(line, DescribeSignal { index }, |answer| match answer {
+        DriveMessage::SignalDescription(it) if it.index == index => {
+            let [name, unit] = [it.name.as_str(), it.unit.as_str()].map(|text| printable(text).into());
+            Some(DriveSignal { index, laws: LawMask(it.laws), signal: Signal { name, unit } })
+        }
+        _ => None,
+    })
+}
+
+/// Sends a request until the drive has answered it with a description or rejected it.
+fn described<R: Payload + Into<HostMessage>, T>(
+    line: &mut Line,
+    request: R,
+    description: impl Fn(&DriveMessage) -> Option<T>,
+) -> Result<T, SessionError> {
+    let log_mark = line.logs.mark();
+    let answered = line.request(&request.into(), |answer| match answer {
+        DriveMessage::CommandResult(it) if it.request == R::LAYOUT.kind => Some(Err((it.outcome, it.state))),
+        answer => description(answer).map(Ok),
+    })?;
+    answered.with.map_err(|(outcome, state)| SessionError::Refused {
+        request: R::LAYOUT.name,
+        outcome,
+        state,
+        log: line.logs.since(log_mark).join("; "),
+        last_seen: line.last_seen,
+    })
+}

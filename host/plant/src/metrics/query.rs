@@ -1,0 +1,80 @@
+//! What a scenario asks of a run beyond the metrics of the whole run.
+
+use std::fmt;
+
+use serde::ser::{Serialize, SerializeMap, Serializer};
+
+use super::metric::Metric;
+use super::statistic::Statistic;
+
+/// A quantity that a run can be judged by.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Quantity {
+    /// A metric.
+    Metric(Metric),
+    /// A statistic of a signal, in the signal's unit.
+    Statistic {
+        /// Name of a fixed signal, of a plant's signal, or `drive.NAME`.
+        signal: String,
+        /// The statistic.
+        statistic: Statistic,
+    },
+}
+
+/// A part of a run: the samples from one time up to another, which is not included.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Window {
+    /// Start, in time of the run.
+    pub from_s: f64,
+    /// End, in time of the run; `None` for that of the run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub to_s: Option<f64>,
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Metric(metric) => metric.fmt(f),
+            Self::Statistic { signal, statistic } => write!(f, "{statistic} of {signal}"),
+        }
+    }
+}
+
+/// `metric`, or `signal` and `statistic`, as the keys of a map.
+impl Serialize for Quantity {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut keys = serializer.serialize_map(None)?;
+        match self {
+            Self::Metric(metric) => keys.serialize_entry("metric", metric)?,
+            Self::Statistic { signal, statistic } => {
+                keys.serialize_entry("signal", signal)?;
+                keys.serialize_entry("statistic", statistic)?;
+            }
+        }
+        keys.end()
+    }
+}
+
+impl fmt::Display for Window {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.to_s {
+            Some(to_s) => write!(f, "{} s to {to_s} s", self.from_s),
+            None => write!(f, "{} s to the end", self.from_s),
+        }
+    }
+}
+
+/// A quantity over the whole run or over one window.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Query {
+    /// What to measure.
+    pub quantity: Quantity,
+    /// The samples to measure; `None` for the whole run.
+    pub window: Option<Window>,
+}
+
+impl From<Metric> for Query {
+    fn from(metric: Metric) -> Self {
+        Self { quantity: Quantity::Metric(metric), window: None }
+    }
+}
