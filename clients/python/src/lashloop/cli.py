@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 from serial.tools import list_ports
 
+from lashloop.control.cascade import PD
+from lashloop.drive import Drive, serve
 from lashloop.errors import LashloopError
 from lashloop.host import Host, ParameterRangeError, UnknownParameterError
 from lashloop.link import DEFAULT_BAUD, PseudoTerminal, open_port
@@ -125,10 +127,6 @@ def _setting(text: str) -> tuple[str, float | str]:
 
 
 def _drive(arguments: argparse.Namespace) -> None:
-    # Imported here, because the control law imports numpy, which delays the start of a host.
-    from lashloop.control.cascade import PD
-    from lashloop.drive import Drive, serve
-
     line = open_port(arguments.port, arguments.baud) if arguments.port else PseudoTerminal()
     if isinstance(line, PseudoTerminal):
         # The parent process waits for this line, so it is flushed.
