@@ -9,18 +9,21 @@
 //! | [`control`] | control laws, from encoder counts to a torque |
 //! | [`laws`] | the laws of Lashloop's own drive |
 //! | [`drive`] | session, parameters and safety: a state machine with bytes and device time in, bytes and a torque out |
-//! | `board` (in the image) | the drive on the microcontroller |
+//! | `board` (feature `image`, Arm only) | the drive on the microcontroller, and `image!` |
 //!
 //! `no_std`, no allocation, no unsafe code. Floating-point functions come from `libm` only, so that every machine
 //! computes the same bits.
 
 #![no_std]
-#![forbid(unsafe_code)]
+// The board takes peripherals and defines handlers of exceptions.
+#![cfg_attr(not(all(feature = "image", target_os = "none")), forbid(unsafe_code))]
 #![warn(missing_docs)]
 
 #[cfg(test)]
 extern crate std;
 
+#[cfg(all(feature = "image", target_os = "none"))]
+pub mod board;
 pub mod control;
 pub mod drive;
 pub mod law;

@@ -171,7 +171,11 @@ impl Settings {
                 Item::Value(Value::String(value)) => SettingValue::Name(value.value().clone()),
                 _ => {
                     let found = format!("{name} is no setting");
-                    return Err(SettingsError::Malformed { place, found, wanted: "NAME = NUMBER or NAME = \"CHOICE\"" });
+                    return Err(SettingsError::Malformed {
+                        place,
+                        found,
+                        wanted: "NAME = NUMBER or NAME = \"CHOICE\"",
+                    });
                 }
             };
             settings.push(place, name, value)?;

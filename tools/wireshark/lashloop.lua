@@ -416,8 +416,9 @@ local function show_elements(tree, name, ty, range)
         local item = tree:add(fields[name], bytes, bytes:le_float())
         shown[at] = string.format("%.4g", bytes:le_float())
         if of then
-            item:append_text(" " .. of[at].unit .. " (" .. of[at].name .. ")")
-            shown[at] = of[at].name .. " " .. shown[at] .. (of[at].unit ~= "" and " " .. of[at].unit or "")
+            local unit = of[at].unit ~= "" and " " .. of[at].unit or ""
+            item:append_text(unit .. " (" .. of[at].name .. ")")
+            shown[at] = of[at].name .. " " .. shown[at] .. unit
         end
     end
     return table.concat(shown, of and ", " or " ")

@@ -14,7 +14,7 @@ use core::time::Duration;
 use cortex_m::interrupt::{self, Mutex};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{SCB, SYST};
-use lashloop_firmware::drive::Clock;
+use crate::drive::Clock;
 
 use super::clock_tree::CORE_HZ;
 
@@ -50,10 +50,10 @@ static MEMORY: Mutex<Memory> = Mutex::new(Memory {
 
 /// The clock of the board, with a resolution of one cycle (6 ns). Valid for tasks up to the priority of SysTick: a task
 /// above could read the clock between SysTick's interrupt and [`Ticker::count_millisecond`].
-pub(crate) struct DeviceClock(());
+pub struct DeviceClock(());
 
 /// The counter, owned by SysTick's task.
-pub(crate) struct Ticker(());
+pub struct Ticker(());
 
 /// Starts SysTick.
 pub(crate) fn start(mut syst: SYST) -> (DeviceClock, Ticker) {
@@ -67,7 +67,7 @@ pub(crate) fn start(mut syst: SYST) -> (DeviceClock, Ticker) {
 
 impl Ticker {
     /// Counts one millisecond and returns the device time. To be called once per interrupt.
-    pub(crate) fn count_millisecond(&mut self) -> Duration {
+    pub fn count_millisecond(&mut self) -> Duration {
         interrupt::free(|token| {
             let counted = &MEMORY.borrow(token).counted;
             counted.set(counted.get().plus_millisecond());

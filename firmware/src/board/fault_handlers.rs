@@ -7,7 +7,7 @@ use core::panic::{Location, PanicInfo};
 
 use cortex_m::peripheral::{NVIC, Peripherals};
 use cortex_m_rt::{ExceptionFrame, exception};
-use lashloop_firmware::drive::fault_frame;
+use crate::drive::fault_frame;
 use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::frame::DELIMITER;
 use stm32f4xx_hal::pac::{Interrupt, USART2};

@@ -4,7 +4,8 @@
 //! interrupt-driven path would run on silicon only and stay untested. Bytes and ticks interrupt the polling.
 
 use heapless::{Vec, spsc};
-use lashloop_firmware::drive::Drive;
+use crate::drive::Drive;
+use crate::law::LawSet;
 use stm32f4xx_hal::gpio::{PA2, PA3, Pull};
 use stm32f4xx_hal::nb;
 use stm32f4xx_hal::pac::USART2;
@@ -23,24 +24,24 @@ const QUEUE_BYTES: usize = 1024;
 const CHUNK_BYTES: usize = 64;
 
 /// The receive queue.
-pub(crate) type Queue = spsc::Queue<u8, QUEUE_BYTES>;
+pub type Queue = spsc::Queue<u8, QUEUE_BYTES>;
 
 /// A received byte was lost: overrun of the USART or the queue, framing error or noise.
-pub(crate) struct LineError;
+pub struct LineError;
 
 /// Owned by the receive interrupt.
-pub(crate) struct Receiver {
+pub struct Receiver {
     rx: Rx<USART2>,
     queue: spsc::Producer<'static, u8>,
 }
 
 /// Owned by the task that reads.
-pub(crate) struct Inbox {
+pub struct Inbox {
     queue: spsc::Consumer<'static, u8>,
 }
 
 /// A piece of the drive's output, and the transmitter.
-pub(crate) struct Outbox {
+pub struct Outbox {
     tx: Tx<USART2>,
     piece: Vec<u8, CHUNK_BYTES>,
     /// Bytes of the drive's output loaded since it was cleared.
@@ -67,7 +68,10 @@ pub(crate) fn open(
 
 impl Receiver {
     /// Puts the byte that raised the interrupt into the queue.
-    pub(crate) fn take_byte(&mut self) -> Result<(), LineError> {
+    ///
+    /// # Errors
+    /// The byte is lost.
+    pub fn take_byte(&mut self) -> Result<(), LineError> {
         match self.rx.read() {
             Ok(byte) => self.queue.enqueue(byte).map_err(|_| LineError),
             Err(nb::Error::WouldBlock) => Ok(()),
@@ -78,12 +82,12 @@ impl Receiver {
 
 impl Inbox {
     /// Takes received bytes, at most a chunk.
-    pub(crate) fn take(&mut self) -> Vec<u8, CHUNK_BYTES> {
+    pub fn take(&mut self) -> Vec<u8, CHUNK_BYTES> {
         core::iter::from_fn(|| self.queue.dequeue()).take(CHUNK_BYTES).collect()
     }
 
     /// Whether the queue is empty.
-    pub(crate) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         !self.queue.ready()
     }
 }
@@ -92,7 +96,7 @@ impl Outbox {
     /// Copies the next piece of the drive's output. After the last piece it clears the output and returns `false`.
     ///
     /// Piece by piece: the drive is locked only during the copy and may append to its output during the transmission.
-    pub(crate) fn load(&mut self, drive: &mut Drive) -> bool {
+    pub fn load<L: LawSet>(&mut self, drive: &mut Drive<L>) -> bool {
         self.piece = drive.output().iter().skip(self.loaded).take(CHUNK_BYTES).copied().collect();
         self.loaded += self.piece.len();
         let more = !self.piece.is_empty();
@@ -104,7 +108,7 @@ impl Outbox {
     }
 
     /// Transmits the piece, at 11 us per byte.
-    pub(crate) fn send(&mut self) {
+    pub fn send(&mut self) {
         for byte in &self.piece {
             // A transmitter reports no error (RM0090 30.6.1), only that it is busy.
             let _ = nb::block!(self.tx.write(*byte));

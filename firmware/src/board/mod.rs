@@ -5,35 +5,48 @@
 //!
 //! The image outputs its torque over the link only. It configures no pin of a power stage: the gate inputs keep their
 //! high impedance after reset, and a panic has no output to switch off.
+//!
+//! [`image!`](crate::image) makes a program of the board and a set of laws.
 
-pub(crate) mod clock_tree;
-pub(crate) mod device_clock;
+mod clock_tree;
+mod device_clock;
 mod fault_handlers;
-pub(crate) mod link;
+mod image;
+mod link;
+
+pub use cortex_m;
+pub use rtic;
+pub use stm32f4xx_hal::pac;
+
+pub use device_clock::{DeviceClock, Ticker};
+pub use link::{Inbox, LineError, Outbox, Queue, Receiver};
 
 use lashloop_protocol::enums::LogLevel;
 use stm32f4xx_hal::gpio::GpioExt;
 use stm32f4xx_hal::pac::{DBGMCU, Peripherals, RCC};
 
 use clock_tree::Source;
-use device_clock::{DeviceClock, Ticker};
-use link::{Inbox, Outbox, Queue, Receiver};
 
 /// The started board: clocks run, the link receives.
-pub(crate) struct Board {
+pub struct Board {
     /// Name of the board in the identity.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// Log line about the start for the host.
-    pub(crate) notice: Option<(LogLevel, &'static str)>,
-    pub(crate) clock: DeviceClock,
-    pub(crate) ticker: Ticker,
-    pub(crate) receiver: Receiver,
-    pub(crate) inbox: Inbox,
-    pub(crate) outbox: Outbox,
+    pub notice: Option<(LogLevel, &'static str)>,
+    /// The clock, for the task that serves the drive.
+    pub clock: DeviceClock,
+    /// The counter of the clock, for the task of SysTick.
+    pub ticker: Ticker,
+    /// The receiver, for the task of USART2.
+    pub receiver: Receiver,
+    /// The received bytes, for the task that serves the drive.
+    pub inbox: Inbox,
+    /// The transmitter, for the task that serves the drive.
+    pub outbox: Outbox,
 }
 
 /// Starts the board within 0.2 s, with or without a crystal.
-pub(crate) fn start(
+pub fn start(
     syst: cortex_m::peripheral::SYST,
     device: Peripherals,
     queue: &'static mut Queue,

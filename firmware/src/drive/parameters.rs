@@ -7,7 +7,18 @@ use lashloop_protocol::enums::{Outcome, ParameterFlags, ParameterValue, State};
 use lashloop_protocol::message::{ChoiceDescription, ParameterDescription, ParameterReport, SetParameter};
 use lashloop_protocol::text::Text;
 
-use crate::law::{DriveParameters, LawSet, Parameter, ParameterGroup};
+use crate::law::{DriveParameters, LawSet, Parameter, ParameterGroup, Words};
+
+/// Indices of the drive's own parameters: every table begins with `controller`, then has these.
+static OF_DRIVE: [u8; DriveParameters::TABLE.len()] = {
+    let mut indices = [0; DriveParameters::TABLE.len()];
+    let mut at = 0;
+    while at < indices.len() {
+        indices[at] = at as u8 + 1;
+        at += 1;
+    }
+    indices
+};
 
 /// The values in force.
 pub(super) struct Parameters<L: LawSet> {
@@ -30,9 +41,9 @@ impl<L: LawSet> Parameters<L> {
         self.words.as_ref().first().copied().unwrap_or_default()
     }
 
-    /// The drive's own parameters: those after the first one.
+    /// The drive's own parameters.
     pub(super) fn drive(&self) -> DriveParameters {
-        DriveParameters::read(&mut self.words.as_ref().iter().skip(1).copied())
+        DriveParameters::read(&mut Words::new(self.words.as_ref(), &OF_DRIVE))
     }
 
     pub(super) fn get(&self, index: u8, state: State) -> ParameterReport {

@@ -96,5 +96,5 @@ pub use drive_parameters::{COUNTS_PER_REV_MAX, DriveParameters};
 pub use drive_signals::DriveSignals;
 pub use law_set::LawSet;
 pub use parameter::{Parameter, Range};
-pub use parameter_group::{Choice, ParameterGroup, ParameterGroups};
+pub use parameter_group::{Choice, ParameterGroup, ParameterGroups, Words};
 pub use signal::{Signal, Signals};

@@ -2,13 +2,37 @@
 
 use super::parameter::Parameter;
 
+/// Values of parameters as 32-bit words, in the order of the fields that read them.
+pub struct Words<'a> {
+    values: &'a [u32],
+    /// Indices of the words to come.
+    indices: &'a [u8],
+}
+
+impl<'a> Words<'a> {
+    /// The words of a drive with these indices.
+    #[must_use]
+    pub const fn new(values: &'a [u32], indices: &'a [u8]) -> Self {
+        Self { values, indices }
+    }
+
+    /// The next word; zero after the last one.
+    // Never inlined: a law reads dozens of words.
+    #[inline(never)]
+    pub fn next_word(&mut self) -> u32 {
+        let Some((index, rest)) = self.indices.split_first() else { return 0 };
+        self.indices = rest;
+        self.values.get(usize::from(*index)).copied().unwrap_or(0)
+    }
+}
+
 /// A struct of parameters, declared by [`parameters!`](crate::parameters).
 pub trait ParameterGroup: Sized {
     /// The parameters in the order of the fields.
     const TABLE: &'static [Parameter];
 
-    /// The values, from the 32-bit words of the table's parameters in their order. A missing word reads as zero.
-    fn read(words: &mut dyn Iterator<Item = u32>) -> Self;
+    /// The values, from the next words.
+    fn read(words: &mut Words<'_>) -> Self;
 }
 
 /// The parameters of a law: a group, a tuple of up to eight groups, or `()` for none.
@@ -19,13 +43,13 @@ pub trait ParameterGroups: Sized {
     const TABLES: &'static [&'static [Parameter]];
 
     /// The groups, from the words of all tables one after the other.
-    fn read(words: &mut dyn Iterator<Item = u32>) -> Self;
+    fn read(words: &mut Words<'_>) -> Self;
 }
 
 impl<G: ParameterGroup> ParameterGroups for G {
     const TABLES: &'static [&'static [Parameter]] = &[G::TABLE];
 
-    fn read(words: &mut dyn Iterator<Item = u32>) -> Self {
+    fn read(words: &mut Words<'_>) -> Self {
         <G as ParameterGroup>::read(words)
     }
 }
@@ -36,7 +60,7 @@ macro_rules! tuples {
             const TABLES: &'static [&'static [Parameter]] = &[$($group::TABLE),*];
 
             #[allow(unused_variables, clippy::unused_unit)]
-            fn read(words: &mut dyn Iterator<Item = u32>) -> Self {
+            fn read(words: &mut Words<'_>) -> Self {
                 ($(<$group as ParameterGroup>::read(words),)*)
             }
         }
@@ -175,8 +199,10 @@ macro_rules! parameters {
         impl $crate::law::ParameterGroup for $group {
             const TABLE: &'static [$crate::law::Parameter] = &[$($entry),*];
 
-            fn read(words: &mut dyn ::core::iter::Iterator<Item = u32>) -> Self {
-                Self { $($name: $read(words.next().unwrap_or_default())),* }
+            // Never inlined, so that the image holds the code once for all laws with this group.
+            #[inline(never)]
+            fn read(words: &mut $crate::law::Words<'_>) -> Self {
+                Self { $($name: $read(words.next_word())),* }
             }
         }
     };

@@ -10,7 +10,7 @@ use lashloop_protocol::text::{ChoiceName, LawName, ParameterName, SignalName, Un
 use super::control_law::ControlLaw;
 use super::drive_parameters::DriveParameters;
 use super::parameter::{Parameter, Range};
-use super::parameter_group::ParameterGroups;
+use super::parameter_group::{ParameterGroups, Words};
 use super::signal::{Signal, Signals};
 use crate::control::ParameterError;
 
@@ -242,8 +242,7 @@ pub const fn defaults<const N: usize>(table: &[Parameter]) -> [u32; N] {
 /// # Errors
 /// If the parameters, each in its range, don't go together.
 pub fn build<L: ControlLaw>(map: &[u8], words: &[u32], drive: &DriveParameters) -> Result<L, ParameterError> {
-    let mut words = map.iter().filter_map(|index| words.get(usize::from(*index))).copied();
-    L::new(L::Parameters::read(&mut words), drive)
+    L::new(L::Parameters::read(&mut Words::new(words, map)), drive)
 }
 
 /// The error for a law that doesn't exist; the range of `controller` excludes it.

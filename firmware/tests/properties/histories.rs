@@ -120,7 +120,7 @@ fn action() -> impl Strategy<Value = Action> {
 }
 
 fn history() -> impl Strategy<Value = Vec<Action>> {
-    (select(State::ALL), vec(setting(), 0..6), vec(action(), 0..80))
+    (select(State::ALL), vec(prop_oneof![4 => setting(), 1 => subscription()], 0..6), vec(action(), 0..80))
         .prop_map(|(state, parameters, actions)| [way_to(state, parameters), actions].concat())
 }
 
@@ -165,7 +165,7 @@ fn no_history_violates_an_invariant() {
     let missing: Vec<_> = Outcome::ALL.iter().filter(|outcome| !reached.outcomes.contains(outcome)).collect();
     assert!(missing.is_empty(), "no history led to {missing:?}");
     assert!(reached.torques > 10_000, "{} torques", reached.torques);
-    assert!(reached.telemetry > 1_000, "{} messages of telemetry", reached.telemetry);
+    assert!(reached.telemetry > 500, "{} messages of telemetry", reached.telemetry);
     assert!(reached.full > 100, "the output was full {} times", reached.full);
 }
 

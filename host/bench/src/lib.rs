@@ -7,11 +7,12 @@
 //! | [`atomic_file`] | files that are written completely or not at all |
 //! | [`names`] | names in messages, and the one that was probably meant |
 //! | [`timing`] | the timing of steps, and its report |
+//! | [`supervisor`] | child processes and signals |
+//! | [`process_plant`] | a plant in another process |
 //! | [`scenario`] | what is run and what is expected, as data |
 //! | [`link`] | anything that carries bytes, and the link's time |
 //! | [`capture`] | the bytes of a line, recorded and read |
 //! | [`session`] | handshake, commands and exchanges with a drive |
-//! | [`supervisor`] | child processes and signals |
 //! | [`device`] | the drive of a run: how the bench reaches it, and what runs it |
 //! | [`fault`] | faults injected on purpose |
 //! | [`verdict`] | PASS, FAIL or INVALID |
@@ -27,6 +28,7 @@ pub mod device;
 pub mod fault;
 pub mod link;
 pub mod names;
+pub mod process_plant;
 pub mod record;
 pub mod run;
 pub mod scenario;

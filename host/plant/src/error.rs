@@ -1,6 +1,6 @@
 //! Errors of plants and encoders.
 
-use crate::limits::{MAX_EVENTS, MAX_SUBSTEPS};
+use crate::limits::{MAX_EVENTS, MAX_SIGNALS, MAX_SUBSTEPS};
 
 /// A parameter outside its allowed range.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -88,6 +88,20 @@ pub enum PlantError {
         key: &'static str,
         /// The kind of value.
         kind: &'static str,
+    },
+    /// The record does not hold this number of signals.
+    #[error("the plant has {have} signals, at most {limit} are allowed; leave some out", limit = MAX_SIGNALS)]
+    TooManySignals {
+        /// Signals of the plant.
+        have: usize,
+    },
+    /// Two columns of the record would have one name.
+    #[error(
+        "the plant has a signal {name:?}, but a column of the record has this name already; rename the signal"
+    )]
+    SignalName {
+        /// The name.
+        name: String,
     },
     /// The plant failed for a reason of its own, which says what to do. It judges no drive.
     #[error("{0}")]

@@ -1,5 +1,7 @@
 //! The initial condition of a plant, and all that a plant is built from.
 
+use std::path::Path;
+
 use nalgebra::Vector6;
 use serde::Serialize;
 
@@ -47,4 +49,6 @@ pub struct Release<'a> {
     pub start: Start,
     /// Control period in s.
     pub period_s: f64,
+    /// Folder at which relative paths of the values start; empty for the working folder.
+    pub folder: &'a Path,
 }

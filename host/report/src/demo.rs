@@ -5,7 +5,8 @@
 
 use crate::paper::Run;
 use crate::paper::curves::{
-    Curve, DEAD_ZONE_ESTIMATE_RAD, SETTLED_RAD, column, fixed, mark_settling, mark_static_error, of, over_time,
+    Curve, DEAD_ZONE_ESTIMATE_RAD, SETTLED_RAD, column, fixed, mark_settling, mark_static_error, of,
+    over_time,
 };
 use crate::plot::{Axis, Figure, Panel, Role, Series};
 use lashloop_plant::metrics::Metric;
@@ -71,8 +72,12 @@ fn estimate(runs: &DemoRuns) -> Panel {
     let ends_s: Vec<f64> = time_s.first().into_iter().chain(time_s.last()).copied().collect();
     let set = format!("set on the plant: {dead_zone_rad} rad");
     let axis = Axis::new("dead-zone amplitude", "rad");
-    over_time("Dead-zone estimate, after", axis, curves, column(DEAD_ZONE_ESTIMATE_RAD))
-        .series(Series::new(set, Role::Reference, ends_s, vec![*dead_zone_rad; 2]))
+    over_time("Dead-zone estimate, after", axis, curves, column(DEAD_ZONE_ESTIMATE_RAD)).series(Series::new(
+        set,
+        Role::Reference,
+        ends_s,
+        vec![*dead_zone_rad; 2],
+    ))
 }
 
 fn caption(runs: &DemoRuns) -> String {

@@ -35,7 +35,11 @@ pub enum DrawError {
         reason: UnknownName,
     },
     /// Two records have the signal in different units.
-    #[error("{name} is in {} in {record} and in {} in {other_record}; plot them apart", named(unit), named(other))]
+    #[error(
+        "{name} is in {} in {record} and in {} in {other_record}; plot them apart",
+        named(unit),
+        named(other)
+    )]
     Units {
         /// The signal.
         name: String,
@@ -102,7 +106,8 @@ pub fn figure(runs: &[(String, Record)], selection: &Selection) -> Result<Figure
         .panel(position(&runs))
         .panel(of_all(&runs, "Position error", Axis::new("load less reference", "rad"), |run| {
             let load_and_reference = run.column("load_position_rad").zip(run.column("reference_rad"));
-            load_and_reference.map(|(load, reference)| load.iter().zip(reference).map(|(a, b)| a - b).collect())
+            load_and_reference
+                .map(|(load, reference)| load.iter().zip(reference).map(|(a, b)| a - b).collect())
         }))
         .panel(of_all(&runs, "Control torque", Axis::new("torque", "N m"), |run| run.values("torque_nm")));
     if runs.iter().any(|run| run.column(TWIST_RAD).is_some()) {
@@ -228,7 +233,11 @@ fn signal(runs: &[Run<'_>], name: &str) -> Result<Panel, DrawError> {
     let Some((first, unit)) = units.next() else {
         let known = runs.iter().flat_map(|run| run.shown.signals()).map(|signal| &*signal.name);
         let mut names = Vec::new();
-        known.for_each(|name| if !names.contains(&name) { names.push(name) });
+        known.for_each(|name| {
+            if !names.contains(&name) {
+                names.push(name)
+            }
+        });
         let reason = UnknownName::new("the record", "signal", name, names);
         return Err(DrawError::Signal { name: name.to_owned(), reason });
     };

@@ -66,7 +66,7 @@ pub fn run_all(
 /// `None` if the run was stopped.
 fn run_one(case: &Case, stop: &Stop<'_>) -> Result<Option<CaseResult>, CampaignError> {
     let failed = |source: RunError| CampaignError::Run { case: case.id, source: Box::new(source) };
-    let device = Device::open(&InProcessDrive.into(), case.scenario.link.baud, stop.supervisor)
+    let device = Device::open(&<InProcessDrive>::default().into(), case.scenario.link.baud, stop.supervisor)
         .map_err(|source| failed(source.into()))?;
     let mut device = device.into();
     let mut watcher = stop;

@@ -92,9 +92,10 @@ fn list(session: &Session, in_force: &ParameterSet) {
     let names: Vec<_> = session.laws.iter().map(|law| &*law.name).collect();
     outln!("\nlaws: {}", names.join(", "));
     outln!("");
-    let rows = session.signals.iter().map(|it| {
-        [it.signal.name.to_string(), it.signal.unit.to_string(), laws(it.laws)]
-    });
+    let rows = session
+        .signals
+        .iter()
+        .map(|it| [it.signal.name.to_string(), it.signal.unit.to_string(), laws(it.laws)]);
     let header = ["signal", "unit", "laws"].map(str::to_owned);
     print_table([header].into_iter().chain(rows).collect(), &[]);
 }

@@ -5,7 +5,7 @@ use std::fs;
 use lashloop_bench::capture::pcapng;
 use lashloop_protocol::layout::Direction;
 
-use crate::support::{example_frames, lashloop, short_run, text};
+use crate::support::{example_frame, example_frames, lashloop, short_run, subscribed_frames, text};
 
 fn decode(arguments: &[&str], input: &[u8]) -> String {
     let output = lashloop(&[&["decode"], arguments].concat(), input);
@@ -25,6 +25,13 @@ fn every_pinned_message_is_a_line_of_json() {
         serde_json::from_str::<serde_json::Value>(line).unwrap();
     }
     insta::assert_snapshot!(lines);
+}
+
+#[test]
+fn telemetry_has_the_names_of_the_subscribed_signals() {
+    let stream = subscribed_frames().concat();
+    insta::assert_snapshot!(decode(&["-"], &stream));
+    insta::assert_snapshot!(decode(&["-", "--json"], &stream));
 }
 
 #[test]
@@ -53,11 +60,11 @@ fn unknown_kind() -> Vec<u8> {
 #[test]
 fn a_capture_is_known_by_its_magic_from_a_file_and_from_a_pipe() {
     let mut capture = pcapng::file_header();
-    let frames = example_frames();
+    let [sample, torque] = ["EncoderSample", "TorqueAnswer"].map(example_frame);
     pcapng::append_packet(&mut capture, 1_000_000_000, Direction::HostToDrive, &[0]);
-    pcapng::append_packet(&mut capture, 1_000_000_250, Direction::HostToDrive, &frames[10]);
-    pcapng::append_packet(&mut capture, 3_000_000_000, Direction::DriveToHost, &frames[15][..7]);
-    pcapng::append_packet(&mut capture, 3_000_000_001, Direction::DriveToHost, &frames[15]);
+    pcapng::append_packet(&mut capture, 1_000_000_250, Direction::HostToDrive, &sample);
+    pcapng::append_packet(&mut capture, 3_000_000_000, Direction::DriveToHost, &torque[..7]);
+    pcapng::append_packet(&mut capture, 3_000_000_001, Direction::DriveToHost, &torque);
     let table = decode(&["-"], &capture);
     insta::assert_snapshot!(table);
     let folder = tempfile::tempdir().unwrap();

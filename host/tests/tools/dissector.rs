@@ -13,7 +13,7 @@ use lashloop_protocol::field_value::{FieldValue, SetFlags};
 use lashloop_protocol::layout::{Direction, FieldType};
 use tempfile::TempDir;
 
-use crate::support::{example_frames, root, short_run, tshark};
+use crate::support::{example_frame, example_frames, root, short_run, subscribed_frames, tshark};
 
 const INFO_ALONE: [&str; 2] = ["-o", "gui.column.format:\"Info\",\"%i\""];
 
@@ -34,7 +34,8 @@ fn capture(frames: &[Vec<u8>]) -> (TempDir, PathBuf) {
 
 /// The dissector's layer of every packet.
 fn layers(capture: &std::path::Path) -> Option<Vec<serde_json::Value>> {
-    let packets: Vec<serde_json::Value> = serde_json::from_str(&tshark(capture, &["-T", "json"])?).unwrap();
+    let json = tshark(capture, &["-T", "json", "--no-duplicate-keys"])?;
+    let packets: Vec<serde_json::Value> = serde_json::from_str(&json).unwrap();
     Some(packets.into_iter().map(|mut packet| packet["_source"]["layers"]["lashloop"].take()).collect())
 }
 
@@ -93,8 +94,10 @@ fn every_field_of_every_pinned_message_is_read_as_we_read_it() {
                 FieldValue::Signed(value) => assert_eq!(shown(name), value.to_string(), "{name}"),
                 FieldValue::Real(value) => assert_eq!(shown(name).parse(), Ok(value), "{name}"),
                 FieldValue::Reals(values) => {
-                    // Of fields with one name, the dictionary holds the last; all are in the info column.
-                    assert_eq!(shown(name).parse().ok(), values.as_slice().last().copied(), "{name}");
+                    let shown = layer[format!("lashloop.{name}")].as_array().expect("several values");
+                    let shown: Vec<f32> =
+                        shown.iter().map(|it| it.as_str().unwrap().parse().unwrap()).collect();
+                    assert_eq!(shown, values.as_slice(), "{name}");
                 }
                 FieldValue::Name(value) => {
                     let FieldType::Enum(names) = layout.ty else { panic!("{name} is no list of names") };
@@ -155,8 +158,18 @@ fn the_info_column_says_what_one_wants_to_know() {
 }
 
 #[test]
+fn telemetry_has_the_names_of_the_subscribed_signals() {
+    let (_folder, path) = capture(&subscribed_frames());
+    let Some(info) = tshark(&path, &INFO_ALONE) else { return };
+    insta::assert_snapshot!(info);
+    // Two passes: packets are shown again, out of order with those that name their signals.
+    let two_passes = tshark(&path, &[&["-2"], &INFO_ALONE[..]].concat());
+    assert_eq!(two_passes.as_deref(), Some(info.as_str()));
+}
+
+#[test]
 fn bad_frames_are_marked_and_the_next_one_is_good() {
-    let torque = example_frames()[15].clone();
+    let torque = example_frame("TorqueAnswer");
     let mut flipped = torque.clone();
     flipped[6] ^= 1;
     let frames = [vec![0], flipped, vec![9, 9, 0], vec![2, 5, 0], vec![7; 80], torque];

@@ -5,7 +5,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::{env, fs};
 
-use lashloop_protocol::Message;
+use lashloop::decode::message::AnyMessage;
+use lashloop_protocol::enums::{Outcome, State};
+use lashloop_protocol::message::{CommandResult, Subscribe};
+use lashloop_protocol::wire::Payload;
+use lashloop_protocol::{DriveMessage, Message};
 use tempfile::TempDir;
 
 use crate::examples;
@@ -35,6 +39,21 @@ pub fn example_frames() -> Vec<Vec<u8>> {
     let from_host = examples::from_host().into_iter().map(|message| message.frame().to_vec());
     let from_drive = examples::from_drive().into_iter().map(|message| message.frame().to_vec());
     from_host.chain(from_drive).collect()
+}
+
+/// The frame of the pinned message of this name.
+pub fn example_frame(name: &str) -> Vec<u8> {
+    let at = AnyMessage::LAYOUTS.iter().position(|layout| layout.name == name);
+    example_frames().swap_remove(at.unwrap_or_else(|| panic!("no message {name}")))
+}
+
+/// The pinned subscription, accepted, with the description of one of its signals before it and its telemetry after it.
+pub fn subscribed_frames() -> Vec<Vec<u8>> {
+    let (request, outcome, state) = (Subscribe::LAYOUT.kind, Outcome::Accepted, State::Idle);
+    let accepted = DriveMessage::from(CommandResult { request, outcome, state }).frame().to_vec();
+    let [description, subscribe, telemetry] =
+        ["SignalDescription", "Subscribe", "Telemetry"].map(example_frame);
+    vec![description, subscribe, accepted, telemetry]
 }
 
 pub struct Run {

@@ -153,7 +153,7 @@ fn run_with(fault: &str, duration_s: f64, seed: u32) -> Run {
         Box::new(Tap { link, traffic: Arc::clone(traffic) }) as Box<dyn Link>
     };
     let around = |link| tap(faults.wrap(tap(link, &at_drive), &scenario), &at_bench);
-    let device = Device::open_through(&InProcessDrive.into(), 0, &supervisor, around);
+    let device = Device::open_through(&<InProcessDrive>::default().into(), 0, &supervisor, around);
     let device = device.expect("a drive in process");
     let mut device = run::DeviceUnderTest { device, link_faults: Some(faults.clone()) };
     let mut rows = Rows::default();

@@ -4,8 +4,13 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use lashloop_firmware::Laws;
+use lashloop_firmware::law::LawSet;
 use lashloop_protocol::enums::ParameterValue;
-use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Hello, SetParameter, Start, Stop};
+use lashloop_protocol::message::{
+    Arm, ClearFault, EmergencyStop, Hello, SetParameter, Start, Stop, Subscribe,
+};
+use lashloop_protocol::parameter_names::CONTROLLER;
 use lashloop_protocol::{HostMessage, Message, PROTOCOL_VERSION};
 
 #[allow(dead_code, reason = "the tests of the protocol use more of it")]
@@ -78,15 +83,19 @@ fn drive_seeds() -> Vec<Seed> {
     let hello = request(&Hello { protocol_version: PROTOCOL_VERSION, session: 7 }.into());
     let go =
         [hello.clone(), request(&Arm { session: 7 }.into()), request(&Start { session: 7 }.into())].concat();
+    let controller = Laws::PARAMETERS.iter().position(|parameter| parameter.name == CONTROLLER);
+    let index = controller.expect("a drive with several laws has this parameter") as u8;
     let run = |law: u32| {
-        let law = request(&SetParameter { index: 0, value: ParameterValue::U32(law) }.into());
+        let law = request(&SetParameter { index, value: ParameterValue::U32(law) }.into());
         let samples: Vec<u8> = (0..12_i16).flat_map(|k| sample(40 * k - 200, 10 * k, 0.5)).collect();
-        [hello.clone(), law, go.clone(), samples, DRAIN.to_vec(), request(&Stop {}.into())].concat()
+        let subscribe = request(&Subscribe { signals: 0b1_1111, every: 3 }.into());
+        [hello.clone(), law, subscribe, go.clone(), samples, DRAIN.to_vec(), request(&Stop {}.into())]
+            .concat()
     };
     let mut seeds: Vec<Seed> =
         examples::from_host().iter().map(|m| seed(&name_of(m), &[hello.clone(), request(m)])).collect();
-    for (name, law) in [("run_pd", 1), ("run_merzouki", 2), ("run_merzouki_as_printed", 3)] {
-        seeds.push(seed(name, &[run(law)]));
+    for (law, name) in (0..).zip(Laws::NAMES) {
+        seeds.push(seed(&format!("run_{}", name.replace('-', "_")), &[run(law)]));
     }
     let emergency =
         [request(&EmergencyStop {}.into()), sample(1, 1, 0.0), request(&ClearFault {}.into()), go.clone()];

@@ -57,13 +57,20 @@ pub struct Summary {
 }
 
 fn with_reasons<S: Serializer>(metrics: &Metrics, serializer: S) -> Result<S::Ok, S::Error> {
-    let reason = |(metric, measured): (Metric, Measured)| Some((metric.name(), measured.reason()?));
-    let reasons: serde_json::Map<_, _> =
-        metrics.iter().filter_map(reason).map(|(name, reason)| (name.to_owned(), reason.into())).collect();
     let mut keys = serializer.serialize_map(None)?;
     keys.serialize_entry("metrics", metrics)?;
-    keys.serialize_entry("metrics_without_value", &reasons)?;
+    keys.serialize_entry("metrics_without_value", &Reasons(metrics))?;
     keys.end()
+}
+
+/// Why metrics have no value, by name.
+struct Reasons<'a>(&'a Metrics);
+
+impl Serialize for Reasons<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let reason = |(metric, measured): (Metric, Measured)| Some((metric.name(), measured.reason()?));
+        serializer.collect_map(self.0.iter().filter_map(reason))
+    }
 }
 
 /// Versions of everything that can change the result.
@@ -222,12 +229,19 @@ mod tests {
             "settle_time_5pct_s": null,
             "settle_time_2pct_s": null,
             "settle_time_1pct_s": null,
+            "settle_after_move_s": null,
+            "rise_time_s": null,
             "static_error_rad": 0.375,
             "hunting_rad": null,
             "overshoot_rad": 0.0,
+            "rms_tracking_error_rad": 0.6846531968814576,
+            "peak_tracking_error_rad": 1.0,
+            "steady_velocity_error_rad": null,
             "lost_motion_rad": null,
             "effort_nm2s": 4.5,
             "torque_total_variation_nm": 0.0,
+            "rms_torque_nm": 1.5,
+            "peak_torque_nm": 1.5,
             "dead_zone_estimate_rad": 0.16,
             "dead_zone_error_rad": 0.035,
             "dead_zone_settle_time_s": null,
@@ -236,10 +250,25 @@ mod tests {
             "disturbing_torque_rms_error_nm": 0.0,
             "disturbing_torque_bias_nm": 0.0
           },
+          "metrics_without_value": {
+            "settle_time_s": "never",
+            "settle_time_5pct_s": "never",
+            "settle_time_2pct_s": "never",
+            "settle_time_1pct_s": "never",
+            "settle_after_move_s": "no move",
+            "rise_time_s": "no end of motion",
+            "hunting_rad": "run too short",
+            "steady_velocity_error_rad": "no steady velocity",
+            "lost_motion_rad": "no reversal",
+            "dead_zone_settle_time_s": "never",
+            "dead_zone_bias_rad": "run too short",
+            "dead_zone_largest_error_rad": "never"
+          },
           "expectations": [
             {
               "metric": "settle_time_s",
               "value": null,
+              "reason": "never",
               "unit": "s",
               "min": null,
               "max": 2.0,

@@ -66,6 +66,7 @@ impl<'a> DriveSettings<'a> {
         if !errors.is_empty() {
             return Err(errors.into());
         }
+        scenario.check_drive(|name| default_of(session, law, name))?;
         // A drive with one law may lack the choice of a law.
         let is_optional =
             |name| name == CONTROLLER && session.laws.len() == 1 && session.parameter(name).is_none();
@@ -89,6 +90,14 @@ fn from_sections(scenario: &Scenario, law: &Law) -> [(&'static str, &'static str
         (MOTOR_COUNTS_PER_REV, "encoders.motor_counts_per_rev", encoders.motor_counts_per_rev.into()),
         (LOAD_COUNTS_PER_REV, "encoders.load_counts_per_rev", encoders.load_counts_per_rev.into()),
     ]
+}
+
+/// Default of a parameter that the law has, if it is a real number.
+fn default_of(session: &Session, law: &Law, name: &str) -> Option<f64> {
+    match session.parameter(name).filter(|parameter| parameter.laws.contains(law.index))?.default {
+        ParameterValue::F32(default) => Some(default.into()),
+        ParameterValue::U32(_) => None,
+    }
 }
 
 /// The law that the scenario names.
@@ -175,11 +184,11 @@ fn chosen(
                 UnknownName::new("the drive", "signal", name, known).to_string()
             }
             Some(signal) if !signal.laws.contains(law.index) => {
-                format!("belongs to {}, and this run uses {}", signal.laws.names(&session.laws), law.name)
+                format!("it belongs to {}, and this run uses {}", signal.laws.names(&session.laws), law.name)
             }
-            Some(signal) if signals.contains(signal) => "is given twice".to_owned(),
+            Some(signal) if signals.contains(signal) => "it is given twice".to_owned(),
             Some(_) if signals.len() == MAX_TELEMETRY_VALUES => {
-                format!("is one too many; a telemetry has {MAX_TELEMETRY_VALUES} signals at most")
+                format!("it is one too many; a telemetry has {MAX_TELEMETRY_VALUES} signals at most")
             }
             Some(signal) => {
                 signals.push(signal.clone());
@@ -204,3 +213,6 @@ pub(super) fn written(value: &controller::ParameterValue) -> WrittenValue<'_> {
         controller::ParameterValue::Text(text) => WrittenValue::Name(text),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -6,6 +6,7 @@ pub(super) use measurable::unmeasurable;
 
 use serde::Serialize;
 
+use super::key::Choice;
 use super::key_error::KeyError;
 use super::origin::Origin;
 use super::range::{NumberRange, positive};
@@ -54,18 +55,17 @@ impl PartialEq for Places {
 }
 
 impl Expectation {
+    /// Bounds on a quantity over the whole run or a window of it. `unit` is that of the quantity.
+    #[must_use]
+    pub fn new(query: Query, unit: &str, min: Option<f64>, max: Option<f64>) -> Self {
+        let Query { quantity, window } = query;
+        Self { quantity, unit: unit.to_owned(), min, max, window, note: None, places: Places::default() }
+    }
+
     /// Bounds on a metric over the whole run.
     #[must_use]
     pub fn of_metric(metric: Metric, min: Option<f64>, max: Option<f64>) -> Self {
-        Self {
-            quantity: Quantity::Metric(metric),
-            unit: metric.unit().to_owned(),
-            min,
-            max,
-            window: None,
-            note: None,
-            places: Places::default(),
-        }
+        Self::new(metric.into(), metric.unit(), min, max)
     }
 
     /// What the run has to measure.
@@ -84,8 +84,8 @@ pub(super) fn read(expect: &mut Section<'_>) -> Expectation {
         _ => "",
     };
     let bound = NumberRange::from(-1e9..=1e9);
-    let min = expect.optional_number("min", unit_of_bounds, bound);
-    let max = expect.optional_number("max", unit_of_bounds, bound);
+    let min = expect.doc("Smallest value that passes.").optional_number("min", unit_of_bounds, bound);
+    let max = expect.doc("Largest value that passes.").optional_number("max", unit_of_bounds, bound);
     match (min, max) {
         (None, None) => expect.reject_section("gives neither min nor max; it must give at least one"),
         (Some(min), Some(max)) if min > max && expect.is_option("max") => {
@@ -97,7 +97,7 @@ pub(super) fn read(expect: &mut Section<'_>) -> Expectation {
         _ => {}
     }
     let window = read_window(expect);
-    let note = expect.text("note", None).map(str::to_owned);
+    let note = expect.doc("Source of the bounds.").text("note", None).map(str::to_owned);
     let origin = |key| expect.node(key).map(|node| node.origin.clone());
     let places = Places {
         quantity: origin("metric").or_else(|| origin("signal")),
@@ -112,10 +112,20 @@ pub(super) fn read(expect: &mut Section<'_>) -> Expectation {
 /// The metric, or the signal and its statistic; `None` if they are faulty.
 fn read_quantity(expect: &mut Section<'_>) -> Option<Quantity> {
     let metrics = Metric::ALL.map(|metric| (metric.name(), Some(metric)));
-    let metric = expect.choice("metric", Some(None), &metrics).flatten();
-    let signal = expect.text("signal", None);
+    let metric = expect
+        .doc("Metric to judge; [metrics.md](metrics.md) defines each.")
+        .choice("metric", Some(None), &metrics)
+        .flatten();
+    let signal = expect
+        .doc("Signal to judge instead of a metric: a fixed column of the trace, a signal of the plant, or `drive.NAME`.")
+        .text("signal", None);
     let statistics = Statistic::ALL.map(|statistic| (statistic.name(), Some(statistic)));
-    let statistic = expect.choice("statistic", Some(None), &statistics).flatten();
+    let docs = Statistic::ALL.map(|it| Choice { name: it.name(), doc: it.meaning() });
+    let statistic = expect
+        .doc("Statistic of the signal's values v in the window.")
+        .choice_docs(docs.to_vec())
+        .choice("statistic", Some(None), &statistics)
+        .flatten();
     let is_given = |key| expect.node(key).is_some();
     match [is_given("metric"), is_given("signal"), is_given("statistic")] {
         [true, false, false] => return metric.map(Quantity::Metric),
@@ -148,6 +158,7 @@ fn read_quantity(expect: &mut Section<'_>) -> Option<Quantity> {
 /// A bound in milliradians on a metric in radians would pass everything, so the unit is required and checked: here, if it is
 /// known; a plant's or a drive's signal is checked before the run.
 fn read_unit(expect: &mut Section<'_>, quantity: Option<&Quantity>) -> String {
+    expect.doc("Unit of the metric or of the signal; it is checked.");
     let (name, unit) = match quantity {
         Some(Quantity::Metric(metric)) => (metric.name(), metric.unit()),
         Some(Quantity::Statistic { signal, .. }) => {
@@ -177,8 +188,14 @@ fn wrong_unit(name: &str, unit: &str) -> String {
 
 /// The part of the run that is judged. Ends within the run are checked once all of the scenario is known.
 fn read_window(expect: &mut Section<'_>) -> Option<Window> {
-    let from_s = expect.optional_number("from_s", "s", 0.0..=1e5);
-    let to_s = expect.optional_number("to_s", "s", positive(1e5));
+    let from_s = expect
+        .doc("Start of the window that is judged, in time of the run; the start of the run if absent.")
+        .optional_number("from_s", "s", 0.0..=1e5);
+    let to_s = expect.doc("End of the window that is judged; the end of the run if absent.").optional_number(
+        "to_s",
+        "s",
+        positive(1e5),
+    );
     if let (Some(from), Some(to)) = (from_s, to_s)
         && from >= to
     {

@@ -221,7 +221,7 @@ fn read(root: &mut Section<'_>, name: &str, directory: &Path, plants: &Plants) -
     let run = root.doc("Duration, control period and seed.").section("run", sections::read_run);
     let plant = root
         .doc("The mechanics: load, motor, and what is between them.")
-        .section("plant", |section| plant::read(section, plants));
+        .section("plant", |section| plant::read(section, plants, directory));
     let encoders =
         root.doc("Resolution and noise of the encoders.").section("encoders", EncoderSettings::read);
     let controller =

@@ -4,6 +4,7 @@
 //! model has is declared here: `model`, `[plant.initial]`, and the environment of a model that takes one.
 
 use std::f64::consts::FRAC_PI_2;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use lashloop_plant::{Plant, PlantError, PlantModel, PlantValue, PlantValues, Plants, Release, Start};
@@ -14,6 +15,7 @@ use super::environment::{self, EnvironmentSettings};
 use super::key::Choice;
 use super::plant_keys;
 use super::reader::Section;
+use crate::process_plant;
 
 /// The plant of a scenario.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -29,6 +31,9 @@ pub struct PlantSettings {
     pub environment: Option<EnvironmentSettings>,
     /// `[plant.initial]`: positions and velocities at time 0, -1e4 to 1e4.
     pub initial: Start,
+    /// Folder of the scenario, at which relative paths start.
+    #[serde(skip)]
+    pub folder: PathBuf,
 }
 
 fn as_name<S: Serializer>(model: &PlantModel, serializer: S) -> Result<S::Ok, S::Error> {
@@ -63,15 +68,15 @@ impl PlantSettings {
 
     /// What a plant of this model is built from with other values.
     #[must_use]
-    pub fn with<'a>(&self, values: &'a PlantValues, period_s: f64) -> Release<'a> {
-        Release { values, start: self.initial, period_s }
+    pub fn with<'a>(&'a self, values: &'a PlantValues, period_s: f64) -> Release<'a> {
+        Release { values, start: self.initial, period_s, folder: &self.folder }
     }
 }
 
 /// The models of a scenario that is read without a registry of its own.
 #[must_use]
 pub fn standard() -> Plants {
-    Plants::standard()
+    Plants::standard().with(process_plant::model(None))
 }
 
 /// Symbols of the paper, so that messages can name the key for a symbol.
@@ -85,7 +90,8 @@ const SYMBOLS: &[(&str, &str)] = &[
     ("f_m", "motor_friction_nm_s_rad"),
 ];
 
-pub(super) fn read(plant: &mut Section<'_>, plants: &Plants) -> PlantSettings {
+pub(super) fn read(plant: &mut Section<'_>, plants: &Plants, folder: &Path) -> PlantSettings {
+    let folder = folder.to_owned();
     plant.symbols(SYMBOLS);
     let names: Vec<_> = plants.iter().map(|model| (model.name(), model)).collect();
     let docs = plants.iter().map(|model| Choice { name: model.name(), doc: model.summary() }).collect();
@@ -95,7 +101,8 @@ pub(super) fn read(plant: &mut Section<'_>, plants: &Plants) -> PlantSettings {
         let stand_in = Arc::new(smooth::model());
         let values = plant_keys::read(plant, stand_in.keys());
         plant.accept_the_rest();
-        return PlantSettings { model: stand_in, values, environment: None, initial: read_initial(plant) };
+        let initial = read_initial(plant);
+        return PlantSettings { model: stand_in, values, environment: None, initial, folder };
     };
     let values = plant_keys::read(plant, model.keys());
     let environment = model.changes().environment.then(|| environment::read(plant));
@@ -108,7 +115,7 @@ pub(super) fn read(plant: &mut Section<'_>, plants: &Plants) -> PlantSettings {
             }
         });
     }
-    PlantSettings { model: Arc::clone(model), values, environment, initial: read_initial(plant) }
+    PlantSettings { model: Arc::clone(model), values, environment, initial: read_initial(plant), folder }
 }
 
 /// The default is the paper's start at rest.

@@ -128,7 +128,7 @@ pub enum SetError {
         range: String,
     },
     /// A text for a parameter without choices.
-    #[error("is a text; the drive takes {range}")]
+    #[error("it is a text; the drive takes {range}")]
     NotANumber {
         /// The allowed values as text.
         range: String,
@@ -185,7 +185,7 @@ mod tests {
     fn a_parameter_without_choices_takes_no_name() {
         let plain = Parameter { choices: Vec::new(), unit: "rad".to_owned(), ..source() };
         let error = plain.value("model".into()).expect_err("a text").to_string();
-        assert_eq!(error, "is a text; the drive takes a whole number, 0 to 1 rad");
+        assert_eq!(error, "it is a text; the drive takes a whole number, 0 to 1 rad");
         assert!(matches!(plain.value(0.5.into()), Err(SetError::OutOfRange { .. })));
     }
 }

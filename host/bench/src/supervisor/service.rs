@@ -1,7 +1,7 @@
 //! The thread that starts children and receives signals.
 
 use std::io::{PipeReader, PipeWriter};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, mpsc};
@@ -33,7 +33,7 @@ impl Signals {
 
 /// Starts child processes and receives signals, on a thread with a tokio runtime. The thread ends with it.
 pub struct Supervisor {
-    /// The `lashloop` program.
+    /// The `lashloop` program; empty if there is none that children could be tied to.
     pub bench: PathBuf,
     orders: channel::UnboundedSender<Order>,
     signals: Arc<Signals>,
@@ -62,15 +62,31 @@ impl Supervisor {
     /// # Errors
     /// The system refused a thread, a runtime or the signal handlers.
     pub fn start(bench: PathBuf) -> io::Result<Self> {
+        Self::start_thread(bench, true)
+    }
+
+    /// Starts the thread for the children of one part of a program that handles signals itself. Without a `bench`, children
+    /// are not tied: a killed program leaves them to end by themselves once their standard input ends.
+    ///
+    /// # Errors
+    /// The system refused a thread or a runtime.
+    pub fn without_signals(bench: Option<PathBuf>) -> io::Result<Self> {
+        Self::start_thread(bench.unwrap_or_default(), false)
+    }
+
+    fn start_thread(bench: PathBuf, handles_signals: bool) -> io::Result<Self> {
         let signals = Arc::new(Signals::default());
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
         let (orders, inbox) = channel::unbounded_channel();
-        let [interrupt, terminate] = {
+        let sources = if handles_signals {
             let _inside = runtime.enter();
-            [signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?]
+            vec![signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?]
+        } else {
+            Vec::new()
         };
-        let work = supervise(inbox, Arc::clone(&signals), interrupt, terminate);
-        thread::Builder::new().name("supervisor".to_owned()).spawn(move || runtime.block_on(work))?;
+        let shared = Arc::clone(&signals);
+        let work = move || runtime.block_on(supervise(inbox, shared, sources));
+        thread::Builder::new().name("supervisor".to_owned()).spawn(work)?;
         Ok(Self { bench, orders, signals })
     }
 
@@ -105,8 +121,23 @@ impl Supervisor {
     /// # Errors
     /// The command can't be started.
     pub fn spawn_piped(&self, program: &Program) -> io::Result<(Process, PipeWriter, PipeReader)> {
+        self.spawn_piped_in(Path::new(""), program)
+    }
+
+    /// As [`Self::spawn_piped`], in a working folder; an empty path is that of the bench.
+    ///
+    /// # Errors
+    /// The command can't be started.
+    pub fn spawn_piped_in(
+        &self,
+        folder: &Path,
+        program: &Program,
+    ) -> io::Result<(Process, PipeWriter, PipeReader)> {
         let ((stdin, to_child), (from_child, stdout)) = (io::pipe()?, io::pipe()?);
         let mut command = self.command(program, Author::User);
+        if !folder.as_os_str().is_empty() {
+            command.current_dir(folder);
+        }
         command.stdin(stdin).stdout(stdout);
         Ok((self.order(command, program.name, Author::User)?, to_child, from_child))
     }
@@ -123,7 +154,12 @@ impl Supervisor {
 
     fn command(&self, program: &Program, author: Author) -> Command {
         use std::os::unix::process::CommandExt;
-        let mut command = Command::new(&self.bench);
+        let is_tied = !self.bench.as_os_str().is_empty();
+        let mut command = Command::new(if is_tied { self.bench.as_os_str() } else { &program.program });
+        if !is_tied {
+            command.args(&program.arguments).stderr(Stdio::piped()).process_group(0);
+            return command;
+        }
         command.arg("tied");
         if author == Author::User {
             command.arg("--guard").arg(std::process::id().to_string());
@@ -147,19 +183,17 @@ impl Supervisor {
 async fn supervise(
     mut orders: channel::UnboundedReceiver<Order>,
     shared: Arc<Signals>,
-    mut interrupt: Signal,
-    mut terminate: Signal,
+    sources: Vec<Signal>,
 ) {
-    loop {
-        tokio::select! {
-            _ = interrupt.recv() => shared.arrived(),
-            _ = terminate.recv() => shared.arrived(),
-            order = orders.recv() => match order {
-                Some(Order { command, name, author, reply }) => {
-                    let _ = reply.send(Process::start(command, name, author));
-                }
-                None => return,
-            },
-        }
+    for mut source in sources {
+        let shared = Arc::clone(&shared);
+        tokio::spawn(async move {
+            while source.recv().await.is_some() {
+                shared.arrived();
+            }
+        });
+    }
+    while let Some(Order { command, name, author, reply }) = orders.recv().await {
+        let _ = reply.send(Process::start(command, name, author));
     }
 }

@@ -6,7 +6,9 @@ use super::{Exit, Judgement, LinkCounts, Verdict};
 use crate::scenario::expectation::Expectation;
 use crate::scenario::sections::Allowance;
 use crate::timing::{ClockName, RoundTrip, StepOutcome, StepTiming, TimingReport, Timings};
-use lashloop_plant::metrics::{Measurement, Metric, Metrics, Plan, Quantity, Sample, SignalTable, Statistic, Window};
+use lashloop_plant::metrics::{
+    Measurement, Metric, Metrics, Plan, Quantity, Query, Sample, SignalTable, Statistic, Window,
+};
 
 fn metrics(load_position_rad: f64) -> Metrics {
     let mut measurement = Measurement::new(0.001, &SignalTable::default());
@@ -87,23 +89,25 @@ fn one_missed_expectation_of_many_fails_the_run() {
 #[test]
 fn signals_and_windows_are_judged_like_metrics() {
     let window = Some(Window { from_s: 0.25, to_s: Some(0.5) });
-    let peak = expect(Metric::PeakTorque, None, Some(0.6));
-    let statistic = |signal: &str, statistic| Expectation {
-        quantity: Quantity::Statistic { signal: signal.to_owned(), statistic },
-        unit: "N m".to_owned(),
-        ..peak.clone()
-    };
+    let at_most = |query: Query| Expectation::new(query, "N m", None, Some(0.6));
+    let statistic = |signal: &str, statistic| Quantity::Statistic { signal: signal.to_owned(), statistic };
     let expectations = [
-        peak.clone(),
-        Expectation { window, ..peak.clone() },
-        statistic("torque_nm", Statistic::Mean),
-        Expectation { window, ..statistic("torque_nm", Statistic::Min) },
-        statistic("drive.load_error_rad", Statistic::Max),
+        at_most(Query { quantity: Quantity::Metric(Metric::PeakTorque), window: None }),
+        at_most(Query { quantity: Quantity::Metric(Metric::PeakTorque), window }),
+        at_most(Query { quantity: statistic("torque_nm", Statistic::Mean), window: None }),
+        at_most(Query { quantity: statistic("torque_nm", Statistic::Min), window }),
+        at_most(Query { quantity: statistic("drive.load_error_rad", Statistic::Max), window: None }),
     ];
     let judgement = judge(&expectations, &rising_torque(&expectations));
     assert_eq!(judgement.verdict, Verdict::Fail);
     let lines: Vec<_> = judgement.expectations.iter().map(ToString::to_string).collect();
-    insta::assert_snapshot!(lines.join("\n"), @"");
+    insta::assert_snapshot!(lines.join("\n"), @r#"
+    peak_torque_nm: 0.999 N m; misses at most 0.6 N m
+    peak_torque_nm, 0.25 s to 0.5 s: 0.499 N m; meets at most 0.6 N m
+    mean of torque_nm: 0.4995 N m; meets at most 0.6 N m
+    min of torque_nm, 0.25 s to 0.5 s: 0.25 N m; meets at most 0.6 N m
+    max of drive.load_error_rad: unknown signal; misses at most 0.6 N m
+    "#);
     let unasked = judge(&expectations[1..2], &rising_torque(&[]));
     assert_eq!(unasked.verdict, Verdict::Fail, "an expectation that nobody measured can't pass");
 }

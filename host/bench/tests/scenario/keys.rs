@@ -11,6 +11,9 @@ use serde_json::Value;
 use crate::messages::CHANGES;
 use crate::{SHORTEST, read};
 
+/// Writes both documents.
+const WRITE: &str = "cargo run -p lashloop-bench --example scenario_documents";
+
 fn document(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs").join(name);
     fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
@@ -29,15 +32,13 @@ fn json(text: &str) -> Option<Value> {
 #[test]
 fn the_page_lists_the_keys_of_the_reader() {
     let have = document("scenarios.md");
-    let command = "cargo run -p lashloop -- show --keys > docs/scenarios.md";
-    assert!(have == Scenario::keys().to_markdown(), "docs/scenarios.md is stale: {command}");
+    assert!(have == Scenario::keys().to_markdown(), "docs/scenarios.md is stale: {WRITE}");
 }
 
 #[test]
 fn the_schema_lists_the_keys_of_the_reader() {
     let have: Value = serde_json::from_str(&document("scenario.schema.json")).expect("JSON");
-    let command = "cargo run -p lashloop -- show --schema > docs/scenario.schema.json";
-    assert!(have == Scenario::keys().to_json_schema(), "docs/scenario.schema.json is stale: {command}");
+    assert!(have == Scenario::keys().to_json_schema(), "docs/scenario.schema.json is stale: {WRITE}");
 }
 
 #[test]

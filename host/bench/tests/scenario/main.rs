@@ -1,6 +1,7 @@
 //! Scenarios as a user meets them: valid files, and the messages for invalid ones.
 
 mod backlash_shaft;
+mod expectation;
 mod fault;
 mod file;
 mod hostile;
@@ -29,6 +30,17 @@ position_rad = 0.0
 /// Reads a text as the file `x.toml`.
 fn read(text: &str, overrides: &[Override]) -> Result<Scenario, String> {
     Scenario::from_str("x.toml", text, overrides).map_err(|errors| errors.to_string())
+}
+
+/// A scenario that was printed, read again with the places of the first one.
+fn printed_and_read(scenario: &Scenario) -> Scenario {
+    let printed = scenario.to_toml().expect("TOML");
+    let mut again = read(&printed, &[]).unwrap_or_else(|errors| panic!("{errors}\n{printed}"));
+    again.controller.origin = scenario.controller.origin.clone();
+    for (setting, before) in again.controller.parameters.iter_mut().zip(&scenario.controller.parameters) {
+        setting.origin = before.origin.clone();
+    }
+    again
 }
 
 /// `--set` with each of these.

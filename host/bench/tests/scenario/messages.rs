@@ -46,7 +46,7 @@ pub const CHANGES: &[(&str, &str)] = &[
     ("[controller]", "[telemetry]\nevery_steps = 65536\n[controller]"),
     // Not a choice.
     ("model = \"smooth\"", "model = \"smoth\""),
-    ("name = \"pd\"", "name = \"PD\""),
+    ("name = \"pd\"", "name = 5"),
     ("profile = \"constant\"", "profile = \"ramp\""),
     // Unknown, and in a wrong unit.
     ("[run]", "[runn]"),
@@ -112,13 +112,13 @@ fn all_errors_of_a_file_are_reported_in_its_order() {
         .replace("[run]", "[[expect]]\nmetric = \"overshoot_rad\"\nunit = \"rad\"\n[run]\nseed = \"lucky\"")
         .replace("2.0", "-2.0")
         .replace("[controller]", "dead_zone_mrad = 160\n[controller]")
-        .replace("\"pd\"", "\"pid\"");
+        .replace("\"pd\"", "true");
     insta::assert_snapshot!(read(&text, &[]).expect_err("a faulty scenario"), @r#"
     x.toml:2: expect.0: this section gives neither min nor max; it must give at least one
     x.toml:6: run.seed: "lucky" is text; it must be a whole number >= 0 and <= 9223372036854775807
     x.toml:7: run.duration_s: -2.0 is out of range; it must be > 0 and <= 1e5 s
     x.toml:10: plant.dead_zone_mrad: 160 is in a wrong unit; write dead_zone_rad, in rad
-    x.toml:12: controller.name: "pid" is not a choice; it must be "pd", "merzouki", "merzouki-as-printed" or "backlash-inverse"
+    x.toml:12: controller.name: true is a boolean; it must be the name of one of the drive's laws, in quotes
     "#);
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use lashloop_bench::scenario::{Scenario, Trap};
 
-use crate::{SHORTEST, read, set};
+use crate::{SHORTEST, printed_and_read, read, set};
 
 const AT_ZERO: &str =
     "model = \"smooth\"\n[plant.initial]\nload_position_rad = 0.0\nmotor_position_rad = 0.0";
@@ -206,7 +206,7 @@ fn meant_traps_survive_printing() {
     let scenario = read(&meant("start", &with([(CONSTANT, SINE)])), &[]).expect("a good scenario");
     let printed = scenario.to_toml().expect("TOML");
     assert!(printed.contains("\nmeant = [\"start\"]\n"), "{printed}");
-    assert_eq!(read(&printed, &[]).expect("a good scenario"), scenario);
+    assert_eq!(printed_and_read(&scenario), scenario);
 }
 
 #[test]

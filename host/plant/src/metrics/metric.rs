@@ -177,3 +177,6 @@ impl Serialize for Metric {
         serializer.serialize_str(self.name())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -35,7 +35,8 @@ pub(super) fn motor_against_load(runs: &Runs) -> Figure {
     let ratio = *ratio;
     let load = || (Axis::new("load position", "rad"), column("load_position_rad"));
     let motor = || (Axis::new("motor position", "rad"), column("motor_position_rad"));
-    let at_load = move |run: &Run| run.column("twist_rad").iter().map(|twist_rad| twist_rad / ratio).collect();
+    let at_load =
+        move |run: &Run| run.column("twist_rad").iter().map(|twist_rad| twist_rad / ratio).collect();
     let twist = (Axis::new("motor less load, at the load", "rad"), at_load);
     let reference = (Axis::new("reference", "rad"), column("reference_rad"));
     Figure::new("Figure 13: hysteresis", caption, 2)

@@ -4,7 +4,8 @@ use crate::plot::{Axis, Figure};
 use lashloop_plant::metrics::Metric;
 
 use super::curves::{
-    MOTOR_ERROR_RAD, SETTLED_RAD, column, from, load_error_rad, mark_settling, of, over_time, telemetered, within,
+    MOTOR_ERROR_RAD, SETTLED_RAD, column, from, load_error_rad, mark_settling, of, over_time, telemetered,
+    within,
 };
 use super::laws::Laws;
 
@@ -24,7 +25,12 @@ pub(super) fn figures(smooth: &Laws) -> [(u8, Figure); 6] {
 
 fn load_position(smooth: &Laws) -> Figure {
     let Laws { before, after, beyond } = smooth;
-    let panel = over_time("Smooth plant", Axis::new("load position", "rad"), smooth.each(), column("load_position_rad"));
+    let panel = over_time(
+        "Smooth plant",
+        Axis::new("load position", "rad"),
+        smooth.each(),
+        column("load_position_rad"),
+    );
     let panel = panel.band(format!("\u{b1}{SETTLED_RAD} rad"), -SETTLED_RAD, SETTLED_RAD);
     let caption = format!(
         "The paper: a transient of about 13 s before, 5.2 s after.\n\

@@ -12,10 +12,8 @@ use lashloop_plant::metrics::{Measurement, Sample, SignalTable};
 
 /// The curves decay; the metrics are those of a load that settles at `settle_time_s` and rests at `static_error_rad`.
 fn demo_run(settle_time_s: Option<f64>, static_error_rad: f64) -> Run {
-    let signals = SignalTable {
-        plant: Vec::new(),
-        drive: vec![Signal::new("dead_zone_estimate_rad", "rad")],
-    };
+    let signals =
+        SignalTable { plant: Vec::new(), drive: vec![Signal::new("dead_zone_estimate_rad", "rad")] };
     let mut measurement = Measurement::new(1e-3, &signals);
     let mut trace = Columns::new(columns(&signals));
     for sample in 0..SAMPLES {
@@ -72,10 +70,8 @@ fn our_numbers_stand_next_to_the_paper_s() {
 
 #[test]
 fn runs_without_samples_still_give_a_figure() {
-    let nothing = Run {
-        trace: Columns::default(),
-        metrics: Measurement::new(1e-3, &SignalTable::default()).metrics(),
-    };
+    let nothing =
+        Run { trace: Columns::default(), metrics: Measurement::new(1e-3, &SignalTable::default()).metrics() };
     let plant = PlantRuns { before: nothing.clone(), after: nothing };
     let svg =
         before_after(&DemoRuns { smooth: plant.clone(), friction: plant, dead_zone_rad: 0.16 }).to_svg();

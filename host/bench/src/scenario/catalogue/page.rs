@@ -8,8 +8,9 @@ use crate::scenario::spelling::{either, spell_number};
 const BEGINNING: &str = "\
 # Scenarios
 
-A scenario is a TOML file: what to run, and what to expect. This page lists every key. It is printed by `lashloop show --keys`
-from the declarations that the reader of scenarios uses, so changes belong there.
+A scenario is a TOML file: what to run, and what to expect. This page lists every key. It is generated from the declarations
+that the reader of scenarios uses, by `cargo run -p lashloop-bench --example scenario_documents`; changes belong there. `lashloop
+show --keys` prints it, with the plants of your own program too.
 
 - Each key has its unit in its name. The reader rejects an unknown key, a value out of range and a key of another choice, each with
   file, line, allowed values and remedy. It reports all errors at once.

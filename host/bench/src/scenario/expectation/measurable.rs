@@ -4,7 +4,9 @@
 //! Reading a scenario finds what run, reference and window rule out. Once the drive is set up, the signals are known, and
 //! [`Scenario::check_expectations`] finds the rest.
 
-use lashloop_plant::metrics::{DRIVE_PREFIX, Measured, Plan, Quantity, RunStart, SignalTable, assumed_signals};
+use lashloop_plant::metrics::{
+    DRIVE_PREFIX, Measured, Plan, Quantity, RunStart, SignalTable, assumed_signals,
+};
 
 use super::{Expectation, error, wrong_unit};
 use crate::names::UnknownName;

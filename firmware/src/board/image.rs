@@ -1,0 +1,123 @@
+//! The program of the board: the library's drive between USART2 and the device clock.
+
+/// Makes an image for the board: a drive with these laws between USART2 and the device clock.
+///
+/// The image is a file of three lines, with `lashloop-firmware` under the feature `image`:
+///
+/// ```text
+/// #![no_std]
+/// #![no_main]
+/// lashloop_firmware::image!(my_law::Laws);
+/// ```
+///
+/// It has four tasks. `receive` queues every byte on arrival. `tick` counts the device clock and checks the watchdog
+/// every millisecond. `serve` feeds received bytes to the drive and transmits its output. The control law has no timer:
+/// the encoder frame is the tick.
+///
+/// | task | bound to | priority | why there |
+/// |---|---|---|---|
+/// | `receive` | USART2 | 3 | 11 us from one byte to the next |
+/// | `tick` | SysTick | 2 | the watchdog counts while `serve` is sending |
+/// | `serve` | EXTI0, pended by the others | 1 | a pended interrupt is never lost, however often it is pended |
+/// | `idle` | | 0 | sleeps |
+#[macro_export]
+macro_rules! image {
+    ($laws:ty) => {
+        type LawsOfImage = $laws;
+
+        // RTIC's expansion takes the peripherals and unmasks interrupts. Nothing else here is unsafe.
+        #[allow(unsafe_code)]
+        #[$crate::board::rtic::app(device = $crate::board::pac)]
+        mod app {
+            use core::sync::atomic::{AtomicU32, Ordering};
+
+            use $crate::drive::Drive;
+            use $crate::board::pac::Interrupt;
+            use $crate::board::{self, Board, DeviceClock, Inbox, Outbox, Queue, Receiver, Ticker, cortex_m, rtic};
+
+            use super::LawsOfImage;
+
+            #[shared]
+            struct Shared {
+                drive: Drive<LawsOfImage>,
+                line_errors: AtomicU32,
+            }
+
+            #[local]
+            struct Local {
+                clock: DeviceClock,
+                ticker: Ticker,
+                receiver: Receiver,
+                inbox: Inbox,
+                outbox: Outbox,
+            }
+
+            #[init(local = [queue: Queue = Queue::new()])]
+            fn init(cx: init::Context) -> (Shared, Local) {
+                let Board { name, notice, clock, ticker, receiver, inbox, outbox } =
+                    board::start(cx.core.SYST, cx.device, cx.local.queue);
+                let mut drive = Drive::with_laws(name);
+                if let Some((level, text)) = notice {
+                    drive.log(level, &[text]);
+                }
+                let shared = Shared { drive, line_errors: AtomicU32::new(0) };
+                (shared, Local { clock, ticker, receiver, inbox, outbox })
+            }
+
+            #[task(binds = USART2, priority = 3, local = [receiver], shared = [&line_errors])]
+            fn receive(cx: receive::Context) {
+                if cx.local.receiver.take_byte().is_err() {
+                    cx.shared.line_errors.fetch_add(1, Ordering::Relaxed);
+                }
+                rtic::pend(Interrupt::EXTI0);
+            }
+
+            #[task(binds = SysTick, priority = 2, local = [ticker], shared = [drive])]
+            fn tick(mut cx: tick::Context) {
+                let now = cx.local.ticker.count_millisecond();
+                let to_send = cx.shared.drive.lock(|drive| {
+                    drive.tick(now);
+                    !drive.output().is_empty()
+                });
+                if to_send {
+                    rtic::pend(Interrupt::EXTI0);
+                }
+            }
+
+            #[task(binds = EXTI0, priority = 1, local = [clock, inbox, outbox], shared = [drive, &line_errors])]
+            fn serve(mut cx: serve::Context) {
+                let lost = cx.shared.line_errors.swap(0, Ordering::Relaxed);
+                if lost > 0 {
+                    cx.shared.drive.lock(|drive| drive.note_overruns(lost));
+                }
+                let chunk = cx.local.inbox.take();
+                let mut rest = chunk.as_slice();
+                loop {
+                    let mut to_send = cx.shared.drive.lock(|drive| {
+                        rest = &rest[drive.receive(rest, cx.local.clock)..];
+                        cx.local.outbox.load(drive)
+                    });
+                    // Transmission takes longer than a control step, so it runs outside the lock, where `tick` can interrupt
+                    // it.
+                    while to_send {
+                        cx.local.outbox.send();
+                        to_send = cx.shared.drive.lock(|drive| cx.local.outbox.load(drive));
+                    }
+                    if rest.is_empty() {
+                        break;
+                    }
+                }
+                if !cx.local.inbox.is_empty() {
+                    rtic::pend(Interrupt::EXTI0);
+                }
+            }
+
+            #[idle]
+            fn idle(_: idle::Context) -> ! {
+                loop {
+                    cortex_m::asm::wfi();
+                }
+            }
+        }
+    };
+}

@@ -1,0 +1,83 @@
+//! What a process can do wrong.
+
+use std::io;
+use std::time::Duration;
+
+/// Why a plant in another process failed. Each message says what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum ProcessError {
+    /// The command can't be started.
+    #[error("the plant can't be started: {reason}; correct plant.command")]
+    Start {
+        /// What is wrong with the command.
+        reason: String,
+    },
+    /// The bench can't start processes.
+    #[error("the plant can't be started: {0}")]
+    System(#[from] io::Error),
+    /// The process ended, or closed its standard output.
+    #[error("the plant's process ended in the middle of the run{status}{stderr}")]
+    Ended {
+        /// `: exit status 1`, if it is known.
+        status: String,
+        /// `; it wrote "..."`, if it wrote anything to standard error.
+        stderr: String,
+    },
+    /// The process did not write a line in time.
+    #[error(
+        "the plant's process wrote no line within {} ms; it must write one for each line that it reads, and flush it, \
+         or set plant.{key}{stderr}",
+        limit.as_millis()
+    )]
+    Silent {
+        /// The limit.
+        limit: Duration,
+        /// Its key.
+        key: &'static str,
+        /// As in `Ended`.
+        stderr: String,
+    },
+    /// A line that is not of the protocol.
+    #[error(
+        "the plant's process wrote {line:?}: {reason}; standard output is for the protocol alone, other text goes to \
+         standard error"
+    )]
+    Malformed {
+        /// The line; its beginning, if it is long.
+        line: String,
+        /// What the parser expected.
+        reason: String,
+    },
+    /// Another version of the protocol.
+    #[error(
+        "the plant's process has version {have} of the protocol, the bench has {want}; change the program"
+    )]
+    Version {
+        /// The process's.
+        have: u32,
+        /// The bench's.
+        want: u32,
+    },
+    /// Another number of values than signals.
+    #[error(
+        "the plant's process sent {have} values for its {want} signals; each line needs one value for each signal"
+    )]
+    ValueCount {
+        /// Values in the line.
+        have: usize,
+        /// Signals in the first line.
+        want: usize,
+    },
+    /// A number that is not finite.
+    #[error(
+        "the plant's process wrote {line:?} with a number that is not finite; shorten its integration step or check \
+         plant.settings"
+    )]
+    NotFinite {
+        /// The line; its beginning, if it is long.
+        line: String,
+    },
+    /// The process reports that it can't go on.
+    #[error("the plant's process reports: {0}")]
+    Reported(String),
+}

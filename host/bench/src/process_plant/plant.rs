@@ -1,0 +1,168 @@
+//! The process as a plant.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use lashloop_plant::{Plant, PlantError, PlantValue, PlantValues, Positions, Release, Signal};
+use serde::de::DeserializeOwned;
+
+use super::error::ProcessError;
+use super::lines::{Lines, NoLine};
+use super::messages::{Description, Hello, Report, State, Step, VERSION};
+use crate::supervisor::{Process, Program, Supervisor, find_program};
+
+/// Time that an ended process may take to leave its exit status.
+const STATUS_LIMIT: Duration = Duration::from_millis(500);
+/// Characters of a malformed line that a message quotes.
+const QUOTED: usize = 120;
+
+/// A plant in another process. Dropping it closes the pipes, then ends the process.
+pub(super) struct ProcessPlant {
+    // The order of the fields is the order in which they are dropped.
+    lines: Lines,
+    process: Process,
+    _supervisor: Supervisor,
+    step_limit: Duration,
+    signals: Vec<Signal>,
+    state: State,
+}
+
+impl ProcessPlant {
+    /// Starts the process and reads its signals and its initial state.
+    pub(super) fn start(release: &Release<'_>, bench: Option<PathBuf>) -> Result<Self, ProcessError> {
+        let values = release.values;
+        let program = program(values, release.folder)?;
+        let supervisor = Supervisor::without_signals(bench)?;
+        let (process, to_process, from_process) = supervisor.spawn_piped_in(release.folder, &program)?;
+        let mut plant = Self {
+            lines: Lines::new(to_process, from_process),
+            process,
+            _supervisor: supervisor,
+            step_limit: limit(values, "step_timeout_ms")?,
+            signals: Vec::new(),
+            state: State::default(),
+        };
+        let hello = Hello {
+            lashloop_plant: VERSION,
+            period_s: release.period_s,
+            initial: release.start,
+            settings: values.get("settings"),
+        };
+        let line = plant.exchange(&hello, "start_timeout_ms", limit(values, "start_timeout_ms")?)?;
+        let description: Description = parse(&line)?;
+        if description.lashloop_plant != VERSION {
+            return Err(ProcessError::Version { have: description.lashloop_plant, want: VERSION });
+        }
+        plant.signals = description.signals.into_iter().map(Signal::from).collect();
+        plant.take_state(&line)?;
+        Ok(plant)
+    }
+
+    /// Sends a line and receives one.
+    fn exchange(
+        &mut self,
+        message: &impl serde::Serialize,
+        key: &'static str,
+        limit: Duration,
+    ) -> Result<Vec<u8>, ProcessError> {
+        let line = serde_json::to_vec(message).map_err(std::io::Error::from)?;
+        self.lines.write(line).and_then(|()| self.lines.read(limit)).map_err(|error| match error {
+            NoLine::Closed => ProcessError::Ended { status: self.status(), stderr: self.stderr() },
+            NoLine::Late => ProcessError::Silent { limit, key, stderr: self.stderr() },
+            NoLine::TooLong => ProcessError::Malformed {
+                line: "...".to_owned(),
+                reason: "a line must be shorter than 1 MiB".to_owned(),
+            },
+        })
+    }
+
+    fn take_state(&mut self, line: &[u8]) -> Result<(), ProcessError> {
+        let state: State = parse(line)?;
+        let (have, want) = (state.values.len(), self.signals.len());
+        if have != want {
+            return Err(ProcessError::ValueCount { have, want });
+        }
+        self.state = state;
+        Ok(())
+    }
+
+    fn status(&self) -> String {
+        let status = self.process.ended_within(STATUS_LIMIT);
+        status.map(|status| format!(": {status}")).unwrap_or_default()
+    }
+
+    fn stderr(&self) -> String {
+        let text = self.process.stderr();
+        if text.is_empty() { text } else { format!("; it wrote {text:?}") }
+    }
+
+    fn advance(&mut self, torque_nm: f64, dt_s: f64) -> Result<(), ProcessError> {
+        let line = self.exchange(&Step { torque_nm, dt_s }, "step_timeout_ms", self.step_limit)?;
+        self.take_state(&line)
+    }
+}
+
+impl Plant for ProcessPlant {
+    fn signals(&self) -> &[Signal] {
+        &self.signals
+    }
+
+    fn truth(&self, values: &mut [f64]) {
+        values.copy_from_slice(&self.state.values);
+    }
+
+    fn positions(&self) -> Positions {
+        let State { motor_position_rad, load_position_rad, .. } = self.state;
+        Positions { motor_position_rad, load_position_rad }
+    }
+
+    fn step(&mut self, torque_nm: f64, dt_s: f64) -> Result<(), PlantError> {
+        // JSON has no other numbers.
+        if !torque_nm.is_finite() {
+            return Err(PlantError::Torque { torque_nm });
+        }
+        self.advance(torque_nm, dt_s).map_err(|error| PlantError::Failed(error.to_string()))
+    }
+}
+
+fn program(values: &PlantValues, folder: &Path) -> Result<Program, ProcessError> {
+    let start = |reason: &str| ProcessError::Start { reason: reason.to_owned() };
+    let Some(PlantValue::List(command)) = values.get("command") else {
+        return Err(start("it has no command"));
+    };
+    let text =
+        |value: &PlantValue| if let PlantValue::Text(text) = value { Some(text.clone()) } else { None };
+    let words: Option<Vec<_>> = command.iter().map(text).collect();
+    let words = words.ok_or_else(|| start("its command is not a list of texts"))?;
+    let (name, arguments) = words.split_first().ok_or_else(|| start("its command is empty"))?;
+    // A path starts at the folder in which the process runs, a name is looked up in PATH.
+    let name = if name.contains('/') { folder.join(name) } else { name.into() };
+    let found = find_program(&name.to_string_lossy()).map_err(|reason| ProcessError::Start { reason })?;
+    Ok(Program {
+        name: "the plant",
+        program: std::path::absolute(found)?.into(),
+        arguments: arguments.iter().map(Into::into).collect(),
+        core: None,
+    })
+}
+
+fn limit(values: &PlantValues, key: &'static str) -> Result<Duration, ProcessError> {
+    let milliseconds =
+        values.integer(key).map_err(|error| ProcessError::Start { reason: error.to_string() })?;
+    Ok(Duration::from_millis(milliseconds))
+}
+
+fn parse<T: DeserializeOwned>(line: &[u8]) -> Result<T, ProcessError> {
+    serde_json::from_slice(line).map_err(|error| {
+        if let Ok(Report { error }) = serde_json::from_slice(line) {
+            return ProcessError::Reported(error);
+        }
+        let text = String::from_utf8_lossy(line);
+        let line = text.chars().take(QUOTED).collect();
+        // What most languages print for such numbers; JSON has none of them.
+        if ["NaN", "Infinity", "inf", "nan"].iter().any(|word| text.contains(word)) {
+            return ProcessError::NotFinite { line };
+        }
+        ProcessError::Malformed { line, reason: error.to_string() }
+    })
+}
