@@ -1,36 +1,96 @@
-"""The drive of the specification's example: its tables, and another drive with equal names in its place."""
+"""The drive of the specification's example, made from the tables of section 16."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from lashloop.messages import Identity, ParameterReport, SetParameter, Subscribe, Telemetry
+from lashloop.control import ControlLaw, ParameterSpec, SignalSpec, choice, f32, signal, u32
+from lashloop.control.cascade import PD
+from lashloop.drive import Drive
+from lashloop.messages import (
+    ChoiceDescription,
+    DescribeChoice,
+    DescribeParameter,
+    DescribeSignal,
+    ParameterDescription,
+    ParameterReport,
+    SetParameter,
+    SignalDescription,
+    Subscribe,
+    Telemetry,
+)
 from support import table
 
 if TYPE_CHECKING:
-    from lashloop.drive import Drive
+    from collections.abc import Callable
+
     from lashloop.messages import DriveMessage, HostMessage
 
-LAWS, PARAMETERS, SIGNALS = "### Laws", "### Parameters", "### Signals"
-"""Headings of its tables, section 16. The first columns are index and name."""
+LAWS = [row[1] for row in table("### Its laws")]
+PARAMETERS = table("### Its parameters")
+SIGNALS = table("### Its signals")
+CHOICES = table("### Its choices")
+
+
+def parameter(row: list[str]) -> ParameterSpec:
+    """The declaration in a row of the table of parameters."""
+    _, name, unit, kind, default, low, high = row[:7]
+    choices = [it[2] for it in CHOICES if it[0] == name]
+    if choices:
+        assert (low, high, unit) == ("0", str(len(choices) - 1), "")
+        return choice(name, choices, choices[int(default)])
+    if kind == "U32":
+        return u32(name, unit, int(default), int(low), int(high))
+    return f32(name, unit, float(default), float(low), float(high))
+
+
+def signal_spec(row: list[str]) -> SignalSpec:
+    """The declaration in a row of the table of signals."""
+    return signal(row[1], row[2])
+
+
+def has(law: str, laws: str) -> bool:
+    """Whether the cell with the laws of a row names the law."""
+    return laws == "all" or law in laws.split(", ")
+
+
+def specified_drive(clock_ns: Callable[[], int]) -> Drive:
+    """A drive with laws, parameters and signals of the specification; every law computes as `pd` does."""
+    own_parameters, own_signals = {spec.name for spec in Drive([PD]).parameters.specs}, set(Drive([PD]).signals)
+    own_parameters -= {spec.name for spec in PD.parameters}
+    own_signals -= {spec.name for spec in PD.signals}
+    laws = [
+        ControlLaw(
+            name=name,
+            parameters=tuple(parameter(it) for it in PARAMETERS if has(name, it[7]) and it[1] not in own_parameters),
+            signals=tuple(signal_spec(it) for it in SIGNALS if has(name, it[3]) and it[1] not in own_signals),
+            build=PD.build,
+        )
+        for name in LAWS
+    ]
+    return Drive(laws, board="stm32f405", build_id=12_648_430, is_dirty=False, clock_ns=clock_ns)
 
 
 class Translation:
-    """Indices of the specified drive to those of ours, by name, and back. Indices are up to a drive."""
+    """Indices of the specification to those of our drive, by name, and back: the order is up to a drive."""
 
     def __init__(self, drive: Drive) -> None:
-        """Read the tables of both."""
+        """Read the tables of both, which have equal names."""
         self._parameters = _indices(PARAMETERS, [spec.name for spec in drive.parameters.specs])
         self._signals = _indices(SIGNALS, drive.signals)
         self._subscribed: list[int] = []
-        """Signals of the specified drive in the order of our telemetry."""
+        """Indices of the specification in the order of our telemetry."""
 
     def request(self, message: HostMessage) -> HostMessage:
         """Translate a request of the example for our drive."""
         match message:
-            case SetParameter():
+            case SetParameter() | DescribeParameter():
                 return replace(message, index=self._parameters[message.index])
+            case DescribeChoice():
+                return replace(message, parameter=self._parameters[message.parameter])
+            case DescribeSignal():
+                return replace(message, index=self._signals[message.index])
             case Subscribe():
                 theirs = [it for it in self._signals if message.signals >> it & 1]
                 self._subscribed = sorted(theirs, key=lambda it: self._signals[it])
@@ -41,19 +101,23 @@ class Translation:
     def answer(self, message: DriveMessage) -> DriveMessage:
         """Translate an answer of our drive for the example."""
         match message:
-            case ParameterReport():
-                (index,) = (their for their, our in self._parameters.items() if our == message.index)
-                return replace(message, index=index)
+            case ParameterReport() | ParameterDescription():
+                return replace(message, index=_key(self._parameters, message.index))
+            case ChoiceDescription():
+                return replace(message, parameter=_key(self._parameters, message.parameter))
+            case SignalDescription():
+                return replace(message, index=_key(self._signals, message.index))
             case Telemetry():
                 values = sorted(zip(self._subscribed, message.values, strict=True))
                 return replace(message, values=tuple(value for _, value in values))
-            case Identity():
-                counts = (len(table(LAWS)), len(table(SIGNALS)), len(table(PARAMETERS)))
-                return replace(message, law_count=counts[0], signal_count=counts[1], parameter_count=counts[2])
             case _:
                 return message
 
 
-def _indices(heading: str, ours: list[str]) -> dict[int, int]:
-    """Indices of the specified drive to ours, of the names that both have."""
-    return {int(row[0]): ours.index(row[1]) for row in table(heading) if row[1] in ours}
+def _indices(rows: list[list[str]], ours: list[str]) -> dict[int, int]:
+    assert sorted(row[1] for row in rows) == sorted(ours)
+    return {int(row[0]): ours.index(row[1]) for row in rows}
+
+
+def _key(indices: dict[int, int], ours: int) -> int:
+    return next(theirs for theirs, it in indices.items() if it == ours)

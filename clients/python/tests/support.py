@@ -30,6 +30,7 @@ WORKSPACE = Path(__file__).parents[3]
 SESSION = 0x4C41_5348
 M = TypeVar("M", bound=DriveMessage)
 PARAMETER_COUNT = len(Drive([PD]).parameters)
+SIGNAL_COUNT = len(Drive([PD]).signals)
 
 SOON_S = 30.0
 """Deadline for events that are immediate on an idle machine; sufficient on a busy one."""

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from lashloop.host import Host
-from support import PARAMETER_COUNT, PATIENT, SOON_S, Program, python_drive
+from support import PARAMETER_COUNT, PATIENT, SIGNAL_COUNT, SOON_S, Program, python_drive
 
 
 def run(*words: str) -> tuple[int, str, str]:
@@ -35,7 +35,7 @@ def test_a_drive_prints_its_path_and_reports_its_identity() -> None:
             "motor encoder": "131072 counts/rev",
             "load encoder": "131072 counts/rev",
             "control laws": "pd",
-            "signals": "6",
+            "signals": str(SIGNAL_COUNT),
             "parameters": str(PARAMETER_COUNT),
         }
 
@@ -88,7 +88,7 @@ def test_signals_are_listed_with_unit_and_laws() -> None:
     rows = [line.split() for line in output.splitlines()]
     assert rows[:2] == [["name", "unit", "laws"], ["requested_torque_nm", "N", "m", "all"]]
     assert ["load_error_rad", "rad", "all"] in rows
-    assert len(rows) == 1 + 6
+    assert len(rows) == 1 + SIGNAL_COUNT
 
 
 def test_a_missing_port_is_named() -> None:

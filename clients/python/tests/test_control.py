@@ -13,12 +13,13 @@ from lashloop.control import ControlInput, InconsistentError
 from lashloop.control.cascade import PD, CascadedPd
 from lashloop.control.sensing import Sensing
 from lashloop.counts import wrapped, wrapping_difference
-from lashloop.drive import Drive, Parameters
+from lashloop.drive import Parameters
+from lashloop.drive.description import DRIVE_SIGNALS
 from lashloop.drive.parameters import DRIVE_PARAMETERS
 from lashloop.enums import single
 from lashloop.frames import FROM_DRIVE, FROM_HOST, decode, encode
 from lashloop.sequence import nearest_step, of_step
-from specified_drive import Translation
+from specified_drive import PARAMETERS, SIGNALS, Translation, has, parameter, signal_spec, specified_drive
 from support import Clock, document
 
 DEFAULTS = dict(Parameters([*DRIVE_PARAMETERS, *PD.parameters]))
@@ -127,10 +128,17 @@ def test_a_step_is_recovered_from_its_sequence(step: int, ahead: int) -> None:
     assert nearest_step(of_step(meant), step) == (meant if meant >= 0 else None)
 
 
+def test_the_law_has_parameters_and_signals_of_the_specification() -> None:
+    ours = {spec.name: spec for spec in (*DRIVE_PARAMETERS, *PD.parameters)}
+    theirs = {row[1]: parameter(row) for row in PARAMETERS if has("pd", row[7]) and row[1] != "controller"}
+    assert ours == theirs
+    signals = [signal_spec(row) for row in SIGNALS if has("pd", row[3])]
+    assert [*DRIVE_SIGNALS, *PD.signals] == signals
+
+
 def test_the_specification_s_example_is_reproduced_byte_for_byte() -> None:
-    # A drive with the identity of the example. Indices and their numbers are up to a drive, so they are translated.
     shown = [bytes.fromhex(line[7:]) for line in document().splitlines() if line.startswith("frame: ")]
-    drive = Drive([PD], board="stm32f405", build_id=12_648_430, is_dirty=False, clock_ns=Clock(step_ns=5_700))
+    drive = specified_drive(Clock(step_ns=5_700))
     translation = Translation(drive)
     assert drive.receive(b"\0") == b""
     answers: list[bytes] = []

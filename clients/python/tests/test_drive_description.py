@@ -36,10 +36,10 @@ from lashloop.messages import (
     Subscribe,
     Telemetry,
 )
-from support import SESSION, DriveUnderTest, sample
+from support import SESSION, DriveUnderTest, sample, table
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
 
 class Ramp:
@@ -69,8 +69,10 @@ RAMP = ControlLaw(
     build=Ramp,
 )
 BOTH = (PD, RAMP)
-# Signals: 0 is that of the drive, 1 to 5 those of `pd`, 6 is `ramp_step`. `load_error_rad`, 3, belongs to both laws.
-OF_DRIVE, OF_PD, OF_BOTH, OF_RAMP = 0, 1, 3, 6
+# Signal 0 is that of the drive; those of `pd` and then those of `ramp` follow. `load_error_rad` belongs to both laws.
+COUNT = 1 + len(PD.signals) + 1
+OF_DRIVE, OF_PD, OF_RAMP = 0, 1, COUNT - 1
+OF_BOTH = 1 + [it.name for it in PD.signals].index("load_error_rad")
 
 
 def ramp() -> DriveUnderTest:
@@ -91,7 +93,7 @@ def started(dut: DriveUnderTest) -> DriveUnderTest:
 def test_the_identity_counts_what_the_drive_describes() -> None:
     dut = DriveUnderTest(laws=BOTH)
     identity = dut.only(Identity, Hello(1, SESSION))
-    assert (identity.law_count, identity.signal_count) == (2, 7)
+    assert (identity.law_count, identity.signal_count) == (2, COUNT)
     assert identity.parameter_count == len(dut.drive.parameters)
     for request in (
         DescribeLaw(identity.law_count),
@@ -120,9 +122,9 @@ def test_parameters_have_the_bits_of_their_laws() -> None:
 
 def test_signals_have_the_bits_of_their_laws() -> None:
     dut = DriveUnderTest(laws=BOTH)
-    described = [dut.only(SignalDescription, DescribeSignal(index)) for index in range(7)]
+    described = [dut.only(SignalDescription, DescribeSignal(index)) for index in range(COUNT)]
     assert described[OF_DRIVE] == SignalDescription(OF_DRIVE, 0b11, "requested_torque_nm", "N m")
-    assert described[OF_PD] == SignalDescription(OF_PD, 0b01, "dead_zone_estimate_rad", "rad")
+    assert described[OF_PD] == SignalDescription(OF_PD, 0b01, "measured_motor_velocity_rad_s", "rad/s")
     assert described[OF_BOTH] == SignalDescription(OF_BOTH, 0b11, "load_error_rad", "rad")
     assert described[OF_RAMP] == SignalDescription(OF_RAMP, 0b10, "ramp_step", "")
 
@@ -175,28 +177,45 @@ def test_a_subscription_is_kept_until_a_reset() -> None:
     assert len(dut.send(sample(0))) == 1
 
 
-def test_a_bit_without_a_signal_is_refused_in_any_state() -> None:
-    for dut in (DriveUnderTest(), DriveUnderTest().idle(), DriveUnderTest().running()):
-        assert dut.subscribe(6) is Outcome.UNKNOWN_INDEX
-        assert dut.subscribe(0, 31, every=0) is Outcome.UNKNOWN_INDEX
+MANY = ControlLaw(name="many", signals=tuple(signal(f"s{it}", "") for it in range(20)), build=PD.build)
+ENTER: dict[str, Callable[[DriveUnderTest], object]] = {
+    "Boot": lambda dut: dut,
+    "Idle": lambda dut: dut.idle(),
+    "Armed": lambda dut: dut.armed(),
+    "Running": lambda dut: dut.running(),
+    "Faulted": lambda dut: dut.idle().send(EmergencyStop()),
+}
+# Signals of `MANY` are those of the drive and 1 to 20; `pd` has those of the drive and the ones from 21 on.
+SIGNALS_OF_CASE = {
+    "a bit without a signal": [(31,), tuple(range(14, 32))],
+    "more than 13 signals": [tuple(range(14))],
+    "a signal that the law in force lacks": [(0, 21)],
+    "any other": [(), (0,), tuple(range(1, 14))],
+    "any": [(), (0,), (31,), tuple(range(14)), (21,)],
+}
 
 
-def test_more_signals_than_fit_into_a_frame_are_refused() -> None:
-    many = tuple(signal(f"s{number}", "") for number in range(20))
-    law = ControlLaw(name="many", signals=many, build=PD.build)
-    dut = DriveUnderTest(laws=[law])
-    assert dut.subscribe(*range(14)) is Outcome.WRONG_STATE
-    dut.idle()
-    assert dut.subscribe(*range(14)) is Outcome.OUT_OF_RANGE
-    assert dut.subscribe(*range(14), every=0) is Outcome.OUT_OF_RANGE
-    assert dut.subscribe(*range(7, 20)) is Outcome.ACCEPTED
+@pytest.mark.parametrize(
+    ("case", "states", "wanted"), table("A drive must check a `Subscribe` in this order, whether `every` is 0 or not:")
+)
+def test_a_subscription_is_checked_as_specified(case: str, states: str, wanted: str) -> None:
+    for state in states.split(", "):
+        for signals in SIGNALS_OF_CASE[case]:
+            for every in (0, 1):
+                dut = DriveUnderTest(laws=[MANY, PD])
+                ENTER[state](dut)
+                *_, result = dut.send(Subscribe(sum(1 << it for it in signals), every))
+                assert isinstance(result, CommandResult)
+                assert (result.outcome.label, result.state.label) == (wanted, state), (signals, every)
 
 
 def test_a_refused_subscription_keeps_the_one_before_it() -> None:
     dut = DriveUnderTest(laws=BOTH).running()
     dut.subscribe(OF_DRIVE)
-    for refused in ((7,), (OF_RAMP,)):
-        assert dut.subscribe(*refused) in (Outcome.UNKNOWN_INDEX, Outcome.INCONSISTENT)
+    for refused in (COUNT, OF_RAMP):
+        *_, result = dut.send(Subscribe(1 << refused, 1))
+        assert isinstance(result, CommandResult)
+        assert result.outcome in (Outcome.UNKNOWN_INDEX, Outcome.INCONSISTENT)
     telemetry = dut.send(sample(0))[-1]
     assert isinstance(telemetry, Telemetry)
     assert len(telemetry.values) == 1
@@ -206,7 +225,10 @@ def test_a_signal_of_another_law_is_refused_while_armed_and_running() -> None:
     armed = DriveUnderTest(laws=BOTH).armed()
     running = DriveUnderTest(laws=BOTH).running()
     for dut in (armed, running):
-        assert dut.subscribe(OF_RAMP) is Outcome.INCONSISTENT
+        log, result = dut.send(Subscribe(1 << OF_RAMP, 1))
+        assert isinstance(log, Log)
+        assert log.text == "ramp_step is no signal of pd"
+        assert result == CommandResult(Subscribe.KIND, Outcome.INCONSISTENT, dut.drive.state)
         assert dut.subscribe(OF_BOTH) is Outcome.ACCEPTED
 
 
@@ -215,23 +237,10 @@ def test_arming_refuses_a_signal_of_another_law_by_name() -> None:
     assert dut.subscribe(OF_RAMP) is Outcome.ACCEPTED
     log, result = dut.send(Arm(SESSION))
     assert isinstance(log, Log)
-    assert log.text == "ramp_step is no signal of the law pd"
+    assert log.text == "ramp_step is no signal of pd"
     assert result == CommandResult(Arm.KIND, Outcome.INCONSISTENT, State.IDLE)
     dut.set("controller", ParameterValue.u32(1))
     assert dut.only(CommandResult, Arm(SESSION)).outcome is Outcome.ACCEPTED
-
-
-def test_a_subscription_is_checked_in_the_order_of_the_specification() -> None:
-    for dut in (DriveUnderTest(), faulted()):
-        assert dut.subscribe(0) is Outcome.WRONG_STATE
-        assert dut.subscribe() is Outcome.WRONG_STATE
-
-
-def faulted() -> DriveUnderTest:
-    """A drive with a latched fault."""
-    dut = DriveUnderTest().idle()
-    dut.send(EmergencyStop())
-    return dut
 
 
 def test_a_live_parameter_of_a_law_takes_effect_from_the_next_sample() -> None:

@@ -48,6 +48,9 @@ ORDER_OF_ANSWERS = "### Answers"
 HELLO = Hello(PROTOCOL_VERSION, SESSION)
 TUNED = replace(PD, parameters=(*PD.parameters, u32("tuning", "", 10, 0, 10, live=True)))
 """The law with a live parameter after its own."""
+TWO = (PD, ControlLaw(name="other", signals=(signal("other", ""),), build=PD.build))
+FOREIGN = 1 + len(PD.signals)
+"""Index of the signal of the second law, which `pd` lacks."""
 ENTER: dict[str, Callable[[], DriveUnderTest]] = {
     "Boot": lambda: DriveUnderTest(laws=[TUNED]),
     "Idle": lambda: DriveUnderTest(laws=[TUNED]).idle(),
@@ -135,8 +138,8 @@ def inconsistent() -> DriveUnderTest:
 
 def foreign_signal() -> DriveUnderTest:
     """An idle drive with a subscription to a signal of its other law."""
-    dut = DriveUnderTest(laws=[PD, ControlLaw(name="other", signals=(signal("other", ""),), build=PD.build)]).idle()
-    assert dut.subscribe(6) is Outcome.ACCEPTED
+    dut = DriveUnderTest(laws=TWO).idle()
+    assert dut.subscribe(FOREIGN) is Outcome.ACCEPTED
     return dut
 
 
@@ -170,22 +173,29 @@ ANSWERS: dict[tuple[str, str], list[tuple[Callable[[], DriveUnderTest], HostMess
     ],
     ("DescribeLaw", "known index"): [(DriveUnderTest, DescribeLaw(0))],
     ("DescribeLaw", "unknown index"): [(DriveUnderTest, DescribeLaw(1))],
-    ("DescribeSignal", "known index"): [(DriveUnderTest, DescribeSignal(5))],
-    ("DescribeSignal", "unknown index"): [(DriveUnderTest, DescribeSignal(6))],
+    ("DescribeSignal", "known index"): [(DriveUnderTest, DescribeSignal(len(PD.signals)))],
+    ("DescribeSignal", "unknown index"): [(DriveUnderTest, DescribeSignal(1 + len(PD.signals)))],
     ("DescribeChoice", "known index"): [(DriveUnderTest, DescribeChoice(0, 0))],
     ("DescribeChoice", "unknown index"): [
         (DriveUnderTest, DescribeChoice(0, 1)),
         (DriveUnderTest, DescribeChoice(1, 0)),
         (DriveUnderTest, DescribeChoice(255, 0)),
     ],
-    ("Subscribe", "any"): [(enter, Subscribe(1, 10)) for enter in ENTER.values()],
+    ("Subscribe", "done, refused for any other reason"): [
+        *((enter, Subscribe(1, 10)) for enter in ENTER.values()),
+        (DriveUnderTest().running, Subscribe(1 << 31, 10)),
+    ],
+    ("Subscribe", "the law in force lacks a signal"): [
+        (lambda: DriveUnderTest(laws=TWO).armed(), Subscribe(1 << FOREIGN, 10)),
+        (lambda: DriveUnderTest(laws=TWO).running(), Subscribe(1 << FOREIGN, 0)),
+    ],
     ("Arm", "done, wrong state, wrong session"): [
         (DriveUnderTest().idle, Arm(SESSION)),
         (DriveUnderTest().armed, Arm(SESSION)),
         (DriveUnderTest().idle, Arm(OTHER)),
     ],
     ("Arm", "parameters don't go together"): [(inconsistent, Arm(SESSION))],
-    ("Arm", "the law lacks a subscribed signal"): [(foreign_signal, Arm(SESSION))],
+    ("Arm", "the law in force lacks a subscribed signal"): [(foreign_signal, Arm(SESSION))],
     ("Start", "any"): [(DriveUnderTest().armed, Start(SESSION)), (DriveUnderTest, Start(SESSION))],
     ("Stop", "any"): [(enter, Stop()) for enter in ENTER.values()],
     ("EmergencyStop", "any"): [(enter, EmergencyStop()) for enter in ENTER.values()],

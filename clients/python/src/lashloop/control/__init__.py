@@ -81,8 +81,8 @@ class ControlLaw:
 
 
 class InconsistentError(LashloopError):
-    """Parameters or signals, each of them allowed, that contradict each other."""
+    """Parameters, each within its range, that contradict each other."""
 
-    def __init__(self, name: str, reason: str = "does not go with the others") -> None:
-        """Name the parameter or the signal."""
-        super().__init__(f"{name} {reason}")
+    def __init__(self, name: str) -> None:
+        """Name the parameter."""
+        super().__init__(f"{name} does not go with the others")

@@ -30,22 +30,29 @@ PARAMETERS: tuple[ParameterSpec, ...] = (
     real("k_1", "", 1.0, 0.0, 1e6),
     real("motor_inertia_kg_m2", "kg m^2", 9.72e-4, 1e-9, 1e3),
     real("motor_friction_nm_s_rad", "N m s/rad", 4.3e-4, 0.0, 1e4),
+    real("motor_coulomb_nm", "N m", 0.0, 0.0, 1e3),
     real("load_inertia_kg_m2", "kg m^2", 7.5, 1e-9, 1e6),
     real("load_friction_nm_s_rad", "N m s/rad", 16.0, 0.0, 1e6),
     real("reduction_ratio", "", 3.0, 1e-3, 1e4),
     real("stiffness_nm_rad", "N m/rad", 1.0, 1e-6, 1e9),
     real("dead_zone_rad", "rad", 0.16, 1e-6, 10.0),
 )
-"""Gains and nominal mechanics, with the paper's tables 1 and 2 as defaults; the firmware's law has the same ones."""
+"""Filters, gains and nominal mechanics, with the paper's tables 1 and 2 as defaults.
+
+They are those of the firmware's law. `motor_coulomb_nm` has no effect without compensation.
+"""
 
 SIGNALS: tuple[SignalSpec, ...] = (
+    signal("measured_motor_velocity_rad_s", "rad/s"),
+    signal("measured_load_velocity_rad_s", "rad/s"),
+    signal("measured_twist_rad", "rad"),
     signal("dead_zone_estimate_rad", "rad"),
     signal("disturbing_torque_estimate_nm", "N m"),
     signal("load_error_rad", "rad"),
     signal("motor_error_rad", "rad"),
     signal("elastic_error_nm", "N m"),
 )
-"""Errors of the two loops, and what the law takes for gap and disturbing torque; both constant without compensation."""
+"""Measurements, the gap and the disturbing torque of the model, and the errors of the two loops."""
 
 
 class CascadedPd:
@@ -96,6 +103,9 @@ class CascadedPd:
         return ControlOutput(
             torque_nm=float(torque),
             signals={
+                "measured_motor_velocity_rad_s": float(m.motor_velocity_rad_s),
+                "measured_load_velocity_rad_s": float(m.load_velocity_rad_s),
+                "measured_twist_rad": float(m.twist_rad),
                 "dead_zone_estimate_rad": self._dead_zone_rad,
                 "disturbing_torque_estimate_nm": 0.0,
                 "load_error_rad": float(load_error),

@@ -244,21 +244,24 @@ class Drive:
         self._send(ParameterReport(index, outcome, value, self.state))
 
     def _subscribe(self, subscription: Subscription) -> Outcome:
-        outcome = subscription.check_index(self._description)
-        if outcome is Outcome.ACCEPTED and self.state not in (State.IDLE, State.ARMED, State.RUNNING):
-            outcome = Outcome.WRONG_STATE
-        if outcome is Outcome.ACCEPTED:
-            outcome = subscription.check_count()
+        if self.state in (State.BOOT, State.FAULTED):
+            return Outcome.WRONG_STATE
+        outcome = subscription.check(self._description)
         # In `Idle` the law may still change, so `Arm` checks the signals.
-        if (
-            outcome is Outcome.ACCEPTED
-            and self.state is not State.IDLE
-            and subscription.foreign_signal(self._description, self._law_index) is not None
-        ):
-            outcome = Outcome.INCONSISTENT
+        if outcome is Outcome.ACCEPTED and self.state is not State.IDLE:
+            outcome = self._check_law(subscription)
         if outcome is Outcome.ACCEPTED:
             self._subscription = subscription
         return outcome
+
+    def _check_law(self, subscription: Subscription) -> Outcome:
+        """Check that the law in force has the signals; the log names one that it lacks."""
+        foreign = subscription.foreign_signal(self._description, self._law_index)
+        if foreign is None:
+            return Outcome.ACCEPTED
+        law = self._description.laws[self._law_index]
+        self._send(log(LogLevel.ERROR, f"{foreign} is no signal of {law.name}"))
+        return Outcome.INCONSISTENT
 
     @property
     def _law_index(self) -> int:
@@ -272,12 +275,10 @@ class Drive:
         """Build the controller now, so that contradictory parameters are rejected before the start."""
         if self.state is not State.IDLE:
             return Outcome.WRONG_STATE
-        law = self._description.laws[self._law_index]
+        if (outcome := self._check_law(self._subscription)) is not Outcome.ACCEPTED:
+            return outcome
         try:
-            foreign = self._subscription.foreign_signal(self._description, self._law_index)
-            if foreign is not None:
-                raise InconsistentError(foreign, f"is no signal of the law {law.name}")
-            self._run = Run(law, self.parameters)
+            self._run = Run(self._description.laws[self._law_index], self.parameters)
         except InconsistentError as error:
             self._send(log(LogLevel.ERROR, str(error)))
             return Outcome.INCONSISTENT

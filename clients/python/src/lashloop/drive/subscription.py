@@ -29,13 +29,10 @@ class Subscription:
         """Whether telemetry follows the torque of this sample."""
         return self.every > 0 and bool(self.signals) and sequence % self.every == 0
 
-    def check_index(self, description: Description) -> Outcome:
-        """Check that the drive has the signals."""
-        known = all(it < len(description.signals) for it in self.signals)
-        return Outcome.ACCEPTED if known else Outcome.UNKNOWN_INDEX
-
-    def check_count(self) -> Outcome:
-        """Check that the values fit into a frame."""
+    def check(self, description: Description) -> Outcome:
+        """Check that the drive has the signals, and that their values fit into a frame."""
+        if any(it >= len(description.signals) for it in self.signals):
+            return Outcome.UNKNOWN_INDEX
         return Outcome.ACCEPTED if len(self.signals) <= MAX_TELEMETRY_VALUES else Outcome.OUT_OF_RANGE
 
     def foreign_signal(self, description: Description, law: int) -> str | None:
