@@ -73,25 +73,19 @@ fn timed_modules(program: &str) -> &'static [&'static str] {
     }
 }
 
-/// Modules of a test program whose tests mostly wait: they run at the same time as the program's other untimed tests.
-fn waiting_modules(program: &str) -> &'static [&'static str] {
-    match program {
-        "tests looped" => &["soak::"],
-        _ => &[],
-    }
-}
+/// A test program, and its module whose tests mostly wait: they run at the same time as its other untimed tests.
+const WAITING: (&str, &str) = ("tests looped", "soak::");
 
 /// Runs the tests of a program but those of `timed` modules.
 fn run_untimed(program: &TestProgram, timed: &[&str]) -> Result<Counts> {
-    let waiting = waiting_modules(&program.name);
-    let skip: String = timed.iter().chain(waiting).map(|module| format!(" --skip {module}")).collect();
-    if waiting.is_empty() {
+    let skip: String = timed.iter().map(|module| format!(" --skip {module}")).collect();
+    if program.name != WAITING.0 {
         return program.run(&skip);
     }
     thread::scope(|scope| {
-        let waiting = scope.spawn(|| program.run(&waiting.join(" ")));
+        let waiting = scope.spawn(|| program.run(WAITING.1));
         // One thread more than cores: tests of drives in other processes wait for them.
-        let mut counts = program.run(&format!("--test-threads 3{skip}"))?;
+        let mut counts = program.run(&format!("--test-threads 3 --skip {}{skip}", WAITING.1))?;
         counts += waiting.join().unwrap_or_else(|_| bail!("the thread of the waiting tests panicked"))?;
         Ok(counts)
     })

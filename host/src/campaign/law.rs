@@ -1,38 +1,57 @@
 //! The control laws under test.
 
+use std::fmt;
 use std::str::FromStr;
 
-use lashloop_protocol::enums::ControllerId;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Law {
-    /// The paper's PD cascade.
-    Pd,
-    /// The paper's cascade with dead-zone compensation.
-    Merzouki,
-    /// Identification of the gap and its inversion in the torque domain.
-    BacklashInverse,
-}
+use lashloop_bench::scenario::present_law;
+
+/// The scenario of each law: name of the law, name of the file, text. Its controller parameters are tuned for the nominal
+/// plant and stay unchanged.
+const SCENARIOS: [(&str, &str, &str); Law::COUNT] = [
+    ("pd", "scenarios/shaft-pd.toml", include_str!("../../../scenarios/shaft-pd.toml")),
+    ("merzouki", "scenarios/shaft-merzouki.toml", include_str!("../../../scenarios/shaft-merzouki.toml")),
+    (
+        "backlash-inverse",
+        "scenarios/shaft-backlash-inverse.toml",
+        include_str!("../../../scenarios/shaft-backlash-inverse.toml"),
+    ),
+];
+
+/// A law under test: the place of its scenario in the table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Law(usize);
 
 impl Law {
-    /// In the order of the tables.
-    pub const ALL: [Self; 3] = [Self::Pd, Self::Merzouki, Self::BacklashInverse];
+    const COUNT: usize = 3;
 
-    /// File name and text of the law's scenario. Its controller parameters are tuned for the nominal plant and stay unchanged.
+    /// In the order of the tables.
+    pub const ALL: [Self; Self::COUNT] = [Self::BEFORE, Self(1), Self::WITH_LIMITS];
+
+    /// The law before compensation, with which the others are compared.
+    pub const BEFORE: Self = Self(0);
+
+    /// The law that has limits to meet.
+    pub const WITH_LIMITS: Self = Self(2);
+
+    /// Name, as the drive describes it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        SCENARIOS[self.0].0
+    }
+
+    /// File name and text of the law's scenario.
     #[must_use]
     pub const fn scenario(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Pd => ("scenarios/shaft-pd.toml", include_str!("../../../scenarios/shaft-pd.toml")),
-            Self::Merzouki => {
-                ("scenarios/shaft-merzouki.toml", include_str!("../../../scenarios/shaft-merzouki.toml"))
-            }
-            Self::BacklashInverse => (
-                "scenarios/shaft-backlash-inverse.toml",
-                include_str!("../../../scenarios/shaft-backlash-inverse.toml"),
-            ),
-        }
+        let (_, file, text) = SCENARIOS[self.0];
+        (file, text)
+    }
+}
+
+impl fmt::Display for Law {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.pad(self.name())
     }
 }
 
@@ -41,9 +60,20 @@ impl FromStr for Law {
 
     /// Former names of laws are accepted as in scenarios.
     fn from_str(text: &str) -> Result<Self, String> {
-        let name = ControllerId::from_name(text).map_or(text, |law| law.name());
-        let law = Self::ALL.into_iter().find(|law| law.to_string() == name);
-        law.ok_or_else(|| "expected pd, merzouki or backlash-inverse".to_owned())
+        let law = Self::ALL.into_iter().find(|law| law.name() == present_law(text));
+        law.ok_or_else(|| format!("expected {}", Self::ALL.map(Self::name).join(" or ")))
+    }
+}
+
+impl Serialize for Law {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for Law {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
     }
 }
 
@@ -52,17 +82,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_law_has_the_name_that_drives_give_it() {
-        for law in Law::ALL {
-            let name = law.to_string();
-            assert_eq!(ControllerId::from_name(&name).map(ControllerId::name), Some(&*name));
-        }
-    }
-
-    #[test]
     fn former_names_of_laws_are_accepted() {
-        assert_eq!("faithful".parse(), Ok(Law::Merzouki));
-        assert_eq!("compensating".parse(), Ok(Law::BacklashInverse));
-        assert!("lqr".parse::<Law>().is_err());
+        assert_eq!("faithful".parse::<Law>().map(Law::name), Ok("merzouki"));
+        assert_eq!("compensating".parse(), Ok(Law::WITH_LIMITS));
+        assert_eq!("lqr".parse::<Law>(), Err("expected pd or merzouki or backlash-inverse".to_owned()));
     }
 }

@@ -9,7 +9,7 @@ use super::quantiles::{Quantile, Quantiles};
 use super::score::{Criterion, Score};
 
 /// The law under these limits.
-pub const LAW: Law = Law::BacklashInverse;
+pub const LAW: Law = Law::WITH_LIMITS;
 
 /// An upper limit on a quantile over the random plants.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

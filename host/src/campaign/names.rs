@@ -5,7 +5,6 @@ use std::fmt;
 use serde::Serialize;
 
 use super::case::Part;
-use super::law::Law;
 use super::quantiles::Quantile;
 use super::score::MissingReason;
 
@@ -19,4 +18,4 @@ macro_rules! named_as_serialized {
     };
 }
 
-named_as_serialized!(Law, MissingReason, Part, Quantile);
+named_as_serialized!(MissingReason, Part, Quantile);

@@ -53,7 +53,7 @@ mod tests {
     fn a_law_s_scenario_is_that_law_s() {
         let settings = Settings { seed: 1, plants: 1, laws: Law::ALL.to_vec(), sweeps: false };
         for case in cases(&settings).expect("cases") {
-            assert_eq!(case.scenario.controller.name.name(), case.id.law.to_string());
+            assert_eq!(case.scenario.controller.name, case.id.law.name());
         }
     }
 
@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn fewer_plants_are_the_first_of_more() {
-        let settings = |plants| Settings { seed: 3, plants, laws: vec![Law::Pd], sweeps: false };
+        let settings = |plants| Settings { seed: 3, plants, laws: vec![Law::BEFORE], sweeps: false };
         let (few, many) = (cases(&settings(3)).expect("cases"), cases(&settings(5)).expect("cases"));
         assert_eq!(few[..], many[..3]);
     }

@@ -112,7 +112,7 @@ mod tests {
     fn case(settings: &[&str]) -> Case {
         let text = include_str!("../../../scenarios/shaft-pd.toml");
         let overrides: Vec<_> = settings.iter().map(|it| Override::Set((*it).to_owned())).collect();
-        let id = CaseId { part: Part::DeadZone, row: settings.len() as u32, law: Law::Pd };
+        let id = CaseId { part: Part::DeadZone, row: settings.len() as u32, law: Law::BEFORE };
         let scenario = Scenario::from_str("shaft-pd.toml", text, &overrides).expect("a scenario");
         Case { id, settings: Vec::new(), scenario }
     }

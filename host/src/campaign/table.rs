@@ -31,7 +31,7 @@ mod tests {
 
     #[test]
     fn columns_are_in_the_order_of_the_heading() {
-        let settings = Settings { seed: 1, plants: 1, laws: vec![Law::Pd], sweeps: false };
+        let settings = Settings { seed: 1, plants: 1, laws: vec![Law::BEFORE], sweeps: false };
         let case = &cases(&settings).expect("a case")[0];
         let scores = r#"{"settle_time_s":"never","static_error_rad":-1e-7,"hunting_rad":0.5,
             "dead_zone_error_rad":1.0,"effort_nm2s":"not finite","torque_total_variation_nm":0.1}"#;

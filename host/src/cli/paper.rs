@@ -23,9 +23,9 @@ use super::paper_scenarios::SCENARIOS;
 use super::supervision::start_supervisor;
 
 const SHAFT: [(&str, &str); 5] = [
-    Law::Pd.scenario(),
-    Law::Merzouki.scenario(),
-    Law::BacklashInverse.scenario(),
+    Law::BEFORE.scenario(),
+    Law::ALL[1].scenario(),
+    Law::WITH_LIMITS.scenario(),
     ("scenarios/shaft-sine.toml", include_str!("../../../scenarios/shaft-sine.toml")),
     (
         "scenarios/shaft-backlash-inverse-sine.toml",

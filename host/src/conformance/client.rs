@@ -11,7 +11,7 @@ use lashloop_protocol::{DriveMessage, HostMessage, Message};
 use lashloop_bench::link::Link;
 use lashloop_bench::session::line::Line;
 use lashloop_bench::session::request::REQUEST_LIMIT;
-use lashloop_bench::session::{Parameter, SessionError, handshake, parameters};
+use lashloop_bench::session::{Description, Parameter, SessionError, handshake};
 
 use super::answers::{command_result, hello, identity, report, sample, torque};
 use super::assertion::{Failure, RuleResult, broken, equal};
@@ -20,12 +20,15 @@ use super::assertion::{Failure, RuleResult, broken, equal};
 /// the end of the answers to the request before it.
 const NO_PARAMETER: u8 = u8::MAX;
 
+/// Parameter that selects the law; a drive with one law may omit it.
+pub(super) const CONTROLLER: &str = "controller";
+
 /// A drive under test.
 pub(super) struct Client {
     pub(super) line: Line,
     pub(super) session: u32,
     pub(super) identity: Identity,
-    pub(super) parameters: Vec<Parameter>,
+    pub(super) description: Description,
     /// State of the drive after the last request.
     pub(super) state: State,
     /// A measurement of the check, for information.
@@ -37,8 +40,8 @@ impl Client {
         let mut line = Line::new(link);
         line.clear()?;
         let identity = handshake::shake_hands(&mut line, session)?;
-        let parameters = parameters::read_all(&mut line, identity.parameter_count)?;
-        Ok(Self { line, session, identity, parameters, state: identity.state, note: String::new() })
+        let description = Description::read(&mut line, &identity)?;
+        Ok(Self { line, session, identity, description, state: identity.state, note: String::new() })
     }
 
     /// Resets the drive. The answer is left for the next host.
@@ -100,8 +103,16 @@ impl Client {
     }
 
     pub(super) fn parameter(&self, name: &str) -> Result<&Parameter, Failure> {
-        let found = self.parameters.iter().find(|parameter| parameter.name == name);
+        let found = self.description.parameters.iter().find(|parameter| parameter.name == name);
         found.ok_or_else(|| broken(format!("a parameter {name}"), "a drive without it"))
+    }
+
+    /// Index of the law in force after a reset.
+    pub(super) fn default_law(&self) -> u8 {
+        match self.parameter(CONTROLLER).map(|it| it.default) {
+            Ok(ParameterValue::U32(index)) => index as u8,
+            _ => 0,
+        }
     }
 
     /// Sets a parameter; a refusal fails the check.

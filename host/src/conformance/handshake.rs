@@ -66,8 +66,9 @@ fn fields(client: &mut Client) -> RuleResult {
     expect(it.period_us > 0, "a control period", it.period_us)?;
     let counts = (it.motor_counts_per_rev, it.load_counts_per_rev);
     expect(counts.0 > 0 && counts.1 > 0, "counts per revolution of both encoders", counts)?;
-    expect(!it.controllers.is_empty(), "at least one control law", it.controllers)?;
-    expect(it.parameter_count > 0, "parameters", it.parameter_count)
+    expect(it.law_count > 0, "at least one control law", it.law_count)?;
+    expect(it.parameter_count > 0, "parameters", it.parameter_count)?;
+    expect(it.dirty <= 1, "dirty of 0 or 1", it.dirty)
 }
 
 fn other_version(client: &mut Client) -> RuleResult {

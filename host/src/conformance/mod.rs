@@ -4,8 +4,10 @@
 //! |---|---|
 //! | `handshake` | identity, sessions, versions |
 //! | `transitions` | every request in every state, and requests of another session |
+//! | `description` | laws, signals and choices |
 //! | `parameters` | descriptions, ranges, read-back, refusals |
-//! | `samples` | torque for samples, the rules of the sequence, telemetry |
+//! | `samples` | torque for samples, the rules of the sequence |
+//! | `telemetry` | subscriptions and the values of signals |
 //! | `encoders` | wraparound, jumps and ambiguous positions |
 //! | `safety` | torque limit, latched faults, watchdog |
 //! | `line` | noise, damaged frames and their counters |
@@ -22,6 +24,7 @@ mod answers;
 mod assertion;
 mod check;
 mod client;
+mod description;
 mod encoders;
 mod handshake;
 pub mod junit;
@@ -34,6 +37,7 @@ mod result;
 mod safety;
 mod samples;
 mod states;
+mod telemetry;
 mod transitions;
 
 use std::time::Instant;
@@ -100,8 +104,10 @@ fn all_checks() -> impl Iterator<Item = (&'static str, Check)> {
     let groups = [
         ("handshake", handshake::checks()),
         ("transitions", transitions::checks()),
+        ("description", description::checks()),
         ("parameters", parameters::checks()),
         ("samples", samples::checks()),
+        ("telemetry", telemetry::checks()),
         ("encoders", encoders::checks()),
         ("safety", safety::checks()),
         ("line", line::checks()),

@@ -15,13 +15,11 @@ use super::client::Client;
 use super::range::{holds, nearest_whole, outside};
 
 /// Parameters that every drive must have: every run or a safety rule depends on them.
-pub const REQUIRED_PARAMETERS: [&str; 9] = [
-    "controller",
+pub const REQUIRED_PARAMETERS: [&str; 7] = [
     "period_us",
     "motor_counts_per_rev",
     "load_counts_per_rev",
     "watchdog_us",
-    "telemetry_every",
     "torque_limit_nm",
     "motor_speed_limit_rad_s",
     "load_speed_limit_rad_s",
@@ -34,18 +32,18 @@ pub(super) fn checks() -> Vec<Check> {
         }),
         check("every parameter name is unique", |client| {
             let mut seen = HashSet::new();
-            client.parameters.iter().try_for_each(|it| {
+            client.description.parameters.iter().try_for_each(|it| {
                 expect(!it.name.is_empty() && seen.insert(&it.name), "a name no other has", &it.name)
             })
         }),
         check("default, minimum and maximum have one type", |client| {
-            client.parameters.iter().try_for_each(|it| {
+            client.description.parameters.iter().try_for_each(|it| {
                 let types = (it.default.ty(), it.min.ty(), it.max.ty());
                 expect(types.0 == types.1 && types.1 == types.2, format!("{}: one type", it.name), types)
             })
         }),
         check("every default lies in its range", |client| {
-            client.parameters.iter().try_for_each(|it| {
+            client.description.parameters.iter().try_for_each(|it| {
                 expect(
                     holds(it, it.default),
                     format!("{} within {} to {}", it.name, it.min, it.max),
@@ -122,7 +120,7 @@ pub(super) fn checks() -> Vec<Check> {
 }
 
 fn each(client: &mut Client, mut check: impl FnMut(&mut Client, &Parameter) -> RuleResult) -> RuleResult {
-    client.parameters.to_vec().iter().try_for_each(|parameter| check(client, parameter))
+    client.description.parameters.to_vec().iter().try_for_each(|parameter| check(client, parameter))
 }
 
 fn in_force(client: &mut Client, parameter: &Parameter, value: ParameterValue) -> RuleResult {
@@ -152,7 +150,7 @@ fn unknown_index(client: &mut Client) -> RuleResult {
         ("GetParameter", client.request(GetParameter { index })?),
         ("SetParameter", client.request(SetParameter { index, value })?),
     ] {
-        equal(&format!("{what} {index}:"), Outcome::UnknownParameter, report(index, &answers)?.outcome)?;
+        equal(&format!("{what} {index}:"), Outcome::UnknownIndex, report(index, &answers)?.outcome)?;
     }
     // The last parameter is described under its own index.
     let Some(last) = index.checked_sub(1) else { return Ok(()) };

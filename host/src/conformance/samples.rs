@@ -1,15 +1,15 @@
-//! Samples: torque answers, sequence rules and telemetry.
+//! Samples: torque answers and sequence rules.
 
 use lashloop_protocol::EncoderCounts;
-use lashloop_protocol::enums::{ControllerId, Outcome, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::{EncoderSample, Stop};
 
 use super::encoders::setup::Setup;
 
-use super::answers::{outcome, sample, telemetry, torque};
+use super::answers::{outcome, sample, torque};
 use super::assertion::{Failure, RuleResult, equal, expect, names, skip};
 use super::check::{Check, check};
-use super::client::Client;
+use super::client::{CONTROLLER, Client};
 use super::reactions::refused_sample;
 
 /// Steps after which any controller state shows in the torque.
@@ -36,7 +36,7 @@ pub(super) fn checks() -> Vec<Check> {
             }
             Ok(())
         }),
-        check("every controller that the drive offers returns a torque", every_controller),
+        check("every law that the drive describes returns a torque", every_law),
         check("the first sample of a run must carry sequence 0", |client| {
             client.running(&[])?;
             refused_sample(client, 1)?;
@@ -104,35 +104,6 @@ pub(super) fn checks() -> Vec<Check> {
             let again = torques(client, |_, _| Ok(()))?;
             equal("torques", first, again)
         }),
-        check("telemetry follows the torque of every n-th sample", |client| {
-            client.running(&[("telemetry_every", ParameterValue::U32(3))])?;
-            for sequence in 0..7_u16 {
-                let answers = client.sample(sequence)?;
-                let both = vec!["TorqueAnswer", "Telemetry"];
-                let wanted = if sequence.is_multiple_of(3) { both } else { vec!["TorqueAnswer"] };
-                equal(&format!("to sample {sequence} of telemetry_every = 3"), wanted, names(&answers))?;
-                if sequence.is_multiple_of(3) {
-                    equal("sequence of the telemetry", sequence, telemetry(&answers)?.sequence)?;
-                }
-            }
-            Ok(())
-        }),
-        check("telemetry_every = 0 means no telemetry", |client| {
-            client.running(&[("telemetry_every", ParameterValue::U32(0))])?;
-            (0..20).try_for_each(|sequence| {
-                equal("answers", vec!["TorqueAnswer"], names(&client.sample(sequence)?))
-            })
-        }),
-        check("telemetry carries the requested torque before the limit", |client| {
-            client.running(&[("telemetry_every", ParameterValue::U32(1))])?;
-            let limit_nm = client.real("torque_limit_nm")?;
-            (0..3).try_for_each(|sequence| {
-                let answers = client.sample(sequence)?;
-                let wanted_nm = telemetry(&answers)?.requested_torque_nm.clamp(-limit_nm, limit_nm);
-                let what = "torque, of that in the telemetry within the limit,";
-                equal(what, wanted_nm, torque(&answers)?.torque_nm)
-            })
-        }),
     ];
     for state in [State::Idle, State::Armed, State::Faulted] {
         let name = format!("a sample gets torque zero in {state:?}");
@@ -172,14 +143,16 @@ fn torques(
     Ok(torques)
 }
 
-fn every_controller(client: &mut Client) -> RuleResult {
-    let offered = client.identity.controllers;
-    for controller in ControllerId::ALL.iter().copied().filter(|&controller| offered.offers(controller)) {
+fn every_law(client: &mut Client) -> RuleResult {
+    for law in client.description.laws.clone() {
         client.reset()?;
-        client.running(&[("controller", ParameterValue::U32(controller as u32))])?;
+        match client.parameter(CONTROLLER) {
+            Ok(_) => client.running(&[(CONTROLLER, ParameterValue::U32(law.index.into()))])?,
+            Err(_) => client.running(&[])?,
+        }
         let answer = client.torque(0)?;
-        equal(&format!("with {controller:?} the state"), State::Running, answer.status.state)?;
-        expect(answer.torque_nm.is_finite(), format!("a torque of {controller:?}"), answer.torque_nm)?;
+        equal(&format!("with {} the state", law.name), State::Running, answer.status.state)?;
+        expect(answer.torque_nm.is_finite(), format!("a torque of {}", law.name), answer.torque_nm)?;
     }
     Ok(())
 }

@@ -209,13 +209,15 @@ mod tests {
             session: 7,
             firmware: lashloop_protocol::enums::Version { major: 0, minor: 1, patch: 0 },
             build_id: 0xc0ffee,
+            dirty: 0,
             state,
             board: lashloop_protocol::text::Text::new("stm32f405"),
             period_us: 1000,
             motor_counts_per_rev: 1,
             load_counts_per_rev: 1,
-            controllers: lashloop_protocol::enums::Controllers::PD,
+            law_count: 1,
             parameter_count: 27,
+            signal_count: 0,
         };
         assert!(!handshake(&identity(State::Idle)).is_wrong());
         assert!(handshake(&identity(State::Faulted)).is_wrong());

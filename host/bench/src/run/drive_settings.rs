@@ -35,7 +35,6 @@ impl<'a> DriveSettings<'a> {
         clock: ClockName,
     ) -> Result<Self, ScenarioErrors> {
         let law = law(scenario, session)?;
-        scenario.check_drive(|name| default_of(session.parameter(name)?, law))?;
         let mut errors = Vec::new();
         let mut notes = Vec::new();
         let from_sections = from_sections(scenario, law);
@@ -107,14 +106,6 @@ fn law<'s>(scenario: &Scenario, session: &'s Session) -> Result<&'s Law, Scenari
         let known = session.laws.iter().map(|law| &*law.name);
         let reason = UnknownName::new("the drive", "law", &wanted.name, known);
         ScenarioError::by_drive(&wanted.origin, "controller.name", format!("{:?}", wanted.name), reason)
-    })
-}
-
-/// The default of a parameter that the law has.
-fn default_of(parameter: &Parameter, law: &Law) -> Option<f64> {
-    parameter.laws.contains(law.index).then_some(match parameter.default {
-        ParameterValue::U32(value) => value.into(),
-        ParameterValue::F32(value) => value.into(),
     })
 }
 

@@ -34,6 +34,7 @@ mod subscribe;
 
 pub use at_step::AtStep;
 pub use client::{Session, Traffic};
+pub use description::Description;
 pub use error::{LastSeen, SessionError};
 pub use exchange::Exchange;
 pub use laws::{Law, LawMask};

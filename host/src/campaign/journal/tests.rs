@@ -14,7 +14,7 @@ fn result(row: u32) -> CaseResult {
     let scores = r#"{"settle_time_s":"never","static_error_rad":-0.1,"hunting_rad":0.0,
         "dead_zone_error_rad":0.3333333333333333,"effort_nm2s":1e2,"torque_total_variation_nm":7.5}"#;
     CaseResult {
-        case: CaseId { part: Part::RandomPlants, row, law: Law::Pd },
+        case: CaseId { part: Part::RandomPlants, row, law: Law::BEFORE },
         end: "complete".to_owned(),
         scores: serde_json::from_str::<Scores>(scores).expect("scores"),
         torque_sha256: "ff".repeat(32),
@@ -85,7 +85,7 @@ fn results_of_another_battery_are_refused_by_the_difference() {
         (with(|it| it.settings.seed = 2), "its seed is 1, here it is 2"),
         (with(|it| it.settings.plants = 3), "its number of plants is 2, here it is 3"),
         (
-            with(|it| it.settings.laws = vec![Law::Pd]),
+            with(|it| it.settings.laws = vec![Law::BEFORE]),
             "its list of controllers is pd,merzouki,backlash-inverse, here it is pd",
         ),
         (with(|it| it.settings.sweeps = false), "its choice of sweeps is with, here it is without"),

@@ -17,14 +17,14 @@ fn result(part: Part, row: u32, law: Law, settle_time: &str, end: &str) -> CaseR
 
 /// A report on twenty plants, `diverged` of which diverge.
 fn report(diverged: u32) -> Report {
-    let settings = Settings { seed: 1, plants: 20, laws: vec![Law::Pd, Law::BacklashInverse], sweeps: true };
+    let settings = Settings { seed: 1, plants: 20, laws: vec![Law::BEFORE, Law::WITH_LIMITS], sweeps: true };
     let mut results = Vec::new();
     for row in 0..20 {
-        results.push(result(Part::RandomPlants, row, Law::Pd, "\"never\"", "complete"));
+        results.push(result(Part::RandomPlants, row, Law::BEFORE, "\"never\"", "complete"));
         let (time, end) = if row < diverged { ("\"not finite\"", "it blew up") } else { ("2.5", "complete") };
-        results.push(result(Part::RandomPlants, row, Law::BacklashInverse, time, end));
+        results.push(result(Part::RandomPlants, row, Law::WITH_LIMITS, time, end));
     }
-    results.push(result(Part::TorqueDelay, 5, Law::Pd, "\"cut short\"", "the drive latched it"));
+    results.push(result(Part::TorqueDelay, 5, Law::BEFORE, "\"cut short\"", "the drive latched it"));
     Report::new(&settings, results.iter())
 }
 
@@ -40,8 +40,8 @@ fn one_diverged_run_fails_the_battery_and_is_in_the_tables() {
 
 #[test]
 fn without_the_limited_law_the_report_states_no_limits() {
-    let settings = Settings { seed: 1, plants: 1, laws: vec![Law::Pd], sweeps: false };
-    let results = [result(Part::RandomPlants, 0, Law::Pd, "\"never\"", "complete")];
+    let settings = Settings { seed: 1, plants: 1, laws: vec![Law::BEFORE], sweeps: false };
+    let results = [result(Part::RandomPlants, 0, Law::BEFORE, "\"never\"", "complete")];
     let report = Report::new(&settings, results.iter());
     assert!(report.limits.is_empty());
     assert!(report.to_string().ends_with("no limits: they apply to backlash-inverse only"), "{report}");
