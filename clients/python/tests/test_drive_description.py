@@ -186,7 +186,7 @@ ENTER: dict[str, Callable[[DriveUnderTest], object]] = {
     "Faulted": lambda dut: dut.idle().send(EmergencyStop()),
 }
 # Signals of `MANY` are those of the drive and 1 to 20; `pd` has those of the drive and the ones from 21 on.
-SIGNALS_OF_CASE = {
+SIGNALS_OF_CASE: dict[str, list[tuple[int, ...]]] = {
     "a bit without a signal": [(31,), tuple(range(14, 32))],
     "more than 13 signals": [tuple(range(14))],
     "a signal that the law in force lacks": [(0, 21)],
