@@ -170,7 +170,7 @@ fn read_unit(expect: &mut Section<'_>, quantity: Option<&Quantity>) -> String {
                 }
             }
         }
-        None => return expect.text("unit", None).unwrap_or_default().to_owned(),
+        None => return expect.text("unit", Some("a unit in quotes")).unwrap_or_default().to_owned(),
     };
     let allowed = format!("\"{unit}\"");
     if let Some(found) = expect.text("unit", Some(&allowed))
