@@ -93,8 +93,6 @@ impl<F: Real> Merzouki<F> {
     }
 
     /// The torque for one sample, before the drive's limit.
-    // Inlined, because two laws call it: the call costs 3 % of a control step on the Cortex-M.
-    #[inline(always)]
     pub fn step(&mut self, measurement: &Measurement<F>) -> ControlOutput<CascadeSignals<F>, F> {
         let twist = measurement.twist_rad;
         let observed_torque = match &self.source {

@@ -109,8 +109,6 @@ impl<F: Real> BacklashInverse<F> {
     }
 
     /// The torque for one sample, before the drive's limit.
-    // Inlined, because the call costs 2 % of a control step on the Cortex-M.
-    #[inline(always)]
     pub fn step(&mut self, measurement: &Measurement<F>) -> ControlOutput<CascadeSignals<F>, F> {
         let m = measurement;
         let observers = self.observers.get_or_insert_with(|| Observers::at(m));
@@ -168,7 +166,6 @@ impl ControlLaw for BacklashInverse {
         Self::new(&model, gains, setting)
     }
 
-    #[inline(always)]
     fn step(&mut self, measurement: &Measurement<f32>) -> ControlOutput<CascadeSignals> {
         Self::step(self, measurement)
     }
