@@ -4,10 +4,10 @@
 //! into a whole count: a property of the encoder. So double precision closes the loop, and single precision computes its
 //! torque from the same counts without applying it.
 
-use lashloop_firmware::control::law::Law;
 use lashloop_firmware::control::{Measurement, Real};
 use lashloop_plant::Truth;
 
+use crate::law::Law;
 use crate::closed_loop::{Quantised, Reference, Sensors};
 
 /// Sensors in double precision that also feed the drive's single precision.
