@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import os
 import signal
-import threading
 import time
-import tty
 from typing import TYPE_CHECKING
 
 import pytest
 
 from lashloop.control import ControlInput, ControlLaw, ControlOutput
 from lashloop.control.cascade import PD
-from lashloop.drive import Drive, serve
+from lashloop.drive import BackgroundDrive, Drive, serve
 from lashloop.enums import FaultCode, State
 from lashloop.frames import encode
 from lashloop.host import DriveFaultError, Host
@@ -25,47 +23,15 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
-class Served:
-    """A drive on a pseudo-terminal, in a thread. Leaving the block closes the terminal, which ends the thread."""
-
-    def __init__(self, *laws: ControlLaw) -> None:
-        """Start the thread."""
-        far_end, self._near_end = os.openpty()
-        tty.setraw(self._near_end)
-        self.path = os.ttyname(self._near_end)
-        self._line = DescriptorLink(far_end, self.path)
-        self.drive = Drive(laws)
-        self.error: Exception | None = None
-        self._thread = threading.Thread(target=self._run)
-        self._thread.start()
-
-    def _run(self) -> None:
-        try:
-            serve(self._line, self.drive)
-        except (LinkError, ZeroDivisionError) as error:
-            self.error = error
-
-    def __enter__(self) -> Served:
-        """Return the drive itself."""
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Close the terminal."""
-        os.close(self._near_end)
-        self._thread.join(SOON_S)
-        assert not self._thread.is_alive()
-        self._line.close()
-
-
 @pytest.fixture
-def served() -> Iterator[Served]:
+def served() -> Iterator[BackgroundDrive]:
     """The drive of the package."""
-    with Served(PD) as served:
+    with BackgroundDrive(Drive([PD])) as served:
         yield served
-    assert isinstance(served.error, LinkError)
+    assert served.error is None
 
 
-def test_a_run_over_a_pseudo_terminal_has_no_losses(served: Served) -> None:
+def test_a_run_over_a_pseudo_terminal_has_no_losses(served: BackgroundDrive) -> None:
     with Host.open(served.path) as host:
         host.set("watchdog_us", 5_000_000)
         host.arm()
@@ -77,18 +43,18 @@ def test_a_run_over_a_pseudo_terminal_has_no_losses(served: Served) -> None:
         assert (host.lost, host.counters.damaged, host.counters.refused) == (0, 0, 0)
 
 
-def test_hosts_may_connect_one_after_the_other(served: Served) -> None:
+def test_hosts_may_connect_one_after_the_other(served: BackgroundDrive) -> None:
     for _ in range(3):
         with Host.open(served.path) as host:
             assert host.identity.state is State.IDLE
 
 
-def test_a_port_in_use_is_rejected(served: Served) -> None:
+def test_a_port_in_use_is_rejected(served: BackgroundDrive) -> None:
     with Host.open(served.path), pytest.raises(LinkError, match=f"the port {served.path} can't be opened"):
         open_port(served.path)
 
 
-def test_a_partial_frame_of_an_earlier_host_does_no_harm(served: Served) -> None:
+def test_a_partial_frame_of_an_earlier_host_does_no_harm(served: BackgroundDrive) -> None:
     line = open_port(served.path)
     send_all(line, encode(Hello(1, 1))[:-1], SOON_S)
     line.close()
@@ -96,7 +62,7 @@ def test_a_partial_frame_of_an_earlier_host_does_no_harm(served: Served) -> None
         assert host.identity.session != 1
 
 
-def test_without_samples_the_watchdog_trips_and_is_reported(served: Served) -> None:
+def test_without_samples_the_watchdog_trips_and_is_reported(served: BackgroundDrive) -> None:
     with Host.open(served.path) as host:
         host.set("watchdog_us", 100_000)
         host.arm()
@@ -112,7 +78,7 @@ def test_without_samples_the_watchdog_trips_and_is_reported(served: Served) -> N
         assert 0.1 < it.value.fault.message.value < SOON_S
 
 
-def test_a_host_that_does_not_read_can_t_keep_the_watchdog_from_tripping(served: Served) -> None:
+def test_a_host_that_does_not_read_can_t_keep_the_watchdog_from_tripping(served: BackgroundDrive) -> None:
     with Host.open(served.path) as host:
         host.set("watchdog_us", 200_000)
         host.arm()
@@ -136,7 +102,8 @@ class Broken:
 
 
 def test_a_law_that_raises_ends_the_drive_with_a_panic_report() -> None:
-    with Served(ControlLaw(1, (), lambda _: Broken())) as served, Host.open(served.path) as host:
+    law = ControlLaw(name="broken", build=lambda _: Broken())
+    with BackgroundDrive(Drive([law])) as served, Host.open(served.path) as host:
         host.set("watchdog_us", 5_000_000)
         host.arm()
         host.start()

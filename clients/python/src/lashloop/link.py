@@ -108,12 +108,20 @@ class PseudoTerminal(DescriptorLink):
             raise LinkError(f"the system has no pseudo-terminal for the drive: {error.strerror}") from error
         tty.setraw(near_end)
         self.path = os.ttyname(near_end)
+        # The drive's own handle of the host's end keeps the terminal open between two hosts.
+        self._near_end: int | None = near_end
+        super().__init__(far_end, self.path)
 
-        def close() -> None:
-            os.close(near_end)
-            os.close(far_end)
+    def hang_up(self) -> None:
+        """Close the host's end: once no host has it open, `read` fails with `LinkError`, in another thread too."""
+        if self._near_end is not None:
+            os.close(self._near_end)
+            self._near_end = None
 
-        super().__init__(far_end, self.path, close)
+    def close(self) -> None:
+        """See `Link`."""
+        self.hang_up()
+        super().close()
 
 
 def open_port(path: str, baud: int = DEFAULT_BAUD) -> DescriptorLink:
