@@ -97,8 +97,8 @@ impl Records {
 impl Trace {
     /// Names of the columns.
     #[must_use]
-    pub fn header(&self) -> &[String] {
-        &self.0.header
+    pub fn header(&self) -> Vec<&str> {
+        self.0.columns.signals().iter().map(|signal| &*signal.name).collect()
     }
 
     /// Number of rows.

@@ -26,7 +26,9 @@ impl UnknownName {
         known: impl IntoIterator<Item = &'a str>,
     ) -> Self {
         let known: Vec<_> = known.into_iter().collect();
-        let similarity = |other: &&str| strsim::jaro_winkler(other, name);
+        // A name without its prefix or unit is more than similar.
+        let is_part = |other: &str| !name.is_empty() && other.contains(name);
+        let similarity = |other: &&str| if is_part(other) { 1.0 } else { strsim::jaro_winkler(other, name) };
         let nearest = known.iter().map(|known| (similarity(known), *known));
         let nearest = nearest.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(it, _)| *it >= MIN_SIMILARITY);
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
@@ -59,6 +61,8 @@ mod tests {
             error("merzuki"),
             "the drive has no law of this name (did you mean merzouki?); it has pd, merzouki"
         );
+        let column = UnknownName::new("the record", "signal", "speed", ["torque_nm", "drive.speed_rad_s"]);
+        assert_eq!(column.nearest.as_deref(), Some("drive.speed_rad_s"));
         assert_eq!(error("lqr"), "the drive has no law of this name; it has pd, merzouki");
         let nothing = UnknownName::new("the drive", "signal", "x", []).to_string();
         assert_eq!(nothing, "the drive has no signal of this name; it has none");

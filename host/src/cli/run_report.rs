@@ -1,6 +1,6 @@
 //! The report of a run on standard output; the verdict is its last line.
 
-use lashloop_bench::record::summary::Summary;
+use lashloop_bench::record::summary::{Summary, Telemetry};
 use lashloop_bench::run::{End, Outcome};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::verdict::LinkCounts;
@@ -11,6 +11,11 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
     outln!("{}", scenario.title);
     outln!("device      {}", summary.device);
     outln!("controller  {}", summary.controller);
+    let Telemetry { every_steps, signals } = &summary.telemetry;
+    match signals.len() {
+        0 => outln!("telemetry   none"),
+        count => outln!("telemetry   {count} signals every {every_steps} steps"),
+    }
     let (steps, simulated_s, wall_s) = (summary.steps, summary.simulated_s, summary.wall_s);
     outln!("run         {steps} steps, {simulated_s:.3} s of the plant in {wall_s:.3} s");
     let LinkCounts {
@@ -42,10 +47,12 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
         outln!("drive log   {line}");
     }
     outln!("");
-    for (metric, value) in summary.metrics.iter() {
-        let unit = if value.value().is_some() { metric.unit() } else { "" };
-        let value = value.value().map_or_else(|| value.to_string(), |number| format!("{number:.4}"));
-        outln!("{:<26} {value:>14} {unit}", metric.name());
+    let name_width = summary.metrics.iter().map(|(metric, _)| metric.name().len()).max().unwrap_or(0);
+    for (metric, measured) in summary.metrics.iter() {
+        match measured.value() {
+            Some(value) => outln!("{:<name_width$} {value:>14.4} {}", metric.name(), metric.unit()),
+            None => outln!("{:<name_width$} {:>14}", metric.name(), measured.to_string()),
+        }
     }
     outln!("");
     for finding in &summary.expectations {

@@ -20,13 +20,17 @@ fn a_set_value_persists_and_changes_list_and_hash() {
     let before = hash(&twin);
     assert_eq!(before, hash(&twin));
     assert_eq!(before.trim_end().len(), 64);
-    let ended = parameters(&twin, &["set", "torque_limit_nm=5", "telemetry_every=7"]).with_code(0);
-    assert_eq!(ended.stdout, "torque_limit_nm = 5.0\ntelemetry_every = 7\n");
+    let ended = parameters(&twin, &["set", "torque_limit_nm=5", "controller=merzouki"]).with_code(0);
+    assert_eq!(ended.stdout, "controller = \"merzouki\"\ntorque_limit_nm = 5.0\n");
     assert_ne!(before, hash(&twin));
     let list = parameters(&twin, &["list"]).with_code(0).stdout;
     let row = list.lines().find(|line| line.starts_with("torque_limit_nm ")).expect("a row of the parameter");
     let words: Vec<_> = row.split_whitespace().collect();
-    assert_eq!(words, ["torque_limit_nm", "5.0", "20.0", "no", "0", "to", "1000", "N", "m"]);
+    assert_eq!(words, ["torque_limit_nm", "5.0", "20.0", "no", "0", "to", "1000", "N", "m", "all"]);
+    let own = list.lines().find(|line| line.starts_with("k_21 ")).expect("a parameter of two laws");
+    assert!(own.ends_with("merzouki and merzouki-as-printed"), "{own}");
+    assert!(list.contains("\nlaws: pd, merzouki, merzouki-as-printed, backlash-inverse\n"), "{list}");
+    assert!(list.contains("\nrequested_torque_nm            N m    all\n"), "{list}");
 }
 
 #[test]
@@ -68,8 +72,8 @@ fn errors_name_the_place_and_set_nothing() {
     let twin = Twin::start();
     let before = hash(&twin);
     let unknown = parameters(&twin, &["set", "k_p1=2", "torque_limit=5"]).with_code(2).stderr;
-    let wanted = "lashloop: set torque_limit=5: torque_limit = 5: the drive has no such parameter; \
-        did you mean torque_limit_nm?";
+    let wanted = "lashloop: set torque_limit=5: torque_limit = 5: the drive has no parameter of this name \
+        (did you mean torque_limit_nm?); it has controller, ";
     assert!(unknown.starts_with(wanted), "{unknown}");
     fs::write(&file, "k_p1 = 2.0\n\ntorque_limit_nm = 2000\n").expect("a file");
     let high = parameters(&twin, &["restore", &file]).with_code(2).stderr;
@@ -82,8 +86,18 @@ fn errors_name_the_place_and_set_nothing() {
     assert!(twice.starts_with(&format!("lashloop: {file}:2: ")), "{twice}");
     fs::write(&file, "k_p1 = \"two\"\n").expect("a file");
     let text = parameters(&twin, &["restore", &file]).with_code(2).stderr;
-    assert_eq!(text, format!("lashloop: {file}:1: k_p1 is no setting; it must be NAME = NUMBER\n"));
+    let wanted = "it is a text; the drive takes 0 to 1000000 N m/rad; nothing has been set";
+    assert_eq!(text, format!("lashloop: {file}:1: k_p1 = two: {wanted}\n"));
+    fs::write(&file, "k_p1 = [2.0]\n").expect("a file");
+    let list = parameters(&twin, &["restore", &file]).with_code(2).stderr;
+    let wanted = "k_p1 is no setting; it must be NAME = NUMBER or NAME = \"CHOICE\"";
+    assert_eq!(list, format!("lashloop: {file}:1: {wanted}\n"));
+    let choice = parameters(&twin, &["set", "disturbing_torque_source=observer"]).with_code(2).stderr;
+    assert!(
+        choice.contains("this parameter has no choice of this name (did you mean observed?)"),
+        "{choice}"
+    );
     let word = parameters(&twin, &["set", "k_p1"]).with_code(2).stderr;
-    assert_eq!(word, "lashloop: set k_p1: no setting; it must be NAME=NUMBER\n");
+    assert_eq!(word, "lashloop: set k_p1: no setting; it must be NAME=NUMBER or NAME=CHOICE\n");
     assert_eq!(before, hash(&twin));
 }

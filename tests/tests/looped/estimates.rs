@@ -15,16 +15,16 @@ fn estimates_are_scored_at_their_own_samples() {
         let _ = program::run(arguments.into_iter().chain(overrides).chain(PATIENCE)).with_code(0);
         let trace = records.trace();
         let column = |name| trace.column(name);
-        let (time_s, estimate_time_s) = (column("time_s"), column("estimate_time_s"));
+        let (time_s, telemetry_time_s) = (column("time_s"), column("telemetry_time_s"));
         for step in 0..trace.len() {
             assert_eq!(
-                estimate_time_s[step],
+                telemetry_time_s[step],
                 time_s[step - step % every],
                 "telemetry of {device}, step {step}"
             );
         }
         let (truth_nm, estimate_nm) =
-            (column("disturbing_torque_nm"), column("disturbing_torque_estimate_nm"));
+            (column("disturbing_torque_nm"), column("drive.disturbing_torque_estimate_nm"));
         let (transmitted_nm, twist_rad) = (column("transmitted_torque_nm"), column("twist_rad"));
         // w = C - K z, with K = 1 N m/rad.
         let away = (0..trace.len()).map(|i| (transmitted_nm[i] - twist_rad[i] - truth_nm[i]).abs());
@@ -45,4 +45,29 @@ fn estimates_are_scored_at_their_own_samples() {
         let late_nm = &errors_nm[errors_nm.len() * 3 / 4..];
         assert!(late_nm.iter().all(|error| error.abs() < 0.02), "the drive estimates: {late_nm:?} N m off");
     }
+}
+
+#[test]
+fn only_the_selected_signals_are_recorded() {
+    let records = Records::new();
+    let arguments = ["run", "scenarios/shaft-merzouki.toml", "--device", "native", "--out", &records.out()];
+    let signals = "telemetry.signals=[\"load_error_rad\", \"requested_torque_nm\"]";
+    let settings = ["run.duration_s=1", "expect=[]", "telemetry.every_steps=1", signals];
+    let settings = settings.into_iter().flat_map(|setting| ["--set", setting]);
+    let _ = program::run(arguments.into_iter().chain(settings).chain(PATIENCE)).with_code(0);
+    let trace = records.trace();
+    let of_drive: Vec<_> = trace.header().into_iter().filter(|name| name.starts_with("drive.")).collect();
+    // In the order of the drive, not of the scenario.
+    assert_eq!(of_drive, ["drive.requested_torque_nm", "drive.load_error_rad"]);
+    let summary = records.summary();
+    assert_eq!(summary["telemetry"]["signals"], serde_json::json!(["requested_torque_nm", "load_error_rad"]));
+    // The drive's error is that of the load, within a count of 4000 and single precision.
+    let column = |name| trace.column(name);
+    let (load, reference, error) =
+        (column("load_position_rad"), column("reference_rad"), column("drive.load_error_rad"));
+    let worst = (0..trace.len()).map(|i| (load[i] - reference[i] - error[i]).abs()).fold(0.0, f64::max);
+    assert!(worst < 2e-3, "the drive's error differs by {worst} rad");
+    let (requested, torque) = (column("drive.requested_torque_nm"), column("torque_nm"));
+    let within = (0..trace.len()).filter(|&i| requested[i].abs() <= 20.0);
+    assert!(within.clone().count() > 500 && within.clone().all(|i| requested[i] == torque[i]));
 }

@@ -28,13 +28,13 @@ fn steps_count_on_through_a_wraparound_of_sequences() {
     assert_eq!((&summary["steps"], &summary["verdict"]), (&STEPS.into(), &"PASS".into()));
     assert_eq!((&link["lost"], &link["late"]), (&0.into(), &0.into()));
     let trace = records.trace();
-    let (time_s, estimate_time_s) = (trace.column("time_s"), trace.column("estimate_time_s"));
+    let (time_s, telemetry_time_s) = (trace.column("time_s"), trace.column("telemetry_time_s"));
     assert_eq!(time_s.len(), STEPS);
-    for (step, estimate_time_s) in estimate_time_s.iter().enumerate() {
+    for (step, telemetry_time_s) in telemetry_time_s.iter().enumerate() {
         // Telemetry follows the torques whose sequence is a multiple of ten, and sequences restart at 0.
         let since_the_last_0 = step % 65_536;
         let of = step - since_the_last_0 % EVERY;
-        assert_eq!(*estimate_time_s, time_s[of], "telemetry of step {of}, in force at step {step}");
+        assert_eq!(*telemetry_time_s, time_s[of], "telemetry of step {of}, in force at step {step}");
     }
 }
 
