@@ -16,10 +16,25 @@ use crate::paths;
 
 pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 
+/// A program for the board. Its feature builds for Arm alone.
+pub(crate) struct Program {
+    package: &'static str,
+    /// Name of the program, and of its image without the suffix.
+    pub(crate) name: &'static str,
+    feature: &'static str,
+}
+
 /// The drive.
-pub(crate) const DRIVE: &str = "lashloop-firmware";
-/// The program that counts the codec's instructions, behind a feature of the same name: it builds for Arm alone.
-pub(crate) const CODEC_COST: &str = "codec-cost";
+pub(crate) const DRIVE: Program =
+    Program { package: "lashloop-firmware", name: "lashloop-firmware", feature: "image" };
+/// Every program for the board.
+pub(crate) const PROGRAMS: [Program; 3] = [
+    DRIVE,
+    // Counts the codec's instructions.
+    Program { package: "lashloop-firmware", name: "codec-cost", feature: "codec-cost" },
+    // A drive with a law from a crate of its own.
+    Program { package: "own-law", name: "own-law-image", feature: "image" },
+];
 
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
 const DEBIAN_CARGO_CLIPPY: &str = "/usr/bin/cargo-clippy";
@@ -47,8 +62,8 @@ impl ArmToolchain {
         )
     }
 
-    /// `cargo build` of a program of the firmware for the board.
-    pub(crate) fn build(&self, program: &str) -> Command {
+    /// `cargo build` of a program for the board.
+    pub(crate) fn build(&self, program: &Program) -> Command {
         self.for_board(cargo("build"), program)
     }
 
@@ -68,14 +83,14 @@ impl ArmToolchain {
                 command(DEBIAN_CARGO_CLIPPY, "clippy")
             }
         };
-        let mut clippy = self.for_board(clippy, DRIVE);
+        let mut clippy = self.for_board(clippy, &DRIVE);
         clippy.args(["--", "-D", "warnings"]);
         Ok(clippy)
     }
 
-    fn for_board(&self, mut command: Command, program: &str) -> Command {
-        command.args(["--package", "lashloop-firmware", "--bin", program]);
-        command.args(["--features", if program == CODEC_COST { CODEC_COST } else { "image" }]);
+    fn for_board(&self, mut command: Command, program: &Program) -> Command {
+        let Program { package, name, feature } = program;
+        command.args(["--package", package, "--bin", name, "--features", feature]);
         // The image has one well-known place, independent of CARGO_TARGET_DIR.
         command.args(["--target", TARGET, "--profile", "image", "--target-dir"]);
         command.arg(paths::root().join("target"));

@@ -4,16 +4,16 @@ use std::fs;
 
 use anyhow::{Context, Result};
 
-use crate::arm_toolchain::{ArmToolchain, CODEC_COST, DRIVE, TARGET};
+use crate::arm_toolchain::{ArmToolchain, PROGRAMS, TARGET};
 use crate::{command, paths};
 
 /// Builds the images and copies them to their well-known places.
 pub(crate) fn build() -> Result<()> {
     let toolchain = ArmToolchain::find()?;
-    for program in [DRIVE, CODEC_COST] {
+    for program in &PROGRAMS {
         command::run(&mut toolchain.build(program))?;
-        let built = paths::root().join("target").join(TARGET).join("image").join(program);
-        let image = paths::image(program);
+        let built = paths::root().join("target").join(TARGET).join("image").join(program.name);
+        let image = paths::image(program.name);
         // Renaming is atomic: an emulator that starts now reads either the old or the new image.
         let copy = image.with_extension("elf.new");
         fs::copy(&built, &copy).with_context(|| format!("{} cannot be copied", built.display()))?;

@@ -32,7 +32,7 @@ enum Chore {
     Check,
     /// Install what the tests need and is missing here, after printing what that is
     Setup,
-    /// Build the Arm images, copy them to target/lashloop-firmware.elf and codec-cost.elf and print their sizes
+    /// Build the Arm images, copy them to target/*.elf and print the size of the drive's
     Image,
     /// Print the size of the Arm image and fail if it exceeds its limits
     Size,

@@ -25,7 +25,7 @@ pub(crate) struct Size {
 
 /// Prints the sizes.
 pub(crate) fn print() -> Result<Size> {
-    let path = paths::image(DRIVE);
+    let path = paths::image(DRIVE.name);
     let elf =
         fs::read(&path).with_context(|| format!("{}: run `cargo xtask image` first", path.display()))?;
     let size = Size::of(&elf).with_context(|| path.display().to_string())?;

@@ -1,12 +1,13 @@
 //! The plants in Rust.
 
 use std::error::Error;
+use std::path::Path;
 use std::time::Instant;
 
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;
-use lashloop_plant::{Mechanics, Start, TwoMass};
+use lashloop_plant::{Mechanics, Plants, Positions, Release, Start, TwoMass};
 
 use crate::Round;
 
@@ -26,7 +27,7 @@ pub const PLANTS: [Named; 3] = [
 ];
 
 impl Named {
-    /// Integrates the plant for a number of control periods.
+    /// Integrates the plant for a number of control periods, called directly.
     pub fn round(&self, periods: u32) -> Result<Round, Box<dyn Error>> {
         let mechanics = Mechanics::paper();
         match self.name {
@@ -34,6 +35,23 @@ impl Named {
             "hard-coulomb" => run(&HardCoulomb::new(mechanics, 3.84, self.substeps)?, periods),
             _ => run(&BacklashShaft::new(mechanics, ShaftParameters::paper(), self.substeps)?, periods),
         }
+    }
+
+    /// The same as the bench does it: the registered model behind a `Box<dyn Plant>`.
+    pub fn boxed_round(&self, periods: u32) -> Result<Round, Box<dyn Error>> {
+        let plants = Plants::standard();
+        let model = plants.get(self.name).ok_or("no such model")?;
+        let values = model.defaults();
+        let start = Start::at_rest(0.0, 0.0);
+        let mut plant =
+            model.release(&Release { values: &values, start, period_s: 1e-3, folder: Path::new("") })?;
+        let started = Instant::now();
+        for k in 0..periods {
+            plant.step(triangle_nm(k), 1e-3)?;
+        }
+        let ns = started.elapsed().as_nanos() as f64;
+        let Positions { motor_position_rad, load_position_rad } = plant.positions();
+        Ok(Round { ns, ends_rad: [load_position_rad, motor_position_rad] })
     }
 }
 

@@ -1,6 +1,5 @@
 //! Input and output of a control law.
 
-#[cfg(test)]
 use crate::control::Real;
 
 /// One sample as the drive measures it.
@@ -27,10 +26,9 @@ pub struct Measurement<F> {
     pub applied_torque_nm: F,
 }
 
-#[cfg(test)]
-impl<F: Real> Measurement<F> {
-    /// All zero.
-    pub(crate) fn at_rest() -> Self {
+impl<F: Real> Default for Measurement<F> {
+    /// Motor, load and reference at rest at zero, and no torque.
+    fn default() -> Self {
         Self {
             motor_position_rad: F::ZERO,
             motor_velocity_rad_s: F::ZERO,

@@ -63,7 +63,7 @@ mod tests {
     use super::*;
 
     fn at_velocity(motor_velocity_rad_s: f64, applied_torque_nm: f64) -> Measurement<f64> {
-        Measurement { motor_velocity_rad_s, applied_torque_nm, ..Measurement::at_rest() }
+        Measurement { motor_velocity_rad_s, applied_torque_nm, ..Measurement::default() }
     }
 
     #[test]

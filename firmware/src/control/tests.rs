@@ -20,7 +20,7 @@ fn start() -> Measurement<f64> {
     Measurement {
         motor_position_rad: 3.0 * FRAC_PI_2,
         load_position_rad: FRAC_PI_2,
-        ..Measurement::at_rest()
+        ..Measurement::default()
     }
 }
 

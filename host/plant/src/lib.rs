@@ -1,7 +1,8 @@
 //! Drives with gear backlash: two masses, a spring and a gap.
 //!
-//! A plant depends on no link, clock or file: it holds a torque for a time, and its state advances. The record contains
-//! the plant's [`Truth`]; the drive never receives it.
+//! A [`Plant`] depends on no link, clock or file: it holds a torque for a time, and its state advances. Its signals are its
+//! truth: the record contains them, the drive never receives them. A [`PlantModel`] builds a plant from the keys of a
+//! scenario, and [`Plants`] has the models by name. The three of this crate share the [`Mechanics`] of two masses:
 //!
 //! ```text
 //! J_m dd(theta_e) + f_m d(theta_e) + C           = U         motor

@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::process_plant;
+use lashloop_bench::scenario::plant::standard;
 use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_plant::Plants;
 
 use super::error::CliError;
 
@@ -25,6 +28,11 @@ pub(super) struct BaudOption {
     pub(super) baud: u32,
 }
 
+/// Models of plants that scenarios may choose. This program is the guard of a plant in a process.
+pub(super) fn plants() -> Plants {
+    standard().with(process_plant::model(std::env::current_exe().ok()))
+}
+
 #[derive(Args)]
 pub(super) struct ScenarioOptions {
     /// Scenario in TOML: plant, encoders, controller, reference and expectations
@@ -39,6 +47,6 @@ impl ScenarioOptions {
     /// `more` applies after the settings.
     pub(super) fn read(self, more: Option<Override>) -> Result<Scenario, CliError> {
         let overrides: Vec<_> = self.set.into_iter().map(Override::Set).chain(more).collect();
-        Ok(Scenario::from_file(&self.scenario, &overrides)?)
+        Ok(Scenario::from_file_with(&self.scenario, &overrides, &plants())?)
     }
 }

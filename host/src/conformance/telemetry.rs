@@ -2,9 +2,9 @@
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
-use lashloop_protocol::message::{Arm, Reset, Start, Stop, Subscribe};
+use lashloop_protocol::message::{Arm, ClearFault, Reset, Start, Stop, Subscribe};
 
-use super::answers::telemetry;
+use super::answers::{telemetry, torque};
 use super::assertion::{Failure, RuleResult, equal, names, skip};
 use super::check::{Check, check};
 use super::client::{CONTROLLER, Client};
@@ -96,9 +96,9 @@ pub(super) fn checks() -> Vec<Check> {
             let limit_nm = client.real("torque_limit_nm")?;
             (0..3).try_for_each(|sequence| {
                 let answers = client.sample(sequence)?;
-                let wanted_nm = values(&telemetry(&answers)?.values)[0].clamp(-limit_nm, limit_nm);
+                let wanted_nm = telemetry(&answers)?.values.as_slice()[0].clamp(-limit_nm, limit_nm);
                 let what = "torque, of that in the telemetry within the limit,";
-                equal(what, wanted_nm, super::answers::torque(&answers)?.torque_nm)
+                equal(what, wanted_nm, torque(&answers)?.torque_nm)
             })
         }),
     ];
@@ -157,17 +157,13 @@ fn running_with(client: &mut Client, signals: u32, every: u16) -> RuleResult {
     client.running(&[])
 }
 
-fn values(values: &lashloop_protocol::TelemetryValues) -> &[f32] {
-    values.as_slice()
-}
-
 fn outlives(client: &mut Client) -> RuleResult {
     let signals = signals(client)?;
     running_with(client, signals, 1)?;
     client.command(Stop {})?;
     client.handshake(client.session ^ 1)?;
     client.faulted()?;
-    client.command(lashloop_protocol::message::ClearFault {})?;
+    client.command(ClearFault {})?;
     client.running(&[])?;
     equal("answers", vec!["TorqueAnswer", "Telemetry"], names(&client.sample(0)?))
 }
@@ -195,7 +191,7 @@ fn series(client: &mut Client, signals: u32) -> Result<Vec<Vec<u32>>, Failure> {
     (0..STEPS)
         .map(|sequence| {
             let telemetry = telemetry(&client.sample(sequence)?)?;
-            let values: Vec<_> = values(&telemetry.values).iter().map(|value| value.to_bits()).collect();
+            let values: Vec<_> = telemetry.values.as_slice().iter().map(|value| value.to_bits()).collect();
             equal("number of values", signals.count_ones() as usize, values.len())?;
             Ok(values)
         })

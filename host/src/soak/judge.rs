@@ -59,11 +59,11 @@ mod tests {
     use lashloop_bench::fault::log::FaultRecord;
     use lashloop_bench::timing::{ClockName, Timings};
     use lashloop_bench::verdict::Judgement;
-    use lashloop_plant::metrics::Measurement;
+    use lashloop_plant::metrics::{Measurement, SignalTable};
 
     fn outcome(verdict: Verdict, link: LinkCounts) -> Outcome {
         let timing = Timings::new(ClockName::Lockstep, 1_000, 0).report(Vec::new());
-        let metrics = Measurement::new(1e-3).metrics();
+        let metrics = Measurement::new(1e-3, &SignalTable::default()).metrics();
         Outcome {
             judgement: Judgement { verdict, expectations: Vec::new(), breaches: Vec::new() },
             end: End::Complete,
@@ -76,6 +76,7 @@ mod tests {
             wall_s: 1e-3,
             torque_sha256: String::new(),
             logs: Vec::new(),
+            signals: SignalTable::default(),
         }
     }
 

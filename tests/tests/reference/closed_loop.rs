@@ -117,7 +117,7 @@ impl<F: Real> Sensors<F> for Quantised<F> {
 }
 
 /// Runs the loop. The first row is the start, the last one the state after `timing.periods`.
-pub(crate) fn run<F: Real, P: Plant>(
+pub(crate) fn run<F: Real, P: TwoMass>(
     plant: &P,
     start: Start,
     law: &Law<F>,

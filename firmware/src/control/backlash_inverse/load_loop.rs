@@ -108,7 +108,7 @@ mod tests {
     }
 
     fn at(load_position_rad: f64) -> Measurement<f64> {
-        Measurement { load_position_rad, ..Measurement::at_rest() }
+        Measurement { load_position_rad, ..Measurement::default() }
     }
 
     /// The integral after this number of samples at rest at one position.

@@ -37,7 +37,7 @@ fn at_rest_on_the_reference_the_torque_is_zero() {
         load_position_rad: 40.0,
         reference_position_rad: 40.0,
         motor_position_rad: 120.0,
-        ..Measurement::at_rest()
+        ..Measurement::default()
     };
     let output = output_after(anywhere, 100);
     assert_eq!(
@@ -49,7 +49,7 @@ fn at_rest_on_the_reference_the_torque_is_zero() {
 #[test]
 fn the_motor_leads_the_wanted_torque_by_the_gap() {
     // 0.1 rad off the reference the load loop wants a torque that needs contact.
-    let off_reference = Measurement { load_position_rad: -0.1, ..Measurement::at_rest() };
+    let off_reference = Measurement { load_position_rad: -0.1, ..Measurement::default() };
     let output = output_after(off_reference, 1);
     // (f_s + D_v) lam e / N0, with nothing integrated yet.
     let wanted_nm = 46.0 * 2.5 * 0.1 / 3.0;
@@ -66,7 +66,7 @@ fn the_motor_leads_the_wanted_torque_by_the_gap() {
 #[test]
 fn a_torque_below_the_crossing_moves_the_motor_part_of_the_gap() {
     // 2.5 mrad request 0.0958 N m: half of the gap at a crossing twice as wide.
-    let off_reference = Measurement { load_position_rad: -0.0025, ..Measurement::at_rest() };
+    let off_reference = Measurement { load_position_rad: -0.0025, ..Measurement::default() };
     let wanted_nm = 46.0 * 2.5 * 0.0025 / 3.0;
     let gains = BacklashInverseGains { gap_crossing_nm: 2.0 * wanted_nm, ..BacklashInverseGains::default() };
     let mut law = BacklashInverse::new(&NominalModel::default(), gains, setting()).expect("valid");
@@ -81,7 +81,7 @@ fn a_torque_below_the_crossing_moves_the_motor_part_of_the_gap() {
 #[test]
 fn disturbing_torque_is_the_transmitted_less_the_spring_torque() {
     // At a twist of 1.66 rad the paper's machine transmits 1.5 N m: w = 1.5 - 1.66 N m.
-    let wound = Measurement { twist_rad: 1.66, applied_torque_nm: 1.5, ..Measurement::at_rest() };
+    let wound = Measurement { twist_rad: 1.66, applied_torque_nm: 1.5, ..Measurement::default() };
     let output = output_after(Measurement { motor_position_rad: 1.66, ..wound }, 2000);
     assert!(
         (output.signals.disturbing_torque_estimate_nm + 0.16).abs() < 1e-9,
@@ -99,7 +99,7 @@ fn load_friction_does_not_bias_the_gap_estimate() {
     for k in 0..40_000 {
         let torque = 3.0 * (f64::from(k) * 5e-4).sin();
         let twist = torque + 0.1 * torque.signum();
-        let wound = Measurement { applied_torque_nm: torque, twist_rad: twist, ..Measurement::at_rest() };
+        let wound = Measurement { applied_torque_nm: torque, twist_rad: twist, ..Measurement::default() };
         output = Some(law.step(&Measurement { load_position_rad: -0.5, ..wound }));
     }
     let have = output.expect("stepped").signals.dead_zone_estimate_rad;
@@ -108,7 +108,7 @@ fn load_friction_does_not_bias_the_gap_estimate() {
 
 #[test]
 fn the_estimate_is_frozen_during_a_hold() {
-    let wound = Measurement { twist_rad: 3.0, applied_torque_nm: 1.5, ..Measurement::at_rest() };
+    let wound = Measurement { twist_rad: 3.0, applied_torque_nm: 1.5, ..Measurement::default() };
     assert_eq!(output_after(wound, 5000).signals.dead_zone_estimate_rad, 0.16, "a hold on the reference");
     let off_reference = Measurement { load_position_rad: 0.1, ..wound };
     assert!(output_after(off_reference, 5000).signals.dead_zone_estimate_rad > 0.2, "off the reference");
@@ -116,7 +116,7 @@ fn the_estimate_is_frozen_during_a_hold() {
 
 #[test]
 fn the_drive_limit_bounds_the_transmitted_torque() {
-    let far = Measurement { load_position_rad: -2.0, ..Measurement::at_rest() };
+    let far = Measurement { load_position_rad: -2.0, ..Measurement::default() };
     let weak = BacklashInverseSetting { torque_limit_nm: 2.0, ..setting() };
     for (setting, limit_nm) in [(setting(), 8.0), (weak, 2.0)] {
         let mut law =
@@ -143,7 +143,7 @@ fn the_other_direction_is_the_mirror_image() {
             twist_rad: t,
             reference_position_rad: 0.3,
             applied_torque_nm: 2.0 * t,
-            ..Measurement::at_rest()
+            ..Measurement::default()
         };
         let other = Measurement {
             motor_position_rad: -m.motor_position_rad,
@@ -152,7 +152,7 @@ fn the_other_direction_is_the_mirror_image() {
             twist_rad: -m.twist_rad,
             reference_position_rad: -m.reference_position_rad,
             applied_torque_nm: -m.applied_torque_nm,
-            ..Measurement::at_rest()
+            ..Measurement::default()
         };
         let (one, two) = (law.step(&m), mirrored.step(&other));
         assert_eq!(one.torque_nm, -two.torque_nm, "sample {k}");

@@ -6,6 +6,7 @@ use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
 use super::error::ScenarioError;
+use super::key::Further;
 use super::key_error::KeyError;
 use super::origin::Origin;
 use super::reader::Section;
@@ -96,7 +97,7 @@ pub(super) fn read(controller: &mut Section<'_>) -> ControllerSettings {
 
 fn read_parameters(parameters: &mut Section<'_>) -> Vec<ParameterSetting> {
     let mut settings = Vec::new();
-    for (name, node) in parameters.all() {
+    for (name, node) in parameters.all(Further::Values) {
         match read_value(node) {
             Ok(value) => {
                 settings.push(ParameterSetting { name: name.to_owned(), value, origin: node.origin.clone() });

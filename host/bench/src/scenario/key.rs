@@ -69,10 +69,22 @@ pub struct Choice {
 pub struct Keys {
     /// Keys that the section always has, in the order of their declaration.
     pub keys: Vec<Key>,
-    /// Whether the section takes any further key with a number, a boolean or a text.
-    pub open: bool,
+    /// Keys that are declared elsewhere.
+    pub further: Further,
     /// Keys that depend on a choice.
     pub selectors: Vec<Selector>,
+}
+
+/// Keys of a section that the reader doesn't declare.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Further {
+    /// None: an unknown key is an error.
+    #[default]
+    Rejected,
+    /// Any key with a number, a boolean or a text, which the drive checks.
+    Values,
+    /// Any key with any value, which is passed on.
+    Anything,
 }
 
 /// A choice that decides on further keys.

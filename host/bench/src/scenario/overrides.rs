@@ -47,7 +47,8 @@ impl Override {
             },
         };
         let placed = value.and_then(|value| {
-            if root.get(path).is_none() && !path.contains('.') && !path.is_empty() {
+            let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_';
+            if root.get(path).is_none() && !path.is_empty() && path.chars().all(is_bare) {
                 needs_no_section(path, &keys())?;
             }
             place(root, path, Node { origin, value })

@@ -2,6 +2,7 @@
 
 use lashloop_plant::{Key, KeyKind, PlantValue, PlantValues};
 
+use super::key::Further;
 use super::reader::Section;
 use super::spelling::with_unit;
 use super::tree::{Node, Value};
@@ -52,7 +53,7 @@ fn read_value(plant: &mut Section<'_>, key: &Key) -> PlantValue {
             let texts = texts.unwrap_or_default();
             PlantValue::List(texts.into_iter().map(|text| PlantValue::Text(text.to_owned())).collect())
         }
-        KeyKind::Table => plant.section(key.name, |section| free(section.all())),
+        KeyKind::Table => plant.section(key.name, |section| free(section.all(Further::Anything))),
     }
 }
 

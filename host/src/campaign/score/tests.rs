@@ -5,21 +5,26 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 
 use super::*;
 use lashloop_bench::session::AtStep;
-use lashloop_plant::PlantError;
-use lashloop_plant::metrics::{Estimates, Measurement, Sample};
+use lashloop_plant::{PlantError, Signal};
+use lashloop_plant::metrics::{Measurement, Sample, SignalTable};
 
 /// Metrics of a run without any error.
 fn perfect() -> Metrics {
-    let mut measurement = Measurement::new(0.5);
+    let signal = |name: &'static str| Signal::new(name, "");
+    let signals = SignalTable {
+        plant: vec![signal("dead_zone_rad"), signal("disturbing_torque_nm")],
+        drive: vec![signal("dead_zone_estimate_rad"), signal("disturbing_torque_estimate_nm")],
+    };
+    let mut measurement = Measurement::new(0.5, &signals);
     for step in 0..40 {
         measurement.push(&Sample {
             time_s: f64::from(step) * 0.5,
             reference_rad: 0.0,
             load_position_rad: 0.0,
+            motor_position_rad: 0.0,
             torque_nm: 0.0,
-            estimates: Some(Estimates { dead_zone_rad: 0.16, disturbing_torque_nm: 0.0 }),
-            dead_zone_rad: 0.16,
-            disturbing_torque_nm: 0.0,
+            plant: &[0.16, 0.0],
+            drive: Some(&[0.16, 0.0]),
         });
     }
     measurement.metrics()

@@ -37,21 +37,38 @@ impl Collector<'_> {
             };
             keys.keys.push(key);
         }
-        keys.open = at(&declared, path).is_some_and(|section| section.open);
+        keys.further = at(&declared, path).map(|section| section.further).unwrap_or_default();
         for choice in keys.keys.clone() {
             let KeyKind::Choice { choices, .. } = &choice.kind else { continue };
             if made.contains(&choice.name) || !keys.keys.contains(&choice) {
                 continue;
             }
-            let made = [made, &[choice.name]].concat();
-            let variants = choices.iter().map(|word| {
-                let mut probe = probe.clone();
-                self.insert(&mut probe, path, choice.name, Value::Text(word.name.to_owned()));
-                (word.name, self.keys(&probe, path, &made))
-            });
+            let probes: Vec<_> = choices
+                .iter()
+                .map(|word| (word.name, self.choose(&probe, path, choice.name, word.name)))
+                .collect();
+            // Choices that every variant has are varied here, once, and not in each variant.
+            let declared: Vec<_> = probes.iter().map(|(_, probe)| self.declared(probe)).collect();
+            let is_common = |name: &str| {
+                declared.iter().all(|declared| {
+                    at(declared, path)
+                        .is_some_and(|section| section.keys.iter().any(|known| known.key.name == name))
+                })
+            };
+            let common: Vec<_> =
+                keys.keys.iter().map(|key| key.name).filter(|name| is_common(name)).collect();
+            let made = [made, &common].concat();
+            let variants = probes.iter().map(|(name, probe)| (*name, self.keys(probe, path, &made)));
             keys.split(choice.name, variants.collect());
         }
         keys
+    }
+
+    /// The probe with this choice.
+    fn choose(&self, probe: &Table, path: &[&'static str], key: &str, name: &str) -> Table {
+        let mut probe = probe.clone();
+        self.insert(&mut probe, path, key, Value::Text(name.to_owned()));
+        probe
     }
 
     /// Makes every open choice and gives every list one section, until the reader declares nothing new.
@@ -127,17 +144,8 @@ impl Keys {
         self.merge_units(&mut variants);
         let everywhere = |key: &Key| variants.iter().all(|(_, keys)| keys.keys.contains(key));
         let common: Vec<_> = self.keys.iter().filter(|key| everywhere(key)).cloned().collect();
-        // A second choice that is independent of this one splits these keys itself.
-        let shared: Vec<_> = variants
-            .first()
-            .into_iter()
-            .flat_map(|(_, keys)| &keys.selectors)
-            .filter(|selector| variants.iter().all(|(_, keys)| keys.selectors.contains(selector)))
-            .cloned()
-            .collect();
         for (_, keys) in &mut variants {
             keys.keys.retain(|key| !common.contains(key));
-            keys.selectors.retain(|selector| !shared.contains(selector));
         }
         if variants.iter().all(|(_, keys)| keys.keys.is_empty() && keys.selectors.is_empty()) {
             return;

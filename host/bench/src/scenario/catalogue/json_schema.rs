@@ -7,7 +7,7 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::scenario::key::{Key, KeyKind, Keys, Selector};
+use crate::scenario::key::{Further, Key, KeyKind, Keys, Selector};
 use crate::scenario::spelling::with_unit;
 
 impl Keys {
@@ -37,11 +37,12 @@ fn section(keys: &Keys) -> Value {
         let property = if variants.len() == 1 { variants.remove(0) } else { json!({ "anyOf": variants }) };
         properties.insert(name.to_owned(), property);
     }
-    let mut schema = json!({
-        "type": "object",
-        "properties": properties,
-        "additionalProperties": if keys.open { json!({ "type": ["number", "boolean", "string"] }) } else { json!(false) },
-    });
+    let further = match keys.further {
+        Further::Rejected => json!(false),
+        Further::Values => json!({ "type": ["number", "boolean", "string"] }),
+        Further::Anything => json!(true),
+    };
+    let mut schema = json!({ "type": "object", "properties": properties, "additionalProperties": further });
     constrain(&mut schema, keys);
     schema
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::scenario::key::{Choice, Key, KeyKind, Keys};
+use crate::scenario::key::{Choice, Further, Key, KeyKind, Keys};
 use crate::scenario::spelling::{either, spell_number};
 
 const BEGINNING: &str = "\
@@ -73,8 +73,12 @@ fn section(page: &mut String, keys: &Keys, path: &str, outer: &[Condition]) {
             line(page, row.key, None);
         }
     }
-    if keys.open {
-        page.push_str("\nAny further key takes a number, a boolean or a text: the drive describes its parameters itself.\n");
+    match keys.further {
+        Further::Rejected => {}
+        Further::Values => {
+            page.push_str("\nAny key with a number, a boolean or a text; the drive checks it.\n")
+        }
+        Further::Anything => page.push_str("\nAny key with any value.\n"),
     }
     if !depending.is_empty() {
         page.push_str(

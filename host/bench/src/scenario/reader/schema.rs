@@ -1,6 +1,6 @@
 //! The keys of a section, and the key that an unknown one was probably meant to be.
 
-use crate::scenario::key::Key;
+use crate::scenario::key::{Further, Key};
 use crate::scenario::key_error::KeyError;
 use crate::scenario::origin::Origin;
 use crate::scenario::tree::Value;
@@ -35,8 +35,8 @@ pub(in crate::scenario) struct KnownKey {
 /// The keys that a section has declared.
 pub(in crate::scenario) struct SectionKeys {
     pub(in crate::scenario) keys: Vec<KnownKey>,
-    /// Whether it takes any other key too.
-    pub(in crate::scenario) open: bool,
+    /// Keys that are declared elsewhere.
+    pub(in crate::scenario) further: Further,
     /// Where the section begins.
     pub(in crate::scenario) origin: Origin,
 }

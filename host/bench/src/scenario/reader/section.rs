@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use super::schema::{Elsewhere, KnownKey, Schema, SectionKeys};
 use crate::scenario::error::ScenarioError;
-use crate::scenario::key::{Choice, Key, KeyKind, Keys};
+use crate::scenario::key::{Choice, Further, Key, KeyKind, Keys};
 use crate::scenario::key_error::KeyError;
 use crate::scenario::origin::Origin;
 use crate::scenario::spelling::spell_key;
@@ -21,7 +21,7 @@ pub struct Section<'a> {
     next_unit: Option<&'static str>,
     next_choices: Vec<Choice>,
     accepts_the_rest: bool,
-    is_open: bool,
+    further: Further,
     errors: &'a RefCell<Vec<ScenarioError>>,
 }
 
@@ -62,7 +62,7 @@ impl<'a> Section<'a> {
             next_unit: None,
             next_choices: Vec::new(),
             accepts_the_rest: false,
-            is_open: false,
+            further: Further::Rejected,
             errors,
         }
     }
@@ -149,9 +149,12 @@ impl<'a> Section<'a> {
     }
 
     /// All keys of this section with their values, for a section whose keys are declared elsewhere.
-    pub(in crate::scenario) fn all(&mut self) -> impl Iterator<Item = (&'a str, &'a Node)> + use<'a> {
+    pub(in crate::scenario) fn all(
+        &mut self,
+        further: Further,
+    ) -> impl Iterator<Item = (&'a str, &'a Node)> + use<'a> {
         self.accepts_the_rest = true;
-        self.is_open = true;
+        self.further = further;
         self.table.into_iter().flat_map(Table::iter)
     }
 
@@ -286,7 +289,7 @@ impl<'a> Section<'a> {
                 self.push(self.path_of(key.name), self.origin.clone(), KeyError::Missing { allowed });
             }
         }
-        SectionKeys { keys: self.schema.known, open: self.is_open, origin: self.origin }
+        SectionKeys { keys: self.schema.known, further: self.further, origin: self.origin }
     }
 
     fn push(&self, key: String, origin: Origin, error: KeyError) {
