@@ -10,6 +10,9 @@
 --
 -- Filters: lashloop.kind == 0x90, lashloop.sequence == 12, lashloop.state == 5, lashloop.status.state == 5,
 -- lashloop.status.gap == 1, lashloop.crc.status == 0. A sequence has 16 bits and wraps around after 65535.
+--
+-- Telemetry values, lashloop.values, are shown with names and units if the capture has the descriptions of the signals and the
+-- subscription, as that of a run has.
 
 local lashloop = Proto("lashloop", "Lashloop bench and drive")
 

@@ -3,8 +3,10 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use lashloop_protocol::enums::{FaultCode, ParameterValue, State};
-use lashloop_protocol::message::EncoderSample;
+use lashloop_firmware::Laws;
+use lashloop_firmware::law::LawSet;
+use lashloop_protocol::enums::{FaultCode, ParameterFlags, ParameterValue, State};
+use lashloop_protocol::message::{DescribeParameter, EncoderSample};
 use lashloop_protocol::{DriveMessage, EncoderCounts};
 
 use crate::host::{Host, refusal, request, rest};
@@ -23,8 +25,7 @@ fn every_request_in_every_state_matches_the_table() {
                 continue;
             }
             if name == "SetParameter, live" {
-                // No parameter of this drive is live; the case of a drive with one is that of the Python drive.
-                continue;
+                continue; // See `no_parameter_of_the_lashloop_drive_is_live`.
             }
             let mut host = Host::in_state(state);
             if state == State::Running {
@@ -43,6 +44,19 @@ fn every_request_in_every_state_matches_the_table() {
             };
             assert_eq!(have, *cell, "{name} in {state:?}");
             assert!(after == State::Running || host.drive.torque_nm() == 0.0, "{name} in {state:?}");
+        }
+    }
+}
+
+/// The row of live parameters is therefore that of other drives: its cells hold for the Python drive.
+#[test]
+fn no_parameter_of_the_lashloop_drive_is_live() {
+    for index in 0..Laws::PARAMETERS.len() as u8 {
+        match Host::in_state(State::Idle).send(DescribeParameter { index })[..] {
+            [DriveMessage::ParameterDescription(description)] => {
+                assert!(!description.flags.contains(ParameterFlags::LIVE), "{}", description.name);
+            }
+            ref other => panic!("{other:?}"),
         }
     }
 }
