@@ -14,6 +14,7 @@
 //! | [`processes`] | other processes: children, processor time, signals |
 //! | [`loss`] | what must hold after the loss of a drive during a run |
 //! | [`paper`] | the paper's four runs and their pinned torque digests |
+//! | [`walk`] | a page of `docs/extend`, command by command |
 //! | [`wait`] | conditions with deadlines |
 //! | [`optional`] | tests that need equipment which a checkout does not include |
 //! | [`own_core`] | a core for each worker thread and its children |
@@ -36,6 +37,7 @@ pub mod relay;
 pub mod terminal;
 pub mod twin;
 pub mod wait;
+pub mod walk;
 
 use std::path::Path;
 

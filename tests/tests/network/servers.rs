@@ -11,8 +11,8 @@ use tests::records::Records;
 use tests::twin::Twin;
 use tests::{python, wait, workspace};
 
-/// Long enough for every value of a byte to pass.
-const DURATION: &str = "run.duration_s=2";
+/// Long enough for every value of a byte to pass, and short for a server that takes milliseconds for each step.
+const DURATION: &str = "run.duration_s=0.5";
 
 pub(crate) fn ser2net_missing() -> Option<String> {
     find("ser2net").is_none().then(|| "ser2net is not installed: run `cargo xtask setup`".to_owned())
@@ -102,7 +102,7 @@ fn torques(device: &str) -> String {
         "--set",
         DURATION,
     ];
-    // Two seconds are too short for the expectation of the scenario.
+    // The run is too short for the expectation of the scenario.
     let _ = program::run(arguments).with_code(1);
     let summary = records.summary();
     assert_eq!(
