@@ -85,7 +85,7 @@ fn a_start_outside_the_encoder_range_by_a_fault_is_rejected() {
     fs::write(&scenario, format!("{text}\n{fault}")).expect("a scenario of the test");
     let scenario = scenario.to_str().expect("a path in UTF-8");
     // 8,388,000 counts of 131,072 a turn, just below 2^23.
-    let settings = ["plant.initial.motor_position_rad=402.09381"];
+    let settings = ["plant.initial.motor_position_rad=402.09381", "meant=[\"start\", \"large-angle\"]"];
     let ended = run(scenario, &records, &settings, 2);
     assert!(
         ended.stderr.contains("the motor encoder, with its faults, stands at 8388981 counts"),

@@ -65,6 +65,7 @@ impl<'a> DriveSettings<'a> {
         if !errors.is_empty() {
             return Err(errors.into());
         }
+        scenario.check_drive(|name| default_of(session, law, name))?;
         // A drive with one law may lack the choice of a law.
         let is_optional =
             |name| name == CONTROLLER && session.laws.len() == 1 && session.parameter(name).is_none();
@@ -88,6 +89,14 @@ fn from_sections(scenario: &Scenario, law: &Law) -> [(&'static str, &'static str
         (MOTOR_COUNTS_PER_REV, "encoders.motor_counts_per_rev", encoders.motor_counts_per_rev.into()),
         (LOAD_COUNTS_PER_REV, "encoders.load_counts_per_rev", encoders.load_counts_per_rev.into()),
     ]
+}
+
+/// Default of a parameter that the law has, if it is a real number.
+fn default_of(session: &Session, law: &Law, name: &str) -> Option<f64> {
+    match session.parameter(name).filter(|parameter| parameter.laws.contains(law.index))?.default {
+        ParameterValue::F32(default) => Some(default.into()),
+        ParameterValue::U32(_) => None,
+    }
 }
 
 /// The law that the scenario names.

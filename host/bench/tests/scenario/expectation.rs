@@ -134,7 +134,9 @@ fn telemetry_that_is_off_measures_no_estimate() {
     let keys = "metric = \"dead_zone_error_rad\"\nunit = \"rad\"\nmax = 1";
     let off = format!("[telemetry]\nevery_steps = 0\n{}", "[controller]");
     let text = expecting(keys).replace("[controller]", &off);
-    insta::assert_snapshot!(read(&text, &[]).expect_err("no telemetry"), @"");
+    insta::assert_snapshot!(read(&text, &[]).expect_err("no telemetry"), @r#"
+    x.toml:14: expect.0.metric: "dead_zone_error_rad" needs telemetry, but telemetry.every_steps is 0; set it to 1 or more
+    "#);
 }
 
 #[test]
@@ -150,7 +152,9 @@ fn an_option_that_shortens_the_run_is_checked_too() {
     let text = expecting("metric = \"static_error_rad\"\nunit = \"rad\"\nmax = 1");
     read(&text, &[]).expect("a run of 2 s");
     let message = read(&text, &set(["run.duration_s=0.5"])).expect_err("a run of 0.5 s");
-    insta::assert_snapshot!(message, @"");
+    insta::assert_snapshot!(message, @r#"
+    x.toml:12: expect.0.metric: "static_error_rad" needs a longer run than 0.5 s; its definition: Mean of e over the last second.
+    "#);
 }
 
 #[test]
@@ -175,5 +179,12 @@ fn signals_are_checked_once_plant_and_drive_are_known() {
     ];
     let messages: Vec<_> =
         cases.iter().map(|(keys, signals)| check(keys, signals).expect_err(keys)).collect();
-    insta::assert_snapshot!(messages.join("\n"), @"");
+    insta::assert_snapshot!(messages.join("\n"), @r#"
+    x.toml:12: expect.0.signal: "twst_rad" is not measured: the run has no signal of this name (did you mean twist_rad?); it has reference_rad, load_position_rad, motor_position_rad, torque_nm, twist_rad, dead_zone_rad, drive.requested_torque_nm, drive.dead_zone_estimate_rad
+    x.toml:12: expect.0.signal: "dead_zone_estimate_rad" is a signal of the drive; write "drive.dead_zone_estimate_rad"
+    x.toml:14: expect.0.unit: "mrad" is not the unit of twist_rad; it must be "rad"
+    x.toml:14: expect.0.unit: "Nm" is not the unit of drive.requested_torque_nm; it must be "N m"
+    x.toml:12: expect.0.metric: "dead_zone_error_rad" needs the signal dead_zone_rad of the plant, which the model smooth does not have; take another metric
+    x.toml:12: expect.0.metric: "dead_zone_error_rad" needs the signal dead_zone_estimate_rad of the drive, which the telemetry of the law pd does not carry; add it to telemetry.signals, or take a law that has it
+    "#);
 }

@@ -24,7 +24,7 @@ fn file(bytes: &[u8]) -> (tempfile::TempDir, PathBuf) {
 fn a_pipe_a_folder_and_a_device_are_refused_without_waiting() {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let pipe = directory.path().join("pipe");
-    // Nobody writes to it, so opening it would block.
+    // It has no writer, so opening it would block.
     rustix::fs::mknodat(CWD, &pipe, FileType::Fifo, Mode::RUSR | Mode::WUSR, 0).expect("a pipe");
     for (path, what) in [
         (pipe.as_path(), "is a pipe; write the scenario to a file first"),

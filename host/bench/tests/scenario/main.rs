@@ -9,6 +9,7 @@ mod keys;
 mod messages;
 mod overrides;
 mod paper;
+mod process;
 mod traps;
 mod values;
 

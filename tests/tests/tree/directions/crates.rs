@@ -27,6 +27,8 @@ const ALLOWED: [(&str, &[&str]); 8] = [
         ],
     ),
     ("xtask", &["lashloop-protocol"]),
+    // A crate of a user: it may use what is for users.
+    ("own-plant", &["lashloop-plant", "lashloop"]),
 ];
 
 /// Dependencies that the table doesn't allow, one sentence each.

@@ -179,3 +179,20 @@ fn names_of_another_law_s_signals_are_refused_with_that_law() {
         "x.toml:12: telemetry.signals: \"l\" is refused: it belongs to talkative, and this run uses pd"
     );
 }
+
+#[test]
+fn a_plant_that_is_not_the_drive_s_is_refused_unless_meant() {
+    let wider = "plant.dead_zone_rad=0.2";
+    let refused = settings::<Laws>(&scenario("pd", "", &[wider])).expect_err("another gap");
+    assert_eq!(
+        refused,
+        "--set plant.dead_zone_rad=0.2: plant.dead_zone_rad: 0.2 is not the drive's default of 0.16; set \
+         controller.parameters.dead_zone_rad = 0.2, or write meant = [\"mismatch\"] at the top of the scenario"
+    );
+    assert!(settings::<Laws>(&scenario("pd", "", &[wider, "meant=mismatch"])).is_ok());
+    assert!(
+        settings::<Laws>(&scenario("pd", "", &[wider, "controller.parameters.dead_zone_rad=0.2"])).is_ok()
+    );
+    // This law has no such parameter.
+    assert!(settings::<OwnLaws>(&scenario("talkative", "", &[wider])).is_ok());
+}

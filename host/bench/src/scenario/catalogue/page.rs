@@ -76,7 +76,7 @@ fn section(page: &mut String, keys: &Keys, path: &str, outer: &[Condition]) {
     match keys.further {
         Further::Rejected => {}
         Further::Values => {
-            page.push_str("\nAny key with a number, a boolean or a text; the drive checks it.\n")
+            page.push_str("\nAny key with a number, a boolean or a text; the drive checks it.\n");
         }
         Further::Anything => page.push_str("\nAny key with any value.\n"),
     }

@@ -139,6 +139,10 @@ fn sentence(
             let Quantity::Statistic { signal, .. } = &expectation.quantity else {
                 return "is not known".to_owned();
             };
+            let of_drive = format!("{DRIVE_PREFIX}{signal}");
+            if signals.unit(&of_drive).is_some() {
+                return format!("is a signal of the drive; write \"{of_drive}\"");
+            }
             let names: Vec<_> = signals.names().collect();
             let known = names.iter().map(|name| &**name);
             format!("is not measured: {}", UnknownName::new("the run", "signal", signal, known))
