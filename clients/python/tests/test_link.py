@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import time
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,7 @@ from lashloop.drive import BackgroundDrive, Drive, serve
 from lashloop.enums import FaultCode, State
 from lashloop.frames import encode
 from lashloop.host import DriveFaultError, Host
-from lashloop.link import DescriptorLink, LinkError, open_port, send_all
+from lashloop.link import DescriptorLink, LinkClosedError, LinkError, open_port, send_all
 from lashloop.messages import Hello
 from support import PATIENT, SOON_S, python_drive
 
@@ -122,6 +123,19 @@ def test_a_drive_on_a_failed_link_ends_with_an_error() -> None:
     os.close(near_end)
     with pytest.raises(LinkError, match="the link the terminal has failed"):
         serve(line, Drive([PD]))
+    line.close()
+
+
+def test_a_drive_whose_host_closes_the_link_ends_without_an_error() -> None:
+    host, drive = socket.socketpair()
+    line = DescriptorLink(drive.detach(), "the socket")
+    host.send(encode(Hello(1, 1)))
+    host.shutdown(socket.SHUT_WR)
+    serve(line, Drive([PD]))
+    assert len(host.recv(100)) == 52
+    host.close()
+    with pytest.raises(LinkClosedError, match="the link the socket has failed: its far end has closed"):
+        line.write(b"\0", 0.0)
     line.close()
 
 

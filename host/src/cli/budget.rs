@@ -10,7 +10,6 @@ use lashloop_bench::scenario::Scenario;
 use lashloop_bench::session::{Session, Subscription};
 use lashloop_bench::verdict::Exit;
 
-use lashloop_firmware::Laws;
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 
 use super::error::CliError;
@@ -55,7 +54,7 @@ fn signals(scenario: Option<&Scenario>) -> u8 {
         return signals.len() as u8;
     }
     let of_law = || {
-        let session = Session::open(Box::new(InProcess::<Laws>::default()), 1).ok()?;
+        let session = Session::open(Box::new(<InProcess>::default()), 1).ok()?;
         let named = |name: &str| session.laws.iter().find(|law| law.name == name);
         let law = scenario.map_or(session.laws.first(), |scenario| named(&scenario.controller.name))?;
         Some(Subscription::to_all(&session.signals, law.index, 1).0.signals().len() as u8)
