@@ -175,6 +175,7 @@ def test_telemetry_of_another_length_than_the_subscription_has_no_names() -> Non
         assert (host.telemetry.message.values, host.telemetry.values) == (values, {})
     with_telemetry(link, 1.0, 2.0)
     step(host)
+    assert host.telemetry is not None
     assert host.telemetry.values == {"load_error_rad": 1.0, "motor_error_rad": 2.0}
 
 
