@@ -1,7 +1,7 @@
-//! The law on the bench: in process, on the native twin of this crate, and as an image in QEMU.
+//! The law on the bench: in process, and on the native twin of this crate.
 
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 
 use lashloop_bench::device::kinds::in_process::InProcessDrive;
@@ -72,13 +72,4 @@ fn the_scenario_passes_with_equal_torques_in_process_and_on_the_twin() {
     assert_eq!(here.torque_sha256, there.torque_sha256);
     let names: Vec<&str> = there.signals.drive.iter().map(|signal| &*signal.name).collect();
     assert_eq!(names, ["measured_twist_rad", "wanted_twist_rad"]);
-}
-
-/// `cargo xtask image` builds the image; `cargo xtask test image` runs this test.
-#[test]
-#[ignore = "needs the image in QEMU: run by the ring `image`"]
-fn the_image_gives_the_same_torques_as_the_drive_in_process() {
-    let image = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/own-law-image.elf");
-    let there = run_on(&format!("qemu:{}", image.display()).parse().expect("an image"));
-    assert_eq!(there.torque_sha256, run_on(&in_process()).torque_sha256);
 }

@@ -107,26 +107,23 @@ impl<F: Real> Sensing<F> {
 
     /// The measurement of one sample. The first sample has no velocities.
     pub fn step(&mut self, sample: &Sample<F>) -> Measurement<F> {
-        let (now, rates) = match self.previous {
-            None => (
-                Previous {
-                    motor: EncoderState::at_rest(sample.motor_counts),
-                    load: EncoderState::at_rest(sample.load_counts),
-                    reference: ReferenceRates::at_rest(sample.reference_rad),
-                },
-                (F::ZERO, F::ZERO),
-            ),
-            Some(mut state) => {
-                let periods = sample.elapsed_periods.max(1);
-                let count = F::from_i64(i64::from(periods));
-                let elapsed_s = self.period_s * count;
-                self.motor.advance(&mut state.motor, sample.motor_counts, periods, elapsed_s);
-                self.load.advance(&mut state.load, sample.load_counts, periods, elapsed_s);
-                let rates = state.reference.advance(sample.reference_rad, count, elapsed_s);
-                (state, rates)
-            }
+        let is_first = self.previous.is_none();
+        // In place, because a copy of the state costs the microcontroller as much as a filter.
+        let now = self.previous.get_or_insert_with(|| Previous {
+            motor: EncoderState::at_rest(sample.motor_counts),
+            load: EncoderState::at_rest(sample.load_counts),
+            reference: ReferenceRates::at_rest(sample.reference_rad),
+        });
+        let rates = if is_first {
+            (F::ZERO, F::ZERO)
+        } else {
+            let periods = sample.elapsed_periods.max(1);
+            let count = F::from_i64(i64::from(periods));
+            let elapsed_s = self.period_s * count;
+            self.motor.advance(&mut now.motor, sample.motor_counts, periods, elapsed_s);
+            self.load.advance(&mut now.load, sample.load_counts, periods, elapsed_s);
+            now.reference.advance(sample.reference_rad, count, elapsed_s)
         };
-        self.previous = Some(now);
         let motor_half_counts = now.motor.half_counts();
         let load_half_counts = now.load.half_counts();
         let whole = motor_half_counts - self.ratio_in_counts * load_half_counts;

@@ -98,12 +98,13 @@ fn of_a_run(session: &mut Session, law: &str, samples: u32) -> Vec<u32> {
 pub(crate) fn of_every_law() {
     let (_emulator, link) = Emulator::start();
     let mut session = Session::open(Box::new(link), 1).expect("a drive");
-    // The backlash inverse runs until it has settled and holds, so that every branch is taken.
+    // The backlash inverse runs until it has settled and holds, so that every branch is taken. The largest numbers allowed
+    // are 2 % above those of the first release; at 168 MHz a hundredth of a period of 1 ms is 1680 cycles.
     for (law, samples, allowed) in [
-        ("pd", 1000, 750),
-        ("merzouki", 1000, 950),
-        ("merzouki-as-printed", 1000, 890),
-        ("backlash-inverse", 5000, 1025),
+        ("pd", 1000, 751),
+        ("merzouki", 1000, 953),
+        ("merzouki-as-printed", 1000, 893),
+        ("backlash-inverse", 5000, 1027),
     ] {
         let steps = of_a_run(&mut session, law, samples);
         let (least, most) = (steps.iter().min().copied(), steps.iter().max().copied());

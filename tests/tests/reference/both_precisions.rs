@@ -7,8 +7,8 @@
 use lashloop_firmware::control::{Measurement, Real};
 use lashloop_plant::Truth;
 
-use crate::law::Law;
 use crate::closed_loop::{Quantised, Reference, Sensors};
+use crate::law::Law;
 
 /// Sensors in double precision that also feed the drive's single precision.
 pub(crate) struct BothPrecisions<'a> {

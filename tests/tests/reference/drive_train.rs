@@ -11,8 +11,8 @@ use lashloop_firmware::control::nominal_model::NominalModel;
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::{Mechanics, PlantError, Start, TransportDelay, Truth, TwoMass};
 
-use crate::law::Law;
 use crate::closed_loop::{Quantised, Reference, Sensors, Timing, regulate_to_zero, run, slow_sine};
+use crate::law::Law;
 use crate::paper;
 use crate::trajectory::{Row, lost_motion_rad, settle_s, torque_variation_nm};
 
