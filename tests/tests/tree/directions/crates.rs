@@ -27,7 +27,7 @@ const ALLOWED: [(&str, &[&str]); 10] = [
         ],
     ),
     ("xtask", &["lashloop-protocol"]),
-    // Crates of users: each may use what is for users, and nothing else.
+    // Crates of a user: they may use what is for users.
     ("own-law", &["lashloop-firmware", "lashloop"]),
     ("own-plant", &["lashloop-plant", "lashloop"]),
 ];
