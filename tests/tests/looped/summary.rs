@@ -34,7 +34,10 @@ fn a_summary_has_all_that_identifies_and_repeats_a_run() {
     assert!(wall_s > 0.0, "have {wall_s} s");
     let device = summary["device"].as_str().expect("the device");
     assert!(device.starts_with("native (native-twin, firmware "), "{device}");
-    insta::assert_snapshot!(without(&without_timing(&text), &["device", "wall_s"]));
+    let build = summary["versions"]["firmware_build"].as_str().expect("the build of the firmware");
+    assert!(build.len() == 8 && device.contains(build), "{build} of {device}");
+    let changing = ["device", "wall_s", "firmware_build", "firmware_dirty"];
+    insta::assert_snapshot!(without(&without_timing(&text), &changing));
     let timing = &summary["timing"];
     assert_eq!((&timing["clock"], &timing["steps"]), (&"lockstep".into(), &25_000.into()));
     let quantiles = |name: &str| {
