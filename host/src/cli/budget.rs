@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use crate::bench::Bench;
+use crate::budget::{Budget, Cycle};
 use clap::Args;
-use lashloop::budget::{Budget, Cycle};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
-use super::options::DEFAULT_BAUD;
+use super::options::{DEFAULT_BAUD, plants};
 use super::output::outln;
 
 /// Compute the time budget of a control period on a serial line
@@ -36,8 +37,9 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
-        let scenario = self.scenario.map(|path| Scenario::from_file(&path, &[])).transpose()?;
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let scenario =
+            self.scenario.map(|path| Scenario::from_file_with(&path, &[], &plants(bench))).transpose()?;
         let defaults = scenario.map_or((DEFAULT_BAUD, 1_000, 10), |scenario| {
             let baud = scenario.link.modelled_baud().unwrap_or(scenario.link.baud);
             (baud, scenario.run.control_period_us, scenario.telemetry.every_steps)

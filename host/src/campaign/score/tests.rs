@@ -5,8 +5,8 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 
 use super::*;
 use lashloop_bench::session::AtStep;
-use lashloop_plant::{PlantError, Signal};
 use lashloop_plant::metrics::{Measurement, Sample, SignalTable};
+use lashloop_plant::{PlantError, Signal};
 
 /// Metrics of a run without any error.
 fn perfect() -> Metrics {
