@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use crate::bench::Bench;
+use crate::budget::{Budget, Cycle};
 use clap::Args;
-use lashloop::budget::{Budget, Cycle};
 use lashloop_bench::link::in_process::InProcess;
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::session::{Session, Subscription};
@@ -13,7 +14,7 @@ use lashloop_bench::verdict::Exit;
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 
 use super::error::CliError;
-use super::options::DEFAULT_BAUD;
+use super::options::{DEFAULT_BAUD, plants};
 use super::output::outln;
 
 /// Compute the time budget of a control period on a serial line
@@ -63,8 +64,9 @@ fn signals(scenario: Option<&Scenario>) -> u8 {
 }
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
-        let scenario = self.scenario.map(|path| Scenario::from_file(&path, &[])).transpose()?;
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let scenario =
+            self.scenario.map(|path| Scenario::from_file_with(&path, &[], &plants(bench))).transpose()?;
         let signals = self.signals.unwrap_or_else(|| signals(scenario.as_ref()));
         let defaults = scenario.map_or((DEFAULT_BAUD, 1_000, 10), |scenario| {
             let baud = scenario.link.modelled_baud().unwrap_or(scenario.link.baud);
