@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`program`] | the program under test, built once; one invocation with a deadline |
 //! | [`twin`] | `lashloop device`: a drive on a pseudo-terminal |
+//! | [`c_drive`] | the drive in C of `examples/drive-in-c` |
 //! | [`python`] | the drive of the Python package |
 //! | [`terminal`] | pseudo-terminals |
 //! | [`fault_table`] | the table of `docs/faults.md` and its runs |
@@ -13,6 +14,7 @@
 //! | [`processes`] | other processes: children, processor time, signals |
 //! | [`loss`] | what must hold after the loss of a drive during a run |
 //! | [`paper`] | the paper's four runs and their pinned torque digests |
+//! | [`walk`] | a page of `docs/extend`, command by command |
 //! | [`wait`] | conditions with deadlines |
 //! | [`optional`] | tests that need equipment which a checkout does not include |
 //! | [`own_core`] | a core for each worker thread and its children |
@@ -21,6 +23,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod c_drive;
 pub mod fault_table;
 pub mod loss;
 pub mod optional;
@@ -34,6 +37,7 @@ pub mod relay;
 pub mod terminal;
 pub mod twin;
 pub mod wait;
+pub mod walk;
 
 use std::path::Path;
 

@@ -11,15 +11,24 @@ pub const LIMIT: Duration = Duration::from_secs(3);
 /// Longer than any test: the test ends such a run.
 const ENDLESS: &str = "run.duration_s=100000";
 
-/// An endless run that has written rows, in a folder with the summary of an earlier run.
+/// As [`scenario_in_progress`], with a scenario for every drive of this repository.
 ///
 /// # Panics
 /// The run ends early.
 #[must_use]
 pub fn run_in_progress(device: &str) -> (Running, Records) {
+    scenario_in_progress("scenarios/smooth-after.toml", device)
+}
+
+/// An endless run that has written rows, in a folder with the summary of an earlier run.
+///
+/// # Panics
+/// The run ends early.
+#[must_use]
+pub fn scenario_in_progress(scenario: &str, device: &str) -> (Running, Records) {
     let records = Records::new();
     std::fs::write(records.path("summary.json"), "{}\n").expect("the summary of an earlier run");
-    let arguments = ["run", "scenarios/smooth-after.toml", "--device", device, "--out", &records.out()];
+    let arguments = ["run", scenario, "--device", device, "--out", &records.out()];
     let bench =
         Running::start(arguments.into_iter().chain(["--set", ENDLESS, "--set", "record.flush_rows=10"]));
     records.wait_for_rows();

@@ -41,10 +41,11 @@ pub(crate) fn first_line(command: &mut Command) -> Option<String> {
     output(command).ok()?.lines().next().map(str::to_owned)
 }
 
-/// Whether `PATH` has the program.
+/// Whether the program is in `PATH`, or in the folder of Debian's servers, which only root has in `PATH`.
 pub(crate) fn is_installed(program: &str) -> bool {
-    env::var_os("PATH")
-        .is_some_and(|path| env::split_paths(&path).any(|folder| folder.join(program).is_file()))
+    let path = env::var_os("PATH").unwrap_or_default();
+    let mut folders = env::split_paths(&path).chain([PathBuf::from("/usr/sbin")]);
+    folders.any(|folder| folder.join(program).is_file())
 }
 
 /// The command line.

@@ -48,7 +48,7 @@ fn ring_of(program: &str) -> Option<Ring> {
     match program {
         // A part of `cargo xtask check`.
         "tests tree" => None,
-        "tests looped" | "tests conforming" | "host tools" => Some(Ring::Loop),
+        "tests looped" | "tests conforming" | "tests network" | "host tools" => Some(Ring::Loop),
         "tests emulated" => Some(Ring::Image),
         "tests python" => Some(Ring::Python),
         _ => Some(Ring::Unit),

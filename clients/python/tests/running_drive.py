@@ -12,7 +12,6 @@ from lashloop.messages import (
 )
 from support import DriveUnderTest, sample
 
-QUIET = {"telemetry_every": ParameterValue.u32(0)}
 SLOW = {"motor_speed_limit_rad_s": ParameterValue.f32(100.0)}  # so that encoders allow the longest gap there is
 
 
@@ -33,7 +32,7 @@ def fault(answers: list[DriveMessage]) -> FaultReport:
 
 def running_at(*sequences: int) -> DriveUnderTest:
     """A running drive that has taken samples of these sequences."""
-    dut = DriveUnderTest().running(**QUIET)
+    dut = DriveUnderTest().running()
     for sequence in sequences:
         dut.send(sample(sequence))
     return dut

@@ -92,6 +92,7 @@ def running(link: SimulatedLink, limits: TimeLimits | None = None) -> Host:
     """A host in a run, with a watchdog longer than the host's timeouts."""
     host = opened(link, limits)
     host.set("watchdog_us", 10_000_000)
+    host.subscribe()
     host.arm()
     host.start()
     return host

@@ -17,18 +17,20 @@ from lashloop.decoder import Decoder
 from lashloop.drive import Drive
 from lashloop.frames import FROM_DRIVE, FrameError, encode
 from lashloop.host import TimeLimits
-from lashloop.messages import Arm, DriveMessage, EncoderSample, Hello, SetParameter, Start
+from lashloop.messages import Arm, CommandResult, DriveMessage, EncoderSample, Hello, SetParameter, Start, Subscribe
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from lashloop.enums import ParameterValue
+    from lashloop.control import ControlLaw
+    from lashloop.enums import Outcome, ParameterValue
     from lashloop.messages import HostMessage
 
 WORKSPACE = Path(__file__).parents[3]
 SESSION = 0x4C41_5348
 M = TypeVar("M", bound=DriveMessage)
 PARAMETER_COUNT = len(Drive([PD]).parameters)
+SIGNAL_COUNT = len(Drive([PD]).signals)
 
 SOON_S = 30.0
 """Deadline for events that are immediate on an idle machine; sufficient on a busy one."""
@@ -77,11 +79,12 @@ class DriveUnderTest:
     """The device under test: a drive that is addressed by messages."""
 
     clock: Clock = field(default_factory=Clock)
+    laws: Sequence[ControlLaw] = (PD,)
     drive: Drive = field(init=False)
 
     def __post_init__(self) -> None:
         """Power up the drive."""
-        self.drive = Drive([PD], clock_ns=self.clock)
+        self.drive = Drive(self.laws, clock_ns=self.clock)
         self.decoder = Decoder(FROM_DRIVE)
 
     def decode(self, data: bytes) -> list[DriveMessage]:
@@ -109,6 +112,10 @@ class DriveUnderTest:
         """Set a parameter, which the drive must accept."""
         self.send(SetParameter(self.index(name), value))
         assert self.drive.parameters.value(self.drive.parameters.specs[self.index(name)]) == value
+
+    def subscribe(self, *signals: int, every: int = 1) -> Outcome:
+        """Subscribe to signals by index and return the outcome."""
+        return self.only(CommandResult, Subscribe(sum(1 << it for it in signals), every)).outcome
 
     def idle(self) -> DriveUnderTest:
         """Open the session."""
@@ -187,10 +194,15 @@ def python_drive() -> Program:
     return Program([sys.executable, "-m", "lashloop", "drive"])
 
 
-def rust_twin() -> Program:
-    """`lashloop device` of the Rust workspace; never omitted."""
-    binary = Path(os.environ.get("LASHLOOP_BIN", WORKSPACE / "target/debug/lashloop"))
+def program() -> Path:
+    """The `lashloop` program of the Rust workspace; never omitted."""
+    binary = Path(os.environ.get("LASHLOOP_BIN", WORKSPACE / "target/debug/lashloop")).resolve()
     assert binary.is_file(), (
         f"{binary} is missing: build it with `cargo build -p lashloop`, or name one in LASHLOOP_BIN"
     )
-    return Program([binary, "device"])
+    return binary
+
+
+def rust_twin() -> Program:
+    """`lashloop device`."""
+    return Program([program(), "device"])

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from lashloop.host import Host
-from support import PARAMETER_COUNT, PATIENT, SOON_S, Program, python_drive
+from support import PARAMETER_COUNT, PATIENT, SIGNAL_COUNT, SOON_S, Program, python_drive
 
 
 def run(*words: str) -> tuple[int, str, str]:
@@ -24,14 +24,20 @@ def test_a_drive_prints_its_path_and_reports_its_identity() -> None:
     with python_drive() as program:
         code, output, _ = run("identify", "--port", program.path)
         assert code == 0
-        lines = dict(line.split(maxsplit=1) for line in output.splitlines() if not line.startswith(("control", "pro")))
-        assert (lines["board"], lines["state"], lines["parameters"]) == (
-            "python",
-            "Idle",
-            str(PARAMETER_COUNT),
-        )
-        assert "control laws          Pd\n" in output
-        assert "protocol version      1\n" in output
+        rows = (line.split("  ", maxsplit=1) for line in output.splitlines())
+        lines = {name: text.strip() for name, text in rows}
+        assert lines == {
+            "board": "python",
+            "firmware": "0.1.0, build 00000000, built from changed or unknown sources",
+            "protocol version": "1",
+            "state": "Idle",
+            "control period": "1000 us",
+            "motor encoder": "131072 counts/rev",
+            "load encoder": "131072 counts/rev",
+            "control laws": "pd",
+            "signals": str(SIGNAL_COUNT),
+            "parameters": str(PARAMETER_COUNT),
+        }
 
 
 def test_identify_names_a_latched_fault() -> None:
@@ -45,13 +51,13 @@ def test_identify_names_a_latched_fault() -> None:
 
 def test_parameters_are_listed_set_and_retained() -> None:
     with python_drive() as program:
-        code, output, _ = run("parameters", "--port", program.path, "torque_limit_nm=2.5", "telemetry_every=7")
+        code, output, _ = run("parameters", "--port", program.path, "torque_limit_nm=2.5", "controller=pd")
         assert code == 0
         for text in (output, run("parameters", "--port", program.path)[1]):
             rows = {line.split()[0]: line.split()[1:] for line in text.splitlines()}
             assert len(rows) == 1 + PARAMETER_COUNT
-            assert rows["torque_limit_nm"] == ["2.5", "20", "no", "0", "to", "1000", "N", "m"]
-            assert rows["telemetry_every"][:3] == ["7", "10", "yes"]
+            assert rows["torque_limit_nm"] == ["2.5", "20", "no", "0", "to", "1000", "N", "m", "all"]
+            assert rows["controller"] == ["pd", "pd", "no", "pd", "all"]
             assert rows["k_d1"][0] == "0.01"
 
 
@@ -60,8 +66,10 @@ def test_parameters_are_listed_set_and_retained() -> None:
     [
         ("torque_limit=5", "lashloop: the drive has no parameter torque_limit; did you mean torque_limit_nm"),
         ("torque_limit_nm=2000", "lashloop: torque_limit_nm = 2000.0: the drive accepts 0 to 1000 N m\n"),
-        ("torque_limit_nm", "torque_limit_nm is no setting; expected NAME=NUMBER\n"),
-        ("torque_limit_nm=five", "torque_limit_nm=five is no setting; expected NAME=NUMBER\n"),
+        ("torque_limit_nm", "torque_limit_nm is no setting; expected NAME=VALUE\n"),
+        ("torque_limit_nm=", "torque_limit_nm= is no setting; expected NAME=VALUE\n"),
+        ("torque_limit_nm=five", "lashloop: torque_limit_nm = 'five': the drive accepts 0 to 1000 N m\n"),
+        ("controller=merzouki", "lashloop: controller = 'merzouki': the drive accepts pd\n"),
     ],
 )
 def test_invalid_settings_are_named_and_set_nothing(setting: str, output: str) -> None:
@@ -73,8 +81,18 @@ def test_invalid_settings_are_named_and_set_nothing(setting: str, output: str) -
         assert next(line.split()[1] for line in text.splitlines() if line.startswith("k_p1 ")) == "1"
 
 
+def test_signals_are_listed_with_unit_and_laws() -> None:
+    with python_drive() as program:
+        code, output, _ = run("signals", "--port", program.path)
+    assert code == 0
+    rows = [line.split() for line in output.splitlines()]
+    assert rows[:2] == [["name", "unit", "laws"], ["requested_torque_nm", "N", "m", "all"]]
+    assert ["load_error_rad", "rad", "all"] in rows
+    assert len(rows) == 1 + SIGNAL_COUNT
+
+
 def test_a_missing_port_is_named() -> None:
-    for command in ("identify", "parameters", "drive"):
+    for command in ("identify", "parameters", "signals", "drive"):
         code, output, error = run(command, "--port", "/dev/nothing")
         assert (code, output) == (4, "")
         assert error.startswith("lashloop: the port /dev/nothing can't be opened: ")
@@ -107,7 +125,7 @@ def test_bad_usage_prints_the_usage(words: list[str]) -> None:
 
 
 def test_every_command_has_help_and_ports_prints_a_line() -> None:
-    for command in ("drive", "ports", "identify", "parameters"):
+    for command in ("drive", "ports", "identify", "parameters", "signals"):
         code, output, _ = run(command, "--help")
         assert code == 0
         assert output.startswith(f"usage: python -m lashloop {command}")

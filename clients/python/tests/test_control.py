@@ -9,17 +9,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lashloop.control import ControlInput, ControlLaw, InconsistentError
+from lashloop.control import ControlInput, InconsistentError
 from lashloop.control.cascade import PD, CascadedPd
 from lashloop.control.sensing import Sensing
 from lashloop.counts import wrapped, wrapping_difference
-from lashloop.drive import Drive, Parameters
-from lashloop.drive.parameters import COMMON_PARAMETERS
+from lashloop.drive import Parameters
+from lashloop.drive.description import DRIVE_SIGNALS
+from lashloop.drive.parameters import DRIVE_PARAMETERS
 from lashloop.enums import single
+from lashloop.frames import FROM_DRIVE, FROM_HOST, decode, encode
 from lashloop.sequence import nearest_step, of_step
+from specified_drive import PARAMETERS, SIGNALS, Translation, has, parameter, signal_spec, specified_drive
 from support import Clock, document
 
-DEFAULTS = dict(Parameters([*COMMON_PARAMETERS, *PD.parameters]))
+DEFAULTS = dict(Parameters([*DRIVE_PARAMETERS, *PD.parameters]))
 COUNT_RAD = math.tau / 131_072
 
 
@@ -37,10 +40,10 @@ def test_the_first_torque_is_the_closed_form_of_the_law(motor: int, load: int, r
     have = CascadedPd(DEFAULTS).step(at(motor, load, reference_rad))
     scale = abs(theta_e) + 13 * abs(theta_s) + 13 * abs(reference_rad) + 1.0
     assert have.torque_nm == pytest.approx(-twist - motor_error, abs=4e-7 * scale)
-    assert have.load_error_rad == pytest.approx(theta_s - reference_rad, abs=4e-7 * scale)
-    assert have.motor_error_rad == pytest.approx(motor_error, abs=4e-7 * scale)
-    assert have.elastic_error_nm == pytest.approx(twist, abs=4e-7 * scale)
-    assert have.dead_zone_estimate_rad == single(0.16)
+    assert have.signals["load_error_rad"] == pytest.approx(theta_s - reference_rad, abs=4e-7 * scale)
+    assert have.signals["motor_error_rad"] == pytest.approx(motor_error, abs=4e-7 * scale)
+    assert have.signals["elastic_error_nm"] == pytest.approx(twist, abs=4e-7 * scale)
+    assert have.signals["dead_zone_estimate_rad"] == single(0.16)
 
 
 def test_velocities_follow_a_step_with_the_exact_lag() -> None:
@@ -104,7 +107,7 @@ def test_everything_is_computed_in_single_precision() -> None:
     law = CascadedPd(DEFAULTS)
     for step in range(10):
         it = law.step(at(30 * step, 10 * step, 0.001 * step))
-        for number in (it.torque_nm, it.load_error_rad, it.motor_error_rad, it.elastic_error_nm):
+        for number in (it.torque_nm, *it.signals.values()):
             assert number == float(np.float32(number))
 
 
@@ -125,21 +128,28 @@ def test_a_step_is_recovered_from_its_sequence(step: int, ahead: int) -> None:
     assert nearest_step(of_step(meant), step) == (meant if meant >= 0 else None)
 
 
+def test_the_law_has_parameters_and_signals_of_the_specification() -> None:
+    ours = {spec.name: spec for spec in (*DRIVE_PARAMETERS, *PD.parameters)}
+    theirs = {row[1]: parameter(row) for row in PARAMETERS if has("pd", row[7]) and row[1] != "controller"}
+    assert ours == theirs
+    signals = [signal_spec(row) for row in SIGNALS if has("pd", row[3])]
+    assert [*DRIVE_SIGNALS, *PD.signals] == signals
+
+
 def test_the_specification_s_example_is_reproduced_byte_for_byte() -> None:
-    # A drive with the identity of the example. Its other laws are never run.
     shown = [bytes.fromhex(line[7:]) for line in document().splitlines() if line.startswith("frame: ")]
-    clock = Clock(step_ns=5_700)
-    laws = [PD, *(ControlLaw(number, (), PD.build) for number in (2, 3, 4))]
-    drive = Drive(laws, board="stm32f405", build_id=12_648_430, clock_ns=clock)
+    drive = specified_drive(Clock(step_ns=5_700))
+    translation = Translation(drive)
+    assert drive.receive(b"\0") == b""
+    answers: list[bytes] = []
     requests = 0
-    answers = bytearray(drive.receive(b"\0"))
-    wanted = bytearray()
     for frame in shown:
         if frame[1] < 0x80:
             requests += 1
-            assert answers == wanted, f"before request {requests}"
-            answers, wanted = bytearray(drive.receive(frame)), bytearray()
+            assert answers == [], f"before request {requests}"
+            sent = drive.receive(encode(translation.request(decode(frame, FROM_HOST))))
+            answers = [encode(translation.answer(decode(it, FROM_DRIVE))) for it in sent.split(b"\0")[:-1]]
         else:
-            wanted += frame
-    assert answers == wanted
-    assert requests == 7
+            assert answers.pop(0) == frame
+    assert answers == []
+    assert requests >= 8

@@ -8,7 +8,6 @@ import pytest
 
 from lashloop.control import ControlInput, ControlLaw, ControlOutput
 from lashloop.counts import wrapped
-from lashloop.drive import Drive
 from lashloop.enums import FaultCode, Outcome, ParameterValue, State, single
 from lashloop.messages import (
     Arm,
@@ -17,7 +16,7 @@ from lashloop.messages import (
     Log,
 )
 from lashloop.sequence import of_step
-from running_drive import QUIET, SLOW, classification, fault, running_at, torque
+from running_drive import SLOW, classification, fault, running_at, torque
 from support import SESSION, DriveUnderTest, sample
 
 
@@ -32,7 +31,6 @@ def test_the_speed_limit_allows_one_count_more(side: str, way: int, periods: int
 
     def moved(distance: int) -> list[DriveMessage]:
         dut = DriveUnderTest().running(
-            **QUIET,
             **{
                 f"{side}_counts_per_rev": ParameterValue.u32(65_536),
                 f"{side}_speed_limit_rad_s": ParameterValue.f32(limit),
@@ -63,7 +61,7 @@ def test_a_wraparound_of_an_encoder_is_no_jump() -> None:
     ],
 )
 def test_the_longest_gap_keeps_positions_unambiguous(settings: dict[str, ParameterValue], longest: int) -> None:
-    dut = DriveUnderTest().running(**QUIET, **settings)
+    dut = DriveUnderTest().running(**settings)
     dut.send(sample(0))
     assert classification(dut, longest + 1) == "stray"
     assert classification(dut, longest) == "after a gap"
@@ -93,9 +91,7 @@ def test_a_law_gets_positions_without_wraparound() -> None:
             seen.append((sample.motor_counts, sample.load_counts))
             return ControlOutput(0.0)
 
-    dut = DriveUnderTest()
-    dut.drive = Drive([ControlLaw(1, (), lambda _: Listening())], clock_ns=dut.clock)
-    dut.running(**QUIET)
+    dut = DriveUnderTest(laws=[ControlLaw(name="listening", build=lambda _: Listening())]).running()
     stands = [(20_000 * step, -2_000 * step) for step in range(10_000)]
     for step, (motor, load) in enumerate(stands):
         dut.send(sample(of_step(step), motor=wrapped(motor), load=wrapped(load)))

@@ -8,17 +8,19 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from lashloop.control import ControlLaw
-from lashloop.control.cascade import PD, CascadedPd
-from lashloop.drive import Drive
-from lashloop.enums import FaultCode, Outcome, ParameterType, ParameterValue, State, shortest
+from lashloop.control import ControlLaw, signal, u32
+from lashloop.control.cascade import PD
+from lashloop.enums import FaultCode, Outcome, ParameterType, ParameterValue, State
 from lashloop.frames import encode
 from lashloop.messages import (
     PROTOCOL_VERSION,
     Arm,
     ClearFault,
     CommandResult,
+    DescribeChoice,
+    DescribeLaw,
     DescribeParameter,
+    DescribeSignal,
     DriveMessage,
     EmergencyStop,
     EncoderSample,
@@ -28,12 +30,12 @@ from lashloop.messages import (
     HostMessage,
     Identity,
     Log,
-    ParameterDescription,
     ParameterReport,
     Reset,
     SetParameter,
     Start,
     Stop,
+    Subscribe,
     TorqueAnswer,
 )
 from support import PARAMETER_COUNT, SESSION, DriveUnderTest, sample, table
@@ -44,22 +46,27 @@ if TYPE_CHECKING:
 OTHER = SESSION ^ 1
 ORDER_OF_ANSWERS = "### Answers"
 HELLO = Hello(PROTOCOL_VERSION, SESSION)
+TUNED = replace(PD, parameters=(*PD.parameters, u32("tuning", "", 10, 0, 10, live=True)))
+"""The law with a live parameter after its own."""
+TWO = (PD, ControlLaw(name="other", signals=(signal("other", ""),), build=PD.build))
+FOREIGN = 1 + len(PD.signals)
+"""Index of the signal of the second law, which `pd` lacks."""
 ENTER: dict[str, Callable[[], DriveUnderTest]] = {
-    "Boot": DriveUnderTest,
-    "Idle": lambda: DriveUnderTest().idle(),
-    "Armed": lambda: DriveUnderTest().armed(),
-    "Running": lambda: DriveUnderTest().running(),
+    "Boot": lambda: DriveUnderTest(laws=[TUNED]),
+    "Idle": lambda: DriveUnderTest(laws=[TUNED]).idle(),
+    "Armed": lambda: DriveUnderTest(laws=[TUNED]).armed(),
+    "Running": lambda: DriveUnderTest(laws=[TUNED]).running(),
     "Faulted": lambda: faulted(),
 }
-# Index 0 is `controller`, 8 is `telemetry_every`, which is live.
+# Index 0 is `controller`, signal 0 the torque before the limit; the last parameter is live.
 REQUESTS: dict[str, HostMessage] = {
     "Hello, another session": Hello(PROTOCOL_VERSION, OTHER),
     "Hello, same session": HELLO,
     "Hello, another version": Hello(PROTOCOL_VERSION + 1, OTHER),
     "DescribeParameter": DescribeParameter(0),
     "GetParameter": GetParameter(0),
-    "SetParameter": SetParameter(0, ParameterValue.u32(1)),
-    "SetParameter, live": SetParameter(8, ParameterValue.u32(10)),
+    "SetParameter": SetParameter(0, ParameterValue.u32(0)),
+    "SetParameter, live": SetParameter(PARAMETER_COUNT, ParameterValue.u32(10)),
     "Arm": Arm(SESSION),
     "Arm, another session": Arm(OTHER),
     "Start": Start(SESSION),
@@ -68,6 +75,10 @@ REQUESTS: dict[str, HostMessage] = {
     "EmergencyStop": EmergencyStop(),
     "ClearFault": ClearFault(),
     "Reset": Reset(),
+    "DescribeLaw": DescribeLaw(0),
+    "DescribeSignal": DescribeSignal(0),
+    "DescribeChoice": DescribeChoice(0, 0),
+    "Subscribe": Subscribe(1, 10),
     "EncoderSample": sample(0),
 }
 TRANSITIONS = [
@@ -80,7 +91,7 @@ TRANSITIONS = [
 
 def faulted() -> DriveUnderTest:
     """A drive with a session and a latched emergency stop."""
-    dut = DriveUnderTest().idle()
+    dut = DriveUnderTest(laws=[TUNED]).idle()
     dut.send(EmergencyStop())
     return dut
 
@@ -93,7 +104,7 @@ def outcome(answers: list[DriveMessage]) -> Outcome | None:
 
 def test_the_table_of_transitions_is_complete() -> None:
     assert [row[0] for row in table("## 6. States")] == list(REQUESTS)
-    assert len(TRANSITIONS) == 16 * 5 - 1
+    assert len(TRANSITIONS) == 20 * 5 - 1
 
 
 @pytest.mark.parametrize(("request_name", "state", "cell"), TRANSITIONS)
@@ -125,9 +136,17 @@ def inconsistent() -> DriveUnderTest:
     return dut
 
 
+def foreign_signal() -> DriveUnderTest:
+    """An idle drive with a subscription to a signal of its other law."""
+    dut = DriveUnderTest(laws=TWO).idle()
+    assert dut.subscribe(FOREIGN) is Outcome.ACCEPTED
+    return dut
+
+
 def with_telemetry(every: int) -> DriveUnderTest:
     """A running drive after sample 0."""
-    dut = DriveUnderTest().running(telemetry_every=ParameterValue.u32(every))
+    dut = DriveUnderTest().running()
+    dut.subscribe(0, every=every)
     dut.send(sample(0))
     return dut
 
@@ -145,12 +164,30 @@ ANSWERS: dict[tuple[str, str], list[tuple[Callable[[], DriveUnderTest], HostMess
     ("Hello", "same version, fault latched"): [(faulted, HELLO)],
     ("Hello", "another version"): [(DriveUnderTest, Hello(2, SESSION))],
     ("Hello", "another version, fault latched"): [(faulted, Hello(2, SESSION))],
-    ("DescribeParameter", "known index"): [(DriveUnderTest, DescribeParameter(29))],
+    ("DescribeParameter", "known index"): [(DriveUnderTest, DescribeParameter(PARAMETER_COUNT - 1))],
     ("DescribeParameter", "unknown index"): [(DriveUnderTest, DescribeParameter(PARAMETER_COUNT))],
     ("GetParameter", "any index"): [(DriveUnderTest, GetParameter(0)), (DriveUnderTest, GetParameter(255))],
     ("SetParameter", "any index"): [
         (DriveUnderTest().idle, SetParameter(0, ParameterValue.u32(1))),
         (DriveUnderTest().idle, SetParameter(255, ParameterValue.u32(1))),
+    ],
+    ("DescribeLaw", "known index"): [(DriveUnderTest, DescribeLaw(0))],
+    ("DescribeLaw", "unknown index"): [(DriveUnderTest, DescribeLaw(1))],
+    ("DescribeSignal", "known index"): [(DriveUnderTest, DescribeSignal(len(PD.signals)))],
+    ("DescribeSignal", "unknown index"): [(DriveUnderTest, DescribeSignal(1 + len(PD.signals)))],
+    ("DescribeChoice", "known index"): [(DriveUnderTest, DescribeChoice(0, 0))],
+    ("DescribeChoice", "unknown index"): [
+        (DriveUnderTest, DescribeChoice(0, 1)),
+        (DriveUnderTest, DescribeChoice(1, 0)),
+        (DriveUnderTest, DescribeChoice(255, 0)),
+    ],
+    ("Subscribe", "done, refused for any other reason"): [
+        *((enter, Subscribe(1, 10)) for enter in ENTER.values()),
+        (DriveUnderTest().running, Subscribe(1 << 31, 10)),
+    ],
+    ("Subscribe", "the law in force lacks a signal"): [
+        (lambda: DriveUnderTest(laws=TWO).armed(), Subscribe(1 << FOREIGN, 10)),
+        (lambda: DriveUnderTest(laws=TWO).running(), Subscribe(1 << FOREIGN, 0)),
     ],
     ("Arm", "done, wrong state, wrong session"): [
         (DriveUnderTest().idle, Arm(SESSION)),
@@ -158,6 +195,7 @@ ANSWERS: dict[tuple[str, str], list[tuple[Callable[[], DriveUnderTest], HostMess
         (DriveUnderTest().idle, Arm(OTHER)),
     ],
     ("Arm", "parameters don't go together"): [(inconsistent, Arm(SESSION))],
+    ("Arm", "the law in force lacks a subscribed signal"): [(foreign_signal, Arm(SESSION))],
     ("Start", "any"): [(DriveUnderTest().armed, Start(SESSION)), (DriveUnderTest, Start(SESSION))],
     ("Stop", "any"): [(enter, Stop()) for enter in ENTER.values()],
     ("EmergencyStop", "any"): [(enter, EmergencyStop()) for enter in ENTER.values()],
@@ -241,25 +279,6 @@ def test_the_first_fault_is_kept_and_sent_after_the_identity() -> None:
     assert kept.code is FaultCode.REFERENCE_NOT_FINITE
 
 
-def test_parameters_match_the_specification_except_controller() -> None:
-    dut = DriveUnderTest()
-    described = []
-    for index in range(len(dut.drive.parameters)):
-        it = dut.only(ParameterDescription, DescribeParameter(index))
-        numbers = [it.default, it.min, it.max]
-        described.append(
-            [str(index), it.name, it.unit, it.default.type.label, *map(str, numbers), "yes" if it.live else ""]
-        )
-    rows = [row[:8] for row in table("## 14. Parameters of the Lashloop drive")]
-    for row in rows:
-        if row[3] == "F32":
-            row[4:7] = [shortest(ParameterValue.f32(float(number)).value) for number in row[4:7]]
-    # This drive offers one law, so its `controller` has one value.
-    assert rows[0][6] == "4"
-    rows[0][6] = "1"
-    assert described == rows
-
-
 @pytest.mark.parametrize("index", range(PARAMETER_COUNT))
 def test_every_parameter_accepts_exactly_its_range(index: int) -> None:
     dut = DriveUnderTest().idle()
@@ -285,7 +304,7 @@ def test_every_parameter_accepts_exactly_its_range(index: int) -> None:
 def test_an_unknown_index_is_rejected_before_any_other_check() -> None:
     dut = DriveUnderTest()
     report = dut.only(ParameterReport, SetParameter(PARAMETER_COUNT, ParameterValue.u32(1)))
-    assert (report.outcome, report.value) == (Outcome.UNKNOWN_PARAMETER, ParameterValue.u32(0))
+    assert (report.outcome, report.value) == (Outcome.UNKNOWN_INDEX, ParameterValue.u32(0))
 
 
 def test_the_identity_has_the_period_and_the_encoders_in_force() -> None:
@@ -303,27 +322,6 @@ def test_arming_rejects_inconsistent_parameters_by_name() -> None:
     assert log.text == "motor counts per load count does not go with the others"[:52]
     assert isinstance(result, CommandResult)
     assert (result.outcome, result.state) == (Outcome.INCONSISTENT, State.IDLE)
-
-
-def test_a_drive_lists_its_laws_and_arms_no_other() -> None:
-    laws = [PD, ControlLaw(3, (), lambda _: CascadedPd(DriveUnderTest().drive.parameters))]
-    drive = Drive(laws)
-    dut = DriveUnderTest()
-    dut.drive = drive
-    it = dut.only(Identity, HELLO)
-    assert [it.controllers.offers(number) for number in range(5)] == [False, True, False, True, False]
-    for number, wanted in ((1, Outcome.ACCEPTED), (2, Outcome.INCONSISTENT), (3, Outcome.ACCEPTED)):
-        dut.set("controller", ParameterValue.u32(number))
-        assert outcome(dut.send(Arm(SESSION))) is wanted
-        dut.send(Stop())
-
-
-def test_a_drive_needs_a_law_and_unique_parameter_names() -> None:
-    with pytest.raises(ValueError, match="at least one control law"):
-        Drive([])
-    other = replace(PD.parameters[2], unit="V")
-    with pytest.raises(ValueError, match="two declarations of the parameter k_p1"):
-        Drive([PD, ControlLaw(2, (other,), PD.build)])
 
 
 def test_a_sample_while_not_running_gets_zero_torque() -> None:

@@ -6,8 +6,7 @@ import math
 
 import pytest
 
-from lashloop.control import ControlInput, ControlLaw, ControlOutput
-from lashloop.drive import Drive
+from lashloop.control import ControlInput, ControlLaw, ControlOutput, signal
 from lashloop.enums import FaultCode, ParameterValue, TorqueFlags
 from lashloop.frames import encode
 from lashloop.messages import (
@@ -17,7 +16,7 @@ from lashloop.messages import (
     Telemetry,
     TorqueAnswer,
 )
-from running_drive import QUIET, SLOW, classification, fault, running_at, torque
+from running_drive import SLOW, classification, fault, running_at, torque
 from support import DriveUnderTest, sample, table
 
 LAST = 2**16 - 2  # so that what follows wraps
@@ -26,7 +25,7 @@ LAST = 2**16 - 2  # so that what follows wraps
 def at_last() -> DriveUnderTest:
     """A running drive whose last sequence is `LAST`, reached by gaps to save time."""
     dut = DriveUnderTest()
-    dut.running(**QUIET, **SLOW)
+    dut.running(**SLOW)
     for sequence in (*range(0, LAST - 1, 999), LAST - 1):
         assert classification(dut, sequence) == ("after a gap" if sequence else "taken")
     assert classification(dut, LAST) == "taken"
@@ -98,25 +97,17 @@ def test_a_gap_is_flagged_once_and_velocities_span_it() -> None:
 
 
 def test_the_torque_is_clamped_to_the_limit_and_flagged() -> None:
-    free_nm = torque(DriveUnderTest().running(**QUIET).send(sample(0))).torque_nm
+    free_nm = torque(DriveUnderTest().running().send(sample(0))).torque_nm
     assert abs(free_nm) == pytest.approx(13.0, abs=0.01)
     for limit_nm, wanted_nm, flags in ((5.0, 5.0, TorqueFlags.SATURATED), (20.0, free_nm, TorqueFlags(0))):
         dut = DriveUnderTest().running(torque_limit_nm=ParameterValue.f32(limit_nm))
+        dut.subscribe(0)
         answer, telemetry = dut.send(sample(0))
         assert isinstance(answer, TorqueAnswer)
-        assert isinstance(telemetry, Telemetry)
         assert (answer.torque_nm, answer.status.flags) == (math.copysign(wanted_nm, free_nm), flags)
-        assert telemetry.requested_torque_nm == free_nm
+        # Signal 0 is the torque before the limit.
+        assert telemetry == Telemetry(0, (free_nm,))
         assert dut.drive.torque_nm == answer.torque_nm
-
-
-def test_telemetry_follows_every_n_th_sequence_and_can_be_changed_while_running() -> None:
-    dut = DriveUnderTest().running(telemetry_every=ParameterValue.u32(3))
-    assert [len(dut.send(sample(it))) for it in range(7)] == [2, 1, 1, 2, 1, 1, 2]
-    dut.set("telemetry_every", ParameterValue.u32(0))
-    assert [len(dut.send(sample(it))) for it in range(7, 14)] == [1] * 7
-    dut.set("telemetry_every", ParameterValue.u32(1))
-    assert [len(dut.send(sample(it))) for it in range(14, 17)] == [2] * 3
 
 
 @pytest.mark.parametrize("reference_rad", [math.nan, math.inf, -math.inf])
@@ -134,18 +125,16 @@ class Wild:
     def step(self, sample: ControlInput) -> ControlOutput:
         """Return the torque."""
         del sample
-        return ControlOutput(self.wants_nm, load_error_rad=1e300)
+        return ControlOutput(self.wants_nm, {"load_error_rad": 1e300})
 
 
 @pytest.mark.parametrize("wants_nm", [math.nan, math.inf, -math.inf, 1e39])
 def test_a_torque_that_is_not_finite_is_a_fault(wants_nm: float) -> None:
     wild = Wild()
-    dut = DriveUnderTest()
-    dut.drive = Drive([ControlLaw(1, (), lambda _: wild)], clock_ns=dut.clock)
-    dut.running()
-    telemetry = dut.send(sample(0))[-1]
-    assert isinstance(telemetry, Telemetry)
-    assert telemetry.load_error_rad == math.inf
+    law = ControlLaw(name="wild", signals=(signal("load_error_rad", "rad"),), build=lambda _: wild)
+    dut = DriveUnderTest(laws=[law]).running()
+    dut.subscribe(1)
+    assert dut.send(sample(0))[-1] == Telemetry(0, (math.inf,))
     wild.wants_nm = wants_nm
     it = fault(dut.send(sample(1)))
     assert (it.code, it.limit) == (FaultCode.TORQUE_NOT_FINITE, 20.0)
@@ -160,9 +149,7 @@ def test_a_law_gets_applied_torque_and_elapsed_periods() -> None:
             seen.append(sample)
             return ControlOutput(100.0)
 
-    dut = DriveUnderTest()
-    dut.drive = Drive([ControlLaw(1, (), lambda _: Listening())], clock_ns=dut.clock)
-    dut.running(**QUIET)
+    dut = DriveUnderTest(laws=[ControlLaw(name="listening", build=lambda _: Listening())]).running()
     for sequence in (0, 1, 4):
         dut.send(sample(sequence, motor=sequence, load=-sequence))
     assert seen == [
@@ -191,13 +178,13 @@ def test_the_line_report_counts_per_run_including_the_stop() -> None:
     noise = b"\x05\x05\0" + b"\x55" * 100 + b"\0" + encode(LineReport(0, 0, 0, 0))
     dut.drive.receive(noise)
     dut.drive.note_overruns(5)
-    dut = dut.running(**QUIET)
+    dut = dut.running()
     dut.send(sample(0))
     dut.drive.receive(noise + b"\0\0\0")
     dut.drive.note_overruns(3)
     report, _ = dut.send(Stop())
     assert report == LineReport(messages=2, damaged=2, refused=1, overruns=3)
-    dut.running(**QUIET)
+    dut.running()
     report, _ = dut.send(Stop())
     assert report == LineReport(messages=1, damaged=0, refused=0, overruns=0)
 
@@ -216,7 +203,7 @@ def test_a_new_start_resets_the_law() -> None:
     dut = DriveUnderTest()
     runs = []
     for _ in range(2):
-        dut.running(**QUIET)
+        dut.running()
         samples = [sample(it, motor=3 * it, load=it) for it in range(30)]
         runs.append([torque(dut.send(it)).torque_nm for it in samples])
         dut.send(Stop())

@@ -17,15 +17,20 @@ def test_a_host_opens_a_session_sets_runs_and_stops() -> None:
     with opened(link) as host:
         assert (host.identity.board, host.identity.state) == ("python", State.IDLE)
         assert host.set("torque_limit_nm", 2.3) == single(2.3) == host.get("torque_limit_nm")
+        assert host.subscribe(["load_error_rad", "requested_torque_nm"], every=2)
         host.arm()
         host.start()
         torques_nm = [step(host) for _ in range(5)]
         assert torques_nm == [single(2.3)] * 5
         assert host.last_answer is not None
         assert TorqueFlags.SATURATED in host.last_answer.message.status.flags
-        assert host.telemetry is not None
-        assert host.telemetry.step == 0
         report = host.stop()
+        assert host.telemetry is not None
+        # In the order of the drive, by name: K_P2 and the ratio make 13 N m of an error of -1 rad.
+        assert host.telemetry.step == 4
+        assert list(host.telemetry.values) == ["requested_torque_nm", "load_error_rad"]
+        assert host.telemetry["load_error_rad"] == pytest.approx(-1.0, abs=1e-4)
+        assert host.telemetry["requested_torque_nm"] == pytest.approx(13.0, abs=0.01)
         assert (report.messages, report.damaged, report.refused) == (6, 0, 0)
         assert (host.lost, host.counters.damaged) == (0, 0)
     assert link.closed

@@ -43,7 +43,7 @@ def test_an_identity_of_another_session_is_no_answer() -> None:
 
     def alters(message: DriveMessage) -> list[DriveMessage]:
         stale = (
-            Identity(1, 6, Version(9, 9, 9), 0, State.IDLE, "old", 1, 1, 1, message.controllers, 0)
+            Identity(1, 6, Version(9, 9, 9), 0, 1, State.IDLE, "old", 1, 1, 1, 1, 0, 0)
             if isinstance(message, Identity)
             else None
         )
@@ -99,9 +99,12 @@ def test_parameters_are_checked_before_anything_is_sent() -> None:
     for name, number, allowed in (
         ("torque_limit_nm", 1000.1, "the drive accepts 0 to 1000 N m"),
         ("torque_limit_nm", math.nan, "the drive accepts 0 to 1000 N m"),
-        ("telemetry_every", 2.5, "the drive accepts a whole number, 0 to 65535"),
-        ("telemetry_every", math.inf, "the drive accepts a whole number, 0 to 65535"),
-        ("telemetry_every", -1, "the drive accepts a whole number, 0 to 65535"),
+        ("period_us", 200.5, "the drive accepts a whole number, 100 to 100000 us"),
+        ("period_us", math.inf, "the drive accepts a whole number, 100 to 100000 us"),
+        ("period_us", -1, "the drive accepts a whole number, 100 to 100000 us"),
+        ("controller", 1, "controller = 1: the drive accepts pd"),
+        ("controller", "merzouki", "controller = 'merzouki': the drive accepts pd"),
+        ("period_us", "pd", "the drive accepts a whole number, 100 to 100000 us"),
     ):
         with pytest.raises(ParameterRangeError, match=allowed):
             host.set(name, number)
@@ -125,7 +128,6 @@ def test_a_value_that_reads_back_differently_is_an_error() -> None:
 
 def test_a_parameter_that_is_not_live_is_rejected_while_running() -> None:
     host = running(SimulatedLink())
-    assert host.set("telemetry_every", 3) == 3
     with pytest.raises(ParameterRejectedError, match="k_p1 = 2: the drive answered WrongState and has 1 in force"):
         host.set("k_p1", 2.0)
 

@@ -33,7 +33,7 @@ def test_steps_continue_where_sequences_wrap() -> None:
 def test_telemetry_keeps_its_step_without_successor() -> None:
     host = running(SimulatedLink())
     step(host)
-    host.set("telemetry_every", 0)
+    host.subscribe([])
     for _ in range(33_000):
         step(host)
     assert host.telemetry is not None

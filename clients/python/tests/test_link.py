@@ -4,68 +4,37 @@ from __future__ import annotations
 
 import os
 import signal
-import threading
+import socket
+import subprocess
+import sys
 import time
-import tty
 from typing import TYPE_CHECKING
 
 import pytest
 
 from lashloop.control import ControlInput, ControlLaw, ControlOutput
 from lashloop.control.cascade import PD
-from lashloop.drive import Drive, serve
+from lashloop.drive import BackgroundDrive, Drive, serve
 from lashloop.enums import FaultCode, State
-from lashloop.frames import encode
+from lashloop.frames import FROM_DRIVE, decode, encode
 from lashloop.host import DriveFaultError, Host
-from lashloop.link import DescriptorLink, LinkError, open_port, send_all
-from lashloop.messages import Hello
+from lashloop.link import DescriptorLink, LinkClosedError, LinkError, open_port, send_all
+from lashloop.messages import Hello, Identity
 from support import PATIENT, SOON_S, python_drive
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
-class Served:
-    """A drive on a pseudo-terminal, in a thread. Leaving the block closes the terminal, which ends the thread."""
-
-    def __init__(self, *laws: ControlLaw) -> None:
-        """Start the thread."""
-        far_end, self._near_end = os.openpty()
-        tty.setraw(self._near_end)
-        self.path = os.ttyname(self._near_end)
-        self._line = DescriptorLink(far_end, self.path)
-        self.drive = Drive(laws)
-        self.error: Exception | None = None
-        self._thread = threading.Thread(target=self._run)
-        self._thread.start()
-
-    def _run(self) -> None:
-        try:
-            serve(self._line, self.drive)
-        except (LinkError, ZeroDivisionError) as error:
-            self.error = error
-
-    def __enter__(self) -> Served:
-        """Return the drive itself."""
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Close the terminal."""
-        os.close(self._near_end)
-        self._thread.join(SOON_S)
-        assert not self._thread.is_alive()
-        self._line.close()
-
-
 @pytest.fixture
-def served() -> Iterator[Served]:
+def served() -> Iterator[BackgroundDrive]:
     """The drive of the package."""
-    with Served(PD) as served:
+    with BackgroundDrive(Drive([PD])) as served:
         yield served
-    assert isinstance(served.error, LinkError)
+    assert served.error is None
 
 
-def test_a_run_over_a_pseudo_terminal_has_no_losses(served: Served) -> None:
+def test_a_run_over_a_pseudo_terminal_has_no_losses(served: BackgroundDrive) -> None:
     with Host.open(served.path) as host:
         host.set("watchdog_us", 5_000_000)
         host.arm()
@@ -77,18 +46,18 @@ def test_a_run_over_a_pseudo_terminal_has_no_losses(served: Served) -> None:
         assert (host.lost, host.counters.damaged, host.counters.refused) == (0, 0, 0)
 
 
-def test_hosts_may_connect_one_after_the_other(served: Served) -> None:
+def test_hosts_may_connect_one_after_the_other(served: BackgroundDrive) -> None:
     for _ in range(3):
         with Host.open(served.path) as host:
             assert host.identity.state is State.IDLE
 
 
-def test_a_port_in_use_is_rejected(served: Served) -> None:
+def test_a_port_in_use_is_rejected(served: BackgroundDrive) -> None:
     with Host.open(served.path), pytest.raises(LinkError, match=f"the port {served.path} can't be opened"):
         open_port(served.path)
 
 
-def test_a_partial_frame_of_an_earlier_host_does_no_harm(served: Served) -> None:
+def test_a_partial_frame_of_an_earlier_host_does_no_harm(served: BackgroundDrive) -> None:
     line = open_port(served.path)
     send_all(line, encode(Hello(1, 1))[:-1], SOON_S)
     line.close()
@@ -96,7 +65,7 @@ def test_a_partial_frame_of_an_earlier_host_does_no_harm(served: Served) -> None
         assert host.identity.session != 1
 
 
-def test_without_samples_the_watchdog_trips_and_is_reported(served: Served) -> None:
+def test_without_samples_the_watchdog_trips_and_is_reported(served: BackgroundDrive) -> None:
     with Host.open(served.path) as host:
         host.set("watchdog_us", 100_000)
         host.arm()
@@ -112,7 +81,7 @@ def test_without_samples_the_watchdog_trips_and_is_reported(served: Served) -> N
         assert 0.1 < it.value.fault.message.value < SOON_S
 
 
-def test_a_host_that_does_not_read_can_t_keep_the_watchdog_from_tripping(served: Served) -> None:
+def test_a_host_that_does_not_read_can_t_keep_the_watchdog_from_tripping(served: BackgroundDrive) -> None:
     with Host.open(served.path) as host:
         host.set("watchdog_us", 200_000)
         host.arm()
@@ -136,7 +105,8 @@ class Broken:
 
 
 def test_a_law_that_raises_ends_the_drive_with_a_panic_report() -> None:
-    with Served(ControlLaw(1, (), lambda _: Broken())) as served, Host.open(served.path) as host:
+    law = ControlLaw(name="broken", build=lambda _: Broken())
+    with BackgroundDrive(Drive([law])) as served, Host.open(served.path) as host:
         host.set("watchdog_us", 5_000_000)
         host.arm()
         host.start()
@@ -155,6 +125,41 @@ def test_a_drive_on_a_failed_link_ends_with_an_error() -> None:
     os.close(near_end)
     with pytest.raises(LinkError, match="the link the terminal has failed"):
         serve(line, Drive([PD]))
+    line.close()
+
+
+PRINTING = """
+from lashloop.control.cascade import PD
+from lashloop.drive import Drive, serve
+from lashloop.link import StandardStreams
+print("before", flush=True)
+streams = StandardStreams()
+print("after", flush=True)
+serve(streams, Drive([PD]))
+"""
+
+
+def test_prints_of_a_drive_on_standard_streams_do_not_disturb_the_link() -> None:
+    ended = subprocess.run(
+        [sys.executable, "-c", PRINTING], input=encode(Hello(1, 1)), capture_output=True, timeout=SOON_S, check=True
+    )
+    noise, _, frame = ended.stdout.partition(b"\n")
+    assert (noise, ended.stderr) == (b"before", b"after\n")
+    identity = decode(frame, FROM_DRIVE)
+    assert isinstance(identity, Identity)
+    assert identity.session == 1
+
+
+def test_a_drive_whose_host_closes_the_link_ends_without_an_error() -> None:
+    host, drive = socket.socketpair()
+    line = DescriptorLink(drive.detach(), "the socket")
+    host.send(encode(Hello(1, 1)))
+    host.shutdown(socket.SHUT_WR)
+    serve(line, Drive([PD]))
+    assert len(host.recv(100)) == 52
+    host.close()
+    with pytest.raises(LinkClosedError, match="the link the socket has failed: its far end has closed"):
+        line.write(b"\0", 0.0)
     line.close()
 
 

@@ -9,13 +9,12 @@ import pytest
 from cobs import cobs
 
 from lashloop import frames, messages
+from lashloop.drive.description import MOST_LAWS, MOST_SIGNALS
 from lashloop.enums import (
-    ControllerId,
-    Controllers,
-    DisturbingTorqueSource,
     FaultCode,
     LogLevel,
     Outcome,
+    ParameterFlags,
     ParameterType,
     ParameterValue,
     State,
@@ -28,31 +27,30 @@ from lashloop.enums import (
 )
 from lashloop.errors import FieldError
 from lashloop.frames import FROM_DRIVE, FROM_HOST, BodyError, CrcError, MalformedError, OversizedError
+from lashloop.layout import MAX_TELEMETRY_VALUES
 from lashloop.messages import DRIVE_MESSAGES, HOST_MESSAGES, LAYOUTS, Log, Message
 from support import WORKSPACE, document, table
 
 GOLDEN = json.loads((WORKSPACE / "protocol/golden/v1.json").read_text())
 ALL: tuple[type[Message], ...] = (*HOST_MESSAGES, *DRIVE_MESSAGES)
 LISTS: dict[str, type[WireEnum]] = {"state": State, "outcome": Outcome, "code": FaultCode, "level": LogLevel}
-FLAGS = {"flags": TorqueFlags, "controllers": Controllers}
 
 
 def direction(kind: int) -> Any:
     return FROM_HOST if kind < 0x80 else FROM_DRIVE
 
 
-def from_json(name: str, value: Any) -> Any:
+def from_json(name: str, value: Any, flags: type[TorqueFlags | ParameterFlags] = ParameterFlags) -> Any:
     """A field of the golden file, converted to the value of the message."""
     if name == "status":
-        return TorqueStatus(**{part: from_json(part, it) for part, it in value.items()})
+        return TorqueStatus(**{part: from_json(part, it, TorqueFlags) for part, it in value.items()})
+    if name == "values":
+        return tuple(map(single, value))
     if isinstance(value, dict):
         make = ParameterValue.f32 if value["type"] == "F32" else ParameterValue.u32
         return make(value["value"])
-    if name in FLAGS:
-        bits: Any = FLAGS[name](0)
-        for flag in value:
-            bits |= FLAGS[name][flag]
-        return bits
+    if name == "flags":
+        return flags(sum(flags[flag] for flag in value))
     if name == "firmware":
         return Version(*map(int, value.split(".")))
     if name in LISTS:
@@ -75,16 +73,21 @@ def test_the_golden_file_has_every_message() -> None:
 
 
 def test_kinds_senders_and_lengths_are_those_of_the_specification() -> None:
-    rows = {row[1]: (row[0], row[2], int(row[3])) for row in table("## 4. Messages")}
+    rows = {row[1]: (row[0], row[2], row[3]) for row in table("## 4. Messages")}
     ours = {
         it.__name__: (
             f"{it.KIND:#04x}",
             "host" if it in HOST_MESSAGES else "drive",
-            LAYOUTS[it].body_len + frames.OVERHEAD,
+            " to ".join(str(end + frames.OVERHEAD) for end in ends(LAYOUTS[it].body_lens)),
         )
         for it in ALL
     }
     assert ours == rows
+
+
+def ends(lens: list[int]) -> list[int]:
+    """The smallest and the largest number, or the only one."""
+    return sorted({lens[0], lens[-1]})
 
 
 @pytest.mark.parametrize("message", ALL, ids=lambda it: str(it.__name__))
@@ -97,15 +100,15 @@ def test_layouts_are_those_of_the_specification(message: type[Message]) -> None:
 
 @pytest.mark.parametrize(
     "values",
-    [State, FaultCode, Outcome, LogLevel, ParameterType, ControllerId, DisturbingTorqueSource],
+    [State, FaultCode, Outcome, LogLevel, ParameterType],
 )
 def test_lists_are_those_of_the_specification(values: type[WireEnum]) -> None:
     rows = [(int(row[0]), row[1]) for row in table(f"### {values.__name__}")]
     assert [(int(it), it.label) for it in values] == rows
 
 
-@pytest.mark.parametrize("flags", [TorqueFlags, Controllers])
-def test_flags_are_those_of_the_specification(flags: type[TorqueFlags | Controllers]) -> None:
+@pytest.mark.parametrize("flags", [TorqueFlags, ParameterFlags])
+def test_flags_are_those_of_the_specification(flags: type[TorqueFlags | ParameterFlags]) -> None:
     rows = [(int(row[0], 16), row[1]) for row in table(f"### {flags.__name__}")]
     assert [(it.value, it.name) for it in flags] == rows
 
@@ -127,9 +130,12 @@ def test_limits_are_those_of_the_specification() -> None:
         "MAX_BODY": frames.MAX_BODY,
         "OVERHEAD": frames.OVERHEAD,
         "DELIMITER": frames.DELIMITER[0],
+        "MAX_LAWS": MOST_LAWS,
+        "MAX_SIGNALS": MOST_SIGNALS,
+        "MAX_TELEMETRY_VALUES": MAX_TELEMETRY_VALUES,
     }
     assert ours == rows
-    assert max(LAYOUTS[it].body_len for it in ALL) <= frames.MAX_BODY
+    assert max(max(LAYOUTS[it].body_lens) for it in ALL) <= frames.MAX_BODY
 
 
 @pytest.mark.parametrize(
@@ -142,6 +148,9 @@ def test_limits_are_those_of_the_specification() -> None:
         (messages.EncoderSample(0, 0, 0, 1e39), "EncoderSample.reference_rad is 1e+39, allowed is"),
         (messages.SetParameter(256, ParameterValue.u32(0)), "SetParameter.index is 256, allowed is 0 to 255"),
         (messages.SetParameter(0, ParameterValue.u32(-1)), "SetParameter.value is"),
+        (messages.Telemetry(0, ()), "Telemetry.values is (), allowed is 1 to 13 numbers of type f32"),
+        (messages.Telemetry(0, (0.0,) * 14), "Telemetry.values is (0.0, "),
+        (messages.Telemetry(0, (0.0, 1e39)), "Telemetry.values is (0.0, 1e+39), allowed is"),
         (Log(LogLevel.INFO, "x" * 53), "Log.text is"),
         (Log(LogLevel.INFO, "a\0b"), "Log.text is"),
     ],
@@ -206,14 +215,32 @@ def test_a_field_with_an_invalid_value_is_rejected(body: bytes) -> None:
         frames.decode(sealed(body), FROM_DRIVE)
 
 
-def test_an_identity_may_offer_unnamed_control_laws() -> None:
-    golden = next(it for it in GOLDEN["frames"] if it["name"] == "Identity")
+def test_parameter_flags_without_a_name_are_kept() -> None:
+    golden = next(it for it in GOLDEN["frames"] if it["name"] == "ParameterDescription")
     body = bytearray(frames.open_frame(bytes.fromhex(golden["frame"])[:-1]))
-    body[42:44] = b"\x02\x80"
-    identity = frames.decode(sealed(bytes(body)), FROM_DRIVE)
-    assert isinstance(identity, messages.Identity)
-    assert (identity.controllers.offers(1), identity.controllers.offers(2)) == (True, False)
-    assert identity.controllers.offers(15)
+    body[2] = 0x81
+    description = frames.decode(sealed(bytes(body)), FROM_DRIVE)
+    assert isinstance(description, messages.ParameterDescription)
+    assert ParameterFlags.LIVE in description.flags
+    assert ParameterFlags.CHOICES not in description.flags
+    assert frames.encode(description) == sealed(bytes(body))
+
+
+def test_telemetry_has_1_to_13_values_and_no_other_length() -> None:
+    for length in range(64):
+        body = b"\x91\x07\x00" + b"\x40" * length
+        whole = length % 4 == 0 and 4 <= length <= 52
+        if whole:
+            telemetry = frames.decode(sealed(body), FROM_DRIVE)
+            assert telemetry == messages.Telemetry(7, (single(3.0039215),) * (length // 4))
+            assert frames.encode(telemetry) == sealed(body)
+        elif len(sealed(body)) <= frames.MAX_FRAME:
+            with pytest.raises(BodyError, match=f"a body of {3 + length} bytes, Telemetry has 7 to 55 in steps of 4"):
+                frames.decode(sealed(body), FROM_DRIVE)
+
+
+def test_telemetry_of_six_signals_takes_33_bytes() -> None:
+    assert len(frames.encode(messages.Telemetry(0, (1.0,) * 6))) == 33
 
 
 def test_kinds_of_damage_are_distinguished() -> None:
@@ -230,7 +257,7 @@ def test_kinds_of_damage_are_distinguished() -> None:
 
 def test_frames_of_the_specification_decode_and_encode_again() -> None:
     shown = [bytes.fromhex(line[7:]) for line in document().splitlines() if line.startswith("frame: ")]
-    assert len(shown) == 16
+    assert len(shown) > 16
     for frame in shown:
         kind = frames.open_frame(frame[:-1])[0]
         assert frames.encode(frames.decode(frame, direction(kind))) == frame

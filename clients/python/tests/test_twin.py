@@ -9,7 +9,7 @@ import pytest
 from lashloop.control import ControlInput
 from lashloop.control.cascade import PD
 from lashloop.drive import Drive
-from lashloop.enums import FaultCode, State
+from lashloop.enums import FaultCode, State, single
 from lashloop.host import DriveFaultError, Host
 from support import PATIENT, rust_twin
 
@@ -50,9 +50,10 @@ class Plant:
 def prepared(host: Host) -> Host:
     """A host in a run of the cascade."""
     host.reset()
-    host.set("controller", 1)
+    host.set("controller", "pd")
     host.set("torque_limit_nm", 25.0)
     host.set("watchdog_us", 20_000_000)
+    host.subscribe()
     host.arm()
     host.start()
     return host
@@ -65,6 +66,7 @@ def test_a_closed_loop_with_the_twin_moves_the_load_to_the_reference() -> None:
         assert host.identity.board == "native-twin"
         prepared(host)
         applied_nm = 0.0
+        before: dict[str, float] = {}
         for step in range(3000):
             counts = plant.counts()
             torque_nm = host.torque(**counts, reference_rad=0.0)
@@ -78,6 +80,11 @@ def test_a_closed_loop_with_the_twin_moves_the_load_to_the_reference() -> None:
             # The law of this package gives the same torque bit for bit.
             ours = law.step(ControlInput(**counts, reference_rad=0.0, applied_torque_nm=applied_nm, elapsed_periods=1))
             assert torque_nm == ours.torque_nm, f"sample {step}"
+            telemetry = host.telemetry
+            if telemetry is not None and telemetry.step == step - 1:
+                # Received after the torque of its sample. The signals, too, are those of this package.
+                assert {name: telemetry[name] for name in before} == before
+            before = {name: single(value) for name, value in ours.signals.items()}
             applied_nm = torque_nm
             plant.step(torque_nm)
         report = host.stop()
@@ -89,21 +96,34 @@ def test_a_closed_loop_with_the_twin_moves_the_load_to_the_reference() -> None:
     assert 0.0 < plant.load_rad < 0.25 * math.pi
 
 
-def test_the_twin_s_parameters_are_described_set_and_read_back() -> None:
+def test_the_twin_describes_the_law_of_this_package_alike() -> None:
     with rust_twin() as twin, Host.open(twin.path, limits=PATIENT) as host:
-        ours = {spec.name: spec for spec in Drive([PD]).parameters.specs}
-        assert list(host.parameters) == list(ours)
-        for name, it in host.parameters.items():
-            if name != "controller":
-                assert (it.unit, it.default, it.min, it.max, it.live) == (
-                    ours[name].unit,
-                    ours[name].default,
-                    ours[name].min,
-                    ours[name].max,
-                    ours[name].live,
-                )
+        assert "pd" in host.laws
+        assert host.parameters["controller"].choices == host.laws
+        ours = {spec.name: spec for spec in Drive([PD]).parameters.specs if spec.name != "controller"}
+        for name, spec in ours.items():
+            it = host.parameters[name]
+            assert "pd" in it.laws
+            assert (it.unit, it.default, it.min, it.max, it.live, it.choices) == (
+                spec.unit,
+                spec.default,
+                spec.min,
+                spec.max,
+                spec.live,
+                spec.choices,
+            )
+        for declared in PD.signals:
+            assert "pd" in host.signals[declared.name].laws
+            assert host.signals[declared.name].unit == declared.unit
+
+
+def test_the_twin_s_parameters_are_set_and_read_back() -> None:
+    with rust_twin() as twin, Host.open(twin.path, limits=PATIENT) as host:
         assert host.set("k_p1", 2.5) == host.get("k_p1") == 2.5
-        assert [number for number in range(16) if host.identity.controllers.offers(number)] == [1, 2, 3, 4]
+        source = host.parameter("disturbing_torque_source")
+        assert source.choices == ("model", "observed")
+        assert "pd" not in source.laws
+        assert source.text(host.set("disturbing_torque_source", "model")) == "model"
 
 
 def test_an_encoder_jump_on_the_twin_reports_value_and_limit() -> None:

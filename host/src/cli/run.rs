@@ -23,7 +23,7 @@ use lashloop_plant::metrics::SignalTable;
 use super::clock_options::ClockOptions;
 use super::error::CliError;
 use super::options::ScenarioOptions;
-use super::output::prepare_folder;
+use super::output::{error_line, prepare_folder};
 use super::progress::Progress;
 use super::run_report;
 use super::supervision::start_supervisor;
@@ -32,8 +32,10 @@ use super::supervision::start_supervisor;
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Drive: `inproc` is a call in this process, `native` a process on a pseudo-terminal, `qemu` the Cortex-M image of
-    /// `cargo xtask image` in QEMU (`qemu:ELF` another image), and a path such as /dev/ttyACM0 or /dev/pts/3 a terminal
-    /// with a drive at its far end
+    /// `cargo xtask image` in QEMU (`qemu:ELF` another image), `exec:CMD ARGS` a program of yours on its standard input and
+    /// output or, with `{tty}` among the arguments, on a pseudo-terminal, `tcp:HOST:PORT` a port of raw bytes,
+    /// `rfc2217:HOST:PORT` a serial port of another machine, and a path such as /dev/ttyACM0 or /dev/pts/3 a terminal with
+    /// a drive at its far end
     #[arg(long, default_value = "native", value_name = "DEVICE")]
     device: DeviceChoice,
 
@@ -72,6 +74,9 @@ impl Arguments {
             None => link,
         };
         let mut device = DeviceUnderTest::open(&scenario, &self.device, &supervisor, listen)?;
+        for warning in device.device.warnings() {
+            error_line(format_args!("lashloop: warning: {warning}"));
+        }
         // Only once a drive is open: a failed start keeps the old record.
         let record = self.out.as_deref().map(|folder| Folder::prepare(folder, &scenario)).transpose()?;
         let progress = Progress::of(&scenario);

@@ -8,15 +8,15 @@ use std::convert::Infallible;
 use std::ffi::OsString;
 use std::os::fd::AsFd;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
-use std::process::{Child, Command, ExitStatus};
+use std::process::{Command, ExitStatus};
 use std::{fs, io, process};
 
 use clap::Args;
 use lashloop_bench::verdict::Exit;
 use rustix::event::{PollFd, PollFlags, poll};
 use rustix::process::{
-    Pid, PidfdFlags, Resource, Rlimit, Signal, getpgrp, getpid, kill_process, kill_process_group, pidfd_open,
-    set_parent_process_death_signal, setrlimit,
+    Pid, PidfdFlags, Resource, Rlimit, Signal, getpgid, getpgrp, getpid, kill_process, kill_process_group,
+    pidfd_open, set_parent_process_death_signal, setpgid, setrlimit,
 };
 use rustix::stdio::{dup2_stdin, dup2_stdout};
 use rustix::thread::{CpuSet, sched_setaffinity};
@@ -63,10 +63,11 @@ impl Arguments {
 
 /// Runs the program and ends as it ends. If the bench ends first, kills the process group, this process included.
 fn guard(bench: Option<Pid>, command: &mut Command) -> io::Result<Infallible> {
+    let bench_id = bench.ok_or(io::ErrorKind::InvalidInput)?;
     // Without a process of this number the bench has ended already.
-    let bench = pidfd_open(bench.ok_or(io::ErrorKind::InvalidInput)?, PidfdFlags::empty())?;
+    let bench = pidfd_open(bench_id, PidfdFlags::empty())?;
     let mut child = command.spawn()?;
-    let child_fd = pidfd_open(pid_of(&child), PidfdFlags::empty())?;
+    let child_fd = pidfd_open(Pid::from_child(&child), PidfdFlags::empty())?;
     // The ends of the line belong to the program alone: once it closes them, the bench sees the end of the line.
     let null = fs::File::options().read(true).write(true).open("/dev/null")?;
     dup2_stdin(&null)?;
@@ -85,13 +86,18 @@ fn guard(bench: Option<Pid>, command: &mut Command) -> io::Result<Infallible> {
             kill_process_group(getpgrp(), Signal::KILL)?;
         }
         if has_ended(&child_fd)? {
-            end_as(child.wait()?);
+            let status = child.wait()?;
+            // The rest of the group ends first. The bench may be ending too, so this can't be left to it; without its
+            // group to move to, this process ends with its own.
+            let group = getpgrp();
+            let _ = getpgid(Some(bench_id)).and_then(|bench| setpgid(None, Some(bench)));
+            kill_process_group(group, Signal::KILL).or_else(|error| match error {
+                rustix::io::Errno::SRCH => Ok(()),
+                other => Err(other),
+            })?;
+            end_as(status);
         }
     }
-}
-
-fn pid_of(child: &Child) -> Pid {
-    Pid::from_child(child)
 }
 
 /// Ends this process with the exit code or by the signal of another one.
@@ -99,7 +105,10 @@ fn end_as(status: ExitStatus) -> ! {
     if let Some(signal) = status.signal().and_then(Signal::from_named_raw) {
         // The program has dumped its core; this one is of no interest.
         let _ = setrlimit(Resource::Core, Rlimit { current: Some(0), maximum: Some(0) });
-        let _ = kill_process(getpid(), signal);
+        // Twice: the first one may meet a handler of the runtime, which removes itself.
+        for _ in 0..2 {
+            let _ = kill_process(getpid(), signal);
+        }
     }
     process::exit(status.code().unwrap_or_else(|| 128 + status.signal().unwrap_or(0)))
 }

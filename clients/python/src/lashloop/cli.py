@@ -12,13 +12,16 @@ from typing import TYPE_CHECKING
 
 from serial.tools import list_ports
 
-from lashloop.enums import ControllerId
+from lashloop.control.cascade import PD
+from lashloop.drive import Drive, serve
 from lashloop.errors import LashloopError
 from lashloop.host import Host, ParameterRangeError, UnknownParameterError
-from lashloop.link import DEFAULT_BAUD, PseudoTerminal, open_port
+from lashloop.link import DEFAULT_BAUD, PseudoTerminal, StandardStreams, open_port
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from lashloop.link import Link
 
 _USAGE = 2
 _DEVICE = 4
@@ -58,10 +61,12 @@ def _parser() -> argparse.ArgumentParser:
     drive = commands.add_parser(
         "drive",
         help="emulate a drive until killed",
-        description="Emulate a drive with the cascaded PD law until killed. Without --port the drive opens a "
-        "pseudo-terminal and prints its path on standard output; use it with `lashloop run SCENARIO --device PATH`.",
+        description="Emulate a drive with the cascaded PD law until killed. Without options the drive opens a "
+        "pseudo-terminal and prints its path on standard output, for `lashloop run SCENARIO --device PATH`. With "
+        '--stdio the bench starts the drive: `lashloop run SCENARIO --device "exec:python -m lashloop drive --stdio"`.',
     )
     _add_port(drive, required=False, meaning="serial port to the host; default: a new pseudo-terminal")
+    drive.add_argument("--stdio", action="store_true", help="serve standard input and output, until the host closes it")
     drive.set_defaults(run=_drive)
 
     ports = commands.add_parser("ports", help="list the serial ports", description="List the serial ports.")
@@ -73,14 +78,24 @@ def _parser() -> argparse.ArgumentParser:
     _add_port(identify)
     identify.set_defaults(run=_identify)
 
+    signals = commands.add_parser(
+        "signals",
+        help="list the signals of a drive",
+        description="Print every signal with its unit and the laws that have it.",
+    )
+    _add_port(signals)
+    signals.set_defaults(run=_signals)
+
     parameters = commands.add_parser(
         "parameters",
         help="list or set the parameters of a drive",
-        description="Print every parameter with value, default, range and unit; with NAME=VALUE set these first. "
+        description="Print every parameter with value, default, range and unit, or choices; NAME=VALUE sets it first. "
         "The values hold until a reset of the drive, which `lashloop run` sends before a run.",
     )
     _add_port(parameters)
-    parameters.add_argument("settings", nargs="*", type=_setting, metavar="NAME=VALUE", help="torque_limit_nm=5")
+    parameters.add_argument(
+        "settings", nargs="*", type=_setting, metavar="NAME=VALUE", help="torque_limit_nm=5, controller=pd"
+    )
     parameters.set_defaults(run=_parameters)
     return parser
 
@@ -104,22 +119,19 @@ def _baud(text: str) -> int:
     return int(text)
 
 
-def _setting(text: str) -> tuple[str, float]:
-    name, equals, number = text.partition("=")
+def _setting(text: str) -> tuple[str, float | str]:
+    name, equals, value = text.partition("=")
+    if not (name and equals and value):
+        raise argparse.ArgumentTypeError(f"{text} is no setting; expected NAME=VALUE")
     try:
-        if not (name and equals):
-            raise ValueError(text)
-        return name, float(number)
+        return name, float(value)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text} is no setting; expected NAME=NUMBER") from None
+        # A choice by its name.
+        return name, value
 
 
 def _drive(arguments: argparse.Namespace) -> None:
-    # Imported here, because the control law imports numpy, which delays the start of a host.
-    from lashloop.control.cascade import PD
-    from lashloop.drive import Drive, serve
-
-    line = open_port(arguments.port, arguments.baud) if arguments.port else PseudoTerminal()
+    line = _drive_line(arguments)
     if isinstance(line, PseudoTerminal):
         # The parent process waits for this line, so it is flushed.
         print(line.path, flush=True)
@@ -127,6 +139,12 @@ def _drive(arguments: argparse.Namespace) -> None:
             hint = "The drive is ready. In another shell: lashloop run SCENARIO.toml --device"
             print(f"{hint} {line.path}", file=sys.stderr)
     serve(line, Drive([PD]))
+
+
+def _drive_line(arguments: argparse.Namespace) -> Link:
+    if arguments.stdio:
+        return StandardStreams()
+    return open_port(arguments.port, arguments.baud) if arguments.port else PseudoTerminal()
 
 
 def _ports(_: argparse.Namespace) -> None:
@@ -143,8 +161,9 @@ def _ports(_: argparse.Namespace) -> None:
 def _identify(arguments: argparse.Namespace) -> None:
     with Host.open(arguments.port, arguments.baud) as host:
         identity = host.identity
+        dirty = ", built from changed or unknown sources" if identity.dirty else ""
         print(f"board                 {identity.board}")
-        print(f"firmware              {identity.firmware}, build {identity.build_id:08x}")
+        print(f"firmware              {identity.firmware}, build {identity.build_id:08x}{dirty}")
         print(f"protocol version      {identity.protocol_version}")
         print(f"state                 {identity.state}")
         if host.fault is not None:
@@ -152,24 +171,31 @@ def _identify(arguments: argparse.Namespace) -> None:
         print(f"control period        {identity.period_us} us")
         print(f"motor encoder         {identity.motor_counts_per_rev} counts/rev")
         print(f"load encoder          {identity.load_counts_per_rev} counts/rev")
-        print(f"control laws          {', '.join(_laws(identity.controllers.value))}")
+        print(f"control laws          {', '.join(host.laws)}")
+        print(f"signals               {identity.signal_count}")
         print(f"parameters            {identity.parameter_count}")
 
 
-def _laws(bits: int) -> list[str]:
-    names = {int(it): it.label for it in ControllerId}
-    return [names.get(number, str(number)) for number in range(16) if bits >> number & 1]
+def _signals(arguments: argparse.Namespace) -> None:
+    with Host.open(arguments.port, arguments.baud) as host:
+        print(f"{'name':<32} {'unit':<10} laws")
+        for it in host.signals.values():
+            print(f"{it.name:<32} {it.unit:<10} {_laws(it.laws, host)}")
 
 
 def _parameters(arguments: argparse.Namespace) -> None:
     with Host.open(arguments.port, arguments.baud) as host:
         # All values are checked before the first is set, so that a typing error changes nothing.
-        for name, number in arguments.settings:
-            host.parameter(name).value(number)
-        for name, number in arguments.settings:
-            host.set(name, number)
-        print(f"{'name':<28} {'value':>12} {'default':>12}  {'live':<4} allowed")
+        for name, value in arguments.settings:
+            host.parameter(name).value(value)
+        for name, value in arguments.settings:
+            host.set(name, value)
+        print(f"{'name':<28} {'value':>12} {'default':>12}  {'live':<4} {'allowed':<32} laws")
         for it in host.parameters.values():
             live = "yes" if it.live else "no"
-            value = it.value(host.get(it.name))
-            print(f"{it.name:<28} {value!s:>12} {it.default!s:>12}  {live:<4} {it.allowed}")
+            value, default = it.text(host.get(it.name)), it.text(it.default.value)
+            print(f"{it.name:<28} {value:>12} {default:>12}  {live:<4} {it.allowed:<32} {_laws(it.laws, host)}")
+
+
+def _laws(names: Sequence[str], host: Host) -> str:
+    return "all" if len(names) == len(host.laws) else ", ".join(names)

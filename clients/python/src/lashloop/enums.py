@@ -79,7 +79,7 @@ class Outcome(WireEnum):
     WRONG_STATE = 2
     WRONG_SESSION = 3
     VERSION_MISMATCH = 4
-    UNKNOWN_PARAMETER = 5
+    UNKNOWN_INDEX = 5
     WRONG_TYPE = 6
     OUT_OF_RANGE = 7
     OUT_OF_SEQUENCE = 8
@@ -102,20 +102,11 @@ class ParameterType(WireEnum):
     F32 = 2
 
 
-class ControllerId(WireEnum):
-    """Control laws: values of the parameter `controller` with a name."""
+class ParameterFlags(IntFlag):
+    """Properties of a parameter. A bit without a name is one of a newer drive and is kept."""
 
-    PD = 1
-    MERZOUKI = 2
-    MERZOUKI_AS_PRINTED = 3
-    BACKLASH_INVERSE = 4
-
-
-class DisturbingTorqueSource(WireEnum):
-    """Values of the parameter `disturbing_torque_source`."""
-
-    MODEL = 1
-    OBSERVED = 2
+    LIVE = 0x01
+    CHOICES = 0x02
 
 
 class TorqueFlags(IntFlag):
@@ -132,19 +123,6 @@ class TorqueStatus:
 
     state: State
     flags: TorqueFlags
-
-
-class Controllers(IntFlag):
-    """Control laws that a drive offers: bit n stands for law n. A law need not have a name."""
-
-    PD = 0x0002
-    MERZOUKI = 0x0004
-    MERZOUKI_AS_PRINTED = 0x0008
-    BACKLASH_INVERSE = 0x0010
-
-    def offers(self, controller: int) -> bool:
-        """Whether the drive offers the law with this number."""
-        return bool(self.value >> controller & 1)
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,20 +8,35 @@ import google_crc32c
 from cobs import cobs
 
 from lashloop.errors import LashloopError
+from lashloop.layout import MAX_BODY, MAX_FRAME, OVERHEAD
 from lashloop.messages import DRIVE_MESSAGES, HOST_MESSAGES, LAYOUTS, DriveMessage, HostMessage, Message
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-MAX_FRAME = 64
-"""Longest frame in bytes, COBS code and delimiter included."""
-OVERHEAD = 6
-"""Bytes of a frame beyond its body."""
-MAX_BODY = MAX_FRAME - OVERHEAD
-"""Longest body in bytes."""
 DELIMITER = b"\0"
 """Ends every frame and occurs nowhere else."""
 _CRC_LEN = 4
+
+__all__ = [
+    "DELIMITER",
+    "FROM_DRIVE",
+    "FROM_HOST",
+    "MAX_BODY",
+    "MAX_FRAME",
+    "OVERHEAD",
+    "BodyError",
+    "CrcError",
+    "Direction",
+    "FrameError",
+    "M",
+    "MalformedError",
+    "OversizedError",
+    "crc32c",
+    "decode",
+    "encode",
+    "open_frame",
+]
 
 M = TypeVar("M", bound=Message)
 
@@ -63,8 +78,10 @@ class Direction(Generic[M]):
         layout = self._layouts.get(body[0])
         if layout is None:
             raise BodyError(f"kind {body[0]:#04x} is not a message of the {self.sender}")
-        if len(body) != layout.body_len:
-            raise BodyError(f"a body of {len(body)} bytes, {layout.name} has {layout.body_len}")
+        lens = layout.body_lens
+        if len(body) not in lens:
+            allowed = str(lens[0]) if len(lens) == 1 else f"{lens[0]} to {lens[-1]} in steps of {lens[1] - lens[0]}"
+            raise BodyError(f"a body of {len(body)} bytes, {layout.name} has {allowed}")
         try:
             message: M = layout.decode(body)
         except ValueError as error:

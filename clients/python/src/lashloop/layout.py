@@ -8,13 +8,13 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass, fields
 from operator import attrgetter, index
-from typing import TYPE_CHECKING, Annotated, Any, Protocol, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 from lashloop.enums import (
-    Controllers,
     FaultCode,
     LogLevel,
     Outcome,
+    ParameterFlags,
     ParameterType,
     ParameterValue,
     State,
@@ -28,12 +28,23 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 
+MAX_FRAME = 64
+"""Longest frame in bytes, COBS code and delimiter included."""
+OVERHEAD = 6
+"""Bytes of a frame beyond its body."""
+MAX_BODY = MAX_FRAME - OVERHEAD
+"""Longest body in bytes."""
+MAX_TELEMETRY_VALUES = (MAX_BODY - 3) // 4
+"""Most values of one telemetry: what the longest body holds besides kind and sequence."""
+
+
 @dataclass(frozen=True, slots=True)
 class Wire:
     """A wire type: its name in the specification, and the conversion of its values.
 
     `pack` and `unpack` convert between the value and the operand of `struct` for `code`; they raise `ValueError` for
-    a value outside the type. None means no conversion.
+    a value outside the type. None means no conversion. A repeated type, of the last field only, holds `code` at least
+    once, up to the end of the body.
     """
 
     name: str
@@ -41,6 +52,16 @@ class Wire:
     allowed: str
     pack: Callable[[Any], Any] | None = None
     unpack: Callable[[Any], Any] | None = None
+    most: int | None = None
+    """Largest number of elements of a repeated type; None for a type of fixed length."""
+
+    def check(self, value: Any) -> None:
+        """Raise the error of a value outside the type."""
+        if self.most is not None and not 1 <= len(value) <= self.most:
+            raise ValueError(value)
+        elements = [value] if self.most is None else value
+        for element in elements:
+            struct.pack("<" + self.code, self.pack(element) if self.pack else element)
 
 
 def _text(size: int) -> Wire:
@@ -104,9 +125,15 @@ U16 = Annotated[int, Wire("u16", "H", "0 to 65535")]
 U32 = Annotated[int, Wire("u32", "I", "0 to 4294967295")]
 I24 = Annotated[int, Wire("i24", "3s", "-8388608 to 8388607", _pack_i24, _unpack_i24)]
 F32 = Annotated[float, Wire("f32", "f", "-3.4028235e38 to 3.4028235e38, infinite or NaN")]
+F32s = Annotated[
+    tuple[float, ...],
+    Wire("f32[n]", "f", f"1 to {MAX_TELEMETRY_VALUES} numbers of type f32", most=MAX_TELEMETRY_VALUES),
+]
 Text10 = Annotated[str, _text(10)]
 Text16 = Annotated[str, _text(16)]
+Text27 = Annotated[str, _text(27)]
 Text28 = Annotated[str, _text(28)]
+Text32 = Annotated[str, _text(32)]
 Text52 = Annotated[str, _text(52)]
 Value = Annotated[ParameterValue, Wire("value", "5s", "a U32 or an F32 within its type", _pack_value, _unpack_value)]
 VersionField = Annotated[
@@ -124,14 +151,8 @@ FaultCodeField = Annotated[FaultCode, _enum(FaultCode)]
 OutcomeField = Annotated[Outcome, _enum(Outcome)]
 LogLevelField = Annotated[LogLevel, _enum(LogLevel)]
 StatusField = Annotated[TorqueStatus, Wire("status8", "B", "a State with TorqueFlags", _pack_status, _unpack_status)]
-# A bit without a name is a law of a newer drive and, unlike an unknown torque flag, no error.
-ControllersField = Annotated[Controllers, Wire("flags16", "H", "16 bits", None, Controllers)]
-
-
-class Declared(Protocol):
-    """A message class, as a layout requires it."""
-
-    KIND: int
+# Unlike a torque flag, a bit without a name is no error.
+ParameterFlagsField = Annotated[ParameterFlags, Wire("flags8", "B", "8 bits", None, ParameterFlags)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,15 +174,29 @@ class Layout:
         self.name = message.__name__
         self.kind: int = message.KIND
         self.message = message
-        self._struct = struct.Struct("<B" + "".join(wire.code for _, wire in wires))
-        self.body_len = self._struct.size
         self.fields = tuple(
             Field(name, wire, struct.calcsize("<B" + "".join(it.code for _, it in wires[:place])))
             for place, (name, wire) in enumerate(wires)
         )
+        most = wires[-1][1].most if wires else None
+        self._is_repeated = most is not None
+        self._fixed = len(wires) - self._is_repeated
+        fixed_codes = "<B" + "".join(wire.code for _, wire in wires[: self._fixed])
+        structs = (
+            [struct.Struct(fixed_codes)]
+            if most is None
+            else [struct.Struct(fixed_codes + wires[-1][1].code * count) for count in range(1, most + 1)]
+        )
+        self._by_operands = dict(enumerate(structs, len(wires)))
+        self._by_len = {it.size: it for it in structs}
         self._values = _getter([name for name, _ in wires])
         self._packs = [(place, wire.pack) for place, (_, wire) in enumerate(wires) if wire.pack]
         self._unpacks = [(place, wire.unpack) for place, (_, wire) in enumerate(wires) if wire.unpack]
+
+    @property
+    def body_lens(self) -> list[int]:
+        """Lengths that a body of this kind may have, in bytes; one, unless the last field repeats."""
+        return list(self._by_len)
 
     def encode(self, message: object) -> bytes:
         """Return the body of a message; `FieldError` for a value outside its field's range."""
@@ -169,14 +204,18 @@ class Layout:
         try:
             for place, pack in self._packs:
                 values[place] = pack(values[place])
-            return self._struct.pack(self.kind, *values)
-        except (struct.error, ValueError, OverflowError, TypeError, AttributeError):
+            if self._is_repeated:
+                values[self._fixed :] = values[self._fixed]
+            return self._by_operands[len(values)].pack(self.kind, *values)
+        except (struct.error, ValueError, KeyError, OverflowError, TypeError, AttributeError):
             self._blame(message)
             raise
 
     def decode(self, body: bytes) -> Any:
-        """Decode a body of this kind and length; `ValueError` if a field holds no value of its type."""
-        values = list(self._struct.unpack(body)[1:])
+        """Decode a body of this kind and of one of its lengths; `ValueError` if a field holds no value of its type."""
+        values: list[Any] = list(self._by_len[len(body)].unpack(body)[1:])
+        if self._is_repeated:
+            values[self._fixed :] = [tuple(values[self._fixed :])]
         for place, unpack in self._unpacks:
             values[place] = unpack(values[place])
         return self.message(*values)
@@ -185,7 +224,7 @@ class Layout:
         for field in self.fields:
             value = getattr(message, field.name)
             try:
-                struct.pack("<" + field.wire.code, field.wire.pack(value) if field.wire.pack else value)
+                field.wire.check(value)
             except (struct.error, ValueError, OverflowError, TypeError, AttributeError):
                 raise FieldError(self.name, field.name, value, field.wire.allowed) from None
 

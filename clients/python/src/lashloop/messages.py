@@ -11,16 +11,19 @@ from lashloop.layout import (
     U8,
     U16,
     U32,
-    ControllersField,
+    F32s,
     FaultCodeField,
     Layout,
     LogLevelField,
     OutcomeField,
+    ParameterFlagsField,
     StateField,
     StatusField,
     Text10,
     Text16,
+    Text27,
     Text28,
+    Text32,
     Text52,
     Value,
     VersionField,
@@ -59,7 +62,7 @@ class Hello(HostMessage):
 
 @dataclass(frozen=True, slots=True)
 class DescribeParameter(HostMessage):
-    """Requests name, unit, type and range of a parameter."""
+    """Requests name, unit, type, range, flags and laws of a parameter."""
 
     KIND: ClassVar[int] = 0x02
     index: U8
@@ -127,6 +130,40 @@ class Reset(HostMessage):
 
 
 @dataclass(frozen=True, slots=True)
+class DescribeLaw(HostMessage):
+    """Requests the name of a control law."""
+
+    KIND: ClassVar[int] = 0x0B
+    index: U8
+
+
+@dataclass(frozen=True, slots=True)
+class DescribeSignal(HostMessage):
+    """Requests name, unit and laws of a signal."""
+
+    KIND: ClassVar[int] = 0x0C
+    index: U8
+
+
+@dataclass(frozen=True, slots=True)
+class DescribeChoice(HostMessage):
+    """Requests the name of a value of a parameter with choices."""
+
+    KIND: ClassVar[int] = 0x0D
+    parameter: U8
+    choice: U8
+
+
+@dataclass(frozen=True, slots=True)
+class Subscribe(HostMessage):
+    """Selects the signals of the telemetry, bit n for signal n, and its rate."""
+
+    KIND: ClassVar[int] = 0x0E
+    signals: U32
+    every: U16
+
+
+@dataclass(frozen=True, slots=True)
 class EncoderSample(HostMessage):
     """Readings of the two encoders at the start of a control period."""
 
@@ -146,26 +183,29 @@ class Identity(DriveMessage):
     session: U32
     firmware: VersionField
     build_id: U32
+    dirty: U8
     state: StateField
     board: Text16
     period_us: U32
     motor_counts_per_rev: U32
     load_counts_per_rev: U32
-    controllers: ControllersField
+    law_count: U8
+    signal_count: U8
     parameter_count: U8
 
 
 @dataclass(frozen=True, slots=True)
 class ParameterDescription(DriveMessage):
-    """Name, unit, type and range of a parameter."""
+    """Name, unit, type, range, flags and laws of a parameter; bit n of `laws` for law n."""
 
     KIND: ClassVar[int] = 0x82
     index: U8
-    live: U8
+    flags: ParameterFlagsField
+    laws: U16
     default: Value
     min: Value
     max: Value
-    name: Text28
+    name: Text27
     unit: Text10
 
 
@@ -191,6 +231,36 @@ class CommandResult(DriveMessage):
 
 
 @dataclass(frozen=True, slots=True)
+class LawDescription(DriveMessage):
+    """Name of a control law. The index is the value of the parameter `controller`."""
+
+    KIND: ClassVar[int] = 0x86
+    index: U8
+    name: Text28
+
+
+@dataclass(frozen=True, slots=True)
+class SignalDescription(DriveMessage):
+    """Name, unit and laws of a signal; bit n of `laws` for law n."""
+
+    KIND: ClassVar[int] = 0x87
+    index: U8
+    laws: U16
+    name: Text32
+    unit: Text10
+
+
+@dataclass(frozen=True, slots=True)
+class ChoiceDescription(DriveMessage):
+    """Name of a value of a parameter with choices."""
+
+    KIND: ClassVar[int] = 0x88
+    parameter: U8
+    choice: U8
+    name: Text28
+
+
+@dataclass(frozen=True, slots=True)
 class TorqueAnswer(DriveMessage):
     """Torque for one sample."""
 
@@ -203,16 +273,11 @@ class TorqueAnswer(DriveMessage):
 
 @dataclass(frozen=True, slots=True)
 class Telemetry(DriveMessage):
-    """Signals of the control law."""
+    """Values of the subscribed signals, in ascending order of their indices."""
 
     KIND: ClassVar[int] = 0x91
     sequence: U16
-    dead_zone_estimate_rad: F32
-    disturbing_torque_nm: F32
-    load_error_rad: F32
-    motor_error_rad: F32
-    elastic_error_nm: F32
-    requested_torque_nm: F32
+    values: F32s
 
 
 @dataclass(frozen=True, slots=True)
@@ -258,6 +323,10 @@ HOST_MESSAGES: tuple[type[HostMessage], ...] = (
     EmergencyStop,
     ClearFault,
     Reset,
+    DescribeLaw,
+    DescribeSignal,
+    DescribeChoice,
+    Subscribe,
     EncoderSample,
 )
 DRIVE_MESSAGES: tuple[type[DriveMessage], ...] = (
@@ -265,6 +334,9 @@ DRIVE_MESSAGES: tuple[type[DriveMessage], ...] = (
     ParameterDescription,
     ParameterReport,
     CommandResult,
+    LawDescription,
+    SignalDescription,
+    ChoiceDescription,
     TorqueAnswer,
     Telemetry,
     FaultReport,

@@ -7,7 +7,7 @@ use lashloop_protocol::message::Identity;
 use super::choice::DeviceChoice;
 use super::drive_host::DriveHost;
 use super::error::DeviceError;
-use super::evidence::{Evidence, OpenFiles};
+use super::evidence::{Build, Evidence, OpenFiles};
 use super::kind::Opened;
 use crate::link::uart_model::UartModel;
 use crate::link::{Link, LinkError};
@@ -79,11 +79,11 @@ impl Connection {
         let uart =
             self.modelled_baud.map_or_else(String::new, |baud| format!(", wire modelled at {baud} Bd"));
         format!(
-            "{} ({}, firmware {}, build {:08x}){uart}",
+            "{} ({}, firmware {}, {}){uart}",
             self.choice,
             printable(identity.board.as_str()),
             identity.firmware,
-            identity.build_id
+            Build::of(identity)
         )
     }
 
@@ -125,7 +125,7 @@ impl Connection {
             },
             None => {
                 let stderr = self.host.process().map(Process::stderr).unwrap_or_default();
-                DeviceError::Session { device, stderr, source }
+                DeviceError::Session { device, stderr, source: Box::new(source) }
             }
         }
     }

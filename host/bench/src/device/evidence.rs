@@ -1,11 +1,13 @@
 //! The files that run as the drive: whether they are up to date, and their hashes for the record.
 
+use std::fmt;
 use std::fs::{self, File};
 use std::io::{self, Read, Seek};
+use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use lashloop_firmware::drive::BUILD_ID;
+use lashloop_firmware::drive::{BUILD_ID, BUILD_IS_DIRTY};
 use lashloop_protocol::message::Identity;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -24,7 +26,7 @@ pub struct DriveFiles {
 pub struct Evidence {
     /// The files that ran as the drive; none for a board.
     pub files: Vec<FileHash>,
-    /// Commit of the bench, its first 32 bits in hexadecimal; zeros if unknown.
+    /// Build of the bench, as [`Build`] displays it.
     pub bench_build: String,
     /// What casts doubt on the drive's origin.
     pub warnings: Vec<String>,
@@ -58,10 +60,11 @@ impl OpenFiles {
     pub(super) fn warnings(&self, identity: &Identity) -> Vec<String> {
         let Some(rebuild) = self.rebuilt_by else { return Vec::new() };
         let path = self.files.first().map_or_else(String::new, |(path, _)| path.display().to_string());
-        let build = other_build(identity.build_id, BUILD_ID).then(|| {
+        let build = differs(Build::of(identity), Build::OF_BENCH).then(|| {
             format!(
-                "the drive is build {:08x} and this bench build {BUILD_ID:08x}; `{rebuild}` builds {path} anew",
-                identity.build_id
+                "{path} is {}, this bench {}; `{rebuild}` builds it anew",
+                Build::of(identity),
+                Build::OF_BENCH
             )
         });
         let age = self.stale.as_ref().map(|source| {
@@ -80,15 +83,51 @@ impl OpenFiles {
         };
         Evidence {
             files: self.files.iter().map(hash).collect(),
-            bench_build: format!("{BUILD_ID:08x}"),
+            bench_build: Build::OF_BENCH.to_string(),
             warnings: self.warnings(identity),
         }
     }
 }
 
-/// Whether two builds differ. 0 stands for an unknown one, which is not compared.
-fn other_build(drive: u32, bench: u32) -> bool {
-    drive != 0 && bench != 0 && drive != bench
+/// The sources of a build.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Build {
+    /// First 32 bits of the commit; `None` if unknown.
+    pub commit: Option<NonZeroU32>,
+    /// Whether the sources may have had changes since that commit.
+    pub is_dirty: bool,
+}
+
+impl Build {
+    /// The firmware in this program, and so of the program itself: Cargo builds both from one tree.
+    pub const OF_BENCH: Self = Self { commit: NonZeroU32::new(BUILD_ID), is_dirty: BUILD_IS_DIRTY };
+
+    /// The build that a drive reports.
+    #[must_use]
+    pub fn of(identity: &Identity) -> Self {
+        Self { commit: NonZeroU32::new(identity.build_id), is_dirty: identity.dirty != 0 }
+    }
+}
+
+impl fmt::Display for Build {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.commit, self.is_dirty) {
+            (None, _) => write!(out, "build unknown"),
+            (Some(commit), false) => write!(out, "build {commit:08x}"),
+            (Some(commit), true) => write!(out, "build {commit:08x} with changes"),
+        }
+    }
+}
+
+/// Whether a drive is of another build than the bench. An unknown commit is not compared. Changes of the bench alone are
+/// left to the age of the files: most of them are none of the firmware.
+fn differs(drive: Build, bench: Build) -> bool {
+    match (drive.commit, bench.commit) {
+        (Some(drive_commit), Some(bench_commit)) => {
+            drive_commit != bench_commit || (drive.is_dirty && !bench.is_dirty)
+        }
+        _ => false,
+    }
 }
 
 fn sha256(mut file: &File) -> io::Result<String> {
@@ -111,6 +150,8 @@ fn newer_source(program: &Path) -> Option<PathBuf> {
     let newest = sources(&list)
         // A commit is no change of a source, and the build id has it.
         .filter(|path| !path.components().any(|part| part.as_os_str() == ".git"))
+        // A folder changes with every file that an editor keeps in it.
+        .filter(|path| path.is_file())
         .filter_map(|path| Some((modified(&path)?, path)))
         .max()?;
     (newest.0 > built).then_some(newest.1)
@@ -188,8 +229,20 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_build_is_not_compared() {
-        assert!(other_build(1, 2));
-        assert!(!other_build(1, 1) && !other_build(0, 2) && !other_build(1, 0));
+    fn builds_differ_by_commit_and_by_changes_of_the_drive() {
+        let build = |commit, is_dirty| Build { commit: NonZeroU32::new(commit), is_dirty };
+        for (drive, bench, want) in [
+            (build(1, false), build(1, false), false),
+            (build(1, false), build(2, false), true),
+            (build(1, true), build(1, false), true),
+            (build(1, true), build(1, true), false),
+            (build(1, false), build(1, true), false),
+            (build(0, true), build(2, false), false),
+            (build(1, true), build(0, true), false),
+        ] {
+            assert_eq!(differs(drive, bench), want, "{drive:?} {bench:?}");
+        }
+        assert_eq!(build(0xc0_ffee, true).to_string(), "build 00c0ffee with changes");
+        assert_eq!(build(0, true).to_string(), "build unknown");
     }
 }

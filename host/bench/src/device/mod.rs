@@ -27,7 +27,7 @@ pub use choice::DeviceChoice;
 pub use connection::{Connection, LineSpeed};
 pub use drive_host::DriveHost;
 pub use error::DeviceError;
-pub use evidence::{DriveFiles, Evidence, FileHash};
+pub use evidence::{Build, DriveFiles, Evidence, FileHash};
 pub use handle::{Device, session_number};
 pub use kind::{DeviceKind, Opened, ParsedKind, Syntax};
 pub use kinds::terminal::open_terminal;

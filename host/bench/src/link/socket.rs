@@ -33,6 +33,17 @@ impl Socket {
         set_socket_timeout(&stream, Timeout::Send, Some(WRITE_LIMIT))?;
         Ok(Self { stream })
     }
+
+    /// Copies the first bytes that wait, or arrive until the deadline, and leaves them on the line.
+    ///
+    /// # Errors
+    /// The far end is disconnected or the system refused.
+    pub fn peek(&self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
+        if !readable_by(&self.stream, deadline)? {
+            return Ok(0);
+        }
+        Ok(recv(&self.stream, buffer, RecvFlags::PEEK)?.0)
+    }
 }
 
 impl Link for Socket {

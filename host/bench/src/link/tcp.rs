@@ -4,12 +4,15 @@ use std::fmt;
 use std::io::{self, ErrorKind};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::str::FromStr;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::socket::Socket;
 
 /// Time that a host may take to accept the connection.
 const CONNECT_LIMIT: Duration = Duration::from_secs(3);
+
+/// Time within which a telnet server sends its first command, on the networks of a laboratory.
+const TELNET_LIMIT: Duration = Duration::from_millis(50);
 
 /// A host and a port.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -63,9 +66,28 @@ pub enum ConnectError {
         /// Error of the resolver.
         source: io::Error,
     },
+    /// The server negotiates telnet options.
+    #[error(
+        "the server sends telnet commands, not raw bytes: name it rfc2217:HOST:PORT, or set it to raw bytes"
+    )]
+    Telnet,
     /// No address of the host takes the connection.
     #[error("{}", reason(.0))]
     Refused(io::Error),
+}
+
+/// Connects to a server of raw bytes.
+///
+/// # Errors
+/// As [`connect`], or the server begins with a telnet command. No frame begins so: its first byte is at most 64.
+pub fn connect_raw(address: &Address) -> Result<Socket, ConnectError> {
+    let socket = connect(address)?;
+    let mut first = [0; 2];
+    match socket.peek(&mut first, Instant::now() + TELNET_LIMIT) {
+        Ok(2) if first[0] == 255 && first[1] >= 250 && first[1] < 255 => Err(ConnectError::Telnet),
+        // The session reports a line that is closed.
+        _ => Ok(socket),
+    }
 }
 
 /// Connects without Nagle's delay.

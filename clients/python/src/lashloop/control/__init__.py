@@ -1,20 +1,33 @@
 """Control laws of a drive.
 
-A custom law is a class with `step`, and a `ControlLaw` with its number, its parameters and its constructor. See
-`lashloop.control.cascade`, the law of the drive in this package.
+A custom law is a class with `step`, and a `ControlLaw` with its name, its parameters, its signals and its constructor.
+See `lashloop.control.cascade`, the law of the drive in this package.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
+from lashloop.declarations import ParameterSpec, SignalSpec, choice, f32, signal, u32
 from lashloop.errors import LashloopError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from lashloop.drive.parameters import ParameterSpec
+__all__ = [
+    "ControlInput",
+    "ControlLaw",
+    "ControlOutput",
+    "Controller",
+    "InconsistentError",
+    "ParameterSpec",
+    "SignalSpec",
+    "choice",
+    "f32",
+    "signal",
+    "u32",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,15 +48,12 @@ class ControlInput:
 
 @dataclass(frozen=True, slots=True)
 class ControlOutput:
-    """Torque of a law, and the signals for its telemetry."""
+    """Torque of a law, and its signals."""
 
     torque_nm: float
     """Torque before the torque limit."""
-    dead_zone_estimate_rad: float = 0.0
-    disturbing_torque_nm: float = 0.0
-    load_error_rad: float = 0.0
-    motor_error_rad: float = 0.0
-    elastic_error_nm: float = 0.0
+    signals: Mapping[str, float] = field(default_factory=dict)
+    """Value of every signal that the law declares, by name."""
 
 
 class Controller(Protocol):
@@ -53,16 +63,21 @@ class Controller(Protocol):
         """Process one sample and return the torque for it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ControlLaw:
     """A control law that a drive offers."""
 
-    number: int
-    """Value of the parameter `controller` that selects the law, 1 to 15."""
-    parameters: tuple[ParameterSpec, ...]
+    name: str
+    """Name in scenarios and records, at most 28 bytes; lower case with hyphens by convention."""
+    parameters: tuple[ParameterSpec, ...] = ()
     """Parameters of the law, in addition to those of every drive."""
+    signals: tuple[SignalSpec, ...] = ()
+    """Signals of the law, in addition to those of every drive."""
     build: Callable[[Mapping[str, float]], Controller]
-    """Builds a controller from all parameters by name; raises `InconsistentError` if they contradict each other."""
+    """Builds a controller from all parameters by name; raises `InconsistentError` if they contradict each other.
+
+    The mapping gives the values in force: a law that declares a live parameter reads it at each step.
+    """
 
 
 class InconsistentError(LashloopError):

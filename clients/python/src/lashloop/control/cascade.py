@@ -12,16 +12,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lashloop.control import ControlInput, ControlLaw, ControlOutput
+from lashloop.control import ControlInput, ControlLaw, ControlOutput, ParameterSpec, SignalSpec, signal
+from lashloop.control import f32 as real
 from lashloop.control.sensing import Measurement, Sensing, f32
-from lashloop.drive.parameters import f32 as real
-from lashloop.drive.parameters import u32 as whole
-from lashloop.enums import ControllerId
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-    from lashloop.drive.parameters import ParameterSpec
 
 
 PARAMETERS: tuple[ParameterSpec, ...] = (
@@ -32,12 +28,6 @@ PARAMETERS: tuple[ParameterSpec, ...] = (
     real("k_p2", "", 10.0, 0.0, 1e6),
     real("k_d2", "s", 10.0, 0.0, 1e6),
     real("k_1", "", 1.0, 0.0, 1e6),
-    real("k_21", "1/s", 0.01, 0.0, 1e6),
-    real("k_22", "1/(N m s)", 0.5, 0.0, 1e6),
-    real("dead_zone_initial_rad", "rad", 0.16, 0.0, 3.0),
-    real("dead_zone_max_rad", "rad", 3.0, 0.0, 100.0),
-    whole("disturbing_torque_source", "", 2, 1, 2),
-    real("momentum_observer_rad_s", "rad/s", 60.0, 0.1, 1e4),
     real("motor_inertia_kg_m2", "kg m^2", 9.72e-4, 1e-9, 1e3),
     real("motor_friction_nm_s_rad", "N m s/rad", 4.3e-4, 0.0, 1e4),
     real("motor_coulomb_nm", "N m", 0.0, 0.0, 1e3),
@@ -46,25 +36,23 @@ PARAMETERS: tuple[ParameterSpec, ...] = (
     real("reduction_ratio", "", 3.0, 1e-3, 1e4),
     real("stiffness_nm_rad", "N m/rad", 1.0, 1e-6, 1e9),
     real("dead_zone_rad", "rad", 0.16, 1e-6, 10.0),
-    real("approach_rate_1_s", "1/s", 2.5, 0.0, 1e6),
-    real("approach_speed_rad_s", "rad/s", 1.5, 0.0, 1e6),
-    real("load_velocity_gain_nm_s_rad", "N m s/rad", 30.0, 0.0, 1e6),
-    real("load_integral_gain_nm_rad", "N m/rad", 150.0, 0.0, 1e6),
-    real("load_integral_limit_nm", "N m", 8.0, 0.0, 1e6),
-    real("transmitted_limit_nm", "N m", 8.0, 0.0, 1e6),
-    real("gap_crossing_nm", "N m", 0.05, 1e-6, 1e6),
-    real("twist_gain_nm_rad", "N m/rad", 1.0, 0.0, 1e6),
-    real("twist_damping_nm_s_rad", "N m s/rad", 0.04, 0.0, 1e6),
-    real("load_observer_rad_s", "rad/s", 12.0, 0.1, 1e4),
-    real("identification_min_nm", "N m", 0.4, 0.0, 1e6),
-    real("arrival_band_rad", "rad", 0.002, 0.0, 1.0),
-    real("hold_fraction", "", 0.3, 0.0, 1.0),
 )
-"""Gains and nominal mechanics of the firmware's laws, with the paper's tables 1 and 2 as defaults.
+"""Filters, gains and nominal mechanics, with the paper's tables 1 and 2 as defaults.
 
-The parameters of the laws with compensation, which this drive does not offer, have no effect. They exist so that a
-scenario that sets them runs on both.
+They are those of the firmware's law. `motor_coulomb_nm` has no effect without compensation.
 """
+
+SIGNALS: tuple[SignalSpec, ...] = (
+    signal("measured_motor_velocity_rad_s", "rad/s"),
+    signal("measured_load_velocity_rad_s", "rad/s"),
+    signal("measured_twist_rad", "rad"),
+    signal("dead_zone_estimate_rad", "rad"),
+    signal("disturbing_torque_estimate_nm", "N m"),
+    signal("load_error_rad", "rad"),
+    signal("motor_error_rad", "rad"),
+    signal("elastic_error_nm", "N m"),
+)
+"""Measurements, the gap and the disturbing torque of the model, and the errors of the two loops."""
 
 
 class CascadedPd:
@@ -114,12 +102,18 @@ class CascadedPd:
         )
         return ControlOutput(
             torque_nm=float(torque),
-            dead_zone_estimate_rad=self._dead_zone_rad,
-            load_error_rad=float(load_error),
-            motor_error_rad=float(motor_error),
-            elastic_error_nm=float(elastic_error),
+            signals={
+                "measured_motor_velocity_rad_s": float(m.motor_velocity_rad_s),
+                "measured_load_velocity_rad_s": float(m.load_velocity_rad_s),
+                "measured_twist_rad": float(m.twist_rad),
+                "dead_zone_estimate_rad": self._dead_zone_rad,
+                "disturbing_torque_estimate_nm": 0.0,
+                "load_error_rad": float(load_error),
+                "motor_error_rad": float(motor_error),
+                "elastic_error_nm": float(elastic_error),
+            },
         )
 
 
-PD = ControlLaw(number=ControllerId.PD, parameters=PARAMETERS, build=CascadedPd)
+PD = ControlLaw(name="pd", parameters=PARAMETERS, signals=SIGNALS, build=CascadedPd)
 """The law, for a drive to offer."""

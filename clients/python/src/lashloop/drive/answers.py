@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from lashloop.enums import Controllers, FaultCode, LogLevel, State, Version, single
+from lashloop.enums import FaultCode, LogLevel, State, Version, single
 from lashloop.frames import DELIMITER, encode
 from lashloop.messages import (
     PROTOCOL_VERSION,
@@ -13,16 +13,13 @@ from lashloop.messages import (
     Identity,
     LineReport,
     Log,
-    ParameterDescription,
     Telemetry,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
-    from lashloop.control import ControlOutput
     from lashloop.decoder import Counters
-    from lashloop.drive.parameters import ParameterSpec
 
 _BOARD_BYTES = 16
 _LOG_BYTES = 52
@@ -36,7 +33,9 @@ class Nameplate:
     board: str
     firmware: Version
     build_id: int
-    laws: tuple[int, ...]
+    is_dirty: bool
+    law_count: int
+    signal_count: int
 
     def identity(self, session: int, state: State, parameters: Mapping[str, float]) -> Identity:
         """Return the answer to a `Hello`."""
@@ -45,32 +44,21 @@ class Nameplate:
             session=session,
             firmware=self.firmware,
             build_id=self.build_id,
+            dirty=int(self.is_dirty),
             state=state,
             board=_fitted(self.board, _BOARD_BYTES),
             period_us=int(parameters["period_us"]),
             motor_counts_per_rev=int(parameters["motor_counts_per_rev"]),
             load_counts_per_rev=int(parameters["load_counts_per_rev"]),
-            controllers=Controllers(sum(1 << number for number in self.laws)),
+            law_count=self.law_count,
+            signal_count=self.signal_count,
             parameter_count=len(parameters),
         )
 
 
-def description(index: int, spec: ParameterSpec) -> ParameterDescription:
-    """Return the description of a parameter."""
-    return ParameterDescription(index, int(spec.live), spec.default, spec.min, spec.max, spec.name, spec.unit)
-
-
-def telemetry(sequence: int, output: ControlOutput) -> Telemetry:
-    """Return the signals of the law. A number too large for single precision becomes infinite."""
-    return Telemetry(
-        sequence,
-        single(output.dead_zone_estimate_rad),
-        single(output.disturbing_torque_nm),
-        single(output.load_error_rad),
-        single(output.motor_error_rad),
-        single(output.elastic_error_nm),
-        single(output.torque_nm),
-    )
+def telemetry(sequence: int, values: Iterable[float]) -> Telemetry:
+    """Return values of signals. A number too large for single precision becomes infinite."""
+    return Telemetry(sequence, tuple(map(single, values)))
 
 
 def line_report(now: Counters, before: Counters, overruns: int) -> LineReport:

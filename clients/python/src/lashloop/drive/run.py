@@ -6,14 +6,16 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from lashloop.control import ControlInput, Controller, ControlOutput, InconsistentError
+from lashloop.control import ControlInput, ControlOutput, InconsistentError
 from lashloop.counts import LARGEST, wrapping_difference
 from lashloop.enums import TorqueFlags
+from lashloop.errors import LashloopError
 from lashloop.sequence import LONGEST_GAP, SEQUENCES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
+    from lashloop.control import ControlLaw
     from lashloop.messages import EncoderSample, TorqueAnswer
 
 
@@ -36,15 +38,27 @@ class Stray:
     """A sample outside the sequence of this run."""
 
 
+class SignalsError(LashloopError):
+    """A law gives other signals than it declares: a defect of the law."""
+
+    def __init__(self, law: str, given: Iterable[str], declared: Iterable[str]) -> None:
+        """Name the law and both sets of signals."""
+        lists = [", ".join(sorted(names)) or "no signal" for names in (given, declared)]
+        super().__init__(f"the law {law} gave {lists[0]}; it declares {lists[1]}")
+
+
 class Run:
     """A controller, and the sequence of its samples."""
 
-    def __init__(self, controller: Controller, parameters: Mapping[str, float]) -> None:
-        """Take a new controller, and the parameters at arming.
+    def __init__(self, law: ControlLaw, parameters: Mapping[str, float]) -> None:
+        """Build the controller from the parameters in force.
 
-        `InconsistentError` if an encoder may exceed half its range in a period, so that its direction is ambiguous.
+        `InconsistentError` if they contradict each other, or if an encoder may exceed half its range in a period, so
+        that its direction is ambiguous.
         """
-        self._controller = controller
+        self._law = law
+        self._signals = frozenset(it.name for it in law.signals)
+        self._controller = law.build(parameters)
         period_s = parameters["period_us"] * 1e-6
         self._motor_rad_s_per_count = math.tau / (parameters["motor_counts_per_rev"] * period_s)
         self._load_rad_s_per_count = math.tau / (parameters["load_counts_per_rev"] * period_s)
@@ -93,6 +107,9 @@ class Run:
             self._motor_counts += wrapping_difference(sample.motor_counts, self._before.motor_counts)
             self._load_counts += wrapping_difference(sample.load_counts, self._before.load_counts)
         self._before = sample
-        return self._controller.step(
+        output = self._controller.step(
             ControlInput(self._motor_counts, self._load_counts, sample.reference_rad, applied_torque_nm, periods)
         )
+        if output.signals.keys() != self._signals:
+            raise SignalsError(self._law.name, output.signals, self._signals)
+        return output

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING
 
 from lashloop.control import ControlLaw, InconsistentError
 from lashloop.decoder import Counters, Decoder
-from lashloop.drive.answers import Nameplate, description, line_report, log, telemetry
-from lashloop.drive.parameters import COMMON_PARAMETERS, Parameters, ParameterSpec, u32
+from lashloop.drive.answers import Nameplate, line_report, log, telemetry
+from lashloop.drive.description import REQUESTED_TORQUE, Description
+from lashloop.drive.parameters import Parameters
 from lashloop.drive.run import Next, Repeated, Run
 from lashloop.drive.safety import FaultError, Safety
+from lashloop.drive.subscription import Subscription
 from lashloop.enums import (
     LogLevel,
     Outcome,
@@ -32,7 +34,10 @@ from lashloop.messages import (
     Arm,
     ClearFault,
     CommandResult,
+    DescribeChoice,
+    DescribeLaw,
     DescribeParameter,
+    DescribeSignal,
     DriveMessage,
     EmergencyStop,
     EncoderSample,
@@ -45,15 +50,17 @@ from lashloop.messages import (
     SetParameter,
     Start,
     Stop,
+    Subscribe,
     TorqueAnswer,
 )
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from lashloop.declarations import ParameterSpec
+
 FIRMWARE_VERSION = Version(0, 1, 0)
 """Version of this drive and of the package."""
-_LARGEST_LAW = 15
 _U16_MAX = 2**16 - 1
 
 
@@ -67,23 +74,34 @@ class Drive:
         board: str = "python",
         firmware: Version = FIRMWARE_VERSION,
         build_id: int = 0,
+        is_dirty: bool = True,
         clock_ns: Callable[[], int] = time.monotonic_ns,
     ) -> None:
-        """Offer these control laws. `clock_ns` is device time; `board` is a name of at most 16 bytes."""
-        self._laws = {law.number: law for law in laws}
-        if not self._laws or not all(1 <= number <= _LARGEST_LAW for number in self._laws):
-            raise ValueError(f"a drive needs at least one control law, with a number from 1 to {_LARGEST_LAW}")
-        self._nameplate = Nameplate(board, firmware, build_id, tuple(self._laws))
+        """Offer these control laws; the first one is in force after power-up.
+
+        `board` is a name of at most 16 bytes. `build_id` has the first 32 bits of a commit, 0 if unknown; `is_dirty`
+        unless the drive was built from exactly that commit. `clock_ns` is device time. `ValueError` if two laws declare
+        one name differently, or a name does not fit its field.
+        """
+        self._description = Description(tuple(laws))
+        law_count, signal_count = len(self._description.laws), len(self._description.signals)
+        self._nameplate = Nameplate(board, firmware, build_id, is_dirty, law_count, signal_count)
         self._clock_ns = clock_ns
-        self.parameters = Parameters(_table(self._laws))
+        self.parameters = Parameters(self._description.parameters)
         """The values in force."""
         self._safety = Safety()
         self._session: int | None = None
         self._run: Run | None = None
+        self._subscription = Subscription()
         self._decoder = Decoder(FROM_HOST)
         self._counters_at_start = Counters()
         self._overruns = 0
         self._output = bytearray()
+
+    @property
+    def signals(self) -> list[str]:
+        """Names of the signals, in the order of their indices."""
+        return [spec.name for spec in self._description.signals]
 
     @property
     def state(self) -> State:
@@ -136,12 +154,24 @@ class Drive:
             case Hello():
                 self._handshake(message)
             case DescribeParameter(index):
-                self._describe(index)
+                answer = self._description.parameter(index)
+                if answer is None:
+                    self._report(index, Outcome.UNKNOWN_INDEX)
+                else:
+                    self._send(answer)
+            case DescribeLaw(index):
+                self._describe(message, self._description.law(index))
+            case DescribeSignal(index):
+                self._describe(message, self._description.signal(index))
+            case DescribeChoice(parameter, choice):
+                self._describe(message, self._description.choice(parameter, choice))
             case GetParameter(index):
                 known = self._spec(index) is not None
-                self._report(index, Outcome.ACCEPTED if known else Outcome.UNKNOWN_PARAMETER)
+                self._report(index, Outcome.ACCEPTED if known else Outcome.UNKNOWN_INDEX)
             case SetParameter(index, value):
                 self._report(index, self._set(index, value))
+            case Subscribe():
+                self._conclude(message, self._subscribe(Subscription.of(message)))
             case Arm(session):
                 self._conclude(message, self._in_session(session, self._arm))
             case Start(session):
@@ -160,6 +190,7 @@ class Drive:
             case Reset():
                 self._safety = Safety()
                 self.parameters.restore_defaults()
+                self._subscription = Subscription()
                 self._session = self._run = None
                 self._conclude(message, Outcome.ACCEPTED)
 
@@ -192,17 +223,16 @@ class Drive:
         specs = self.parameters.specs
         return specs[index] if index < len(specs) else None
 
-    def _describe(self, index: int) -> None:
-        spec = self._spec(index)
-        if spec is None:
-            self._report(index, Outcome.UNKNOWN_PARAMETER)
-            return
-        self._send(description(index, spec))
+    def _describe(self, request: HostMessage, answer: DriveMessage | None) -> None:
+        if answer is None:
+            self._conclude(request, Outcome.UNKNOWN_INDEX)
+        else:
+            self._send(answer)
 
     def _set(self, index: int, value: ParameterValue) -> Outcome:
         spec = self._spec(index)
         if spec is None:
-            return Outcome.UNKNOWN_PARAMETER
+            return Outcome.UNKNOWN_INDEX
         live = spec.live and self.state in (State.ARMED, State.RUNNING)
         if self.state is State.IDLE or live:
             return self.parameters.set(spec, value)
@@ -213,6 +243,31 @@ class Drive:
         value = self.parameters.value(spec) if spec else ParameterValue.u32(0)
         self._send(ParameterReport(index, outcome, value, self.state))
 
+    def _subscribe(self, subscription: Subscription) -> Outcome:
+        if self.state in (State.BOOT, State.FAULTED):
+            return Outcome.WRONG_STATE
+        outcome = subscription.check(self._description)
+        # In `Idle` the law may still change, so `Arm` checks the signals.
+        if outcome is Outcome.ACCEPTED and self.state is not State.IDLE:
+            outcome = self._check_law(subscription)
+        if outcome is Outcome.ACCEPTED:
+            self._subscription = subscription
+        return outcome
+
+    def _check_law(self, subscription: Subscription) -> Outcome:
+        """Check that the law in force has the signals; the log names one that it lacks."""
+        foreign = subscription.foreign_signal(self._description, self._law_index)
+        if foreign is None:
+            return Outcome.ACCEPTED
+        law = self._description.laws[self._law_index]
+        self._send(log(LogLevel.ERROR, f"{foreign} is no signal of {law.name}"))
+        return Outcome.INCONSISTENT
+
+    @property
+    def _law_index(self) -> int:
+        """The law in force, or in `Idle` the one of the next run."""
+        return int(self.parameters["controller"])
+
     def _in_session(self, session: int, request: Callable[[], Outcome]) -> Outcome:
         return request() if session == self._session else Outcome.WRONG_SESSION
 
@@ -220,13 +275,10 @@ class Drive:
         """Build the controller now, so that contradictory parameters are rejected before the start."""
         if self.state is not State.IDLE:
             return Outcome.WRONG_STATE
+        if (outcome := self._check_law(self._subscription)) is not Outcome.ACCEPTED:
+            return outcome
         try:
-            law = self._laws.get(int(self.parameters["controller"]))
-            if law is None:
-                raise InconsistentError("controller")
-            # A copy: live parameters are read at each sample, all others hold for the run.
-            parameters = dict(self.parameters)
-            self._run = Run(law.build(parameters), parameters)
+            self._run = Run(self._description.laws[self._law_index], self.parameters)
         except InconsistentError as error:
             self._send(log(LogLevel.ERROR, str(error)))
             return Outcome.INCONSISTENT
@@ -284,9 +336,10 @@ class Drive:
             self._send(fault.report)
             return
         run.last_answer = self._answer(sample, flags, arrived_ns)
-        every = int(self.parameters["telemetry_every"])
-        if every > 0 and sample.sequence % every == 0:
-            self._send(telemetry(sample.sequence, output))
+        if self._subscription.is_due(sample.sequence):
+            values = {**output.signals, REQUESTED_TORQUE: output.torque_nm}
+            subscribed = (values[self._description.signals[index].name] for index in self._subscription.signals)
+            self._send(telemetry(sample.sequence, subscribed))
 
     def _answer(self, sample: EncoderSample, flags: TorqueFlags, arrived_ns: int) -> TorqueAnswer:
         compute_tenths_us = min(max(self._clock_ns() - arrived_ns, 0) // 100, _U16_MAX)
@@ -294,14 +347,3 @@ class Drive:
         answer = TorqueAnswer(sample.sequence, self.torque_nm, status, compute_tenths_us)
         self._send(answer)
         return answer
-
-
-def _table(laws: dict[int, ControlLaw]) -> list[ParameterSpec]:
-    """Return all parameters; laws may share parameters."""
-    controller = u32("controller", "", min(laws), min(laws), max(laws))
-    specs = {spec.name: spec for spec in (controller, *COMMON_PARAMETERS)}
-    for law in laws.values():
-        for spec in law.parameters:
-            if specs.setdefault(spec.name, spec) != spec:
-                raise ValueError(f"two declarations of the parameter {spec.name} differ")
-    return list(specs.values())

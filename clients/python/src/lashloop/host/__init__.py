@@ -1,8 +1,10 @@
 """The host's side of the protocol."""
 
-from lashloop.host.at_step import AtStep, FaultAtStep
+from lashloop.host.at_step import AtStep, FaultAtStep, TelemetryAtStep
 from lashloop.host.client import Host
+from lashloop.host.description import Parameter, Signal
 from lashloop.host.errors import (
+    DescriptionError,
     DriveFaultError,
     GapTooLongError,
     HostError,
@@ -12,13 +14,14 @@ from lashloop.host.errors import (
     SilenceError,
     StartTooFarError,
     UnknownParameterError,
+    UnknownSignalError,
     VersionError,
 )
 from lashloop.host.line import TimeLimits
-from lashloop.host.parameters import Parameter
 
 __all__ = [
     "AtStep",
+    "DescriptionError",
     "DriveFaultError",
     "FaultAtStep",
     "GapTooLongError",
@@ -28,9 +31,12 @@ __all__ = [
     "ParameterRangeError",
     "ParameterRejectedError",
     "RejectedError",
+    "Signal",
     "SilenceError",
     "StartTooFarError",
+    "TelemetryAtStep",
     "TimeLimits",
     "UnknownParameterError",
+    "UnknownSignalError",
     "VersionError",
 ]

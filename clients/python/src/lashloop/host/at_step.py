@@ -15,7 +15,7 @@ from lashloop.sequence import nearest_step
 if TYPE_CHECKING:
     from lashloop.messages import FaultReport, Telemetry, TorqueAnswer
 
-M = TypeVar("M", "Telemetry", "TorqueAnswer")
+M = TypeVar("M", bound="TorqueAnswer")
 
 _UNITS = {
     FaultCode.WATCHDOG: "s",
@@ -36,12 +36,34 @@ class AtStep(Generic[M]):
 
     @classmethod
     def near(cls, step: int, message: M) -> AtStep[M]:
-        """Assign the control period to a message received while the sample of `step` was the last one sent.
+        """Assign the control period to a message received while the sample of `step` was the last one sent."""
+        return cls(_step_of(message.sequence, step), message)
 
-        A sequence without a matching sample is kept as received.
-        """
-        nearest = nearest_step(message.sequence, step)
-        return cls(message.sequence if nearest is None else nearest, message)
+
+@dataclass(frozen=True, slots=True)
+class TelemetryAtStep:
+    """Telemetry with the control period of its sample and the names of its signals."""
+
+    step: int
+    """Control period of the sample, from 0 at the start."""
+    message: Telemetry
+    signals: tuple[str, ...]
+    """Names of the values, in their order; empty if the subscription is that of an earlier host."""
+
+    @classmethod
+    def near(cls, step: int, message: Telemetry, subscription: tuple[str, ...]) -> TelemetryAtStep:
+        """Assign the control period to telemetry received while the sample of `step` was the last one sent."""
+        names = subscription if len(subscription) == len(message.values) else ()
+        return cls(_step_of(message.sequence, step), message, names)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The values by name of signal."""
+        return dict(zip(self.signals, self.message.values, strict=False))
+
+    def __getitem__(self, signal: str) -> float:
+        """Return the value of a signal; `KeyError` if the subscription does not have it."""
+        return self.values[signal]
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,3 +96,9 @@ class FaultAtStep:
         if self.message.code.is_firmware_stop:
             return " (the firmware has stopped: reset the hardware)"
         return f" (sequence {self.message.sequence})" if self.step is None else f" at sample {self.step}"
+
+
+def _step_of(sequence: int, step: int) -> int:
+    """Return the control period nearest to `step`. A sequence without a matching sample is kept as received."""
+    nearest = nearest_step(sequence, step)
+    return sequence if nearest is None else nearest

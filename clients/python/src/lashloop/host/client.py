@@ -2,10 +2,13 @@
 
 ```python
 with Host.open("/dev/ttyACM0") as host:
+    host.set("controller", "pd")
     host.set("torque_limit_nm", 25.0)
+    host.subscribe(["load_error_rad", "requested_torque_nm"], every=1)
     host.arm()
     host.start()
     torque_nm = host.torque(motor_counts=98304, load_counts=32768, reference_rad=0.0)
+    print(host.telemetry["load_error_rad"])
     host.stop()
 ```
 """
@@ -19,23 +22,24 @@ import time
 from typing import TYPE_CHECKING
 
 from lashloop.enums import Outcome, State
+from lashloop.host.describe import DriveDescription, describe
 from lashloop.host.errors import (
     ParameterRejectedError,
     RejectedError,
     UnknownParameterError,
+    UnknownSignalError,
     VersionError,
 )
 from lashloop.host.exchange import reported_fault
 from lashloop.host.line import DriveLine, TimeLimits
 from lashloop.host.lockstep import Lockstep
-from lashloop.host.parameters import Parameter
+from lashloop.layout import MAX_TELEMETRY_VALUES
 from lashloop.link import DEFAULT_BAUD, LinkError, open_port
 from lashloop.messages import (
     PROTOCOL_VERSION,
     Arm,
     ClearFault,
     CommandResult,
-    DescribeParameter,
     DriveMessage,
     EmergencyStop,
     GetParameter,
@@ -43,24 +47,25 @@ from lashloop.messages import (
     HostMessage,
     Identity,
     LineReport,
-    ParameterDescription,
     ParameterReport,
     Reset,
     SetParameter,
     Start,
     Stop,
+    Subscribe,
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
     from types import TracebackType
 
     from typing_extensions import Self
 
     from lashloop.decoder import Counters
-    from lashloop.host.at_step import AtStep, FaultAtStep
+    from lashloop.host.at_step import AtStep, FaultAtStep, TelemetryAtStep
+    from lashloop.host.description import Parameter, Signal
     from lashloop.link import Link
-    from lashloop.messages import Telemetry, TorqueAnswer
+    from lashloop.messages import TorqueAnswer
 
 _SESSIONS = 2**32
 
@@ -79,7 +84,7 @@ class Host:
         """Open a session on an open link, by default with a random number."""
         self._line = DriveLine(link, limits or TimeLimits(), clock)
         self._session = secrets.randbelow(_SESSIONS) if session is None else session
-        self._parameters: dict[str, Parameter] | None = None
+        self._description: DriveDescription | None = None
         self._may_be_running = False
         self._run = Lockstep(self._line)
         self._line.clear()
@@ -124,8 +129,8 @@ class Host:
         return self._run.lost
 
     @property
-    def telemetry(self) -> AtStep[Telemetry] | None:
-        """The last telemetry since the start, with its control period."""
+    def telemetry(self) -> TelemetryAtStep | None:
+        """The last telemetry since the start, with its control period. See `subscribe`."""
         return self._line.telemetry
 
     @property
@@ -144,12 +149,26 @@ class Host:
         return self._line.counters
 
     @property
+    def laws(self) -> tuple[str, ...]:
+        """Names of the drive's laws. The index of a name is the value of the parameter `controller`."""
+        return self._described.laws
+
+    @property
     def parameters(self) -> Mapping[str, Parameter]:
-        """The drive's parameters by name, requested once."""
-        if self._parameters is None:
-            described = map(self._describe, range(self.identity.parameter_count))
-            self._parameters = {parameter.name: parameter for parameter in described}
-        return self._parameters
+        """The drive's parameters by name."""
+        return self._described.parameters
+
+    @property
+    def signals(self) -> Mapping[str, Signal]:
+        """The drive's signals by name."""
+        return self._described.signals
+
+    @property
+    def _described(self) -> DriveDescription:
+        """What the drive describes, requested once."""
+        if self._description is None:
+            self._description = describe(self._line, self.identity)
+        return self._description
 
     def parameter(self, name: str) -> Parameter:
         """Return a parameter; `UnknownParameterError` names similar ones."""
@@ -163,14 +182,40 @@ class Host:
         report = self._line.request(GetParameter(parameter.index), _report_of(parameter.index))
         return report.value.value
 
-    def set(self, name: str, value: float) -> float:
-        """Set a parameter and return the value then in force, in the parameter's precision."""
+    def set(self, name: str, value: float | str) -> float:
+        """Set a parameter to a number or to one of its choices and return the value then in force.
+
+        A number is rounded to the parameter's precision. The value of a choice is its index.
+        """
         parameter = self.parameter(name)
         wanted = parameter.value(value)
         report = self._line.request(SetParameter(parameter.index, wanted), _report_of(parameter.index))
         if report.outcome is not Outcome.ACCEPTED or report.value != wanted:
             raise ParameterRejectedError(name, wanted, report.outcome, report.value)
         return report.value.value
+
+    def subscribe(self, signals: Iterable[str] | None = None, *, every: int = 10) -> tuple[str, ...]:
+        """Subscribe to telemetry of these signals after every n-th sample, and return them in the order of the drive.
+
+        By default the signals of the law in force, the first 13 of them. No signal, or 0, ends telemetry. The
+        subscription holds until the next one, or until a reset. `UnknownSignalError` names a signal that the drive does
+        not have. `RejectedError` for more than 13 signals, and while armed or running for a signal of another law;
+        while idle `arm` checks the law.
+        """
+        if signals is None:
+            # A drive with one law may lack the parameter.
+            law = self.laws[int(self.get("controller")) if "controller" in self.parameters else 0]
+            names = [it.name for it in self.signals.values() if law in it.laws][:MAX_TELEMETRY_VALUES]
+        else:
+            names = list(signals)
+        for name in names:
+            if name not in self.signals:
+                raise UnknownSignalError(name, difflib.get_close_matches(name, self.signals))
+        wanted = tuple(it for it in self.signals if it in names)
+        self._command(Subscribe(sum(1 << self.signals[it].index for it in wanted), every))
+        # Answers keep their order, so all telemetry from now on is of this subscription.
+        self._line.subscription = wanted
+        return wanted
 
     def arm(self) -> None:
         """Arm the drive. Torque stays zero."""
@@ -234,6 +279,7 @@ class Host:
         self._may_be_running = False
         self._run = Lockstep(self._line)
         self._line.fault = None
+        self._line.subscription = ()
         self._session = (self._session + 1) % _SESSIONS
         self.identity = self._handshake()
         return self.identity
@@ -256,12 +302,6 @@ class Host:
                     reported_fault(self._line)
                 return identity
         raise self._line.silence("Hello", limits.handshake_s)
-
-    def _describe(self, index: int) -> Parameter:
-        def wanted(message: DriveMessage) -> ParameterDescription | None:
-            return message if isinstance(message, ParameterDescription) and message.index == index else None
-
-        return Parameter.of(self._line.request(DescribeParameter(index), wanted))
 
     def _command(self, request: HostMessage) -> None:
         self._conclude(request, self._line.request(request, _result_of(request.KIND)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from lashloop.counts import LARGEST
 from lashloop.errors import LashloopError
@@ -81,13 +81,15 @@ class StartTooFarError(HostError, ValueError):
         self.side, self.counts = side, counts
 
 
-class UnknownParameterError(HostError, KeyError):
-    """The drive has no parameter of this name."""
+class UnknownNameError(HostError, KeyError):
+    """The drive describes nothing of this name."""
+
+    THING: ClassVar[str]
 
     def __init__(self, name: str, nearest: list[str]) -> None:
-        """Name the parameter and similar names."""
+        """Name the thing and similar names."""
         hint = f"; did you mean {' or '.join(nearest)}?" if nearest else ""
-        self._sentence = f"the drive has no parameter {name}{hint}"
+        self._sentence = f"the drive has no {self.THING} {name}{hint}"
         super().__init__(self._sentence)
         self.name, self.nearest = name, nearest
 
@@ -96,10 +98,34 @@ class UnknownParameterError(HostError, KeyError):
         return self._sentence
 
 
-class ParameterRangeError(HostError, ValueError):
-    """A value outside the range that the drive describes. Nothing has been sent."""
+class UnknownParameterError(UnknownNameError):
+    """The drive has no parameter of this name."""
 
-    def __init__(self, name: str, value: float, allowed: str) -> None:
+    THING = "parameter"
+
+
+class UnknownSignalError(UnknownNameError):
+    """The drive has no signal of this name."""
+
+    THING = "signal"
+
+
+class DescriptionError(HostError):
+    """The drive describes names for the values of a parameter that can't have them."""
+
+    def __init__(self, name: str, largest: str) -> None:
+        """Name the parameter and its largest value."""
+        super().__init__(
+            f"the drive describes choices for {name}, whose largest value is {largest}: choices are whole numbers "
+            "of at most 255; correct the drive"
+        )
+        self.name, self.largest = name, largest
+
+
+class ParameterRangeError(HostError, ValueError):
+    """A value that is outside the range, or none of the choices, that the drive describes. Nothing has been sent."""
+
+    def __init__(self, name: str, value: float | str, allowed: str) -> None:
         """Name the parameter, the value and the range."""
         super().__init__(f"{name} = {value!r}: the drive accepts {allowed}")
         self.name, self.value, self.allowed = name, value, allowed

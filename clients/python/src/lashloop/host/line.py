@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from lashloop.decoder import Counters, Decoder
 from lashloop.frames import DELIMITER, FROM_DRIVE, FrameError, encode
-from lashloop.host.at_step import AtStep, FaultAtStep
+from lashloop.host.at_step import AtStep, FaultAtStep, TelemetryAtStep
 from lashloop.host.errors import SilenceError
 from lashloop.link import send_all
 from lashloop.messages import DriveMessage, EncoderSample, FaultReport, HostMessage, Log, Telemetry, TorqueAnswer
@@ -52,7 +52,9 @@ class DriveLine:
         """Use an open link; nothing is sent yet."""
         self.limits = limits
         self.clock = clock
-        self.telemetry: AtStep[Telemetry] | None = None
+        self.telemetry: TelemetryAtStep | None = None
+        self.subscription: tuple[str, ...] = ()
+        """Names of the signals of the telemetry, in its order; empty if unknown."""
         self.fault: FaultAtStep | None = None
         self.logs: deque[Log] = deque(maxlen=_LOGS_KEPT)
         self.last_torque: int | None = None
@@ -128,7 +130,7 @@ class DriveLine:
             case FaultReport():
                 self.fault = FaultAtStep.near(self._last_sent, message)
             case Telemetry():
-                self.telemetry = AtStep.near(self._last_sent or 0, message)
+                self.telemetry = TelemetryAtStep.near(self._last_sent or 0, message, self.subscription)
             case TorqueAnswer():
                 self.last_torque = AtStep.near(self._last_sent or 0, message).step
 

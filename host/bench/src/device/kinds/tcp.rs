@@ -5,7 +5,7 @@ use crate::device::error::DeviceError;
 use crate::device::kind::{DeviceKind, Opened, Syntax};
 use crate::link::Link;
 use crate::link::reopening::Reopening;
-use crate::link::tcp::{Address, connect};
+use crate::link::tcp::{Address, connect_raw};
 use crate::supervisor::Supervisor;
 
 const PREFIX: &str = "tcp:";
@@ -35,7 +35,7 @@ impl DeviceKind for TcpDrive {
 
     fn open(&self, _baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         let address = self.address.clone();
-        let open = move || connect(&address).map(|socket| Box::new(socket) as Box<dyn Link>);
+        let open = move || connect_raw(&address).map(|socket| Box::new(socket) as Box<dyn Link>);
         match Reopening::new(open) {
             Ok(link) => Ok(Opened { link: Box::new(link), host: DriveHost::External }),
             Err(source) => Err(DeviceError::Connect { device: self.name(), source }),

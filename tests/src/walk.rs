@@ -1,0 +1,60 @@
+//! A page of `docs/extend` as a walk: its files are written and its commands run, in order, in a folder of their own.
+//!
+//! A fence of `sh` is a list of commands. A fence with a second word, as in `python my_drive.py`, is that file. Any other
+//! fence is text.
+
+use std::fs;
+use std::os::unix::fs::symlink;
+use std::path::Path;
+use std::process::Command;
+
+use crate::{program, workspace};
+
+/// Walks through a page, with `programs` ahead in `PATH`.
+///
+/// # Panics
+/// A command fails; the panic shows its output. Or the page has no command.
+pub fn through(page: &str, programs: &[&Path]) {
+    let text = fs::read_to_string(workspace().join(page)).expect("the page");
+    let folder = tempfile::tempdir().expect("a folder");
+    for entry in ["clients", "examples", "protocol", "scenarios"] {
+        symlink(workspace().join(entry), folder.path().join(entry)).expect("a link");
+    }
+    let lashloop = program::lashloop().parent().expect("the folder of the profile");
+    let folders = programs.iter().copied().chain([lashloop]).map(|folder| folder.display().to_string());
+    let path = folders.chain(std::env::var("PATH")).collect::<Vec<_>>().join(":");
+    let mut commands = 0;
+    for (info, contents) in fences(&text) {
+        match info.split_once(' ') {
+            Some((_, file)) => fs::write(folder.path().join(file), contents).expect("a file of the page"),
+            None if info == "sh" => {
+                commands += 1;
+                let ended = Command::new("sh")
+                    .args(["-exc", &contents])
+                    .env("PATH", &path)
+                    .current_dir(&folder)
+                    .output();
+                let ended = ended.expect("sh starts");
+                let [stdout, stderr] =
+                    [&ended.stdout, &ended.stderr].map(|text| String::from_utf8_lossy(text));
+                assert!(ended.status.success(), "{page}: {}\n{contents}\n{stdout}\n{stderr}", ended.status);
+            }
+            None => {}
+        }
+    }
+    assert!(commands > 0, "{page} has no command");
+}
+
+/// The information and the contents of each fence.
+fn fences(text: &str) -> Vec<(String, String)> {
+    let mut fences = Vec::new();
+    let mut lines = text.lines();
+    while let Some(line) = lines.next() {
+        if let Some(info) = line.strip_prefix("```") {
+            let contents: String =
+                lines.by_ref().take_while(|line| *line != "```").map(|line| format!("{line}\n")).collect();
+            fences.push((info.to_owned(), contents));
+        }
+    }
+    fences
+}
