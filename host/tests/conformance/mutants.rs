@@ -7,6 +7,8 @@ use lashloop_firmware::drive::{Clock, Drive, ManualClock};
 use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 
+use crate::laws::TestLaws;
+
 /// State of a mutant between frames.
 #[derive(Default)]
 pub struct Memory {
@@ -39,7 +41,7 @@ pub struct Variant {
 
 impl Variant {
     /// The unchanged drive.
-    pub const MERZOUKI: Self = Self {
+    pub const UNCHANGED: Self = Self {
         does: "keeps every rule",
         caught_by: "",
         on_request: |_, request| vec![request],
@@ -55,7 +57,7 @@ const OVERSHOOT: Duration = Duration::from_micros(100);
 
 /// A link to a mutant in this process. Device time passes with requests and while the bench waits.
 pub struct Mutant {
-    drive: Drive,
+    drive: Drive<TestLaws>,
     clock: ManualClock,
     variant: Variant,
     memory: Memory,
@@ -66,7 +68,7 @@ pub struct Mutant {
 impl Mutant {
     pub fn new(variant: Variant) -> Self {
         Self {
-            drive: Drive::new("mutant"),
+            drive: Drive::with_laws("mutant"),
             clock: ManualClock::default(),
             variant,
             memory: Memory::default(),

@@ -29,7 +29,7 @@ pub const FINE: Variant = Variant {
             }
         })
     },
-    ..Variant::MERZOUKI
+    ..Variant::UNCHANGED
 };
 
 /// Takes the one value only, as a drive with one timer and absolute encoders does.
@@ -55,7 +55,7 @@ pub const FIXED: Variant = Variant {
             }
         })
     },
-    ..Variant::MERZOUKI
+    ..Variant::UNCHANGED
 };
 
 /// The same, but accepts any reading and reports no gaps.
@@ -79,7 +79,7 @@ pub const FIXED_CREDULOUS: Variant = Variant {
     on_answers: |memory, answers| {
         torques((FIXED.on_answers)(memory, answers), |it| it.status.flags.remove(TorqueFlags::GAP))
     },
-    ..Variant::MERZOUKI
+    ..Variant::UNCHANGED
 };
 
 /// The first handshake after a reset sets the values that the second one reports as defaults.
@@ -118,5 +118,5 @@ pub const SLOW: Variant = Variant {
             }
         })
     },
-    ..Variant::MERZOUKI
+    ..Variant::UNCHANGED
 };

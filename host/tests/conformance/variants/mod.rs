@@ -1,5 +1,6 @@
 //! One mutant per broken rule, and the check that must fail.
 
+mod description;
 mod encoders;
 mod foreign;
 mod handshake;
@@ -7,11 +8,11 @@ mod line;
 mod parameters;
 mod safety;
 mod samples;
+mod telemetry;
 mod transitions;
 
 use lashloop_protocol::message::{
-    CommandResult, EncoderSample, ParameterDescription, ParameterReport, SetParameter, Telemetry,
-    TorqueAnswer,
+    CommandResult, EncoderSample, ParameterDescription, ParameterReport, SetParameter, TorqueAnswer,
 };
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
@@ -24,8 +25,10 @@ pub fn all() -> impl Iterator<Item = Variant> {
     [
         handshake::VARIANTS,
         transitions::VARIANTS,
+        description::VARIANTS,
         parameters::VARIANTS,
         samples::VARIANTS,
+        telemetry::VARIANTS,
         encoders::VARIANTS,
         safety::VARIANTS,
         line::VARIANTS,
@@ -41,7 +44,7 @@ const fn alters_requests(
     caught_by: &'static str,
     on_request: fn(&mut Memory, HostMessage) -> Vec<HostMessage>,
 ) -> Variant {
-    Variant { does, caught_by, on_request, ..Variant::MERZOUKI }
+    Variant { does, caught_by, on_request, ..Variant::UNCHANGED }
 }
 
 /// A mutant that changes answers.
@@ -50,7 +53,7 @@ const fn alters_answers(
     caught_by: &'static str,
     on_answers: fn(&mut Memory, Vec<DriveMessage>) -> Vec<DriveMessage>,
 ) -> Variant {
-    Variant { does, caught_by, on_answers, ..Variant::MERZOUKI }
+    Variant { does, caught_by, on_answers, ..Variant::UNCHANGED }
 }
 
 fn each(mut answers: Vec<DriveMessage>, alter: impl FnMut(&mut DriveMessage)) -> Vec<DriveMessage> {
@@ -107,16 +110,4 @@ fn answering(
 
 fn is_result_of<Request: Payload>(answer: &DriveMessage) -> bool {
     matches!(answer, DriveMessage::CommandResult(it) if it.request == Request::LAYOUT.kind)
-}
-
-fn telemetry(answer: TorqueAnswer) -> Telemetry {
-    Telemetry {
-        sequence: answer.sequence,
-        dead_zone_estimate_rad: 0.0,
-        disturbing_torque_nm: 0.0,
-        load_error_rad: 0.0,
-        motor_error_rad: 0.0,
-        elastic_error_nm: 0.0,
-        requested_torque_nm: answer.torque_nm,
-    }
 }

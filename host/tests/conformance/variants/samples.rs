@@ -2,9 +2,9 @@
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::message::{EncoderSample, SetParameter, TorqueAnswer};
-use lashloop_protocol::{DriveMessage, HostMessage};
+use lashloop_protocol::HostMessage;
 
-use super::{alters_answers, alters_requests, answering, each, is_result_of, telemetry, torques};
+use super::{alters_answers, alters_requests, answering, is_result_of, torques};
 use crate::mutants::Variant;
 
 pub const VARIANTS: &[Variant] = &[
@@ -29,9 +29,9 @@ pub const VARIANTS: &[Variant] = &[
     ),
     alters_answers(
         "offers a law it does not have",
-        "every controller that the drive offers returns a torque",
+        "every law that the drive describes returns a torque",
         |memory, answers| {
-            if let Some(HostMessage::SetParameter(SetParameter { index: 0, value: ParameterValue::U32(3) })) =
+            if let Some(HostMessage::SetParameter(SetParameter { index: 0, value: ParameterValue::U32(1) })) =
                 memory.request
             {
                 memory.number = 1;
@@ -154,37 +154,6 @@ pub const VARIANTS: &[Variant] = &[
             memory.number = if fresh { 0 } else { memory.number + 1 };
             let requests = memory.number;
             torques(answers, |it| it.torque_nm -= 1e-4 * requests as f32)
-        },
-    ),
-    alters_answers(
-        "sends telemetry before the torque",
-        "telemetry follows the torque of every n-th sample",
-        |_, mut answers| {
-            answers.sort_by_key(|answer| !matches!(answer, DriveMessage::Telemetry(_)));
-            answers
-        },
-    ),
-    alters_answers(
-        "sends telemetry with every torque",
-        "telemetry_every = 0 means no telemetry",
-        |_, mut answers| {
-            if let Some(DriveMessage::TorqueAnswer(it)) = answers.first().copied()
-                && answers.len() == 1
-            {
-                answers.push(telemetry(it).into());
-            }
-            answers
-        },
-    ),
-    alters_answers(
-        "reports the limited torque",
-        "telemetry carries the requested torque before the limit",
-        |_, answers| {
-            each(answers, |answer| {
-                if let DriveMessage::Telemetry(it) = answer {
-                    it.requested_torque_nm = 0.0;
-                }
-            })
         },
     ),
     alters_answers("pushes in Idle", "a sample gets torque zero in Idle", |_, answers| {
