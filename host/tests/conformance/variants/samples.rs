@@ -1,8 +1,8 @@
 //! Mutants of samples and torques.
 
+use lashloop_protocol::HostMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::message::{EncoderSample, SetParameter, TorqueAnswer};
-use lashloop_protocol::HostMessage;
 
 use super::{alters_answers, alters_requests, answering, is_result_of, torques};
 use crate::mutants::Variant;
