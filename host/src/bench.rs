@@ -5,6 +5,8 @@ use std::path::Path;
 
 use lashloop_bench::device::twin::Twin;
 use lashloop_bench::device::{DeviceChoice, Syntax, kinds};
+use lashloop_bench::link::Link;
+use lashloop_bench::link::in_process::InProcess;
 use lashloop_bench::scenario::plant::standard;
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_firmware::Laws;
@@ -19,8 +21,25 @@ use crate::error::Error;
 #[derive(Clone)]
 pub struct Bench {
     plants: Plants,
+    drive: Drive,
+}
+
+/// The drive that is part of this program, by its laws.
+#[derive(Clone, Copy)]
+struct Drive {
     devices: Devices,
+    in_process: fn() -> Box<dyn Link>,
     serve: fn(&Twin) -> io::Result<()>,
+}
+
+impl Drive {
+    fn with_laws<L: LawSet>() -> Self {
+        Self {
+            devices: kinds::all::<L>(),
+            in_process: || Box::new(InProcess::<L>::default()),
+            serve: Twin::serve_laws::<L>,
+        }
+    }
 }
 
 /// Every kind of device.
@@ -28,7 +47,7 @@ type Devices = [Syntax; kinds::COUNT];
 
 impl Default for Bench {
     fn default() -> Self {
-        Self { plants: standard(), devices: kinds::all::<Laws>(), serve: Twin::serve }
+        Self { plants: standard(), drive: Drive::with_laws::<Laws>() }
     }
 }
 
@@ -43,7 +62,7 @@ impl Bench {
     /// program's own command `device`. Images and boards describe the laws that they were built with.
     #[must_use]
     pub fn with_laws<L: LawSet>(self) -> Self {
-        Self { devices: kinds::all::<L>(), serve: Twin::serve_laws::<L>, ..self }
+        Self { drive: Drive::with_laws::<L>(), ..self }
     }
 
     /// The same bench and another plant. It replaces a plant of its name.
@@ -74,7 +93,7 @@ impl Bench {
     /// What is missing in the name, or all forms there are.
     pub fn device(&self, name: &str) -> Result<DeviceChoice, Error> {
         let unknown = |problem| Error::Device { name: name.to_owned(), problem };
-        DeviceChoice::parse(name, &self.devices).map_err(unknown)
+        DeviceChoice::parse(name, &self.drive.devices).map_err(unknown)
     }
 
     /// The models that scenarios can choose.
@@ -83,12 +102,17 @@ impl Bench {
     }
 
     pub(crate) fn devices(&self) -> Devices {
-        self.devices
+        self.drive.devices
+    }
+
+    /// A line to a new drive with the laws of this bench, in this process.
+    pub(crate) fn in_process(&self) -> Box<dyn Link> {
+        (self.drive.in_process)()
     }
 
     /// Runs a drive with the laws of this bench until the line breaks.
     pub(crate) fn serve(&self, twin: &Twin) -> io::Result<()> {
-        (self.serve)(twin)
+        (self.drive.serve)(twin)
     }
 }
 

@@ -27,3 +27,9 @@ pub fn drive() -> Twin {
     command.args(["-m", "lashloop", "drive"]);
     Twin::serving(command)
 }
+
+/// The device that starts Python with these arguments, a drive on its standard input and output.
+#[must_use]
+pub fn on_standard_streams(arguments: &str) -> String {
+    format!("exec:{} {arguments}", interpreter().display())
+}

@@ -194,10 +194,15 @@ def python_drive() -> Program:
     return Program([sys.executable, "-m", "lashloop", "drive"])
 
 
-def rust_twin() -> Program:
-    """`lashloop device` of the Rust workspace; never omitted."""
-    binary = Path(os.environ.get("LASHLOOP_BIN", WORKSPACE / "target/debug/lashloop"))
+def program() -> Path:
+    """The `lashloop` program of the Rust workspace; never omitted."""
+    binary = Path(os.environ.get("LASHLOOP_BIN", WORKSPACE / "target/debug/lashloop")).resolve()
     assert binary.is_file(), (
         f"{binary} is missing: build it with `cargo build -p lashloop`, or name one in LASHLOOP_BIN"
     )
-    return Program([binary, "device"])
+    return binary
+
+
+def rust_twin() -> Program:
+    """`lashloop device`."""
+    return Program([program(), "device"])

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 
 class Ramp:
-    """A law whose torque is a gain times the number of the step; its signals say so."""
+    """A law whose torque is a gain times the number of the step, which is also a signal."""
 
     def __init__(self, parameters: Mapping[str, float]) -> None:
         """Keep the parameters, because the gain is live."""

@@ -1,4 +1,4 @@
-"""What a host learns of a drive, and its subscription."""
+"""Descriptions of a drive as a host reads them, and its subscription."""
 
 from __future__ import annotations
 
@@ -114,10 +114,7 @@ def test_a_signal_of_another_law_is_reported_at_arming_with_the_log() -> None:
 def test_telemetry_of_an_earlier_host_has_no_names() -> None:
     link = SimulatedLink()
     opened(link).subscribe(["load_error_rad"], every=1)
-    host = Host(link, session=8, clock=link.clock)
-    host.set("watchdog_us", 10_000_000)
-    host.arm()
-    host.start()
+    host = started(Host(link, session=8, clock=link.clock))
     step(host)
     step(host)
     assert host.telemetry is not None
@@ -130,17 +127,56 @@ def test_telemetry_of_an_earlier_host_has_no_names() -> None:
         host.telemetry["motor_error_rad"]
 
 
+def started(host: Host) -> Host:
+    """The host in a run."""
+    host.set("watchdog_us", 10_000_000)
+    host.arm()
+    host.start()
+    return host
+
+
 def test_a_reset_ends_the_subscription() -> None:
     link = SimulatedLink()
     host = opened(link)
     host.subscribe(every=1)
     host.reset()
-    host.set("watchdog_us", 10_000_000)
-    host.arm()
-    host.start()
+    started(host)
     step(host)
     step(host)
     assert host.telemetry is None
+
+
+def with_telemetry(link: SimulatedLink, *values: float) -> None:
+    """Make the drive send this telemetry before every message."""
+    link.alters = lambda message: [Telemetry(0, values), message]
+
+
+def test_telemetry_after_a_reset_has_no_names() -> None:
+    link = SimulatedLink()
+    host = opened(link)
+    host.subscribe(["load_error_rad"])
+    host.reset()
+    started(host)
+    with_telemetry(link, 1.0)
+    step(host)
+    assert host.telemetry is not None
+    assert (host.telemetry.message.values, host.telemetry.values) == ((1.0,), {})
+
+
+def test_telemetry_of_another_length_than_the_subscription_has_no_names() -> None:
+    link = SimulatedLink()
+    host = opened(link)
+    host.subscribe(["load_error_rad", "motor_error_rad"])
+    started(host)
+    for values in ((1.0,), (1.0, 2.0, 3.0)):
+        with_telemetry(link, *values)
+        step(host)
+        assert host.telemetry is not None
+        assert (host.telemetry.message.values, host.telemetry.values) == (values, {})
+    with_telemetry(link, 1.0, 2.0)
+    step(host)
+    assert host.telemetry is not None
+    assert host.telemetry.values == {"load_error_rad": 1.0, "motor_error_rad": 2.0}
 
 
 def altered(change: Callable[[DriveMessage], DriveMessage]) -> Host:
@@ -159,13 +195,14 @@ def test_a_drive_that_lacks_an_index_of_its_identity_is_reported() -> None:
         _ = host.parameters
 
 
-def test_choices_of_a_parameter_that_can_not_have_them_are_an_error_of_the_drive() -> None:
+@pytest.mark.parametrize(("name", "largest"), [("torque_limit_nm", "1000"), ("watchdog_us", "60000000")])
+def test_choices_of_a_parameter_that_can_not_have_them_are_an_error_of_the_drive(name: str, largest: str) -> None:
     def with_choices(message: DriveMessage) -> DriveMessage:
-        if isinstance(message, ParameterDescription) and message.name in ("torque_limit_nm", "watchdog_us"):
+        if isinstance(message, ParameterDescription) and message.name == name:
             return replace(message, flags=ParameterFlags.CHOICES)
         return message
 
-    with pytest.raises(DescriptionError, match="choices for torque_limit_nm, whose largest value is 1000"):
+    with pytest.raises(DescriptionError, match=f"choices for {name}, whose largest value is {largest}: "):
         _ = altered(with_choices).parameters
 
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
+import subprocess
+import sys
 import time
 from typing import TYPE_CHECKING
 
@@ -13,10 +16,10 @@ from lashloop.control import ControlInput, ControlLaw, ControlOutput
 from lashloop.control.cascade import PD
 from lashloop.drive import BackgroundDrive, Drive, serve
 from lashloop.enums import FaultCode, State
-from lashloop.frames import encode
+from lashloop.frames import FROM_DRIVE, decode, encode
 from lashloop.host import DriveFaultError, Host
-from lashloop.link import DescriptorLink, LinkError, open_port, send_all
-from lashloop.messages import Hello
+from lashloop.link import DescriptorLink, LinkClosedError, LinkError, open_port, send_all
+from lashloop.messages import Hello, Identity
 from support import PATIENT, SOON_S, python_drive
 
 if TYPE_CHECKING:
@@ -122,6 +125,41 @@ def test_a_drive_on_a_failed_link_ends_with_an_error() -> None:
     os.close(near_end)
     with pytest.raises(LinkError, match="the link the terminal has failed"):
         serve(line, Drive([PD]))
+    line.close()
+
+
+PRINTING = """
+from lashloop.control.cascade import PD
+from lashloop.drive import Drive, serve
+from lashloop.link import StandardStreams
+print("before", flush=True)
+streams = StandardStreams()
+print("after", flush=True)
+serve(streams, Drive([PD]))
+"""
+
+
+def test_prints_of_a_drive_on_standard_streams_do_not_disturb_the_link() -> None:
+    ended = subprocess.run(
+        [sys.executable, "-c", PRINTING], input=encode(Hello(1, 1)), capture_output=True, timeout=SOON_S, check=True
+    )
+    noise, _, frame = ended.stdout.partition(b"\n")
+    assert (noise, ended.stderr) == (b"before", b"after\n")
+    identity = decode(frame, FROM_DRIVE)
+    assert isinstance(identity, Identity)
+    assert identity.session == 1
+
+
+def test_a_drive_whose_host_closes_the_link_ends_without_an_error() -> None:
+    host, drive = socket.socketpair()
+    line = DescriptorLink(drive.detach(), "the socket")
+    host.send(encode(Hello(1, 1)))
+    host.shutdown(socket.SHUT_WR)
+    serve(line, Drive([PD]))
+    assert len(host.recv(100)) == 52
+    host.close()
+    with pytest.raises(LinkClosedError, match="the link the socket has failed: its far end has closed"):
+        line.write(b"\0", 0.0)
     line.close()
 
 

@@ -2,43 +2,103 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from lashloop.host import Host
-from support import PATIENT, SOON_S, Program, python_drive
+from lashloop import Record
+from lashloop.program import VARIABLE
+from support import SOON_S, WORKSPACE, program, python_drive
 
-BLOCKS = re.findall(
-    r"```python\n(.*?)```", (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8"), flags=re.DOTALL
-)
+README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+RUN, HOST, DRIVE = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+SHELL = re.findall(r"```sh\n(.*?)```", README, flags=re.DOTALL)
 
 
-def test_the_host_of_the_readme_gets_a_torque_from_a_drive() -> None:
-    with python_drive() as program:
-        example = BLOCKS[0].replace("/dev/ttyACM0", program.path)
-        ended = subprocess.run(
-            [sys.executable, "-c", example], capture_output=True, text=True, timeout=SOON_S, check=True
-        )
-    assert ended.stdout.splitlines()[0] == "python 0.1.0"
-    torque_nm, report = ended.stdout.splitlines()[1].split(maxsplit=1)
+def python(code: str, folder: Path) -> list[str]:
+    """Lines that a program prints, run in a folder with the scenarios."""
+    (folder / "scenarios").symlink_to(WORKSPACE / "scenarios")
+    environment = {VARIABLE: str(program()), "PATH": "/usr/bin:/bin", "MPLBACKEND": "Agg"}
+    words = [sys.executable, "-c", code]
+    ended = subprocess.run(
+        words, capture_output=True, text=True, timeout=SOON_S, check=True, cwd=folder, env=environment
+    )
+    return ended.stdout.splitlines()
+
+
+def test_the_run_of_the_readme_gives_numbers_and_a_figure(tmp_path: Path) -> None:
+    first, second = python(RUN, tmp_path)
+    verdict, static_error_rad = first.split()
+    assert verdict == "PASS"
+    assert abs(float(static_error_rad)) < 0.01
+    largest, unit = second.split()
+    assert float(largest) < 0.01
+    assert unit == "rad"
+    assert (tmp_path / "run.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_host_of_the_readme_gets_a_torque_from_a_drive(tmp_path: Path) -> None:
+    with python_drive() as drive:
+        lines = python(HOST.replace("/dev/ttyACM0", drive.path), tmp_path)
+    assert lines[0] == "python 0.1.0"
+    assert lines[1].startswith("pd with ")
+    torque_nm, report = lines[2].split(maxsplit=1)
     assert float(torque_nm) == pytest.approx(-13 * math.pi / 2, abs=1e-3)
     assert report == "LineReport(messages=2, damaged=0, refused=0, overruns=0)"
+    load_error_rad, unit = lines[3].split()
+    assert float(load_error_rad) == pytest.approx(math.pi / 2, abs=1e-4)
+    assert unit == "rad"
 
 
-def test_the_drive_of_the_readme_runs_its_own_law(tmp_path: Path) -> None:
-    example = tmp_path / "mine.py"
-    example.write_text(BLOCKS[1], encoding="utf-8")
-    with Program([sys.executable, example]) as program, Host.open(program.path, limits=PATIENT) as host:
-        assert host.identity.board == "mine"
-        host.set("gain_nm_rad", 10.0)
-        host.set("watchdog_us", 5_000_000)
-        host.arm()
-        host.start()
-        # A 131,072nd of a turn for each count, 10 N m for each radian.
-        torque_nm = host.torque(motor_counts=0, load_counts=-1000, reference_rad=0.0)
-        assert torque_nm == pytest.approx(10.0 * 1000 * math.tau / 131_072, rel=1e-6)
+def commands(block: str) -> list[list[str]]:
+    """The commands of a block, as words."""
+    return [shlex.split(line, comments=True) for line in block.replace("\\\n", " ").splitlines()]
+
+
+def test_the_drive_of_the_readme_runs_its_own_law_on_the_bench(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(DRIVE, encoding="utf-8")
+    (tmp_path / "scenarios").symlink_to(WORKSPACE / "scenarios")
+    (block,) = (it for it in SHELL if "mine.py" in it)
+    run, conformance = commands(block.replace("exec:python", f"exec:{sys.executable}"))
+    run += ["--out", "out", "--set", "telemetry.every_steps=1"]
+    judged = subprocess.run(
+        [str(program()), *run[1:]], capture_output=True, text=True, timeout=SOON_S, check=False, cwd=tmp_path
+    )
+    # The law is too simple for the scenario, but the run has a verdict.
+    assert (judged.returncode, judged.stderr) == (1, "")
+    record = Record.read(tmp_path / "out")
+    # 2 N m for each radian.
+    assert record["torque_nm"] == pytest.approx(-2.0 * record["drive.load_error_rad"], rel=1e-6)
+    ended = subprocess.run(
+        [str(program()), *conformance[1:]], capture_output=True, text=True, timeout=SOON_S, check=False, cwd=tmp_path
+    )
+    assert (ended.returncode, ended.stderr) == (0, ""), ended.stdout
+    assert ended.stdout.endswith(" passed, 0 failed, 2 skipped\n"), ended.stdout
+
+
+def test_the_commands_of_the_readme_work() -> None:
+    (block,) = (it for it in SHELL if "python -m lashloop identify" in it)
+    ended = []
+    with python_drive() as drive:
+        for words in commands(block.replace("/dev/ttyACM0", drive.path)):
+            assert words[:3] == ["python", "-m", "lashloop"]
+            if words[3] == "drive":
+                words = ["", *words[1:4], "--help"]
+            ended.append(
+                subprocess.run(
+                    [sys.executable, *words[1:]], capture_output=True, text=True, timeout=SOON_S, check=False
+                )
+            )
+    assert [it.returncode for it in ended] == [0] * len(ended)
+    assert len(ended) == 7
+
+
+def test_the_notebook_of_the_readme_is_one() -> None:
+    (link,) = re.findall(r"\((examples/[^)]*\.ipynb)\)", README)
+    assert json.loads((Path(__file__).parents[1] / link).read_text(encoding="utf-8"))["nbformat"] == 4

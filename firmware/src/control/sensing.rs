@@ -52,6 +52,8 @@ pub struct Sensing<F> {
     period_s: F,
     /// `None` before the first sample.
     previous: Option<Previous<F>>,
+    /// Twist of the last sample.
+    twist_rad: F,
 }
 
 /// What a measurement has besides positions.
@@ -99,39 +101,40 @@ impl<F: Real> Sensing<F> {
             ratio_rest: ratio_in_counts - F::from_i64(whole),
             period_s: config.period_s,
             previous: None,
+            twist_rad: F::ZERO,
         })
     }
 
     /// The measurement of one sample. The first sample has no velocities.
     pub fn step(&mut self, sample: &Sample<F>) -> Measurement<F> {
-        let (now, rates) = match self.previous {
-            None => (
-                Previous {
-                    motor: EncoderState::at_rest(sample.motor_counts),
-                    load: EncoderState::at_rest(sample.load_counts),
-                    reference: ReferenceRates::at_rest(sample.reference_rad),
-                },
-                (F::ZERO, F::ZERO),
-            ),
-            Some(mut state) => {
-                let periods = sample.elapsed_periods.max(1);
-                let count = F::from_i64(i64::from(periods));
-                let elapsed_s = self.period_s * count;
-                self.motor.advance(&mut state.motor, sample.motor_counts, periods, elapsed_s);
-                self.load.advance(&mut state.load, sample.load_counts, periods, elapsed_s);
-                let rates = state.reference.advance(sample.reference_rad, count, elapsed_s);
-                (state, rates)
-            }
+        let is_first = self.previous.is_none();
+        // In place, because a copy of the state costs the microcontroller as much as a filter.
+        let now = self.previous.get_or_insert_with(|| Previous {
+            motor: EncoderState::at_rest(sample.motor_counts),
+            load: EncoderState::at_rest(sample.load_counts),
+            reference: ReferenceRates::at_rest(sample.reference_rad),
+        });
+        let rates = if is_first {
+            (F::ZERO, F::ZERO)
+        } else {
+            let periods = sample.elapsed_periods.max(1);
+            let count = F::from_i64(i64::from(periods));
+            let elapsed_s = self.period_s * count;
+            self.motor.advance(&mut now.motor, sample.motor_counts, periods, elapsed_s);
+            self.load.advance(&mut now.load, sample.load_counts, periods, elapsed_s);
+            now.reference.advance(sample.reference_rad, count, elapsed_s)
         };
-        self.previous = Some(now);
         let motor_half_counts = now.motor.half_counts();
         let load_half_counts = now.load.half_counts();
+        let whole = motor_half_counts - self.ratio_in_counts * load_half_counts;
+        let rest = self.ratio_rest * F::from_i64(load_half_counts);
+        self.twist_rad = self.motor.angle_rad(F::from_i64(whole) - rest);
         Measurement {
             motor_position_rad: self.motor.angle_rad(F::from_i64(motor_half_counts)),
             motor_velocity_rad_s: now.motor.velocity_rad_s,
             load_position_rad: self.load.angle_rad(F::from_i64(load_half_counts)),
             load_velocity_rad_s: now.load.velocity_rad_s,
-            twist_rad: self.twist_rad(motor_half_counts, load_half_counts),
+            twist_rad: self.twist_rad,
             reference_position_rad: sample.reference_rad,
             reference_velocity_rad_s: rates.0,
             reference_acceleration_rad_s2: rates.1,
@@ -141,22 +144,11 @@ impl<F: Real> Sensing<F> {
 
     /// Velocities and twist of the last measurement; zero before the first one.
     pub fn motion(&self) -> Motion<F> {
-        match &self.previous {
-            None => {
-                Motion { motor_velocity_rad_s: F::ZERO, load_velocity_rad_s: F::ZERO, twist_rad: F::ZERO }
-            }
-            Some(last) => Motion {
-                motor_velocity_rad_s: last.motor.velocity_rad_s,
-                load_velocity_rad_s: last.load.velocity_rad_s,
-                twist_rad: self.twist_rad(last.motor.half_counts(), last.load.half_counts()),
-            },
-        }
-    }
-
-    fn twist_rad(&self, motor_half_counts: i64, load_half_counts: i64) -> F {
-        let whole = motor_half_counts - self.ratio_in_counts * load_half_counts;
-        let rest = self.ratio_rest * F::from_i64(load_half_counts);
-        self.motor.angle_rad(F::from_i64(whole) - rest)
+        let (motor_velocity_rad_s, load_velocity_rad_s) = match &self.previous {
+            None => (F::ZERO, F::ZERO),
+            Some(last) => (last.motor.velocity_rad_s, last.load.velocity_rad_s),
+        };
+        Motion { motor_velocity_rad_s, load_velocity_rad_s, twist_rad: self.twist_rad }
     }
 }
 

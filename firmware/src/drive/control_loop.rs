@@ -8,17 +8,21 @@ use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::LONGEST_GAP;
 
 use super::parameters::Parameters;
+use crate::control::ParameterError;
 use crate::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig};
-use crate::control::{ControlOutput, ParameterError};
 use crate::law::{DriveParameters, DriveSignals, LawSet, Signals};
 
 /// Largest move in counts, either way, that the difference of two readings shows without wraparound. One count is
 /// reserved: an encoder may show one count more than it has turned.
 const LARGEST_MOVE_COUNTS: f32 = (EncoderCounts::MAX.get() - 1) as f32;
 
-pub(super) struct ControlLoop<L> {
+pub(super) struct ControlLoop<L: LawSet> {
     sensing: Sensing<f32>,
     law: L,
+    /// Torque of the law at the last step in N m, before the limit.
+    requested_torque_nm: f32,
+    /// Signals of the law at the last step; `None` before the first one.
+    signals: Option<L::Signals>,
     /// Counters of motor and load: the readings without wraparound. `None` before the first sample.
     previous_counts: Option<(i32, i32)>,
     longest_gap: u16,
@@ -51,6 +55,8 @@ impl<L: LawSet> ControlLoop<L> {
         Ok(Self {
             sensing,
             law,
+            requested_torque_nm: 0.0,
+            signals: None,
             previous_counts: None,
             longest_gap,
             motor_rad_s_per_count,
@@ -76,13 +82,8 @@ impl<L: LawSet> ControlLoop<L> {
         )
     }
 
-    /// One control step. `applied_torque_nm` is the torque held since the last one.
-    pub(super) fn step(
-        &mut self,
-        sample: &EncoderSample,
-        periods: u32,
-        applied_torque_nm: f32,
-    ) -> ControlOutput<L::Signals> {
+    /// One control step: the torque in N m, before the limit. `applied_torque_nm` is the torque held since the last one.
+    pub(super) fn step(&mut self, sample: &EncoderSample, periods: u32, applied_torque_nm: f32) -> f32 {
         let (motor_counts, load_counts) = match self.previous_counts {
             None => (sample.motor_counts.get(), sample.load_counts.get()),
             Some((motor, load)) => (
@@ -98,21 +99,24 @@ impl<L: LawSet> ControlLoop<L> {
             applied_torque_nm,
             elapsed_periods: periods,
         });
-        self.law.step(&measurement)
+        self.requested_torque_nm = self.law.step(&measurement, &mut self.signals);
+        self.requested_torque_nm
     }
 
-    /// The values of all signals after a step, by their indices; zero for a signal of another law.
-    pub(super) fn signals(&self, output: &ControlOutput<L::Signals>) -> [f32; MAX_SIGNALS] {
+    /// The values of all signals at the last step, by their indices; zero for a signal of another law.
+    pub(super) fn signals(&self) -> [f32; MAX_SIGNALS] {
         let motion = self.sensing.motion();
         let of_drive = DriveSignals {
-            requested_torque_nm: output.torque_nm,
+            requested_torque_nm: self.requested_torque_nm,
             measured_motor_velocity_rad_s: motion.motor_velocity_rad_s,
             measured_load_velocity_rad_s: motion.load_velocity_rad_s,
             measured_twist_rad: motion.twist_rad,
         };
         let mut values = [0.0; MAX_SIGNALS];
         of_drive.write(&mut values);
-        L::write_signals(&output.signals, &mut values);
+        if let Some(of_law) = &self.signals {
+            L::write_signals(of_law, &mut values);
+        }
         values
     }
 }

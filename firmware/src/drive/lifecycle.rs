@@ -12,7 +12,7 @@ use super::run::Run;
 use super::safety::Violation;
 use crate::law::{DriveParameters, LawSet};
 
-pub(super) enum Lifecycle<L> {
+pub(super) enum Lifecycle<L: LawSet> {
     /// Before the first session.
     Boot,
     Idle {

@@ -273,12 +273,11 @@ impl<L: LawSet> Drive<L> {
                 self.send_zero_torque(sample.sequence, TorqueFlags::empty(), arrived, clock);
             }
             Lifecycle::Running { run, .. } => match run.answer(sample, arrived, clock) {
-                Reply::Torque(answer, output) => {
+                Reply::Torque(answer) => {
                     self.last_sequence = sample.sequence;
                     self.output.send(answer);
                     if self.subscription.is_due(sample.sequence)
-                        && let Some(telemetry) =
-                            self.subscription.telemetry(sample.sequence, &run.signals(&output))
+                        && let Some(telemetry) = self.subscription.telemetry(sample.sequence, &run.signals())
                     {
                         self.output.send(telemetry);
                     }

@@ -11,10 +11,9 @@ use super::control_loop::ControlLoop;
 use super::safety::{Limits, Violation};
 use super::torque_answer::{repeated, torque_answer};
 use super::watchdog::Watchdog;
-use crate::control::ControlOutput;
 use crate::law::{DriveParameters, LawSet};
 
-pub(super) struct Run<L> {
+pub(super) struct Run<L: LawSet> {
     control: ControlLoop<L>,
     limits: Limits,
     watchdog: Watchdog,
@@ -23,9 +22,9 @@ pub(super) struct Run<L> {
 }
 
 /// What a running drive replies to a sample.
-pub(super) enum Reply<S> {
-    /// The torque, and the controller's output, whose torque is the one before the limit.
-    Torque(TorqueAnswer, ControlOutput<S>),
+pub(super) enum Reply {
+    /// The torque of a control step.
+    Torque(TorqueAnswer),
     /// The answer of the last sample again; no control step was made.
     Repeated(TorqueAnswer),
     /// The number is old, too far ahead, or not zero after the start. Nothing changed.
@@ -45,9 +44,9 @@ impl<L: LawSet> Run<L> {
         self.last_answer.map_or(0.0, |answer| answer.torque_nm)
     }
 
-    /// The values of all signals after a step, by their indices.
-    pub(super) fn signals(&self, output: &ControlOutput<L::Signals>) -> [f32; MAX_SIGNALS] {
-        self.control.signals(output)
+    /// The values of all signals at the last step, by their indices.
+    pub(super) fn signals(&self) -> [f32; MAX_SIGNALS] {
+        self.control.signals()
     }
 
     pub(super) fn watchdog(&self) -> &Watchdog {
@@ -55,12 +54,7 @@ impl<L: LawSet> Run<L> {
     }
 
     /// Answers a sample; a new one makes a control step and restarts the watchdog.
-    pub(super) fn answer(
-        &mut self,
-        sample: &EncoderSample,
-        arrived: Duration,
-        clock: &impl Clock,
-    ) -> Reply<L::Signals> {
+    pub(super) fn answer(&mut self, sample: &EncoderSample, arrived: Duration, clock: &impl Clock) -> Reply {
         let periods = match self.periods_since_last(sample.sequence) {
             Ok(periods) => periods,
             Err(reply) => return reply,
@@ -69,19 +63,19 @@ impl<L: LawSet> Run<L> {
         let mut flags = TorqueFlags::empty();
         flags.set(TorqueFlags::GAP, periods > 1);
         match self.step(sample, periods) {
-            Ok((torque_nm, output)) => {
-                flags.set(TorqueFlags::SATURATED, torque_nm != output.torque_nm);
+            Ok((torque_nm, requested_nm)) => {
+                flags.set(TorqueFlags::SATURATED, torque_nm != requested_nm);
                 let elapsed = clock.now().saturating_sub(arrived);
                 let answer = torque_answer(sample.sequence, torque_nm, State::Running, flags, elapsed);
                 self.last_answer = Some(answer);
-                Reply::Torque(answer, output)
+                Reply::Torque(answer)
             }
             Err(violation) => Reply::Violation(violation, flags),
         }
     }
 
     /// Periods from the last sample to this one, 1 for the first sample; the reply to a sample that isn't new.
-    fn periods_since_last(&self, sequence: u16) -> Result<u32, Reply<L::Signals>> {
+    fn periods_since_last(&self, sequence: u16) -> Result<u32, Reply> {
         match self.last_answer {
             None if sequence == 0 => Ok(1),
             None => Err(Reply::OutOfSequence),
@@ -93,16 +87,12 @@ impl<L: LawSet> Run<L> {
         }
     }
 
-    /// The torque after the limit in N m, and the controller's output.
-    fn step(
-        &mut self,
-        sample: &EncoderSample,
-        periods: u32,
-    ) -> Result<(f32, ControlOutput<L::Signals>), Violation> {
+    /// The torques in N m, after the limit and before it.
+    fn step(&mut self, sample: &EncoderSample, periods: u32) -> Result<(f32, f32), Violation> {
         Limits::check_reference(sample.reference_rad)?;
         let (motor_rad_s, load_rad_s) = self.control.speeds(sample, periods);
         self.limits.check_speeds(motor_rad_s, load_rad_s)?;
-        let output = self.control.step(sample, periods, self.torque_nm());
-        Ok((self.limits.clamp_torque(output.torque_nm)?, output))
+        let requested_nm = self.control.step(sample, periods, self.torque_nm());
+        Ok((self.limits.clamp_torque(requested_nm)?, requested_nm))
     }
 }

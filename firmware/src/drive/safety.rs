@@ -60,6 +60,6 @@ impl Limits {
     }
 }
 
-pub(super) fn holds(rule: bool, code: FaultCode, value: f32, limit: f32) -> Result<(), Violation> {
+fn holds(rule: bool, code: FaultCode, value: f32, limit: f32) -> Result<(), Violation> {
     if rule { Ok(()) } else { Err(Violation { code, value, limit }) }
 }

@@ -5,7 +5,7 @@ use lashloop_protocol::limits::MAX_SIGNALS;
 use super::drive_parameters::DriveParameters;
 use super::parameter::Parameter;
 use super::signal::Signal;
-use crate::control::{ControlOutput, Measurement, ParameterError};
+use crate::control::{Measurement, ParameterError};
 
 /// The laws of a drive, declared by [`laws!`](crate::laws). A value is the law in force, with its state.
 pub trait LawSet: Sized + Send + 'static {
@@ -22,7 +22,7 @@ pub trait LawSet: Sized + Send + 'static {
     const DEFAULTS: Self::Words;
 
     /// The signals of the law in force.
-    type Signals: Copy;
+    type Signals: Copy + Send;
 
     /// The law with this index in its initial state.
     ///
@@ -30,8 +30,9 @@ pub trait LawSet: Sized + Send + 'static {
     /// If the parameters, each in its range, don't go together.
     fn new(law: u32, words: &Self::Words, drive: &DriveParameters) -> Result<Self, ParameterError>;
 
-    /// Torque and signals for one sample, before the drive's limit.
-    fn step(&mut self, measurement: &Measurement<f32>) -> ControlOutput<Self::Signals>;
+    /// Torque in N m for one sample, before the drive's limit. Writes the signals to `signals`, in place, because a copy
+    /// would cost more instructions than some laws.
+    fn step(&mut self, measurement: &Measurement<f32>, signals: &mut Option<Self::Signals>) -> f32;
 
     /// Writes the signals of a law to their indices in `values`.
     fn write_signals(signals: &Self::Signals, values: &mut [f32; MAX_SIGNALS]);
@@ -102,17 +103,17 @@ macro_rules! laws {
                     ::core::result::Result::Err(table::no_law(law, NAMES))
                 }
 
+                #[inline(always)]
                 fn step(
                     &mut self,
                     measurement: &$crate::control::Measurement<f32>,
-                ) -> $crate::control::ControlOutput<SignalsOfLaw> {
+                    signals: &mut ::core::option::Option<SignalsOfLaw>,
+                ) -> f32 {
                     match self {
                         $(Self::$law(law) => {
                             let output = ControlLaw::step(law, measurement);
-                            $crate::control::ControlOutput {
-                                torque_nm: output.torque_nm,
-                                signals: SignalsOfLaw::$law(output.signals),
-                            }
+                            *signals = ::core::option::Option::Some(SignalsOfLaw::$law(output.signals));
+                            output.torque_nm
                         })+
                     }
                 }

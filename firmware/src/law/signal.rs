@@ -20,7 +20,7 @@ impl Signal {
 }
 
 /// A struct of signals, declared by [`signals!`](crate::signals), or `()` for none.
-pub trait Signals: Copy {
+pub trait Signals: Copy + Send {
     /// The signals in the order of the fields.
     const TABLE: &'static [Signal];
 

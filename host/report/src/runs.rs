@@ -233,11 +233,11 @@ fn signal(runs: &[Run<'_>], name: &str) -> Result<Panel, DrawError> {
     let Some((first, unit)) = units.next() else {
         let known = runs.iter().flat_map(|run| run.shown.signals()).map(|signal| &*signal.name);
         let mut names = Vec::new();
-        known.for_each(|name| {
+        for name in known {
             if !names.contains(&name) {
-                names.push(name)
+                names.push(name);
             }
-        });
+        }
         let reason = UnknownName::new("the record", "signal", name, names);
         return Err(DrawError::Signal { name: name.to_owned(), reason });
     };

@@ -3,8 +3,6 @@
 use std::fmt;
 use std::time::Duration;
 
-use lashloop_protocol::layout::MessageLayout;
-
 use super::wire_time::{Budget, Cycle, SAMPLE, TELEMETRY, TORQUE, USUAL_BAUD};
 
 fn us(time: Duration) -> f64 {
@@ -13,12 +11,12 @@ fn us(time: Duration) -> f64 {
 
 impl fmt::Display for Budget {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Budget { baud, period, telemetry_every } = *self;
+        let Budget { baud, period, telemetry_every, signals } = *self;
         let hz = 1.0 / period.as_secs_f64();
         write!(out, "{baud} Bd, period {} us ({hz:.0} Hz), ", us(period))?;
-        match telemetry_every {
+        match self.telemetry_len() {
             0 => writeln!(out, "no telemetry")?,
-            every => writeln!(out, "telemetry after one torque in {every}")?,
+            _ => writeln!(out, "telemetry of {signals} signals after one torque in {telemetry_every}")?,
         }
         self.frames(out)?;
         self.answers(out)?;
@@ -35,13 +33,12 @@ impl Budget {
             let share = 100.0 * time_us / us(self.period);
             writeln!(out, "{name:<28}{bytes:>8.1}{time_us:>12.1}{share:>10.1} %")
         };
-        let mut frame = |way: &str, layout: &MessageLayout| {
-            line(format!("{way}  {}", layout.name), layout.frame_len() as f64)
-        };
-        frame("out ", SAMPLE)?;
-        frame("back", TORQUE)?;
-        if self.telemetry_every > 0 {
-            frame("back", TELEMETRY)?;
+        line(format!("out   {}", SAMPLE.name), SAMPLE.frame_len() as f64)?;
+        line(format!("back  {}", TORQUE.name), TORQUE.frame_len() as f64)?;
+        let telemetry = self.telemetry_len();
+        if telemetry > 0 {
+            line(format!("back  {}", TELEMETRY.name), telemetry as f64)?;
+            line("      of it, each signal".to_owned(), TELEMETRY.element_len.unwrap_or(0) as f64)?;
             line("back  a cycle, mean".to_owned(), self.bytes_back(Cycle::Mean))?;
             line("back  a cycle, worst".to_owned(), self.bytes_back(Cycle::Worst))?;
         }
@@ -111,6 +108,10 @@ impl Budget {
         write!(out, "\n  a period of {period_us} us (run.control_period_us)")?;
         if (Budget { telemetry_every: 0, ..*self }).holds(Cycle::Worst) {
             write!(out, "\n  no telemetry (telemetry.every_steps = 0)")?;
+        }
+        let fewer = (1..self.signals).rev().find(|&signals| Budget { signals, ..*self }.holds(Cycle::Worst));
+        if let Some(signals) = fewer {
+            write!(out, "\n  at most {signals} signals (telemetry.signals)")?;
         }
         Ok(())
     }

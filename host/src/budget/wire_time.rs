@@ -42,6 +42,8 @@ pub struct Budget {
     pub period: Duration,
     /// Torques per telemetry frame; 0 for no telemetry.
     pub telemetry_every: u16,
+    /// Signals that telemetry carries, at most 13; 0 for no telemetry.
+    pub signals: usize,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,9 +61,15 @@ impl Budget {
         transmission_time(layout.frame_len() as u64, self.baud)
     }
 
+    /// Length of a telemetry frame in bytes; 0 without telemetry.
+    #[must_use]
+    pub fn telemetry_len(&self) -> usize {
+        if self.telemetry_every == 0 { 0 } else { TELEMETRY.frame_len_of(self.signals).unwrap_or(0) }
+    }
+
     /// Telemetry frames per torque, 0 to 1.
     fn telemetry_rate(&self) -> f64 {
-        if self.telemetry_every == 0 { 0.0 } else { 1.0 / f64::from(self.telemetry_every) }
+        if self.telemetry_len() == 0 { 0.0 } else { 1.0 / f64::from(self.telemetry_every) }
     }
 
     /// Bytes from drive to host in a cycle. The other direction carries one sample.
@@ -71,14 +79,14 @@ impl Budget {
             Cycle::Mean => self.telemetry_rate(),
             Cycle::Worst => self.telemetry_rate().ceil(),
         };
-        TORQUE.frame_len() as f64 + rate * TELEMETRY.frame_len() as f64
+        TORQUE.frame_len() as f64 + rate * self.telemetry_len() as f64
     }
 
     /// Delay of a torque by telemetry still on the wire.
     fn wait_behind_telemetry(&self, period: Duration) -> Duration {
-        match self.telemetry_every {
+        match self.telemetry_len() {
             0 => Duration::ZERO,
-            _ => (self.frame(TORQUE) + self.frame(TELEMETRY)).saturating_sub(period),
+            len => (self.frame(TORQUE) + transmission_time(len as u64, self.baud)).saturating_sub(period),
         }
     }
 
@@ -135,13 +143,15 @@ mod tests {
     use super::*;
 
     fn at(baud: u32, period_us: u64, telemetry_every: u16) -> Budget {
-        Budget { baud, period: Duration::from_micros(period_us), telemetry_every }
+        Budget { baud, period: Duration::from_micros(period_us), telemetry_every, signals: 6 }
     }
 
     #[test]
     fn cycle_consists_of_the_protocol_s_frames() {
         let budget = at(1_000_000, 1_000, 10);
-        assert_eq!([SAMPLE, TORQUE, TELEMETRY].map(MessageLayout::frame_len), [19, 16, 33]);
+        assert_eq!([SAMPLE, TORQUE].map(MessageLayout::frame_len), [19, 16]);
+        let lengths = [0, 1, 6, 13, 14].map(|signals| Budget { signals, ..budget }.telemetry_len());
+        assert_eq!(lengths, [0, 13, 33, 61, 0]);
         assert!((budget.bytes_back(Cycle::Mean) - 19.3).abs() < 1e-9);
         assert_eq!(budget.bytes_back(Cycle::Worst), 49.0);
         assert_eq!(at(1_000_000, 1_000, 0).bytes_back(Cycle::Worst), 16.0);

@@ -7,7 +7,10 @@ use crate::bench::Bench;
 use crate::budget::{Budget, Cycle};
 use clap::Args;
 use lashloop_bench::scenario::Scenario;
+use lashloop_bench::session::{Session, Subscription};
 use lashloop_bench::verdict::Exit;
+
+use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 
 use super::error::CliError;
 use super::options::{DEFAULT_BAUD, plants};
@@ -16,7 +19,8 @@ use super::output::outln;
 /// Compute the time budget of a control period on a serial line
 ///
 /// Makes no run: the budget follows from the lengths of the protocol's frames at ten bits per byte, full duplex. Defaults
-/// without a scenario: 921600 bit/s, 1000 us, telemetry with every 10th torque. Exit code 1 if the worst cycle exceeds the
+/// without a scenario: 921600 bit/s, 1000 us, telemetry of the first law's
+/// signals with every 10th torque. Exit code 1 if the worst cycle exceeds the
 /// period.
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -34,12 +38,35 @@ pub(crate) struct Arguments {
     /// Torques per telemetry frame, in place of the scenario's; 0 for no telemetry
     #[arg(long, value_name = "STEPS")]
     telemetry_every: Option<u16>,
+
+    /// Number of signals in a telemetry frame, in place of the scenario's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=MOST_SIGNALS as i64))]
+    signals: Option<u8>,
+}
+
+/// Most signals in a telemetry frame.
+const MOST_SIGNALS: u8 = MAX_TELEMETRY_VALUES as u8;
+
+/// The signals that a run would subscribe to: those that the scenario names, or else all of its law. A law that the drive
+/// in process lacks may have as many as fit.
+fn signals(bench: &Bench, scenario: Option<&Scenario>) -> u8 {
+    if let Some(signals) = scenario.and_then(|scenario| scenario.telemetry.signals.as_ref()) {
+        return signals.len() as u8;
+    }
+    let of_law = || {
+        let session = Session::open(bench.in_process(), 1).ok()?;
+        let named = |name: &str| session.laws.iter().find(|law| law.name == name);
+        let law = scenario.map_or(session.laws.first(), |scenario| named(&scenario.controller.name))?;
+        Some(Subscription::to_all(&session.signals, law.index, 1).0.signals().len() as u8)
+    };
+    of_law().unwrap_or(MOST_SIGNALS)
 }
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let scenario =
             self.scenario.map(|path| Scenario::from_file_with(&path, &[], &plants(bench))).transpose()?;
+        let signals = self.signals.unwrap_or_else(|| signals(bench, scenario.as_ref()));
         let defaults = scenario.map_or((DEFAULT_BAUD, 1_000, 10), |scenario| {
             let baud = scenario.link.modelled_baud().unwrap_or(scenario.link.baud);
             (baud, scenario.run.control_period_us, scenario.telemetry.every_steps)
@@ -48,6 +75,7 @@ impl Arguments {
             baud: self.baud.unwrap_or(defaults.0),
             period: Duration::from_micros(self.period_us.unwrap_or(defaults.1).into()),
             telemetry_every: self.telemetry_every.unwrap_or(defaults.2),
+            signals: signals.into(),
         };
         outln!("{budget}");
         Ok(if budget.holds(Cycle::Worst) { Exit::Pass } else { Exit::Fail })

@@ -72,7 +72,7 @@ fn examine_steps(
         move |source| {
             Diagnosis::wrong(
                 about,
-                DeviceError::Session { device, stderr: String::new(), source }.to_string(),
+                DeviceError::Session { device, stderr: String::new(), source: Box::new(source) }.to_string(),
             )
         }
     };

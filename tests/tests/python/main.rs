@@ -11,8 +11,9 @@ use tests::python;
 
 type Check = fn();
 
-const TRIALS: [(&str, Check); 6] = [
+const TRIALS: [(&str, Check); 8] = [
     ("conforming::the_python_drive_passes_every_check_and_none_is_skipped", conforming::every_check),
+    ("conforming::the_drive_of_the_package_fails_no_check", conforming::the_package_s_own),
     ("runs::smooth_before_has_the_torque_bits_of_the_firmware", runs::smooth),
     ("runs::friction_before_has_the_torque_bits_of_the_firmware", runs::friction),
     ("runs::a_law_that_is_not_offered_is_named_with_those_offered", runs::not_offered),
@@ -20,6 +21,7 @@ const TRIALS: [(&str, Check); 6] = [
         let python = python::interpreter();
         tests::walk::through("docs/extend/drive-in-python.md", &[python.parent().expect("its folder")]);
     }),
+    ("runs::a_drive_started_by_the_bench_has_the_torque_bits_of_the_firmware", runs::started_by_the_bench),
     ("runs::one_drive_serves_consecutive_runs", runs::again),
 ];
 

@@ -4,11 +4,11 @@
 //! into a whole count: a property of the encoder. So double precision closes the loop, and single precision computes its
 //! torque from the same counts without applying it.
 
-use lashloop_firmware::control::law::Law;
 use lashloop_firmware::control::{Measurement, Real};
 use lashloop_plant::Truth;
 
 use crate::closed_loop::{Quantised, Reference, Sensors};
+use crate::law::Law;
 
 /// Sensors in double precision that also feed the drive's single precision.
 pub(crate) struct BothPrecisions<'a> {

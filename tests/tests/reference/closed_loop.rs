@@ -4,12 +4,12 @@
 
 use core::f64::consts::TAU;
 
-use lashloop_firmware::control::law::Law;
 use lashloop_firmware::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig};
 use lashloop_firmware::control::{Measurement, Real};
 use lashloop_plant::encoder::Encoder;
 use lashloop_plant::{Start, Truth, TwoMass};
 
+use crate::law::Law;
 use crate::trajectory::Row;
 
 /// Control period, length of the run and torque limit.
@@ -139,7 +139,7 @@ pub(crate) fn run<F: Real, P: TwoMass>(
             time_s,
             truth,
             torque_nm: applied_nm,
-            dead_zone_estimate_rad: output.dead_zone_estimate_rad.to_f64(),
+            dead_zone_estimate_rad: output.signals.dead_zone_estimate_rad.to_f64(),
         });
         plant.step(&mut state, applied_nm, timing.period_s).expect("the plant steps");
     }

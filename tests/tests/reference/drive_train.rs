@@ -6,12 +6,13 @@ use lashloop_firmware::control::Real;
 use lashloop_firmware::control::backlash_inverse::{
     BacklashInverse, BacklashInverseGains, BacklashInverseSetting,
 };
-use lashloop_firmware::control::law::Law;
+use lashloop_firmware::control::dead_zone_observer::DeadZoneBounds;
 use lashloop_firmware::control::nominal_model::NominalModel;
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::{Mechanics, PlantError, Start, TransportDelay, Truth, TwoMass};
 
 use crate::closed_loop::{Quantised, Reference, Sensors, Timing, regulate_to_zero, run, slow_sine};
+use crate::law::Law;
 use crate::paper;
 use crate::trajectory::{Row, lost_motion_rad, settle_s, torque_variation_nm};
 
@@ -63,16 +64,15 @@ impl DriveTrain {
     /// The backlash inverse with its default gains. Its model holds table 1 and the motor's dry friction; it identifies
     /// the gap itself.
     pub(crate) fn backlash_inverse<F: Real>(&self) -> Law<F> {
-        let model = NominalModel { motor_coulomb_nm: F::from_f64(0.02), ..NominalModel::paper() };
+        let model = NominalModel { motor_coulomb_nm: F::from_f64(0.02), ..NominalModel::default() };
         let setting = BacklashInverseSetting {
             momentum_observer_rad_s: F::from_f64(60.0),
-            dead_zone_initial_rad: F::from_f64(0.16),
-            dead_zone_max_rad: F::from_f64(3.0),
+            dead_zone: DeadZoneBounds::default(),
             load_resolution_rad: F::from_f64(core::f64::consts::TAU / f64::from(self.counts)),
             torque_limit_nm: F::from_f64(self.torque_limit_nm),
             period_s: F::from_f64(1e-3),
         };
-        let law = BacklashInverse::new(&model, BacklashInverseGains::paper(), setting);
+        let law = BacklashInverse::new(&model, BacklashInverseGains::default(), setting);
         Law::BacklashInverse(law.expect("valid law"))
     }
 

@@ -6,6 +6,7 @@
 mod both_precisions;
 mod closed_loop;
 mod drive_train;
+mod law;
 mod open_loop;
 mod paper;
 mod paper_loops;

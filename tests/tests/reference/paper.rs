@@ -4,8 +4,7 @@ use core::f64::consts::FRAC_PI_2;
 
 use lashloop_firmware::control::Real;
 use lashloop_firmware::control::cascade::CascadeGains;
-use lashloop_firmware::control::dead_zone_observer::DeadZoneObserver;
-use lashloop_firmware::control::law::Law;
+use lashloop_firmware::control::dead_zone_observer::{DeadZoneBounds, DeadZoneObserver};
 use lashloop_firmware::control::merzouki::{DisturbingTorqueSource, Merzouki};
 use lashloop_firmware::control::momentum_observer::MomentumObserver;
 use lashloop_firmware::control::nominal_model::NominalModel;
@@ -14,6 +13,8 @@ use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::hard_coulomb::HardCoulomb;
 use lashloop_plant::smooth::Smooth;
 use lashloop_plant::{Mechanics, Start};
+
+use crate::law::Law;
 
 /// The paper's initial condition.
 pub(crate) const START: Start = Start::at_rest(FRAC_PI_2, 3.0 * FRAC_PI_2);
@@ -43,14 +44,15 @@ pub(crate) fn unlimited() -> ShaftParameters {
 }
 
 pub(crate) fn pd<F: Real>() -> Law<F> {
-    Law::Pd(Pd::new(&NominalModel::paper(), CascadeGains::paper()))
+    Law::Pd(Pd::new(&NominalModel::default(), CascadeGains::default()))
 }
 
 fn merzouki<F: Real>(source: DisturbingTorqueSource<F>, period_s: f64) -> Law<F> {
     let law = Merzouki::new(
-        &NominalModel::paper(),
-        CascadeGains::paper(),
-        DeadZoneObserver::paper(),
+        &NominalModel::default(),
+        CascadeGains::default(),
+        DeadZoneObserver::default(),
+        DeadZoneBounds::default(),
         source,
         F::from_f64(period_s),
     );
@@ -65,6 +67,6 @@ pub(crate) fn merzouki_nominal<F: Real>(period_s: f64) -> Law<F> {
 /// The merzouki law for any other plant.
 pub(crate) fn merzouki_observed<F: Real>(period_s: f64) -> Law<F> {
     let [pole_rad_s, observer_s] = [60.0, period_s].map(F::from_f64);
-    let observer = MomentumObserver::new(&NominalModel::paper(), pole_rad_s, observer_s);
+    let observer = MomentumObserver::new(&NominalModel::default(), pole_rad_s, observer_s);
     merzouki(DisturbingTorqueSource::Observed(observer), period_s)
 }

@@ -2,10 +2,9 @@
 //!
 //! Its effect in the closed loop stands in the table of the paper's numbers.
 
-use lashloop_firmware::control::law::Law;
-
 use crate::both_precisions::BothPrecisions;
 use crate::closed_loop::Quantised;
+use crate::law::Law;
 use crate::paper;
 use crate::paper_loops::Loop;
 

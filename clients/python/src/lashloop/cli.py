@@ -16,10 +16,12 @@ from lashloop.control.cascade import PD
 from lashloop.drive import Drive, serve
 from lashloop.errors import LashloopError
 from lashloop.host import Host, ParameterRangeError, UnknownParameterError
-from lashloop.link import DEFAULT_BAUD, PseudoTerminal, open_port
+from lashloop.link import DEFAULT_BAUD, PseudoTerminal, StandardStreams, open_port
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from lashloop.link import Link
 
 _USAGE = 2
 _DEVICE = 4
@@ -59,10 +61,12 @@ def _parser() -> argparse.ArgumentParser:
     drive = commands.add_parser(
         "drive",
         help="emulate a drive until killed",
-        description="Emulate a drive with the cascaded PD law until killed. Without --port the drive opens a "
-        "pseudo-terminal and prints its path on standard output; use it with `lashloop run SCENARIO --device PATH`.",
+        description="Emulate a drive with the cascaded PD law until killed. Without options the drive opens a "
+        "pseudo-terminal and prints its path on standard output, for `lashloop run SCENARIO --device PATH`. With "
+        '--stdio the bench starts the drive: `lashloop run SCENARIO --device "exec:python -m lashloop drive --stdio"`.',
     )
     _add_port(drive, required=False, meaning="serial port to the host; default: a new pseudo-terminal")
+    drive.add_argument("--stdio", action="store_true", help="serve standard input and output, until the host closes it")
     drive.set_defaults(run=_drive)
 
     ports = commands.add_parser("ports", help="list the serial ports", description="List the serial ports.")
@@ -127,7 +131,7 @@ def _setting(text: str) -> tuple[str, float | str]:
 
 
 def _drive(arguments: argparse.Namespace) -> None:
-    line = open_port(arguments.port, arguments.baud) if arguments.port else PseudoTerminal()
+    line = _drive_line(arguments)
     if isinstance(line, PseudoTerminal):
         # The parent process waits for this line, so it is flushed.
         print(line.path, flush=True)
@@ -135,6 +139,12 @@ def _drive(arguments: argparse.Namespace) -> None:
             hint = "The drive is ready. In another shell: lashloop run SCENARIO.toml --device"
             print(f"{hint} {line.path}", file=sys.stderr)
     serve(line, Drive([PD]))
+
+
+def _drive_line(arguments: argparse.Namespace) -> Link:
+    if arguments.stdio:
+        return StandardStreams()
+    return open_port(arguments.port, arguments.baud) if arguments.port else PseudoTerminal()
 
 
 def _ports(_: argparse.Namespace) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import select
+import sys
 import time
 import tty
 from typing import TYPE_CHECKING, Protocol
@@ -24,6 +25,10 @@ _AT_ONCE = 4096
 
 class LinkError(LashloopError):
     """The link can't be opened, or has failed."""
+
+
+class LinkClosedError(LinkError):
+    """The far end has closed the link in order."""
 
 
 class Link(Protocol):
@@ -66,7 +71,7 @@ class DescriptorLink:
             raise LinkError(f"the link {self.name} has failed: {error.strerror}") from error
         if not data:
             # Readable without data: the far end has closed.
-            raise LinkError(f"the link {self.name} has failed: its far end has closed")
+            raise LinkClosedError(f"the link {self.name} has failed: its far end has closed")
         return data
 
     def write(self, data: bytes, timeout_s: float) -> int:
@@ -84,6 +89,8 @@ class DescriptorLink:
                 return os.write(self._descriptor, data)
         except BlockingIOError:
             return 0
+        except BrokenPipeError as error:
+            raise LinkClosedError(f"the link {self.name} has failed: its far end has closed") from error
         except OSError as error:
             raise LinkError(f"the link {self.name} has failed: {error.strerror}") from error
 
@@ -122,6 +129,38 @@ class PseudoTerminal(DescriptorLink):
         """See `Link`."""
         self.hang_up()
         super().close()
+
+
+class StandardStreams:
+    """Standard input and output as a link, for a drive that the bench starts: `--device "exec:python drive.py"`.
+
+    What the program prints from then on goes to standard error, because it would be noise on the link.
+    """
+
+    def __init__(self) -> None:
+        """Take the streams."""
+        sys.stdout.flush()
+        output = os.dup(sys.stdout.fileno())
+        os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+        self._input = DescriptorLink(sys.stdin.fileno(), "on standard input")
+        self._output = DescriptorLink(output, "on standard output")
+
+    def read(self, timeout_s: float) -> bytes:
+        """See `Link`."""
+        return self._input.read(timeout_s)
+
+    def write(self, data: bytes, timeout_s: float) -> int:
+        """See `Link`."""
+        return self._output.write(data, timeout_s)
+
+    def discard_input(self) -> None:
+        """See `Link`."""
+        self._input.discard_input()
+
+    def close(self) -> None:
+        """See `Link`."""
+        self._input.close()
+        self._output.close()
 
 
 def open_port(path: str, baud: int = DEFAULT_BAUD) -> DescriptorLink:

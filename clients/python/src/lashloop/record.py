@@ -11,7 +11,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -46,18 +46,19 @@ class Verdict(str, Enum):
         return self.value
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Record:
     """A run: columns of the trace as arrays, with units, and the summary."""
 
-    folder: Path
+    folder: Path | None
+    """Where the files are; None if they were temporary."""
     trace: Table
     """Every column of `trace.csv`; `record["torque_nm"]` is short for `record.trace["torque_nm"]`."""
     units: Mapping[str, str]
     """Unit of each column; empty for a pure number."""
     timing: Table | None
     """Timing of each step in us, if the run has recorded it."""
-    summary: Mapping[str, Any] = field(repr=False)
+    summary: Mapping[str, Any]
     """`summary.json`; empty if the run was interrupted."""
 
     @classmethod
@@ -77,6 +78,11 @@ class Record:
             timing=Table.read(timing) if timing.exists() else None,
             summary=_summary(summary) if summary.exists() else {},
         )
+
+    def __repr__(self) -> str:
+        """Name the run and its size."""
+        run = f"{self.summary['scenario']} on {self.summary['device']}, " if self.summary else ""
+        return f"<Record: {run}{self.steps} steps, {len(self.trace)} columns, verdict {self.verdict}>"
 
     def __getitem__(self, column: str) -> NDArray[np.float64]:
         """Return a column of the trace; `UnknownColumnError` names similar ones."""
@@ -102,6 +108,12 @@ class Record:
         """Metrics by name, in the unit at the end of the name; None where the run gives no value."""
         metrics: Mapping[str, float | None] = self.summary.get("metrics", {})
         return metrics
+
+    @property
+    def metrics_without_value(self) -> Mapping[str, str]:
+        """Why a metric has no value, by name."""
+        reasons: Mapping[str, str] = self.summary.get("metrics_without_value", {})
+        return reasons
 
     def plot(
         self, *columns: str, from_s: float | None = None, to_s: float | None = None, axes: Axes | None = None

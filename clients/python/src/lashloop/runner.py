@@ -13,22 +13,20 @@ record.plot("load_position_rad", "reference_rad", "torque_nm")
 from __future__ import annotations
 
 import json
-import math
 import os
 import subprocess
 import tempfile
-from collections.abc import Mapping, Sequence
-from numbers import Integral, Real
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from lashloop.drive import BackgroundDrive, Drive
 from lashloop.errors import LashloopError
 from lashloop.program import find_program
 from lashloop.record import Record
-
-Setting = str | bool | float | Sequence["Setting"] | Mapping[str, "Setting"]
-"""A value of a scenario: a text, a truth value, a number, a list, a table."""
 
 _JUDGED = (0, 1, 3)
 """Exit codes with a verdict: PASS, FAIL, INVALID."""
@@ -66,7 +64,7 @@ class RunTimeoutError(LashloopError):
 def run(
     scenario: str | os.PathLike[str],
     *,
-    set: Mapping[str, Setting] | None = None,  # noqa: A002 - the option of the program has this name
+    set: Mapping[str, Any] | None = None,  # noqa: A002 - the option of the program has this name
     device: str | Drive | None = None,
     out: str | os.PathLike[str] | None = None,
     program: str | os.PathLike[str] | None = None,
@@ -74,10 +72,11 @@ def run(
 ) -> Record:
     """Run a scenario and return its record. FAIL and INVALID are verdicts of the record, not errors.
 
-    `set` replaces values of the scenario, such as `{"plant.dead_zone_rad": 0.2, "controller.name": "pd"}`. `device` is
-    the drive: an option `--device` of the program, or a `Drive` of this package, which runs in this process; by default
-    that of the program. `out` is a folder for the record, which stays there; without it the record is in memory only.
-    `program` is found by `find_program`. `timeout_s` limits the run in wall-clock time.
+    `set` replaces values of the scenario by key: `{"plant.dead_zone_rad": 0.2, "controller.name": "pd"}`. A value is a
+    text, a truth value, a number, a list or a table. `device` is the drive: an option `--device` of the program, or a
+    `Drive` of this package, which runs in this process; by default that of the program. `out` is a folder for the
+    record, which stays there; without it the record is in memory only. `program` is found by `find_program`.
+    `timeout_s` limits the run in wall-clock time.
 
     `ScenarioError` and `DeviceError` have the text of the program. An error of a control law in a `Drive` is raised.
     """
@@ -106,7 +105,7 @@ def _run(words: list[str], out: str | os.PathLike[str] | None, timeout_s: float 
     if out is not None:
         return _recorded(words, Path(out), timeout_s)
     with tempfile.TemporaryDirectory(prefix="lashloop-") as folder:
-        return _recorded(words, Path(folder), timeout_s)
+        return replace(_recorded(words, Path(folder), timeout_s), folder=None)
 
 
 def _recorded(words: list[str], out: Path, timeout_s: float | None) -> Record:
@@ -146,6 +145,8 @@ def _end(process: subprocess.Popen[str]) -> None:
 def toml(value: Any) -> str:
     """Return a value as TOML; `TypeError` for a type that TOML lacks."""
     match value:
+        case np.generic() | np.ndarray():
+            return toml(value.tolist())
         case bool():
             return str(value).lower()
         case str():
@@ -153,14 +154,14 @@ def toml(value: Any) -> str:
             return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
         case os.PathLike():
             return toml(os.fspath(value))
-        case Integral():
-            return str(int(value))
-        case Real():
-            number = float(value)
-            return repr(number) if math.isfinite(number) else str(number)
+        case int():
+            return str(value)
+        case float():
+            # Infinities and NaN have the same names in TOML.
+            return repr(value)
         case Mapping():
             return f"{{{', '.join(f'{toml(str(key))} = {toml(it)}' for key, it in value.items())}}}"
-        case Sequence():
+        case list() | tuple():
             return f"[{', '.join(map(toml, value))}]"
         case _:
             raise TypeError(f"{value!r} is a {type(value).__name__}, which a scenario can't have")

@@ -125,7 +125,7 @@ impl Connection {
             },
             None => {
                 let stderr = self.host.process().map(Process::stderr).unwrap_or_default();
-                DeviceError::Session { device, stderr, source }
+                DeviceError::Session { device, stderr, source: Box::new(source) }
             }
         }
     }

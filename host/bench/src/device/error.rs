@@ -123,7 +123,7 @@ pub enum DeviceError {
         /// The lines that its process has printed; empty for a drive without one.
         stderr: String,
         /// Error of the session.
-        source: SessionError,
+        source: Box<SessionError>,
     },
 }
 
@@ -132,7 +132,7 @@ impl DeviceError {
     #[must_use]
     pub fn is_transient(&self) -> bool {
         match self {
-            Self::Session { source, .. } => !matches!(source, SessionError::Version { .. }),
+            Self::Session { source, .. } => !matches!(**source, SessionError::Version { .. }),
             _ => false,
         }
     }

@@ -96,13 +96,13 @@ pub const VARIANTS: &[Variant] = &[
                 memory.number += 1;
             }
             // Wrong from the second value on that is read after a set of the torque limit.
-            if let Some(HostMessage::SetParameter(SetParameter { index: 4, .. })) = memory.request {
+            if let Some(HostMessage::SetParameter(SetParameter { index: 5, .. })) = memory.request {
                 memory.kept = memory.request;
             }
             let kept = memory.kept;
             each(answers, |answer| match (answer, kept) {
                 (DriveMessage::ParameterReport(it), Some(HostMessage::SetParameter(set)))
-                    if it.index == 4 =>
+                    if it.index == 5 =>
                 {
                     it.value = set.value;
                 }

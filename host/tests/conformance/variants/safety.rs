@@ -84,10 +84,10 @@ pub const VARIANTS: &[Variant] = &[
         "has a hasty watchdog",
         "without samples the watchdog trips, and not early",
         |_, request| match request {
-            HostMessage::SetParameter(SetParameter { index: 5, value: ParameterValue::U32(value) })
+            HostMessage::SetParameter(SetParameter { index: 6, value: ParameterValue::U32(value) })
                 if value == 100_000 =>
             {
-                vec![SetParameter { index: 5, value: ParameterValue::U32(value / 5) }.into()]
+                vec![SetParameter { index: 6, value: ParameterValue::U32(value / 5) }.into()]
             }
             other => vec![other],
         },

@@ -1,10 +1,10 @@
 //! Mutants of samples and torques.
 
+use lashloop_protocol::HostMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::message::{EncoderSample, SetParameter, TorqueAnswer};
-use lashloop_protocol::{DriveMessage, HostMessage};
 
-use super::{alters_answers, alters_requests, answering, each, is_result_of, telemetry, torques};
+use super::{alters_answers, alters_requests, answering, is_result_of, torques};
 use crate::mutants::Variant;
 
 pub const VARIANTS: &[Variant] = &[
@@ -29,9 +29,9 @@ pub const VARIANTS: &[Variant] = &[
     ),
     alters_answers(
         "offers a law it does not have",
-        "every controller that the drive offers returns a torque",
+        "every law that the drive describes returns a torque",
         |memory, answers| {
-            if let Some(HostMessage::SetParameter(SetParameter { index: 0, value: ParameterValue::U32(3) })) =
+            if let Some(HostMessage::SetParameter(SetParameter { index: 0, value: ParameterValue::U32(1) })) =
                 memory.request
             {
                 memory.number = 1;

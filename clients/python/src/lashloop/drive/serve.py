@@ -6,7 +6,7 @@ import contextlib
 from typing import TYPE_CHECKING
 
 from lashloop.drive.answers import fault_frame
-from lashloop.link import LinkError
+from lashloop.link import LinkClosedError, LinkError
 
 if TYPE_CHECKING:
     from lashloop.drive.state_machine import Drive
@@ -17,7 +17,7 @@ _LONGEST_WAIT_S = 60.0
 
 
 def serve(link: Link, drive: Drive) -> None:
-    """Run a drive until the link fails with `LinkError`.
+    """Run a drive until its host closes the link; `LinkError` if the link fails.
 
     Sending never blocks: a host that does not read can't keep the watchdog from tripping. An exception, of a control
     law for example, ends the drive and its torque. The drive reports it to the host as a panic, then raises it.
@@ -30,6 +30,8 @@ def serve(link: Link, drive: Drive) -> None:
             # Requests are answered before the next read, so that answers can't accumulate.
             unsent = unsent[link.write(unsent, wait_s) :] if unsent else drive.receive(link.read(wait_s))
             unsent += drive.tick()
+    except LinkClosedError:
+        return
     except LinkError:
         raise
     except Exception as error:
