@@ -1,4 +1,4 @@
-//! The laws beside each other.
+//! The laws compared with each other.
 
 use core::f64::consts::FRAC_PI_2;
 use std::boxed::Box;

@@ -72,7 +72,7 @@ fn a_command_has_the_environment_and_the_working_folder_of_the_bench() {
     assert!(ended.stderr.contains("standard error \"both\""), "{}", ended.stderr);
 }
 
-/// An endless run on a drive with a process of its own beside it, and the numbers of guard, drive and that process.
+/// An endless run on a drive that starts a process of its own, and the numbers of guard, drive and that process.
 fn run_with_family() -> (Running, tests::records::Records, [u32; 3]) {
     let device = format!("exec:sh -c 'sleep 1000 & exec {}'", c_drive::path().display());
     let (bench, records) = scenario_in_progress(SCENARIO, &device);

@@ -6,7 +6,7 @@ use std::time::Duration;
 use futures_util::{SinkExt, StreamExt};
 use lashloop_protocol::codec::Codec;
 use lashloop_protocol::enums::{Outcome, State};
-use lashloop_protocol::message::{Arm, EncoderSample, Hello, Start, Stop};
+use lashloop_protocol::message::{Arm, EncoderSample, Hello, Start, Stop, Subscribe};
 use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION};
 use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
 use tests::terminal::open_near_end;
@@ -17,6 +17,8 @@ use tokio::net::unix::pipe::{Receiver, Sender};
 use tokio_util::codec::Framed;
 
 const SESSION: u32 = 0x1a5_4100;
+/// Signal 0 of every Lashloop drive is `requested_torque_nm`.
+const REQUESTED_TORQUE_EVERY_4: Subscribe = Subscribe { signals: 1, every: 4 };
 
 /// A terminal as tokio reads and writes it: to the reactor it is a pipe in either direction.
 fn asynchronous(terminal: File) -> impl AsyncRead + AsyncWrite + Unpin {
@@ -60,6 +62,7 @@ async fn converse(terminal: File) -> Vec<f32> {
     };
     assert_eq!((identity.protocol_version, identity.session), (PROTOCOL_VERSION, SESSION));
     assert_eq!((identity.board.as_str(), identity.state), ("native-twin", State::Idle));
+    assert_eq!(line.command(REQUESTED_TORQUE_EVERY_4).await, State::Idle);
     assert_eq!(line.command(Arm { session: SESSION }).await, State::Armed);
     assert_eq!(line.command(Start { session: SESSION }).await, State::Running);
     let mut torques_nm = Vec::new();
@@ -72,12 +75,12 @@ async fn converse(terminal: File) -> Vec<f32> {
         };
         assert_eq!((answer.sequence, answer.status.state), (sequence, State::Running));
         torques_nm.push(answer.torque_nm);
-        // By default telemetry follows every tenth torque.
-        if sequence == 0 {
+        if sequence % REQUESTED_TORQUE_EVERY_4.every == 0 {
             let DriveMessage::Telemetry(telemetry) = line.receive().await else {
                 panic!("telemetry was expected")
             };
-            assert_eq!((telemetry.sequence, telemetry.requested_torque_nm), (0, answer.torque_nm));
+            assert_eq!(telemetry.sequence, sequence);
+            assert_eq!(telemetry.values.as_slice(), [answer.torque_nm]);
         }
     }
     let DriveMessage::LineReport(report) = line.request(Stop {}).await else {

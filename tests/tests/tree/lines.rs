@@ -3,6 +3,9 @@
 //! A code line is neither blank nor a comment, doc comments included, and belongs to no test-only item. Production code
 //! is every library and program of the repository but the `tests` package and the fuzzers. The length of a file is all
 //! its lines.
+//!
+//! The limits are alarms, not budgets: growth beyond one needs a decision, in a commit that changes the number here. The
+//! total is the size at the last decision, rounded up to the next 500 lines.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -17,7 +20,7 @@ use crate::metadata::Root;
 use crate::{code_lines, metadata};
 
 /// Most code lines of all production code.
-const TOTAL: usize = 23_200;
+const TOTAL: usize = 30_500;
 /// Most code lines of the bench loop's crate.
 const BENCH: usize = 12_000;
 const BENCH_FOLDER: &str = "host/bench";

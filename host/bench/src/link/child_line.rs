@@ -114,14 +114,14 @@ mod tests {
         assert_eq!(line.receive(&mut buffer, Instant::now() + Duration::from_millis(5)).unwrap(), 0);
         drive_out.write_all(&[3]).unwrap();
         line.discard_input().unwrap();
-        assert_eq!(line.receive(&mut buffer, Instant::now()).unwrap(), 0, "the stale byte is gone");
+        assert_eq!(line.receive(&mut buffer, Instant::now()).unwrap(), 0, "the stale byte is discarded");
         drop((drive_in, drive_out));
         assert!(matches!(line.receive(&mut buffer, soon()), Err(LinkError::Disconnected)));
         assert!(matches!(line.send(&[1]), Err(LinkError::Disconnected)));
     }
 
     #[test]
-    fn a_pipe_that_nobody_reads_is_stuck_after_the_limit() {
+    fn a_pipe_without_a_reader_is_stuck_after_the_limit() {
         let ((_drive_in, to_drive), (from_drive, _drive_out)) = (pipe().unwrap(), pipe().unwrap());
         let mut line = ChildLine::pipes(to_drive, from_drive).unwrap();
         assert!(matches!(line.send(&[0; 1 << 20]), Err(LinkError::Stuck)));

@@ -12,6 +12,7 @@
 
 pub mod columns;
 pub mod digest;
+mod file_names;
 pub mod reader;
 pub mod row;
 pub mod summary;

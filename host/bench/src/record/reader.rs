@@ -9,9 +9,8 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use super::columns::Columns;
+use super::file_names::{COLUMNS_FILE, TIMING_FILE, TRACE_FILE};
 use super::summary::SUMMARY_FILE;
-use super::timing::TIMING_FILE;
-use super::trace::{COLUMNS_FILE, TRACE_FILE};
 
 /// A table of numbers from a file.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
+use super::file_names::TIMING_FILE;
 use super::row::{Row, row};
 use super::table::TableWriter;
 use crate::atomic_file::WriteError;
@@ -80,9 +81,6 @@ impl TimingWriter {
         self.0.finish()
     }
 }
-
-/// Name of the timing in the folder of a run.
-pub const TIMING_FILE: &str = "timing.csv";
 
 fn microseconds(duration: Duration) -> f64 {
     duration.as_nanos() as f64 / 1e3

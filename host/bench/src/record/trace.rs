@@ -18,6 +18,7 @@ use lashloop_plant::Signal;
 use lashloop_plant::metrics::{DRIVE_PREFIX, SignalTable};
 use serde::Serialize;
 
+use super::file_names::{COLUMNS_FILE, TRACE_FILE};
 use super::row::{Row, row};
 use super::table::TableWriter;
 use crate::atomic_file::{WriteError, write_whole};
@@ -89,11 +90,6 @@ impl TraceWriter {
         self.0.finish()
     }
 }
-
-/// Name of the trace in the folder of a run.
-pub const TRACE_FILE: &str = "trace.csv";
-/// Name of the list of its columns.
-pub const COLUMNS_FILE: &str = "trace.json";
 
 /// The content of `trace.json`.
 #[derive(Debug, Serialize)]

@@ -2,7 +2,7 @@
 
 mod measurable;
 
-pub(super) use measurable::unmeasurable;
+pub(super) use measurable::{PlannedRun, unmeasurable};
 
 use serde::Serialize;
 

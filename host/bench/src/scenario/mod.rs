@@ -56,7 +56,7 @@ pub use self::reader::Section;
 pub use self::traps::Trap;
 
 use self::controller::ControllerSettings;
-use self::expectation::Expectation;
+use self::expectation::{Expectation, PlannedRun};
 use self::fault::InjectedFault;
 use self::key::Keys;
 use self::plant::PlantSettings;
@@ -65,6 +65,7 @@ use self::sections::{
 };
 use self::traps::{Facts, Meant, Nominal};
 use lashloop_plant::Plants;
+use lashloop_plant::metrics::SignalTable;
 use lashloop_plant::reference::Reference;
 
 /// A scenario in which every key has a value in its allowed range.
@@ -170,7 +171,7 @@ impl Scenario {
                 is_overridden: !overrides.is_empty(),
             };
             errors = traps::check(&facts, &meant);
-            errors.extend(expectation::unmeasurable(&scenario, None));
+            errors.extend(expectation::unmeasurable(&scenario.planned_run(), None));
             scenario.nominal = Nominal::new(&facts);
         }
         if errors.is_empty() { Ok(scenario) } else { Err(ScenarioErrors::new(errors)) }
@@ -188,6 +189,26 @@ impl Scenario {
         }
         let errors = self.nominal.check(default_of);
         if errors.is_empty() { Ok(()) } else { Err(ScenarioErrors::new(errors)) }
+    }
+
+    /// Checks that a run with these signals can measure every expectation, and that the units of signals are right.
+    ///
+    /// # Errors
+    /// Every expectation that the run can't measure, at its place in the scenario.
+    pub fn check_expectations(&self, signals: &SignalTable) -> Result<(), ScenarioErrors> {
+        let errors = expectation::unmeasurable(&self.planned_run(), Some(signals));
+        if errors.is_empty() { Ok(()) } else { Err(errors.into()) }
+    }
+
+    fn planned_run(&self) -> PlannedRun<'_> {
+        PlannedRun {
+            expectations: &self.expectations,
+            run: &self.run,
+            plant: &self.plant,
+            controller: &self.controller,
+            reference: &self.reference,
+            telemetry: &self.telemetry,
+        }
     }
 
     /// Every key that a scenario can have.

@@ -109,7 +109,7 @@ fn signals_and_windows_are_judged_like_metrics() {
     max of drive.load_error_rad: unknown signal; misses at most 0.6 N m
     "#);
     let unasked = judge(&expectations[1..2], &rising_torque(&[]));
-    assert_eq!(unasked.verdict, Verdict::Fail, "an expectation that nobody measured can't pass");
+    assert_eq!(unasked.verdict, Verdict::Fail, "an expectation without a measurement can't pass");
 }
 
 #[test]

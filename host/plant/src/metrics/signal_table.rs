@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use crate::Signal;
 
-/// Signals of every run, whatever its plant and its drive.
+/// Signals of every run, with any plant and any drive.
 pub static FIXED_SIGNALS: [Signal; 4] = [
     Signal::new("reference_rad", "rad"),
     Signal::new("load_position_rad", "rad"),

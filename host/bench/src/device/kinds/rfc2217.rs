@@ -1,5 +1,5 @@
-//! `rfc2217:HOST:PORT`: a serial port of another machine. A name of its own, because raw bytes and telnet can't be told
-//! apart by looking: a raw server would pass the negotiation on to the drive.
+//! `rfc2217:HOST:PORT`: a serial port of another machine. A name of its own, because the first bytes don't distinguish raw
+//! from telnet: a raw server would pass the negotiation on to the drive.
 
 use crate::device::drive_host::DriveHost;
 use crate::device::error::DeviceError;

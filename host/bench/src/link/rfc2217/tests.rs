@@ -148,7 +148,7 @@ fn another_baud_rate_and_a_missing_confirmation_are_errors() {
 }
 
 #[test]
-fn options_that_nobody_needs_are_refused_once() {
+fn options_without_use_are_refused_once() {
     let (port, received) = opened(9600, |bytes| {
         let mut answer = agreeable(bytes);
         if bytes.starts_with(&[255, 251, 0]) {

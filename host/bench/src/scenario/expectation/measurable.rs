@@ -2,39 +2,43 @@
 //!
 //! A rehearsal of the run decides ([`Plan::obstacle`]); this module puts its reason into a sentence at the place in the file.
 //! Reading a scenario finds what run, reference and window rule out. Once the drive is set up, the signals are known, and
-//! [`Scenario::check_expectations`] finds the rest.
+//! [`Scenario::check_expectations`](crate::scenario::Scenario::check_expectations) finds the rest.
 
 use lashloop_plant::metrics::{
     DRIVE_PREFIX, Measured, Plan, Quantity, RunStart, SignalTable, assumed_signals,
 };
+use lashloop_plant::reference::Reference;
 
 use super::{Expectation, error, wrong_unit};
 use crate::names::UnknownName;
+use crate::scenario::controller::ControllerSettings;
+use crate::scenario::error::ScenarioError;
+use crate::scenario::origin::Origin;
+use crate::scenario::plant::PlantSettings;
+use crate::scenario::sections::{RunSettings, TelemetrySettings};
 use crate::scenario::spelling::{spell_number, spell_text};
-use crate::scenario::{Origin, Scenario, ScenarioError, ScenarioErrors};
 
-impl Scenario {
-    /// Checks that a run with these signals can measure every expectation, and that the units of signals are right.
-    ///
-    /// # Errors
-    /// Every expectation that the run can't measure, at its place in the scenario.
-    pub fn check_expectations(&self, signals: &SignalTable) -> Result<(), ScenarioErrors> {
-        let errors = unmeasurable(self, Some(signals));
-        if errors.is_empty() { Ok(()) } else { Err(errors.into()) }
-    }
+/// The expectations of a scenario, and what decides whether its run can measure them.
+pub(in crate::scenario) struct PlannedRun<'a> {
+    pub(in crate::scenario) expectations: &'a [Expectation],
+    pub(in crate::scenario) run: &'a RunSettings,
+    pub(in crate::scenario) plant: &'a PlantSettings,
+    pub(in crate::scenario) controller: &'a ControllerSettings,
+    pub(in crate::scenario) reference: &'a Reference,
+    pub(in crate::scenario) telemetry: &'a TelemetrySettings,
 }
 
 /// The expectations that can't be measured with these signals, or with any if they aren't known yet.
 pub(in crate::scenario) fn unmeasurable(
-    scenario: &Scenario,
+    planned: &PlannedRun<'_>,
     signals: Option<&SignalTable>,
 ) -> Vec<ScenarioError> {
-    let expectations = scenario.expectations.iter().enumerate();
-    expectations.filter_map(|(index, expectation)| check(scenario, signals, index, expectation)).collect()
+    let expectations = planned.expectations.iter().enumerate();
+    expectations.filter_map(|(index, expectation)| check(planned, signals, index, expectation)).collect()
 }
 
 fn check(
-    scenario: &Scenario,
+    planned: &PlannedRun<'_>,
     signals: Option<&SignalTable>,
     index: usize,
     expectation: &Expectation,
@@ -42,26 +46,26 @@ fn check(
     let places = &expectation.places;
     // Without a place there is no file to correct; the judgement reports why the value is missing.
     let place = places.quantity.as_ref()?;
-    if let Some((key, origin, found, reason)) = outside_run(scenario, expectation) {
+    if let Some((key, origin, found, reason)) = outside_run(planned, expectation) {
         return Some(error(index, key, origin.unwrap_or(place), spell_number(found), reason));
     }
     let assumed = assumed_signals(&expectation.quantity);
     let plan = Plan {
-        period_s: scenario.run.control_period_s(),
-        steps: scenario.run.steps(),
-        reference: Some(&scenario.reference),
+        period_s: planned.run.control_period_s(),
+        steps: planned.run.steps(),
+        reference: Some(planned.reference),
         signals: signals.unwrap_or(&assumed),
     };
     let start = RunStart {
-        load_position_rad: scenario.plant.initial.load_position_rad,
-        telemetry_every: scenario.telemetry.every_steps,
+        load_position_rad: planned.plant.initial.load_position_rad,
+        telemetry_every: planned.telemetry.every_steps,
     };
     let (key, name) = match &expectation.quantity {
         Quantity::Metric(metric) => ("metric", metric.name()),
         Quantity::Statistic { signal, .. } => ("signal", signal.as_str()),
     };
     if let Some(obstacle) = plan.obstacle(&expectation.query(), &start) {
-        let reason = sentence(scenario, expectation, plan.signals, obstacle);
+        let reason = sentence(planned, expectation, plan.signals, obstacle);
         return Some(error(index, key, place, spell_text(name), reason));
     }
     let unit = signals.and_then(|signals| signals.unit(name)).filter(|unit| *unit != expectation.unit)?;
@@ -72,8 +76,8 @@ fn check(
 type OutsideRun<'a> = (&'static str, Option<&'a Origin>, f64, String);
 
 /// The end of the window that lies outside the run.
-fn outside_run<'a>(scenario: &Scenario, expectation: &'a Expectation) -> Option<OutsideRun<'a>> {
-    let (window, run, places) = (expectation.window?, &scenario.run, &expectation.places);
+fn outside_run<'a>(planned: &PlannedRun<'_>, expectation: &'a Expectation) -> Option<OutsideRun<'a>> {
+    let (window, run, places) = (expectation.window?, planned.run, &expectation.places);
     let duration_s = run.duration_s;
     if run.step_at(window.from_s) >= run.steps() {
         let reason = format!("is not within the run of {duration_s} s; it must be < {duration_s} s");
@@ -93,13 +97,13 @@ fn outside_run<'a>(scenario: &Scenario, expectation: &'a Expectation) -> Option<
 
 /// Why the quantity can't be measured and what to change, to follow its name.
 fn sentence(
-    scenario: &Scenario,
+    planned: &PlannedRun<'_>,
     expectation: &Expectation,
     signals: &SignalTable,
     obstacle: Measured,
 ) -> String {
     let part = if expectation.window.is_some() { "window" } else { "run" };
-    let end_s = expectation.window.and_then(|window| window.to_s).unwrap_or(scenario.run.duration_s);
+    let end_s = expectation.window.and_then(|window| window.to_s).unwrap_or(planned.run.duration_s);
     match obstacle {
         Measured::RunTooShort => {
             let length_s = end_s - expectation.window.map_or(0.0, |window| window.from_s);
@@ -128,13 +132,13 @@ fn sentence(
         Measured::NoSteadyVelocity => format!(
             "needs a reference that moves at constant velocity for 0.2 s or more within the {part}; take a trapezoid or a table"
         ),
-        Measured::NoTelemetry => match scenario.telemetry.every_steps {
+        Measured::NoTelemetry => match planned.telemetry.every_steps {
             0 => "needs telemetry, but telemetry.every_steps is 0; set it to 1 or more".to_owned(),
             every => format!(
                 "needs telemetry within the {part}, but telemetry.every_steps is {every}; set it lower, or make the {part} longer"
             ),
         },
-        Measured::MissingSignal(name) => missing(scenario, name),
+        Measured::MissingSignal(name) => missing(planned, name),
         Measured::UnknownSignal => {
             let Quantity::Statistic { signal, .. } = &expectation.quantity else {
                 return "is not known".to_owned();
@@ -153,16 +157,16 @@ fn sentence(
     }
 }
 
-fn missing(scenario: &Scenario, name: &'static str) -> String {
+fn missing(planned: &PlannedRun<'_>, name: &'static str) -> String {
     match name.strip_prefix(DRIVE_PREFIX) {
         Some(signal) => format!(
             "needs the signal {signal} of the drive, which the telemetry of the law {} does not carry; add it to telemetry.signals, \
              or take a law that has it",
-            scenario.controller.name
+            planned.controller.name
         ),
         None => format!(
             "needs the signal {name} of the plant, which the model {} does not have; take another metric",
-            scenario.plant.model.name()
+            planned.plant.model.name()
         ),
     }
 }
