@@ -95,3 +95,13 @@ pub use lashloop_bench::verdict::Verdict;
 pub use lashloop_plant::Signal;
 pub use outcome::{NoMetric, Outcome};
 pub use run::run;
+
+/// The Rust of the pages in `docs/extend` as tests.
+#[cfg(doctest)]
+mod pages {
+    #[doc = include_str!("../../docs/extend/law.md")]
+    struct Law;
+
+    #[doc = include_str!("../../docs/extend/library.md")]
+    struct Library;
+}
