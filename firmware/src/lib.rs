@@ -7,7 +7,7 @@
 //! |---|---|
 //! | [`law`] | what a law is: parameters, signals, state, step; sets of laws |
 //! | [`control`] | control laws, from encoder counts to a torque |
-//! | [`laws`] | the laws of Lashloop's own drive |
+//! | [`Laws`] | the laws of Lashloop's own drive |
 //! | [`drive`] | session, parameters and safety: a state machine with bytes and device time in, bytes and a torque out |
 //! | `board` (feature `image`, Arm only) | the drive on the microcontroller, and `image!` |
 //!
@@ -27,6 +27,6 @@ pub mod board;
 pub mod control;
 pub mod drive;
 pub mod law;
-pub mod laws;
+mod laws;
 
 pub use laws::Laws;

@@ -1,11 +1,9 @@
-//! The `lashloop` program: arguments in, exit code out.
+//! The `lashloop` program: the bench with Lashloop's own laws and plants.
 
 #![forbid(unsafe_code)]
-
-mod cli;
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    cli::main()
+    lashloop::Bench::new().main()
 }

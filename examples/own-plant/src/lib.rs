@@ -8,7 +8,7 @@
 //! C = K (z -+ j) + c dz/dt beyond the gap +-j, zero within; a flank never pulls
 //! ```
 //!
-//! The crate depends on `lashloop-plant` only. [`model`] is all that the bench needs: it names the keys of `[plant]` and builds
+//! The library uses `lashloop-plant` only. [`model`] is all that the bench needs: it names the keys of `[plant]` and builds
 //! the plant.
 
 mod stage;

@@ -7,7 +7,7 @@ use super::parameter::Parameter;
 use super::signal::Signal;
 use crate::control::{Measurement, ParameterError};
 
-/// The laws of a drive, declared by [`laws!`](crate::laws). A value is the law in force, with its state.
+/// The laws of a drive, declared by [`laws!`](macro@crate::laws). A value is the law in force, with its state.
 pub trait LawSet: Sized + Send + 'static {
     /// Names of the laws; the value of the parameter `controller` is an index of this list.
     const NAMES: &'static [&'static str];

@@ -1,7 +1,7 @@
 //! Control laws for the drive: what a law is, and how a drive gets laws of its own.
 //!
 //! A law is one type that implements [`ControlLaw`]. Its parameters and signals are structs, declared with unit, default
-//! and range; the drive describes them to any host. A set of laws is one enum, declared by [`laws!`](crate::laws); a
+//! and range; the drive describes them to any host. A set of laws is one enum, declared by [`laws!`](macro@crate::laws); a
 //! drive with that set is [`Drive::with_laws`](crate::drive::Drive::with_laws).
 //!
 //! This is a whole law, a proportional position loop with viscous damping, in a drive of its own:
@@ -78,7 +78,7 @@
 //! | `parameter`, `parameter_group` | one parameter as data; structs of parameters, [`parameters!`](crate::parameters) |
 //! | `signal` | signals, [`signals!`](crate::signals) |
 //! | `drive_parameters`, `drive_signals` | what every law has from the drive |
-//! | `law_set` | [`LawSet`] and [`laws!`](crate::laws) |
+//! | `law_set` | [`LawSet`] and [`laws!`](macro@crate::laws) |
 //! | `table` | the tables of a set, computed at compile time |
 
 mod control_law;

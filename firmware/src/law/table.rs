@@ -1,5 +1,5 @@
 //! The tables of a set of laws, computed when the drive is compiled: parameters and signals of the drive and of all its
-//! laws, each name once. [`laws!`](crate::laws) calls this module; nothing else does.
+//! laws, each name once. [`laws!`](macro@crate::laws) calls this module; nothing else does.
 //!
 //! A declaration that the wire can't carry, or that contradicts another one of the same name, doesn't compile.
 

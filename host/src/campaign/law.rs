@@ -76,7 +76,8 @@ impl Serialize for Law {
 
 impl<'de> Deserialize<'de> for Law {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        String::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
+        let name = String::deserialize(deserializer)?;
+        name.parse().map_err(|expected| serde::de::Error::custom(format!("unknown law `{name}`, {expected}")))
     }
 }
 

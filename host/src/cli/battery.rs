@@ -6,12 +6,13 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::thread;
 
+use crate::bench::Bench;
+use crate::campaign::journal::{Header, Journal};
+use crate::campaign::law::Law;
+use crate::campaign::plan::Settings;
+use crate::campaign::runs::Ended;
+use crate::campaign::{Campaign, CampaignError, table};
 use clap::Args;
-use lashloop::campaign::journal::{Header, Journal};
-use lashloop::campaign::law::Law;
-use lashloop::campaign::plan::Settings;
-use lashloop::campaign::runs::Ended;
-use lashloop::campaign::{Campaign, CampaignError, table};
 use lashloop_bench::atomic_file::write_whole;
 use lashloop_bench::record::digest;
 use lashloop_bench::verdict::Exit;
@@ -61,7 +62,7 @@ const TABLE: &str = "runs.csv";
 const REPORT: &str = "battery.json";
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
+    pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
         let mut laws = self.controller.clone();
         laws.sort_unstable();
         laws.dedup();

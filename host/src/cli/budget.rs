@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use crate::bench::Bench;
+use crate::budget::{Budget, Cycle};
 use clap::Args;
-use lashloop::budget::{Budget, Cycle};
-use lashloop_bench::link::in_process::InProcess;
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::session::{Session, Subscription};
 use lashloop_bench::verdict::Exit;
@@ -13,7 +13,7 @@ use lashloop_bench::verdict::Exit;
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 
 use super::error::CliError;
-use super::options::DEFAULT_BAUD;
+use super::options::{DEFAULT_BAUD, plants};
 use super::output::outln;
 
 /// Compute the time budget of a control period on a serial line
@@ -49,12 +49,12 @@ const MOST_SIGNALS: u8 = MAX_TELEMETRY_VALUES as u8;
 
 /// The signals that a run would subscribe to: those that the scenario names, or else all of its law. A law that the drive
 /// in process lacks may have as many as fit.
-fn signals(scenario: Option<&Scenario>) -> u8 {
+fn signals(bench: &Bench, scenario: Option<&Scenario>) -> u8 {
     if let Some(signals) = scenario.and_then(|scenario| scenario.telemetry.signals.as_ref()) {
         return signals.len() as u8;
     }
     let of_law = || {
-        let session = Session::open(Box::new(<InProcess>::default()), 1).ok()?;
+        let session = Session::open(bench.in_process(), 1).ok()?;
         let named = |name: &str| session.laws.iter().find(|law| law.name == name);
         let law = scenario.map_or(session.laws.first(), |scenario| named(&scenario.controller.name))?;
         Some(Subscription::to_all(&session.signals, law.index, 1).0.signals().len() as u8)
@@ -63,9 +63,10 @@ fn signals(scenario: Option<&Scenario>) -> u8 {
 }
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
-        let scenario = self.scenario.map(|path| Scenario::from_file(&path, &[])).transpose()?;
-        let signals = self.signals.unwrap_or_else(|| signals(scenario.as_ref()));
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let scenario =
+            self.scenario.map(|path| Scenario::from_file_with(&path, &[], &plants(bench))).transpose()?;
+        let signals = self.signals.unwrap_or_else(|| signals(bench, scenario.as_ref()));
         let defaults = scenario.map_or((DEFAULT_BAUD, 1_000, 10), |scenario| {
             let baud = scenario.link.modelled_baud().unwrap_or(scenario.link.baud);
             (baud, scenario.run.control_period_us, scenario.telemetry.every_steps)

@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::PathBuf;
 
+use crate::bench::Bench;
+use crate::conformance::{self, CheckResult, CheckStatus, Reporter, junit};
 use clap::Args;
-use lashloop::conformance::{self, CheckResult, CheckStatus, Reporter, junit};
 use lashloop_bench::device::{Connection, session_number};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
@@ -34,7 +35,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
+    pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
         let supervisor = start_supervisor()?;
         let (link, connection) = Connection::open(&self.drive.device, self.line.baud, &supervisor)?;
         let mut printer = Printer {

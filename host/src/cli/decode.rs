@@ -4,8 +4,9 @@ use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
+use crate::bench::Bench;
+use crate::decode::{Entry, PacketReader, StreamReader, json, table};
 use clap::Args;
-use lashloop::decode::{Entry, PacketReader, StreamReader, json, table};
 use lashloop_bench::capture::{pcapng, reader};
 use lashloop_bench::verdict::Exit;
 use lashloop_protocol::Counters;
@@ -26,7 +27,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
+    pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
         let unreadable = |source: io::Error| CliError::Input { path: self.file.clone(), source };
         let mut source: Box<dyn Read> = if self.file == Path::new("-") {
             Box::new(io::stdin().lock())

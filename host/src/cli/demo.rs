@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::bench::Bench;
 use clap::Args;
 use lashloop_bench::device::Device;
 use lashloop_bench::scenario::Scenario;
@@ -39,7 +40,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
+    pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
         prepare_folder(&self.out, &[])?;
         let scenarios = SCENARIOS.map(|(name, text)| Scenario::from_str(name, text, &[]));
         let scenarios = scenarios.into_iter().collect::<Result<Vec<_>, _>>()?;

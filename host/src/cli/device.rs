@@ -2,6 +2,7 @@
 
 use std::io::{self, IsTerminal, Write};
 
+use crate::bench::Bench;
 use clap::Args;
 use lashloop_bench::device::twin::Twin;
 use lashloop_bench::verdict::Exit;
@@ -16,7 +17,7 @@ use super::error::{CliError, system};
 pub(crate) struct Arguments {}
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let twin = Twin::open().map_err(system("open a pseudo-terminal"))?;
         let path = twin.terminal.path.display();
         let mut stdout = io::stdout();
@@ -27,7 +28,7 @@ impl Arguments {
                 "The drive serves this terminal. In another shell: lashloop run SCENARIO.toml --device";
             super::output::error_line(format_args!("{hint} {path}"));
         }
-        twin.serve().map_err(system("serve the drive any longer"))?;
+        bench.serve(&twin).map_err(system("serve the drive any longer"))?;
         Ok(Exit::Pass)
     }
 }

@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use crate::bench::Bench;
+use crate::doctor;
 use clap::Args;
-use lashloop::doctor;
 use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
@@ -28,7 +29,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
+    pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
         let examination = doctor::examine(&self.terminal, self.line.baud, self.rounds);
         for diagnosis in &examination.diagnoses {
             outln!("{diagnosis}");

@@ -4,8 +4,8 @@ use std::error::Error;
 use std::io;
 use std::path::PathBuf;
 
-use lashloop::campaign::CampaignError;
-use lashloop::parameter_set::SettingsError;
+use crate::campaign::CampaignError;
+use crate::parameter_set::SettingsError;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceError;
 use lashloop_bench::record::reader::ReadError;

@@ -34,6 +34,8 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use lashloop_bench::verdict::Exit;
 
+use crate::bench::Bench;
+
 registry::commands! {
     "Run a drive on the bench": Run(run), Demo(demo), Paper(paper), Device(device), Battery(battery), Soak(soak);
     "Inspect scenarios, records and lines":
@@ -73,21 +75,29 @@ First steps:
   lashloop device                             a drive on a pseudo-terminal; in a second shell:
   lashloop run scenarios/smooth-after.toml --device /dev/pts/N";
 
-/// Parses the command line, runs the command and prints its error, if any, as one sentence.
-pub(crate) fn main() -> ExitCode {
-    let matches = registry::with_groups(Lashloop::command(), GROUPS).try_get_matches();
-    let command = match matches.and_then(|matches| Lashloop::from_arg_matches(&matches)) {
-        Ok(Lashloop { command }) => command,
-        Err(error) => {
-            let _ = error.print();
-            return if error.use_stderr() { Exit::UsageOrScenario.into() } else { Exit::Pass.into() };
-        }
-    };
-    match command.run() {
-        Ok(exit) => exit.into(),
-        Err(error) => {
-            output::error_line(format_args!("lashloop: {error}"));
-            error.exit().into()
+impl Bench {
+    /// The command line: parses the arguments of this process, runs the command and prints its error, if any, as one
+    /// sentence. The exit code is that of the command.
+    ///
+    /// The program itself is the native twin (`device`), and the guard of the processes that a run starts: `main` must be all
+    /// that the program's own `main` does.
+    #[must_use]
+    pub fn main(&self) -> ExitCode {
+        let command = registry::with_groups(Lashloop::command(), GROUPS);
+        let matches = options::with_devices(command, self).try_get_matches();
+        let command = match matches.and_then(|matches| Lashloop::from_arg_matches(&matches)) {
+            Ok(Lashloop { command }) => command,
+            Err(error) => {
+                let _ = error.print();
+                return if error.use_stderr() { Exit::UsageOrScenario.into() } else { Exit::Pass.into() };
+            }
+        };
+        match command.run(self) {
+            Ok(exit) => exit.into(),
+            Err(error) => {
+                output::error_line(format_args!("lashloop: {error}"));
+                error.exit().into()
+            }
         }
     }
 }

@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, Command};
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::process_plant;
-use lashloop_bench::scenario::plant::standard;
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_plant::Plants;
 
 use super::error::CliError;
+use crate::bench::Bench;
 
 /// Speed of a serial port without a scenario, in bit/s.
 pub(super) const DEFAULT_BAUD: u32 = 921_600;
@@ -29,9 +29,22 @@ pub(super) struct BaudOption {
     pub(super) baud: u32,
 }
 
+/// Id of every option that takes a device.
+const DEVICE: &str = "device";
+
+/// Makes the options that take a device parse the devices of this bench.
+pub(super) fn with_devices(command: Command, bench: &Bench) -> Command {
+    let devices = bench.devices();
+    command.mut_subcommands(|command| {
+        let takes_device = command.get_arguments().any(|argument| argument.get_id() == DEVICE);
+        let parse = move |text: &str| DeviceChoice::parse(text, &devices);
+        if takes_device { command.mut_arg(DEVICE, |argument| argument.value_parser(parse)) } else { command }
+    })
+}
+
 /// Models of plants that scenarios may choose. This program is the guard of a plant in a process.
-pub(super) fn plants() -> Plants {
-    standard().with(process_plant::model(std::env::current_exe().ok()))
+pub(super) fn plants(bench: &Bench) -> Plants {
+    bench.plants().with(process_plant::model(std::env::current_exe().ok()))
 }
 
 #[derive(Args)]
@@ -46,8 +59,8 @@ pub(super) struct ScenarioOptions {
 
 impl ScenarioOptions {
     /// `more` applies after the settings.
-    pub(super) fn read(self, more: Option<Override>) -> Result<Scenario, CliError> {
+    pub(super) fn read(self, more: Option<Override>, bench: &Bench) -> Result<Scenario, CliError> {
         let overrides: Vec<_> = self.set.into_iter().map(Override::Set).chain(more).collect();
-        Ok(Scenario::from_file_with(&self.scenario, &overrides, &plants())?)
+        Ok(Scenario::from_file_with(&self.scenario, &overrides, &plants(bench))?)
     }
 }

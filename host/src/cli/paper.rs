@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use crate::bench::Bench;
+use crate::campaign::law::Law;
 use clap::Args;
-use lashloop::campaign::law::Law;
 use lashloop_bench::device::Device;
 use lashloop_bench::record::columns::Columns;
 use lashloop_bench::record::row::Row;
@@ -74,7 +75,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
+    pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
         let supervisor = start_supervisor()?;
         prepare_folder(&self.out, &[INDEX])?;
         let baud = scenario(SCENARIOS[0], None)?.link.baud;

@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use crate::bench::Bench;
+use crate::parameter_set::{ParameterSet, Settings, SettingsError, to_plain_value, to_toml_value};
 use clap::{Args, Subcommand};
-use lashloop::parameter_set::{ParameterSet, Settings, SettingsError, to_plain_value, to_toml_value};
 use lashloop_bench::device::Device;
 use lashloop_bench::session::{LawMask, Session};
 use lashloop_bench::verdict::Exit;
@@ -55,7 +56,7 @@ enum Verb {
 }
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
+    pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
         // Before the drive starts, so that a typing error costs no time.
         let settings = match &self.verb {
             Verb::Set { settings } => Settings::from_words(settings).map_err(CliError::Settings)?,

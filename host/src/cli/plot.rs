@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::bench::Bench;
 use clap::Args;
 use lashloop_bench::record::reader::Record;
 use lashloop_bench::verdict::Exit;
@@ -40,7 +41,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
+    pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
         let (from, until) = (self.from, self.until);
         if from.is_nan() || until.is_nan() || from >= until {
             return Err(CliError::Nothing { from, until });

@@ -1,7 +1,8 @@
 //! `lashloop ports`: the serial ports of this machine.
 
+use crate::bench::Bench;
+use crate::ports;
 use clap::Args;
-use lashloop::ports;
 use lashloop_bench::verdict::Exit;
 
 use super::error::{CliError, system};
@@ -12,7 +13,7 @@ use super::output::outln;
 pub(crate) struct Arguments {}
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
+    pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
         let ports = ports::list().map_err(system("list serial ports"))?;
         outln!("{}", ports::describe(&ports));
         Ok(Exit::Pass)

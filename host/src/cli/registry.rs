@@ -17,9 +17,9 @@ macro_rules! commands {
         }
 
         impl Command {
-            fn run(self) -> Result<Exit, error::CliError> {
+            fn run(self, bench: &Bench) -> Result<Exit, error::CliError> {
                 match self {
-                    $($( Self::$variant(arguments) => arguments.run(), )+)+
+                    $($( Self::$variant(arguments) => arguments.run(bench), )+)+
                     Self::Tied(arguments) => arguments.run(),
                     Self::PingPong => ping_pong::answer(),
                 }

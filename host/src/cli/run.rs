@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::bench::Bench;
 use clap::Args;
 use lashloop_bench::atomic_file::{WriteError, remove_if_present};
 use lashloop_bench::capture::link::Captured;
@@ -58,8 +59,8 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
-        let scenario = self.scenario.read(self.controller.map(Override::Controller))?;
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let scenario = self.scenario.read(self.controller.map(Override::Controller), bench)?;
         let clock = self.clock.clock()?;
         let when_full = match clock.name() {
             ClockName::Lockstep => WhenFull::Wait,

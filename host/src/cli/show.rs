@@ -2,11 +2,13 @@
 
 use std::path::PathBuf;
 
+use crate::bench::Bench;
 use clap::Args;
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::verdict::Exit;
 
 use super::error::{CliError, system};
+use super::options::plants;
 use super::output::outln;
 
 /// Check a scenario and print every key with its value, or print all keys there are
@@ -30,15 +32,16 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let plants = plants(bench);
         let text = match self.scenario {
             Some(path) => {
                 let overrides: Vec<_> = self.set.into_iter().map(Override::Set).collect();
-                let scenario = Scenario::from_file(&path, &overrides)?;
+                let scenario = Scenario::from_file_with(&path, &overrides, &plants)?;
                 scenario.to_toml().map_err(system("write the scenario as TOML"))?
             }
-            None if self.schema => format!("{:#}", Scenario::keys().to_json_schema()),
-            None => Scenario::keys().to_markdown(),
+            None if self.schema => format!("{:#}", Scenario::keys_with(&plants).to_json_schema()),
+            None => Scenario::keys_with(&plants).to_markdown(),
         };
         outln!("{}", text.trim_end());
         Ok(Exit::Pass)

@@ -5,10 +5,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use crate::bench::Bench;
+use crate::soak::plan;
+use crate::soak::resource_usage::{self, Growth};
+use crate::soak::tally::Tally;
 use clap::Args;
-use lashloop::soak::plan;
-use lashloop::soak::resource_usage::{self, Growth};
-use lashloop::soak::tally::Tally;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::DeviceUnderTest;
@@ -46,8 +47,8 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
-        let scenario = self.scenario.read(None)?;
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let scenario = self.scenario.read(None, bench)?;
         let supervisor = start_supervisor()?;
         let _signals = supervisor.guard_signals();
         let shared = Arc::new(Shared::default());

@@ -72,7 +72,7 @@ mod tests {
             let text = scenario.to_toml().expect("TOML");
             let read =
                 Scenario::from_str(&scenario.name, &text, &[]).unwrap_or_else(|errors| panic!("{errors}"));
-            assert_eq!(read, scenario);
+            assert_eq!(read.to_toml().expect("TOML"), text);
         }
     }
 

@@ -22,10 +22,18 @@ impl Runs {
     fn run(&self, name: &str, settings: &[&str]) -> PathBuf {
         let (scenario, out) = (root().join("scenarios/faults.toml"), self.folder(name));
         let mut arguments = vec!["run", scenario.to_str().unwrap(), "--device", "inproc"];
-        arguments.extend(["--out", out.to_str().unwrap(), "--set", "run.duration_s=0.1"]);
+        // A run this short can't measure what the scenario expects; only its record matters here.
+        arguments.extend([
+            "--out",
+            out.to_str().unwrap(),
+            "--set",
+            "run.duration_s=0.1",
+            "--set",
+            "expect=[]",
+        ]);
         arguments.extend(settings.iter().flat_map(|setting| ["--set", setting]));
         let ended = lashloop(&arguments, &[]);
-        assert_eq!(ended.status.code(), Some(1), "{}", text(&ended.stderr));
+        assert_eq!(ended.status.code(), Some(0), "{}", text(&ended.stderr));
         out
     }
 }
@@ -59,8 +67,7 @@ fn record_is_plotted_into_its_folder() {
 #[test]
 fn several_records_share_axes_and_common_curves() {
     let runs = Runs::new();
-    let (one, other) =
-        (runs.run("one", &[]), runs.run("other", &["plant.dead_zone_rad=0.2", "meant=mismatch"]));
+    let (one, other) = (runs.run("one", &[]), runs.run("other", &["plant.dead_zone_rad=0.2", "meant=mismatch"]));
     let figure = runs.folder("both.svg");
     plot(&[&one, &other, Path::new("--out"), &figure]).unwrap();
     let svg = fs::read_to_string(figure).unwrap();
@@ -147,7 +154,37 @@ fn malformed_record_is_named_by_file_and_line() {
     let error = plot(&[&one]).unwrap_err();
     assert!(error.contains("trace.csv: has no rows"), "{error}");
 
-    fs::write(one.join("trace.csv"), trace.replacen("twist_rad", "twirl_rad", 1)).unwrap();
+    fs::write(one.join("trace.csv"), trace.replacen("torque_nm", "torpor_nm", 1)).unwrap();
     let error = plot(&[&one]).unwrap_err();
-    assert!(error.contains("trace.csv: there is no column twist_rad"), "{error}");
+    assert!(error.contains("trace.csv: there is no column torque_nm"), "{error}");
+}
+
+#[test]
+fn any_signal_gets_a_panel_with_its_unit() {
+    let runs = Runs::new();
+    let one = runs.run("one", &[]);
+    let [option, torque, energy] =
+        ["--signal", "drive.requested_torque_nm", "stored_energy_j"].map(Path::new);
+    plot(&[&one, option, torque, energy]).unwrap();
+    let svg = fs::read_to_string(one.join("record.svg")).unwrap();
+    // The axis of a small energy carries a power of ten before its unit.
+    for words in ["drive.requested_torque_nm (N m)", "stored_energy_j (", " J)<"] {
+        assert!(svg.contains(words), "no {words:?}: {svg}");
+    }
+    let error = plot(&[&one, Path::new("--signal"), Path::new("requested_torque")]).unwrap_err();
+    let wanted = "requested_torque: the record has no signal of this name (did you mean drive.requested_torque_nm?); \
+                  it has time_s, ";
+    assert!(error.contains(wanted), "{error}");
+}
+
+#[test]
+fn record_without_gap_and_estimator_has_the_other_panels() {
+    let runs = Runs::new();
+    let one = runs.run("one", &["telemetry.every_steps=0"]);
+    let trace = fs::read_to_string(one.join("trace.csv")).unwrap();
+    fs::write(one.join("trace.csv"), trace.replacen("twist_rad", "bend_rad", 1)).unwrap();
+    plot(&[&one]).unwrap();
+    let svg = fs::read_to_string(one.join("record.svg")).unwrap();
+    assert!(svg.contains("Control torque") && !svg.contains("no data"), "{svg}");
+    assert!(!svg.contains("Twist and the gap") && !svg.contains("Dead-zone estimate"), "{svg}");
 }

@@ -16,9 +16,19 @@ use crate::workspace;
 /// The build fails; the panic shows cargo's output.
 pub fn lashloop() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
-    PROGRAM.get_or_init(build)
+    PROGRAM.get_or_init(|| build().join("lashloop"))
 }
 
+/// Path of the program of an example, such as `own-law`, built as [`lashloop`](lashloop()) is.
+///
+/// # Panics
+/// The build fails; the panic shows cargo's output.
+#[must_use]
+pub fn example(name: &str) -> PathBuf {
+    lashloop().with_file_name(name)
+}
+
+/// Builds the programs and returns their folder.
 fn build() -> PathBuf {
     let test = env::current_exe().expect("the path of this test");
     // <target>/<profile>/deps/<test>
@@ -30,11 +40,22 @@ fn build() -> PathBuf {
         None => panic!("{} is not the folder of a profile", folder.display()),
     };
     let built = Command::new(env!("CARGO"))
-        .args(["build", "--quiet", "--workspace", "--bin", "lashloop", "--profile", profile, "--target-dir"])
+        .args([
+            "build",
+            "--quiet",
+            "--workspace",
+            "--bin",
+            "lashloop",
+            "--bin",
+            "own-law",
+            "--bin",
+            "own-plant",
+        ])
+        .args(["--profile", profile, "--target-dir"])
         .arg(target)
         .current_dir(workspace())
         .output()
         .expect("cargo starts");
-    assert!(built.status.success(), "lashloop does not build: {}", String::from_utf8_lossy(&built.stderr));
-    folder.join("lashloop")
+    assert!(built.status.success(), "the programs do not build: {}", String::from_utf8_lossy(&built.stderr));
+    folder.to_owned()
 }

@@ -4,6 +4,7 @@ mod build;
 
 use std::ffi::OsStr;
 use std::io::Read;
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -12,7 +13,7 @@ use rustix::process::Signal;
 
 use crate::{processes, wait, workspace};
 
-pub use build::lashloop;
+pub use build::{example, lashloop};
 
 /// Ten times the longest invocation of any test on an idle machine.
 const LIMIT: Duration = Duration::from_secs(180);
@@ -42,14 +43,22 @@ impl Running {
     /// # Panics
     /// The process can't be started.
     pub fn start(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Self {
-        let mut child = Command::new(lashloop())
+        Self::start_program(lashloop(), arguments)
+    }
+
+    /// Starts another program of the workspace, there.
+    ///
+    /// # Panics
+    /// The process can't be started.
+    pub fn start_program(program: &Path, arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Self {
+        let mut child = Command::new(program)
             .args(arguments)
             .current_dir(workspace())
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
-            .expect("lashloop starts");
+            .unwrap_or_else(|error| panic!("{} does not start: {error}", program.display()));
         let stdout = child.stdout.take().map(read_to_end).expect("a pipe for standard output");
         let stderr = child.stderr.take().map(read_to_end).expect("a pipe for standard error");
         Self { child, output: Some([stdout, stderr]) }
@@ -110,6 +119,11 @@ impl Ended {
 /// Runs `lashloop` to its end.
 pub fn run(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Ended {
     Running::start(arguments).wait()
+}
+
+/// Runs the program of an example to its end: `own-law` or `own-plant`.
+pub fn run_example(name: &str, arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Ended {
+    Running::start_program(&example(name), arguments).wait()
 }
 
 fn read_to_end(mut pipe: impl Read + Send + 'static) -> JoinHandle<String> {

@@ -8,6 +8,7 @@ mod conforming;
 mod drive_loss;
 mod equipment;
 mod instructions;
+mod own_law;
 mod runs;
 
 use std::process::ExitCode;
@@ -19,7 +20,7 @@ use tests::{fault_table, optional, own_core};
 type Check = fn();
 
 /// Trials that need image and emulator.
-const TRIALS: [(&str, Check); 12] = [
+const TRIALS: [(&str, Check); 14] = [
     ("codec::encoding_and_decoding_take_few_instructions", codec::every_message),
     ("conforming::the_image_passes_every_check_and_none_is_skipped", conforming::every_check),
     ("faults::the_run_without_faults_passes", || fault_table::check_healthy_on("qemu")),
@@ -32,6 +33,8 @@ const TRIALS: [(&str, Check); 12] = [
     ("drive_loss::a_hung_emulator_is_reported_as_silent_and_killed", drive_loss::stopped),
     ("drive_loss::a_killed_bench_leaves_no_emulator_behind", drive_loss::bench_killed),
     ("drive_loss::an_interrupted_bench_leaves_no_emulator_behind", drive_loss::bench_interrupted),
+    ("own_law::the_image_has_the_torques_of_the_twin_and_of_the_process", own_law::equal_torques),
+    ("own_law::the_image_passes_every_check", own_law::conforming),
     ("runs::the_image_identifies_itself", runs::identity),
     ("runs::a_processor_lockup_is_reported_with_its_reason", runs::stranger),
 ];

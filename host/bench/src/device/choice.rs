@@ -4,7 +4,9 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use super::kind::DeviceKind;
+use lashloop_firmware::Laws;
+
+use super::kind::{DeviceKind, Syntax};
 use super::kinds;
 
 /// The drive of a session: parsed from the text after `--device`, and displayed as that text.
@@ -17,17 +19,28 @@ impl<K: DeviceKind + 'static> From<K> for DeviceChoice {
     }
 }
 
-impl FromStr for DeviceChoice {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let kind = kinds::ALL.iter().find_map(|syntax| (syntax.parse)(text));
-        kind.unwrap_or_else(|| Err(expected())).map(|kind| Self(kind.into()))
+impl DeviceChoice {
+    /// Parses a name of one of these kinds, tried in their order.
+    ///
+    /// # Errors
+    /// What is missing in the name, or all forms there are.
+    pub fn parse(text: &str, kinds: &[Syntax]) -> Result<Self, String> {
+        let kind = kinds.iter().find_map(|syntax| (syntax.parse)(text));
+        kind.unwrap_or_else(|| Err(expected(kinds))).map(|kind| Self(kind.into()))
     }
 }
 
-fn expected() -> String {
-    let forms: Vec<_> = kinds::ALL.iter().map(|syntax| syntax.form).collect();
+impl FromStr for DeviceChoice {
+    type Err = String;
+
+    /// Parses a name. The drive in this process has Lashloop's laws.
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::parse(text, &kinds::all::<Laws>())
+    }
+}
+
+fn expected(kinds: &[Syntax]) -> String {
+    let forms: Vec<_> = kinds.iter().map(|syntax| syntax.form).collect();
     let (last, others) = forms.split_last().expect("there are kinds");
     format!("expected {} or {last}", others.join(", "))
 }

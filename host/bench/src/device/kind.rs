@@ -48,6 +48,7 @@ pub struct Opened {
 pub type ParsedKind = Result<Box<dyn DeviceKind>, String>;
 
 /// How a user names a kind of device.
+#[derive(Clone, Copy)]
 pub struct Syntax {
     /// What to write, for error messages.
     pub form: &'static str,

@@ -101,7 +101,7 @@ fn malformed_line_is_named_and_nothing_is_lost() {
     let (_folder, path) = written();
     let text = fs::read_to_string(&path).expect("the file");
     for (broken, place) in [
-        (text.replacen("\"pd\"},\"end\"", "\"pid\"},\"end\"", 1), "runs.jsonl:2: unknown variant `pid`"),
+        (text.replacen("\"pd\"},\"end\"", "\"pid\"},\"end\"", 1), "runs.jsonl:2: unknown law `pid`"),
         (text.replace("\"row\":1", "\"row\":-1"), "runs.jsonl:3: invalid value: integer `-1`"),
         (text.replace("-0.1", "1e999"), "runs.jsonl:2: number out of range"),
         (text.replace("\"never\"", "\"soon\""), "runs.jsonl:2: data did not match any variant"),

@@ -12,6 +12,7 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use crate::bench::Bench;
 use clap::Args;
 use lashloop_bench::device::kinds::native::NativeTwin;
 use lashloop_bench::device::{Device, DeviceError};
@@ -71,7 +72,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    pub(crate) fn run(self) -> Result<Exit, CliError> {
+    pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
         let anywhere = sched_getaffinity(None).map_err(system(PLACE))?;
         let mut here = anywhere;
         if let Some(core) = self.core {

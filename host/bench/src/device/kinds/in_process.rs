@@ -14,8 +14,6 @@ use crate::supervisor::Supervisor;
 
 const NAME: &str = "inproc";
 
-pub(in crate::device) const SYNTAX: Syntax = syntax::<Laws>();
-
 /// How a user names the drive with these laws in this process.
 #[must_use]
 pub const fn syntax<L: LawSet>() -> Syntax {

@@ -8,14 +8,24 @@ pub mod rfc2217;
 pub mod tcp;
 pub mod terminal;
 
-/// All kinds, in the order in which a name is tried on them.
-pub(super) const ALL: [super::kind::Syntax; 7] = [
-    in_process::SYNTAX,
-    native::SYNTAX,
-    emulator::SYNTAX,
-    command::SYNTAX,
-    tcp::SYNTAX,
-    rfc2217::SYNTAX,
-    // Last: any other text with a slash is a path.
-    terminal::SYNTAX,
-];
+use lashloop_firmware::law::LawSet;
+
+use super::kind::Syntax;
+
+/// Number of kinds.
+pub const COUNT: usize = 7;
+
+/// All kinds, in the order in which a name is tried on them. The drive in this process has the laws `L`.
+#[must_use]
+pub const fn all<L: LawSet>() -> [Syntax; COUNT] {
+    [
+        in_process::syntax::<L>(),
+        native::SYNTAX,
+        emulator::SYNTAX,
+        command::SYNTAX,
+        tcp::SYNTAX,
+        rfc2217::SYNTAX,
+        // Last: any other text with a slash is a path.
+        terminal::SYNTAX,
+    ]
+}

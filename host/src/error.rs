@@ -1,0 +1,28 @@
+//! Errors of the library.
+
+use std::io;
+
+use lashloop_bench::run::RunError;
+use lashloop_bench::scenario::ScenarioErrors;
+
+/// Why there is no outcome.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The scenario is wrong, each error with its place.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioErrors),
+    /// No device has this name.
+    #[error("{name:?} is no device: {problem}")]
+    Device {
+        /// The name.
+        name: String,
+        /// What is missing, or all forms there are.
+        problem: String,
+    },
+    /// Drive, link or plant failed, or the scenario does not fit the drive.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// The system refused a thread.
+    #[error("the thread for child processes can't be started: {0}; is the machine out of threads or memory?")]
+    Thread(#[source] io::Error),
+}

@@ -1,0 +1,45 @@
+//! One run in memory: a scenario and a device in, an outcome out.
+
+use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::record::columns::Columns;
+use lashloop_bench::record::trace::columns;
+use lashloop_bench::run::{Clock, DeviceUnderTest, Step, StepObserver};
+use lashloop_bench::scenario::Scenario;
+use lashloop_bench::supervisor::Supervisor;
+use lashloop_plant::metrics::SignalTable;
+
+use crate::error::Error;
+use crate::outcome::Outcome;
+
+/// Runs a scenario on a device in lockstep and keeps every signal in memory.
+///
+/// A process that the device needs is started for this run and ends with it. A process of a killed program ends by itself
+/// once its line closes; only the command line can tie it to the program.
+///
+/// # Errors
+/// The scenario does not fit the drive, or drive, link or plant failed. A missed expectation is no error but a verdict.
+pub fn run(scenario: &Scenario, device: &DeviceChoice) -> Result<Outcome, Error> {
+    let supervisor = Supervisor::without_signals(None).map_err(Error::Thread)?;
+    let opened = DeviceUnderTest::open(scenario, device, &supervisor, |link| link);
+    let mut device = opened.map_err(lashloop_bench::run::RunError::from)?;
+    let mut signals = Memory::default();
+    let run = lashloop_bench::run::run(scenario, &mut device, Clock::Lockstep, &mut signals)?;
+    Ok(Outcome::new(run, signals.0))
+}
+
+/// The record of a run in memory.
+#[derive(Default)]
+struct Memory(Columns);
+
+impl StepObserver for Memory {
+    fn begin(&mut self, signals: &SignalTable) -> Result<(), WriteError> {
+        self.0 = Columns::new(columns(signals));
+        Ok(())
+    }
+
+    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
+        self.0.push(step.trace());
+        Ok(())
+    }
+}
