@@ -34,7 +34,7 @@ fn a_summary_has_all_that_identifies_and_repeats_a_run() {
     assert!(wall_s > 0.0, "have {wall_s} s");
     let device = summary["device"].as_str().expect("the device");
     assert!(device.starts_with("native (native-twin, firmware "), "{device}");
-    insta::assert_snapshot!(without(&without_timing(&text), &["device", "wall_s"]));
+    insta::assert_snapshot!(without(&without_timing(&text), &["device", "evidence", "wall_s"]));
     let timing = &summary["timing"];
     assert_eq!((&timing["clock"], &timing["steps"]), (&"lockstep".into(), &25_000.into()));
     let quantiles = |name: &str| {
