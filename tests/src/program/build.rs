@@ -29,7 +29,6 @@ pub fn example(name: &str) -> PathBuf {
 }
 
 /// Builds the programs and returns their folder.
-
 fn build() -> PathBuf {
     let test = env::current_exe().expect("the path of this test");
     // <target>/<profile>/deps/<test>

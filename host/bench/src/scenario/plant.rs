@@ -1,6 +1,6 @@
 //! `[plant]`: a registered model, the values of its keys, and where it is released.
 //!
-//! A model declares its keys as data ([`lashloop_plant::Key`]); [`plant_keys`](super::plant_keys) reads them. What every
+//! A model declares its keys as data ([`lashloop_plant::Key`]); `plant_keys` reads them. What every
 //! model has is declared here: `model`, `[plant.initial]`, and the environment of a model that takes one.
 
 use std::f64::consts::FRAC_PI_2;

@@ -66,7 +66,8 @@ fn half_a_window_reaches_to_the_other_end_of_the_run() {
 fn every_statistic_and_every_metric_has_its_name() {
     for statistic in Statistic::ALL {
         let keys = format!("signal = \"torque_nm\"\nstatistic = \"{statistic}\"\nunit = \"N m\"\nmax = 3");
-        let scenario = read(&expecting(&keys), &[]).expect(statistic.name());
+        let scenario =
+            read(&expecting(&keys), &[]).unwrap_or_else(|errors| panic!("{}: {errors}", statistic.name()));
         let quantity = Quantity::Statistic { signal: "torque_nm".to_owned(), statistic };
         assert_eq!(scenario.expectations[0].quantity, quantity);
     }
