@@ -11,10 +11,10 @@
 use core::cell::Cell;
 use core::time::Duration;
 
+use crate::drive::Clock;
 use cortex_m::interrupt::{self, Mutex};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{SCB, SYST};
-use crate::drive::Clock;
 
 use super::clock_tree::CORE_HZ;
 

@@ -5,9 +5,9 @@
 
 use core::panic::{Location, PanicInfo};
 
+use crate::drive::fault_frame;
 use cortex_m::peripheral::{NVIC, Peripherals};
 use cortex_m_rt::{ExceptionFrame, exception};
-use crate::drive::fault_frame;
 use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::frame::DELIMITER;
 use stm32f4xx_hal::pac::{Interrupt, USART2};

@@ -3,9 +3,9 @@
 //! The receive interrupt queues bytes. Transmission polls: QEMU never raises the transmitter's interrupts, so an
 //! interrupt-driven path would run on silicon only and stay untested. Bytes and ticks interrupt the polling.
 
-use heapless::{Vec, spsc};
 use crate::drive::Drive;
 use crate::law::LawSet;
+use heapless::{Vec, spsc};
 use stm32f4xx_hal::gpio::{PA2, PA3, Pull};
 use stm32f4xx_hal::nb;
 use stm32f4xx_hal::pac::USART2;

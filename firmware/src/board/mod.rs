@@ -46,11 +46,7 @@ pub struct Board {
 }
 
 /// Starts the board within 0.2 s, with or without a crystal.
-pub fn start(
-    syst: cortex_m::peripheral::SYST,
-    device: Peripherals,
-    queue: &'static mut Queue,
-) -> Board {
+pub fn start(syst: cortex_m::peripheral::SYST, device: Peripherals, queue: &'static mut Queue) -> Board {
     let emulated = is_emulated(&device.RCC, &device.DBGMCU);
     let (mut rcc, source) = clock_tree::start(device.RCC, emulated);
     let gpioa = device.GPIOA.split(&mut rcc);

@@ -67,7 +67,8 @@ fn record_is_plotted_into_its_folder() {
 #[test]
 fn several_records_share_axes_and_common_curves() {
     let runs = Runs::new();
-    let (one, other) = (runs.run("one", &[]), runs.run("other", &["plant.dead_zone_rad=0.2", "meant=mismatch"]));
+    let (one, other) =
+        (runs.run("one", &[]), runs.run("other", &["plant.dead_zone_rad=0.2", "meant=mismatch"]));
     let figure = runs.folder("both.svg");
     plot(&[&one, &other, Path::new("--out"), &figure]).unwrap();
     let svg = fs::read_to_string(figure).unwrap();
