@@ -19,7 +19,7 @@ pub fn lashloop() -> &'static Path {
     PROGRAM.get_or_init(|| build().join("lashloop"))
 }
 
-/// Path of the program of an example, such as `own-law`, built as [`lashloop`] is.
+/// Path of the program of an example, such as `own-law`, built as [`lashloop`](lashloop()) is.
 ///
 /// # Panics
 /// The build fails; the panic shows cargo's output.
