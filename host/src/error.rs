@@ -2,10 +2,13 @@
 
 use std::io;
 
+use lashloop_bench::names::UnknownName;
 use lashloop_bench::run::RunError;
 use lashloop_bench::scenario::ScenarioErrors;
 
-/// Why there is no outcome.
+use crate::outcome::NoMetric;
+
+/// Why a call of the library has no result.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The scenario is wrong, each error with its place.
@@ -22,6 +25,12 @@ pub enum Error {
     /// Drive, link or plant failed, or the scenario does not fit the drive.
     #[error(transparent)]
     Run(#[from] RunError),
+    /// The outcome has no value for a metric.
+    #[error(transparent)]
+    Metric(#[from] NoMetric),
+    /// The outcome has no signal of this name.
+    #[error(transparent)]
+    Signal(#[from] UnknownName),
     /// The system refused a thread.
     #[error("the thread for child processes can't be started: {0}; is the machine out of threads or memory?")]
     Thread(#[source] io::Error),

@@ -129,6 +129,7 @@ pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -
         verdict: outcome.judgement.verdict,
         scenario: scenario.name.clone(),
         device: device.description(),
+        evidence: device.evidence(),
         controller: scenario.controller.name.clone(),
         telemetry: Telemetry::from(device.session.subscription()),
         seed: scenario.run.seed,

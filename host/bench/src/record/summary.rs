@@ -10,6 +10,7 @@ use serde::ser::{SerializeMap, Serializer};
 
 use crate::atomic_file::WriteError;
 use crate::atomic_file::write_whole;
+use crate::device::Evidence;
 use crate::fault::log::FaultRecord;
 use crate::session::Subscription;
 use crate::timing::TimingReport;
@@ -25,6 +26,8 @@ pub struct Summary {
     pub scenario: String,
     /// The device and its address.
     pub device: String,
+    /// The files that ran as the drive, with their hashes, and what casts doubt on their origin.
+    pub evidence: Evidence,
     /// The control law.
     pub controller: String,
     /// The telemetry subscribed.
@@ -143,6 +146,7 @@ mod tests {
     use std::path::Path;
 
     use super::{Summary, Telemetry, Versions};
+    use crate::device::{Evidence, FileHash};
     use crate::scenario::expectation::Expectation;
     use crate::scenario::sections::Allowance;
     use crate::timing::{ClockName, Timings};
@@ -179,6 +183,11 @@ mod tests {
             verdict: judgement.verdict,
             scenario: "scenarios/smooth-before.toml".to_owned(),
             device: "native twin".to_owned(),
+            evidence: Evidence {
+                files: vec![FileHash { path: "lashloop".to_owned(), sha256: "11".repeat(32) }],
+                bench_build: "build 1234abcd".to_owned(),
+                warnings: Vec::new(),
+            },
             controller: "pd".to_owned(),
             telemetry: Telemetry { every_steps: 10, signals: vec!["dead_zone_estimate_rad".to_owned()] },
             seed: 1,
@@ -212,6 +221,16 @@ mod tests {
           "verdict": "FAIL",
           "scenario": "scenarios/smooth-before.toml",
           "device": "native twin",
+          "evidence": {
+            "files": [
+              {
+                "path": "lashloop",
+                "sha256": "1111111111111111111111111111111111111111111111111111111111111111"
+              }
+            ],
+            "bench_build": "build 1234abcd",
+            "warnings": []
+          },
           "controller": "pd",
           "telemetry": {
             "every_steps": 10,
