@@ -3,18 +3,20 @@
 use tests::program::run;
 use tests::twin::Twin;
 
-/// What a run that skipped no check ends with, and how many checks it made.
+/// The number of checks, of which all passed but those that need 14 signals or laws with different signals: the Lashloop
+/// drive has neither. Tests of the checks make them on a drive that has both.
 fn all_passed(stdout: &str) -> usize {
     let last = stdout.lines().last().unwrap_or_default();
-    let passed = last.strip_suffix(" passed, 0 failed, 0 skipped").and_then(|count| count.parse().ok());
-    let passed = passed.unwrap_or_else(|| panic!("not all checks passed\n{stdout}"));
-    let lines = stdout.lines().filter(|line| line.starts_with("PASS ")).count();
-    assert_eq!(lines, passed, "a line for each check");
-    passed
+    let passed = last.strip_suffix(" passed, 0 failed, 2 skipped").and_then(|count| count.parse().ok());
+    let passed: usize = passed.unwrap_or_else(|| panic!("not all checks passed\n{stdout}"));
+    let lines = |start| stdout.lines().filter(|line| line.starts_with(start)).count();
+    assert_eq!(lines("PASS "), passed, "a line for each check");
+    assert_eq!(lines("SKIPPED  telemetry: "), 2, "{stdout}");
+    passed + 2
 }
 
 #[test]
-fn the_native_twin_passes_every_check_and_none_is_skipped() {
+fn the_native_twin_passes_every_check_it_can_show() {
     let ended = run(["conformance", "--device", "native"]).with_code(0);
     assert!(ended.stdout.starts_with("native (native-twin, firmware "), "{}", ended.stdout);
     all_passed(&ended.stdout);
@@ -27,7 +29,7 @@ fn a_drive_on_a_terminal_passes_every_check() {
 }
 
 #[test]
-fn a_drive_in_process_passes_every_check_and_none_is_skipped() {
+fn a_drive_in_process_passes_every_check_it_can_show() {
     all_passed(&run(["conformance", "--device", "inproc"]).with_code(0).stdout);
 }
 
@@ -47,8 +49,18 @@ fn the_junit_file_has_every_check_as_a_case_of_its_group() {
         .filter(|it| it.has_tag_name("testsuite"))
         .filter_map(|it| it.attribute("name"))
         .collect();
-    let wanted =
-        ["handshake", "transitions", "parameters", "samples", "encoders", "safety", "line", "latency"];
+    let wanted = [
+        "handshake",
+        "transitions",
+        "description",
+        "parameters",
+        "samples",
+        "telemetry",
+        "encoders",
+        "safety",
+        "line",
+        "latency",
+    ];
     assert_eq!(groups, wanted);
 }
 

@@ -31,7 +31,8 @@ pub(crate) fn identity() {
 pub(crate) fn no_image() {
     let ended =
         program::run(["run", "scenarios/smooth-after.toml", "--device", "qemu:no/such.elf"]).with_code(4);
-    let want = "lashloop: no image of the firmware at no/such.elf: build it with `cargo xtask image`\n";
+    let want = "lashloop: no image of the firmware at no/such.elf: build it with `cargo xtask image`, or name it by \
+                qemu:PATH or LASHLOOP_IMAGE\n";
     assert_eq!((ended.stderr.as_str(), ended.stdout.as_str()), (want, ""));
 }
 
