@@ -1,7 +1,7 @@
 //! What a drive describes of itself: laws, parameters with their choices, signals.
 
 use lashloop_plant::Signal;
-use lashloop_protocol::enums::{ParameterFlags, ParameterValue};
+use lashloop_protocol::enums::{Outcome, ParameterFlags, ParameterValue, State};
 use lashloop_protocol::message::{DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, Identity};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
@@ -41,7 +41,7 @@ impl Description {
 fn law(line: &mut Line, index: u8) -> Result<Law, SessionError> {
     described(line, DescribeLaw { index }, |answer| match answer {
         DriveMessage::LawDescription(it) if it.index == index => {
-            Some(Law { index, name: printable(it.name.as_str()) })
+            Some(Ok(Law { index, name: printable(it.name.as_str()) }))
         }
         _ => None,
     })
@@ -61,7 +61,11 @@ fn parameter(line: &mut Line, index: u8) -> Result<Parameter, SessionError> {
                 laws: LawMask(it.laws),
                 choices: Vec::new(),
             };
-            Some((it.flags, parameter))
+            Some(Ok((it.flags, parameter)))
+        }
+        // The answer to an index that the drive does not have; it describes every other.
+        DriveMessage::ParameterReport(it) if it.index == index && it.outcome != Outcome::Accepted => {
+            Some(Err((it.outcome, it.state)))
         }
         _ => None,
     })?;
@@ -78,7 +82,7 @@ fn parameter(line: &mut Line, index: u8) -> Result<Parameter, SessionError> {
 fn choice(line: &mut Line, parameter: u8, choice: u8) -> Result<Choice, SessionError> {
     described(line, DescribeChoice { parameter, choice }, |answer| match answer {
         DriveMessage::ChoiceDescription(it) if (it.parameter, it.choice) == (parameter, choice) => {
-            Some(Choice { value: choice.into(), name: printable(it.name.as_str()) })
+            Some(Ok(Choice { value: choice.into(), name: printable(it.name.as_str()) }))
         }
         _ => None,
     })
@@ -88,22 +92,26 @@ fn signal(line: &mut Line, index: u8) -> Result<DriveSignal, SessionError> {
     described(line, DescribeSignal { index }, |answer| match answer {
         DriveMessage::SignalDescription(it) if it.index == index => {
             let [name, unit] = [it.name.as_str(), it.unit.as_str()].map(|text| printable(text).into());
-            Some(DriveSignal { index, laws: LawMask(it.laws), signal: Signal { name, unit } })
+            Some(Ok(DriveSignal { index, laws: LawMask(it.laws), signal: Signal { name, unit } }))
         }
         _ => None,
     })
 }
 
-/// Sends a request until the drive has answered it with a description or rejected it.
+/// Outcome of a rejected request and the drive's state.
+type Rejection = (Outcome, State);
+
+/// Sends a request until the drive has answered it with a description or rejected it, by a `CommandResult` or by an answer
+/// that `answer_of` recognises.
 fn described<R: Payload + Into<HostMessage>, T>(
     line: &mut Line,
     request: R,
-    description: impl Fn(&DriveMessage) -> Option<T>,
+    answer_of: impl Fn(&DriveMessage) -> Option<Result<T, Rejection>>,
 ) -> Result<T, SessionError> {
     let log_mark = line.logs.mark();
     let answered = line.request(&request.into(), |answer| match answer {
         DriveMessage::CommandResult(it) if it.request == R::LAYOUT.kind => Some(Err((it.outcome, it.state))),
-        answer => description(answer).map(Ok),
+        answer => answer_of(answer),
     })?;
     answered.with.map_err(|(outcome, state)| SessionError::Refused {
         request: R::LAYOUT.name,
@@ -113,3 +121,6 @@ fn described<R: Payload + Into<HostMessage>, T>(
         last_seen: line.last_seen,
     })
 }
+
+#[cfg(test)]
+mod tests;

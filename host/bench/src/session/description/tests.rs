@@ -1,0 +1,80 @@
+//! The description of a drive whose answers are altered on the way.
+
+use std::time::Instant;
+
+use lashloop_protocol::message::ParameterReport;
+use lashloop_protocol::{Decoder, MAX_FRAME, Message};
+
+use super::*;
+use crate::link::in_process::InProcess;
+use crate::link::{Link, LinkError};
+use crate::session::handshake::shake_hands;
+
+type Alteration = fn(DriveMessage) -> DriveMessage;
+
+/// The drive in process; each of its answers passes an alteration.
+struct Altered {
+    drive: InProcess,
+    decoder: Decoder,
+    alteration: Alteration,
+}
+
+impl Link for Altered {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        Some(&mut self.drive)
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        self.drive.send(bytes)
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
+        let mut received = [0; 1024];
+        let count = self.drive.receive(&mut received, deadline)?;
+        let (mut left, mut altered, mut frame) = (&received[..count], Vec::new(), [0; MAX_FRAME]);
+        while let Some(answer) = self.decoder.next::<DriveMessage>(&mut left) {
+            let answer = (self.alteration)(answer.expect("a good frame"));
+            altered.extend_from_slice(answer.write_frame(&mut frame));
+        }
+        buffer[..altered.len()].copy_from_slice(&altered);
+        Ok(altered.len())
+    }
+
+    fn discard_input(&mut self) -> Result<(), LinkError> {
+        self.drive.discard_input()
+    }
+}
+
+fn read(alteration: Alteration) -> Result<Description, SessionError> {
+    let link = Altered { drive: InProcess::default(), decoder: Decoder::new(), alteration };
+    let mut line = Line::new(Box::new(link));
+    let identity = shake_hands(&mut line, 1)?;
+    Description::read(&mut line, &identity)
+}
+
+#[test]
+fn a_parameter_that_the_drive_announces_and_refuses_is_no_silence() {
+    let error = read(|answer| match answer {
+        DriveMessage::ParameterDescription(it) if it.index == 2 => ParameterReport {
+            index: 2,
+            outcome: Outcome::UnknownIndex,
+            value: ParameterValue::U32(0),
+            state: State::Idle,
+        }
+        .into(),
+        answer => answer,
+    });
+    let error = error.expect_err("a parameter is missing");
+    assert!(
+        matches!(
+            error,
+            SessionError::Refused {
+                request: "DescribeParameter",
+                outcome: Outcome::UnknownIndex,
+                state: State::Idle,
+                ..
+            }
+        ),
+        "{error}"
+    );
+}
