@@ -1,5 +1,7 @@
 //! What a drive describes of itself: laws, parameters with their choices, signals.
 
+use std::ops::RangeInclusive;
+
 use lashloop_plant::Signal;
 use lashloop_protocol::enums::{Outcome, ParameterFlags, ParameterValue, State};
 use lashloop_protocol::message::{DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, Identity};
@@ -28,10 +30,11 @@ impl Description {
     /// Requests everything that `identity` announces.
     ///
     /// # Errors
-    /// The drive is silent or rejects an index that it announced, or the line broke.
+    /// The drive is silent, rejects an index that it announced or describes impossible choices, or the line broke.
     pub fn read(line: &mut Line, identity: &Identity) -> Result<Self, SessionError> {
         let laws = (0..identity.law_count).map(|index| law(line, index)).collect::<Result<_, _>>()?;
-        let parameters = (0..identity.parameter_count).map(|index| parameter(line, index));
+        let parameters =
+            (0..identity.parameter_count).map(|index| parameter(line, index));
         let parameters = parameters.collect::<Result<_, _>>()?;
         let signals = (0..identity.signal_count).map(|index| signal(line, index));
         Ok(Self { laws, parameters, signals: signals.collect::<Result<_, _>>()? })
@@ -69,14 +72,27 @@ fn parameter(line: &mut Line, index: u8) -> Result<Parameter, SessionError> {
         }
         _ => None,
     })?;
-    if flags.contains(ParameterFlags::CHOICES)
-        && let (ParameterValue::U32(min), ParameterValue::U32(max)) = (parameter.min, parameter.max)
-    {
-        // A choice is one byte on the wire.
-        let choices = (min..=max).filter_map(|value| u8::try_from(value).ok());
-        parameter.choices = choices.map(|value| choice(line, index, value)).collect::<Result<_, _>>()?;
+    if flags.contains(ParameterFlags::CHOICES) {
+        let choices = choice_values(&parameter)?.map(|value| choice(line, index, value));
+        parameter.choices = choices.collect::<Result<_, _>>()?;
     }
     Ok(parameter)
+}
+
+/// The values that have names. A choice is one byte on the wire.
+fn choice_values(parameter: &Parameter) -> Result<RangeInclusive<u8>, SessionError> {
+    let byte = |value| match value {
+        ParameterValue::U32(value) => u8::try_from(value).ok(),
+        ParameterValue::F32(_) => None,
+    };
+    match (byte(parameter.min), byte(parameter.max)) {
+        (Some(min), Some(max)) if min <= max => Ok(min..=max),
+        _ => Err(SessionError::Choices {
+            parameter: parameter.name.clone(),
+            min: parameter.min,
+            max: parameter.max,
+        }),
+    }
 }
 
 fn choice(line: &mut Line, parameter: u8, choice: u8) -> Result<Choice, SessionError> {
@@ -92,7 +108,11 @@ fn signal(line: &mut Line, index: u8) -> Result<DriveSignal, SessionError> {
     described(line, DescribeSignal { index }, |answer| match answer {
         DriveMessage::SignalDescription(it) if it.index == index => {
             let [name, unit] = [it.name.as_str(), it.unit.as_str()].map(|text| printable(text).into());
-            Some(Ok(DriveSignal { index, laws: LawMask(it.laws), signal: Signal { name, unit } }))
+            Some(Ok(DriveSignal {
+                index,
+                laws: LawMask(it.laws),
+                signal: Signal { name, unit },
+            }))
         }
         _ => None,
     })

@@ -78,3 +78,27 @@ fn a_parameter_that_the_drive_announces_and_refuses_is_no_silence() {
         "{error}"
     );
 }
+
+fn with_range(mut answer: DriveMessage, min: ParameterValue, max: ParameterValue) -> DriveMessage {
+    if let DriveMessage::ParameterDescription(it) = &mut answer
+        && it.flags.contains(ParameterFlags::CHOICES)
+    {
+        (it.min, it.max) = (min, max);
+    }
+    answer
+}
+
+#[test]
+fn choices_beyond_a_byte_and_of_real_numbers_are_refused() {
+    use ParameterValue::{F32, U32};
+    let cases: [(Alteration, &str); 4] = [
+        (|answer| with_range(answer, U32(0), U32(256)), "from 0 to 256 (U32 to U32)"),
+        (|answer| with_range(answer, U32(0), U32(u32::MAX)), "from 0 to 4294967295 (U32 to U32)"),
+        (|answer| with_range(answer, U32(1), U32(0)), "from 1 to 0 (U32 to U32)"),
+        (|answer| with_range(answer, F32(0.0), F32(1.0)), "from 0 to 1 (F32 to F32)"),
+    ];
+    for (alteration, range) in cases {
+        let error = read(alteration).expect_err(range).to_string();
+        assert!(error.contains(&format!("choices of controller {range}; choices are U32")), "{error}");
+    }
+}
