@@ -34,9 +34,9 @@ impl Description {
     pub fn read(line: &mut Line, identity: &Identity) -> Result<Self, SessionError> {
         let laws = (0..identity.law_count).map(|index| law(line, index)).collect::<Result<_, _>>()?;
         let parameters =
-            (0..identity.parameter_count).map(|index| parameter(line, index));
+            (0..identity.parameter_count).map(|index| parameter(line, index, identity.law_count));
         let parameters = parameters.collect::<Result<_, _>>()?;
-        let signals = (0..identity.signal_count).map(|index| signal(line, index));
+        let signals = (0..identity.signal_count).map(|index| signal(line, index, identity.law_count));
         Ok(Self { laws, parameters, signals: signals.collect::<Result<_, _>>()? })
     }
 }
@@ -50,7 +50,7 @@ fn law(line: &mut Line, index: u8) -> Result<Law, SessionError> {
     })
 }
 
-fn parameter(line: &mut Line, index: u8) -> Result<Parameter, SessionError> {
+fn parameter(line: &mut Line, index: u8, law_count: u8) -> Result<Parameter, SessionError> {
     let (flags, mut parameter) = described(line, DescribeParameter { index }, |answer| match answer {
         DriveMessage::ParameterDescription(it) if it.index == index => {
             let parameter = Parameter {
@@ -61,7 +61,7 @@ fn parameter(line: &mut Line, index: u8) -> Result<Parameter, SessionError> {
                 min: it.min,
                 max: it.max,
                 live: it.flags.contains(ParameterFlags::LIVE),
-                laws: LawMask(it.laws),
+                laws: LawMask::of_drive(it.laws, law_count),
                 choices: Vec::new(),
             };
             Some(Ok((it.flags, parameter)))
@@ -104,13 +104,13 @@ fn choice(line: &mut Line, parameter: u8, choice: u8) -> Result<Choice, SessionE
     })
 }
 
-fn signal(line: &mut Line, index: u8) -> Result<DriveSignal, SessionError> {
+fn signal(line: &mut Line, index: u8, law_count: u8) -> Result<DriveSignal, SessionError> {
     described(line, DescribeSignal { index }, |answer| match answer {
         DriveMessage::SignalDescription(it) if it.index == index => {
             let [name, unit] = [it.name.as_str(), it.unit.as_str()].map(|text| printable(text).into());
             Some(Ok(DriveSignal {
                 index,
-                laws: LawMask(it.laws),
+                laws: LawMask::of_drive(it.laws, law_count),
                 signal: Signal { name, unit },
             }))
         }

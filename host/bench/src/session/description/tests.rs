@@ -102,3 +102,18 @@ fn choices_beyond_a_byte_and_of_real_numbers_are_refused() {
         assert!(error.contains(&format!("choices of controller {range}; choices are U32")), "{error}");
     }
 }
+
+#[test]
+fn bits_of_laws_that_the_drive_lacks_change_nothing() {
+    let described = read(|answer| answer).expect("a description");
+    let with_more_bits = read(|mut answer| {
+        match &mut answer {
+            DriveMessage::ParameterDescription(it) if it.index % 2 == 1 => it.laws |= 0xff00,
+            DriveMessage::SignalDescription(it) if it.index % 2 == 1 => it.laws |= 0xff00,
+            _ => {}
+        }
+        answer
+    });
+    assert!(described.laws.len() <= 8);
+    assert_eq!(with_more_bits.expect("a description"), described);
+}
