@@ -9,6 +9,7 @@ use serde::de::DeserializeOwned;
 use super::error::ProcessError;
 use super::lines::{Lines, NoLine};
 use super::messages::{Description, Hello, Report, State, Step, VERSION};
+use crate::session::printable;
 use crate::supervisor::{Process, Program, Supervisor, find_program};
 
 /// Time that an ended process may take to leave its exit status.
@@ -167,7 +168,7 @@ fn quoted(line: &[u8]) -> String {
 fn parse<T: DeserializeOwned>(line: &[u8]) -> Result<T, ProcessError> {
     serde_json::from_slice(line).map_err(|error| {
         if let Ok(Report { error }) = serde_json::from_slice(line) {
-            return ProcessError::Reported(error);
+            return ProcessError::Reported(printable(&error));
         }
         let text = String::from_utf8_lossy(line);
         let line = quoted(line);

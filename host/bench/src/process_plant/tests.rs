@@ -139,6 +139,16 @@ fn errors_of_a_process_name_the_cause_and_the_remedy() {
 }
 
 #[test]
+fn texts_of_a_process_do_not_control_a_terminal() {
+    let hello = HELLO.replace("a_rad", r"a\u001b[2J_rad").replace(r#""unit":"rad""#, r#""unit":"\u0007""#);
+    let plant = script(&format!("read a; printf '%s\\n' '{hello}'; read b")).expect("a first line");
+    let signal = &plant.signals()[0];
+    assert_eq!((&*signal.name, &*signal.unit), ("a\u{fffd}[2J_rad", "\u{fffd}"));
+    let error = error_of_step(r#"printf '%s\n' '{"error": "a\u001b[2J"}'"#);
+    assert!(error.ends_with("reports: a\u{fffd}[2J"), "{error}");
+}
+
+#[test]
 fn a_process_that_reads_nothing_fails_within_its_time() {
     // More than a pipe holds.
     let mut values = values(&["sleep", "30"]);
