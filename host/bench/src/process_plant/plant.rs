@@ -173,7 +173,8 @@ fn parse<T: DeserializeOwned>(line: &[u8]) -> Result<T, ProcessError> {
         let text = String::from_utf8_lossy(line);
         let line = quoted(line);
         // What most languages print for such numbers; JSON has none of them.
-        if ["NaN", "Infinity", "inf", "nan"].iter().any(|word| text.contains(word)) {
+        let mut words = text.split(|c: char| !c.is_ascii_alphanumeric());
+        if words.any(|word| ["nan", "inf", "infinity"].iter().any(|it| word.eq_ignore_ascii_case(it))) {
             return ProcessError::NotFinite { line };
         }
         ProcessError::Malformed { line, reason: error.to_string() }

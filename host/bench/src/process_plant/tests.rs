@@ -127,6 +127,7 @@ fn errors_of_a_process_name_the_cause_and_the_remedy() {
         ),
         (error_of_step(&format!("echo '{two}'")), "sent 2 values for its 1 signals"),
         (error_of_step(&format!("echo '{infinite}'")), "with a number that is not finite"),
+        (error_of_step("echo 'info: ready'"), "wrote \"info: ready\": expected value at line 1"),
         (error_of_step("echo '{\"error\": \"the belt slips\"}'"), "reports: the belt slips"),
         (start("read a; echo '{\"lashloop_plant\": 2}'"), "has version 2 of the protocol, the bench has 1"),
     ];
