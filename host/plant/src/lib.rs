@@ -55,7 +55,7 @@ pub use mode::{Contact, DryFriction, Flank};
 pub use model::{Changes, PlantModel};
 pub use plant::{Environment, Plant, Positions};
 pub use registry::Plants;
-pub use signal::Signal;
+pub use signal::{FIXED_COLUMNS, Signal};
 pub use start::{Release, Start};
 pub use transport_delay::TransportDelay;
 pub use truth::Truth;

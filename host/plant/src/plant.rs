@@ -32,8 +32,7 @@ pub struct Environment {
 /// [`step`]: Self::step
 pub trait Plant: Send {
     /// Signals of the plant's truth, at most [`MAX_SIGNALS`](crate::limits::MAX_SIGNALS), constant over the plant's life. The
-    /// names are unique, and none is a fixed column of the record: `time_s`, `reference_rad`, `load_position_rad`,
-    /// `motor_position_rad`, `torque_nm`.
+    /// names are unique, none is one of [`FIXED_COLUMNS`](crate::FIXED_COLUMNS), and none starts with `drive.`.
     fn signals(&self) -> &[Signal];
 
     /// Writes the present values, in the order of [`signals`](Self::signals). `values` has one element per signal.

@@ -132,7 +132,9 @@ impl DeviceError {
     #[must_use]
     pub fn is_transient(&self) -> bool {
         match self {
-            Self::Session { source, .. } => !matches!(**source, SessionError::Version { .. }),
+            Self::Session { source, .. } => {
+                !matches!(**source, SessionError::Version { .. } | SessionError::Choices { .. })
+            }
             _ => false,
         }
     }
@@ -174,6 +176,6 @@ fn remedy(source: &SessionError) -> &'static str {
         SessionError::Refused { state: State::Boot, .. } => {
             "; it has restarted: look at its power and its reset line"
         }
-        SessionError::Version { .. } | SessionError::Refused { .. } => "",
+        SessionError::Version { .. } | SessionError::Refused { .. } | SessionError::Choices { .. } => "",
     }
 }

@@ -37,6 +37,28 @@ pub enum ProcessError {
         /// As in `Ended`.
         stderr: String,
     },
+    /// The process did not read its line in time.
+    #[error(
+        "the plant's process did not read its line within {} ms; it must read one line for each line that it writes, or \
+         set plant.{key}{stderr}",
+        limit.as_millis()
+    )]
+    NotRead {
+        /// The limit.
+        limit: Duration,
+        /// Its key.
+        key: &'static str,
+        /// As in `Ended`.
+        stderr: String,
+    },
+    /// More lines than the bench has sent.
+    #[error(
+        "the plant's process wrote {line:?} without a step for it; it must write one line for each line that it reads"
+    )]
+    Unrequested {
+        /// The line; its beginning, if it is long.
+        line: String,
+    },
     /// A line that is not of the protocol.
     #[error(
         "the plant's process wrote {line:?}: {reason}; standard output is for the protocol alone, other text goes to \

@@ -3,6 +3,8 @@
 use lashloop_plant::{PlantValue, Signal, Start};
 use serde::{Deserialize, Serialize};
 
+use crate::session::printable;
+
 /// Version of the protocol. A process of another version is rejected.
 pub(super) const VERSION: u32 = 1;
 
@@ -34,7 +36,7 @@ pub(super) struct SignalName {
 
 impl From<SignalName> for Signal {
     fn from(signal: SignalName) -> Self {
-        Self { name: signal.name.into(), unit: signal.unit.into() }
+        Self { name: printable(&signal.name).into(), unit: printable(&signal.unit).into() }
     }
 }
 

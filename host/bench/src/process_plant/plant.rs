@@ -1,7 +1,7 @@
 //! The process as a plant.
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use lashloop_plant::{Plant, PlantError, PlantValue, PlantValues, Positions, Release, Signal};
 use serde::de::DeserializeOwned;
@@ -9,6 +9,7 @@ use serde::de::DeserializeOwned;
 use super::error::ProcessError;
 use super::lines::{Lines, NoLine};
 use super::messages::{Description, Hello, Report, State, Step, VERSION};
+use crate::session::printable;
 use crate::supervisor::{Process, Program, Supervisor, find_program};
 
 /// Time that an ended process may take to leave its exit status.
@@ -35,7 +36,7 @@ impl ProcessPlant {
         let supervisor = Supervisor::without_signals(bench)?;
         let (process, to_process, from_process) = supervisor.spawn_piped_in(release.folder, &program)?;
         let mut plant = Self {
-            lines: Lines::new(to_process, from_process),
+            lines: Lines::new(to_process, from_process)?,
             process,
             _supervisor: supervisor,
             step_limit: limit(values, "step_timeout_ms")?,
@@ -66,9 +67,12 @@ impl ProcessPlant {
         limit: Duration,
     ) -> Result<Vec<u8>, ProcessError> {
         let line = serde_json::to_vec(message).map_err(std::io::Error::from)?;
-        self.lines.write(line).and_then(|()| self.lines.read(limit)).map_err(|error| match error {
+        let deadline = Instant::now() + limit;
+        let answer = self.lines.write(line, deadline).and_then(|()| self.lines.read(deadline));
+        answer.map_err(|error| match error {
             NoLine::Closed => ProcessError::Ended { status: self.status(), stderr: self.stderr() },
             NoLine::Late => ProcessError::Silent { limit, key, stderr: self.stderr() },
+            NoLine::NotRead => ProcessError::NotRead { limit, key, stderr: self.stderr() },
             NoLine::TooLong => ProcessError::Malformed {
                 line: "...".to_owned(),
                 reason: "a line must be shorter than 1 MiB".to_owned(),
@@ -97,6 +101,10 @@ impl ProcessPlant {
     }
 
     fn advance(&mut self, torque_nm: f64, dt_s: f64) -> Result<(), ProcessError> {
+        // The next step would take such a line for its own, and every later step the one before it.
+        if let Some(line) = self.lines.arrived() {
+            return Err(ProcessError::Unrequested { line: quoted(&line) });
+        }
         let line = self.exchange(&Step { torque_nm, dt_s }, "step_timeout_ms", self.step_limit)?;
         self.take_state(&line)
     }
@@ -152,15 +160,21 @@ fn limit(values: &PlantValues, key: &'static str) -> Result<Duration, ProcessErr
     Ok(Duration::from_millis(milliseconds))
 }
 
+/// The beginning of a line.
+fn quoted(line: &[u8]) -> String {
+    String::from_utf8_lossy(line).chars().take(QUOTED).collect()
+}
+
 fn parse<T: DeserializeOwned>(line: &[u8]) -> Result<T, ProcessError> {
     serde_json::from_slice(line).map_err(|error| {
         if let Ok(Report { error }) = serde_json::from_slice(line) {
-            return ProcessError::Reported(error);
+            return ProcessError::Reported(printable(&error));
         }
         let text = String::from_utf8_lossy(line);
-        let line = text.chars().take(QUOTED).collect();
+        let line = quoted(line);
         // What most languages print for such numbers; JSON has none of them.
-        if ["NaN", "Infinity", "inf", "nan"].iter().any(|word| text.contains(word)) {
+        let mut words = text.split(|c: char| !c.is_ascii_alphanumeric());
+        if words.any(|word| ["nan", "inf", "infinity"].iter().any(|it| word.eq_ignore_ascii_case(it))) {
             return ProcessError::NotFinite { line };
         }
         ProcessError::Malformed { line, reason: error.to_string() }

@@ -37,6 +37,17 @@ fn error_of_step(rest: &str) -> String {
     plant.step(0.0, 1e-3).expect_err("the step fails").to_string()
 }
 
+/// The error of one of the first 1000 steps of such a script.
+fn error_of_later_step(rest: &str) -> String {
+    let mut plant = script(&format!("read a; echo '{HELLO}'; read b; {rest}")).expect("a first line");
+    let error = (0..1000).find_map(|_| {
+        // The time of a drive's answer.
+        std::thread::sleep(Duration::from_millis(1));
+        plant.step(0.0, 1e-3).err()
+    });
+    error.expect("a step fails").to_string()
+}
+
 #[test]
 fn the_python_example_moves_as_the_smooth_plant_does() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/plant-process");
@@ -116,6 +127,7 @@ fn errors_of_a_process_name_the_cause_and_the_remedy() {
         ),
         (error_of_step(&format!("echo '{two}'")), "sent 2 values for its 1 signals"),
         (error_of_step(&format!("echo '{infinite}'")), "with a number that is not finite"),
+        (error_of_step("echo 'info: ready'"), "wrote \"info: ready\": expected value at line 1"),
         (error_of_step("echo '{\"error\": \"the belt slips\"}'"), "reports: the belt slips"),
         (start("read a; echo '{\"lashloop_plant\": 2}'"), "has version 2 of the protocol, the bench has 1"),
     ];
@@ -125,6 +137,43 @@ fn errors_of_a_process_name_the_cause_and_the_remedy() {
     let missing = values(&["no-such-plant"]);
     let error = release(&missing, Path::new("")).err().expect("no program").to_string();
     assert!(error.contains("no program no-such-plant in PATH") && error.contains("plant.command"), "{error}");
+}
+
+#[test]
+fn texts_of_a_process_do_not_control_a_terminal() {
+    let hello = HELLO.replace("a_rad", r"a\u001b[2J_rad").replace(r#""unit":"rad""#, r#""unit":"\u0007""#);
+    let plant = script(&format!("read a; printf '%s\\n' '{hello}'; read b")).expect("a first line");
+    let signal = &plant.signals()[0];
+    assert_eq!((&*signal.name, &*signal.unit), ("a\u{fffd}[2J_rad", "\u{fffd}"));
+    let error = error_of_step(r#"printf '%s\n' '{"error": "a\u001b[2J"}'"#);
+    assert!(error.ends_with("reports: a\u{fffd}[2J"), "{error}");
+}
+
+#[test]
+fn a_process_that_reads_nothing_fails_within_its_time() {
+    // More than a pipe holds.
+    let mut values = values(&["sleep", "30"]);
+    values.insert("start_timeout_ms", PlantValue::Integer(300));
+    let settings = [("notes".to_owned(), PlantValue::Text("x".repeat(1 << 18)))];
+    values.insert("settings", PlantValue::Table(settings.into()));
+    let started = Instant::now();
+    let error = release(&values, Path::new("")).err().expect("a process that is not ready").to_string();
+    assert!(started.elapsed() < Duration::from_secs(10), "{:?}", started.elapsed());
+    assert!(error.contains("did not read its line within 300 ms"), "{error}");
+    assert!(error.contains("set plant.start_timeout_ms"), "{error}");
+}
+
+#[test]
+fn a_line_without_a_step_is_an_error_instead_of_a_lag() {
+    let error = error_of_later_step(&format!(
+        "echo '{STATE}'; echo '{STATE}'; while read c; do echo '{STATE}'; done"
+    ));
+    assert!(error.contains("without a step for it"), "{error}");
+    assert!(error.contains(r#"wrote "{\"motor_position_rad\":0,"#), "{error}");
+    // The extra line follows later, and the steps go on in the meantime.
+    let late = format!("echo '{STATE}'; while read c; do echo '{STATE}'; sleep 0.01; echo '{STATE}'; done");
+    let error = error_of_later_step(&late);
+    assert!(error.contains("without a step for it"), "{error}");
 }
 
 #[test]

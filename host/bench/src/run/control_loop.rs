@@ -1,7 +1,7 @@
 //! One step of the loop: observe the plant, exchange sample and torque, hold the torque for a period.
 //!
 //! A sample without an answer by its deadline is given up: the last torque is held for that period, as on a real bench,
-//! and the step is counted. Nothing here allocates, locks or logs.
+//! and the step is counted. Nothing here allocates, locks or logs, but the exchange with a plant in a process allocates.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};

@@ -65,7 +65,6 @@ pub fn run(
     let drive = setup::set_up(device, scenario, clock.name())?;
     let signals = SignalTable { plant: simulator.signals().to_vec(), drive };
     scenario.check_expectations(&signals)?;
-    scenario.check_expectations(&signals)?;
     let watchdog = match clock {
         Clock::Lockstep => None,
         Clock::RealTime(_) => Some(setup::watchdog(device)?),

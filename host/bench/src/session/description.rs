@@ -1,7 +1,9 @@
 //! What a drive describes of itself: laws, parameters with their choices, signals.
 
+use std::ops::RangeInclusive;
+
 use lashloop_plant::Signal;
-use lashloop_protocol::enums::{ParameterFlags, ParameterValue};
+use lashloop_protocol::enums::{Outcome, ParameterFlags, ParameterValue, State};
 use lashloop_protocol::message::{DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, Identity};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
@@ -28,12 +30,13 @@ impl Description {
     /// Requests everything that `identity` announces.
     ///
     /// # Errors
-    /// The drive is silent or rejects an index that it announced, or the line broke.
+    /// The drive is silent, rejects an index that it announced or describes impossible choices, or the line broke.
     pub fn read(line: &mut Line, identity: &Identity) -> Result<Self, SessionError> {
         let laws = (0..identity.law_count).map(|index| law(line, index)).collect::<Result<_, _>>()?;
-        let parameters = (0..identity.parameter_count).map(|index| parameter(line, index));
+        let parameters =
+            (0..identity.parameter_count).map(|index| parameter(line, index, identity.law_count));
         let parameters = parameters.collect::<Result<_, _>>()?;
-        let signals = (0..identity.signal_count).map(|index| signal(line, index));
+        let signals = (0..identity.signal_count).map(|index| signal(line, index, identity.law_count));
         Ok(Self { laws, parameters, signals: signals.collect::<Result<_, _>>()? })
     }
 }
@@ -41,13 +44,13 @@ impl Description {
 fn law(line: &mut Line, index: u8) -> Result<Law, SessionError> {
     described(line, DescribeLaw { index }, |answer| match answer {
         DriveMessage::LawDescription(it) if it.index == index => {
-            Some(Law { index, name: printable(it.name.as_str()) })
+            Some(Ok(Law { index, name: printable(it.name.as_str()) }))
         }
         _ => None,
     })
 }
 
-fn parameter(line: &mut Line, index: u8) -> Result<Parameter, SessionError> {
+fn parameter(line: &mut Line, index: u8, law_count: u8) -> Result<Parameter, SessionError> {
     let (flags, mut parameter) = described(line, DescribeParameter { index }, |answer| match answer {
         DriveMessage::ParameterDescription(it) if it.index == index => {
             let parameter = Parameter {
@@ -58,52 +61,77 @@ fn parameter(line: &mut Line, index: u8) -> Result<Parameter, SessionError> {
                 min: it.min,
                 max: it.max,
                 live: it.flags.contains(ParameterFlags::LIVE),
-                laws: LawMask(it.laws),
+                laws: LawMask::of_drive(it.laws, law_count),
                 choices: Vec::new(),
             };
-            Some((it.flags, parameter))
+            Some(Ok((it.flags, parameter)))
+        }
+        // The answer to an index that the drive does not have; it describes every other.
+        DriveMessage::ParameterReport(it) if it.index == index && it.outcome != Outcome::Accepted => {
+            Some(Err((it.outcome, it.state)))
         }
         _ => None,
     })?;
-    if flags.contains(ParameterFlags::CHOICES)
-        && let (ParameterValue::U32(min), ParameterValue::U32(max)) = (parameter.min, parameter.max)
-    {
-        // A choice is one byte on the wire.
-        let choices = (min..=max).filter_map(|value| u8::try_from(value).ok());
-        parameter.choices = choices.map(|value| choice(line, index, value)).collect::<Result<_, _>>()?;
+    if flags.contains(ParameterFlags::CHOICES) {
+        let choices = choice_values(&parameter)?.map(|value| choice(line, index, value));
+        parameter.choices = choices.collect::<Result<_, _>>()?;
     }
     Ok(parameter)
+}
+
+/// The values that have names. A choice is one byte on the wire.
+fn choice_values(parameter: &Parameter) -> Result<RangeInclusive<u8>, SessionError> {
+    let byte = |value| match value {
+        ParameterValue::U32(value) => u8::try_from(value).ok(),
+        ParameterValue::F32(_) => None,
+    };
+    match (byte(parameter.min), byte(parameter.max)) {
+        (Some(min), Some(max)) if min <= max => Ok(min..=max),
+        _ => Err(SessionError::Choices {
+            parameter: parameter.name.clone(),
+            min: parameter.min,
+            max: parameter.max,
+        }),
+    }
 }
 
 fn choice(line: &mut Line, parameter: u8, choice: u8) -> Result<Choice, SessionError> {
     described(line, DescribeChoice { parameter, choice }, |answer| match answer {
         DriveMessage::ChoiceDescription(it) if (it.parameter, it.choice) == (parameter, choice) => {
-            Some(Choice { value: choice.into(), name: printable(it.name.as_str()) })
+            Some(Ok(Choice { value: choice.into(), name: printable(it.name.as_str()) }))
         }
         _ => None,
     })
 }
 
-fn signal(line: &mut Line, index: u8) -> Result<DriveSignal, SessionError> {
+fn signal(line: &mut Line, index: u8, law_count: u8) -> Result<DriveSignal, SessionError> {
     described(line, DescribeSignal { index }, |answer| match answer {
         DriveMessage::SignalDescription(it) if it.index == index => {
             let [name, unit] = [it.name.as_str(), it.unit.as_str()].map(|text| printable(text).into());
-            Some(DriveSignal { index, laws: LawMask(it.laws), signal: Signal { name, unit } })
+            Some(Ok(DriveSignal {
+                index,
+                laws: LawMask::of_drive(it.laws, law_count),
+                signal: Signal { name, unit },
+            }))
         }
         _ => None,
     })
 }
 
-/// Sends a request until the drive has answered it with a description or rejected it.
+/// Outcome of a rejected request and the drive's state.
+type Rejection = (Outcome, State);
+
+/// Sends a request until the drive has answered it with a description or rejected it, by a `CommandResult` or by an answer
+/// that `answer_of` recognises.
 fn described<R: Payload + Into<HostMessage>, T>(
     line: &mut Line,
     request: R,
-    description: impl Fn(&DriveMessage) -> Option<T>,
+    answer_of: impl Fn(&DriveMessage) -> Option<Result<T, Rejection>>,
 ) -> Result<T, SessionError> {
     let log_mark = line.logs.mark();
     let answered = line.request(&request.into(), |answer| match answer {
         DriveMessage::CommandResult(it) if it.request == R::LAYOUT.kind => Some(Err((it.outcome, it.state))),
-        answer => description(answer).map(Ok),
+        answer => answer_of(answer),
     })?;
     answered.with.map_err(|(outcome, state)| SessionError::Refused {
         request: R::LAYOUT.name,
@@ -113,3 +141,6 @@ fn described<R: Payload + Into<HostMessage>, T>(
         last_seen: line.last_seen,
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use lashloop_protocol::enums::{Outcome, State};
+use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::nearest_step;
 use lashloop_protocol::wire::Payload;
@@ -104,6 +104,21 @@ pub enum SessionError {
         log: String,
         /// How far the session got.
         last_seen: LastSeen,
+    },
+    /// A parameter whose choices can't be requested.
+    #[error(
+        "the drive describes choices of {parameter} from {min} to {max} ({:?} to {:?}); choices are U32 from 0 to 255: \
+         correct the firmware's description of it",
+        min.ty(),
+        max.ty()
+    )]
+    Choices {
+        /// Name of the parameter.
+        parameter: String,
+        /// Its smallest value.
+        min: ParameterValue,
+        /// Its largest value.
+        max: ParameterValue,
     },
 }
 

@@ -16,6 +16,13 @@ pub struct Law {
 pub struct LawMask(pub u16);
 
 impl LawMask {
+    /// The mask of a description. Bits of laws that the drive does not have mean nothing.
+    #[must_use]
+    pub fn of_drive(bits: u16, law_count: u8) -> Self {
+        let unknown = u16::MAX.checked_shl(law_count.into()).unwrap_or(0);
+        Self(bits & !unknown)
+    }
+
     /// Whether the law with this index is in the set.
     #[must_use]
     pub fn contains(self, index: u8) -> bool {
@@ -51,5 +58,11 @@ mod tests {
         assert!(LawMask(0b111).is_all(&laws) && !LawMask(0b110).is_all(&laws));
         assert!(LawMask(u16::MAX).contains(15) && !LawMask(u16::MAX).contains(16));
         assert!(!LawMask(u16::MAX).contains(200));
+    }
+
+    #[test]
+    fn bits_of_laws_that_do_not_exist_are_ignored() {
+        assert_eq!(LawMask::of_drive(0b1010_0110, 3), LawMask(0b110));
+        assert_eq!(LawMask::of_drive(u16::MAX, 16), LawMask(u16::MAX));
     }
 }

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use crate::Signal;
+pub use crate::signal::DRIVE_PREFIX;
 
 /// Signals of every run, with any plant and any drive.
 pub static FIXED_SIGNALS: [Signal; 4] = [
@@ -11,9 +12,6 @@ pub static FIXED_SIGNALS: [Signal; 4] = [
     Signal::new("motor_position_rad", "rad"),
     Signal::new("torque_nm", "N m"),
 ];
-
-/// Prefix that marks a drive's signal among all signals of a run.
-pub const DRIVE_PREFIX: &str = "drive.";
 
 /// The signals of one run: those of its plant, and those that its telemetry carries.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

@@ -32,6 +32,9 @@ const BINARY: u8 = 0;
 const SUPPRESS_GO_AHEAD: u8 = 3;
 /// What the bench does and lets the server do.
 const OPTIONS: [u8; 3] = [BINARY, SUPPRESS_GO_AHEAD, COM_PORT];
+/// Places in [`OPTIONS`].
+const BINARY_AT: usize = 0;
+const COM_PORT_AT: usize = 2;
 
 /// Why a server can't serve a port to the bench.
 #[derive(Debug, thiserror::Error)]
@@ -45,6 +48,11 @@ pub enum NegotiationError {
     /// The server has telnet without the option.
     #[error("the server refuses RFC 2217 (telnet option 44): enable it there (ser2net: telnet(rfc2217))")]
     NotOffered,
+    /// Data would pass as text.
+    #[error(
+        "the server refuses 8-bit data (telnet option 0, BINARY), so it alters every carriage return: allow it there"
+    )]
+    NotBinary,
     /// A setting was not confirmed.
     #[error("the server did not confirm the {} within {} s", .0.name(), NEGOTIATION_LIMIT.as_secs())]
     Unconfirmed(Setting),
@@ -80,6 +88,16 @@ enum Side {
 struct OptionState {
     ours: Side,
     theirs: Side,
+}
+
+impl OptionState {
+    fn is_pending(self) -> bool {
+        self.ours == Side::Pending || self.theirs == Side::Pending
+    }
+
+    fn is_on(self) -> bool {
+        self.ours == Side::On && self.theirs == Side::On
+    }
 }
 
 /// A link to a serial port behind an RFC 2217 server.
@@ -129,6 +147,10 @@ impl Rfc2217 {
             Side::Pending if port.has_telnet => return Err(NegotiationError::NotOffered),
             Side::Pending => return Err(NegotiationError::NotTelnet),
         }
+        port.work(deadline, |port| !port.options[BINARY_AT].is_pending())?;
+        if !port.options[BINARY_AT].is_on() {
+            return Err(NegotiationError::NotBinary);
+        }
         let settings = Setting::all(baud);
         for setting in settings {
             port.queue(&setting.command());
@@ -151,7 +173,7 @@ impl Rfc2217 {
 
     /// Whether the server has the option. A client offers it; some servers offer it as well.
     fn com_port(&self) -> Side {
-        let OptionState { ours, theirs } = self.options[OPTIONS.len() - 1];
+        let OptionState { ours, theirs } = self.options[COM_PORT_AT];
         match (ours, theirs) {
             (Side::On, _) | (_, Side::On) => Side::On,
             (Side::Off, _) => Side::Off,
@@ -171,11 +193,13 @@ impl Rfc2217 {
     }
 
     fn flush(&mut self) -> Result<(), LinkError> {
-        if !self.outgoing.is_empty() {
-            self.link.send(&self.outgoing)?;
-            self.outgoing.clear();
+        if self.outgoing.is_empty() {
+            return Ok(());
         }
-        Ok(())
+        let sent = self.link.send(&self.outgoing);
+        // After an error too: some of the bytes may have been sent, and the next frame must not follow them.
+        self.outgoing.clear();
+        sent
     }
 
     /// Receives until `done` or the deadline. Data is kept.

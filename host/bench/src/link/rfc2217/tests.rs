@@ -48,6 +48,31 @@ impl Link for Server {
     }
 }
 
+/// Takes no byte for a number of times.
+struct Stuck(Box<dyn Link>, u32);
+
+impl Link for Stuck {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        Some(self.0.as_mut())
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        if let Some(left) = self.1.checked_sub(1) {
+            self.1 = left;
+            return Err(LinkError::Stuck);
+        }
+        self.0.send(bytes)
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
+        self.0.receive(buffer, deadline)
+    }
+
+    fn discard_input(&mut self) -> Result<(), LinkError> {
+        self.0.discard_input()
+    }
+}
+
 fn opened(
     baud: u32,
     answers: impl FnMut(&[u8]) -> Vec<u8> + Send + 'static,
@@ -127,6 +152,39 @@ fn a_server_without_the_option_is_named() {
         offers.flat_map(|command| [255, 254, command[2]]).collect()
     });
     assert!(matches!(refusing, Err(NegotiationError::NotOffered)));
+}
+
+#[test]
+fn a_server_that_refuses_8_bit_data_is_an_error_in_either_direction() {
+    for (accepted, refused) in [([255, 253, 0], [255, 254, 0]), ([255, 251, 0], [255, 252, 0])] {
+        let (text, _) = opened(9600, move |bytes| {
+            let mut answer = agreeable(bytes);
+            if let Some(at) = answer.windows(3).position(|command| command == accepted) {
+                answer[at..at + 3].copy_from_slice(&refused);
+            }
+            answer
+        });
+        assert!(matches!(text, Err(NegotiationError::NotBinary)), "{:?}", text.err());
+        let (silent, _) = opened(9600, move |bytes| {
+            let mut answer = agreeable(bytes);
+            if let Some(at) = answer.windows(3).position(|command| command == accepted) {
+                answer.drain(at..at + 3);
+            }
+            answer
+        });
+        assert!(matches!(silent, Err(NegotiationError::NotBinary)), "{:?}", silent.err());
+    }
+}
+
+#[test]
+fn bytes_that_could_not_be_sent_do_not_precede_the_next_ones() {
+    let (port, received) = opened(9600, agreeable);
+    let mut port = port.unwrap();
+    received.lock().unwrap().clear();
+    port.link = Box::new(Stuck(port.link, 1));
+    assert!(matches!(port.send(&[1, 2]), Err(LinkError::Stuck)));
+    port.send(&[3]).unwrap();
+    assert_eq!(*received.lock().unwrap(), [3]);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{TraceRow, TraceWriter};
+use super::{TraceRow, TraceWriter, columns};
 use crate::record::columns::Columns;
 use crate::record::reader::{Record, Table};
 use crate::record::row::Row;
@@ -133,4 +133,13 @@ fn a_file_that_cannot_be_made_is_named() {
 fn a_full_disk_is_reported_with_the_path() {
     let error = TableWriter::create(Path::new("/dev/full"), ["time_s"], 1).expect_err("a full disk");
     assert_eq!(error.to_string(), "/dev/full: cannot be written: No space left on device (os error 28)");
+}
+
+#[test]
+fn a_plant_may_take_none_of_the_columns_of_every_trace() {
+    let columns = columns(&SignalTable::default());
+    let names: Vec<_> = columns.iter().map(|column| &*column.name).collect();
+    assert_eq!(names, lashloop_plant::FIXED_COLUMNS);
+    // Between the two times: what expectations may name in every run, with the same units.
+    assert_eq!(columns[1..columns.len() - 1], lashloop_plant::metrics::FIXED_SIGNALS);
 }
