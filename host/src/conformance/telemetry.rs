@@ -2,10 +2,14 @@
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
-use lashloop_protocol::message::{Arm, ClearFault, Reset, Start, Stop, Subscribe};
+use lashloop_protocol::message::{Arm, ClearFault, Reset, Stop, Subscribe};
+use lashloop_protocol::wire::Payload;
+use lashloop_protocol::{DriveMessage, HostMessage};
 
-use super::answers::{telemetry, torque};
-use super::assertion::{Failure, RuleResult, equal, names, skip};
+use lashloop_bench::session::DriveSignal;
+
+use super::answers::{outcome, telemetry, torque};
+use super::assertion::{Failure, RuleResult, equal, expect, names, skip};
 use super::check::{Check, check};
 use super::client::{CONTROLLER, Client};
 
@@ -232,20 +236,42 @@ fn series(client: &mut Client, signals: u32) -> Result<Vec<Vec<u32>>, Failure> {
 
 fn lacking(client: &mut Client) -> RuleResult {
     let laws = client.identity.law_count;
-    let lacks = |law: u8, it: &&lashloop_bench::session::DriveSignal| !it.laws.contains(law);
+    let lacks = |law: u8, it: &&DriveSignal| !it.laws.contains(law);
     let found = (0..laws).find_map(|law| {
-        client.description.signals.iter().find(|it| lacks(law, it)).map(|it| (law, it.index))
+        client.description.signals.iter().find(|it| lacks(law, it)).map(|it| (law, it.clone()))
     });
-    let Some((law, index)) = found else { return skip("every law has every signal") };
+    let Some((law, lacked)) = found else { return skip("every law has every signal") };
     client.idle()?;
     client.put(CONTROLLER, ParameterValue::U32(law.into()))?;
-    accepted(client, 1 << index, 1)?;
+    accepted(client, 1 << lacked.index, 1)?;
     let session = client.session;
-    equal("Arm", (Outcome::Inconsistent, State::Idle), client.command(Arm { session })?)?;
+    inconsistent(client, Arm { session }, State::Idle, &lacked)?;
     accepted(client, 0, 0)?;
     client.arm()?;
-    let subscribe = Subscribe { signals: 1 << index, every: 1 };
-    equal("in Armed", (Outcome::Inconsistent, State::Armed), client.command(subscribe)?)?;
-    equal("Start", (Outcome::Accepted, State::Running), client.command(Start { session })?)?;
-    equal("in Running", (Outcome::Inconsistent, State::Running), client.command(subscribe)?)
+    let subscribe = Subscribe { signals: 1 << lacked.index, every: 1 };
+    inconsistent(client, subscribe, State::Armed, &lacked)?;
+    client.start()?;
+    inconsistent(client, subscribe, State::Running, &lacked)
+}
+
+/// Requires the refusal with `Inconsistent` in this state, after a `Log` that names the signal.
+fn inconsistent<R: Payload + Into<HostMessage>>(
+    client: &mut Client,
+    request: R,
+    state: State,
+    lacked: &DriveSignal,
+) -> RuleResult {
+    let answers = client.request(request)?;
+    let what = format!("{} in {state:?}", R::LAYOUT.name);
+    equal(&what, (Outcome::Inconsistent, state), (outcome::<R>(&answers)?, client.state))?;
+    // A log may take several lines.
+    let before = answers.iter().take_while(|answer| !matches!(answer, DriveMessage::CommandResult(_)));
+    let log: String = before
+        .filter_map(|answer| match answer {
+            DriveMessage::Log(it) => Some(it.text.as_str()),
+            _ => None,
+        })
+        .collect();
+    let name = &*lacked.signal.name;
+    expect(log.contains(name), format!("{what}: before the refusal a Log that names {name}"), log)
 }

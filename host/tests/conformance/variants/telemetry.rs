@@ -145,6 +145,22 @@ pub const VARIANTS: &[Variant] = &[
         |_, answers| subscribing(answers, Outcome::Inconsistent, Outcome::Accepted),
     ),
     alters_answers(
+        "refuses signals of another law without a log",
+        "a signal that the law in force lacks is refused by Arm, and when armed",
+        |_, mut answers| {
+            answers.retain(|answer| !matches!(answer, DriveMessage::Log(_)));
+            answers
+        },
+    ),
+    alters_answers(
+        "names a signal after the refusal",
+        "a signal that the law in force lacks is refused by Arm, and when armed",
+        |_, mut answers| {
+            answers.sort_by_key(|answer| matches!(answer, DriveMessage::Log(_)));
+            answers
+        },
+    ),
+    alters_answers(
         "reports the limited torque",
         "telemetry carries the requested torque before the limit",
         |_, answers| values(answers, |values| values.fill(0.0)),
