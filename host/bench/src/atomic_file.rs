@@ -1,7 +1,7 @@
 //! Files that are complete or don't exist.
 
 use std::fs::{self, File, Permissions};
-use std::io::{self, Seek, SeekFrom, Write};
+use std::io::{self, ErrorKind, Seek, SeekFrom, Write};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
@@ -13,10 +13,23 @@ use tempfile::NamedTempFile;
 pub struct WriteError {
     /// The file.
     pub path: PathBuf,
-    /// `created` or `written`.
+    /// `created`, `written` or `removed`.
     pub action: &'static str,
     /// The operating system's reason.
     pub source: io::Error,
+}
+
+/// Removes a file, if it exists.
+///
+/// # Errors
+/// The file exists and can't be removed.
+pub fn remove_if_present(path: &Path) -> Result<(), WriteError> {
+    match fs::remove_file(path) {
+        Err(source) if source.kind() != ErrorKind::NotFound => {
+            Err(WriteError { path: path.to_owned(), action: "removed", source })
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Writes a temporary file in the same directory, then renames it, so that the name stands for a complete file. `prefix` begins

@@ -61,7 +61,10 @@ impl FromStr for Law {
     /// Former names of laws are accepted as in scenarios.
     fn from_str(text: &str) -> Result<Self, String> {
         let law = Self::ALL.into_iter().find(|law| law.name() == present_law(text));
-        law.ok_or_else(|| format!("expected {}", Self::ALL.map(Self::name).join(" or ")))
+        law.ok_or_else(|| {
+            let [others @ .., last] = Self::ALL.map(Self::name);
+            format!("expected {} or {last}", others.join(", "))
+        })
     }
 }
 
@@ -86,6 +89,6 @@ mod tests {
     fn former_names_of_laws_are_accepted() {
         assert_eq!("faithful".parse::<Law>().map(Law::name), Ok("merzouki"));
         assert_eq!("compensating".parse(), Ok(Law::WITH_LIMITS));
-        assert_eq!("lqr".parse::<Law>(), Err("expected pd or merzouki or backlash-inverse".to_owned()));
+        assert_eq!("lqr".parse::<Law>(), Err("expected pd, merzouki or backlash-inverse".to_owned()));
     }
 }

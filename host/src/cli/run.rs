@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::bench::Bench;
 use clap::Args;
-use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::atomic_file::{WriteError, remove_if_present};
 use lashloop_bench::capture::link::Captured;
 use lashloop_bench::capture::{self, Capture, WhenFull};
 use lashloop_bench::device::{Device, DeviceChoice};
@@ -77,7 +77,6 @@ impl Arguments {
         for warning in device.device.warnings() {
             error_line(format_args!("lashloop: warning: {warning}"));
         }
-        // Only once a drive is open: a failed start keeps the old record.
         let record = self.out.as_deref().map(|folder| Folder::prepare(folder, &scenario)).transpose()?;
         let progress = Progress::of(&scenario);
         let mut watcher = RunWatcher { record, tables: None, capture, supervisor: &supervisor, progress };
@@ -105,7 +104,7 @@ impl Arguments {
     }
 }
 
-/// The folder of the record, without the summary of an earlier run.
+/// The folder of the record.
 #[derive(Clone, Copy)]
 struct Folder<'a> {
     path: &'a Path,
@@ -114,7 +113,7 @@ struct Folder<'a> {
 
 impl<'a> Folder<'a> {
     fn prepare(path: &'a Path, scenario: &Scenario) -> Result<Self, CliError> {
-        prepare_folder(path, &[SUMMARY_FILE])?;
+        prepare_folder(path, &[])?;
         Ok(Self { path, flush_rows: scenario.record.flush_rows })
     }
 }
@@ -160,6 +159,8 @@ struct RunWatcher<'a> {
 impl StepObserver for RunWatcher<'_> {
     fn begin(&mut self, signals: &SignalTable) -> Result<(), WriteError> {
         let Some(Folder { path, flush_rows }) = self.record else { return Ok(()) };
+        // Only now: a run that the drive refuses keeps the old record whole.
+        remove_if_present(&path.join(SUMMARY_FILE))?;
         self.tables = Some(Tables {
             trace: TraceWriter::create(path, signals, flush_rows)?,
             timing: TimingWriter::create(path, flush_rows)?,

@@ -13,12 +13,15 @@ fn the_budget_says_where_the_time_goes_and_what_to_change() {
 
 #[test]
 fn exit_code_is_1_if_the_worst_cycle_exceeds_the_period() {
-    // 35 bytes at 460,800 Bd take 0.76 of 0.86 ms, and telemetry delays the torque by 0.16 ms.
+    // 35 bytes at 460,800 Bd take 0.76 of 0.86 ms, and telemetry of 5 signals delays the torque by 0.08 ms, of 6 by 0.16 ms.
     for (options, code) in [
         (&["budget"][..], 0),
-        (&["budget", "--baud", "460800", "--period-us", "900"], 1),
+        (&["budget", "--baud", "460800", "--period-us", "900", "--signals", "6"], 1),
+        (&["budget", "--baud", "460800", "--period-us", "900", "--signals", "5"], 0),
         (&["budget", "--baud", "460800", "--period-us", "900", "--telemetry-every", "0"], 0),
-        (&["budget", "--baud", "460800"], 0),
+        (&["budget", "--baud", "460800", "--signals", "6"], 0),
+        // The first law has more signals than fit behind a torque at this speed.
+        (&["budget", "--baud", "460800"], 1),
         (&["budget", "scenarios/shaft-pd.toml", "--baud", "115200"], 1),
         (&["budget", "scenarios/shaft-pd.toml", "--baud", "115200", "--period-us", "8000"], 0),
         (&["budget", "--baud", "100"], 2),

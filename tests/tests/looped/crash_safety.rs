@@ -96,15 +96,42 @@ fn a_disk_full_at_the_start_is_named_before_the_run() {
 
 #[test]
 fn a_summary_that_does_not_fit_leaves_a_whole_trace_alone() {
-    // The tables of two steps fit; a summary of several kilobytes does not.
+    // The tables of two steps and their columns fit; the summary, of more than 3,072 bytes, does not.
     let records = Records::new();
-    let (code, stderr) = with_files_up_to(2, &records, &["run.duration_s=0.002"]);
+    let (code, stderr) = with_files_up_to(6, &records, &["run.duration_s=0.002"]);
     assert_eq!(code, Some(2), "{stderr}");
     assert!(stderr.contains("summary.json: cannot be written: "), "{stderr}");
     assert_eq!((records.trace().len(), records.summary_text()), (2, None));
     let files: Vec<_> =
         fs::read_dir(records.out()).expect("the folder").flatten().map(|it| it.file_name()).collect();
-    assert_eq!(files.len(), 2, "the tables alone: {files:?}");
+    assert_eq!(files.len(), 3, "the tables and their columns alone: {files:?}");
+}
+
+#[test]
+fn a_refused_run_keeps_the_record_of_an_earlier_run() {
+    let records = Records::new();
+    let out = records.out();
+    let run = |limit_nm| {
+        let setting = format!("controller.parameters.torque_limit_nm={limit_nm}");
+        program::run([
+            "run",
+            "scenarios/shaft-pd.toml",
+            "--device",
+            "inproc",
+            "--out",
+            &out,
+            "--set",
+            &setting,
+        ])
+    };
+    let files = || {
+        ["trace.csv", "trace.json", "timing.csv", "summary.json"]
+            .map(|name| fs::read(records.path(name)).unwrap_or_else(|error| panic!("{name}: {error}")))
+    };
+    let _ = run(25).with_code(0);
+    let before = files();
+    let _ = run(2000).with_code(2);
+    assert!(before == files(), "a file of the first run has changed");
 }
 
 #[test]

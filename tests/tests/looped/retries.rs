@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::mpsc;
 
 use lashloop_protocol::enums::FaultCode;
-use lashloop_protocol::message::{Start, Stop};
+use lashloop_protocol::message::{Arm, Reset, Start, Stop, Subscribe};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage, Message};
 use tests::paper::RUNS;
@@ -57,35 +57,39 @@ fn torques_over(tamper: impl FnMut(&Transit) -> Action + Send + 'static, setting
 }
 
 /// Drops the first frame of each kind.
-fn drop_the_first<Kind: Ord>(
+fn drop_the_first<Kind: Ord + Clone>(
     kind: impl Fn(&Transit) -> Option<Kind> + Send + 'static,
-    hits: mpsc::Sender<()>,
+    dropped: mpsc::Sender<Kind>,
 ) -> impl FnMut(&Transit) -> Action {
     let mut seen = BTreeSet::new();
     move |frame| {
-        if kind(frame).is_some_and(|kind| seen.insert(kind)) {
-            let _ = hits.send(());
-            return drop_frame();
-        }
-        Action::Forward
+        let Some(kind) = kind(frame).filter(|kind| seen.insert(kind.clone())) else { return Action::Forward };
+        let _ = dropped.send(kind);
+        drop_frame()
     }
 }
 
 #[test]
 fn a_run_survives_the_loss_of_each_first_request() {
-    let (hit, hits) = mpsc::channel();
-    let torques = torques_over(drop_the_first(request, hit), &[]);
-    // Hello, DescribeParameter, Reset, SetParameter, Arm, Start, Stop.
-    assert_eq!(hits.iter().count(), 7);
+    let (sender, dropped) = mpsc::channel();
+    let torques = torques_over(drop_the_first(request, sender), &[]);
+    let setup = ["Hello", "DescribeLaw", "DescribeParameter", "DescribeChoice", "DescribeSignal"];
+    let run = ["Reset", "SetParameter", "Subscribe", "Arm", "Start", "Stop"];
+    assert_eq!(dropped.iter().collect::<Vec<_>>(), [&setup[..], &run].concat());
     assert_eq!(torques, torques_of_a_run("native", &[]));
 }
 
 #[test]
 fn a_run_survives_the_loss_of_each_first_answer() {
-    let (hit, hits) = mpsc::channel();
-    let torques = torques_over(drop_the_first(answer, hit), &[]);
-    // One answer to each, and the line report ahead of the answer to Stop.
-    assert_eq!(hits.iter().count(), 8);
+    let (sender, dropped) = mpsc::channel();
+    let torques = torques_over(drop_the_first(answer, sender), &[]);
+    let descriptions =
+        ["Identity", "LawDescription", "ParameterDescription", "ChoiceDescription", "SignalDescription"];
+    let [reset, subscribe, arm, start, stop] =
+        [Reset::LAYOUT, Subscribe::LAYOUT, Arm::LAYOUT, Start::LAYOUT, Stop::LAYOUT]
+            .map(|request| format!("answer to {:#04x}", request.kind));
+    let run = [&reset, "ParameterReport", &subscribe, &arm, &start, "LineReport", &stop];
+    assert_eq!(dropped.iter().collect::<Vec<_>>(), [&descriptions[..], &run].concat());
     assert_eq!(torques, torques_of_a_run("native", &[]));
 }
 

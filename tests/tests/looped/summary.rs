@@ -15,10 +15,10 @@ fn without(text: &str, keys: &[&str]) -> String {
     text.lines().map(line).collect()
 }
 
-/// The text without the timing report.
-fn without_timing(text: &str) -> String {
-    let (before, rest) = text.split_once("  \"timing\": {").expect("timing");
-    let (_, after) = rest.split_once("\n  },\n").expect("the end of timing");
+/// The text without an object of the summary.
+fn without_object(text: &str, name: &str) -> String {
+    let (before, rest) = text.split_once(&format!("  \"{name}\": {{")).expect(name);
+    let (_, after) = rest.split_once("\n  },\n").expect("the end of the object");
     format!("{before}{after}")
 }
 
@@ -34,7 +34,13 @@ fn a_summary_has_all_that_identifies_and_repeats_a_run() {
     assert!(wall_s > 0.0, "have {wall_s} s");
     let device = summary["device"].as_str().expect("the device");
     assert!(device.starts_with("native (native-twin, firmware "), "{device}");
-    insta::assert_snapshot!(without(&without_timing(&text), &["device", "evidence", "wall_s"]));
+    let build = summary["versions"]["firmware_build"].as_str().expect("the build of the firmware");
+    assert!(build.len() == 8 && device.contains(build), "{build} of {device}");
+    let changing = ["device", "wall_s", "firmware_build", "firmware_dirty"];
+    let evidence = &summary["evidence"];
+    assert_eq!(evidence["files"][0]["sha256"].as_str().map(str::len), Some(64), "{evidence}");
+    let lasting = without_object(&without_object(&text, "timing"), "evidence");
+    insta::assert_snapshot!(without(&lasting, &changing));
     let timing = &summary["timing"];
     assert_eq!((&timing["clock"], &timing["steps"]), (&"lockstep".into(), &25_000.into()));
     let quantiles = |name: &str| {

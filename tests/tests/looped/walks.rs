@@ -1,4 +1,4 @@
-//! The walks of `docs/extend` for laws, the library and continuous integration. The tests of the crate's documentation have
+//! The walks of `docs/extend` for laws, plants, the library and continuous integration. The tests of the crate's documentation have
 //! their Rust.
 
 use tests::walk::through;
@@ -6,6 +6,11 @@ use tests::walk::through;
 #[test]
 fn the_walk_to_an_own_law_leads_there() {
     through("docs/extend/law.md", &[]);
+}
+
+#[test]
+fn the_walk_to_an_own_plant_leads_there() {
+    through("docs/extend/plant.md", &[]);
 }
 
 #[test]
