@@ -33,6 +33,9 @@
 #define LASHLOOP_PARAMETER_MOTOR_COUNTS_PER_REV "motor_counts_per_rev"
 #define LASHLOOP_PARAMETER_LOAD_COUNTS_PER_REV "load_counts_per_rev"
 #define LASHLOOP_PARAMETER_WATCHDOG_US "watchdog_us"
+#define LASHLOOP_PARAMETER_TORQUE_LIMIT_NM "torque_limit_nm"
+#define LASHLOOP_PARAMETER_MOTOR_SPEED_LIMIT_RAD_S "motor_speed_limit_rad_s"
+#define LASHLOOP_PARAMETER_LOAD_SPEED_LIMIT_RAD_S "load_speed_limit_rad_s"
 
 enum lashloop_state {
     LASHLOOP_STATE_BOOT = 1,

@@ -129,7 +129,12 @@ collected!(
 
 impl Parameter {
     const fn check(&self) {
-        check_text(self.name, ParameterName::CAPACITY, "is longer than the 27 bytes of a parameter's name");
+        check_name(
+            "a parameter",
+            self.name,
+            ParameterName::CAPACITY,
+            "is longer than the 27 bytes of a parameter's name",
+        );
         check_text(self.unit, UnitName::CAPACITY, "is longer than the 10 bytes of a unit");
         let is_consistent = match self.range {
             Range::U32 { default, min, max } => min <= default && default <= max,
@@ -137,11 +142,13 @@ impl Parameter {
                 min <= default && default <= max && min.is_finite() && max.is_finite()
             }
             Range::Choice { default, names } => {
-                let mut at = 0;
-                while at < names.len() {
-                    check_text(names[at], ChoiceName::CAPACITY, "is longer than the 28 bytes of a choice");
-                    at += 1;
-                }
+                check_names(
+                    "a choice",
+                    names,
+                    ChoiceName::CAPACITY,
+                    "is longer than the 28 bytes of a choice",
+                    "is the name of two choices of one parameter",
+                );
                 names.len() <= CHOICES_MAX && (default as usize) < names.len()
             }
         };
@@ -175,7 +182,12 @@ impl Parameter {
 
 impl Signal {
     const fn check(&self) {
-        check_text(self.name, SignalName::CAPACITY, "is longer than the 32 bytes of a signal's name");
+        check_name(
+            "a signal",
+            self.name,
+            SignalName::CAPACITY,
+            "is longer than the 32 bytes of a signal's name",
+        );
         check_text(self.unit, UnitName::CAPACITY, "is longer than the 10 bytes of a unit");
     }
 
@@ -193,18 +205,13 @@ impl Signal {
 /// Checks the names of the laws and returns the drive's own parameter that selects one of them.
 #[must_use]
 pub const fn controller(names: &'static [&'static str]) -> Parameter {
-    let mut at = 0;
-    while at < names.len() {
-        check_text(names[at], LawName::CAPACITY, "is longer than the 28 bytes of a law's name");
-        let mut earlier = 0;
-        while earlier < at {
-            if same_text(names[earlier], names[at]) {
-                fail(names[at], "is the name of two laws");
-            }
-            earlier += 1;
-        }
-        at += 1;
-    }
+    check_names(
+        "a law",
+        names,
+        LawName::CAPACITY,
+        "is longer than the 28 bytes of a law's name",
+        "is the name of two laws",
+    );
     Parameter::new("controller", "", Range::Choice { default: 0, names })
 }
 
@@ -267,6 +274,30 @@ pub fn scatter<S: Signals>(signals: &S, map: &[u8], values: &mut [f32; MAX_SIGNA
     }
 }
 
+/// Checks names of one kind, such as `a law`: each as [`check_name`] does, and that no two are equal.
+const fn check_names(kind: &str, names: &[&str], longest: usize, too_long: &str, repeated: &str) {
+    let mut at = 0;
+    while at < names.len() {
+        check_name(kind, names[at], longest, too_long);
+        let mut earlier = 0;
+        while earlier < at {
+            if same_text(names[earlier], names[at]) {
+                fail(names[at], repeated);
+            }
+            earlier += 1;
+        }
+        at += 1;
+    }
+}
+
+/// Names are not empty; units may be.
+const fn check_name(kind: &str, name: &str, longest: usize, too_long: &str) {
+    if name.is_empty() {
+        fail(kind, "has an empty name");
+    }
+    check_text(name, longest, too_long);
+}
+
 const fn check_text(text: &str, longest: usize, problem: &str) {
     if text.len() > longest {
         fail(text, problem);
@@ -312,55 +343,4 @@ const fn fail(name: &str, problem: &str) -> ! {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const GAIN: Parameter = Parameter::new("gain", "s", Range::F32 { default: 1.0, min: 0.0, max: 2.0 });
-    const LIMIT: Parameter = Parameter::new("limit_nm", "N m", Range::U32 { default: 3, min: 1, max: 4 });
-
-    #[test]
-    fn one_name_is_one_parameter_of_all_laws_that_declare_it() {
-        let all = collect_parameters(&[&[LIMIT]], &[&[&[GAIN]], &[&[LIMIT], &[GAIN]], &[]]);
-        let table: [Parameter; 2] = all.exact();
-        assert_eq!((all.len, table[0].name, table[1].name), (2, "limit_nm", "gain"));
-        // A parameter of the drive has the bits of all laws.
-        assert_eq!((table[0].laws, table[1].laws), (0b111, 0b011));
-        assert_eq!(map_parameters::<2>(&table, &[&[GAIN], &[LIMIT]]), [1, 0]);
-        assert_eq!(defaults(&table), [3, 1.0_f32.to_bits()]);
-    }
-
-    #[test]
-    #[should_panic(expected = "gain is declared twice, with different units, defaults or ranges")]
-    fn a_parameter_with_two_ranges_is_refused() {
-        let wider = Parameter { range: Range::F32 { default: 1.0, min: 0.0, max: 3.0 }, ..GAIN };
-        let _ = collect_parameters(&[], &[&[&[GAIN]], &[&[wider]]]);
-    }
-
-    #[test]
-    #[should_panic(expected = "gain has a default outside its range")]
-    fn a_default_outside_its_range_is_refused() {
-        let _ = collect_parameters(
-            &[&[Parameter { range: Range::F32 { default: 3.0, min: 0.0, max: 2.0 }, ..GAIN }]],
-            &[],
-        );
-    }
-
-    #[test]
-    #[should_panic(expected = "is longer than the 27 bytes of a parameter's name")]
-    fn a_name_that_does_not_fit_its_field_is_refused() {
-        let _ = collect_parameters(&[&[Parameter { name: "a_name_of_twenty_eight_bytes", ..GAIN }]], &[]);
-    }
-
-    #[test]
-    #[should_panic(expected = "e_rad is a signal of the drive itself, or twice a signal of one law")]
-    fn a_signal_of_the_drive_is_no_signal_of_a_law() {
-        let error = Signal::new("e_rad", "rad");
-        let _ = collect_signals(&[&[error]], &[&[&[error]]]);
-    }
-
-    #[test]
-    #[should_panic(expected = "pd is the name of two laws")]
-    fn two_laws_of_one_name_are_refused() {
-        let _ = controller(&["pd", "pd"]);
-    }
-}
+mod tests;

@@ -49,7 +49,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     clock: ClockOptions,
 
-    /// Folder for the record: summary.json, trace.csv and timing.csv
+    /// Folder for the record: summary.json, trace.csv, trace.json with the units of its columns, and timing.csv
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 

@@ -91,7 +91,8 @@ fn unknown_index(client: &mut Client) -> RuleResult {
     for it in &client.description.parameters {
         match it.max {
             ParameterValue::U32(max) if !it.choices.is_empty() => {
-                unknown.extend(u8::try_from(max + 1).map(|choice| (it.index, choice)));
+                let above = max.checked_add(1).and_then(|choice| u8::try_from(choice).ok());
+                unknown.extend(above.map(|choice| (it.index, choice)));
             }
             _ => unknown.push((it.index, 0)),
         }

@@ -44,8 +44,8 @@ use std::time::Instant;
 
 use lashloop_protocol::message::Identity;
 
+pub use lashloop_protocol::parameter_names::REQUIRED as REQUIRED_PARAMETERS;
 pub use latency::LIMIT as ANSWER_LIMIT;
-pub use parameters::REQUIRED_PARAMETERS;
 pub use result::{CheckResult, CheckStatus};
 
 use assertion::Failure;

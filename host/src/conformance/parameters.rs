@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{DescribeParameter, GetParameter, SetParameter};
+use lashloop_protocol::parameter_names::REQUIRED;
 
 use lashloop_bench::session::Parameter;
 
@@ -14,21 +15,10 @@ use super::check::{Check, check};
 use super::client::Client;
 use super::range::{holds, nearest_whole, outside};
 
-/// Parameters that every drive must have: every run or a safety rule depends on them.
-pub const REQUIRED_PARAMETERS: [&str; 7] = [
-    "period_us",
-    "motor_counts_per_rev",
-    "load_counts_per_rev",
-    "watchdog_us",
-    "torque_limit_nm",
-    "motor_speed_limit_rad_s",
-    "load_speed_limit_rad_s",
-];
-
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
         check("the drive has every required parameter", |client| {
-            REQUIRED_PARAMETERS.iter().try_for_each(|name| client.parameter(name).map(drop))
+            REQUIRED.iter().try_for_each(|name| client.parameter(name).map(drop))
         }),
         check("every parameter name is unique", |client| {
             let mut seen = HashSet::new();

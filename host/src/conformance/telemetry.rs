@@ -2,10 +2,14 @@
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
-use lashloop_protocol::message::{Arm, ClearFault, Reset, Start, Stop, Subscribe};
+use lashloop_protocol::message::{Arm, ClearFault, Reset, Stop, Subscribe};
+use lashloop_protocol::wire::Payload;
+use lashloop_protocol::{DriveMessage, HostMessage};
 
-use super::answers::{telemetry, torque};
-use super::assertion::{Failure, RuleResult, equal, names, skip};
+use lashloop_bench::session::DriveSignal;
+
+use super::answers::{outcome, telemetry, torque};
+use super::assertion::{Failure, RuleResult, equal, expect, names, skip};
 use super::check::{Check, check};
 use super::client::{CONTROLLER, Client};
 
@@ -69,22 +73,22 @@ pub(super) fn checks() -> Vec<Check> {
         check("a signal that the drive does not have is refused and changes nothing", |client| {
             let count = u32::from(client.identity.signal_count);
             let Some(unknown) = 1_u32.checked_shl(count) else { return skip("the drive has all 32 signals") };
-            client.idle()?;
-            let known = (unknown - 1) & (unknown - 1).wrapping_neg();
-            accepted(client, known, 1)?;
-            for signals in [unknown, unknown | known, 1 << 31 | unknown] {
-                refused(client, signals, Outcome::UnknownIndex)?;
-            }
-            Ok(())
+            let known = signals(client).map_or(0, lowest);
+            unchanged_by_refusals(
+                client,
+                known,
+                &[unknown, unknown | known, 1 << 31 | unknown],
+                Outcome::UnknownIndex,
+            )
         }),
-        check("more than 13 signals are refused as OutOfRange", |client| {
+        check("more than 13 signals are refused as OutOfRange and change nothing", |client| {
             let count = u32::from(client.identity.signal_count);
             if count as usize <= MAX_TELEMETRY_VALUES {
                 return skip("the drive has no 14 signals");
             }
-            client.idle()?;
-            let signals = u32::try_from((1_u64 << (MAX_TELEMETRY_VALUES + 1)) - 1).unwrap_or(u32::MAX);
-            refused(client, signals, Outcome::OutOfRange)
+            let known = signals(client).map_or(0, lowest);
+            let too_many = (1 << (MAX_TELEMETRY_VALUES + 1)) - 1;
+            unchanged_by_refusals(client, known, &[too_many], Outcome::OutOfRange)
         }),
         check("a signal that the law in force lacks is refused by Arm, and when armed", lacking),
         check("telemetry carries the requested torque before the limit", |client| {
@@ -143,12 +147,44 @@ fn accepted(client: &mut Client, signals: u32, every: u16) -> RuleResult {
     equal(&format!("to signals {signals:#x}"), Outcome::Accepted, outcome)
 }
 
-fn refused(client: &mut Client, signals: u32, wanted: Outcome) -> RuleResult {
-    for every in [0, 1] {
-        let (outcome, _) = client.command(Subscribe { signals, every })?;
-        equal(&format!("to signals {signals:#x}, every {every}"), wanted, outcome)?;
+/// The signal of a subscription with the lowest index, alone.
+const fn lowest(signals: u32) -> u32 {
+    signals & signals.wrapping_neg()
+}
+
+/// Subscribes to `known`, then to each of `refused`, and requires the telemetry of the first subscription: after refusals in
+/// `Idle` and after refusals in `Running`.
+fn unchanged_by_refusals(client: &mut Client, known: u32, refused: &[u32], outcome: Outcome) -> RuleResult {
+    client.idle()?;
+    accepted(client, known, 1)?;
+    refusals(client, refused, outcome)?;
+    client.running(&[])?;
+    subscribed(client, 0, known)?;
+    refusals(client, refused, outcome)?;
+    subscribed(client, 1, known)
+}
+
+fn refusals(client: &mut Client, refused: &[u32], wanted: Outcome) -> RuleResult {
+    for &signals in refused {
+        for every in [0, 1] {
+            let (outcome, _) = client.command(Subscribe { signals, every })?;
+            equal(&format!("to signals {signals:#x}, every {every}"), wanted, outcome)?;
+        }
     }
     Ok(())
+}
+
+/// Requires one value for each of these signals with the torque of a sample, and no telemetry for none.
+fn subscribed(client: &mut Client, sequence: u16, signals: u32) -> RuleResult {
+    let answers = client.sample(sequence)?;
+    let both = vec!["TorqueAnswer", "Telemetry"];
+    let wanted = if signals == 0 { vec!["TorqueAnswer"] } else { both };
+    equal(&format!("to sample {sequence} after the refusals"), wanted, names(&answers))?;
+    if signals == 0 {
+        return Ok(());
+    }
+    let values = telemetry(&answers)?.values.as_slice().len();
+    equal("values of the telemetry after the refusals", signals.count_ones() as usize, values)
 }
 
 fn running_with(client: &mut Client, signals: u32, every: u16) -> RuleResult {
@@ -200,20 +236,42 @@ fn series(client: &mut Client, signals: u32) -> Result<Vec<Vec<u32>>, Failure> {
 
 fn lacking(client: &mut Client) -> RuleResult {
     let laws = client.identity.law_count;
-    let lacks = |law: u8, it: &&lashloop_bench::session::DriveSignal| !it.laws.contains(law);
+    let lacks = |law: u8, it: &&DriveSignal| !it.laws.contains(law);
     let found = (0..laws).find_map(|law| {
-        client.description.signals.iter().find(|it| lacks(law, it)).map(|it| (law, it.index))
+        client.description.signals.iter().find(|it| lacks(law, it)).map(|it| (law, it.clone()))
     });
-    let Some((law, index)) = found else { return skip("every law has every signal") };
+    let Some((law, lacked)) = found else { return skip("every law has every signal") };
     client.idle()?;
     client.put(CONTROLLER, ParameterValue::U32(law.into()))?;
-    accepted(client, 1 << index, 1)?;
+    accepted(client, 1 << lacked.index, 1)?;
     let session = client.session;
-    equal("Arm", (Outcome::Inconsistent, State::Idle), client.command(Arm { session })?)?;
+    inconsistent(client, Arm { session }, State::Idle, &lacked)?;
     accepted(client, 0, 0)?;
     client.arm()?;
-    let subscribe = Subscribe { signals: 1 << index, every: 1 };
-    equal("in Armed", (Outcome::Inconsistent, State::Armed), client.command(subscribe)?)?;
-    equal("Start", (Outcome::Accepted, State::Running), client.command(Start { session })?)?;
-    equal("in Running", (Outcome::Inconsistent, State::Running), client.command(subscribe)?)
+    let subscribe = Subscribe { signals: 1 << lacked.index, every: 1 };
+    inconsistent(client, subscribe, State::Armed, &lacked)?;
+    client.start()?;
+    inconsistent(client, subscribe, State::Running, &lacked)
+}
+
+/// Requires the refusal with `Inconsistent` in this state, after a `Log` that names the signal.
+fn inconsistent<R: Payload + Into<HostMessage>>(
+    client: &mut Client,
+    request: R,
+    state: State,
+    lacked: &DriveSignal,
+) -> RuleResult {
+    let answers = client.request(request)?;
+    let what = format!("{} in {state:?}", R::LAYOUT.name);
+    equal(&what, (Outcome::Inconsistent, state), (outcome::<R>(&answers)?, client.state))?;
+    // A log may take several lines.
+    let before = answers.iter().take_while(|answer| !matches!(answer, DriveMessage::CommandResult(_)));
+    let log: String = before
+        .filter_map(|answer| match answer {
+            DriveMessage::Log(it) => Some(it.text.as_str()),
+            _ => None,
+        })
+        .collect();
+    let name = &*lacked.signal.name;
+    expect(log.contains(name), format!("{what}: before the refusal a Log that names {name}"), log)
 }

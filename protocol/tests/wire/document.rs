@@ -200,6 +200,15 @@ fn reserved_names_are_those_of_the_code() {
 }
 
 #[test]
+fn a_minimal_drive_has_the_parameters_that_are_always_required() {
+    let rows = table(section("### Reserved names"), "name");
+    let required: Vec<_> = rows.iter().filter(|row| row[2] == "always").map(|row| &*row[0]).collect();
+    assert_eq!(required, parameter_names::REQUIRED);
+    let count = format!("`signal_count` 0 and `parameter_count` {};", required.len());
+    assert!(section("## 10. Laws, signals and choices").contains(&count), "the minimal drive has {count:?}");
+}
+
+#[test]
 fn the_crc_is_that_of_the_code() {
     let section = section("### CRC");
     let rows = table(section, "");

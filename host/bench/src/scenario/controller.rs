@@ -84,13 +84,13 @@ impl fmt::Display for ParameterValue {
 
 pub(super) fn read(controller: &mut Section<'_>) -> ControllerSettings {
     let name = controller
-        .doc("The control law, by its name in the drive; `lashloop parameters` prints the laws.")
+        .doc("The control law, by its name in the drive; `lashloop parameters list` prints the laws.")
         .text("name", Some("the name of one of the drive's laws, in quotes"));
     ControllerSettings {
         name: name.unwrap_or_default().to_owned(),
         origin: controller.origin_of("name"),
         parameters: controller
-            .doc("Parameters set on the drive before the run, by their names in the drive; `lashloop parameters` prints them with unit, range and default.")
+            .doc("Parameters set on the drive before the run, by their names in the drive; `lashloop parameters list` prints them with unit, range and default.")
             .section("parameters", read_parameters),
     }
 }

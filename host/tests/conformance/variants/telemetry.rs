@@ -1,11 +1,14 @@
 //! Drives with wrong telemetry.
 
+use lashloop_firmware::law::LawSet;
 use lashloop_protocol::enums::{Outcome, TorqueFlags};
+use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::message::{Subscribe, Telemetry};
 use lashloop_protocol::telemetry_values::TelemetryValues;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
 use super::{alters_answers, each, is_result_of};
+use crate::laws::TestLaws;
 use crate::mutants::Variant;
 
 /// Telemetry of one zero.
@@ -35,6 +38,32 @@ fn values(answers: Vec<DriveMessage>, alter: fn(&mut [f32])) -> Vec<DriveMessage
             it.values = TelemetryValues::new(&values).expect("as many values");
         }
     })
+}
+
+/// Whether the drive refuses this subscription in `Idle`.
+fn is_refused(request: &HostMessage) -> bool {
+    let known = (1_u64 << TestLaws::SIGNALS.len()) - 1;
+    let HostMessage::Subscribe(Subscribe { signals, .. }) = request else { return false };
+    u64::from(*signals) & !known != 0 || signals.count_ones() as usize > MAX_TELEMETRY_VALUES
+}
+
+/// Ends the subscription with each one that it refuses.
+const fn drops_on_refusal(caught_by: &'static str) -> Variant {
+    Variant {
+        does: "drops its subscription on a refusal",
+        caught_by,
+        on_request: |_, request| {
+            let dropped = is_refused(&request).then(|| Subscribe { signals: 0, every: 0 }.into());
+            [request].into_iter().chain(dropped).collect()
+        },
+        on_answers: |memory, mut answers| {
+            if memory.request.as_ref().is_some_and(is_refused) {
+                answers.truncate(1);
+            }
+            answers
+        },
+        ..Variant::UNCHANGED
+    }
 }
 
 pub const VARIANTS: &[Variant] = &[
@@ -105,13 +134,31 @@ pub const VARIANTS: &[Variant] = &[
     ),
     alters_answers(
         "accepts any number of signals",
-        "more than 13 signals are refused as OutOfRange",
+        "more than 13 signals are refused as OutOfRange and change nothing",
         |_, answers| subscribing(answers, Outcome::OutOfRange, Outcome::Accepted),
     ),
+    drops_on_refusal("a signal that the drive does not have is refused and changes nothing"),
+    drops_on_refusal("more than 13 signals are refused as OutOfRange and change nothing"),
     alters_answers(
         "accepts signals of another law",
         "a signal that the law in force lacks is refused by Arm, and when armed",
         |_, answers| subscribing(answers, Outcome::Inconsistent, Outcome::Accepted),
+    ),
+    alters_answers(
+        "refuses signals of another law without a log",
+        "a signal that the law in force lacks is refused by Arm, and when armed",
+        |_, mut answers| {
+            answers.retain(|answer| !matches!(answer, DriveMessage::Log(_)));
+            answers
+        },
+    ),
+    alters_answers(
+        "names a signal after the refusal",
+        "a signal that the law in force lacks is refused by Arm, and when armed",
+        |_, mut answers| {
+            answers.sort_by_key(|answer| matches!(answer, DriveMessage::Log(_)));
+            answers
+        },
     ),
     alters_answers(
         "reports the limited torque",
