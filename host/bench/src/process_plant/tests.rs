@@ -178,16 +178,17 @@ fn a_line_without_a_step_is_an_error_instead_of_a_lag() {
 
 #[test]
 fn a_dropped_plant_leaves_no_process() {
-    let name = "process_plant_that_hangs";
+    let name = format!("process_plant_that_hangs_{}", std::process::id());
     // Deaf to the end of its input, with a child of its own.
     let text = format!("read a; echo '{HELLO}'; sleep 1000; : {name}");
     let plant = script(&text).expect("a plant");
     let running = || {
         let processes = std::fs::read_dir("/proc").expect("a list of processes");
         let lines = processes.filter_map(|entry| std::fs::read(entry.ok()?.path().join("cmdline")).ok());
-        lines.filter(|line| String::from_utf8_lossy(line).contains(name)).count()
+        lines.filter(|line| String::from_utf8_lossy(line).contains(&name)).count()
     };
-    assert_eq!(running(), 1);
+    // The shell, and for an instant its child before `sleep` takes its place.
+    assert!(running() > 0);
     drop(plant);
     let deadline = Instant::now() + Duration::from_secs(5);
     while running() > 0 {
