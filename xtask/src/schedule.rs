@@ -18,8 +18,8 @@ pub(crate) type Lane = &'static [&'static str];
 /// The lanes of a stage run at the same time, the stages one after the other. Each chore is a call of this program.
 pub(crate) const STAGES: [&[Lane]; 3] = [
     &[&["setup"], &["check"]],
-    &[&["test image"], &["test python", "test unit --timing untimed", "test fuzz"]],
-    &[&["test unit --timing timed", "test loop"]],
+    &[&["test image"], &["test unit --timing untimed", "test fuzz"]],
+    &[&["test unit --timing timed", "test python", "test loop"]],
 ];
 
 /// Runs the stages.

@@ -1,10 +1,9 @@
 //! Sequences of requests that lead into each state of a drive.
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::message::{Arm, EmergencyStop, Reset, Start};
 
-use super::assertion::{RuleResult, equal};
+use super::assertion::{Failure, RuleResult, equal};
 use super::client::Client;
 
 /// Long enough for any bench on any machine, so that no watchdog trips in a check of another rule.
@@ -13,8 +12,8 @@ const LONG_WATCHDOG_US: u32 = 30_000_000;
 impl Client {
     /// Resets the drive from any state.
     pub(super) fn reset(&mut self) -> RuleResult {
-        // Ends a partial frame of the previous check.
-        self.send_bytes(&[DELIMITER])?;
+        // Discards late answers to the previous check, and ends its partial frame.
+        self.line.clear().map_err(Failure::Session)?;
         let got = self.command(Reset {})?;
         equal("before the check, Reset", (Outcome::Accepted, State::Boot), got)
     }
