@@ -196,22 +196,3 @@ fn a_dropped_plant_leaves_no_process() {
         std::thread::yield_now();
     }
 }
-
-/// `cargo test -p lashloop-bench --lib process_plant -- --ignored --nocapture` prints what a step costs.
-#[test]
-#[ignore = "a measurement, which prints figures and judges none"]
-fn cost_of_a_step() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/plant-process");
-    let answering = format!("read a; echo '{HELLO}'; while read b; do echo '{STATE}'; done");
-    for (name, command) in [("sh", vec!["sh", "-c", &answering]), ("plant.py", vec!["python3", "plant.py"])] {
-        let mut plant = release(&values(&command), &folder).expect(name);
-        let mut times_us: Vec<f64> = Vec::new();
-        for _ in 0..5_000 {
-            let started = Instant::now();
-            plant.step(0.5, 1e-3).expect("a step");
-            times_us.push(started.elapsed().as_nanos() as f64 / 1e3);
-        }
-        times_us.sort_by(f64::total_cmp);
-        println!("{name}: median {:.0} us, 99 % within {:.0} us", times_us[2_500], times_us[4_950]);
-    }
-}
