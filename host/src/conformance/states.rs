@@ -51,10 +51,15 @@ impl Client {
         preparation(name, done)
     }
 
+    /// Sets the watchdog to a time in which no check ends.
+    pub(super) fn long_watchdog(&mut self) -> RuleResult {
+        self.put("watchdog_us", ParameterValue::U32(LONG_WATCHDOG_US))
+    }
+
     /// Opens the session, sets these parameters, arms and starts.
     pub(super) fn running(&mut self, settings: &[(&str, ParameterValue)]) -> RuleResult {
         self.idle()?;
-        self.put("watchdog_us", ParameterValue::U32(LONG_WATCHDOG_US))?;
+        self.long_watchdog()?;
         self.put_all(settings)?;
         self.arm()?;
         self.start()
