@@ -62,6 +62,11 @@ pub trait Reporter {
     /// A check has ended, or was skipped.
     fn checked(&mut self, result: &CheckResult);
 
+    /// Whether to run this check.
+    fn wants(&self, _group: &str, _name: &str) -> bool {
+        true
+    }
+
     /// Whether to end before the next check.
     fn is_interrupted(&self) -> bool {
         false
@@ -80,6 +85,9 @@ pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Re
     for (group, check) in all_checks() {
         if reporter.is_interrupted() {
             break;
+        }
+        if !reporter.wants(group, &check.name) {
+            continue;
         }
         let started = Instant::now();
         let status = match client.reset().and_then(|()| (check.run)(&mut client)) {
