@@ -41,7 +41,7 @@ impl Reporter for Hunt<'_> {
     }
 
     fn checked(&mut self, result: &CheckResult) {
-        if matches!(result.status, CheckStatus::Failed { .. }) {
+        if matches!(result.status, CheckStatus::Failed { .. } | CheckStatus::NotJudged { .. }) {
             self.found_by = Some(result.name.clone());
         }
     }

@@ -1,7 +1,8 @@
 //! The sites of a drive: a value goes in, and the value in force comes out.
 
 use std::cell::{Cell, RefCell};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
+use std::hash::{DefaultHasher, Hasher};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -29,14 +30,22 @@ struct Probe {
     mutant: Mutant,
     memory: Memory,
     acts_in: Checks,
+    /// Of all values, so that two mutants with the same ones count as one.
+    trace: DefaultHasher,
 }
 
 impl Recorder {
     /// Every mutant that acts at all, and where.
     pub fn mutants(&self) -> Vec<(Mutant, Checks)> {
         let sites = self.sites.lock().unwrap_or_else(PoisonError::into_inner);
-        let probes = sites.values().flatten();
-        probes.filter(|it| !it.acts_in.is_empty()).map(|it| (it.mutant, it.acts_in.clone())).collect()
+        let mut mutants = Vec::new();
+        for (key, probes) in &*sites {
+            let mut traces = HashSet::new();
+            let acting = probes.iter().filter(|it| !it.acts_in.is_empty());
+            let different = acting.filter(|it| traces.insert((key, it.trace.finish())));
+            mutants.extend(different.map(|it| (it.mutant, it.acts_in.clone())));
+        }
+        mutants
     }
 
     pub fn keys(&self) -> Vec<Key> {
@@ -47,11 +56,13 @@ impl Recorder {
         let check = self.check.load(Ordering::Relaxed);
         let mut sites = self.sites.lock().unwrap_or_else(PoisonError::into_inner);
         let probes = sites.entry(key).or_insert_with(|| {
-            let probe = |mutant| Probe { mutant, memory: Memory::default(), acts_in: Checks::new() };
+            let probe = |mutant| Probe { mutant, memory: Memory::default(), acts_in: Checks::new(), trace: DefaultHasher::new() };
             Mutant::all_at(key, value).into_iter().map(probe).collect()
         });
         for probe in probes {
-            if !probe.mutant.apply(&mut probe.memory, state, value).is(value) {
+            let mutated = probe.mutant.apply(&mut probe.memory, state, value);
+            mutated.hash(&mut probe.trace);
+            if !mutated.is(value) {
                 probe.acts_in.insert(check);
             }
         }

@@ -1,5 +1,7 @@
 //! The value at a site of a drive, and the operators that alter it.
 
+use std::hash::{Hash, Hasher};
+
 /// How a number is stored, which decides what can go wrong with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Width {
@@ -171,6 +173,15 @@ impl Value {
             (Self::Text(text), Self::Text(other)) => text == other,
             (Self::List(list), Self::List(other)) => bits(list) == bits(other),
             _ => false,
+        }
+    }
+
+    pub fn hash(&self, into: &mut impl Hasher) {
+        match self {
+            Self::Pick { index, .. } => index.hash(into),
+            Self::Number { value, .. } => value.to_bits().hash(into),
+            Self::Text(text) => text.hash(into),
+            Self::List(list) => list.iter().for_each(|it| it.to_bits().hash(into)),
         }
     }
 

@@ -24,7 +24,7 @@ impl Drive {
                 self.send(SignalDescription { index: it.index, laws, name, unit });
             }
             HostMessage::DescribeChoice(it) => match choice(*it) {
-                Some(name) if self.is_known(request, 0, 1) => self.send(ChoiceDescription {
+                Some(name) if self.at.flag("DescribeChoice", "is known", true) => self.send(ChoiceDescription {
                     parameter: it.parameter,
                     choice: it.choice,
                     name: Text::new(name),

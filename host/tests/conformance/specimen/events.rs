@@ -7,26 +7,36 @@ use super::{Drive, defaults};
 impl Drive {
     /// After an event, be it a request, refused or done, a frame or time. A mutant loses with it what must be kept.
     pub(super) fn after(&mut self, event: &'static str) {
-        if !self.at.flag("keeps the parameters", event, true) {
+        let loses = |what, has_it| has_it && !self.at.flag(what, event, true);
+        let counts = self.counts;
+        let has_counts = [counts.messages, counts.damaged, counts.refused] != [0; 3];
+        let is_running = self.state() == State::Running;
+        let loses_parameters = loses("keeps the parameters", self.values != defaults());
+        let loses_subscription = loses("keeps the subscription", self.signals != 0 || self.every != 0);
+        let loses_session = loses("keeps the session", self.session.is_some());
+        let loses_fault = loses("keeps the fault report", self.fault.is_some());
+        let loses_counts = loses("keeps the line counts", has_counts);
+        let loses_state = loses("keeps the state", !matches!(self.state(), State::Boot | State::Idle));
+        if is_running && self.at.flag("feeds the watchdog", event, false) {
+            self.fed_us = self.now_us;
+        }
+        if loses_parameters {
             self.values = defaults();
         }
-        if !self.at.flag("keeps the subscription", event, true) {
+        if loses_subscription {
             (self.signals, self.every) = (0, 0);
         }
-        if !self.at.flag("keeps the session", event, true) {
+        if loses_session {
             self.session = None;
         }
-        if !self.at.flag("keeps the fault report", event, true) {
+        if loses_fault {
             self.fault = None;
         }
-        if !self.at.flag("keeps the line counts", event, true) {
+        if loses_counts {
             self.clear_counts();
         }
-        if !self.at.flag("keeps the state", event, true) && self.state() != State::Boot {
+        if loses_state {
             self.set_state(State::Idle);
-        }
-        if self.at.flag("feeds the watchdog", event, false) {
-            self.fed_us = self.now_us;
         }
     }
 

@@ -38,7 +38,9 @@ impl Drive {
             },
             _ => self.command(row, &request),
         }
-        self.after(row);
+        if row != "Reset" {
+            self.after(row);
+        }
     }
 
     /// The row of the table of states.
@@ -57,7 +59,8 @@ impl Drive {
             HostMessage::SetParameter(set) => {
                 let parameter = PARAMETERS.get(usize::from(set.index));
                 let is_live = parameter.is_some_and(|it| it.flags.contains(ParameterFlags::LIVE));
-                if self.at.flag("SetParameter", "is of a live one", is_live) { "SetParameter, live" } else { "SetParameter" }
+                let matters = matches!(self.state(), State::Armed | State::Running);
+                if matters && self.at.flag("SetParameter", "is of a live one", is_live) { "SetParameter, live" } else { "SetParameter" }
             }
             HostMessage::Arm(arm) if !is_present(arm.session) => "Arm, another session",
             HostMessage::Start(start) if !is_present(start.session) => "Start, another session",
@@ -66,14 +69,22 @@ impl Drive {
     }
 
     /// The first refusal in the order of the checks; a mutant changes the order of two.
-    fn refusal<const N: usize>(&self, request: &'static str, refusals: Refusals<N>) -> Option<Outcome> {
-        let mut refusals = refusals.map(|(check, refusal)| self.at.refusal(request, check, refusal));
-        let orders: Vec<_> = (0..N).collect();
-        let swapped = self.at.pick(request, "order of the checks", 0, &orders);
-        if swapped > 0 {
-            refusals.swap(swapped - 1, swapped);
+    fn refusal<const N: usize>(
+        &self,
+        request: &'static str,
+        orders: [&'static str; N],
+        mut refusals: Refusals<N>,
+    ) -> Option<Outcome> {
+        // Only the order of two reasons that both apply matters.
+        let first = refusals.iter().position(|(_, refusal)| refusal.is_some()).unwrap_or(N);
+        let next = refusals.iter().skip(first + 1).position(|(_, refusal)| refusal.is_some());
+        if let Some(next) = next.map(|it| first + 1 + it)
+            && refusals[first].1 != refusals[next].1
+            && self.at.flag(request, orders[first], false)
+        {
+            refusals.swap(first, next);
         }
-        refusals.into_iter().find_map(|refusal| refusal)
+        refusals.into_iter().find_map(|(check, refusal)| self.at.refusal(request, check, refusal))
     }
 
     pub(super) fn result(&mut self, request: &HostMessage, outcome: Outcome) {
@@ -118,20 +129,30 @@ impl Drive {
     fn set_parameter(&mut self, row: &'static str, SetParameter { index, value }: SetParameter) {
         let parameter = PARAMETERS.get(usize::from(index));
         let state = cell(&self.at, row);
+        let of_range = |part, breaks: bool| {
+            let applies = parameter.is_some_and(|it| it.default.ty() == value.ty());
+            if !applies {
+                return None;
+            }
+            self.at.flag("SetParameter", part, breaks).then_some(Outcome::OutOfRange)
+        };
+        let range = of_range("is below its range", parameter.is_some_and(|it| is_below(value, it.min)))
+            .or(of_range("is above its range", parameter.is_some_and(|it| is_below(it.max, value))))
+            .or(of_range("is NaN", is_nan(value)));
         let refusal = self.refusal(
             "SetParameter",
+            ["before the index", "before the state", "before the type", ""],
             [
                 ("index", parameter.is_none().then_some(Outcome::UnknownIndex)),
                 ("state", refused(state)),
                 ("type", parameter.filter(|it| it.default.ty() != value.ty()).map(|_| Outcome::WrongType)),
-                ("below its range", parameter.filter(|it| is_below(value, it.min)).map(|_| Outcome::OutOfRange)),
-                ("above its range", parameter.filter(|it| is_below(it.max, value)).map(|_| Outcome::OutOfRange)),
-                ("NaN", is_nan(value).then_some(Outcome::OutOfRange)),
+                ("range", range),
             ],
         );
         let stores = refusal.is_none();
         let keeps = if stores { "is stored" } else { "is stored though refused" };
-        if self.at.flag("SetParameter", keeps, stores)
+        if parameter.is_some_and(|it| it.default.ty() == value.ty())
+            && self.at.flag("SetParameter", keeps, stores)
             && let Some(stored) = self.values.get_mut(usize::from(index))
         {
             *stored = value;
@@ -175,6 +196,7 @@ impl Drive {
         let is_too_many = i64::from(wanted.signals.count_ones()) > self.at.whole("Subscribe", "most signals", MOST_SIGNALS);
         let refusal = self.refusal(
             "Subscribe",
+            ["before the state", "before a bit without a signal", "before too many", ""],
             [
                 ("state", refused(state)),
                 ("a bit without a signal", (wanted.signals >> SIGNALS.len() != 0).then_some(Outcome::UnknownIndex)),
@@ -201,6 +223,7 @@ impl Drive {
         let is_ambiguous = longest_gap(&self.at, &self.values) == 0;
         let refusal = self.refusal(
             "Arm",
+            ["before session and state", "", ""],
             [
                 ("session and state", refused(state)),
                 ("ambiguous positions", is_ambiguous.then_some(Outcome::Inconsistent)),
@@ -231,7 +254,16 @@ impl Drive {
                 Outcome::Accepted
             }
             Cell::Refused(outcome) => {
-                if self.at.flag(row, "is done though refused", false) {
+                let done = match request {
+                    HostMessage::Start(_) => Some(State::Running),
+                    HostMessage::Stop(_) | HostMessage::ClearFault(_) => Some(State::Idle),
+                    _ => None,
+                };
+                if let Some(done) = done
+                    && done != self.state()
+                    && self.at.flag(row, "is done though refused", false)
+                {
+                    self.set_state(done);
                     self.effect(request);
                 }
                 outcome

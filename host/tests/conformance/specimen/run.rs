@@ -154,9 +154,10 @@ impl Run {
             self.jump(at, 0, moved[0], elapsed_s),
             self.jump(at, 1, moved[1], elapsed_s),
         ];
-        let order = at.pick("step", "order of the checks", [0, 1, 2], &[[0, 1, 2], [1, 0, 2], [0, 2, 1], [2, 1, 0]]);
-        if let Some(cause) = order.into_iter().find_map(|check| causes[check]) {
-            return Err(cause);
+        let mut causes = causes.into_iter().flatten();
+        if let Some(first) = causes.next() {
+            let second = causes.next().filter(|_| at.flag("step", "takes the second fault", false));
+            return Err(second.unwrap_or(first));
         }
         if periods == 0 {
             moved = [0, 1].map(|encoder| self.first(at, encoder, readings));
@@ -224,7 +225,7 @@ impl Run {
         let [motor_rad, load_rad] = turns.map(|turns| turns * TAU);
         let [motor_rad_s, load_rad_s] = [0, 1].map(|it| self.encoders[it].velocity_rad_s);
         let error_rad = load_rad - reference_rad;
-        let spring_nm = -setting(at, live, GAIN) * error_rad;
+        let spring_nm = -setting(at, live, GAIN) * (error_rad + 0.25 * (motor_rad - load_rad));
         let damping_nm = -setting(at, &self.settings, DAMPING) * motor_rad_s;
         let law = setting(at, &self.settings, CONTROLLER);
         if law == 1.0 {
