@@ -43,6 +43,7 @@ mod samples;
 mod states;
 mod telemetry;
 mod transitions;
+pub mod unchecked;
 mod words;
 
 use lashloop_protocol::message::Identity;
