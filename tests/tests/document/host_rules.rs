@@ -6,17 +6,21 @@ use std::time::{Duration, Instant};
 use lashloop_bench::device::session_number;
 use lashloop_bench::link::in_process::InProcess;
 use lashloop_bench::link::{Link, LinkError};
+use lashloop_bench::session::handshake::shake_hands;
 use lashloop_bench::session::line::Line;
 use lashloop_bench::session::{Exchange, Session, SessionError, SetError};
+use lashloop_firmware::Laws;
 use lashloop_firmware::law::LawSet;
 use lashloop_protocol::enums::{LogLevel, Outcome, ParameterValue, State};
-use lashloop_protocol::message::{CommandResult, EncoderSample, GetParameter, Log, ParameterReport};
+use lashloop_protocol::message::{
+    ChoiceDescription, CommandResult, DescribeChoice, DescribeParameter, EncoderSample, GetParameter,
+    Identity, Log, ParameterDescription, ParameterReport, SetParameter,
+};
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, crc};
 
 use crate::host::rest;
 use crate::markdown::{section, table};
-use crate::two_laws::TwoLaws;
 
 const NUMBER: u32 = 77;
 
@@ -32,22 +36,26 @@ type Events = Arc<Mutex<Vec<Event>>>;
 /// A change to each answer of the drive: the messages that arrive in its place.
 type Alteration = fn(DriveMessage) -> Vec<u8>;
 
-/// The drive in process, with a record of the events and an alteration of the answers.
-struct Recorded<L: LawSet> {
-    drive: InProcess<L>,
+/// The drive in process, with a record of the events and alterations of requests and answers.
+struct Recorded {
+    drive: InProcess,
     events: Events,
     decoder: Decoder,
-    alteration: Alteration,
+    requests: fn(HostMessage) -> HostMessage,
+    answers: Alteration,
 }
 
-impl<L: LawSet> Link for Recorded<L> {
+impl Link for Recorded {
     fn inner(&mut self) -> Option<&mut dyn Link> {
         Some(&mut self.drive)
     }
 
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
         self.events.lock().expect("the events").push(Event::Sent(bytes.to_vec()));
-        self.drive.send(bytes)
+        match Decoder::new().next::<HostMessage>(&mut &*bytes) {
+            Some(request) => self.drive.send(&(self.requests)(request.expect("a good frame")).frame()),
+            None => self.drive.send(bytes),
+        }
     }
 
     fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
@@ -56,7 +64,7 @@ impl<L: LawSet> Link for Recorded<L> {
         let (mut left, mut altered) = (&received[..count], Vec::new());
         while let Some(answer) = self.decoder.next::<DriveMessage>(&mut left) {
             self.events.lock().expect("the events").push(Event::Received);
-            altered.extend((self.alteration)(answer.expect("a good frame")));
+            altered.extend((self.answers)(answer.expect("a good frame")));
         }
         buffer[..altered.len()].copy_from_slice(&altered);
         Ok(altered.len())
@@ -71,16 +79,15 @@ fn unaltered(answer: DriveMessage) -> Vec<u8> {
     answer.frame().to_vec()
 }
 
-/// A link to a drive with these laws, and the events on it.
-fn link<L: LawSet>(alteration: Alteration) -> (Box<dyn Link>, Events) {
-    let events = Events::default();
-    let (drive, decoder) = (InProcess::<L>::default(), Decoder::new());
-    (Box::new(Recorded { drive, events: Arc::clone(&events), decoder, alteration }), events)
+/// A session with the drive in process, and the events on its link.
+fn open(answers: Alteration) -> (Session, Events) {
+    open_altered(|request| request, answers)
 }
 
-fn open(alteration: Alteration) -> (Session, Events) {
-    let (link, events) = link::<lashloop_firmware::Laws>(alteration);
-    (Session::open(link, NUMBER).expect("a session"), events)
+fn open_altered(requests: fn(HostMessage) -> HostMessage, answers: Alteration) -> (Session, Events) {
+    let (drive, decoder, events) = (InProcess::default(), Decoder::new(), Events::default());
+    let link = Recorded { drive, events: Arc::clone(&events), decoder, requests, answers };
+    (Session::open(Box::new(link), NUMBER).expect("a session"), events)
 }
 
 /// The messages that the host has sent.
@@ -180,8 +187,7 @@ fn with_a_stale_identity(answer: DriveMessage) -> Vec<u8> {
     let stale = match answer {
         DriveMessage::Identity(it) => {
             let session = it.session ^ 1;
-            let stale =
-                DriveMessage::from(lashloop_protocol::message::Identity { session, law_count: 9, ..it });
+            let stale = DriveMessage::from(Identity { session, law_count: 9, ..it });
             stale.frame().to_vec()
         }
         _ => Vec::new(),
@@ -192,33 +198,49 @@ fn with_a_stale_identity(answer: DriveMessage) -> Vec<u8> {
 #[test]
 fn the_identity_of_another_session_is_not_accepted() {
     let (session, _) = open(with_a_stale_identity);
-    assert_eq!(
-        (session.identity.session, session.laws.len()),
-        (NUMBER, lashloop_firmware::Laws::NAMES.len())
-    );
+    assert_eq!((session.identity.session, session.laws.len()), (NUMBER, Laws::NAMES.len()));
     assert_ne!(session_number(), session_number(), "each host has a number of its own");
 }
 
+/// The index of another parameter: all of them in reverse order.
+fn reversed(index: u8) -> u8 {
+    (Laws::PARAMETERS.len() as u8).wrapping_sub(1 + index)
+}
+
+fn answers_reversed(answer: DriveMessage) -> Vec<u8> {
+    unaltered(match answer {
+        DriveMessage::ParameterDescription(it) => {
+            ParameterDescription { index: reversed(it.index), ..it }.into()
+        }
+        DriveMessage::ParameterReport(it) => ParameterReport { index: reversed(it.index), ..it }.into(),
+        DriveMessage::ChoiceDescription(it) => {
+            ChoiceDescription { parameter: reversed(it.parameter), ..it }.into()
+        }
+        other => other,
+    })
+}
+
+fn requests_reversed(request: HostMessage) -> HostMessage {
+    match request {
+        HostMessage::DescribeParameter(it) => DescribeParameter { index: reversed(it.index) }.into(),
+        HostMessage::GetParameter(it) => GetParameter { index: reversed(it.index) }.into(),
+        HostMessage::SetParameter(it) => SetParameter { index: reversed(it.index), ..it }.into(),
+        HostMessage::DescribeChoice(it) => DescribeChoice { parameter: reversed(it.parameter), ..it }.into(),
+        other => other,
+    }
+}
+
 #[test]
-fn names_and_not_indices_identify_parameters_and_laws() {
-    let ours = {
-        let (mut session, events) = open(unaltered);
-        session.set("controller", "merzouki").expect("a law");
-        session.set("k_p1", 2.0).expect("a gain");
-        sent(&events)
+fn names_and_not_indices_identify_parameters() {
+    let first_torque = |requests, answers| {
+        let (mut session, _) = open_altered(requests, answers);
+        session.set("torque_limit_nm", 5.0).expect("a limit");
+        session.start().expect("a start");
+        (exchange(&mut session, 0), session.parameter("torque_limit_nm").expect("a limit").index)
     };
-    // The same drive, its parameters with the indices in reverse order.
-    let (link, _) = link::<TwoLaws>(unaltered);
-    let mut session = Session::open(link, NUMBER).expect("a session");
-    let reversed: Vec<_> = session.parameters.iter().rev().cloned().collect();
-    session.parameters = reversed;
-    session.set("torque_limit_nm", 3.0).expect("a limit");
-    let limit = session.parameter("torque_limit_nm").expect("a limit").index;
-    assert_eq!(session.get(limit).expect("a value"), ParameterValue::F32(3.0));
-    assert_ne!(session.parameters[usize::from(limit)].name, "torque_limit_nm");
-    assert!(
-        matches!(ours.last(), Some(HostMessage::SetParameter(it)) if it.value == ParameterValue::F32(2.0))
-    );
+    let (torque, index) = first_torque(|request| request, unaltered);
+    assert_eq!(f32::from_bits(torque), 5.0);
+    assert_eq!(first_torque(requests_reversed, answers_reversed), (torque, reversed(index)));
 }
 
 /// A drive that refuses every value.
@@ -283,7 +305,7 @@ fn patience(request: impl FnOnce(&mut Line) -> Result<(), SessionError>) -> (Dur
 fn the_time_limits_are_those_of_the_page() {
     let rows = table(section("## 13. Time limits"), "who");
     let row = |waits_for: &str| &rows.iter().find(|row| row[1] == waits_for).expect("a row")[2];
-    let handshake = patience(|line| lashloop_bench::session::handshake::shake_hands(line, NUMBER).map(drop));
+    let handshake = patience(|line| shake_hands(line, NUMBER).map(drop));
     assert_eq!(row("Identity"), "2.5 s, with a Hello every 100 ms");
     assert_eq!(handshake, (Duration::from_millis(2500), 25));
     let request = patience(|line| line.request(&GetParameter { index: 0 }.into(), |_| None::<()>).map(drop));
