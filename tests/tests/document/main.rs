@@ -6,6 +6,7 @@ mod markdown;
 
 mod answers;
 mod conversation;
+mod faults;
 mod host;
 mod host_rules;
 mod links;
