@@ -9,6 +9,7 @@ use lashloop_protocol::sequence::nearest_step;
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, Message, PROTOCOL_VERSION};
 
+use super::diagnosis::Diagnosis;
 use crate::link::LinkError;
 
 /// How far a session got.
@@ -62,7 +63,7 @@ pub enum SessionError {
         last_seen: LastSeen,
     },
     /// The drive did not answer in time.
-    #[error("the drive was silent for {:.1} s after {waiting_for} ({last_seen})", limit.as_secs_f64())]
+    #[error("{} ({last_seen}): {diagnosis}", unanswered(diagnosis, waiting_for, *limit))]
     Silent {
         /// The message it left unanswered.
         waiting_for: &'static str,
@@ -70,6 +71,8 @@ pub enum SessionError {
         limit: Duration,
         /// How far the session got.
         last_seen: LastSeen,
+        /// What arrived in place of the answer, the probable cause and the remedy.
+        diagnosis: Box<Diagnosis>,
     },
     /// The drive has left more control periods unanswered than a drive bridges, so it rejects every further sample.
     #[error(
@@ -120,6 +123,15 @@ pub enum SessionError {
         /// Its largest value.
         max: ParameterValue,
     },
+}
+
+fn unanswered(diagnosis: &Diagnosis, waiting_for: &str, limit: Duration) -> String {
+    let limit_s = limit.as_secs_f64();
+    if diagnosis.is_silence() {
+        format!("the drive was silent for {limit_s:.1} s after {waiting_for}")
+    } else {
+        format!("no answer to {waiting_for} within {limit_s:.1} s")
+    }
 }
 
 fn quoted(log: &str) -> String {
