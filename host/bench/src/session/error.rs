@@ -55,12 +55,14 @@ impl fmt::Display for LastSeen {
 #[derive(Debug, thiserror::Error)]
 pub enum SessionError {
     /// The line broke.
-    #[error("{source} ({last_seen})")]
+    #[error("{source} ({last_seen}){}", before(diagnosis.as_deref()))]
     Broken {
         /// Why.
         source: LinkError,
         /// How far the session got.
         last_seen: LastSeen,
+        /// What arrived before, if it was no good frame.
+        diagnosis: Option<Box<Diagnosis>>,
     },
     /// The drive did not answer in time.
     #[error("{} ({last_seen}): {diagnosis}", unanswered(diagnosis, waiting_for, *limit))]
@@ -72,6 +74,25 @@ pub enum SessionError {
         /// How far the session got.
         last_seen: LastSeen,
         /// What arrived in place of the answer, the probable cause and the remedy.
+        diagnosis: Box<Diagnosis>,
+    },
+    /// Each request was answered in time or repeated, but all of them together took too long.
+    #[error(
+        "the drive has taken more than {} s for its answers to {requests} requests, the last of them {waiting_for} \
+         ({last_seen}): a drive must answer at once; check its firmware, the baud rate and the losses on the line; \
+         {diagnosis}",
+        limit.as_secs()
+    )]
+    Slow {
+        /// The message that was awaited at the end.
+        waiting_for: &'static str,
+        /// Time for all answers together.
+        limit: Duration,
+        /// Number of requests sent, handshakes and repetitions included.
+        requests: u32,
+        /// How far the session got.
+        last_seen: LastSeen,
+        /// What arrived in place of the last answer.
         diagnosis: Box<Diagnosis>,
     },
     /// The drive has left more control periods unanswered than a drive bridges, so it rejects every further sample.
@@ -134,6 +155,10 @@ fn unanswered(diagnosis: &Diagnosis, waiting_for: &str, limit: Duration) -> Stri
     }
 }
 
+fn before(diagnosis: Option<&Diagnosis>) -> String {
+    diagnosis.map_or_else(String::new, |diagnosis| format!("; before that {diagnosis}"))
+}
+
 fn quoted(log: &str) -> String {
     if log.is_empty() { String::new() } else { format!(", log \"{log}\"") }
 }
@@ -144,7 +169,7 @@ impl SessionError {
     pub fn is_loss(&self) -> bool {
         match self {
             Self::Broken { source, .. } => matches!(source, LinkError::Disconnected | LinkError::Stuck),
-            Self::Silent { .. } | Self::TooLongAGap { .. } => true,
+            Self::Silent { .. } | Self::Slow { .. } | Self::TooLongAGap { .. } => true,
             Self::Refused { request, state, .. } => {
                 *request == EncoderSample::LAYOUT.name && *state == State::Boot
             }

@@ -10,6 +10,7 @@ use super::at_step::AtStep;
 use super::diagnosis::{Collector, Diagnosis};
 use super::error::{LastSeen, SessionError};
 use super::logs::Logs;
+use super::patience::{PATIENCE, Patience};
 use crate::link::{Link, LinkError, TimeBase};
 
 /// A link with a decoder at its end.
@@ -35,6 +36,7 @@ pub struct Line {
     pub report: Option<LineReport>,
     pub(crate) logs: Logs,
     collector: Collector,
+    pub(super) patience: Patience,
     /// When the bytes decoded last were read, in wall-clock time.
     pub arrived: Instant,
 }
@@ -57,6 +59,7 @@ impl Line {
             report: None,
             logs: Logs::default(),
             collector: Collector::default(),
+            patience: Patience::default(),
             arrived: Instant::now(),
         }
     }
@@ -69,6 +72,7 @@ impl Line {
         self.unread = 0..0;
         self.decoder.forget_partial();
         self.collector.clear();
+        self.patience = Patience::default();
         self.link.discard_input().map_err(|error| self.broken(error))?;
         self.end_frame()
     }
@@ -189,10 +193,14 @@ impl Line {
         }
     }
 
-    /// The error for a drive that did not answer `waiting_for` within `limit`.
+    /// The error for a drive that did not answer `waiting_for` within `limit`, or within the time for all requests.
     #[must_use]
     pub fn silent(&self, waiting_for: &'static str, limit: Duration) -> SessionError {
         let diagnosis = Box::new(self.diagnosis());
+        if self.patience.is_exhausted() {
+            let (limit, requests) = (PATIENCE, self.patience.waits);
+            return SessionError::Slow { waiting_for, limit, requests, last_seen: self.last_seen, diagnosis };
+        }
         SessionError::Silent { waiting_for, limit, last_seen: self.last_seen, diagnosis }
     }
 
@@ -203,7 +211,9 @@ impl Line {
     }
 
     fn broken(&self, source: LinkError) -> SessionError {
-        SessionError::Broken { source, last_seen: self.last_seen }
+        let has_unknown_bytes = self.last_seen.frame.is_none() && self.collector.has_arrivals();
+        let diagnosis = has_unknown_bytes.then(|| Box::new(self.diagnosis()));
+        SessionError::Broken { source, last_seen: self.last_seen, diagnosis }
     }
 
     fn note(&mut self, message: &DriveMessage) {

@@ -10,6 +10,7 @@
 //! | [`description`] | the drive's description of itself, read |
 //! | [`parameters`], [`laws`], [`signals`] | what it describes |
 //! | [`request`] | a request and its answer, with retries |
+//! | `patience` | the time for all requests together |
 //! | [`handshake`] | `Hello` and `Identity` |
 //! | [`mod@line`] | messages on a link |
 //! | [`diagnosis`] | what arrives in place of an answer |
@@ -31,6 +32,7 @@ pub mod line;
 mod logs;
 mod parameter_access;
 pub mod parameters;
+mod patience;
 pub mod request;
 pub mod signals;
 mod subscribe;
@@ -44,6 +46,7 @@ pub use error::{LastSeen, SessionError};
 pub use exchange::Exchange;
 pub use laws::{Law, LawMask};
 pub use parameters::{Choice, Parameter, SetError, WrittenValue};
+pub use patience::PATIENCE;
 pub use signals::{DriveSignal, Subscription};
 pub use subscribe::SubscribeError;
 pub use text::printable;

@@ -235,6 +235,11 @@ impl Collector {
         &bytes[lone..]
     }
 
+    /// Whether bytes have arrived since the last awaited frame.
+    pub(in crate::session) fn has_arrivals(&self) -> bool {
+        self.arrivals.bytes > 0
+    }
+
     /// What has arrived since the last awaited frame, and its probable cause.
     pub(in crate::session) fn diagnosis(&self) -> Diagnosis {
         let mut arrivals = self.arrivals.clone();
