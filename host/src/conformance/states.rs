@@ -27,6 +27,7 @@ impl Client {
 
     pub(super) fn armed(&mut self) -> RuleResult {
         self.idle()?;
+        self.long_watchdog()?;
         self.arm()
     }
 
