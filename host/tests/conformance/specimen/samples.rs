@@ -71,7 +71,7 @@ impl Drive {
                         self.end_run(sample.sequence, report);
                     }
                 }
-                if self.at.flag("watchdog", "is fed by an accepted sample", true) {
+                if self.state() == State::Running && self.at.flag("watchdog", "is fed by an accepted sample", true) {
                     self.fed_us = self.now_us;
                 }
                 self.after("an accepted sample");
@@ -128,7 +128,8 @@ impl Drive {
         let steps = self.run.as_ref().map(|run| f64::from(run.steps));
         let counter = (f64::from(sequence), crate::mutation::Width::U16);
         let counter = self.at.number_or("telemetry", "counter", counter, steps) as i64;
-        let every = self.at.whole("telemetry", "every", self.every.into());
+        let every = (f64::from(self.every), crate::mutation::Width::U16);
+        let every = self.at.number_or("telemetry", "every", every, None) as i64;
         let is_due = every != 0 && counter % every == 0;
         if !self.at.flag("telemetry", "is due", is_due) || self.signals == 0 {
             return;
