@@ -48,6 +48,7 @@ mod sessions;
 mod states;
 mod telemetry;
 mod transitions;
+pub mod unchecked;
 mod words;
 
 use lashloop_protocol::message::Identity;
