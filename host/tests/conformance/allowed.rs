@@ -75,9 +75,9 @@ const CLOCK: &str = "the difference is below a millisecond of the drive's clock"
 
 /// Mutants that keep every rule of the page.
 pub const EQUIVALENT: &[Set] = &[
-    set(("Identity", "build_id"), all, FREE_NUMBER),
-    set(("Identity", "dirty"), |it| it.operator == Operator::Add(1.0), "1 is allowed, and any other byte reads as 1"),
-    set(("Identity", "board"), |it| !matches!(it.operator, Operator::Unterminated | Operator::Empty), FREE_TEXT),
+    set(("Identity", "build_id"), |it| it.when == When::Always, FREE_NUMBER),
+    set(("Identity", "dirty"), |it| it.when == When::Always && it.operator == Operator::Add(1.0), "1 is allowed, and any other byte reads as 1"),
+    set(("Identity", "board"), |it| always(it) && it.operator != Operator::Unterminated, FREE_TEXT),
     set(("Log", "level"), |it| it.operator != Operator::To(0), "the severity is the drive's own"),
     set(("Log", "text"), |it| it.operator == Operator::Altered, FREE_TEXT),
     set(("Log", "times sent, or 3 for behind the next"), |it| it.operator == Operator::Next, "a log may be sent at any time"),
@@ -85,7 +85,7 @@ pub const EQUIVALENT: &[Set] = &[
     set(("SignalDescription", "unit"), |it| always(it) && it.operator != Operator::Unterminated, FREE_TEXT),
     set(("SignalDescription", "name"), |it| matches!((it.operator, it.when), (Operator::Shortened, When::Always)), FREE_TEXT),
     set(("frame", "delimiters"), |it| it.operator == Operator::Next, "a drive may send delimiters between frames"),
-    set(("TorqueAnswer", "compute_tenths_us"), slightly, "a measurement of the drive's own clock"),
+    set(("TorqueAnswer", "compute_tenths_us"), |it| slightly(it) && it.when == When::Always, "a measurement of the drive's own clock"),
     set(("effect of a parameter", "controller"), |it| it.when == When::Always && it.operator != Operator::Other, OWN_LAW),
     set(("effect of a parameter", "gain_nm_rad"), |it| steadily(it) || by_one(it) && it.when == When::Always, OWN_LAW),
     set(("effect of a parameter", "damping_nm_s_rad"), |it| it.when == When::Always, OWN_LAW),

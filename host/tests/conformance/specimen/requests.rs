@@ -319,6 +319,9 @@ impl Drive {
         if restores("no fault") {
             self.fault = None;
         }
+        if restores("no run") {
+            self.run = None;
+        }
         self.at.restart();
     }
 }

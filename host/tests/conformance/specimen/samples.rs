@@ -68,7 +68,7 @@ impl Drive {
                     Ok(torque) => self.accepted(sample.sequence, place, &torque),
                     Err((code, value, limit)) => {
                         let report = self.trip(code, value, limit);
-                        self.end_run(sample.sequence, report);
+                        self.end_run(sample.sequence, place, report);
                     }
                 }
                 if self.state() == State::Running && self.at.flag("watchdog", "is fed by an accepted sample", true) {
@@ -79,15 +79,17 @@ impl Drive {
         }
     }
 
-    fn end_run(&mut self, sequence: u16, report: FaultReport) {
+    fn end_run(&mut self, sequence: u16, place: Place, report: FaultReport) {
+        let mut flags = TorqueFlags::empty();
+        flags.set(TorqueFlags::GAP, self.at.flag("fault of a sample", "is after a gap", place == Place::AfterGap));
         let state = self.at.state("fault of a sample", "state afterwards", State::Faulted);
         self.set_state(state);
         if !self.at.flag("fault of a sample", "the torque comes first", true) {
             self.send(report);
-            self.torque(sequence, 0.0, TorqueFlags::empty());
+            self.torque(sequence, 0.0, flags);
             return;
         }
-        self.torque(sequence, 0.0, TorqueFlags::empty());
+        self.torque(sequence, 0.0, flags);
         self.send(report);
         if self.at.flag("fault of a sample", "gets telemetry", false) {
             self.telemetry(sequence, &[0.0; 16]);
