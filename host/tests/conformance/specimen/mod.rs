@@ -24,6 +24,9 @@ use run::{Run, Values};
 
 pub use link::Specimen;
 
+/// Time between two looks at the watchdog.
+const LOOK_US: f64 = 1_000.0;
+
 /// The drive behind its receiver.
 struct Drive {
     at: Sites,
@@ -87,24 +90,17 @@ impl Drive {
         let Some(frame) = self.receiver.take(&self.at, byte, self.now_us) else { return false };
         self.arrived_us = self.now_us;
         let Ok(mut body) = frame else {
-            self.counts.damaged =
-                self.counts.damaged.wrapping_add(self.at.whole("line report", "a damaged frame", 1) as u32);
+            self.counts.damaged = self.counts.damaged.wrapping_add(self.at.whole("line report", "a damaged frame", 1) as u32);
             self.after("a damaged frame");
             return true;
         };
         match self.request_of(&mut body) {
             Some(request) => {
-                self.counts.messages =
-                    self.counts
-                        .messages
-                        .wrapping_add(self.at.whole("line report", "a good message", 1) as u32);
+                self.counts.messages = self.counts.messages.wrapping_add(self.at.whole("line report", "a good message", 1) as u32);
                 self.handle(request);
             }
             None => {
-                self.counts.refused =
-                    self.counts
-                        .refused
-                        .wrapping_add(self.at.whole("line report", "a refused frame", 1) as u32);
+                self.counts.refused = self.counts.refused.wrapping_add(self.at.whole("line report", "a refused frame", 1) as u32);
                 self.after("a refused frame");
             }
         }
@@ -163,10 +159,9 @@ impl Drive {
     fn trip(&mut self, code: FaultCode, value: f64, limit: f64) -> FaultReport {
         let sequence = self.run.as_ref().and_then(|run| run.last).unwrap_or(0);
         let report = FaultReport { code, sequence, value: value as f32, limit: limit as f32, detail: 0 };
-        if self.at.flag("fault", "the first one is kept", self.fault.is_some()) && self.fault.is_some() {
-            return report;
+        if self.fault.is_none() || !self.at.flag("fault", "the first one is kept", true) {
+            self.fault = Some(report);
         }
-        self.fault = Some(report);
         report
     }
 
@@ -177,15 +172,17 @@ impl Drive {
     /// Looks at the watchdog; its report if it trips.
     fn watchdog(&mut self) -> Option<FaultReport> {
         let runs = self.at.flag("watchdog", "runs", self.state() == State::Running);
+        if !runs {
+            return None;
+        }
         let silence_us = self.now_us - self.fed_us;
         let limit_us = match &self.run {
             Some(run) => run.watchdog_us(&self.at),
             None => run::setting(&self.at, &self.values, description::WATCHDOG),
         };
         let limit_us = self.at.real("watchdog", "limit", limit_us);
-        let is_late = silence_us > limit_us
-            || self.at.flag("watchdog", "trips at its limit", false) && silence_us == limit_us;
-        if !(runs && self.at.flag("watchdog", "is late", is_late)) {
+        let is_late = silence_us > limit_us || self.at.flag("watchdog", "trips at its limit", false) && silence_us == limit_us;
+        if !self.at.flag("watchdog", "is late", is_late) {
             return None;
         }
         let code = self.at.fault("watchdog", FaultCode::Watchdog);
@@ -198,8 +195,9 @@ impl Drive {
     /// Lets time pass, with a look at the watchdog every millisecond.
     fn pass_until(&mut self, until_us: f64) {
         while self.now_us < until_us {
-            let next_us =
-                self.polled_us + self.at.real("watchdog", "time between two looks", 1_000.0).max(100.0);
+            let is_running = self.state() == State::Running;
+            let between_us = if is_running { self.at.real("watchdog", "time between two looks", LOOK_US) } else { LOOK_US };
+            let next_us = self.polled_us + between_us.max(100.0);
             self.now_us = next_us.min(until_us).max(self.now_us);
             if self.now_us < next_us {
                 return;
@@ -219,7 +217,5 @@ impl Drive {
 /// The body of a message, from the codec's frame.
 fn body_of(message: &DriveMessage) -> Vec<u8> {
     let mut frame = message.frame().to_vec();
-    lashloop_protocol::frame::open(frame.split_last_mut().expect("a delimiter").1)
-        .expect("a good frame")
-        .to_vec()
+    lashloop_protocol::frame::open(frame.split_last_mut().expect("a delimiter").1).expect("a good frame").to_vec()
 }

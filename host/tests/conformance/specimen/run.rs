@@ -148,7 +148,8 @@ impl Run {
         let readings = [sample.motor_counts, sample.load_counts].map(|it| i64::from(it.get()));
         let periods = at.whole("step", "elapsed periods", periods);
         let elapsed_s = periods as f64 * setting(at, &self.settings, PERIOD) * 1e-6;
-        let mut moved = [0, 1].map(|encoder| self.moved(at, encoder, readings));
+        let of = |encoder| if periods == 0 { self.first(at, encoder, readings) } else { self.moved(at, encoder, readings) };
+        let moved = [of(0), of(1)];
         let causes = [
             self.reference(at, sample),
             self.jump(at, 0, moved[0], elapsed_s),
@@ -158,9 +159,6 @@ impl Run {
         if let Some(first) = causes.next() {
             let second = causes.next().filter(|_| at.flag("step", "takes the second fault", false));
             return Err(second.unwrap_or(first));
-        }
-        if periods == 0 {
-            moved = [0, 1].map(|encoder| self.first(at, encoder, readings));
         }
         for (index, encoder) in self.encoders.iter_mut().enumerate() {
             encoder.position += moved[index];
@@ -177,7 +175,7 @@ impl Run {
 
     /// The position of the first sample.
     fn first(&self, at: &Sites, encoder: usize, readings: [i64; 2]) -> i64 {
-        let reading = (readings[encoder] as f64, Width::I24);
+        let reading = (readings[encoder] as f64, Width::Reading);
         let other = Some(readings[1 - encoder] as f64);
         at.number_or("position of the first sample", ENCODERS[encoder], reading, other) as i64
     }
