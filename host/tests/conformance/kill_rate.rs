@@ -79,6 +79,20 @@ fn hunt(mutant: Mutant, acts_in: &Checks, numbers: &BTreeMap<String, usize>) -> 
     })
 }
 
+/// For a look at a single mutant: `MUTANT="site | part | Operator When"`.
+#[test]
+#[ignore = "for a person"]
+fn one_mutant() {
+    let wanted = std::env::var("MUTANT").expect("MUTANT");
+    let census = census();
+    let (mutant, acts) = census.recorder.mutants().into_iter().find(|(it, _)| it.to_string() == wanted).expect("a mutant");
+    let mut all = Census { recorder: Arc::new(Recorder::default()), results: Vec::new() };
+    println!("acts in {:?}", acts.iter().map(|it| it.checked_sub(1).map(|it| &census.results[it].name)).collect::<Vec<_>>());
+    println!("{:?}", run(Box::new(Specimen::new(Sites::new(Some(mutant), None))), 7, &mut all));
+    all.results.retain(|it| it.status != CheckStatus::Passed);
+    println!("{:#?}", all.results);
+}
+
 #[test]
 fn specimen_passes_every_check() {
     let mut results = census().results;

@@ -180,13 +180,14 @@ impl Drive {
             Some(run) => run.watchdog_us(&self.at),
             None => run::setting(&self.at, &self.values, description::WATCHDOG),
         };
+        let reported_us = limit_us;
         let limit_us = self.at.real("watchdog", "limit", limit_us);
         let is_late = silence_us > limit_us || self.at.flag("watchdog", "trips at its limit", false) && silence_us == limit_us;
         if !self.at.flag("watchdog", "is late", is_late) {
             return None;
         }
         let code = self.at.fault("watchdog", FaultCode::Watchdog);
-        let report = self.trip(code, silence_us * 1e-6, limit_us * 1e-6);
+        let report = self.trip(code, silence_us * 1e-6, reported_us * 1e-6);
         let state = self.at.state("watchdog", "state afterwards", State::Faulted);
         self.set_state(state);
         Some(report)
