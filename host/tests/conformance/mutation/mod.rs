@@ -76,7 +76,8 @@ impl Mutant {
             When::Positive => value.is_negative() == Some(false),
             When::Negative => value.is_negative() == Some(true),
         };
-        let mutated = if acts { value.mutated(self.operator, memory.previous.as_ref()) } else { value.clone() };
+        let mutated =
+            if acts { value.mutated(self.operator, memory.previous.as_ref()) } else { value.clone() };
         memory.previous = Some(value.clone());
         mutated
     }

@@ -58,7 +58,13 @@ impl Recorder {
         let check = self.check.load(Ordering::Relaxed);
         let mut sites = self.sites.lock().unwrap_or_else(PoisonError::into_inner);
         let probes = sites.entry(key).or_insert_with(|| {
-            let probe = |mutant| Probe { mutant, memory: Memory::default(), acts_in: Checks::new(), trace: DefaultHasher::new(), value: value.clone() };
+            let probe = |mutant| Probe {
+                mutant,
+                memory: Memory::default(),
+                acts_in: Checks::new(),
+                trace: DefaultHasher::new(),
+                value: value.clone(),
+            };
             Mutant::all_at(key, value).into_iter().map(probe).collect()
         });
         for probe in probes {
@@ -108,7 +114,13 @@ impl Sites {
     }
 
     /// One of several alternatives.
-    pub fn pick<T: Copy + PartialEq>(&self, site: &'static str, part: &'static str, value: T, all: &[T]) -> T {
+    pub fn pick<T: Copy + PartialEq>(
+        &self,
+        site: &'static str,
+        part: &'static str,
+        value: T,
+        all: &[T],
+    ) -> T {
         if !self.watches((site, part)) {
             return value;
         }

@@ -21,9 +21,16 @@ pub enum Width {
 #[derive(Clone, Debug)]
 pub enum Value {
     /// One of `of` alternatives: a flag (false, true), a state, an outcome, the fate of a message.
-    Pick { index: usize, of: usize },
+    Pick {
+        index: usize,
+        of: usize,
+    },
     /// `other`: what a mistaken drive would take instead, such as the other encoder's number.
-    Number { value: f64, width: Width, other: Option<f64> },
+    Number {
+        value: f64,
+        width: Width,
+        other: Option<f64>,
+    },
     Text(Vec<u8>),
     List(Vec<f32>),
 }
@@ -98,7 +105,8 @@ impl Value {
             Self::Pick { of: 2, .. } => vec![Next, To(0), To(1)],
             Self::Pick { of, .. } => [Next, Previous].into_iter().chain((0..*of).map(To)).collect(),
             Self::Number { width, other, .. } => {
-                let mut operators = vec![Add(1.0), Add(-1.0), Zero, Scale(2.0), Scale(1e3), Scale(1e-3), Previous];
+                let mut operators =
+                    vec![Add(1.0), Add(-1.0), Zero, Scale(2.0), Scale(1e3), Scale(1e-3), Previous];
                 if width.is_signed() {
                     operators.extend([Negated, Absolute]);
                 }
@@ -171,7 +179,9 @@ impl Value {
         let bits = |list: &[f32]| list.iter().map(|it| it.to_bits()).collect::<Vec<_>>();
         match (self, other) {
             (Self::Pick { index, .. }, Self::Pick { index: other, .. }) => index == other,
-            (Self::Number { value, .. }, Self::Number { value: other, .. }) => value.to_bits() == other.to_bits(),
+            (Self::Number { value, .. }, Self::Number { value: other, .. }) => {
+                value.to_bits() == other.to_bits()
+            }
             (Self::Text(text), Self::Text(other)) => text == other,
             (Self::List(list), Self::List(other)) => bits(list) == bits(other),
             _ => false,
@@ -182,7 +192,9 @@ impl Value {
     pub fn is_like(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Pick { of, .. }, Self::Pick { of: other, .. }) => of == other,
-            (Self::Number { .. }, Self::Number { .. }) | (Self::Text(_), Self::Text(_)) | (Self::List(_), Self::List(_)) => true,
+            (Self::Number { .. }, Self::Number { .. })
+            | (Self::Text(_), Self::Text(_))
+            | (Self::List(_), Self::List(_)) => true,
             _ => false,
         }
     }

@@ -63,10 +63,7 @@ pub const PARAMETERS: [Parameter; 12] = [
     of("motor_counts_per_rev", "counts/rev", [U32(65_536), U32(4), U32(1 << 24)]),
     of("motor_speed_limit_rad_s", "rad/s", [F32(1e3), F32(0.1), F32(1e6)]),
     of("load_speed_limit_rad_s", "rad/s", [F32(100.0), F32(0.1), F32(1e6)]),
-    Parameter {
-        flags: ParameterFlags::LIVE,
-        ..of("gain_nm_rad", "N m/rad", [F32(2.0), F32(0.0), F32(1e6)])
-    },
+    Parameter { flags: ParameterFlags::LIVE, ..of("gain_nm_rad", "N m/rad", [F32(2.0), F32(0.0), F32(1e6)]) },
     Parameter { flags: ParameterFlags::CHOICES, ..of("controller", "", [U32(0), U32(0), U32(1)]) },
     of("damping_nm_s_rad", "N m s/rad", [F32(0.01), F32(0.0), F32(1e3)]),
     Parameter { laws: INTEGRAL, ..of("integral_gain_1_s", "1/s", [F32(0.5), F32(0.0), F32(1e3)]) },

@@ -24,11 +24,13 @@ impl Drive {
                 self.send(SignalDescription { index: it.index, laws, name, unit });
             }
             HostMessage::DescribeChoice(it) => match choice(*it) {
-                Some(name) if self.at.flag("DescribeChoice", "is known", true) => self.send(ChoiceDescription {
-                    parameter: it.parameter,
-                    choice: it.choice,
-                    name: Text::new(name),
-                }),
+                Some(name) if self.at.flag("DescribeChoice", "is known", true) => {
+                    self.send(ChoiceDescription {
+                        parameter: it.parameter,
+                        choice: it.choice,
+                        name: Text::new(name),
+                    })
+                }
                 _ => self.unknown(request),
             },
             HostMessage::DescribeParameter(it) if self.is_known(request, it.index, PARAMETERS.len()) => {

@@ -22,7 +22,9 @@ fn one(at: &Sites, layout: &MessageLayout, field: &FieldLayout, body: &mut [u8])
     let (site, part) = (layout.name, field.name);
     let range = field.offset..field.offset + field.len;
     match field.ty {
-        FieldType::Enum(list) => body[field.offset] = listed(at, (site, part), list.values, body[field.offset]),
+        FieldType::Enum(list) => {
+            body[field.offset] = listed(at, (site, part), list.values, body[field.offset])
+        }
         FieldType::Status { states, flags } => {
             let byte = body[field.offset];
             let state = listed(at, (site, "state"), states.values, byte & 0x0f);
@@ -71,9 +73,12 @@ fn listed(
 }
 
 fn flags_of(at: &Sites, site: &'static str, flags: &[(u8, &'static str)], byte: u8) -> u8 {
-    flags.iter().fold(byte, |byte, (mask, name)| {
-        if at.flag(site, name, byte & mask != 0) { byte | mask } else { byte & !mask }
-    })
+    flags.iter().fold(
+        byte,
+        |byte, (mask, name)| {
+            if at.flag(site, name, byte & mask != 0) { byte | mask } else { byte & !mask }
+        },
+    )
 }
 
 /// A number. A mistaken drive takes that of the neighbouring field of the same type.

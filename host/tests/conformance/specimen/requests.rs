@@ -47,7 +47,8 @@ impl Drive {
 
     /// The row of the table of states.
     fn row(&self, request: &HostMessage) -> &'static str {
-        let is_present = |session| self.at.flag("session", "is the present one", self.session == Some(session));
+        let is_present =
+            |session| self.at.flag("session", "is the present one", self.session == Some(session));
         match request {
             HostMessage::Hello(hello) => {
                 if self.at.flag("Hello", "is of another version", hello.protocol_version != VERSION) {
@@ -62,7 +63,11 @@ impl Drive {
                 let parameter = PARAMETERS.get(usize::from(set.index));
                 let is_live = parameter.is_some_and(|it| it.flags.contains(ParameterFlags::LIVE));
                 let matters = matches!(self.state(), State::Armed | State::Running);
-                if matters && self.at.flag("SetParameter", "is of a live one", is_live) { "SetParameter, live" } else { "SetParameter" }
+                if matters && self.at.flag("SetParameter", "is of a live one", is_live) {
+                    "SetParameter, live"
+                } else {
+                    "SetParameter"
+                }
             }
             HostMessage::Arm(arm) if !is_present(arm.session) => "Arm, another session",
             HostMessage::Start(start) if !is_present(start.session) => "Start, another session",
@@ -94,7 +99,8 @@ impl Drive {
     }
 
     fn hello(&mut self, row: &'static str, session: u32) {
-        let hello = HostMessage::from(lashloop_protocol::message::Hello { protocol_version: VERSION, session });
+        let hello =
+            HostMessage::from(lashloop_protocol::message::Hello { protocol_version: VERSION, session });
         let cell = cell(&self.at, row);
         if let Cell::Done(state) = cell {
             if row == "Hello, another session" && self.at.flag("Hello", "opens a session", true) {
@@ -147,7 +153,10 @@ impl Drive {
             [
                 ("refused for its index", parameter.is_none().then_some(Outcome::UnknownIndex)),
                 ("refused for the state", refused(state)),
-                ("refused for its type", parameter.filter(|it| it.default.ty() != value.ty()).map(|_| Outcome::WrongType)),
+                (
+                    "refused for its type",
+                    parameter.filter(|it| it.default.ty() != value.ty()).map(|_| Outcome::WrongType),
+                ),
                 ("refused for its range", range),
             ],
         );
@@ -195,13 +204,17 @@ impl Drive {
         let state = cell(&self.at, "Subscribe");
         let lacked = self.lacked(wanted.signals);
         let lacks = lacked.is_some() && matches!(self.state(), State::Armed | State::Running);
-        let is_too_many = i64::from(wanted.signals.count_ones()) > self.at.whole("Subscribe", "most signals", MOST_SIGNALS);
+        let is_too_many =
+            i64::from(wanted.signals.count_ones()) > self.at.whole("Subscribe", "most signals", MOST_SIGNALS);
         let refusal = self.refusal(
             "Subscribe",
             ["before the state", "before a bit without a signal", "before too many", ""],
             [
                 ("refused for the state", refused(state)),
-                ("a bit without a signal", (wanted.signals >> SIGNALS.len() != 0).then_some(Outcome::UnknownIndex)),
+                (
+                    "a bit without a signal",
+                    (wanted.signals >> SIGNALS.len() != 0).then_some(Outcome::UnknownIndex),
+                ),
                 ("too many", is_too_many.then_some(Outcome::OutOfRange)),
                 ("a signal that the law lacks", lacks.then_some(Outcome::Inconsistent)),
             ],
@@ -241,7 +254,10 @@ impl Drive {
             self.run = Some(run);
             self.set_state(state);
         }
-        self.result(&lashloop_protocol::message::Arm { session: 0 }.into(), refusal.unwrap_or(Outcome::Accepted));
+        self.result(
+            &lashloop_protocol::message::Arm { session: 0 }.into(),
+            refusal.unwrap_or(Outcome::Accepted),
+        );
     }
 
     /// Requests without fields that change the state, and `Start`.

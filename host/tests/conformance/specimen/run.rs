@@ -151,7 +151,9 @@ impl Run {
         let readings = [sample.motor_counts, sample.load_counts].map(|it| i64::from(it.get()));
         let periods = at.whole("step", "elapsed periods", periods);
         let elapsed_s = periods as f64 * setting(at, &self.settings, PERIOD) * 1e-6;
-        let of = |encoder| if periods == 0 { self.first(at, encoder, readings) } else { self.moved(at, encoder, readings) };
+        let of = |encoder| {
+            if periods == 0 { self.first(at, encoder, readings) } else { self.moved(at, encoder, readings) }
+        };
         let moved = [of(0), of(1)];
         let causes = [
             self.reference(at, sample),
@@ -208,7 +210,8 @@ impl Run {
         }
         let elapsed_s = if elapsed_s == 0.0 { 1e-3 } else { elapsed_s };
         let moved = at.whole(SITES[encoder], "counts", moved);
-        let forwards = if moved < 0 && at.flag(SITES[encoder], "backwards too", true) { -moved } else { moved };
+        let forwards =
+            if moved < 0 && at.flag(SITES[encoder], "backwards too", true) { -moved } else { moved };
         let counts = (forwards - at.whole(SITES[encoder], "counts forgiven", 1)).max(0);
         let speed_rad_s = counts as f64 / setting(at, &self.settings, COUNTS[encoder]) * TAU / elapsed_s;
         let limit_rad_s = setting(at, &self.settings, SPEED_LIMITS[encoder]);
@@ -224,7 +227,8 @@ impl Run {
         periods: f64,
         elapsed_s: f64,
     ) -> Result<Torque, Cause> {
-        let turns = [0, 1].map(|it| self.encoders[it].position as f64 / setting(at, &self.settings, COUNTS[it]));
+        let turns =
+            [0, 1].map(|it| self.encoders[it].position as f64 / setting(at, &self.settings, COUNTS[it]));
         let [motor_rad, load_rad] = turns.map(|turns| turns * TAU);
         let [motor_rad_s, load_rad_s] = [0, 1].map(|it| self.encoders[it].velocity_rad_s);
         let error_rad = load_rad - reference_rad;

@@ -45,7 +45,8 @@ impl Drive {
                     answer.status.flags |= TorqueFlags::REPEATED;
                     let flags = [TorqueFlags::SATURATED, TorqueFlags::GAP];
                     for (name, flag) in ["keeps SATURATED", "keeps GAP"].into_iter().zip(flags) {
-                        if answer.status.flags.contains(flag) && !self.at.flag("repeated sample", name, true) {
+                        if answer.status.flags.contains(flag) && !self.at.flag("repeated sample", name, true)
+                        {
                             answer.status.flags.remove(flag);
                         }
                     }
@@ -62,7 +63,8 @@ impl Drive {
             }
             Place::First | Place::Next | Place::AfterGap => {
                 run.last = Some(sample.sequence);
-                let result = run.step(&self.at, &self.values, sample, if place == Place::First { 0 } else { periods });
+                let result =
+                    run.step(&self.at, &self.values, sample, if place == Place::First { 0 } else { periods });
                 self.run = Some(run);
                 match result {
                     Ok(torque) => self.accepted(sample.sequence, place, &torque),
@@ -71,7 +73,9 @@ impl Drive {
                         self.end_run(sample.sequence, place, report);
                     }
                 }
-                if self.state() == State::Running && self.at.flag("watchdog", "is fed by an accepted sample", true) {
+                if self.state() == State::Running
+                    && self.at.flag("watchdog", "is fed by an accepted sample", true)
+                {
                     self.fed_us = self.now_us;
                 }
                 self.after("an accepted sample");
@@ -81,7 +85,10 @@ impl Drive {
 
     fn end_run(&mut self, sequence: u16, place: Place, report: FaultReport) {
         let mut flags = TorqueFlags::empty();
-        flags.set(TorqueFlags::GAP, self.at.flag("fault of a sample", "is after a gap", place == Place::AfterGap));
+        flags.set(
+            TorqueFlags::GAP,
+            self.at.flag("fault of a sample", "is after a gap", place == Place::AfterGap),
+        );
         let state = self.at.state("fault of a sample", "state afterwards", State::Faulted);
         self.set_state(state);
         if !self.at.flag("fault of a sample", "the torque comes first", true) {
