@@ -56,14 +56,9 @@ fn slightly(mutant: &Mutant) -> bool {
     by_one(mutant) || mutant.operator == Operator::Scale(2.0)
 }
 
-/// Wrong from the first step on, and not by so much that every torque is zero or beyond its limit.
-fn steadily(mutant: &Mutant) -> bool {
-    use Operator::{Absolute, Add, Negated, Scale};
-    let moderately = |factor| factor < 1e3;
-    let operator = mutant.operator;
-    let is_moderate = matches!(operator, Absolute | Negated) || operator == Add(1.0)
-        || matches!(operator, Scale(factor) if moderately(factor));
-    mutant.when == When::Always && is_moderate
+/// Wrong from the first step on, at the first or from the second on. Velocities are zero in the first.
+const fn from_first_or_second(mutant: &Mutant) -> bool {
+    matches!(mutant.when, When::Always | When::Once | When::Later)
 }
 
 const FREE_NUMBER: &str = "the number of a build is the drive's own";
@@ -76,27 +71,65 @@ const CLOCK: &str = "the difference is below a millisecond of the drive's clock"
 /// Mutants that keep every rule of the page.
 pub const EQUIVALENT: &[Set] = &[
     set(("Identity", "build_id"), |it| it.when == When::Always, FREE_NUMBER),
-    set(("Identity", "dirty"), |it| it.when == When::Always && it.operator == Operator::Add(1.0), "1 is allowed, and any other byte reads as 1"),
+    set(
+        ("Identity", "dirty"),
+        |it| it.when == When::Always && it.operator == Operator::Add(1.0),
+        "1 is allowed, and any other byte reads as 1",
+    ),
     set(("Identity", "board"), |it| always(it) && it.operator != Operator::Unterminated, FREE_TEXT),
     set(("Log", "level"), |it| it.operator != Operator::To(0), "the severity is the drive's own"),
     set(("Log", "text"), |it| it.operator == Operator::Altered, FREE_TEXT),
-    set(("Log", "times sent, or 3 for behind the next"), |it| it.operator == Operator::Next, "a log may be sent at any time"),
-    set(("ParameterDescription", "unit"), |it| always(it) && it.operator != Operator::Unterminated, FREE_TEXT),
+    set(
+        ("Log", "times sent, or 3 for behind the next"),
+        |it| it.operator == Operator::Next,
+        "a log may be sent at any time",
+    ),
+    set(
+        ("ParameterDescription", "unit"),
+        |it| always(it) && it.operator != Operator::Unterminated,
+        FREE_TEXT,
+    ),
     set(("SignalDescription", "unit"), |it| always(it) && it.operator != Operator::Unterminated, FREE_TEXT),
-    set(("SignalDescription", "name"), |it| matches!((it.operator, it.when), (Operator::Shortened, When::Always)), FREE_TEXT),
-    set(("frame", "delimiters"), |it| it.operator == Operator::Next, "a drive may send delimiters between frames"),
-    set(("TorqueAnswer", "compute_tenths_us"), |it| slightly(it) && it.when == When::Always, "a measurement of the drive's own clock"),
-    set(("effect of a parameter", "controller"), |it| it.when == When::Always && it.operator != Operator::Other, OWN_LAW),
-    set(("effect of a parameter", "gain_nm_rad"), |it| steadily(it) || by_one(it) && it.when == When::Always, OWN_LAW),
-    set(("effect of a parameter", "damping_nm_s_rad"), |it| it.when == When::Always, OWN_LAW),
-    set(("effect of a parameter", "integral_gain_1_s"), |it| it.when == When::Always, OWN_LAW),
+    set(
+        ("SignalDescription", "name"),
+        |it| matches!((it.operator, it.when), (Operator::Shortened, When::Always)),
+        FREE_TEXT,
+    ),
+    set(
+        ("frame", "delimiters"),
+        |it| it.operator == Operator::Next,
+        "a drive may send delimiters between frames",
+    ),
+    set(
+        ("TorqueAnswer", "compute_tenths_us"),
+        |it| {
+            matches!(it.operator, Operator::Zero | Operator::Scale(1e-3))
+                || slightly(it) && !matches!(it.when, When::Once | When::Later)
+        },
+        "a measurement of the drive's own clock, which may be coarse",
+    ),
+    set(("effect of a parameter", "controller"), from_first_or_second, OWN_LAW),
+    set(("effect of a parameter", "gain_nm_rad"), |it| always(it) && it.operator != Operator::Zero, OWN_LAW),
+    set(("effect of a parameter", "damping_nm_s_rad"), from_first_or_second, OWN_LAW),
+    set(("effect of a parameter", "integral_gain_1_s"), from_first_or_second, OWN_LAW),
     set(("effect of a parameter", "output"), |it| it.when == When::Always, OWN_LAW),
-    set(("position of the first sample", ""), |it| by_one(it) && it.when == When::Always, "one count of an unknown law"),
+    set(
+        ("position of the first sample", ""),
+        |it| by_one(it) && it.when == When::Always,
+        "one count of an unknown law",
+    ),
     set(("EncoderSample", "motor_counts"), in_no_run, UNUSED),
     set(("EncoderSample", "load_counts"), in_no_run, UNUSED),
     set(("EncoderSample", "reference_rad"), in_no_run, UNUSED),
     set(("EncoderSample", "sequence"), in_boot, UNUSED),
-    set(("EncoderSample", "reference_rad"), steadily, OWN_LAW),
+    set(
+        ("EncoderSample", "reference_rad"),
+        |it| {
+            matches!(it.operator, Operator::Add(1.0) | Operator::Scale(1e-3))
+                && matches!(it.when, When::Always | When::In(State::Running))
+        },
+        OWN_LAW,
+    ),
     set(("Arm", "session"), in_boot, "no session is open"),
     set(("Start", "session"), in_boot, "no session is open"),
     set(("SetParameter", "value"), in_boot_or_faulted, REFUSED_FIRST),
@@ -107,7 +140,15 @@ pub const EQUIVALENT: &[Set] = &[
     set(("Subscribe", "every"), in_boot_or_faulted, REFUSED_FIRST),
     set(("Subscribe", "most signals"), in_boot_or_faulted, REFUSED_FIRST),
     set(("watchdog", "limit"), by_one, CLOCK),
-    set(("effect of a parameter", "watchdog_us"), by_one, CLOCK),
+    set(("effect of a parameter", "watchdog_us"), |it| it.operator == Operator::Previous, CLOCK),
+    set(("watchdog", "limit"), |it| it.operator == Operator::Previous, CLOCK),
+    set(("feeds the watchdog", "a millisecond"), |it| it.when == When::Once, CLOCK),
+    set(("ClearFault", "is done though refused"), in_boot, "without a session it leads to Boot"),
+    set(
+        ("SetParameter", "value"),
+        |it| it.when == When::Negative && it.operator == Operator::Scale(2.0),
+        "no negative value is in any range",
+    ),
     set(("watchdog", "trips at its limit"), all, CLOCK),
     set(("watchdog", "time between two looks"), |it| it.operator != Operator::Scale(1e3), CLOCK),
     set(("watchdog", "is looked at when a sample arrives"), all, CLOCK),

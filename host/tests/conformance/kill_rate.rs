@@ -79,6 +79,24 @@ fn hunt(mutant: Mutant, acts_in: &Checks, numbers: &BTreeMap<String, usize>) -> 
     })
 }
 
+/// For a look at a single mutant: `MUTANT="site | part | Operator When"`.
+#[test]
+#[ignore = "for a person"]
+fn one_mutant() {
+    let wanted = std::env::var("MUTANT").expect("MUTANT");
+    let census = census();
+    let (mutant, acts) =
+        census.recorder.mutants().into_iter().find(|(it, _)| it.to_string() == wanted).expect("a mutant");
+    let mut all = Census { recorder: Arc::new(Recorder::default()), results: Vec::new() };
+    println!(
+        "acts in {:?}",
+        acts.iter().map(|it| it.checked_sub(1).map(|it| &census.results[it].name)).collect::<Vec<_>>()
+    );
+    println!("{:?}", run(Box::new(Specimen::new(Sites::new(Some(mutant), None))), 7, &mut all));
+    all.results.retain(|it| it.status != CheckStatus::Passed);
+    println!("{:#?}", all.results);
+}
+
 #[test]
 fn specimen_passes_every_check() {
     let mut results = census().results;
@@ -119,7 +137,8 @@ fn nearly_all_systematic_mutants_are_found_and_none_that_the_page_allows() {
     let text = |(mutant, found_by): &&Result| format!("{mutant} | {}", found_by.as_deref().unwrap_or("-"));
     let wronged: Vec<_> = allowed.iter().filter(|(_, found_by)| found_by.is_some()).map(text).collect();
     let survivors: Vec<_> = broken.iter().filter(|(_, found_by)| found_by.is_none()).collect();
-    let unexpected: Vec<_> = survivors.iter().filter(|(it, _)| !in_set(it, NOT_FOUND)).map(|it| text(it)).collect();
+    let unexpected: Vec<_> =
+        survivors.iter().filter(|(it, _)| !in_set(it, NOT_FOUND)).map(|it| text(it)).collect();
     let [found, all] = [broken.len() - survivors.len(), broken.len()];
     let percent = 100.0 * found as f64 / all as f64;
     let line = format!(

@@ -188,6 +188,17 @@ impl Value {
         }
     }
 
+    /// Whether both are of one type.
+    pub fn is_like(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Pick { of, .. }, Self::Pick { of: other, .. }) => of == other,
+            (Self::Number { .. }, Self::Number { .. })
+            | (Self::Text(_), Self::Text(_))
+            | (Self::List(_), Self::List(_)) => true,
+            _ => false,
+        }
+    }
+
     pub fn hash(&self, into: &mut impl Hasher) {
         match self {
             Self::Pick { index, .. } => index.hash(into),

@@ -90,17 +90,24 @@ impl Drive {
         let Some(frame) = self.receiver.take(&self.at, byte, self.now_us) else { return false };
         self.arrived_us = self.now_us;
         let Ok(mut body) = frame else {
-            self.counts.damaged = self.counts.damaged.wrapping_add(self.at.whole("line report", "a damaged frame", 1) as u32);
+            self.counts.damaged =
+                self.counts.damaged.wrapping_add(self.at.whole("line report", "a damaged frame", 1) as u32);
             self.after("a damaged frame");
             return true;
         };
         match self.request_of(&mut body) {
             Some(request) => {
-                self.counts.messages = self.counts.messages.wrapping_add(self.at.whole("line report", "a good message", 1) as u32);
+                self.counts.messages =
+                    self.counts
+                        .messages
+                        .wrapping_add(self.at.whole("line report", "a good message", 1) as u32);
                 self.handle(request);
             }
             None => {
-                self.counts.refused = self.counts.refused.wrapping_add(self.at.whole("line report", "a refused frame", 1) as u32);
+                self.counts.refused =
+                    self.counts
+                        .refused
+                        .wrapping_add(self.at.whole("line report", "a refused frame", 1) as u32);
                 self.after("a refused frame");
             }
         }
@@ -180,13 +187,15 @@ impl Drive {
             Some(run) => run.watchdog_us(&self.at),
             None => run::setting(&self.at, &self.values, description::WATCHDOG),
         };
+        let reported_us = limit_us;
         let limit_us = self.at.real("watchdog", "limit", limit_us);
-        let is_late = silence_us > limit_us || self.at.flag("watchdog", "trips at its limit", false) && silence_us == limit_us;
+        let is_late = silence_us > limit_us
+            || self.at.flag("watchdog", "trips at its limit", false) && silence_us == limit_us;
         if !self.at.flag("watchdog", "is late", is_late) {
             return None;
         }
         let code = self.at.fault("watchdog", FaultCode::Watchdog);
-        let report = self.trip(code, silence_us * 1e-6, limit_us * 1e-6);
+        let report = self.trip(code, silence_us * 1e-6, reported_us * 1e-6);
         let state = self.at.state("watchdog", "state afterwards", State::Faulted);
         self.set_state(state);
         Some(report)
@@ -196,7 +205,11 @@ impl Drive {
     fn pass_until(&mut self, until_us: f64) {
         while self.now_us < until_us {
             let is_running = self.state() == State::Running;
-            let between_us = if is_running { self.at.real("watchdog", "time between two looks", LOOK_US) } else { LOOK_US };
+            let between_us = if is_running {
+                self.at.real("watchdog", "time between two looks", LOOK_US)
+            } else {
+                LOOK_US
+            };
             let next_us = self.polled_us + between_us.max(100.0);
             self.now_us = next_us.min(until_us).max(self.now_us);
             if self.now_us < next_us {
@@ -217,5 +230,7 @@ impl Drive {
 /// The body of a message, from the codec's frame.
 fn body_of(message: &DriveMessage) -> Vec<u8> {
     let mut frame = message.frame().to_vec();
-    lashloop_protocol::frame::open(frame.split_last_mut().expect("a delimiter").1).expect("a good frame").to_vec()
+    lashloop_protocol::frame::open(frame.split_last_mut().expect("a delimiter").1)
+        .expect("a good frame")
+        .to_vec()
 }

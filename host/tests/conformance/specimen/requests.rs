@@ -151,10 +151,13 @@ impl Drive {
             "SetParameter",
             ["before the index", "before the state", "before the type", ""],
             [
-                ("index", parameter.is_none().then_some(Outcome::UnknownIndex)),
-                ("state", refused(state)),
-                ("type", parameter.filter(|it| it.default.ty() != value.ty()).map(|_| Outcome::WrongType)),
-                ("range", range),
+                ("refused for its index", parameter.is_none().then_some(Outcome::UnknownIndex)),
+                ("refused for the state", refused(state)),
+                (
+                    "refused for its type",
+                    parameter.filter(|it| it.default.ty() != value.ty()).map(|_| Outcome::WrongType),
+                ),
+                ("refused for its range", range),
             ],
         );
         let stores = refusal.is_none();
@@ -207,7 +210,7 @@ impl Drive {
             "Subscribe",
             ["before the state", "before a bit without a signal", "before too many", ""],
             [
-                ("state", refused(state)),
+                ("refused for the state", refused(state)),
                 (
                     "a bit without a signal",
                     (wanted.signals >> SIGNALS.len() != 0).then_some(Outcome::UnknownIndex),

@@ -73,7 +73,9 @@ impl Drive {
                         self.end_run(sample.sequence, place, report);
                     }
                 }
-                if self.state() == State::Running && self.at.flag("watchdog", "is fed by an accepted sample", true) {
+                if self.state() == State::Running
+                    && self.at.flag("watchdog", "is fed by an accepted sample", true)
+                {
                     self.fed_us = self.now_us;
                 }
                 self.after("an accepted sample");
@@ -83,7 +85,10 @@ impl Drive {
 
     fn end_run(&mut self, sequence: u16, place: Place, report: FaultReport) {
         let mut flags = TorqueFlags::empty();
-        flags.set(TorqueFlags::GAP, self.at.flag("fault of a sample", "is after a gap", place == Place::AfterGap));
+        flags.set(
+            TorqueFlags::GAP,
+            self.at.flag("fault of a sample", "is after a gap", place == Place::AfterGap),
+        );
         let state = self.at.state("fault of a sample", "state afterwards", State::Faulted);
         self.set_state(state);
         if !self.at.flag("fault of a sample", "the torque comes first", true) {
