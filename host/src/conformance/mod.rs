@@ -42,6 +42,7 @@ mod parameters;
 mod range;
 mod reactions;
 mod receiver;
+mod repetition;
 mod result;
 mod safety;
 mod samples;

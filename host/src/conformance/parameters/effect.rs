@@ -20,15 +20,19 @@ use super::super::reactions::fault_answer;
 /// Speed limit of the checks, in counts per period.
 const COUNTS_PER_PERIOD: f64 = 500.0;
 /// Samples of a run that shows the effect of a live parameter.
-const STEPS: u16 = 6;
+const STEPS: u16 = 14;
 /// Last sample before a setting in `Running`.
-const BEFORE: u16 = 1;
+const BEFORE: u16 = 10;
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R7 R9", "period and counts per revolution have an effect on the speed of an encoder", speeds),
-        check("R9", "a live parameter set in Armed has the effect of one set in Idle", live_in_armed),
-        check("R9", "a live parameter set in Running has an effect from the next sample", live_in_running),
+        check(
+            "R7.14 R9.6 R9.12",
+            "period and counts per revolution have an effect on the speed of an encoder",
+            speeds,
+        ),
+        check("R9.5", "a live parameter set in Armed has the effect of one set in Idle", live_in_armed),
+        check("R9.5", "a live parameter set in Running has an effect from the next sample", live_in_running),
     ]
 }
 
