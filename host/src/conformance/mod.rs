@@ -11,6 +11,7 @@
 //! | `encoders` | wraparound, jumps and ambiguous positions |
 //! | `safety` | torque limit, latched faults, watchdog |
 //! | `receiver` | noise, damaged and refused frames |
+//! | `walk` | a long session through all states, with every request in each |
 //! | `line` | the line report |
 //! | `latency` | response times |
 //!
@@ -29,6 +30,7 @@ mod assertion;
 mod burst;
 mod check;
 mod client;
+mod constancy;
 mod damage;
 mod description;
 mod encoders;
@@ -49,6 +51,7 @@ mod states;
 mod telemetry;
 mod transitions;
 pub mod unchecked;
+mod walk;
 mod words;
 
 use lashloop_protocol::message::Identity;
@@ -133,6 +136,7 @@ fn all_checks() -> impl Iterator<Item = (&'static str, Check)> {
         ("encoders", encoders::checks()),
         ("safety", safety::checks()),
         ("receiver", receiver::checks()),
+        ("walk", walk::checks()),
         ("line", line::checks()),
         ("latency", latency::checks()),
     ];

@@ -84,7 +84,7 @@ struct Jump {
 
 impl Scale {
     /// Most counts in so many periods that pass on any drive, one count of quantisation included.
-    fn most_counts(&self, periods: u16) -> i64 {
+    pub(super) fn most_counts(&self, periods: u16) -> i64 {
         (f64::from(periods) * self.counts_per_period() * (1.0 - ROUNDING)) as i64 + 1
     }
 
