@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use crate::bench::Bench;
-use crate::conformance::{self, CheckResult, CheckStatus, Reporter, junit};
+use crate::conformance::{self, CheckResult, CheckStatus, Listed, Reporter, junit};
 use clap::Args;
 use lashloop_bench::device::{Connection, session_number};
 use lashloop_bench::supervisor::Supervisor;
@@ -19,12 +19,16 @@ use super::supervision::start_supervisor;
 /// Check a drive against the protocol, rule by rule
 ///
 /// Resets the drive before every check and at the end, so its parameters return to their defaults. Run it without
-/// mechanics: some checks produce torque. Exit code 1 if the drive breaks a rule, 3 if interrupted, 4 if the drive or the
-/// line fails.
+/// mechanics: some checks produce torque. Ends after 30 s at most. Exit code 1 if the drive breaks a rule, 3 if interrupted,
+/// 4 if the drive or the line fails or if rules were left untested for lack of time.
 #[derive(Args)]
 pub(crate) struct Arguments {
     #[command(flatten)]
     drive: DeviceOption,
+
+    /// Print all checks with the rules they test, and the rules without a check; needs no drive
+    #[arg(long)]
+    list: bool,
 
     #[command(flatten)]
     line: BaudOption,
@@ -36,6 +40,10 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
+        if self.list {
+            print_list();
+            return Ok(Exit::Pass);
+        }
         let supervisor = start_supervisor()?;
         let (link, connection) = Connection::open(&self.drive.device, self.line.baud, &supervisor)?;
         let mut printer = Printer {
@@ -53,23 +61,45 @@ impl Arguments {
             fs::write(path, xml).map_err(|source| CliError::Report { path: path.clone(), source })?;
         }
         ended.map_err(|source| connection.explain(source))?;
-        let [passed, failed, skipped] = counts(&results);
-        outln!("{passed} passed, {failed} failed, {skipped} skipped");
-        Ok(match failed {
+        let Counts { passed, failed, not_judged, skipped } = Counts::of(&results);
+        outln!("{passed} passed, {failed} failed, {not_judged} not judged, {skipped} skipped");
+        Ok(match (failed, not_judged) {
             _ if supervisor.interrupted() => Exit::Invalid,
-            0 => Exit::Pass,
+            (0, 0) => Exit::Pass,
+            (0, _) => Exit::DeviceOrLink,
             _ => Exit::Fail,
         })
     }
 }
 
-/// Numbers of checks passed, failed and skipped.
-fn counts(results: &[CheckResult]) -> [usize; 3] {
-    results.iter().fold([0; 3], |[passed, failed, skipped], result| match result.status {
-        CheckStatus::Passed => [passed + 1, failed, skipped],
-        CheckStatus::Failed { .. } => [passed, failed + 1, skipped],
-        CheckStatus::Skipped { .. } => [passed, failed, skipped + 1],
-    })
+fn print_list() {
+    for Listed { group, rules, name } in conformance::list() {
+        outln!("{rules:<16}  {group}: {name}");
+    }
+}
+
+/// Numbers of checks by status.
+#[derive(Default)]
+struct Counts {
+    passed: usize,
+    failed: usize,
+    not_judged: usize,
+    skipped: usize,
+}
+
+impl Counts {
+    fn of(results: &[CheckResult]) -> Self {
+        let mut counts = Self::default();
+        for result in results {
+            *match result.status {
+                CheckStatus::Passed => &mut counts.passed,
+                CheckStatus::Failed { .. } => &mut counts.failed,
+                CheckStatus::NotJudged { .. } => &mut counts.not_judged,
+                CheckStatus::Skipped { .. } => &mut counts.skipped,
+            } += 1;
+        }
+        counts
+    }
 }
 
 struct Printer<'a> {
@@ -87,14 +117,15 @@ impl Reporter for Printer<'_> {
     }
 
     fn checked(&mut self, result: &CheckResult) {
-        let CheckResult { group, name, status, note, .. } = result;
+        let CheckResult { group, rules, name, status, note, .. } = result;
         let note = if note.is_empty() { String::new() } else { format!(" ({note})") };
         match status {
-            CheckStatus::Passed => outln!("PASS     {group}: {name}{note}"),
+            CheckStatus::Passed => outln!("PASS        {rules}  {group}: {name}{note}"),
             CheckStatus::Failed { expected, got } => {
-                outln!("FAIL     {group}: {name}{note}; expected {expected}, got {got}");
+                outln!("FAIL        {rules}  {group}: {name}{note}; expected {expected}, got {got}");
             }
-            CheckStatus::Skipped { reason } => outln!("SKIPPED  {group}: {name}; {reason}"),
+            CheckStatus::NotJudged { cause } => outln!("NOT JUDGED  {rules}  {group}: {name}; {cause}"),
+            CheckStatus::Skipped { reason } => outln!("SKIPPED     {rules}  {group}: {name}; {reason}"),
         }
         self.results.push(result.clone());
     }

@@ -1,6 +1,6 @@
 //! The bench's side of a conformance run: requests and all their answers.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
@@ -10,11 +10,15 @@ use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
 use lashloop_bench::link::Link;
 use lashloop_bench::session::line::Line;
-use lashloop_bench::session::request::REQUEST_LIMIT;
 use lashloop_bench::session::{Description, Parameter, SessionError, handshake};
 
 use super::answers::{command_result, hello, identity, report, sample, torque};
-use super::assertion::{Failure, RuleResult, broken, equal};
+use super::assertion::{Failure, RuleResult, broken, equal, preparation};
+use super::range::in_type_of;
+use super::words::Words;
+
+/// Time for the answers to one request. A drive answers at once.
+pub(super) const REQUEST_LIMIT: Duration = Duration::from_secs(1);
 
 /// Index that no drive has, since the parameter count is a byte. Reading it has no effect in any state, so its answer marks
 /// the end of the answers to the request before it.
@@ -33,6 +37,14 @@ pub(super) struct Client {
     pub(super) state: State,
     /// A measurement of the check, for information.
     pub(super) note: String,
+    /// The end of the time for the present check.
+    pub(super) time_up: TimeUp,
+}
+
+/// When the time for a check ends, and what to report then.
+pub(super) struct TimeUp {
+    pub(super) at: Instant,
+    pub(super) cause: &'static str,
 }
 
 impl Client {
@@ -41,7 +53,8 @@ impl Client {
         line.clear()?;
         let identity = handshake::shake_hands(&mut line, session)?;
         let description = Description::read(&mut line, &identity)?;
-        Ok(Self { line, session, identity, description, state: identity.state, note: String::new() })
+        let time_up = TimeUp { at: line.now() + REQUEST_LIMIT, cause: "" };
+        Ok(Self { line, session, identity, description, state: identity.state, note: String::new(), time_up })
     }
 
     /// Resets the drive. The answer is left for the next host.
@@ -49,13 +62,21 @@ impl Client {
         self.line.send(&Reset {}.into())
     }
 
-    /// Sends a request and returns all of its answers. A read of [`NO_PARAMETER`] after it marks their end.
+    /// Sends a request and returns all of its answers but `Log`, which a drive may send at any time. A read of
+    /// [`NO_PARAMETER`] after it marks their end.
     pub(super) fn request(&mut self, request: impl Into<HostMessage>) -> Result<Vec<DriveMessage>, Failure> {
         self.request_bytes(&request.into().frame())
     }
 
     /// As [`Self::request`], for arbitrary bytes.
     pub(super) fn request_bytes(&mut self, bytes: &[u8]) -> Result<Vec<DriveMessage>, Failure> {
+        let mut answers = self.request_with_logs(bytes)?;
+        answers.retain(|answer| !matches!(answer, DriveMessage::Log(_)));
+        Ok(answers)
+    }
+
+    /// As [`Self::request_bytes`], with every `Log` in its place.
+    pub(super) fn request_with_logs(&mut self, bytes: &[u8]) -> Result<Vec<DriveMessage>, Failure> {
         let marker = HostMessage::from(GetParameter { index: NO_PARAMETER });
         self.send_bytes(&[bytes, &*marker.frame()].concat())?;
         let mut answers = Vec::new();
@@ -72,23 +93,27 @@ impl Client {
         }
         let limit_s = REQUEST_LIMIT.as_secs();
         Err(broken(
-            format!("within {limit_s} s an answer to the next good request, GetParameter {NO_PARAMETER}"),
-            if answers.is_empty() { "nothing".to_owned() } else { format!("{answers:?} and no more") },
+            format!("within {limit_s} s the answer to the next good request, GetParameter {NO_PARAMETER}"),
+            if answers.is_empty() { "nothing".to_owned() } else { format!("only {}", answers.words()) },
         ))
     }
 
     pub(super) fn send_bytes(&mut self, bytes: &[u8]) -> RuleResult {
-        self.line.send_bytes(bytes).map_err(Failure::Session)
+        Ok(self.line.send_bytes(bytes)?)
     }
 
-    /// Receives unsolicited messages until `wanted` accepts one or the limit has passed.
+    /// Receives messages until `wanted` accepts one or the limit has passed.
     pub(super) fn wait_for<T>(
         &mut self,
         limit: Duration,
         wanted: impl FnMut(&DriveMessage) -> Option<T>,
     ) -> Result<Option<T>, Failure> {
         let deadline = self.line.now() + limit;
-        self.line.wait(deadline, wanted).map_err(Failure::Session)
+        let found = self.line.wait(deadline.min(self.time_up.at), wanted)?;
+        if found.is_none() && self.time_up.at < deadline {
+            return Err(Failure::TimeUp { cause: self.time_up.cause.to_owned() });
+        }
+        Ok(found)
     }
 
     /// Sends a request that is answered by a `CommandResult`, and returns its outcome and state.
@@ -104,7 +129,8 @@ impl Client {
 
     pub(super) fn parameter(&self, name: &str) -> Result<&Parameter, Failure> {
         let found = self.description.parameters.iter().find(|parameter| parameter.name == name);
-        found.ok_or_else(|| broken(format!("a parameter {name}"), "a drive without it"))
+        let found = found.ok_or_else(|| broken(format!("a parameter {name}"), "a drive without it"));
+        preparation(format!("a parameter {name}"), found)
     }
 
     /// Index of the law in force after a reset.
@@ -115,11 +141,16 @@ impl Client {
         }
     }
 
-    /// Sets a parameter; a refusal fails the check.
+    /// Sets a parameter, as a preparation. An integer is sent in the parameter's own type: the page allows `F32` for numbers
+    /// with a reserved name.
     pub(super) fn put(&mut self, name: &str, value: ParameterValue) -> RuleResult {
-        let index = self.parameter(name)?.index;
-        let report = self.set(index, value)?;
-        equal(&format!("{name} = {value}:"), (Outcome::Accepted, value), (report.outcome, report.value))
+        let parameter = self.parameter(name)?;
+        let index = parameter.index;
+        let value = in_type_of(parameter, value);
+        let set = self.set(index, value).and_then(|report| {
+            equal(&format!("{name} = {value}:"), (Outcome::Accepted, value), (report.outcome, report.value))
+        });
+        preparation(format!("SetParameter {name}"), set)
     }
 
     /// As [`Self::put`], for several parameters.
@@ -135,15 +166,16 @@ impl Client {
         report(index, &self.request(GetParameter { index })?)
     }
 
-    /// The value of a real parameter.
+    /// The value of a real parameter, as a preparation.
     pub(super) fn real(&mut self, name: &str) -> Result<f32, Failure> {
         let index = self.parameter(name)?.index;
-        match self.get(index)?.value {
+        let value = self.get(index).and_then(|report| match report.value {
             ParameterValue::F32(value) => Ok(value),
             ParameterValue::U32(value) => {
-                Err(broken(format!("a real number in {name}"), format!("the integer {value}")))
+                Err(broken(format!("{name} of type F32"), format!("the U32 {value}")))
             }
-        }
+        });
+        preparation(format!("GetParameter {name}"), value)
     }
 
     /// Sends a sample with the mechanics at rest at zero, and returns all answers.

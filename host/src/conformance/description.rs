@@ -10,18 +10,18 @@ use lashloop_protocol::message::{DescribeChoice, DescribeLaw, DescribeSignal};
 use lashloop_bench::session::{Description, LawMask};
 
 use super::answers::outcome;
-use super::assertion::{Failure, RuleResult, equal, expect};
+use super::assertion::{RuleResult, equal, expect};
 use super::check::{Check, check};
 use super::client::{CONTROLLER, Client};
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
-        check("the drive has 1 to 16 laws and at most 32 signals", |client| {
+        check("R10", "the drive has 1 to 16 laws and at most 32 signals", |client| {
             let (laws, signals) = (client.identity.law_count, client.identity.signal_count);
             expect((1..=MAX_LAWS).contains(&usize::from(laws)), "1 to 16 laws", laws)?;
             expect(usize::from(signals) <= MAX_SIGNALS, "at most 32 signals", signals)
         }),
-        check("names of laws, signals and choices are unique and not empty", |client| {
+        check("R10", "names of laws, signals and choices are unique and not empty", |client| {
             let it = &client.description;
             unique("law", it.laws.iter().map(|law| &law.name))?;
             unique("signal", it.signals.iter().map(|signal| &signal.signal.name))?;
@@ -29,7 +29,7 @@ pub(super) fn checks() -> Vec<Check> {
                 unique(&format!("choice of {}", parameter.name), parameter.choices.iter().map(|it| &it.name))
             })
         }),
-        check("every parameter and every signal belongs to a law", |client| {
+        check("R10", "every parameter and every signal belongs to a law", |client| {
             let laws = u32::from(client.identity.law_count);
             let belongs = |name: &str, mask: LawMask| {
                 let known = (1_u32 << laws) - 1;
@@ -39,15 +39,15 @@ pub(super) fn checks() -> Vec<Check> {
             it.parameters.iter().try_for_each(|parameter| belongs(&parameter.name, parameter.laws))?;
             it.signals.iter().try_for_each(|signal| belongs(&signal.signal.name, signal.laws))
         }),
-        check("controller has the names of the laws as choices", controller),
-        check("an unknown law, signal or choice is answered with UnknownIndex", unknown_index),
+        check("R10", "controller has the names of the laws as choices", controller),
+        check("R10", "an unknown law, signal or choice is answered with UnknownIndex", unknown_index),
     ];
     for state in [State::Boot, State::Idle, State::Armed, State::Running, State::Faulted] {
         let name = format!("the drive describes itself in {state:?} as at the start");
-        checks.push(check(name, move |client| {
+        checks.push(check("R10", name, move |client| {
             client.enter(state)?;
-            let again = Description::read(&mut client.line, &client.identity).map_err(Failure::Session)?;
-            expect(again == client.description, "the description read first", again)
+            let again = Description::read(&mut client.line, &client.identity)?;
+            expect(again == client.description, "the description read first", "another one")
         }));
     }
     checks

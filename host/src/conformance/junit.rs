@@ -28,6 +28,11 @@ fn case(result: &CheckResult) -> TestCase {
             status.set_message(format!("expected {expected}, got {got}"));
             status
         }
+        CheckStatus::NotJudged { cause } => {
+            let mut status = TestCaseStatus::skipped();
+            status.set_message(format!("not judged: {cause}"));
+            status
+        }
         CheckStatus::Skipped { reason } => {
             let mut status = TestCaseStatus::skipped();
             status.set_message(*reason);
@@ -36,6 +41,7 @@ fn case(result: &CheckResult) -> TestCase {
     };
     let mut case = TestCase::new(&*result.name, status);
     case.set_classname(format!("conformance.{}", result.group)).set_time(result.took);
+    case.add_property(("rules", result.rules));
     if !result.note.is_empty() {
         case.set_system_out(&*result.note);
     }

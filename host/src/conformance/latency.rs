@@ -32,7 +32,7 @@ pub(super) fn checks() -> Vec<Check> {
 
 fn timed<Request: Payload>(answer: &'static str, request: fn(&Client, u32) -> HostMessage) -> Check {
     let name = format!("every {} is answered within {} s", Request::LAYOUT.name, LIMIT.as_secs());
-    check(name, move |client| {
+    check("R13", name, move |client| {
         client.running(&[])?;
         let mut times = Vec::new();
         for round in 0..ROUNDS {

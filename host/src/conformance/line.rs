@@ -14,56 +14,56 @@ const OVERSIZED: [u8; 5 * MAX_FRAME] = [0x55; 5 * MAX_FRAME];
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("garbage before a frame is discarded", |client| {
+        check("R2", "garbage before a frame is discarded", |client| {
             let garbage = [b"noise\0more noise\0", &*request(0)].concat();
             answered(client, &garbage, &[0])?;
             // Without a delimiter the garbage corrupts the frame that follows, but not the next.
             answered(client, &[b"noise", &*request(0), &*request(1)].concat(), &[1])
         }),
-        check("a frame with a flipped bit is not answered", flipped_bits),
-        check("a truncated frame is not answered, and the next one is", |client| {
+        check("R2", "a frame with a flipped bit is not answered", flipped_bits),
+        check("R2", "a truncated frame is not answered, and the next one is", |client| {
             let whole = request(0);
             (1..whole.len() - 1).try_for_each(|length| {
                 answered(client, &[&whole[..length], &[DELIMITER], &*request(1)].concat(), &[1])
             })
         }),
-        check("an oversized frame is discarded, and the next one is answered", |client| {
+        check("R2", "an oversized frame is discarded, and the next one is answered", |client| {
             answered(client, &[&OVERSIZED[..], &[DELIMITER], &*request(0)].concat(), &[0])
         }),
-        check("a frame without its delimiter corrupts the next one and no other", |client| {
+        check("R2", "a frame without its delimiter corrupts the next one and no other", |client| {
             let whole = request(0);
             let bytes = [&whole[..whole.len() - 1], &*request(1), &*request(2)].concat();
             answered(client, &bytes, &[2])
         }),
-        check("frames in one write are answered in their order", |client| {
+        check("R2", "frames in one write are answered in their order", |client| {
             answered(client, &[request(0), request(1), request(2)].concat(), &[0, 1, 2])
         }),
-        check("a frame that arrives byte by byte is answered", |client| {
+        check("R2", "a frame that arrives byte by byte is answered", |client| {
             for byte in request(0) {
                 client.send_bytes(&[byte])?;
             }
             answered(client, &[], &[0])
         }),
-        check("a good frame that is not a request is not answered", |client| {
+        check("R2", "a good frame that is not a request is not answered", |client| {
             answered(client, &[no_request(), request(0)].concat(), &[0])
         }),
-        check("Stop is answered with a LineReport before its result", |client| {
+        check("R2", "Stop is answered with a LineReport before its result", |client| {
             client.running(&[])?;
             equal("answers", vec!["LineReport", "CommandResult"], names(&client.request(Stop {})?))
         }),
-        check("the LineReport of a clean run counts no damage, with idle delimiters", |client| {
+        check("R2", "the LineReport of a clean run counts no damage, with idle delimiters", |client| {
             client.running(&[])?;
             client.send_bytes(&[DELIMITER; 5])?;
             client.torque(0)?;
             // The marker after Start, the sample, the marker after the sample, and Stop.
             reported(client, LineReport { messages: 4, damaged: 0, refused: 0, overruns: 0 })
         }),
-        check("the LineReport counts damaged and refused frames", |client| {
+        check("R2", "the LineReport counts damaged and refused frames", |client| {
             client.running(&[])?;
             client.send_bytes(&damaged())?;
             reported(client, LineReport { messages: 2, damaged: 4, refused: 1, overruns: 0 })
         }),
-        check("the LineReport counts each run from zero", |client| {
+        check("R2", "the LineReport counts each run from zero", |client| {
             client.running(&[])?;
             client.send_bytes(&damaged())?;
             client.request(Stop {})?;
@@ -72,7 +72,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.start()?;
             reported(client, LineReport { messages: 2, damaged: 0, refused: 0, overruns: 0 })
         }),
-        check("every frame from the drive was a good message", |client| {
+        check("R2", "every frame from the drive was a good message", |client| {
             let counters = *client.line.decoder.counters();
             let got = (counters.damaged(), counters.refused);
             client.note = format!("{} messages", counters.messages);

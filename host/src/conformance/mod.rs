@@ -13,9 +13,12 @@
 //! | `line` | noise, damaged frames and their counters |
 //! | `latency` | response times |
 //!
-//! Each check is one rule, stated as a sentence, and starts from a drive that was just reset: no result depends on another
-//! check. After each request the client sends a second one with a known answer. A drive answers in order, so that answer
-//! ends the list without a timeout.
+//! Each check is one rule, stated as a sentence with the numbers of the rules in the specification, and starts from a drive that
+//! was just reset: no result depends on another check. After each request the client sends a second one with a known answer. A
+//! drive answers in order, so that answer ends the list without a timeout.
+//!
+//! The steps that lead to a rule are preparations. The first check that meets a failed preparation reports it as its own
+//! failure; the checks after it that need the same step are not judged.
 //!
 //! The checks depend on the protocol and on [`REQUIRED_PARAMETERS`], not on the control law: of the law they require only
 //! some torque for a load at rest off its reference.
@@ -27,6 +30,7 @@ mod client;
 mod description;
 mod encoders;
 mod handshake;
+mod judge;
 pub mod junit;
 mod latency;
 mod line;
@@ -39,8 +43,7 @@ mod samples;
 mod states;
 mod telemetry;
 mod transitions;
-
-use std::time::Instant;
+mod words;
 
 use lashloop_protocol::message::Identity;
 
@@ -48,9 +51,9 @@ pub use lashloop_protocol::parameter_names::REQUIRED as REQUIRED_PARAMETERS;
 pub use latency::LIMIT as ANSWER_LIMIT;
 pub use result::{CheckResult, CheckStatus};
 
-use assertion::Failure;
 use check::Check;
 use client::Client;
+use judge::Judge;
 use lashloop_bench::link::Link;
 use lashloop_bench::session::SessionError;
 
@@ -59,7 +62,7 @@ pub trait Reporter {
     /// The handshake is complete.
     fn connected(&mut self, _identity: &Identity) {}
 
-    /// A check has ended, or was skipped.
+    /// A check has ended, or was omitted.
     fn checked(&mut self, result: &CheckResult);
 
     /// Whether to end before the next check.
@@ -72,31 +75,36 @@ pub trait Reporter {
 /// [`Session::open`](lashloop_bench::session::Session::open).
 ///
 /// # Errors
-/// The handshake times out, the drive has another protocol version, or the link fails. A single missing answer fails its
-/// check and is not an error.
+/// The handshake times out, the drive has another protocol version, the link fails, or the drive sends no good frame in three
+/// consecutive checks. A single missing answer fails its check and is not an error.
 pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Result<(), SessionError> {
     let mut client = Client::open(link, session)?;
     reporter.connected(&client.identity);
+    let mut judge = Judge::new(&mut client);
     for (group, check) in all_checks() {
         if reporter.is_interrupted() {
             break;
         }
-        let started = Instant::now();
-        let status = match client.reset().and_then(|()| (check.run)(&mut client)) {
-            Ok(()) => CheckStatus::Passed,
-            Err(Failure::Rule { expected, got }) => CheckStatus::Failed { expected, got },
-            Err(Failure::Skipped { reason }) => CheckStatus::Skipped { reason },
-            Err(Failure::Session(error)) => return Err(error),
-        };
-        reporter.checked(&CheckResult {
-            group,
-            name: check.name,
-            status,
-            note: std::mem::take(&mut client.note),
-            took: started.elapsed(),
-        });
+        reporter.checked(&judge.result(&mut client, group, check)?);
+        judge.require_frames(&client)?;
     }
     client.leave()
+}
+
+/// A check that the battery makes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Listed {
+    /// Group of the check, which is the name of its module.
+    pub group: &'static str,
+    /// Numbers of the rules under test, separated by spaces.
+    pub rules: &'static str,
+    /// The rule, as a sentence.
+    pub name: String,
+}
+
+/// All checks, in order. Needs no drive.
+pub fn list() -> impl Iterator<Item = Listed> {
+    all_checks().map(|(group, Check { rules, name, .. })| Listed { group, rules, name })
 }
 
 /// All checks, in order, each with the name of its group.

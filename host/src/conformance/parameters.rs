@@ -17,22 +17,22 @@ use super::range::{holds, nearest_whole, outside};
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
-        check("the drive has every required parameter", |client| {
+        check("R9", "the drive has every required parameter", |client| {
             REQUIRED.iter().try_for_each(|name| client.parameter(name).map(drop))
         }),
-        check("every parameter name is unique", |client| {
+        check("R9", "every parameter name is unique", |client| {
             let mut seen = HashSet::new();
             client.description.parameters.iter().try_for_each(|it| {
                 expect(!it.name.is_empty() && seen.insert(&it.name), "a name no other has", &it.name)
             })
         }),
-        check("default, minimum and maximum have one type", |client| {
+        check("R9", "default, minimum and maximum have one type", |client| {
             client.description.parameters.iter().try_for_each(|it| {
                 let types = (it.default.ty(), it.min.ty(), it.max.ty());
                 expect(types.0 == types.1 && types.1 == types.2, format!("{}: one type", it.name), types)
             })
         }),
-        check("every default lies in its range", |client| {
+        check("R9", "every default lies in its range", |client| {
             client.description.parameters.iter().try_for_each(|it| {
                 expect(
                     holds(it, it.default),
@@ -41,11 +41,11 @@ pub(super) fn checks() -> Vec<Check> {
                 )
             })
         }),
-        check("after a reset every parameter has its default", |client| {
+        check("R9", "after a reset every parameter has its default", |client| {
             client.idle()?;
             each(client, |client, it| in_force(client, it, it.default))
         }),
-        check("every parameter accepts its minimum and maximum and reads them back", |client| {
+        check("R9", "every parameter accepts its minimum and maximum and reads them back", |client| {
             client.idle()?;
             each(client, |client, it| {
                 for value in [it.min, it.max, it.default] {
@@ -57,13 +57,13 @@ pub(super) fn checks() -> Vec<Check> {
                 Ok(())
             })
         }),
-        check("a value out of range is refused and changes nothing", |client| {
+        check("R9", "a value out of range is refused and changes nothing", |client| {
             client.idle()?;
             each(client, |client, it| {
                 outside(it).into_iter().try_for_each(|value| refused(client, it, value, Outcome::OutOfRange))
             })
         }),
-        check("a value of the wrong type is refused and changes nothing", |client| {
+        check("R9", "a value of the wrong type is refused and changes nothing", |client| {
             client.idle()?;
             each(client, |client, it| {
                 let value = match it.default {
@@ -73,16 +73,16 @@ pub(super) fn checks() -> Vec<Check> {
                 refused(client, it, value, Outcome::WrongType)
             })
         }),
-        check("an unknown parameter index is refused", unknown_index),
-        check("a reset restores the default of a changed parameter", |client| {
+        check("R9", "an unknown parameter index is refused", unknown_index),
+        check("R9", "a reset restores the default of a changed parameter", |client| {
             client.idle()?;
             let it = client.parameter("torque_limit_nm")?.clone();
             client.put(&it.name, it.min)?;
             client.reset()?;
             in_force(client, &it, it.default)
         }),
-        check("the identity follows the period and encoder parameters", identity_follows),
-        check("while running a live parameter is accepted and any other refused", |client| {
+        check("R9", "the identity follows the period and encoder parameters", identity_follows),
+        check("R9", "while running a live parameter is accepted and any other refused", |client| {
             client.running(&[])?;
             // This check has already changed the watchdog.
             let watchdog = client.parameter("watchdog_us")?.index;
@@ -98,7 +98,7 @@ pub(super) fn checks() -> Vec<Check> {
         }),
     ];
     for state in [State::Boot, State::Faulted] {
-        checks.push(check(format!("in {state:?} nothing can be set"), move |client| {
+        checks.push(check("R9", format!("in {state:?} nothing can be set"), move |client| {
             client.enter(state)?;
             each(client, |client, it| {
                 let got = client.set(it.index, it.default)?;

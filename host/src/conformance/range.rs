@@ -3,7 +3,8 @@
 use lashloop_bench::session::Parameter;
 use lashloop_protocol::enums::ParameterValue;
 
-use super::assertion::{Failure, broken};
+use super::assertion::{Failure, broken, preparation};
+use super::words::Words;
 
 /// Whether a value has the type of a parameter and lies within its range.
 pub(super) fn holds(parameter: &Parameter, value: ParameterValue) -> bool {
@@ -15,20 +16,33 @@ pub(super) fn holds(parameter: &Parameter, value: ParameterValue) -> bool {
     }
 }
 
-/// The value nearest to `wished` in the range of an integer parameter.
+/// The whole number nearest to `wished` in the range of a parameter of either type.
 pub(super) fn nearest_whole(parameter: &Parameter, wished: u32) -> Result<u32, Failure> {
-    match (parameter.min, parameter.max) {
+    let nearest = match (parameter.min, parameter.max) {
         // A drive may describe an inverted range, on which `clamp` would panic.
         (ParameterValue::U32(min), ParameterValue::U32(max)) => Ok(wished.max(min).min(max)),
-        range => Err(broken(format!("{}: an integer range", parameter.name), format!("{range:?}"))),
-    }
+        (ParameterValue::F32(min), ParameterValue::F32(max)) => {
+            Ok((wished as f32).max(min.ceil()).min(max.floor()) as u32)
+        }
+        range => Err(broken(format!("{}: min and max of one type", parameter.name), range.words())),
+    };
+    preparation(format!("the range of {}", parameter.name), nearest)
 }
 
 /// The value nearest to `wished` in the range of a real parameter.
 pub(super) fn nearest_real(parameter: &Parameter, wished: f32) -> Result<f32, Failure> {
-    match (parameter.min, parameter.max) {
+    let nearest = match (parameter.min, parameter.max) {
         (ParameterValue::F32(min), ParameterValue::F32(max)) => Ok(wished.max(min).min(max)),
-        range => Err(broken(format!("{}: a real range", parameter.name), format!("{range:?}"))),
+        range => Err(broken(format!("{}: min and max of type F32", parameter.name), range.words())),
+    };
+    preparation(format!("the range of {}", parameter.name), nearest)
+}
+
+/// An integer as a value of the parameter's type; any other value as it is.
+pub(super) fn in_type_of(parameter: &Parameter, value: ParameterValue) -> ParameterValue {
+    match (parameter.default, value) {
+        (ParameterValue::F32(_), ParameterValue::U32(whole)) => ParameterValue::F32(whole as f32),
+        _ => value,
     }
 }
 

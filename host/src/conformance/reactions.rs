@@ -5,7 +5,7 @@ use lashloop_protocol::enums::{FaultCode, Outcome, State};
 use lashloop_protocol::message::{EncoderSample, FaultReport};
 
 use super::answers::{fault, outcome, torque};
-use super::assertion::{Failure, RuleResult, equal, names};
+use super::assertion::{Failure, RuleResult, equal, expect, names};
 use super::client::Client;
 
 pub(super) fn no_torque(client: &mut Client, sequence: u16, state: State) -> RuleResult {
@@ -28,4 +28,14 @@ pub(super) fn fault_answer(answers: &[DriveMessage], code: FaultCode) -> Result<
     let it = fault(answers)?;
     equal("code", code, it.code)?;
     Ok(it)
+}
+
+/// Requires a `CommandResult` as the only answer, after at least one `Log` that explains it. A log may take several lines.
+pub(super) fn require_log_before_result(what: &str, answers: &[DriveMessage]) -> RuleResult {
+    let got = names(answers);
+    let is_explained = match got.split_first() {
+        Some((&"Log", rest)) => rest.iter().filter(|name| **name != "Log").eq([&"CommandResult"]),
+        _ => false,
+    };
+    expect(is_explained, format!("{what} Log and then CommandResult"), got)
 }

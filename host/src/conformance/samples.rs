@@ -19,12 +19,12 @@ const GAP: u16 = 100;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
-        check("a sample before the handshake is refused", |client| {
+        check("R7", "a sample before the handshake is refused", |client| {
             let answers = client.sample(0)?;
             equal("answers", vec!["CommandResult"], names(&answers))?;
             equal("outcome", Outcome::WrongState, outcome::<EncoderSample>(&answers)?)
         }),
-        check("while running a sample gets a torque with its sequence", |client| {
+        check("R7", "while running a sample gets a torque with its sequence", |client| {
             client.running(&[])?;
             for sequence in 0..3 {
                 let answer = client.torque(sequence)?;
@@ -36,14 +36,14 @@ pub(super) fn checks() -> Vec<Check> {
             }
             Ok(())
         }),
-        check("every law that the drive describes returns a torque", every_law),
-        check("the first sample of a run must carry sequence 0", |client| {
+        check("R7", "every law that the drive describes returns a torque", every_law),
+        check("R7", "the first sample of a run must carry sequence 0", |client| {
             client.running(&[])?;
             refused_sample(client, 1)?;
             refused_sample(client, 5)?;
             equal("answers", "TorqueAnswer", names(&client.sample(0)?).first().copied().unwrap_or("nothing"))
         }),
-        check("a repeated sample gets the same torque, flagged REPEATED", |client| {
+        check("R7", "a repeated sample gets the same torque, flagged REPEATED", |client| {
             client.running(&[])?;
             for sequence in 0..2 {
                 let (first, again) = (client.torque(sequence)?, client.torque(sequence)?);
@@ -53,12 +53,12 @@ pub(super) fn checks() -> Vec<Check> {
             }
             Ok(())
         }),
-        check("a repeated sample makes no control step", |client| {
+        check("R7", "a repeated sample makes no control step", |client| {
             let once = torques(client, |_, _| Ok(()))?;
             let twice = torques(client, |client, sample| client.request(*sample).map(drop))?;
             equal("torques", once, twice)
         }),
-        check("a gap is flagged GAP, once", |client| {
+        check("R7", "a gap is flagged GAP, once", |client| {
             let gap = start_with_gaps(client)?;
             if gap < 2 {
                 return skip("not run: no encoder setting of this drive allows a gap");
@@ -71,7 +71,7 @@ pub(super) fn checks() -> Vec<Check> {
             }
             Ok(())
         }),
-        check("sequence 65535 wraps around to 0", |client| {
+        check("R7", "sequence 65535 wraps around to 0", |client| {
             let gap = start_with_gaps(client)?;
             for sequence in (0..u16::MAX).step_by(gap.into()).chain([u16::MAX]) {
                 client.torque(sequence)?;
@@ -82,14 +82,14 @@ pub(super) fn checks() -> Vec<Check> {
             equal("sequence, state and flags", wanted, (answer.sequence, answer.status.state, flags))?;
             refused_sample(client, u16::MAX)
         }),
-        check("a sample older than the last or far ahead of it is refused", |client| {
+        check("R7", "a sample older than the last or far ahead of it is refused", |client| {
             client.running(&[])?;
             for sequence in 0..3 {
                 client.torque(sequence)?;
             }
             [0, 1, u16::MAX, 1 << 15].into_iter().try_for_each(|sequence| refused_sample(client, sequence))
         }),
-        check("a refused sample makes no control step", |client| {
+        check("R7", "a refused sample makes no control step", |client| {
             let quiet = torques(client, |_, _| Ok(()))?;
             let disturbed = torques(client, |client, sample| {
                 // Half the sequence range ahead, and displaced, so that a control step would change the torque.
@@ -99,7 +99,7 @@ pub(super) fn checks() -> Vec<Check> {
             })?;
             equal("torques", quiet, disturbed)
         }),
-        check("a new start resets the controller: equal samples get equal torques", |client| {
+        check("R7", "a new start resets the controller: equal samples get equal torques", |client| {
             let first = torques(client, |_, _| Ok(()))?;
             let again = torques(client, |_, _| Ok(()))?;
             equal("torques", first, again)
@@ -107,7 +107,7 @@ pub(super) fn checks() -> Vec<Check> {
     ];
     for state in [State::Idle, State::Armed, State::Faulted] {
         let name = format!("a sample gets torque zero in {state:?}");
-        checks.push(check(name, move |client| {
+        checks.push(check("R7", name, move |client| {
             client.enter(state)?;
             let answers = client.sample(0)?;
             equal("answers", vec!["TorqueAnswer"], names(&answers))?;

@@ -3,8 +3,10 @@
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{Arm, EmergencyStop, Reset, Start};
 
-use super::assertion::{Failure, RuleResult, equal};
+use super::assertion::{RuleResult, equal, preparation};
 use super::client::Client;
+use lashloop_protocol::HostMessage;
+use lashloop_protocol::wire::Payload;
 
 /// Long enough for any bench on any machine, so that no watchdog trips in a check of another rule.
 const LONG_WATCHDOG_US: u32 = 30_000_000;
@@ -13,15 +15,14 @@ impl Client {
     /// Resets the drive from any state.
     pub(super) fn reset(&mut self) -> RuleResult {
         // Discards late answers to the previous check, and ends its partial frame.
-        self.line.clear().map_err(Failure::Session)?;
-        let got = self.command(Reset {})?;
-        equal("before the check, Reset", (Outcome::Accepted, State::Boot), got)
+        self.line.clear()?;
+        self.prepare(Reset {}, State::Boot)
     }
 
     /// Opens the session of this run.
     pub(super) fn idle(&mut self) -> RuleResult {
-        let identity = self.handshake(self.session)?;
-        equal("after the handshake, state", State::Idle, identity.state)
+        let opened = self.handshake(self.session).and_then(|it| equal("state", State::Idle, it.state));
+        preparation("Hello", opened)
     }
 
     pub(super) fn armed(&mut self) -> RuleResult {
@@ -30,13 +31,24 @@ impl Client {
     }
 
     pub(super) fn arm(&mut self) -> RuleResult {
-        let got = self.command(Arm { session: self.session })?;
-        equal("Arm in Idle", (Outcome::Accepted, State::Armed), got)
+        self.prepare(Arm { session: self.session }, State::Armed)
     }
 
     pub(super) fn start(&mut self) -> RuleResult {
-        let got = self.command(Start { session: self.session })?;
-        equal("Start in Armed", (Outcome::Accepted, State::Running), got)
+        self.prepare(Start { session: self.session }, State::Running)
+    }
+
+    /// Sends a command that leads to `state`, as a preparation.
+    fn prepare<Command: Payload + Into<HostMessage>>(
+        &mut self,
+        command: Command,
+        state: State,
+    ) -> RuleResult {
+        let name = Command::LAYOUT.name;
+        let done = self
+            .command(command)
+            .and_then(|got| equal(&format!("{name}: outcome and state"), (Outcome::Accepted, state), got));
+        preparation(name, done)
     }
 
     /// Opens the session, sets these parameters, arms and starts.
@@ -50,8 +62,7 @@ impl Client {
 
     pub(super) fn faulted(&mut self) -> RuleResult {
         self.idle()?;
-        let got = self.command(EmergencyStop {})?;
-        equal("EmergencyStop", (Outcome::Accepted, State::Faulted), got)
+        self.prepare(EmergencyStop {}, State::Faulted)
     }
 
     /// Brings a drive from `Boot` into this state.

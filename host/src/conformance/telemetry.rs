@@ -4,7 +4,7 @@ use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::message::{Arm, ClearFault, Reset, Stop, Subscribe};
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, HostMessage};
+use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
 use lashloop_bench::session::DriveSignal;
 
@@ -18,7 +18,7 @@ const STEPS: u16 = 5;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
-        check("telemetry follows the torque of every n-th sample", |client| {
+        check("R11", "telemetry follows the torque of every n-th sample", |client| {
             let signals = signals(client)?;
             running_with(client, signals, 3)?;
             for sequence in 0..7_u16 {
@@ -32,13 +32,13 @@ pub(super) fn checks() -> Vec<Check> {
             }
             Ok(())
         }),
-        check("no telemetry follows a repeated sample", |client| {
+        check("R11", "no telemetry follows a repeated sample", |client| {
             let signals = signals(client)?;
             running_with(client, signals, 1)?;
             client.sample(0)?;
             equal("answers", vec!["TorqueAnswer"], names(&client.sample(0)?))
         }),
-        check("every = 0 and no signal mean no telemetry", |client| {
+        check("R11", "every = 0 and no signal mean no telemetry", |client| {
             for (signals, every) in [(signals(client)?, 0), (0, 1)] {
                 client.reset()?;
                 running_with(client, signals, every)?;
@@ -48,29 +48,33 @@ pub(super) fn checks() -> Vec<Check> {
             }
             Ok(())
         }),
-        check("after power-up there is no telemetry", |client| {
+        check("R11", "after power-up there is no telemetry", |client| {
             client.running(&[])?;
             (0..20).try_for_each(|sequence| {
                 equal("answers", vec!["TorqueAnswer"], names(&client.sample(sequence)?))
             })
         }),
-        check("a reset ends the subscription", |client| {
+        check("R11", "a reset ends the subscription", |client| {
             let signals = signals(client)?;
             running_with(client, signals, 1)?;
             client.command(Reset {})?;
             client.running(&[])?;
             equal("answers", vec!["TorqueAnswer"], names(&client.sample(0)?))
         }),
-        check("a subscription outlives sessions, stops and faults", outlives),
-        check("a subscription while running takes effect from the next sample", |client| {
+        check("R11", "a subscription outlives sessions, stops and faults", outlives),
+        check("R11", "a subscription while running takes effect from the next sample", |client| {
             let signals = signals(client)?;
             client.running(&[])?;
             client.sample(0)?;
             accepted(client, signals, 1)?;
             equal("answers", vec!["TorqueAnswer", "Telemetry"], names(&client.sample(1)?))
         }),
-        check("values are those of the subscribed signals, in the order of their indices", order_of_values),
-        check("a signal that the drive does not have is refused and changes nothing", |client| {
+        check(
+            "R11",
+            "values are those of the subscribed signals, in the order of their indices",
+            order_of_values,
+        ),
+        check("R11", "a signal that the drive does not have is refused and changes nothing", |client| {
             let count = u32::from(client.identity.signal_count);
             let Some(unknown) = 1_u32.checked_shl(count) else { return skip("the drive has all 32 signals") };
             let known = signals(client).map_or(0, lowest);
@@ -81,7 +85,7 @@ pub(super) fn checks() -> Vec<Check> {
                 Outcome::UnknownIndex,
             )
         }),
-        check("more than 13 signals are refused as OutOfRange and change nothing", |client| {
+        check("R11", "more than 13 signals are refused as OutOfRange and change nothing", |client| {
             let count = u32::from(client.identity.signal_count);
             if count as usize <= MAX_TELEMETRY_VALUES {
                 return skip("the drive has no 14 signals");
@@ -90,8 +94,8 @@ pub(super) fn checks() -> Vec<Check> {
             let too_many = (1 << (MAX_TELEMETRY_VALUES + 1)) - 1;
             unchanged_by_refusals(client, known, &[too_many], Outcome::OutOfRange)
         }),
-        check("a signal that the law in force lacks is refused by Arm, and when armed", lacking),
-        check("telemetry carries the requested torque before the limit", |client| {
+        check("R11", "a signal that the law in force lacks is refused by Arm, and when armed", lacking),
+        check("R11", "telemetry carries the requested torque before the limit", |client| {
             let index = client.description.signals.iter().find(|it| it.signal.name == "requested_torque_nm");
             let Some(index) = index.map(|it| it.index) else {
                 return skip("the drive has no signal requested_torque_nm");
@@ -107,14 +111,14 @@ pub(super) fn checks() -> Vec<Check> {
         }),
     ];
     for state in [State::Boot, State::Faulted] {
-        checks.push(check(format!("Subscribe is refused in {state:?}"), move |client| {
+        checks.push(check("R11", format!("Subscribe is refused in {state:?}"), move |client| {
             client.enter(state)?;
             let got = client.command(Subscribe { signals: 0, every: 0 })?;
             equal("outcome and state", (Outcome::WrongState, state), got)
         }));
     }
     for state in [State::Idle, State::Armed, State::Running] {
-        checks.push(check(format!("Subscribe is accepted in {state:?}"), move |client| {
+        checks.push(check("R11", format!("Subscribe is accepted in {state:?}"), move |client| {
             client.enter(state)?;
             let signals = signals(client).unwrap_or(0);
             let got = client.command(Subscribe { signals, every: 1 })?;
@@ -261,7 +265,7 @@ fn inconsistent<R: Payload + Into<HostMessage>>(
     state: State,
     lacked: &DriveSignal,
 ) -> RuleResult {
-    let answers = client.request(request)?;
+    let answers = client.request_with_logs(&request.into().frame())?;
     let what = format!("{} in {state:?}", R::LAYOUT.name);
     equal(&what, (Outcome::Inconsistent, state), (outcome::<R>(&answers)?, client.state))?;
     // A log may take several lines.

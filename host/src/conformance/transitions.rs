@@ -51,7 +51,7 @@ fn transition(state: State, request: fn(u32) -> HostMessage, reaction: Reaction)
         To(to) => (format!("{name} leads from {state:?} to {to:?}"), (Outcome::Accepted, to)),
         Refused(outcome) => (format!("{name} is refused in {state:?} as {outcome:?}"), (outcome, state)),
     };
-    check(name, move |client| {
+    check("R6", name, move |client| {
         client.enter(state)?;
         let got = client.command(request(client.session))?;
         equal("outcome and state", expected, got)?;
@@ -61,23 +61,23 @@ fn transition(state: State, request: fn(u32) -> HostMessage, reaction: Reaction)
 
 fn sessions() -> Vec<Check> {
     vec![
-        check("Arm of another session is refused", |client| {
+        check("R6", "Arm of another session is refused", |client| {
             client.idle()?;
             let got = client.command(Arm { session: client.session ^ 1 })?;
             equal("Arm", (Outcome::WrongSession, Idle), got)
         }),
-        check("Start of another session is refused", |client| {
+        check("R6", "Start of another session is refused", |client| {
             client.armed()?;
             let session = client.session ^ 1;
             equal("Start", (Outcome::WrongSession, Armed), client.command(Start { session })?)
         }),
-        check("a new session makes the previous one stale", |client| {
+        check("R6", "a new session makes the previous one stale", |client| {
             client.idle()?;
             client.handshake(client.session ^ 1)?;
             let session = client.session;
             equal("Arm", (Outcome::WrongSession, Idle), client.command(Arm { session })?)
         }),
-        check("a fault cleared before the handshake leads back to Boot", |client| {
+        check("R6", "a fault cleared before the handshake leads back to Boot", |client| {
             client.request(EmergencyStop {})?;
             equal("ClearFault", (Outcome::Accepted, Boot), client.command(ClearFault {})?)
         }),

@@ -4,21 +4,23 @@ use lashloop_protocol::enums::{Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::message::Arm;
 use lashloop_protocol::sequence::LONGEST_GAP;
 
+use lashloop_protocol::{HostMessage, Message};
+
 use super::encoder::Encoder;
 use super::setup::{Setup, UNAMBIGUOUS_COUNTS};
 
 use crate::conformance::answers::{outcome, torque};
-use crate::conformance::assertion::{Failure, RuleResult, broken, equal, names};
+use crate::conformance::assertion::{Failure, RuleResult, broken, equal};
 use crate::conformance::check::{Check, check};
 use crate::conformance::client::Client;
-use crate::conformance::reactions::refused_sample;
+use crate::conformance::reactions::{refused_sample, require_log_before_result};
 
 /// Resolution of a common servo encoder, so that the speed limits of these checks are those of real machines.
 const GAP_COUNTS_PER_REV: u32 = 131_072;
 
 pub(super) fn checks() -> Vec<Check> {
     let name = "a gap is accepted up to the longest unambiguous one";
-    let mut checks = vec![check(name, |client| {
+    let mut checks = vec![check("R7", name, |client| {
         // Longest unambiguous gap of the motor and of the load encoder, in periods.
         [(400, 800), (800, 400), (5_000, 5_000)]
             .into_iter()
@@ -27,7 +29,7 @@ pub(super) fn checks() -> Vec<Check> {
     checks.extend(Encoder::BOTH.into_iter().map(|encoder| {
         let name =
             format!("Arm is refused if one period leaves the position of the {} ambiguous", encoder.name);
-        check(name, move |client| always_ambiguous(client, encoder))
+        check("R7", name, move |client| always_ambiguous(client, encoder))
     }));
     checks
 }
@@ -67,12 +69,10 @@ fn always_ambiguous(client: &mut Client, encoder: Encoder) -> RuleResult {
     low.allowed(client)?;
     client.idle()?;
     client.put_all(&high.settings())?;
-    let answers = client.request(Arm { session: client.session })?;
-    let mut got = names(&answers);
-    // The log may take several lines.
-    got.dedup();
+    let arm = HostMessage::from(Arm { session: client.session });
+    let answers = client.request_with_logs(&arm.frame())?;
     let what = format!("{} = {high_rad_s} with the finest encoder:", encoder.speed_limit);
-    equal(&format!("{what} answers"), vec!["Log", "CommandResult"], got)?;
+    require_log_before_result(&what, &answers)?;
     let got = (outcome::<Arm>(&answers)?, client.state);
     equal(&format!("{what} outcome and state"), (Outcome::Inconsistent, State::Idle), got)?;
     client.put_all(&low.settings())?;

@@ -25,7 +25,7 @@ const SAME_TORQUE: f32 = 0.05;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
-        check("an encoder within its speed limit is accepted", |client| {
+        check("R7", "an encoder within its speed limit is accepted", |client| {
             for (encoder, sign) in
                 [(Encoder::MOTOR, 1), (Encoder::MOTOR, -1), (Encoder::LOAD, 1), (Encoder::LOAD, -1)]
             {
@@ -39,14 +39,14 @@ pub(super) fn checks() -> Vec<Check> {
             }
             Ok(())
         }),
-        check("an encoder continues through its wraparound", |client| {
+        check("R7", "an encoder continues through its wraparound", |client| {
             let (top, bottom) = (i64::from(EncoderCounts::MAX.get()), i64::from(EncoderCounts::MIN.get()));
             Encoder::BOTH.into_iter().try_for_each(|encoder| {
                 alike(client, encoder, &[(0, top), (1, top + 1)], &[(0, top - 1), (1, top)])?;
                 alike(client, encoder, &[(0, bottom), (1, bottom - 1)], &[(0, bottom + 1), (1, bottom)])
             })
         }),
-        check("an encoder may travel more than half its range from its first reading", |client| {
+        check("R7", "an encoder may travel more than half its range from its first reading", |client| {
             Encoder::BOTH.into_iter().try_for_each(|encoder| {
                 [1, -1].into_iter().try_for_each(|sign| {
                     let [further, earlier] = [1, -1].map(|more| long_path(client, encoder, sign, more));
@@ -57,7 +57,7 @@ pub(super) fn checks() -> Vec<Check> {
     ];
     checks.extend(Encoder::BOTH.into_iter().map(|encoder| {
         let name = format!("a {} encoder that jumps is a fault", encoder.name);
-        check(name, move |client| [1, -1].into_iter().try_for_each(|sign| jump(client, encoder, sign)))
+        check("R7", name, move |client| [1, -1].into_iter().try_for_each(|sign| jump(client, encoder, sign)))
     }));
     checks.extend(gaps::checks());
     checks

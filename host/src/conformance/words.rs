@@ -1,0 +1,181 @@
+//! Values and messages in the words and units of the protocol's specification.
+
+use std::time::Duration;
+
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterType, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::field_value::FieldValue;
+use lashloop_protocol::layout::{FieldLayout, UNITS};
+use lashloop_protocol::message::{CommandResult, FaultReport, LineReport, ParameterReport, TorqueAnswer};
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, Message, frame};
+
+/// A value as text for people.
+pub(super) trait Words {
+    fn words(&self) -> String;
+}
+
+macro_rules! displayed {
+    ($($ty:ty),+) => {
+        $(impl Words for $ty {
+            fn words(&self) -> String {
+                self.to_string()
+            }
+        })+
+    };
+}
+
+displayed!(u8, u16, u32, u64, i32, i64, usize, f32, f64, ParameterValue);
+
+/// The variants have the names of the specification's lists.
+macro_rules! named {
+    ($($ty:ty),+) => {
+        $(impl Words for $ty {
+            fn words(&self) -> String {
+                format!("{self:?}")
+            }
+        })+
+    };
+}
+
+named!(State, Outcome, FaultCode, ParameterType);
+
+impl Words for bool {
+    fn words(&self) -> String {
+        if *self { "yes" } else { "no" }.to_owned()
+    }
+}
+
+impl Words for str {
+    fn words(&self) -> String {
+        // Texts of a drive may hold control characters.
+        self.escape_debug().to_string()
+    }
+}
+
+impl Words for String {
+    fn words(&self) -> String {
+        self.as_str().words()
+    }
+}
+
+impl Words for Duration {
+    fn words(&self) -> String {
+        format!("{} s", self.as_secs_f64())
+    }
+}
+
+impl Words for EncoderCounts {
+    fn words(&self) -> String {
+        format!("{} counts", self.get())
+    }
+}
+
+impl Words for TorqueFlags {
+    fn words(&self) -> String {
+        if self.is_empty() {
+            return "no flags".to_owned();
+        }
+        self.iter_names().map(|(name, _)| name).collect::<Vec<_>>().join(" and ")
+    }
+}
+
+impl<T: Words + ?Sized> Words for &T {
+    fn words(&self) -> String {
+        (*self).words()
+    }
+}
+
+impl<T: Words> Words for Option<T> {
+    fn words(&self) -> String {
+        self.as_ref().map_or_else(|| "none".to_owned(), T::words)
+    }
+}
+
+impl<T: Words> Words for [T] {
+    fn words(&self) -> String {
+        if self.is_empty() {
+            return "nothing".to_owned();
+        }
+        self.iter().map(T::words).collect::<Vec<_>>().join(", ")
+    }
+}
+
+impl<T: Words> Words for Vec<T> {
+    fn words(&self) -> String {
+        self.as_slice().words()
+    }
+}
+
+impl<T: Words, const N: usize> Words for [T; N] {
+    fn words(&self) -> String {
+        self.as_slice().words()
+    }
+}
+
+macro_rules! tuples {
+    ($(($($at:tt: $ty:ident),+);)+) => {
+        $(impl<$($ty: Words),+> Words for ($($ty,)+) {
+            fn words(&self) -> String {
+                [$(self.$at.words()),+].join(", ")
+            }
+        })+
+    };
+}
+
+tuples! {
+    (0: A, 1: B);
+    (0: A, 1: B, 2: C);
+    (0: A, 1: B, 2: C, 3: D);
+    (0: A, 1: B, 2: C, 3: D, 4: E);
+}
+
+/// Name and all fields, as `TorqueAnswer with sequence 3, torque 0 N m, state Idle, no flags, compute 57 x 0.1 us`.
+impl Words for DriveMessage {
+    fn words(&self) -> String {
+        let mut stuffed = self.frame().to_vec();
+        stuffed.pop();
+        // This frame was just encoded, so it is good.
+        let body = frame::open(&mut stuffed).map_or_else(|_| Vec::new(), <[u8]>::to_vec);
+        let layout = self.layout();
+        let fields = layout.fields.iter().filter_map(|it| Some(field_words(it, it.value(&body)?)));
+        let fields = fields.collect::<Vec<_>>().join(", ");
+        if fields.is_empty() { layout.name.to_owned() } else { format!("{} with {fields}", layout.name) }
+    }
+}
+
+macro_rules! messages {
+    ($($ty:ty),+) => {
+        $(impl Words for $ty {
+            fn words(&self) -> String {
+                DriveMessage::from(*self).words()
+            }
+        })+
+    };
+}
+
+messages!(CommandResult, FaultReport, LineReport, ParameterReport, TorqueAnswer);
+
+/// A field's name and value, with the unit after the value instead of at the end of the name.
+fn field_words(field: &FieldLayout, value: FieldValue<'_>) -> String {
+    let name = field.name;
+    match value {
+        FieldValue::Status(state, flags) if flags.iter().next().is_none() => {
+            format!("state {state}, no flags")
+        }
+        FieldValue::Status(state, flags) => {
+            let flags: Vec<_> = flags.iter().map(|flag| flag.to_string()).collect();
+            format!("state {state}, {}", flags.join(" and "))
+        }
+        FieldValue::Unsigned(kind) if name == "request" => {
+            let known = HostMessage::LAYOUTS.iter().find(|it| u32::from(it.kind) == kind);
+            known.map_or_else(|| format!("request {kind:#04x}"), |it| format!("request {}", it.name))
+        }
+        value => {
+            let with_unit = UNITS.iter().find_map(|(suffix, unit)| Some((name.strip_suffix(suffix)?, unit)));
+            match with_unit {
+                Some((name, &"0.1 us")) => format!("{name} {value} x 0.1 us"),
+                Some((name, unit)) => format!("{name} {value} {unit}"),
+                None => format!("{name} {value}"),
+            }
+        }
+    }
+}
