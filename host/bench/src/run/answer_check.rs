@@ -98,12 +98,11 @@ impl AnswerCheck {
             return Some(AnswerRule::SaturatedAtLimit { torque_nm, limit_nm });
         }
         if let Some(sample) = sample {
-            let is_first_answer = !sample.is_answered && !has(TorqueFlags::REPEATED);
             if has(TorqueFlags::REPEATED) && !sample.is_retransmitted {
                 return Some(AnswerRule::RepeatedOnlyIfRetransmitted);
             }
             match self.before(sample) {
-                Before::NotSent if state == State::Running && is_first_answer && !has(TorqueFlags::GAP) => {
+                Before::NotSent if state == State::Running && !has(TorqueFlags::GAP) => {
                     return Some(AnswerRule::GapFlagged);
                 }
                 Before::Accepted if has(TorqueFlags::GAP) => return Some(AnswerRule::GapOnlyAfterGap),

@@ -35,7 +35,7 @@ pub enum AnswerRule {
         /// The limit that the bench has read from the drive, in N m.
         limit_nm: f32,
     },
-    /// The first answer after a gap has the flag `GAP`.
+    /// The answer after a gap has the flag `GAP`.
     GapFlagged,
     /// No other answer has the flag `GAP`.
     GapOnlyAfterGap,
@@ -53,12 +53,13 @@ impl AnswerRule {
     #[must_use]
     pub fn number(&self) -> &'static str {
         match self {
-            Self::Finite { .. } | Self::WithinLimit { .. } => "R7",
-            Self::ZeroUnlessRunning { .. } => "R6",
-            Self::SaturatedAtLimit { .. } => "R7",
-            Self::GapFlagged | Self::GapOnlyAfterGap => "R7",
-            Self::RepeatedOnlyIfRetransmitted => "R7",
-            Self::Running { .. } => "R6",
+            Self::Finite { .. } => "R7.12",
+            Self::WithinLimit { .. } | Self::SaturatedAtLimit { .. } => "R7.11",
+            Self::ZeroUnlessRunning { .. } => "R6.1",
+            Self::GapFlagged => "R7.2",
+            Self::GapOnlyAfterGap => "R7.4",
+            Self::RepeatedOnlyIfRetransmitted => "R7.3",
+            Self::Running { .. } => "R6.2",
         }
     }
 
@@ -72,8 +73,8 @@ impl AnswerRule {
             Self::SaturatedAtLimit { .. } => {
                 "a torque with the flag SATURATED is torque_limit_nm, either way"
             }
-            Self::GapFlagged => "the first answer after a gap has the flag GAP",
-            Self::GapOnlyAfterGap => "only the first answer after a gap has the flag GAP",
+            Self::GapFlagged => "the answer to a sample after a gap has the flag GAP",
+            Self::GapOnlyAfterGap => "only the answer to a sample after a gap has the flag GAP",
             Self::RepeatedOnlyIfRetransmitted => "only the answer to a repeated sample has the flag REPEATED",
             Self::Running { .. } => "a started drive is Running until a stop, a reset or a fault",
         }
