@@ -16,7 +16,7 @@ static void power_up(struct drive *drive)
         drive->values[i] = PARAMETERS[i].initial;
     drive->has_session = drive->has_fault = 0;
     drive->subscribed = drive->telemetry_every = 0;
-    drive->run.has_sample = 0;
+    drive->last_sequence = 0;
     rest(drive, LASHLOOP_STATE_BOOT);
 }
 
@@ -48,10 +48,10 @@ static enum lashloop_outcome set_parameter(struct drive *drive, uint8_t index, c
 
 static enum lashloop_outcome subscribe(struct drive *drive, uint32_t signals, uint16_t every)
 {
-    if (signals >> SIGNAL_COUNT)
-        return LASHLOOP_OUTCOME_UNKNOWN_INDEX;
     if (drive->state == LASHLOOP_STATE_BOOT || drive->state == LASHLOOP_STATE_FAULTED)
         return LASHLOOP_OUTCOME_WRONG_STATE;
+    if (signals >> SIGNAL_COUNT)
+        return LASHLOOP_OUTCOME_UNKNOWN_INDEX;
     drive->subscribed = signals;
     drive->telemetry_every = every;
     return LASHLOOP_OUTCOME_ACCEPTED;
@@ -74,6 +74,7 @@ static enum lashloop_outcome start(struct drive *drive)
     if (drive->state != LASHLOOP_STATE_ARMED)
         return LASHLOOP_OUTCOME_WRONG_STATE;
     drive->run.fed_at_ns = drive->board->now_ns();
+    drive->last_sequence = 0;
     drive->counters_at_start = drive->counters;
     drive->state = LASHLOOP_STATE_RUNNING;
     return LASHLOOP_OUTCOME_ACCEPTED;

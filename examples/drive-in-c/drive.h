@@ -31,7 +31,6 @@ struct run {
     double motor_rad_s_per_count, load_rad_s_per_count;
     int longest_gap; /* periods */
     int has_sample;
-    uint16_t last_sequence;
     int32_t motor_reading, load_reading;
     int64_t motor_counts, load_counts;
     uint64_t fed_at_ns; /* the watchdog */
@@ -48,6 +47,7 @@ struct drive {
     uint32_t subscribed; /* bit n: signal n */
     uint16_t telemetry_every;
     float torque_nm;
+    uint16_t last_sequence; /* last sample accepted since the last Start; 0 before the first */
     struct run run;
     struct receiver receiver;
     struct counters counters, counters_at_start;

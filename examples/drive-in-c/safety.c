@@ -15,7 +15,7 @@ void rest(struct drive *drive, enum lashloop_state state)
 /* The first fault is kept: what comes after it is usually its consequence. */
 struct fault latch(struct drive *drive, uint8_t code, float value, float limit)
 {
-    struct fault fault = { code, drive->run.has_sample ? drive->run.last_sequence : 0, value, limit };
+    struct fault fault = { code, drive->last_sequence, value, limit };
     rest(drive, LASHLOOP_STATE_FAULTED);
     if (!drive->has_fault)
         drive->fault = fault;

@@ -78,7 +78,7 @@ static void control_step(struct drive *drive, const uint8_t *sample, int periods
     run->motor_reading = motor;
     run->load_reading = load;
     run->has_sample = 1;
-    run->last_sequence = sequence;
+    drive->last_sequence = sequence;
     run->fed_at_ns = arrived_ns;
 
     if (!isfinite(reference_rad)) {
@@ -123,7 +123,7 @@ void take_sample(struct drive *drive, const uint8_t *sample)
             send_fault(drive, &drive->fault);
         return;
     }
-    int periods = run->has_sample ? (uint16_t)(sequence - run->last_sequence) : sequence == 0 ? 1 : -1;
+    int periods = run->has_sample ? (uint16_t)(sequence - drive->last_sequence) : sequence == 0 ? 1 : -1;
     if (periods == 0) {
         run->last_answer[LASHLOOP_TORQUE_ANSWER_STATUS_OFFSET] |= LASHLOOP_TORQUE_FLAGS_REPEATED;
         send_body(drive, run->last_answer, sizeof run->last_answer);

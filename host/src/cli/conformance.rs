@@ -4,6 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use crate::bench::Bench;
+use crate::conformance::unchecked::{UNCHECKED, Unchecked};
 use crate::conformance::{self, CheckResult, CheckStatus, Listed, Reporter, junit};
 use clap::Args;
 use lashloop_bench::device::{Connection, session_number};
@@ -75,6 +76,9 @@ impl Arguments {
 fn print_list() {
     for Listed { group, rules, name } in conformance::list() {
         outln!("{rules:<16}  {group}: {name}");
+    }
+    for Unchecked { rule, instead } in UNCHECKED {
+        outln!("{rule:<16}  no check: {instead}");
     }
 }
 

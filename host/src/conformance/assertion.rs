@@ -16,8 +16,8 @@ pub(super) enum Failure {
     Preparation { what: String, expected: String, got: String },
     /// The description of this drive excludes the rule.
     Skipped { reason: &'static str },
-    /// The time for this check, or for all checks, has passed.
-    TimeUp { cause: String },
+    /// The rule was not tested: no time is left, or the bench is too busy.
+    NotJudged { cause: String },
     /// The session is lost.
     Session(SessionError),
 }

@@ -111,7 +111,7 @@ impl Client {
         let deadline = self.line.now() + limit;
         let found = self.line.wait(deadline.min(self.time_up.at), wanted)?;
         if found.is_none() && self.time_up.at < deadline {
-            return Err(Failure::TimeUp { cause: self.time_up.cause.to_owned() });
+            return Err(Failure::NotJudged { cause: self.time_up.cause.to_owned() });
         }
         Ok(found)
     }

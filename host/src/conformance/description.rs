@@ -3,25 +3,32 @@
 use std::collections::HashSet;
 use std::fmt::Display;
 
-use lashloop_protocol::enums::{Outcome, ParameterValue, State};
+use lashloop_protocol::enums::{Outcome, ParameterType, ParameterValue, State};
 use lashloop_protocol::limits::{MAX_LAWS, MAX_SIGNALS};
-use lashloop_protocol::message::{DescribeChoice, DescribeLaw, DescribeSignal};
+use lashloop_protocol::message::{DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal};
+use lashloop_protocol::{DriveMessage, HostMessage};
 
-use lashloop_bench::session::{Description, LawMask};
+use lashloop_bench::session::{Description, LawMask, Parameter};
 
-use super::answers::outcome;
-use super::assertion::{RuleResult, equal, expect};
+use super::assertion::{Failure, RuleResult, broken, equal, expect};
+use super::burst::{Exchange, result};
 use super::check::{Check, check};
 use super::client::{CONTROLLER, Client};
+use super::range::neighbour;
+use super::words::Words;
+
+use State::{Armed, Boot, Faulted, Idle, Running};
+
+const STATES: [State; 5] = [Boot, Idle, Armed, Running, Faulted];
 
 pub(super) fn checks() -> Vec<Check> {
-    let mut checks = vec![
-        check("R10", "the drive has 1 to 16 laws and at most 32 signals", |client| {
+    vec![
+        check("R10.1 R10.6", "the drive has 1 to 16 laws and at most 32 signals", |client| {
             let (laws, signals) = (client.identity.law_count, client.identity.signal_count);
             expect((1..=MAX_LAWS).contains(&usize::from(laws)), "1 to 16 laws", laws)?;
             expect(usize::from(signals) <= MAX_SIGNALS, "at most 32 signals", signals)
         }),
-        check("R10", "names of laws, signals and choices are unique and not empty", |client| {
+        check("R10.1 R10.6 R10.8", "names of laws, signals and choices are unique and not empty", |client| {
             let it = &client.description;
             unique("law", it.laws.iter().map(|law| &law.name))?;
             unique("signal", it.signals.iter().map(|signal| &signal.signal.name))?;
@@ -29,7 +36,7 @@ pub(super) fn checks() -> Vec<Check> {
                 unique(&format!("choice of {}", parameter.name), parameter.choices.iter().map(|it| &it.name))
             })
         }),
-        check("R10", "every parameter and every signal belongs to a law", |client| {
+        check("R9.10 R10.7", "every parameter and every signal belongs to a law", |client| {
             let laws = u32::from(client.identity.law_count);
             let belongs = |name: &str, mask: LawMask| {
                 let known = (1_u32 << laws) - 1;
@@ -39,18 +46,32 @@ pub(super) fn checks() -> Vec<Check> {
             it.parameters.iter().try_for_each(|parameter| belongs(&parameter.name, parameter.laws))?;
             it.signals.iter().try_for_each(|signal| belongs(&signal.signal.name, signal.laws))
         }),
-        check("R10", "controller has the names of the laws as choices", controller),
-        check("R10", "an unknown law, signal or choice is answered with UnknownIndex", unknown_index),
-    ];
-    for state in [State::Boot, State::Idle, State::Armed, State::Running, State::Faulted] {
-        let name = format!("the drive describes itself in {state:?} as at the start");
-        checks.push(check("R10", name, move |client| {
-            client.enter(state)?;
+        check("R10.3", "controller has the names of the laws as choices", controller),
+        check("R10.8", "a parameter with choices is a U32 of at most 255", |client| {
+            let with_choices = client.description.parameters.iter().filter(|it| !it.choices.is_empty());
+            with_choices.into_iter().try_for_each(|it| {
+                equal(&format!("{}: type", it.name), ParameterType::U32, it.default.ty())?;
+                let last = matches!(it.max, ParameterValue::U32(0..=255));
+                expect(last, format!("{}: max of at most 255", it.name), it.max)
+            })
+        }),
+        check("R4.8 R4.9 R4.10 R10.9", "the drive describes itself as at the start", |client| {
             let again = Description::read(&mut client.line, &client.identity)?;
-            expect(again == client.description, "the description read first", "another one")
-        }));
-    }
-    checks
+            let same = again == client.description;
+            expect(same, "the description read first", if same { "it" } else { "another one" })
+        }),
+        check(
+            "R6.2 R10.9",
+            "the drive describes itself alike in every state and in any order",
+            in_every_state,
+        ),
+        check("R10.9", "no setting changes a description", with_other_settings),
+        check(
+            "R6.2 R10.10",
+            "an unknown law, signal or choice is answered with UnknownIndex in every state",
+            |client| STATES.into_iter().try_for_each(|state| unknown_in(client, state)),
+        ),
+    ]
 }
 
 fn unique<'a, T: AsRef<str> + Display + 'a>(what: &str, names: impl Iterator<Item = &'a T>) -> RuleResult {
@@ -65,7 +86,7 @@ fn unique<'a, T: AsRef<str> + Display + 'a>(what: &str, names: impl Iterator<Ite
 /// A drive with one law may omit the parameter.
 fn controller(client: &mut Client) -> RuleResult {
     let laws: Vec<_> = client.description.laws.iter().map(|law| law.name.clone()).collect();
-    if laws.len() == 1 && client.parameter(CONTROLLER).is_err() {
+    if laws.len() == 1 && !client.description.parameters.iter().any(|it| it.name == CONTROLLER) {
         return Ok(());
     }
     let it = client.parameter(CONTROLLER)?;
@@ -76,30 +97,96 @@ fn controller(client: &mut Client) -> RuleResult {
     equal("choices of controller", laws, choices)
 }
 
-fn unknown_index(client: &mut Client) -> RuleResult {
+/// A request for each description.
+fn requests(client: &Client) -> Vec<HostMessage> {
+    let identity = &client.identity;
+    let laws = (0..identity.law_count).map(|index| DescribeLaw { index }.into());
+    let signals = (0..identity.signal_count).map(|index| DescribeSignal { index }.into());
+    let parameters = (0..identity.parameter_count).map(|index| DescribeParameter { index }.into());
+    let choices = client.description.parameters.iter().flat_map(|it| {
+        it.choices
+            .iter()
+            .map(|choice| DescribeChoice { parameter: it.index, choice: choice.value as u8 }.into())
+    });
+    laws.chain(signals).chain(parameters).chain(choices).collect()
+}
+
+/// Each description with its request, which must have the same index.
+fn described(client: &mut Client) -> Result<Vec<Exchange>, Failure> {
+    let requests = requests(client);
+    let answers = client.answers(&requests)?;
+    for (request, answer) in requests.iter().zip(&answers) {
+        let fits = match (request, answer) {
+            (HostMessage::DescribeLaw(it), DriveMessage::LawDescription(got)) => it.index == got.index,
+            (HostMessage::DescribeSignal(it), DriveMessage::SignalDescription(got)) => it.index == got.index,
+            (HostMessage::DescribeParameter(it), DriveMessage::ParameterDescription(got)) => {
+                it.index == got.index
+            }
+            (HostMessage::DescribeChoice(it), DriveMessage::ChoiceDescription(got)) => {
+                (it.parameter, it.choice) == (got.parameter, got.choice)
+            }
+            _ => false,
+        };
+        if !fits {
+            return Err(broken(
+                format!("the description for {}", super::burst::described(request)),
+                answer.words(),
+            ));
+        }
+    }
+    Ok(requests.into_iter().zip(answers).collect())
+}
+
+fn in_every_state(client: &mut Client) -> RuleResult {
+    let before = described(client)?;
+    let mut reversed = before.clone();
+    reversed.reverse();
+    for (place, state) in STATES.into_iter().enumerate() {
+        client.reset()?;
+        client.enter(state)?;
+        let order = if place % 2 == 0 { &reversed } else { &before };
+        client.exchange(&format!("in {state:?}"), order)?;
+    }
+    Ok(())
+}
+
+fn with_other_settings(client: &mut Client) -> RuleResult {
+    let before = described(client)?;
     client.idle()?;
+    let parameters: Vec<Parameter> = client.description.parameters.clone();
+    for it in &parameters {
+        client.put(&it.name, neighbour(it))?;
+    }
+    client.exchange("after every parameter was set", &before)?;
+    client.handshake(client.session ^ 1)?;
+    client.exchange("in another session", &before)
+}
+
+fn unknown_in(client: &mut Client, state: State) -> RuleResult {
+    client.reset()?;
+    client.enter(state)?;
     let (laws, signals) = (client.identity.law_count, client.identity.signal_count);
+    let mut exchanges: Vec<Exchange> = Vec::new();
     for index in [laws, u8::MAX] {
-        let answers = client.request(DescribeLaw { index })?;
-        equal(&format!("to law {index}"), Outcome::UnknownIndex, outcome::<DescribeLaw>(&answers)?)?;
+        exchanges.push(result(DescribeLaw { index }, Outcome::UnknownIndex, state));
     }
     for index in [signals, u8::MAX] {
-        let answers = client.request(DescribeSignal { index })?;
-        equal(&format!("to signal {index}"), Outcome::UnknownIndex, outcome::<DescribeSignal>(&answers)?)?;
+        exchanges.push(result(DescribeSignal { index }, Outcome::UnknownIndex, state));
     }
-    let mut unknown = vec![(client.identity.parameter_count, 0), (u8::MAX, 0)];
+    let mut unknown = vec![(client.identity.parameter_count, 0), (u8::MAX, 0), (u8::MAX, u8::MAX)];
     for it in &client.description.parameters {
-        match it.max {
-            ParameterValue::U32(max) if !it.choices.is_empty() => {
-                let above = max.checked_add(1).and_then(|choice| u8::try_from(choice).ok());
-                unknown.extend(above.map(|choice| (it.index, choice)));
+        match (it.min, it.max) {
+            (ParameterValue::U32(min), ParameterValue::U32(max)) if !it.choices.is_empty() => {
+                let outside = [min.checked_sub(1), max.checked_add(1), (max < 255).then_some(255)];
+                let outside = outside.into_iter().flatten().filter_map(|choice| u8::try_from(choice).ok());
+                unknown.extend(outside.map(|choice| (it.index, choice)));
             }
             _ => unknown.push((it.index, 0)),
         }
     }
-    unknown.into_iter().try_for_each(|(parameter, choice)| {
-        let answers = client.request(DescribeChoice { parameter, choice })?;
-        let what = format!("to choice {choice} of parameter {parameter}");
-        equal(&what, Outcome::UnknownIndex, outcome::<DescribeChoice>(&answers)?)
-    })
+    let choices = unknown.into_iter().map(|(parameter, choice)| {
+        result(DescribeChoice { parameter, choice }, Outcome::UnknownIndex, state)
+    });
+    exchanges.extend(choices);
+    client.exchange(&format!("in {state:?}"), &exchanges)
 }

@@ -1,86 +1,149 @@
-//! Handshake: identity, session and protocol version.
+//! Handshake: identity and protocol version.
 
-use lashloop_protocol::PROTOCOL_VERSION;
-use lashloop_protocol::enums::{FaultCode, Outcome, State};
-use lashloop_protocol::message::{Arm, Hello};
+use lashloop_protocol::enums::{Outcome, ParameterValue, State};
+use lashloop_protocol::message::{Arm, Hello, Identity};
+use lashloop_protocol::{HostMessage, PROTOCOL_VERSION};
 
-use super::answers::{fault, hello, identity, outcome};
-use super::assertion::{RuleResult, equal, expect, names};
+use super::answers::{hello, identity, outcome};
+use super::assertion::{Failure, RuleResult, broken, equal, expect, names};
 use super::check::{Check, check};
 use super::client::Client;
+use super::sessions;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
-        check("R12", "Hello ends Boot", Client::idle),
-        check("R12", "the identity has every field filled in", fields),
-        check("R12", "the identity carries the session of its Hello", |client| {
-            for session in [client.session, 0, u32::MAX] {
-                equal("session", session, client.handshake(session)?.session)?;
-            }
-            Ok(())
-        }),
-        check("R12", "the same session again leaves a torque alone", |client| {
-            client.running(&[])?;
-            let before = client.torque(0)?.torque_nm;
-            client.handshake(client.session)?;
-            // The repeated sample returns the old torque without a step; the next one shows that the run continues.
-            equal("repeated torque", before, client.torque(0)?.torque_nm)?;
-            equal("state of the next torque", State::Running, client.torque(1)?.status.state)
-        }),
-        check("R12", "a new session keeps a latched fault and receives its report", |client| {
-            client.faulted()?;
-            let answers = client.request(hello(client.session ^ 1))?;
-            equal("answers", vec!["Identity", "FaultReport"], names(&answers))?;
-            equal("state", State::Faulted, identity(&answers)?.state)?;
-            equal("fault", FaultCode::EmergencyStop, fault(&answers)?.code)
-        }),
-        check("R12", "another version is refused, and the identity carries the drive's own", other_version),
-        check("R12", "a Hello of another version opens no session", |client| {
+        check("R4", "the identity has every field in its range", fields),
+        check("R4", "the identity is the same in every state, and for every version", constant),
+        check("R4", "the identity carries the settings in force", settings),
+        check("R14", "another version is refused, and the identity carries the drive's own", other_version),
+        check("R12 R14", "a Hello of another version opens no session", |client| {
             let session = client.session;
-            client.request(Hello { protocol_version: PROTOCOL_VERSION.wrapping_add(1), session })?;
-            equal("Arm", (Outcome::WrongSession, State::Boot), client.command(Arm { session })?)
+            client.request(other(session))?;
+            equal("Arm", (Outcome::WrongSession, State::Boot), client.command(Arm { session })?)?;
+            client.idle()?;
+            client.request(other(session ^ 1))?;
+            equal(
+                "Arm of it",
+                (Outcome::WrongSession, State::Idle),
+                client.command(Arm { session: session ^ 1 })?,
+            )?;
+            equal("Arm", (Outcome::Accepted, State::Armed), client.command(Arm { session })?)
         }),
     ];
-    for state in [State::Idle, State::Armed, State::Running, State::Faulted] {
-        let name = format!("the same session again leaves {state:?}");
-        checks.push(check("R12", name, move |client| {
-            client.enter(state)?;
-            equal("state", state, client.handshake(client.session)?.state)
-        }));
-    }
-    for state in [State::Idle, State::Armed, State::Running] {
-        let name = format!("a new session disarms from {state:?}");
-        checks.push(check("R12", name, move |client| {
-            client.enter(state)?;
-            equal("state", State::Idle, client.handshake(client.session ^ 1)?.state)?;
-            equal("state afterwards", State::Idle, client.state)
-        }));
-    }
+    checks.extend(sessions::checks());
     checks
+}
+
+/// A `Hello` of the next version.
+pub(super) fn other(session: u32) -> HostMessage {
+    Hello { protocol_version: PROTOCOL_VERSION.wrapping_add(1), session }.into()
 }
 
 fn fields(client: &mut Client) -> RuleResult {
     let it = client.handshake(client.session)?;
     equal("protocol version", PROTOCOL_VERSION, it.protocol_version)?;
-    expect(!it.board.as_str().is_empty(), "the name of a board", it.board.as_str())?;
-    expect(it.period_us > 0, "a control period", it.period_us)?;
-    let counts = (it.motor_counts_per_rev, it.load_counts_per_rev);
-    expect(counts.0 > 0 && counts.1 > 0, "counts per revolution of both encoders", counts)?;
-    expect(it.law_count > 0, "at least one control law", it.law_count)?;
-    expect(it.parameter_count > 0, "parameters", it.parameter_count)?;
+    expect((1..=16).contains(&it.law_count), "law_count of 1 to 16", it.law_count)?;
+    expect(it.signal_count <= 32, "signal_count of 0 to 32", it.signal_count)?;
     expect(it.dirty <= 1, "dirty of 0 or 1", it.dirty)
 }
 
-fn other_version(client: &mut Client) -> RuleResult {
+/// The fields that nothing changes.
+fn fixed(it: Identity) -> Identity {
+    Identity {
+        session: 0,
+        state: State::Boot,
+        period_us: 0,
+        motor_counts_per_rev: 0,
+        load_counts_per_rev: 0,
+        ..it
+    }
+}
+
+fn constant(client: &mut Client) -> RuleResult {
+    let wanted = fixed(client.identity);
+    for state in [State::Boot, State::Idle, State::Armed, State::Running, State::Faulted] {
+        client.reset()?;
+        client.enter(state)?;
+        for request in [other(client.session), hello(client.session).into(), hello(client.session ^ 1).into()]
+        {
+            let it = identity(&client.request(request)?)?;
+            if fixed(it) != wanted {
+                let [wanted, got] = [wanted, it].map(text);
+                return Err(broken(
+                    format!("in {state:?} the Identity of the first handshake: {wanted}"),
+                    got,
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn text(it: Identity) -> String {
+    use super::words::Words;
+    lashloop_protocol::DriveMessage::from(it).words()
+}
+
+/// `Identity` holds whole numbers: the page leaves open how a fraction of an `F32` is rounded.
+fn whole(value: ParameterValue) -> Option<u32> {
+    match value {
+        ParameterValue::U32(value) => Some(value),
+        ParameterValue::F32(value) => (value.fract() == 0.0).then_some(value as u32),
+    }
+}
+
+fn settings(client: &mut Client) -> RuleResult {
+    // The defaults from `Boot` on, then two other settings, which differ from each other and between the encoders.
+    in_identity(client, "after Reset")?;
+    client.idle()?;
+    for wished in [[2_000, 4_096, 8_192], [3_000, 10_000, 5_000]] {
+        put(client, wished)?;
+        in_identity(client, "in Idle")?;
+    }
+    client.arm()?;
+    in_identity(client, "in Armed")?;
+    client.start()?;
+    in_identity(client, "in Running")?;
+    client.reset()?;
+    in_identity(client, "after another Reset")
+}
+
+const NAMES: [&str; 3] = ["period_us", "motor_counts_per_rev", "load_counts_per_rev"];
+
+/// Sets period and counts per revolution of motor and load to the nearest numbers in range.
+pub(super) fn put(client: &mut Client, wished: [u32; 3]) -> RuleResult {
+    use super::range::nearest_whole;
+    for (name, wished) in NAMES.into_iter().zip(wished) {
+        let value = nearest_whole(client.parameter(name)?, wished)?;
+        client.put(name, ParameterValue::U32(value))?;
+    }
+    Ok(())
+}
+
+/// Requires the parameters' values in the identity that a host of another version gets, which changes no state.
+fn in_identity(client: &mut Client, when: &str) -> RuleResult {
+    let it = identity(&client.request(other(client.session))?)?;
+    let got = [it.period_us, it.motor_counts_per_rev, it.load_counts_per_rev];
+    for (name, got) in NAMES.into_iter().zip(got) {
+        let index = client.parameter(name)?.index;
+        if let Some(wanted) = whole(client.get(index)?.value) {
+            equal(&format!("{when}, {name} of the Identity"), wanted, got)?;
+        }
+    }
+    Ok(())
+}
+
+fn other_version(client: &mut Client) -> Result<(), Failure> {
     for protocol_version in [PROTOCOL_VERSION.wrapping_add(1), 0, u8::MAX] {
-        let session = client.session;
-        let answers = client.request(Hello { protocol_version, session })?;
-        equal("answers", vec!["Identity", "CommandResult"], names(&answers))?;
-        let it = identity(&answers)?;
-        equal("version and session", (PROTOCOL_VERSION, session), (it.protocol_version, it.session))?;
-        let what = format!("to Hello of version {protocol_version}");
-        equal(&what, Outcome::VersionMismatch, outcome::<Hello>(&answers)?)?;
-        equal("state", State::Boot, client.state)?;
+        for session in [client.session, 0, u32::MAX] {
+            let answers = client.request(Hello { protocol_version, session })?;
+            equal("answers", vec!["Identity", "CommandResult"], names(&answers))?;
+            let it = identity(&answers)?;
+            equal("version and session", (PROTOCOL_VERSION, session), (it.protocol_version, it.session))?;
+            let what = format!("to Hello of version {protocol_version}");
+            equal(&what, Outcome::VersionMismatch, outcome::<Hello>(&answers)?)?;
+            equal("state", State::Boot, client.state)?;
+        }
     }
     Ok(())
 }

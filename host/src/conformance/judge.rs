@@ -53,14 +53,14 @@ impl Judge {
         let ended = if started < self.ends_at {
             client.reset().and_then(|()| run(client))
         } else {
-            Err(Failure::TimeUp { cause: client.time_up.cause.to_owned() })
+            Err(Failure::NotJudged { cause: client.time_up.cause.to_owned() })
         };
         let status = match ended {
             Ok(()) => CheckStatus::Passed,
             Err(Failure::Rule { expected, got }) => CheckStatus::Failed { expected, got },
             Err(Failure::Preparation { what, expected, got }) => self.unprepared(&name, what, expected, got),
             Err(Failure::Skipped { reason }) => CheckStatus::Skipped { reason },
-            Err(Failure::TimeUp { cause }) => CheckStatus::NotJudged { cause },
+            Err(Failure::NotJudged { cause }) => CheckStatus::NotJudged { cause },
             Err(Failure::Session(error)) => return Err(error),
         };
         let took = client.line.now().saturating_duration_since(started);

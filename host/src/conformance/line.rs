@@ -1,69 +1,34 @@
-//! The line: resynchronisation after damage, no answer to damaged frames, and their counters.
+//! The line report: what the drive's receiver counts, and since when.
 
+use lashloop_protocol::HostMessage;
 use lashloop_protocol::frame::DELIMITER;
-use lashloop_protocol::message::{GetParameter, LineReport, Stop};
-use lashloop_protocol::{DriveMessage, HostMessage, MAX_FRAME, Message};
+use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, LineReport, Reset, Start, Stop};
 
-use super::answers::line_report;
-use super::assertion::{RuleResult, equal, expect, names};
+use super::answers::{hello, line_report, sample};
+use super::assertion::{Failure, RuleResult, equal};
 use super::check::{Check, check};
 use super::client::Client;
-
-/// Longer than any frame, without a delimiter.
-const OVERSIZED: [u8; 5 * MAX_FRAME] = [0x55; 5 * MAX_FRAME];
+use super::damage;
+use super::handshake::other;
+use super::receiver::{foreign, request};
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R2", "garbage before a frame is discarded", |client| {
-            let garbage = [b"noise\0more noise\0", &*request(0)].concat();
-            answered(client, &garbage, &[0])?;
-            // Without a delimiter the garbage corrupts the frame that follows, but not the next.
-            answered(client, &[b"noise", &*request(0), &*request(1)].concat(), &[1])
-        }),
-        check("R2", "a frame with a flipped bit is not answered", flipped_bits),
-        check("R2", "a truncated frame is not answered, and the next one is", |client| {
-            let whole = request(0);
-            (1..whole.len() - 1).try_for_each(|length| {
-                answered(client, &[&whole[..length], &[DELIMITER], &*request(1)].concat(), &[1])
-            })
-        }),
-        check("R2", "an oversized frame is discarded, and the next one is answered", |client| {
-            answered(client, &[&OVERSIZED[..], &[DELIMITER], &*request(0)].concat(), &[0])
-        }),
-        check("R2", "a frame without its delimiter corrupts the next one and no other", |client| {
-            let whole = request(0);
-            let bytes = [&whole[..whole.len() - 1], &*request(1), &*request(2)].concat();
-            answered(client, &bytes, &[2])
-        }),
-        check("R2", "frames in one write are answered in their order", |client| {
-            answered(client, &[request(0), request(1), request(2)].concat(), &[0, 1, 2])
-        }),
-        check("R2", "a frame that arrives byte by byte is answered", |client| {
-            for byte in request(0) {
-                client.send_bytes(&[byte])?;
-            }
-            answered(client, &[], &[0])
-        }),
-        check("R2", "a good frame that is not a request is not answered", |client| {
-            answered(client, &[no_request(), request(0)].concat(), &[0])
-        }),
-        check("R2", "Stop is answered with a LineReport before its result", |client| {
-            client.running(&[])?;
-            equal("answers", vec!["LineReport", "CommandResult"], names(&client.request(Stop {})?))
-        }),
-        check("R2", "the LineReport of a clean run counts no damage, with idle delimiters", |client| {
+        check("R4", "the LineReport of a clean run counts no damage, with idle delimiters", |client| {
             client.running(&[])?;
             client.send_bytes(&[DELIMITER; 5])?;
             client.torque(0)?;
             // The marker after Start, the sample, the marker after the sample, and Stop.
             reported(client, LineReport { messages: 4, damaged: 0, refused: 0, overruns: 0 })
         }),
-        check("R2", "the LineReport counts damaged and refused frames", |client| {
+        check("R4", "the LineReport counts good, damaged and refused frames apart", |client| {
             client.running(&[])?;
             client.send_bytes(&damaged())?;
-            reported(client, LineReport { messages: 2, damaged: 4, refused: 1, overruns: 0 })
+            client.send_bytes(&[request(0), request(1), request(2)].concat())?;
+            reported(client, LineReport { messages: 5, damaged: 4, refused: 2, overruns: 0 })
         }),
-        check("R2", "the LineReport counts each run from zero", |client| {
+        check("R4", "every good frame counts as a message, whatever its outcome", outcomes),
+        check("R4", "the LineReport counts each run from zero", |client| {
             client.running(&[])?;
             client.send_bytes(&damaged())?;
             client.request(Stop {})?;
@@ -72,7 +37,9 @@ pub(super) fn checks() -> Vec<Check> {
             client.start()?;
             reported(client, LineReport { messages: 2, damaged: 0, refused: 0, overruns: 0 })
         }),
-        check("R2", "every frame from the drive was a good message", |client| {
+        check("R4", "only a Start that is accepted restarts the counts", only_start),
+        check("R4 R12", "Stop, sessions, faults and Reset let the counts continue", continued),
+        check("R2 R4", "every frame from the drive was a good message", |client| {
             let counters = *client.line.decoder.counters();
             let got = (counters.damaged(), counters.refused);
             client.note = format!("{} messages", counters.messages);
@@ -81,51 +48,82 @@ pub(super) fn checks() -> Vec<Check> {
     ]
 }
 
-fn request(index: u8) -> Vec<u8> {
-    HostMessage::from(GetParameter { index }).frame().to_vec()
-}
-
-/// A good frame with a message of the drive, which is not a request.
-fn no_request() -> Vec<u8> {
-    let report = LineReport { messages: 0, damaged: 0, refused: 0, overruns: 0 };
-    DriveMessage::from(report).frame().to_vec()
-}
-
-/// Four damaged frames, one of each kind, and a good one that is not a request.
+/// Four damaged frames and two refused ones.
 fn damaged() -> Vec<u8> {
-    let mut bad_crc = request(0);
-    // The last byte before the delimiter; it must not become a delimiter.
-    let last = bad_crc.len() - 2;
-    bad_crc[last] ^= if bad_crc[last] == 1 { 2 } else { 1 };
-    let truncated = [&request(0)[..4], &[DELIMITER]].concat();
-    let too_short = vec![1, DELIMITER];
-    [bad_crc, truncated, too_short, [&OVERSIZED[..], &[DELIMITER]].concat(), no_request()].concat()
-}
-
-/// Sends bytes and requires a report for each of these parameters, in order, and no other answer.
-fn answered(client: &mut Client, bytes: &[u8], indices: &[u8]) -> RuleResult {
-    let answers = client.request_bytes(bytes)?;
-    let reported = answers.iter().map(|answer| match answer {
-        DriveMessage::ParameterReport(report) => Some(report.index),
-        _ => None,
-    });
-    let only_these = reported.eq(indices.iter().copied().map(Some));
-    expect(only_these, format!("a ParameterReport for each of {indices:?} and nothing else"), answers)
-}
-
-/// Flips every bit of every byte except the delimiter, whose loss has its own check.
-fn flipped_bits(client: &mut Client) -> RuleResult {
-    let whole = request(0);
-    for place in 0..whole.len() - 1 {
-        for bit in 0..u8::BITS {
-            let mut bytes = whole.clone();
-            bytes[place] ^= 1 << bit;
-            answered(client, &bytes, &[])?;
-        }
-    }
-    Ok(())
+    let stuffing = damage::stuffing(&request(0));
+    let checksums = damage::checksums(&damage::body(&request(0)));
+    let oversized = [&[0x55; 320][..], &[DELIMITER]].concat();
+    let refused = foreign();
+    [&stuffing[0], &checksums[0], &oversized, &vec![1, DELIMITER], &refused[0], &refused[refused.len() - 1]]
+        .into_iter()
+        .flatten()
+        .copied()
+        .collect()
 }
 
 fn reported(client: &mut Client, wanted: LineReport) -> RuleResult {
-    equal("line report", wanted, line_report(&client.request(Stop {})?)?)
+    equal("line report", wanted, report(client)?)
+}
+
+fn report(client: &mut Client) -> Result<LineReport, Failure> {
+    line_report(&client.request(Stop {})?)
+}
+
+/// Samples of each kind, refused requests and a `Hello` of each kind, in one run.
+fn outcomes(client: &mut Client) -> RuleResult {
+    client.running(&[])?;
+    let session = client.session;
+    let requests: [HostMessage; 8] = [
+        sample(0).into(),
+        sample(0).into(),
+        sample(1 << 15).into(),
+        hello(session).into(),
+        other(session),
+        Arm { session }.into(),
+        Start { session: session ^ 1 }.into(),
+        ClearFault {}.into(),
+    ];
+    for part in requests.chunks(4) {
+        client.burst(part)?;
+    }
+    // The markers after Start and after both writes, the requests, and Stop.
+    reported(client, LineReport { messages: 1 + 2 + 8 + 1, damaged: 0, refused: 0, overruns: 0 })
+}
+
+fn only_start(client: &mut Client) -> RuleResult {
+    client.running(&[])?;
+    let session = client.session;
+    client.send_bytes(&damaged())?;
+    let running = [Start { session }.into(), Start { session: session ^ 1 }.into(), Arm { session }.into()];
+    client.burst(&running)?;
+    // The markers after Start and after the requests, the requests, and Stop.
+    reported(client, LineReport { messages: 1 + 4 + 1, damaged: 4, refused: 2, overruns: 0 })?;
+    // The marker after Stop, these requests with their marker, and Stop.
+    client.burst(&[Start { session }.into(), Arm { session: session ^ 1 }.into(), Arm { session }.into()])?;
+    reported(client, LineReport { messages: 6 + 1 + 4 + 1, damaged: 4, refused: 2, overruns: 0 })
+}
+
+fn continued(client: &mut Client) -> RuleResult {
+    client.running(&[])?;
+    let session = client.session;
+    client.send_bytes(&damaged())?;
+    let mut wanted = LineReport { messages: 2, damaged: 4, refused: 2, overruns: 0 };
+    reported(client, wanted)?;
+    let ends: [(&str, Vec<HostMessage>); 5] = [
+        ("Stop", Vec::new()),
+        ("a Hello of the same session", vec![hello(session).into()]),
+        ("a new session", vec![hello(session ^ 1).into()]),
+        ("a fault", vec![EmergencyStop {}.into(), ClearFault {}.into()]),
+        ("Reset", vec![Reset {}.into()]),
+    ];
+    for (what, requests) in ends {
+        client.send_bytes(&damaged())?;
+        client.burst(&requests)?;
+        // The marker of the last Stop, the requests and their marker, and the next Stop.
+        wanted.messages += 1 + requests.len() as u32 + 1 + 1;
+        wanted.damaged += 4;
+        wanted.refused += 2;
+        equal(&format!("after {what}, line report"), wanted, report(client)?)?;
+    }
+    Ok(())
 }

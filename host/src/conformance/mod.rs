@@ -3,14 +3,15 @@
 //! | module | checks |
 //! |---|---|
 //! | `handshake` | identity, sessions, versions |
-//! | `transitions` | every request in every state, and requests of another session |
+//! | `transitions` | every request in every state |
 //! | `description` | laws, signals and choices |
-//! | `parameters` | descriptions, ranges, read-back, refusals |
+//! | `parameters` | descriptions, ranges, read-back, refusals, effects |
 //! | `samples` | torque for samples, the rules of the sequence |
 //! | `telemetry` | subscriptions and the values of signals |
 //! | `encoders` | wraparound, jumps and ambiguous positions |
 //! | `safety` | torque limit, latched faults, watchdog |
-//! | `line` | noise, damaged frames and their counters |
+//! | `receiver` | noise, damaged and refused frames |
+//! | `line` | the line report |
 //! | `latency` | response times |
 //!
 //! Each check is one rule, stated as a sentence with the numbers of the rules in the specification, and starts from a drive that
@@ -25,8 +26,10 @@
 
 mod answers;
 mod assertion;
+mod burst;
 mod check;
 mod client;
+mod damage;
 mod description;
 mod encoders;
 mod handshake;
@@ -37,12 +40,15 @@ mod line;
 mod parameters;
 mod range;
 mod reactions;
+mod receiver;
 mod result;
 mod safety;
 mod samples;
+mod sessions;
 mod states;
 mod telemetry;
 mod transitions;
+pub mod unchecked;
 mod words;
 
 use lashloop_protocol::message::Identity;
@@ -65,6 +71,11 @@ pub trait Reporter {
     /// A check has ended, or was omitted.
     fn checked(&mut self, result: &CheckResult);
 
+    /// Whether to run this check.
+    fn wants(&self, _group: &str, _name: &str) -> bool {
+        true
+    }
+
     /// Whether to end before the next check.
     fn is_interrupted(&self) -> bool {
         false
@@ -84,6 +95,9 @@ pub fn run(link: Box<dyn Link>, session: u32, reporter: &mut dyn Reporter) -> Re
     for (group, check) in all_checks() {
         if reporter.is_interrupted() {
             break;
+        }
+        if !reporter.wants(group, &check.name) {
+            continue;
         }
         reporter.checked(&judge.result(&mut client, group, check)?);
         judge.require_frames(&client)?;
@@ -118,6 +132,7 @@ fn all_checks() -> impl Iterator<Item = (&'static str, Check)> {
         ("telemetry", telemetry::checks()),
         ("encoders", encoders::checks()),
         ("safety", safety::checks()),
+        ("receiver", receiver::checks()),
         ("line", line::checks()),
         ("latency", latency::checks()),
     ];

@@ -3,7 +3,7 @@
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{Arm, EmergencyStop, Reset, Start};
 
-use super::assertion::{RuleResult, equal, preparation};
+use super::assertion::{RuleResult, equal, preparation, skip};
 use super::client::Client;
 use lashloop_protocol::HostMessage;
 use lashloop_protocol::wire::Payload;
@@ -51,12 +51,29 @@ impl Client {
         preparation(name, done)
     }
 
+    /// Sets the watchdog to a time in which no check ends.
+    pub(super) fn long_watchdog(&mut self) -> RuleResult {
+        self.put("watchdog_us", ParameterValue::U32(LONG_WATCHDOG_US))
+    }
+
     /// Opens the session, sets these parameters, arms and starts.
     pub(super) fn running(&mut self, settings: &[(&str, ParameterValue)]) -> RuleResult {
         self.idle()?;
-        self.put("watchdog_us", ParameterValue::U32(LONG_WATCHDOG_US))?;
+        self.long_watchdog()?;
         self.put_all(settings)?;
         self.arm()?;
+        self.start()
+    }
+
+    /// As [`Self::running`]. Skips the check if the drive refuses these settings as inconsistent, as it may.
+    pub(super) fn running_if_consistent(&mut self, settings: &[(&str, ParameterValue)]) -> RuleResult {
+        self.idle()?;
+        self.long_watchdog()?;
+        self.put_all(settings)?;
+        if self.command(Arm { session: self.session })? == (Outcome::Inconsistent, State::Idle) {
+            return skip("not run: the drive refuses the settings of this check as inconsistent");
+        }
+        equal("state after Arm", State::Armed, self.state)?;
         self.start()
     }
 

@@ -1,11 +1,15 @@
-//! State transitions: every request in every state.
+//! State transitions: every request in every state. Those of parameters and descriptions have groups of their own.
 
-use lashloop_protocol::enums::{Outcome, State};
-use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Reset, Start, Stop};
-use lashloop_protocol::{HostMessage, Message};
+use lashloop_protocol::enums::{Outcome, State, TorqueFlags};
+use lashloop_protocol::message::{
+    Arm, ClearFault, EmergencyStop, EncoderSample, Hello, Reset, Start, Stop, Subscribe,
+};
+use lashloop_protocol::{DriveMessage, HostMessage, PROTOCOL_VERSION};
 
-use super::assertion::equal;
+use super::answers::{hello, outcome, torque};
+use super::assertion::{RuleResult, equal, expect, names};
 use super::check::{Check, check};
+use super::client::Client;
 
 /// Required reaction to a request.
 #[derive(Clone, Copy)]
@@ -17,69 +21,155 @@ enum Reaction {
 use Reaction::{Refused, To};
 use State::{Armed, Boot, Faulted, Idle, Running};
 
-const REQUESTS: [fn(u32) -> HostMessage; 6] = [
-    |session| Arm { session }.into(),
-    |session| Start { session }.into(),
-    |_| Stop {}.into(),
-    |_| EmergencyStop {}.into(),
-    |_| ClearFault {}.into(),
-    |_| Reset {}.into(),
-];
-
+const STATES: [State; 5] = [Boot, Idle, Armed, Running, Faulted];
 const WRONG: Reaction = Refused(Outcome::WrongState);
 const STALE: Reaction = Refused(Outcome::WrongSession);
+const OTHER: Reaction = Refused(Outcome::VersionMismatch);
 
-/// The columns are [`REQUESTS`].
-const TABLE: [(State, [Reaction; REQUESTS.len()]); 5] = [
-    (Boot, [STALE, STALE, WRONG, To(Faulted), WRONG, To(Boot)]),
-    (Idle, [To(Armed), WRONG, To(Idle), To(Faulted), WRONG, To(Boot)]),
-    (Armed, [WRONG, To(Running), To(Idle), To(Faulted), WRONG, To(Boot)]),
-    (Running, [WRONG, WRONG, To(Idle), To(Faulted), WRONG, To(Boot)]),
-    (Faulted, [WRONG, WRONG, WRONG, To(Faulted), To(Idle), To(Boot)]),
+/// A row of the table of states.
+struct Row {
+    /// The row as a sentence.
+    name: &'static str,
+    request: fn(u32) -> HostMessage,
+    /// Names of the answers; the report of a latched fault follows an `Identity`.
+    answers: &'static [&'static str],
+    /// In the order of [`STATES`].
+    reactions: [Reaction; STATES.len()],
+}
+
+const RESULT: &[&str] = &["CommandResult"];
+
+const ROWS: [Row; 12] = [
+    Row {
+        name: "Hello of another session leads to Idle, and leaves Faulted",
+        request: |session| hello(session ^ 1).into(),
+        answers: &["Identity"],
+        reactions: [To(Idle), To(Idle), To(Idle), To(Idle), To(Faulted)],
+    },
+    Row {
+        name: "Hello of the same session ends Boot, and leaves every other state",
+        request: |session| hello(session).into(),
+        answers: &["Identity"],
+        reactions: [To(Idle), To(Idle), To(Armed), To(Running), To(Faulted)],
+    },
+    Row {
+        name: "Hello of another version is refused as VersionMismatch in every state",
+        request: |session| {
+            Hello { protocol_version: PROTOCOL_VERSION.wrapping_add(1), session: session ^ 1 }.into()
+        },
+        answers: &["Identity", "CommandResult"],
+        reactions: [OTHER; 5],
+    },
+    Row {
+        name: "Arm leads from Idle to Armed, and is refused in every other state",
+        request: |session| Arm { session }.into(),
+        answers: RESULT,
+        reactions: [STALE, To(Armed), WRONG, WRONG, WRONG],
+    },
+    Row {
+        name: "Arm of another session is refused as WrongSession in every state",
+        request: |session| Arm { session: session ^ 1 }.into(),
+        answers: RESULT,
+        reactions: [STALE; 5],
+    },
+    Row {
+        name: "Start leads from Armed to Running, and is refused in every other state",
+        request: |session| Start { session }.into(),
+        answers: RESULT,
+        reactions: [STALE, WRONG, To(Running), WRONG, WRONG],
+    },
+    Row {
+        name: "Start of another session is refused as WrongSession in every state",
+        request: |session| Start { session: session ^ 1 }.into(),
+        answers: RESULT,
+        reactions: [STALE; 5],
+    },
+    Row {
+        name: "Stop leads from Idle, Armed and Running to Idle, and is refused in Boot and Faulted",
+        request: |_| Stop {}.into(),
+        answers: &["LineReport", "CommandResult"],
+        reactions: [WRONG, To(Idle), To(Idle), To(Idle), WRONG],
+    },
+    Row {
+        name: "EmergencyStop leads from every state to Faulted",
+        request: |_| EmergencyStop {}.into(),
+        answers: &["FaultReport", "CommandResult"],
+        reactions: [To(Faulted); 5],
+    },
+    Row {
+        name: "ClearFault leads from Faulted to Idle, and is refused in every other state",
+        request: |_| ClearFault {}.into(),
+        answers: RESULT,
+        reactions: [WRONG, WRONG, WRONG, WRONG, To(Idle)],
+    },
+    Row {
+        name: "Reset leads from every state to Boot",
+        request: |_| Reset {}.into(),
+        answers: RESULT,
+        reactions: [To(Boot); 5],
+    },
+    Row {
+        name: "Subscribe is accepted in Idle, Armed and Running, and refused in Boot and Faulted",
+        request: |_| Subscribe { signals: 0, every: 0 }.into(),
+        answers: RESULT,
+        reactions: [WRONG, To(Idle), To(Armed), To(Running), WRONG],
+    },
 ];
 
 pub(super) fn checks() -> Vec<Check> {
-    let table = TABLE.iter().flat_map(|(state, row)| {
-        REQUESTS.iter().zip(row).map(|(request, reaction)| transition(*state, *request, *reaction))
-    });
-    table.chain(sessions()).collect()
+    ROWS.into_iter()
+        .map(|row| {
+            check("R6", row.name, move |client| {
+                for (state, reaction) in STATES.into_iter().zip(row.reactions) {
+                    client.reset()?;
+                    client.enter(state)?;
+                    cell(client, &row, state, reaction)?;
+                }
+                Ok(())
+            })
+        })
+        .collect()
 }
 
-fn transition(state: State, request: fn(u32) -> HostMessage, reaction: Reaction) -> Check {
-    let name = request(0).layout().name;
-    let (name, expected) = match reaction {
-        To(to) => (format!("{name} leads from {state:?} to {to:?}"), (Outcome::Accepted, to)),
-        Refused(outcome) => (format!("{name} is refused in {state:?} as {outcome:?}"), (outcome, state)),
+fn cell(client: &mut Client, row: &Row, state: State, reaction: Reaction) -> RuleResult {
+    let (wanted, after) = match reaction {
+        To(to) => (Outcome::Accepted, to),
+        Refused(outcome) => (outcome, state),
     };
-    check("R6", name, move |client| {
-        client.enter(state)?;
-        let got = client.command(request(client.session))?;
-        equal("outcome and state", expected, got)?;
-        equal("state afterwards", expected.1, client.state)
-    })
+    let answers = client.request((row.request)(client.session))?;
+    let mut kinds = row.answers.to_vec();
+    if kinds[0] == "Identity" && state == Faulted {
+        kinds.insert(1, "FaultReport");
+    }
+    equal(&format!("in {state:?}, answers"), kinds, names(&answers))?;
+    for answer in &answers {
+        let got = match answer {
+            DriveMessage::Identity(it) => (wanted, it.state),
+            DriveMessage::CommandResult(it) => (it.outcome, it.state),
+            _ => continue,
+        };
+        equal(&format!("in {state:?}, outcome and state"), (wanted, after), got)?;
+    }
+    equal(&format!("after the request in {state:?}, state"), after, client.state)?;
+    shown(client, &format!("after the request in {state:?}"), after)
 }
 
-fn sessions() -> Vec<Check> {
-    vec![
-        check("R6", "Arm of another session is refused", |client| {
-            client.idle()?;
-            let got = client.command(Arm { session: client.session ^ 1 })?;
-            equal("Arm", (Outcome::WrongSession, Idle), got)
-        }),
-        check("R6", "Start of another session is refused", |client| {
-            client.armed()?;
-            let session = client.session ^ 1;
-            equal("Start", (Outcome::WrongSession, Armed), client.command(Start { session })?)
-        }),
-        check("R6", "a new session makes the previous one stale", |client| {
-            client.idle()?;
-            client.handshake(client.session ^ 1)?;
-            let session = client.session;
-            equal("Arm", (Outcome::WrongSession, Idle), client.command(Arm { session })?)
-        }),
-        check("R6", "a fault cleared before the handshake leads back to Boot", |client| {
-            client.request(EmergencyStop {})?;
-            equal("ClearFault", (Outcome::Accepted, Boot), client.command(ClearFault {})?)
-        }),
-    ]
+/// Requires that a sample is answered as in this state: the state is not only reported.
+fn shown(client: &mut Client, when: &str, state: State) -> RuleResult {
+    let answers = client.sample(0)?;
+    if state == Boot {
+        equal(&format!("{when}, to a sample"), vec!["CommandResult"], names(&answers))?;
+        return equal(
+            &format!("{when}, to a sample"),
+            Outcome::WrongState,
+            outcome::<EncoderSample>(&answers)?,
+        );
+    }
+    let answer = torque(&answers)?;
+    equal(&format!("{when}, to a sample, state"), state, answer.status.state)?;
+    if state == Running {
+        let flags = answer.status.flags - TorqueFlags::SATURATED;
+        return equal(&format!("{when}, to a first sample"), TorqueFlags::empty(), flags);
+    }
+    expect(answer.torque_nm == 0.0, format!("{when}, to a sample, torque 0 N m"), answer.torque_nm)
 }

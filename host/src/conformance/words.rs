@@ -126,6 +126,7 @@ tuples! {
     (0: A, 1: B, 2: C);
     (0: A, 1: B, 2: C, 3: D);
     (0: A, 1: B, 2: C, 3: D, 4: E);
+    (0: A, 1: B, 2: C, 3: D, 4: E, 5: F);
 }
 
 /// Name and all fields, as `TorqueAnswer with sequence 3, torque 0 N m, state Idle, no flags, compute 57 x 0.1 us`.

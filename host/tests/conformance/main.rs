@@ -1,7 +1,10 @@
 //! Tests of the conformance checks: each mutant breaks one rule, and the check of that rule must fail.
 
+mod kill_rate;
 mod laws;
 mod mutants;
+mod mutation;
+mod specimen;
 mod variants;
 
 use std::collections::BTreeSet;

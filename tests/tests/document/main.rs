@@ -6,9 +6,12 @@ mod markdown;
 
 mod answers;
 mod conversation;
+mod faults;
 mod host;
+mod host_rules;
 mod links;
 mod parameters;
+mod rules;
 mod sequence;
 mod states;
 mod subscriptions;

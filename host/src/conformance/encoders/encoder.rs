@@ -5,21 +5,21 @@ use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::message::EncoderSample;
 
 #[derive(Clone, Copy)]
-pub(super) struct Encoder {
+pub(in crate::conformance) struct Encoder {
     /// Position in [`Encoder::BOTH`].
-    pub(super) index: usize,
-    pub(super) name: &'static str,
+    pub(in crate::conformance) index: usize,
+    pub(in crate::conformance) name: &'static str,
     /// Name of the parameter with its speed limit.
-    pub(super) speed_limit: &'static str,
+    pub(in crate::conformance) speed_limit: &'static str,
     /// Name of the parameter with its resolution.
-    pub(super) counts_per_rev: &'static str,
+    pub(in crate::conformance) counts_per_rev: &'static str,
     /// Fault that a reading beyond the speed limit latches.
-    pub(super) jump_fault: FaultCode,
-    pub(super) counts_mut: fn(&mut EncoderSample) -> &mut EncoderCounts,
+    pub(in crate::conformance) jump_fault: FaultCode,
+    pub(in crate::conformance) counts_mut: fn(&mut EncoderSample) -> &mut EncoderCounts,
 }
 
 impl Encoder {
-    pub(super) const MOTOR: Self = Self {
+    pub(in crate::conformance) const MOTOR: Self = Self {
         index: 0,
         name: "motor",
         speed_limit: "motor_speed_limit_rad_s",
@@ -27,7 +27,7 @@ impl Encoder {
         jump_fault: FaultCode::MotorEncoderJump,
         counts_mut: |sample| &mut sample.motor_counts,
     };
-    pub(super) const LOAD: Self = Self {
+    pub(in crate::conformance) const LOAD: Self = Self {
         index: 1,
         name: "load",
         speed_limit: "load_speed_limit_rad_s",
@@ -35,5 +35,5 @@ impl Encoder {
         jump_fault: FaultCode::LoadEncoderJump,
         counts_mut: |sample| &mut sample.load_counts,
     };
-    pub(super) const BOTH: [Self; 2] = [Self::MOTOR, Self::LOAD];
+    pub(in crate::conformance) const BOTH: [Self; 2] = [Self::MOTOR, Self::LOAD];
 }

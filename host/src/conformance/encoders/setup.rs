@@ -16,21 +16,26 @@ use crate::conformance::client::Client;
 use crate::conformance::range::{holds, in_type_of, nearest_real, nearest_whole};
 
 const PERIOD_US: u32 = 1_000;
-/// Coarse enough that the largest distance of a period fits the counter, fine enough that one count is a small part of it.
-const COUNTS_PER_REV: u32 = 65_536;
-/// Speed limit in counts per period: few enough for gaps of 1000 periods, and many
-/// enough that one count is a small part.
-const COUNTS_PER_PERIOD: f64 = 500.0;
+/// Resolutions of motor and load. Coarse enough that the largest distance of a period fits the counter, fine enough that one
+/// count is a small part of it, and different: a drive must not use one for the other.
+const COUNTS_PER_REV: [u32; 2] = [65_536, 40_000];
+/// Speed limits of motor and load in counts per period: few enough for gaps of 1000 periods, and between two whole numbers, so
+/// that rounding in the drive decides nothing.
+const COUNTS_PER_PERIOD: [f64; 2] = [500.5, 700.5];
+/// As above, for long paths in few samples.
+const MANY_COUNTS_PER_PERIOD: [f64; 2] = [8_000.5, 7_000.5];
+/// As above, for encoders at which every count is fast.
+const FEWEST_COUNTS_PER_PERIOD: [f64; 2] = [0.25, 0.25];
 /// Largest unambiguous difference of two readings in either direction, less one count of quantisation.
 pub(super) const UNAMBIGUOUS_COUNTS: f64 = (EncoderCounts::MAX.get() - 1) as f64;
 /// Fraction of a bound within which a drive in single precision may round to its other side.
-const ROUNDING: f64 = 1e-5;
+pub(super) const ROUNDING: f64 = 1e-5;
 
 type Setting = (&'static str, ParameterValue);
 
 /// Resolution, period and speed limit of one encoder.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Scale {
+pub(in crate::conformance) struct Scale {
     period_us: u32,
     counts_per_rev: u32,
     pub(super) speed_limit_rad_s: f32,
@@ -42,10 +47,11 @@ impl Scale {
         encoder: Encoder,
         period_us: u32,
         counts_per_rev: u32,
+        counts_per_period: f64,
     ) -> Result<Self, Failure> {
         let counts_per_rev = nearest_whole(client.parameter(encoder.counts_per_rev)?, counts_per_rev)?;
         let mut scale = Self { period_us, counts_per_rev, speed_limit_rad_s: 0.0 };
-        let wished_rad_s = scale.limit_rad_s(COUNTS_PER_PERIOD);
+        let wished_rad_s = scale.limit_rad_s(counts_per_period);
         scale.speed_limit_rad_s = nearest_real(client.parameter(encoder.speed_limit)?, wished_rad_s)?;
         Ok(scale)
     }
@@ -64,16 +70,6 @@ impl Scale {
     pub(super) fn counts_per_period(&self) -> f64 {
         f64::from(self.speed_limit_rad_s) / self.speed_per_count_rad_s()
     }
-
-    /// Counts per period of a jump: 1.5 times the speed limit, as far as a difference of readings can represent it.
-    pub(super) fn jump_counts(&self) -> Result<i64, Failure> {
-        // One count for the drive's tolerance, one for the truncation here.
-        let counts = ((1.5 * self.counts_per_period()) as i64 + 2).min(EncoderCounts::MAX.get().into());
-        if (counts - 1) as f64 <= (1.0 + ROUNDING) * self.counts_per_period() {
-            return skip("not run: no reading exceeds the lowest speed limit of this drive");
-        }
-        Ok(counts)
-    }
 }
 
 /// The settings of a drive for a check of its encoders.
@@ -86,17 +82,34 @@ pub(in crate::conformance) struct Setup {
 impl Setup {
     /// With coarse encoders, for checks that allow any resolution.
     pub(in crate::conformance) fn coarse(client: &Client) -> Result<Self, Failure> {
-        Self::of(client, COUNTS_PER_REV)
+        Self::of(client, COUNTS_PER_REV, COUNTS_PER_PERIOD)
     }
 
-    /// With the drive's resolutions nearest to this one.
-    pub(super) fn of(client: &Client, counts_per_rev: u32) -> Result<Self, Failure> {
+    /// As [`Self::coarse`], with high speed limits.
+    pub(super) fn fast(client: &Client) -> Result<Self, Failure> {
+        Self::of(client, COUNTS_PER_REV, MANY_COUNTS_PER_PERIOD)
+    }
+
+    /// As [`Self::coarse`], with speed limits of less than a count per period.
+    pub(super) fn slowest(client: &Client) -> Result<Self, Failure> {
+        Self::of(client, COUNTS_PER_REV, FEWEST_COUNTS_PER_PERIOD)
+    }
+
+    /// With the drive's resolutions nearest to these.
+    pub(super) fn of_resolutions(client: &Client, counts_per_rev: [u32; 2]) -> Result<Self, Failure> {
+        Self::of(client, counts_per_rev, COUNTS_PER_PERIOD)
+    }
+
+    fn of(client: &Client, counts_per_rev: [u32; 2], counts_per_period: [f64; 2]) -> Result<Self, Failure> {
         let period_us = nearest_whole(client.parameter("period_us")?, PERIOD_US)?;
-        let scale = |encoder| Scale::fitted(client, encoder, period_us, counts_per_rev);
+        let scale = |encoder: Encoder| {
+            let at = encoder.index;
+            Scale::fitted(client, encoder, period_us, counts_per_rev[at], counts_per_period[at])
+        };
         Ok(Self { scales: [scale(Encoder::MOTOR)?, scale(Encoder::LOAD)?] })
     }
 
-    pub(super) const fn scale(&self, encoder: Encoder) -> Scale {
+    pub(in crate::conformance) const fn scale(&self, encoder: Encoder) -> Scale {
         self.scales[encoder.index]
     }
 

@@ -1,0 +1,119 @@
+//! Positions: first readings of either sign, and any number of wraparounds.
+
+use lashloop_protocol::EncoderCounts;
+use lashloop_protocol::enums::TorqueFlags;
+use lashloop_protocol::message::Stop;
+
+use super::encoder::Encoder;
+use super::placed;
+use super::setup::Setup;
+
+use crate::conformance::assertion::{Failure, RuleResult, expect, skip};
+use crate::conformance::check::{Check, check};
+use crate::conformance::client::Client;
+use crate::conformance::reactions::{accepted, first_sample};
+
+/// Half the range of a reading, in counts.
+const HALF: i64 = 1 << 23;
+/// Most samples of one path. Such a run lasts a second on a slow line.
+const LONGEST_PATH: i64 = 300;
+/// Tolerated difference of two torques whose positions differ by two counts, as a fraction of the larger.
+const SAME_TORQUE: f32 = 0.05;
+
+pub(super) fn checks() -> Vec<Check> {
+    vec![
+        check("R7.7 R7.8 R10.5", "an encoder continues through its wraparound", |client| {
+            let (top, bottom) = (i64::from(EncoderCounts::MAX.get()), i64::from(EncoderCounts::MIN.get()));
+            Encoder::BOTH.into_iter().try_for_each(|encoder| {
+                alike(client, encoder, &[(0, top), (1, top + 1)], &[(0, top - 1), (1, top)])?;
+                alike(client, encoder, &[(0, bottom), (1, bottom - 1)], &[(0, bottom + 1), (1, bottom)])
+            })
+        }),
+        check(
+            "R7.8 R10.5",
+            "an encoder may travel more than half its range from its first reading",
+            |client| each_way(client, -HALF / 2, HALF / 2),
+        ),
+        check("R7.8 R10.5", "an encoder may wrap around more than once", |client| {
+            each_way(client, HALF / 2, 3 * HALF)
+        }),
+        check("R7.7 R7.14", "the first sample of a run has no predecessor", |client| {
+            let setup = Setup::coarse(client)?;
+            setup.start(client)?;
+            first_sample(client)?;
+            for counts in [HALF / 2, -HALF, HALF - 1, -1, 1] {
+                for encoder in Encoder::BOTH {
+                    client.command(Stop {})?;
+                    client.arm()?;
+                    client.start()?;
+                    for sequence in 0..2 {
+                        accepted(client, placed(encoder, sequence, counts), TorqueFlags::empty())?;
+                    }
+                }
+            }
+            Ok(())
+        }),
+    ]
+}
+
+/// Travels with each encoder from `start` to the counts around `end`, and the same with the opposite sign.
+fn each_way(client: &mut Client, start: i64, end: i64) -> RuleResult {
+    Encoder::BOTH.into_iter().try_for_each(|encoder| {
+        [1, -1].into_iter().try_for_each(|sign| {
+            let [further, earlier] = [1, -1].map(|more| path(client, sign, start, end + more));
+            alike(client, encoder, &further?, &earlier?)
+        })
+    })
+}
+
+/// A path from `start` up to `end` in the gaps of the drive, with both counts times `sign`.
+fn path(client: &Client, sign: i64, start: i64, end: i64) -> Result<Vec<(u16, i64)>, Failure> {
+    let setup = Setup::fast(client)?;
+    let gap = setup.longest_gap();
+    // Half the speed limit of the slower encoder.
+    let allowed_counts = setup.scales.map(|it| it.counts_per_period() * f64::from(gap));
+    let stride = ((0.5 * allowed_counts[0].min(allowed_counts[1])) as i64).clamp(1, HALF / 2);
+    let strides = (end - start + stride - 1) / stride;
+    if strides > LONGEST_PATH {
+        return skip("not run: with the highest speed limits of this drive the path takes too many samples");
+    }
+    let at = |step| if step == strides { end } else { start + step * stride };
+    let sequence = |step: i64| (step as u16).wrapping_mul(gap);
+    Ok((0..=strides).map(|step| (sequence(step), sign * at(step))).collect())
+}
+
+/// Requires nearly equal torques at the ends of two paths, which lie at most two counts apart. A path is a list of sequence
+/// and counts.
+///
+/// The control law is unknown, and so is its torque. So far from the reference, a law with position feedback requests a
+/// large torque, on which one count has no effect. A position wrong by the whole range lies on the other side of zero and
+/// reverses the torque.
+fn alike(client: &mut Client, encoder: Encoder, path: &[(u16, i64)], earlier: &[(u16, i64)]) -> RuleResult {
+    let wanted_nm = at_the_end(client, encoder, earlier)?;
+    let came_nm = at_the_end(client, encoder, path)?;
+    let near = (came_nm - wanted_nm).abs() <= SAME_TORQUE * came_nm.abs().max(wanted_nm.abs());
+    let last = |path: &[(u16, i64)]| path.last().map_or(0, |it| it.1);
+    let expected = format!(
+        "with the {} at {} counts {wanted_nm} N m to {} %, the torque at {} counts",
+        encoder.name,
+        last(path),
+        100.0 * SAME_TORQUE,
+        last(earlier)
+    );
+    expect(near, expected, format!("{came_nm} N m"))
+}
+
+/// The torque at the end of a path.
+fn at_the_end(client: &mut Client, encoder: Encoder, path: &[(u16, i64)]) -> Result<f32, Failure> {
+    client.reset()?;
+    Setup::fast(client)?.start(client)?;
+    let mut torque_nm = 0.0;
+    let mut last = None;
+    for &(sequence, counts) in path {
+        let is_next = last.is_none_or(|last: u16| last.wrapping_add(1) == sequence);
+        let flags = if is_next { TorqueFlags::empty() } else { TorqueFlags::GAP };
+        torque_nm = accepted(client, placed(encoder, sequence, counts), flags)?.torque_nm;
+        last = Some(sequence);
+    }
+    Ok(torque_nm)
+}

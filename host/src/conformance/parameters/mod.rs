@@ -1,0 +1,102 @@
+//! Parameters: descriptions, ranges, refusals, read-back (here), what keeps and ends a value (`persistence`), and whether
+//! a value has an effect (`effect`).
+
+mod effect;
+mod persistence;
+mod refusals;
+
+use std::collections::HashSet;
+
+use lashloop_protocol::enums::{Outcome, ParameterType, ParameterValue, State};
+use lashloop_protocol::parameter_names::{
+    CONTROLLER, LOAD_SPEED_LIMIT_RAD_S, MOTOR_SPEED_LIMIT_RAD_S, REQUIRED, TORQUE_LIMIT_NM,
+};
+
+use lashloop_bench::session::Parameter;
+
+use super::assertion::{RuleResult, equal, expect};
+use super::burst::{Exchange, reads, sets};
+use super::check::{Check, check};
+use super::client::Client;
+use super::range::holds;
+
+pub(super) fn checks() -> Vec<Check> {
+    let mut checks = vec![
+        check("R9", "the drive has every required parameter", |client| {
+            REQUIRED.iter().try_for_each(|name| client.parameter(name).map(drop))
+        }),
+        check("R9", "parameters with a reserved name have the type of the name, and all laws", reserved),
+        check("R9", "every parameter name is unique", |client| {
+            let mut seen = HashSet::new();
+            client.description.parameters.iter().try_for_each(|it| {
+                expect(!it.name.is_empty() && seen.insert(&it.name), "a name no other has", &it.name)
+            })
+        }),
+        check("R9", "default, minimum and maximum have one type", |client| {
+            client.description.parameters.iter().try_for_each(|it| {
+                let types = (it.default.ty(), it.min.ty(), it.max.ty());
+                expect(types.0 == types.1 && types.1 == types.2, format!("{}: one type", it.name), types)
+            })
+        }),
+        check("R9", "every default lies in its range", |client| {
+            client.description.parameters.iter().try_for_each(|it| {
+                let range = format!("{} within {} to {}", it.name, it.min, it.max);
+                expect(holds(it, it.default), range, it.default)
+            })
+        }),
+        check("R9", "every parameter accepts its minimum and maximum and reads them back", |client| {
+            client.idle()?;
+            each(client, |client, it| {
+                let mut values = vec![it.min, it.max];
+                // -0 is not below a minimum of 0. It may read back as either zero.
+                if it.min == ParameterValue::F32(0.0) {
+                    values.push(ParameterValue::F32(-0.0));
+                }
+                values.push(it.default);
+                let exchanges = values.into_iter().flat_map(|value| {
+                    let set = sets(it.index, value, Outcome::Accepted, value, State::Idle);
+                    [set, reads(it.index, value, State::Idle)]
+                });
+                client.exchange(&it.name, &exchanges.collect::<Vec<_>>())
+            })
+        }),
+    ];
+    checks.extend(refusals::checks());
+    checks.extend(persistence::checks());
+    checks.extend(effect::checks());
+    checks
+}
+
+fn each(client: &mut Client, mut check: impl FnMut(&mut Client, &Parameter) -> RuleResult) -> RuleResult {
+    client.description.parameters.to_vec().iter().try_for_each(|parameter| check(client, parameter))
+}
+
+/// Requires these values in force, in the order of the indices.
+fn in_force(client: &mut Client, when: &str, values: &[ParameterValue], state: State) -> RuleResult {
+    let all: Vec<Exchange> = (0..).zip(values).map(|(index, value)| reads(index, *value, state)).collect();
+    client.exchange(when, &all)
+}
+
+fn defaults(client: &Client) -> Vec<ParameterValue> {
+    client.description.parameters.iter().map(|it| it.default).collect()
+}
+
+fn reserved(client: &mut Client) -> RuleResult {
+    for name in REQUIRED {
+        let it = client.parameter(name)?;
+        if [TORQUE_LIMIT_NM, MOTOR_SPEED_LIMIT_RAD_S, LOAD_SPEED_LIMIT_RAD_S].contains(&name) {
+            equal(&format!("{name}: type"), ParameterType::F32, it.default.ty())?;
+        }
+        let laws = client.description.laws.len();
+        expect(
+            it.laws.is_all(&client.description.laws),
+            format!("{name} in {laws} of {laws} laws"),
+            it.laws.0,
+        )?;
+    }
+    if client.description.laws.len() > 1 {
+        let it = client.parameter(CONTROLLER)?;
+        equal("controller: type", ParameterType::U32, it.default.ty())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,98 @@
+//! What keeps the values of parameters, and what ends them.
+
+use lashloop_protocol::enums::{Outcome, ParameterValue, State};
+use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Start, Stop};
+
+use super::super::answers::{hello, outcome};
+use super::super::assertion::{Failure, RuleResult};
+use super::super::burst::{Exchange, result, sets};
+use super::super::check::{Check, check};
+use super::super::client::Client;
+use super::super::handshake::other;
+use super::super::range::{neighbour, within};
+use super::{defaults, in_force};
+
+use Outcome::{Accepted, Inconsistent};
+use State::{Armed, Boot, Faulted, Idle, Running};
+
+pub(super) fn checks() -> Vec<Check> {
+    vec![
+        check("R4 R9", "after a reset every parameter has its default", |client| {
+            let defaults = defaults(client);
+            in_force(client, "after Reset", &defaults, Boot)?;
+            client.idle()?;
+            in_force(client, "after the handshake", &defaults, Idle)
+        }),
+        check("R9", "each parameter keeps a value of its own", |client| {
+            client.idle()?;
+            // In both directions, so that no setting hides that it changed another parameter too.
+            let (rising, falling) = (spread(client, 0), spread(client, 7));
+            set_all(client, &rising, false)?;
+            in_force(client, "after all were set in ascending order", &rising, Idle)?;
+            set_all(client, &falling, true)?;
+            in_force(client, "after all were set in descending order", &falling, Idle)
+        }),
+        check("R4 R6", "a reset restores the default of every parameter", |client| {
+            client.idle()?;
+            let changed = spread(client, 3);
+            set_all(client, &changed, false)?;
+            client.reset()?;
+            let defaults = defaults(client);
+            in_force(client, "after Reset", &defaults, Boot)
+        }),
+        check("R6", "sessions, versions, faults and ClearFault keep every parameter", |client| {
+            client.idle()?;
+            let kept = spread(client, 5);
+            set_all(client, &kept, false)?;
+            client.request(hello(client.session))?;
+            client.request(other(client.session ^ 1))?;
+            in_force(client, "after Hello of the same session, and of another version", &kept, Idle)?;
+            client.request(EmergencyStop {})?;
+            in_force(client, "in Faulted", &kept, Faulted)?;
+            client.exchange("in Faulted", &[result(ClearFault {}, Accepted, Idle)])?;
+            client.handshake(client.session ^ 1)?;
+            in_force(client, "in a new session", &kept, Idle)
+        }),
+        check("R6", "a run keeps every parameter, and Idle accepts settings again", run),
+    ]
+}
+
+/// A value for each parameter, spread over its range. Different numbers give different values.
+fn spread(client: &Client, number: usize) -> Vec<ParameterValue> {
+    let parameters = &client.description.parameters;
+    let steps = parameters.len() + 9;
+    let fraction = |place| (place + number + 1) as f64 / steps as f64;
+    parameters.iter().enumerate().map(|(place, it)| within(it, fraction(place))).collect()
+}
+
+/// Sets all parameters to these values, in the order of their indices.
+fn set_all(client: &mut Client, values: &[ParameterValue], descending: bool) -> RuleResult {
+    let each = (0..).zip(values).map(|(index, value)| sets(index, *value, Accepted, *value, Idle));
+    let mut each: Vec<Exchange> = each.collect();
+    if descending {
+        each.reverse();
+    }
+    client.exchange("in Idle", &each)
+}
+
+fn run(client: &mut Client) -> Result<(), Failure> {
+    client.idle()?;
+    // Near the defaults, which go together.
+    let kept: Vec<_> = client.description.parameters.iter().map(neighbour).collect();
+    set_all(client, &kept, false)?;
+    let session = client.session;
+    let answers = client.request(Arm { session })?;
+    // The drive may find the changed values inconsistent.
+    if outcome::<Arm>(&answers)? == Inconsistent {
+        return in_force(client, "after a refused Arm", &kept, Idle);
+    }
+    in_force(client, "in Armed", &kept, Armed)?;
+    client.exchange("in Armed", &[result(Start { session }, Accepted, Running)])?;
+    client.torque(0)?;
+    in_force(client, "in Running", &kept, Running)?;
+    client.request(Stop {})?;
+    in_force(client, "after Stop", &kept, Idle)?;
+    let defaults = defaults(client);
+    set_all(client, &defaults, false)?;
+    in_force(client, "after Stop and new settings", &defaults, Idle)
+}

@@ -1,0 +1,227 @@
+//! The receiver: which bytes are a frame, which frames are damaged or refused, and that neither is answered.
+//!
+//! Each check of damage is one run in one or a few writes: `Start` restarts the counts, the bytes follow, `Stop` returns
+//! the counts. The counts show that every frame was found damaged, or refused, once.
+
+use std::time::Duration;
+
+use lashloop_protocol::enums::{State, TorqueFlags};
+use lashloop_protocol::frame::DELIMITER;
+use lashloop_protocol::message::{EmergencyStop, GetParameter, LineReport, Reset, Stop};
+use lashloop_protocol::wire::Payload;
+use lashloop_protocol::{DriveMessage, HostMessage, MAX_BODY, Message, crc};
+
+use super::answers::{hello, line_report, sample, torque};
+use super::assertion::{RuleResult, broken, equal, names};
+use super::check::{Check, check};
+use super::client::Client;
+use super::damage;
+use super::words::Words;
+
+/// A pause in a frame. The page has no timeout for one.
+const PAUSE: Duration = Duration::from_millis(60);
+
+pub(super) fn checks() -> Vec<Check> {
+    vec![
+        check("R1 R2", "frames in one write are answered in their order", |client| {
+            let all: Vec<u8> = (0..12).flat_map(request).collect();
+            answered(client, &all, &(0..12).collect::<Vec<_>>())
+        }),
+        check("R1", "a frame that arrives byte by byte is answered", |client| {
+            for byte in request(0) {
+                client.send_bytes(&[byte])?;
+            }
+            answered(client, &[], &[0])?;
+            // The end of a frame and the start of the next one in the same write.
+            let bytes = [request(0), request(1), request(2)].concat();
+            for piece in bytes.chunks(5) {
+                client.send_bytes(piece)?;
+            }
+            answered(client, &[], &[0, 1, 2])
+        }),
+        check("R1", "a pause in a frame is no end of it", |client| {
+            client.running(&[])?;
+            let frame = HostMessage::from(sample(0)).frame();
+            let (start, rest) = frame.split_at(7);
+            client.send_bytes(start)?;
+            // Time passes for a drive in process only while the bench waits.
+            client.wait_for(PAUSE, |_| None::<()>)?;
+            let answers = client.request_bytes(rest)?;
+            equal("answers to a sample in two pieces", vec!["TorqueAnswer"], names(&answers))
+        }),
+        check("R2", "delimiters between frames are no frame and no error", |client| {
+            let bytes =
+                [&[DELIMITER; 3][..], &request(0), &[DELIMITER; 70], &request(1), &[DELIMITER]].concat();
+            answered(client, &bytes, &[0, 1])?;
+            counts(client, &[&[DELIMITER; 200][..]], 0, 0)
+        }),
+        check("R2", "garbage before a frame is discarded", |client| {
+            let garbage = [b"noise\0more noise\0", &*request(0)].concat();
+            answered(client, &garbage, &[0])?;
+            // Without a delimiter the garbage corrupts the frame that follows, but not the next.
+            answered(client, &[b"noise", &*request(0), &*request(1)].concat(), &[1])
+        }),
+        check("R2", "a truncated frame is not answered, and the next one is", |client| {
+            let whole = request(0);
+            let cut = (1..whole.len() - 1).flat_map(|length| [&whole[..length], &[DELIMITER]].concat());
+            let bytes: Vec<u8> = cut.chain(request(1)).collect();
+            answered(client, &bytes, &[1])
+        }),
+        check("R2", "a frame without its delimiter corrupts the next one and no other", |client| {
+            let whole = request(0);
+            let bytes = [&whole[..whole.len() - 1], &*request(1), &*request(2)].concat();
+            answered(client, &bytes, &[2])
+        }),
+        check("R2 R4", "a frame with a flipped bit is damaged", |client| {
+            let requests = [HostMessage::from(GetParameter { index: 0 }), sample(0).into(), Stop {}.into()];
+            requests.iter().try_for_each(|request| {
+                let frames = damage::flipped_bits(&request.frame());
+                counts(client, &frames, frames.len(), 0)
+            })
+        }),
+        check("R2 R4", "a frame with another checksum is damaged", |client| {
+            let frames = damage::checksums(&[GetParameter::LAYOUT.kind, 0]);
+            counts(client, &frames, frames.len(), 0)
+        }),
+        check("R2 R4", "a frame with bad stuffing, or of fewer than 6 bytes, is damaged", |client| {
+            let frames = damage::stuffing(&request(0));
+            counts(client, &frames, frames.len(), 0)
+        }),
+        check(
+            "R2 R4",
+            "more than 63 bytes are damaged once, and a frame at their end is dropped",
+            |client| {
+                let lengths = [57, 58, 62, 63, 64, 65, 70, 120, 127, 128, 129, 192, 255, 256, 257, 1_000];
+                let frames = lengths.map(|length| [vec![0x55; length], request(0)].concat());
+                counts(client, &frames, frames.len(), 0)?;
+                // After any of them the next frame is decoded.
+                let bytes: Vec<u8> =
+                    frames.iter().flat_map(|frame| [&frame[..], &*request(3)].concat()).collect();
+                answered(client, &bytes, &[3; 16])
+            },
+        ),
+        check("R2 R4", "63 bytes are a frame, 64 are damaged", |client| {
+            let body = |length: usize| [vec![GetParameter::LAYOUT.kind], vec![0x11; length - 1]].concat();
+            counts(client, &[framed(&body(MAX_BODY))], 0, 1)?;
+            counts(client, &[framed(&body(MAX_BODY + 1)), framed(&body(MAX_BODY + 2))], 2, 0)
+        }),
+        check("R2 R4", "a frame of an unknown kind, or of a kind of the drive, is refused", |client| {
+            let frames = foreign();
+            counts(client, &frames, 0, frames.len())
+        }),
+        check("R2 R4", "a request that is too long or too short is refused", |client| {
+            let frames = wrong_lengths(client.session);
+            counts(client, &frames, 0, frames.len())
+        }),
+        check("R2 R3 R4", "a value of a type without a name is refused", |client| {
+            let index = client.parameter("torque_limit_nm")?.index;
+            let frames = [0, 3, 4, 0x81, 0xff].map(|ty| framed(&[0x04, index, ty, 0, 0, 0, 0]));
+            counts(client, &frames, 0, frames.len())
+        }),
+        check("R2", "no damaged or refused frame changes anything", no_effect),
+    ]
+}
+
+/// The requests whose effect would show.
+fn effective(session: u32) -> [HostMessage; 5] {
+    [Stop {}.into(), EmergencyStop {}.into(), Reset {}.into(), hello(session ^ 1).into(), sample(0).into()]
+}
+
+/// Every request of [`effective`] with a bad checksum, and too long by a byte, each before the next sample of a run.
+fn no_effect(client: &mut Client) -> RuleResult {
+    client.running(&[])?;
+    for (sequence, message) in (0..).zip(effective(client.session)) {
+        let body = damage::body(&message.frame());
+        let longer = framed(&[&body[..], &[0]].concat());
+        let mut bytes = damage::checksums(&body).concat();
+        bytes.extend(longer);
+        let answers =
+            client.request_bytes(&[&bytes, &*HostMessage::from(sample(sequence)).frame()].concat())?;
+        let after = format!(
+            "after damaged and refused copies of {}, answers to sample {sequence}",
+            message.layout().name
+        );
+        equal(&after, vec!["TorqueAnswer"], names(&answers))?;
+        let flags = torque(&answers)?.status.flags - TorqueFlags::SATURATED;
+        equal(&after, TorqueFlags::empty(), flags)?;
+        equal(&after, State::Running, client.state)?;
+    }
+    Ok(())
+}
+
+pub(super) fn request(index: u8) -> Vec<u8> {
+    HostMessage::from(GetParameter { index }).frame().to_vec()
+}
+
+/// A frame around any body.
+pub(super) fn framed(body: &[u8]) -> Vec<u8> {
+    damage::stuffed(&[body, &crc::checksum(body).to_le_bytes()].concat())
+}
+
+/// Whole frames of kinds that no host sends: a message of each kind of the drive, and kinds without a message.
+pub(super) fn foreign() -> Vec<Vec<u8>> {
+    let of_drive = DriveMessage::LAYOUTS.iter().map(|layout| {
+        let mut body = vec![1; layout.shortest_body_len()];
+        body[0] = layout.kind;
+        framed(&body)
+    });
+    let unknown = [0x00, 0x0f, 0x11, 0x7f, 0x80, 0x84, 0xff].into_iter().flat_map(|kind| {
+        // As long as `Stop`, as `Arm`, and as the longest body.
+        [1, 5, MAX_BODY].map(|length| framed(&[vec![kind], vec![1; length - 1]].concat()))
+    });
+    of_drive.chain(unknown).collect()
+}
+
+/// A request of each kind with its body a byte longer, a byte shorter, and much longer. A body of no byte is damaged.
+fn wrong_lengths(session: u32) -> Vec<Vec<u8>> {
+    let mut frames = Vec::new();
+    for layout in HostMessage::LAYOUTS {
+        let mut body = vec![0; layout.body_len + 8];
+        body[0] = layout.kind;
+        if body.len() > 5 {
+            body[1..5].copy_from_slice(&session.to_le_bytes());
+        }
+        for length in [layout.body_len + 1, layout.body_len + 8, layout.body_len - 1] {
+            if length > 0 {
+                frames.push(framed(&body[..length]));
+            }
+        }
+    }
+    frames
+}
+
+/// Sends bytes and requires a report for each of these parameters, in order, and no other answer.
+fn answered(client: &mut Client, bytes: &[u8], indices: &[u8]) -> RuleResult {
+    let answers = client.request_bytes(bytes)?;
+    let reported = answers.iter().map(|answer| match answer {
+        DriveMessage::ParameterReport(report) => Some(report.index),
+        _ => None,
+    });
+    if reported.eq(indices.iter().copied().map(Some)) {
+        return Ok(());
+    }
+    let indices = indices.words();
+    Err(broken(format!("a ParameterReport for each of {indices}, and nothing else"), answers.words()))
+}
+
+/// Sends frames in a run of their own, and requires no answer and these counts in the report.
+fn counts<F: AsRef<[u8]>>(client: &mut Client, frames: &[F], damaged: usize, refused: usize) -> RuleResult {
+    /// Bytes of one write.
+    const WRITE: usize = 512;
+    client.running(&[])?;
+    let mut bytes = Vec::new();
+    for frame in frames {
+        bytes.extend(frame.as_ref());
+        if bytes.len() > WRITE {
+            client.send_bytes(&bytes)?;
+            bytes.clear();
+        }
+    }
+    bytes.extend(&*HostMessage::from(Stop {}).frame());
+    let answers = client.request_bytes(&bytes)?;
+    let kinds = vec!["LineReport", "CommandResult"];
+    equal("answers to these frames and to Stop", kinds, names(&answers))?;
+    // The marker after Start, and Stop.
+    let [damaged, refused] = [damaged, refused].map(|count| count as u32);
+    equal("report", LineReport { messages: 2, damaged, refused, overruns: 0 }, line_report(&answers)?)
+}

@@ -1,0 +1,148 @@
+//! The torque limit, and the end of the torque with the run.
+
+use lashloop_protocol::HostMessage;
+use lashloop_protocol::enums::{FaultCode, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, Reset, Stop, TorqueAnswer};
+
+use super::super::answers::{fault, hello, sample, torque};
+use super::super::assertion::{Failure, RuleResult, equal, expect, names};
+use super::super::check::{Check, check};
+use super::super::client::Client;
+use super::super::reactions::{first_sample, no_torque};
+
+const LIMIT: &str = "torque_limit_nm";
+/// References of one sign and of the other, in rad.
+const REFERENCES: [f32; 2] = [1.0, -1.0];
+
+pub(super) fn checks() -> Vec<Check> {
+    let mut checks = vec![
+        check("R7.11", "a torque beyond the limit is limited and flagged SATURATED", limited),
+        check("R7.11 R9.6", "the torque limit of each run is the one set before its Arm", limits_of_runs),
+        check("R7.11 R7.12", "an extreme reference gives a torque at the limit at most, or a fault", extreme),
+    ];
+    checks.extend(ends_of_torque());
+    checks
+}
+
+/// The first torque of a run with this limit, for this reference.
+fn first_torque(
+    client: &mut Client,
+    limit: ParameterValue,
+    reference_rad: f32,
+) -> Result<TorqueAnswer, Failure> {
+    client.reset()?;
+    client.running_if_consistent(&[(LIMIT, limit)])?;
+    torque(&client.request(EncoderSample { reference_rad, ..sample(0) })?)
+}
+
+fn limited(client: &mut Client) -> RuleResult {
+    let highest = client.parameter(LIMIT)?.max;
+    for reference_rad in REFERENCES {
+        let free = first_torque(client, highest, reference_rad)?;
+        let free_nm = free.torque_nm;
+        // A law need not push in this direction.
+        if free_nm == 0.0 {
+            continue;
+        }
+        let what = format!("reference {reference_rad} rad");
+        if free.status.flags == TorqueFlags::SATURATED {
+            equal(&format!("{what}: SATURATED at {LIMIT}"), highest, ParameterValue::F32(free_nm.abs()))?;
+        } else {
+            equal(&format!("{what}: far from the limit"), TorqueFlags::empty(), free.status.flags)?;
+            let same = first_torque(client, ParameterValue::F32(free_nm.abs()), reference_rad)?;
+            let is_free = same.status.flags.is_empty() && same.torque_nm.abs() <= free_nm.abs();
+            let expected =
+                format!("{what}: with the limit at the torque of {free_nm} N m that torque, no flags");
+            expect(is_free, expected, same)?;
+        }
+        for limit_nm in [free_nm.abs() / 2.0, free_nm.abs() / 16.0, 0.0] {
+            let answer = first_torque(client, ParameterValue::F32(limit_nm), reference_rad)?;
+            let wanted = (limit_nm.copysign(free_nm), State::Running, TorqueFlags::SATURATED);
+            let got = (answer.torque_nm, answer.status.state, answer.status.flags);
+            equal(&format!("{what}, limit {limit_nm} N m: torque in N m, state and flags"), wanted, got)?;
+        }
+    }
+    Ok(())
+}
+
+/// Runs with different limits and no reset between them.
+fn limits_of_runs(client: &mut Client) -> RuleResult {
+    client.running(&[])?;
+    let free_nm = first_sample(client)?.torque_nm;
+    for fraction in [0.25, 0.0, 0.5, 0.125] {
+        let limit_nm = fraction * free_nm.abs();
+        client.command(Stop {})?;
+        client.running_if_consistent(&[(LIMIT, ParameterValue::F32(limit_nm))])?;
+        for sequence in 0..2 {
+            let answer = torque(&client.sample(sequence)?)?;
+            let expected = format!("a torque of at most {limit_nm} N m");
+            expect(answer.torque_nm.abs() <= limit_nm, expected, answer.torque_nm)?;
+            if sequence == 0 {
+                let got = (answer.torque_nm, answer.status.flags);
+                let wanted = (limit_nm.copysign(free_nm), TorqueFlags::SATURATED);
+                equal(&format!("limit {limit_nm} N m: torque in N m and flags"), wanted, got)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The largest finite references: the law's request is finite, infinite or NaN.
+fn extreme(client: &mut Client) -> RuleResult {
+    let limit_nm = client.real(LIMIT)?;
+    for reference_rad in [f32::MAX, f32::MIN] {
+        client.reset()?;
+        client.running(&[])?;
+        let answers = client.request(EncoderSample { reference_rad, ..sample(0) })?;
+        let it = torque(&answers)?;
+        let what = format!("reference {reference_rad} rad");
+        if names(&answers) == ["TorqueAnswer"] {
+            let bounded = it.torque_nm.is_finite() && it.torque_nm.abs() <= limit_nm;
+            expect(bounded, format!("{what}: at most {limit_nm} N m"), it)?;
+            equal(&format!("{what}: state"), State::Running, it.status.state)?;
+            let is_limit = it.torque_nm.abs() == limit_nm;
+            let expected = format!("{what}: SATURATED only at the limit of {limit_nm} N m");
+            expect(is_limit || it.status.flags.is_empty(), expected, it)?;
+            continue;
+        }
+        equal(&format!("{what}: answers"), vec!["TorqueAnswer", "FaultReport"], names(&answers))?;
+        let got = (it.torque_nm, it.status.state, it.status.flags);
+        equal(&what, (0.0, State::Faulted, TorqueFlags::empty()), got)?;
+        let it = fault(&answers)?;
+        let got = (it.code, it.sequence, it.limit, it.detail);
+        let wanted = (FaultCode::TorqueNotFinite, 0, limit_nm, 0);
+        equal(&format!("{what}: code, sequence, limit in N m and detail"), wanted, got)?;
+        expect(!it.value.is_finite(), format!("{what}: the requested torque, not finite"), it.value)?;
+    }
+    Ok(())
+}
+
+/// Every end of a run removes the torque at once.
+fn ends_of_torque() -> impl Iterator<Item = Check> {
+    type End = (&'static str, fn(u32) -> HostMessage, State);
+    const ENDS: [End; 4] = [
+        ("Stop", |_| Stop {}.into(), State::Idle),
+        ("EmergencyStop", |_| EmergencyStop {}.into(), State::Faulted),
+        ("a new session", |session| hello(session ^ 1).into(), State::Idle),
+        ("Reset", |_| Reset {}.into(), State::Boot),
+    ];
+    ENDS.into_iter().map(|(name, end, state)| {
+        check("R6.1 R7.19", format!("{name} takes the torque away"), move |client| {
+            client.running(&[])?;
+            let first = first_sample(client)?;
+            expect(first.torque_nm != 0.0, "a torque in N m while running", first.torque_nm)?;
+            client.request(end(client.session))?;
+            if state == State::Boot {
+                return equal("answers", vec!["CommandResult"], names(&client.sample(1)?));
+            }
+            // The next sample, the last one again, and a first one.
+            [1, 0].into_iter().try_for_each(|sequence| no_torque(client, sequence, state))?;
+            if state == State::Faulted {
+                client.command(ClearFault {})?;
+                return no_torque(client, 1, State::Idle);
+            }
+            client.idle()?;
+            no_torque(client, 1, State::Idle)
+        })
+    })
+}

@@ -1,0 +1,14 @@
+//! Safety: torque limit, latched faults and watchdog.
+
+mod faults;
+mod limits;
+mod watchdog;
+
+use super::check::Check;
+
+pub(super) fn checks() -> Vec<Check> {
+    let mut checks = limits::checks();
+    checks.extend(faults::checks());
+    checks.extend(watchdog::checks());
+    checks
+}

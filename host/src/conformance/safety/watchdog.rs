@@ -1,0 +1,293 @@
+//! The watchdog: in `Running` only, fed by accepted samples only, in time.
+//!
+//! Real time passes in these checks, so the watchdogs are short. A wait that a busy bench may have stretched is tried again
+//! before it counts against the drive.
+
+use std::time::{Duration, Instant};
+
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::frame::DELIMITER;
+use lashloop_protocol::message::{
+    Arm, ClearFault, DescribeLaw, DescribeParameter, FaultReport, GetParameter, LineReport, SetParameter,
+    Start, Stop, Subscribe,
+};
+use lashloop_protocol::{DriveMessage, HostMessage, Message};
+
+use super::super::answers::{fault, hello, sample, torque};
+use super::super::assertion::{Failure, RuleResult, broken, equal, expect, names};
+use super::super::check::{Check, check};
+use super::super::client::Client;
+use super::super::reactions::{accepted, first_sample, no_torque, reported_to, still_reported};
+use super::faults::stays_latched;
+
+const NAME: &str = "watchdog_us";
+/// Watchdog of most of these checks: short for a quick check, long enough for the first sample of a busy bench.
+const WATCHDOG: Duration = Duration::from_millis(100);
+/// A watchdog much longer than [`LATEST`], so that a drive that waits twice as long is late.
+const LONGER: Duration = Duration::from_millis(400);
+/// A watchdog for samples that come late.
+const SHORT: Duration = Duration::from_millis(20);
+/// Time without a sample in states without a watchdog.
+const QUIET: Duration = Duration::from_millis(150);
+/// The drive must latch the fault this long after the limit.
+const LATEST: Duration = Duration::from_millis(100);
+/// A report takes this long from the drive to the bench at most, unless the bench is busy.
+const TRANSPORT: Duration = Duration::from_millis(100);
+/// Timeout for a watchdog that must trip.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// Time between two frames that must not feed the watchdog.
+const INTERVAL: Duration = Duration::from_millis(1);
+/// Tolerated error of the drive's clock, as a fraction.
+const CLOCK_TOLERANCE: f64 = 0.1;
+/// Attempts of a check whose result a busy bench may spoil.
+const ATTEMPTS: u32 = 3;
+
+pub(super) fn checks() -> Vec<Check> {
+    let mut checks = vec![
+        check("R8.5 R8.7 R8.8 R5.2", "without samples the watchdog trips, and not early", trips_in_time),
+        check("R8.5 R6.9", "the watchdog runs from the Start, and in no other state", |client| {
+            client.idle()?;
+            client.put(NAME, micros(WATCHDOG))?;
+            stays(client, State::Idle)?;
+            client.arm()?;
+            stays(client, State::Armed)?;
+            let before = client.line.now();
+            client.start()?;
+            let it = tripped(client, WATCHDOG, 0, before)?.report;
+            stays_latched(client, it)?;
+            equal("ClearFault", (Outcome::Accepted, State::Idle), client.command(ClearFault {})?)?;
+            stays(client, State::Idle)
+        }),
+        check("R8.5", "Stop and a new session end the watchdog", |client| {
+            start_with(client, WATCHDOG)?;
+            client.command(Stop {})?;
+            stays(client, State::Idle)?;
+            client.arm()?;
+            client.start()?;
+            first_sample(client)?;
+            client.request(hello(client.session ^ 1))?;
+            stays(client, State::Idle)
+        }),
+        check("R8.2", "after the watchdog has tripped there is no torque", |client| {
+            start_with(client, WATCHDOG)?;
+            let before = client.line.now();
+            let it = tripped(client, WATCHDOG, 0, before)?.report;
+            [1, 0, 2].into_iter().try_for_each(|sequence| no_torque(client, sequence, State::Faulted))?;
+            still_reported(client, it)
+        }),
+        check("R8.6", "each accepted sample restarts the watchdog", samples_in_time),
+        check("R8.9 R7.1", "a sample later than the watchdog gets no torque", late_samples),
+    ];
+    checks.extend(feeds());
+    checks
+}
+
+fn micros(time: Duration) -> ParameterValue {
+    ParameterValue::U32(time.as_micros() as u32)
+}
+
+/// Starts a run with this watchdog and sends the first sample.
+fn start_with(client: &mut Client, watchdog: Duration) -> RuleResult {
+    client.idle()?;
+    client.put(NAME, micros(watchdog))?;
+    client.arm()?;
+    client.start()?;
+    first_sample(client).map(drop)
+}
+
+/// Requires that time passes in `state` without a fault.
+fn stays(client: &mut Client, state: State) -> RuleResult {
+    let news = client.wait_for(QUIET, fault_report)?;
+    expect(news.is_none(), format!("no FaultReport in {state:?}"), news)?;
+    client.request_bytes(&[])?;
+    equal("state", state, client.state)
+}
+
+fn fault_report(message: &DriveMessage) -> Option<FaultReport> {
+    match message {
+        DriveMessage::FaultReport(it) => Some(*it),
+        _ => None,
+    }
+}
+
+/// A watchdog that has tripped.
+struct Trip {
+    report: FaultReport,
+    /// From the last accepted sample, as answered, to the report; the bench's clock.
+    waited: Duration,
+}
+
+/// Requires the report of a watchdog, not early. `before` is a time before the drive received the last accepted sample.
+fn tripped(client: &mut Client, limit: Duration, sequence: u16, before: Instant) -> Result<Trip, Failure> {
+    let after = client.line.now();
+    let limit_s = limit.as_secs_f32();
+    let found = client.wait_for(limit + PATIENCE, fault_report)?;
+    let report = found.ok_or_else(|| {
+        let got = format!("nothing within {} s", (limit + PATIENCE).as_secs_f64());
+        broken(format!("a FaultReport {limit_s} s after the last accepted sample"), got)
+    })?;
+    let now = client.line.now();
+    let (waited, longest) = (now.saturating_duration_since(after), now.saturating_duration_since(before));
+    let got = (report.code, report.sequence, report.detail);
+    equal("code, sequence and detail", (FaultCode::Watchdog, sequence, 0), got)?;
+    let near = (report.limit - limit_s).abs() <= 1e-6;
+    expect(near, format!("a limit of {limit_s} s"), format!("{} s", report.limit))?;
+    let most_s = limit_s + LATEST.mul_f64(1.0 + CLOCK_TOLERANCE).as_secs_f32();
+    let in_time = report.value >= report.limit && report.value <= most_s;
+    expect(in_time, format!("a silence of {limit_s} to {most_s} s"), format!("{} s", report.value))?;
+    let least = limit.mul_f64(1.0 - CLOCK_TOLERANCE);
+    let expected =
+        format!("the FaultReport {} s after the last accepted sample or later", least.as_secs_f64());
+    expect(longest >= least, expected, longest)?;
+    equal("to the FaultReport, state", State::Faulted, {
+        client.request_bytes(&[])?;
+        client.state
+    })?;
+    Ok(Trip { report, waited })
+}
+
+/// Twice with the longer watchdog if the first report is late, then in a second run with another value.
+fn trips_in_time(client: &mut Client) -> RuleResult {
+    let latest = (LONGER + LATEST).mul_f64(1.0 + CLOCK_TOLERANCE) + TRANSPORT;
+    for attempt in 1.. {
+        let before = client.line.now();
+        start_with(client, LONGER)?;
+        let trip = tripped(client, LONGER, 0, before)?;
+        client.note = format!("tripped {:.1} ms after the last sample, device time", 1e3 * trip.report.value);
+        if trip.waited <= latest {
+            break;
+        }
+        let expected = format!("the FaultReport within {} s", latest.as_secs_f64());
+        expect(attempt < ATTEMPTS, expected, trip.waited)?;
+        client.reset()?;
+    }
+    client.command(ClearFault {})?;
+    client.put(NAME, micros(WATCHDOG))?;
+    client.arm()?;
+    client.start()?;
+    first_sample(client)?;
+    accepted(client, sample(1), TorqueFlags::empty())?;
+    let before = client.line.now();
+    accepted(client, sample(2), TorqueFlags::empty())?;
+    let it = tripped(client, WATCHDOG, 2, before)?.report;
+    reported_to(client, client.session ^ 1, it)
+}
+
+/// Samples whose intervals are in time and whose sum is not.
+fn samples_in_time(client: &mut Client) -> RuleResult {
+    for _ in 0..ATTEMPTS {
+        client.reset()?;
+        start_with(client, WATCHDOG)?;
+        let mut sent = client.line.now();
+        let mut longest = Duration::ZERO;
+        for sequence in 1..4 {
+            client.wait_for(WATCHDOG.mul_f64(0.6), |_| None::<()>)?;
+            let earlier = std::mem::replace(&mut sent, client.line.now());
+            client.sample(sequence)?;
+            longest = longest.max(client.line.now().saturating_duration_since(earlier));
+        }
+        if client.state == State::Running {
+            return Ok(());
+        }
+        let least = WATCHDOG.mul_f64(1.0 - CLOCK_TOLERANCE);
+        let expected = format!("Running with samples at most {} s apart", longest.as_secs_f64());
+        expect(longest >= least, expected, client.state)?;
+    }
+    Err(Failure::NotJudged { cause: "this machine is too busy to send samples in time".to_owned() })
+}
+
+/// A new, a repeated and a stray sample, later than the watchdog allows.
+fn late_samples(client: &mut Client) -> RuleResult {
+    for late in [1, 0, 5000] {
+        for attempt in 1.. {
+            client.reset()?;
+            start_with(client, SHORT)?;
+            let mut reports = Vec::new();
+            client.wait_for(SHORT.mul_f64(1.0 + 2.0 * CLOCK_TOLERANCE), |message| {
+                reports.extend(fault_report(message));
+                None::<()>
+            })?;
+            let answers = client.request(sample(late))?;
+            reports.extend(answers.iter().filter_map(fault_report));
+            let expected = format!("for the late sample {late} one FaultReport");
+            expect(reports.len() == 1, expected, reports.as_slice())?;
+            let got = (reports[0].code, reports[0].sequence);
+            equal("code and sequence", (FaultCode::Watchdog, 0), got)?;
+            let it = torque(&answers)?;
+            let got = (it.sequence, it.torque_nm, it.status.state, it.status.flags);
+            let wanted = (late, 0.0, State::Faulted, TorqueFlags::empty());
+            equal("sequence, torque in N m, state and flags", wanted, got)?;
+            // A report just before the sample arrives is no answer to it.
+            if names(&answers)[0] == "TorqueAnswer" {
+                break;
+            }
+            expect(attempt < ATTEMPTS, "the TorqueAnswer first", names(&answers))?;
+        }
+    }
+    Ok(())
+}
+
+/// Frames that do not feed the watchdog. The number counts the frames sent.
+fn feeds() -> impl Iterator<Item = Check> {
+    type Feed = fn(&Client, usize) -> Vec<u8>;
+    const FEEDS: [(&str, &str, Feed); 4] = [
+        ("R8.6", "repeating one sample does not feed the watchdog", |_, _| frame(sample(2))),
+        ("R8.6", "stray samples do not feed the watchdog", |_, count| {
+            frame(sample(if count % 2 == 0 { 1 } else { 5000 }))
+        }),
+        ("R8.6", "other requests do not feed the watchdog", request),
+        ("R2.6 R8.6", "damaged and refused frames do not feed the watchdog", |_, count| {
+            let report = LineReport { messages: 0, damaged: 0, refused: 0, overruns: 0 };
+            let mut bytes = match count % 2 {
+                0 => frame(sample(3)),
+                _ => DriveMessage::from(report).frame().to_vec(),
+            };
+            if count % 2 == 0 {
+                bytes[3] ^= if bytes[3] == 1 { 2 } else { 1 };
+            }
+            bytes.push(DELIMITER);
+            bytes
+        }),
+    ];
+    FEEDS.into_iter().map(|(rules, name, feed)| {
+        check(rules, name, move |client| {
+            start_with(client, WATCHDOG)?;
+            for sequence in 1..3 {
+                accepted(client, sample(sequence), TorqueFlags::empty())?;
+            }
+            let give_up = client.line.now() + WATCHDOG + PATIENCE;
+            for count in 0.. {
+                if client.state != State::Running || client.line.now() >= give_up {
+                    break;
+                }
+                client.request_bytes(&feed(client, count))?;
+                // Time passes for a drive in process only while the bench waits.
+                client.wait_for(INTERVAL, |_| None::<()>)?;
+            }
+            equal("state after the watchdog's time", State::Faulted, client.state)?;
+            let it = fault(&client.request(hello(client.session))?)?;
+            equal("code and sequence", (FaultCode::Watchdog, 2), (it.code, it.sequence))
+        })
+    })
+}
+
+fn frame(message: impl Into<HostMessage>) -> Vec<u8> {
+    message.into().frame().to_vec()
+}
+
+/// Requests that a running drive accepts or refuses without a change, in turn.
+fn request(client: &Client, count: usize) -> Vec<u8> {
+    let session = client.session;
+    let index = client.parameter(NAME).map_or(0, |it| it.index);
+    let requests: [HostMessage; 8] = [
+        hello(session).into(),
+        GetParameter { index }.into(),
+        DescribeParameter { index }.into(),
+        DescribeLaw { index: 0 }.into(),
+        Subscribe { signals: 0, every: 0 }.into(),
+        SetParameter { index, value: micros(Duration::from_secs(30)) }.into(),
+        Arm { session }.into(),
+        Start { session }.into(),
+    ];
+    requests[count % requests.len()].frame().to_vec()
+}

@@ -1,0 +1,133 @@
+//! Samples: torque answers and sequence rules.
+
+mod other_states;
+mod repeats;
+mod sequence;
+
+use std::time::Duration;
+
+use lashloop_protocol::EncoderCounts;
+use lashloop_protocol::enums::{ParameterValue, TorqueFlags};
+use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, Stop};
+
+use super::answers::{hello, sample, torque};
+use super::assertion::{Failure, RuleResult, equal, expect, skip};
+use super::check::{Check, check};
+use super::client::{CONTROLLER, Client};
+use super::encoders::setup::Setup;
+use super::reactions::{accepted, first_sample};
+
+/// Steps after which any controller state shows in the torque.
+const STEPS: u16 = 30;
+/// Tolerated error of the drive's clock, as a fraction.
+const CLOCK_TOLERANCE: f64 = 0.1;
+
+pub(super) fn checks() -> Vec<Check> {
+    let mut checks = vec![
+        check("R7.2 R4.11 R10.4", "while running a sample gets a torque with its sequence", |client| {
+            client.running(&[])?;
+            for sequence in 0..3 {
+                let answer = accepted(client, sample(sequence), TorqueFlags::empty())?;
+                let pushes = sequence > 0 || answer.torque_nm != 0.0;
+                expect(pushes, "a torque in N m for a load 1 rad off its reference", answer.torque_nm)?;
+            }
+            Ok(())
+        }),
+        check("R10.4", "every law that the drive describes returns a torque", every_law),
+        check("R7.17", "a new start resets the controller: equal samples get equal torques", new_start),
+        check("R7.18", "the compute time of a torque is at most the time that the host waited", compute_time),
+    ];
+    checks.extend(sequence::checks());
+    checks.extend(repeats::checks());
+    checks.extend(other_states::checks());
+    checks
+}
+
+/// Starts a run with encoders that allow gaps. Returns the longest gap in periods.
+fn start_with_gaps(client: &mut Client) -> Result<u16, Failure> {
+    let setup = Setup::coarse(client)?;
+    setup.start(client)?;
+    match setup.longest_gap() {
+        0 | 1 => skip("not run: no encoder setting of this drive allows a gap"),
+        gap => Ok(gap),
+    }
+}
+
+/// A sample of a movement in which motor, load and reference change, slow enough for any speed limit.
+fn moving(sequence: u16) -> EncoderSample {
+    let place = i64::from(sequence);
+    let [motor_counts, load_counts] = [-place, (place + 1) / 2].map(EncoderCounts::wrapping);
+    let reference_rad = if sequence % 10 < 7 { 1.0 } else { -0.5 };
+    EncoderSample { motor_counts, load_counts, reference_rad, ..sample(sequence) }
+}
+
+/// The torques of a run from `Armed`, as bits; `after_each` follows every sample.
+fn torques_of_a_run(
+    client: &mut Client,
+    after_each: impl Fn(&mut Client, &EncoderSample) -> RuleResult,
+) -> Result<Vec<u32>, Failure> {
+    client.arm()?;
+    client.start()?;
+    let mut torques = Vec::new();
+    for sequence in 0..STEPS {
+        let sample = moving(sequence);
+        torques.push(accepted(client, sample, TorqueFlags::empty())?.torque_nm.to_bits());
+        after_each(client, &sample)?;
+    }
+    Ok(torques)
+}
+
+/// The torques of two runs must be equal in every bit.
+fn equal_torques(what: &str, wanted: &[u32], got: &[u32]) -> RuleResult {
+    for (sequence, (wanted, got)) in wanted.iter().zip(got).enumerate() {
+        let [wanted_nm, got_nm] = [*wanted, *got].map(f32::from_bits);
+        expect(wanted == got, format!("{what}: at sample {sequence} the torque {wanted_nm} N m"), got_nm)?;
+    }
+    Ok(())
+}
+
+/// A run after each end of a run before it.
+fn new_start(client: &mut Client) -> RuleResult {
+    client.idle()?;
+    client.long_watchdog()?;
+    let fresh = torques_of_a_run(client, |_, _| Ok(()))?;
+    client.command(Stop {})?;
+    equal_torques("after Stop", &fresh, &torques_of_a_run(client, |_, _| Ok(()))?)?;
+    client.command(EmergencyStop {})?;
+    client.command(ClearFault {})?;
+    equal_torques("after a fault", &fresh, &torques_of_a_run(client, |_, _| Ok(()))?)?;
+    client.request(hello(client.session ^ 1))?;
+    client.idle()?;
+    equal_torques("after a new session", &fresh, &torques_of_a_run(client, |_, _| Ok(()))?)
+}
+
+fn compute_time(client: &mut Client) -> RuleResult {
+    client.running(&[])?;
+    for sequence in 0..10 {
+        let sent = client.line.now();
+        let answer = torque(&client.sample(sequence)?)?;
+        let waited = client.line.now().saturating_duration_since(sent);
+        let most = waited.mul_f64(1.0 + CLOCK_TOLERANCE) + Duration::from_micros(1);
+        let computed = Duration::from_nanos(100) * u32::from(answer.compute_tenths_us);
+        let expected = format!("compute time of sample {sequence} at most {} us", most.as_micros());
+        expect(computed <= most, expected, format!("{} us", computed.as_micros()))?;
+    }
+    Ok(())
+}
+
+fn every_law(client: &mut Client) -> RuleResult {
+    for law in client.description.laws.clone() {
+        client.reset()?;
+        match client.parameter(CONTROLLER) {
+            Ok(_) => client.running(&[(CONTROLLER, ParameterValue::U32(law.index.into()))])?,
+            Err(_) => client.running(&[])?,
+        }
+        first_sample(client)?;
+        for reference_rad in [1.0, -1.0] {
+            let next = EncoderSample { reference_rad, ..sample(if reference_rad > 0.0 { 1 } else { 2 }) };
+            accepted(client, next, TorqueFlags::empty())?;
+        }
+        equal("state", lashloop_protocol::enums::State::Running, client.state)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,73 @@
+//! Repeated samples: the same answer, and no control step.
+
+use lashloop_protocol::EncoderCounts;
+use lashloop_protocol::enums::{ParameterValue, TorqueFlags};
+use lashloop_protocol::message::{EncoderSample, Stop, TorqueAnswer};
+
+use super::super::answers::{sample, torque};
+use super::super::assertion::{RuleResult, equal, names};
+use super::super::check::{Check, check};
+use super::super::client::Client;
+use super::super::encoders::setup::Setup;
+use super::super::reactions::{accepted, first_sample};
+use super::{equal_torques, start_with_gaps, torques_of_a_run};
+
+pub(super) fn checks() -> Vec<Check> {
+    vec![
+        check("R7.3", "a repeated sample gets the same torque, flagged REPEATED", |client| {
+            client.running(&[])?;
+            for sequence in 0..3 {
+                let first = accepted(client, sample(sequence), TorqueFlags::empty())?;
+                (0..3).try_for_each(|_| repeated(client, sample(sequence), first))?;
+            }
+            Ok(())
+        }),
+        check(
+            "R7.3 R7.4",
+            "the answer to a repeated sample keeps GAP, and the next has no flag of it",
+            |client| {
+                let gap = start_with_gaps(client)?;
+                first_sample(client)?;
+                let first = accepted(client, sample(gap), TorqueFlags::GAP)?;
+                (0..2).try_for_each(|_| repeated(client, sample(gap), first))?;
+                accepted(client, sample(gap + 1), TorqueFlags::empty()).map(drop)
+            },
+        ),
+        check("R7.3 R7.11", "the answer to a repeated sample keeps SATURATED", |client| {
+            client.running_if_consistent(&[("torque_limit_nm", ParameterValue::F32(0.0))])?;
+            for sequence in 0..2 {
+                let first = torque(&client.sample(sequence)?)?;
+                repeated(client, sample(sequence), first)?;
+            }
+            Ok(())
+        }),
+        check("R7.3", "a repeated sample is recognised by its sequence alone", |client| {
+            Setup::coarse(client)?.start(client)?;
+            first_sample(client)?;
+            let first = accepted(client, sample(1), TorqueFlags::empty())?;
+            let far = EncoderCounts::wrapping(1 << 20);
+            let other =
+                EncoderSample { sequence: 1, motor_counts: far, load_counts: far, reference_rad: f32::NAN };
+            repeated(client, other, first)?;
+            accepted(client, sample(2), TorqueFlags::empty()).map(drop)
+        }),
+        check("R7.3", "a repeated sample makes no control step", |client| {
+            client.idle()?;
+            client.long_watchdog()?;
+            let once = torques_of_a_run(client, |_, _| Ok(()))?;
+            client.command(Stop {})?;
+            let twice = torques_of_a_run(client, |client, sample| client.request(*sample).map(drop))?;
+            equal_torques("with every sample repeated", &once, &twice)
+        }),
+    ]
+}
+
+/// Requires the answer `first` again, with `REPEATED`.
+fn repeated(client: &mut Client, sample: EncoderSample, first: TorqueAnswer) -> RuleResult {
+    let answers = client.request(sample)?;
+    let what = format!("to sample {} again", sample.sequence);
+    equal(&what, vec!["TorqueAnswer"], names(&answers))?;
+    let mut wanted = first;
+    wanted.status.flags |= TorqueFlags::REPEATED;
+    equal(&what, wanted, torque(&answers)?)
+}

@@ -1,0 +1,231 @@
+//! Telemetry: when it is sent and what keeps it (here), its values (`values`), and the subscriptions that a drive refuses
+//! (`refusals`).
+
+mod refusals;
+mod values;
+
+use lashloop_protocol::DriveMessage;
+use lashloop_protocol::enums::{Outcome, State};
+use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
+use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, Stop, Subscribe};
+
+use super::answers::{hello, sample, telemetry};
+use super::assertion::{Failure, RuleResult, equal, names, skip};
+use super::burst::result;
+use super::check::{Check, check};
+use super::client::Client;
+use super::encoders::setup::Setup;
+use super::handshake::other;
+use super::reactions::fault_answer;
+
+const TORQUE: &[&str] = &["TorqueAnswer"];
+const BOTH: &[&str] = &["TorqueAnswer", "Telemetry"];
+
+pub(super) fn checks() -> Vec<Check> {
+    let mut checks = vec![
+        check(
+            "R11",
+            "telemetry follows the torque of every sample whose sequence is a multiple of every",
+            multiples,
+        ),
+        check("R11", "the interval of telemetry starts anew when the sequence wraps around", wraparound),
+        check("R11", "no telemetry follows a repeated or a stray sample", |client| {
+            let signals = signals(client)?;
+            running_with(client, signals, 2)?;
+            follows(client, 0, BOTH)?;
+            follows(client, 0, TORQUE)?;
+            follows(client, 1, TORQUE)?;
+            follows(client, 2, BOTH)?;
+            follows(client, 0, &["CommandResult"])?;
+            follows(client, 3, TORQUE)?;
+            follows(client, 4, BOTH)
+        }),
+        check("R11", "no telemetry follows the torque of a sample that causes a fault", |client| {
+            let signals = signals(client)?;
+            running_with(client, signals, 1)?;
+            follows(client, 0, BOTH)?;
+            let answers = client.request(EncoderSample { reference_rad: f32::NAN, ..sample(1) })?;
+            fault_answer(&answers, lashloop_protocol::enums::FaultCode::ReferenceNotFinite).map(drop)?;
+            follows(client, 2, TORQUE)
+        }),
+        check("R11", "no telemetry follows a sample in another state than Running", |client| {
+            let signals = signals(client)?;
+            client.idle()?;
+            accepted(client, signals, 1)?;
+            follows(client, 0, TORQUE)?;
+            client.arm()?;
+            follows(client, 0, TORQUE)?;
+            client.request(EmergencyStop {})?;
+            follows(client, 0, TORQUE)
+        }),
+        check("R11", "every = 0 and no signal mean no telemetry", |client| {
+            for (signals, every) in [(signals(client)?, 0), (0, 1), (0, 0)] {
+                client.reset()?;
+                running_with(client, signals, every)?;
+                (0..4).try_for_each(|sequence| follows(client, sequence, TORQUE))?;
+            }
+            Ok(())
+        }),
+        check("R11", "after power-up there is no telemetry", |client| {
+            client.running(&[])?;
+            (0..4).try_for_each(|sequence| follows(client, sequence, TORQUE))
+        }),
+        check("R4 R11", "a reset ends the subscription", |client| {
+            let signals = signals(client)?;
+            running_with(client, signals, 1)?;
+            follows(client, 0, BOTH)?;
+            client.reset()?;
+            client.running(&[])?;
+            (0..2).try_for_each(|sequence| follows(client, sequence, TORQUE))
+        }),
+        check("R11", "a subscription outlives sessions, stops and faults", outlives),
+        check("R11", "a subscription while running replaces the former from the next sample", replaced),
+    ];
+    checks.extend(values::checks());
+    checks.extend(refusals::checks());
+    checks
+}
+
+/// The signals of the law in force, 13 at most.
+///
+/// # Errors
+/// The law has none: the check is skipped.
+fn signals(client: &Client) -> Result<u32, Failure> {
+    let bits = law_signals(client, client.default_law());
+    match bits.first() {
+        None => skip("the law in force has no signal").map(|()| 0),
+        Some(_) => Ok(bits.iter().take(MAX_TELEMETRY_VALUES).fold(0, |all, index| all | 1 << index)),
+    }
+}
+
+/// The indices of the signals of a law.
+fn law_signals(client: &Client, law: u8) -> Vec<u8> {
+    let of_law = client.description.signals.iter().filter(|it| it.laws.contains(law));
+    of_law.map(|it| it.index).collect()
+}
+
+fn accepted(client: &mut Client, signals: u32, every: u16) -> RuleResult {
+    let state = client.state;
+    client.exchange("before", &[result(Subscribe { signals, every }, Outcome::Accepted, state)])
+}
+
+/// The signal of a subscription with the lowest index, alone.
+const fn lowest(signals: u32) -> u32 {
+    signals & signals.wrapping_neg()
+}
+
+fn running_with(client: &mut Client, signals: u32, every: u16) -> RuleResult {
+    client.idle()?;
+    accepted(client, signals, every)?;
+    client.running(&[])
+}
+
+/// Requires answers of these kinds to a sample, and its sequence in the telemetry.
+fn follows(client: &mut Client, sequence: u16, kinds: &[&'static str]) -> RuleResult {
+    let answers = client.sample(sequence)?;
+    equal(&format!("to sample {sequence}"), kinds.to_vec(), names(&answers))?;
+    sequences(sequence, &answers)
+}
+
+fn sequences(sequence: u16, answers: &[DriveMessage]) -> RuleResult {
+    answers.iter().try_for_each(|answer| match answer {
+        DriveMessage::Telemetry(it) => equal("sequence of the telemetry", sequence, it.sequence),
+        _ => Ok(()),
+    })
+}
+
+/// Requires telemetry of this many values with the torque of a sample.
+fn carries(client: &mut Client, sequence: u16, count: u32) -> RuleResult {
+    let answers = client.sample(sequence)?;
+    equal(&format!("to sample {sequence}"), BOTH.to_vec(), names(&answers))?;
+    let values = telemetry(&answers)?.values.as_slice().len();
+    equal(&format!("values in the telemetry of sample {sequence}:"), count as usize, values)
+}
+
+/// Every sample of a run up to the 7th, then with gaps: not the count of samples matters, but the sequence.
+fn multiples(client: &mut Client) -> RuleResult {
+    let signals = signals(client)?;
+    for (every, sequences) in [(1, 0..3), (3, 0..8), (u16::MAX, 0..3)] {
+        client.reset()?;
+        running_with(client, signals, every)?;
+        for sequence in sequences {
+            follows(client, sequence, if sequence % every == 0 { BOTH } else { TORQUE })?;
+        }
+    }
+    let setup = Setup::coarse(client)?;
+    if setup.longest_gap() < 3 {
+        return Ok(());
+    }
+    client.reset()?;
+    client.idle()?;
+    accepted(client, signals, 4)?;
+    setup.start(client)?;
+    for sequence in [0, 2, 3, 5, 7, 8, 11, 12, 13] {
+        follows(client, sequence, if sequence % 4 == 0 { BOTH } else { TORQUE })?;
+    }
+    Ok(())
+}
+
+/// 65535 is a multiple of 5, and 0 follows it; 65531 is none.
+fn wraparound(client: &mut Client) -> RuleResult {
+    const FEWEST: u16 = 200;
+    let signals = signals(client)?;
+    let setup = Setup::coarse(client)?;
+    let gap = setup.longest_gap();
+    if gap < FEWEST {
+        return skip(
+            "not run: the encoders of this drive allow no long gaps, so the path takes too many samples",
+        );
+    }
+    client.idle()?;
+    accepted(client, lowest(signals), 5)?;
+    setup.start(client)?;
+    let gaps = (0..65_530).step_by(gap.into());
+    for sequence in gaps.map(|it| it as u16).chain([65_530, 65_531, u16::MAX, 0, 1, 5]) {
+        follows(client, sequence, if sequence % 5 == 0 { BOTH } else { TORQUE })?;
+    }
+    Ok(())
+}
+
+fn outlives(client: &mut Client) -> RuleResult {
+    let signals = signals(client)?;
+    let count = signals.count_ones();
+    let goes_on = |client: &mut Client| {
+        carries(client, 0, count)?;
+        follows(client, 1, TORQUE)?;
+        carries(client, 2, count)
+    };
+    running_with(client, signals, 2)?;
+    goes_on(client)?;
+    client.request(Stop {})?;
+    client.arm()?;
+    client.start()?;
+    goes_on(client)?;
+    // A new session ends the run. `running` opens the session of this battery again, which is another one.
+    client.request(hello(client.session ^ 1))?;
+    client.request(other(client.session))?;
+    client.running(&[])?;
+    goes_on(client)?;
+    client.request(EmergencyStop {})?;
+    client.handshake(client.session ^ 1)?;
+    client.request(ClearFault {})?;
+    client.running(&[])?;
+    goes_on(client)
+}
+
+fn replaced(client: &mut Client) -> RuleResult {
+    let signals = signals(client)?;
+    let count = signals.count_ones();
+    client.running(&[])?;
+    follows(client, 0, TORQUE)?;
+    accepted(client, signals, 1)?;
+    carries(client, 1, count)?;
+    accepted(client, lowest(signals), 3)?;
+    follows(client, 2, TORQUE)?;
+    carries(client, 3, 1)?;
+    accepted(client, 0, 1)?;
+    follows(client, 4, TORQUE)?;
+    accepted(client, signals, 0)?;
+    follows(client, 5, TORQUE)?;
+    equal("state", State::Running, client.state)
+}

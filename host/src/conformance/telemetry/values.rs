@@ -1,0 +1,117 @@
+//! The values of telemetry: one for each signal, in order, of the sample itself.
+
+use lashloop_protocol::message::{EncoderSample, Stop};
+
+use super::super::answers::{sample, telemetry, torque};
+use super::super::assertion::{Failure, RuleResult, broken, equal, skip};
+use super::super::check::{Check, check};
+use super::super::client::Client;
+use super::{accepted, running_with, signals};
+
+/// Samples of a run.
+const STEPS: u16 = 5;
+/// References of a run. The mechanics stay at rest: a coarse encoder would exceed its speed limit.
+const REFERENCES_RAD: [f32; STEPS as usize] = [1.0, 0.75, -0.5, 0.25, -1.25];
+
+pub(super) fn checks() -> Vec<Check> {
+    vec![
+        check(
+            "R11",
+            "values are those of the subscribed signals, in the order of their indices",
+            order_of_values,
+        ),
+        check("R11", "values are of the control step of their sample", of_the_sample),
+        check("R11", "telemetry carries the requested torque before the limit", requested_torque),
+    ]
+}
+
+/// The values of a run's telemetry as bits, one list a sample; none without telemetry.
+fn series(
+    client: &mut Client,
+    signals: u32,
+    every: u16,
+    references_rad: &[f32],
+) -> Result<Vec<Vec<u32>>, Failure> {
+    running_with(client, signals, every)?;
+    let mut series = Vec::new();
+    for (sequence, &reference_rad) in (0..).zip(references_rad) {
+        let answers = client.request(EncoderSample { reference_rad, ..sample(sequence) })?;
+        if sequence % every != 0 {
+            series.push(Vec::new());
+            continue;
+        }
+        let telemetry = telemetry(&answers)?;
+        let values: Vec<_> = telemetry.values.as_slice().iter().map(|value| value.to_bits()).collect();
+        equal("number of values", signals.count_ones() as usize, values.len())?;
+        series.push(values);
+    }
+    client.request(Stop {})?;
+    Ok(series)
+}
+
+/// Each signal alone and all together, on the same samples.
+fn order_of_values(client: &mut Client) -> RuleResult {
+    let all = signals(client)?;
+    let indices: Vec<_> = (0..32_u8).filter(|index| all & 1 << index != 0).collect();
+    let mut alone = Vec::new();
+    for index in &indices {
+        alone.push(series(client, 1 << index, 1, &REFERENCES_RAD)?);
+    }
+    let together = series(client, all, 1, &REFERENCES_RAD)?;
+    for step in 0..usize::from(STEPS) {
+        let wanted: Vec<_> = alone.iter().flat_map(|series| series[step].clone()).collect();
+        let got = together[step].clone();
+        if let Some(at) = wanted.iter().zip(&got).position(|(wanted, got)| wanted != got) {
+            let [wanted, got] = [wanted[at], got[at]].map(|bits| f32::from_bits(bits).to_string());
+            let signal = indices[at];
+            return Err(broken(
+                format!("in sample {step} for signal {signal}, as in its own telemetry, {wanted}"),
+                got,
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn of_the_sample(client: &mut Client) -> RuleResult {
+    let all = signals(client)?;
+    let every_sample = series(client, all, 1, &REFERENCES_RAD)?;
+    // Telemetry of fewer samples has the values of these samples, not of the last one with telemetry.
+    let every_second = series(client, all, 2, &REFERENCES_RAD)?;
+    for step in (0..usize::from(STEPS)).step_by(2) {
+        let [wanted, got] = [&every_sample, &every_second].map(|series| series[step].clone());
+        equal(&format!("values of sample {step} with every = 2, as bits as with every = 1:"), wanted, got)?;
+    }
+    // A run starts from the initial state: its first values are not those of the run before.
+    let mut references_rad = REFERENCES_RAD;
+    references_rad[1] = 2.5;
+    let changed = series(client, all, 1, &references_rad)?;
+    equal("values of sample 0 of another run, as bits:", every_sample[0].clone(), changed[0].clone())?;
+    // With another reference in sample 1, several signals that differ in sample 2, but none in sample 1, are late.
+    let differing =
+        |step: usize| every_sample[step].iter().zip(&changed[step]).filter(|(one, two)| one != two).count();
+    if differing(1) == 0 && differing(2) > 1 {
+        return Err(broken(
+            "in sample 1 other values with another reference in this sample",
+            format!("none; in sample 2 {} other values", differing(2)),
+        ));
+    }
+    Ok(())
+}
+
+fn requested_torque(client: &mut Client) -> RuleResult {
+    let index = client.description.signals.iter().find(|it| it.signal.name == "requested_torque_nm");
+    let Some(index) = index.map(|it| it.index) else {
+        return skip("the drive has no signal requested_torque_nm");
+    };
+    client.idle()?;
+    accepted(client, 1 << index, 1)?;
+    client.running(&[])?;
+    let limit_nm = client.real("torque_limit_nm")?;
+    (0..).zip(REFERENCES_RAD).try_for_each(|(sequence, reference_rad)| {
+        let answers = client.request(EncoderSample { reference_rad, ..sample(sequence) })?;
+        let wanted_nm = telemetry(&answers)?.values.as_slice()[0].clamp(-limit_nm, limit_nm);
+        let what = "torque, of that in the telemetry within the limit,";
+        equal(what, wanted_nm, torque(&answers)?.torque_nm)
+    })
+}

@@ -1,0 +1,76 @@
+//! The line to a specimen, with a virtual clock: a battery takes milliseconds.
+
+use std::time::{Duration, Instant};
+
+use lashloop_bench::link::{Link, LinkError};
+
+use super::Drive;
+use crate::mutation::Sites;
+
+/// Time of a byte on the line.
+const BYTE_US: f64 = 2.0;
+
+/// A specimen at the end of a line.
+pub struct Specimen {
+    drive: Drive,
+    boot: Instant,
+}
+
+impl Specimen {
+    pub fn new(sites: Sites) -> Self {
+        Self { drive: Drive::new(sites), boot: Instant::now() }
+    }
+
+    fn us(&self, instant: Instant) -> f64 {
+        // Upwards, so that a wait never ends before its deadline.
+        (instant.saturating_duration_since(self.boot).as_nanos() as f64 * 1e-3).ceil()
+    }
+}
+
+impl Link for Specimen {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        None
+    }
+
+    fn now(&mut self) -> Instant {
+        self.boot + Duration::from_micros(self.drive.now_us as u64)
+    }
+
+    fn wait_until(&mut self, until: Instant) -> Result<(), LinkError> {
+        let until_us = self.us(until);
+        while self.drive.now_us < until_us {
+            self.drive.pass_until(until_us);
+        }
+        Ok(())
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        for byte in bytes {
+            let until_us = self.drive.now_us + BYTE_US;
+            while self.drive.now_us < until_us {
+                self.drive.pass_until(until_us);
+            }
+            let ended = self.drive.take(*byte);
+            if ended && self.drive.at.flag("receiver", "the rest of a read is lost after a frame", false) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
+        let until_us = self.us(deadline);
+        while self.drive.output.is_empty() && self.drive.now_us < until_us {
+            self.drive.pass_until(until_us);
+        }
+        let count = self.drive.output.len().min(buffer.len());
+        buffer[..count].copy_from_slice(&self.drive.output[..count]);
+        self.drive.output.drain(..count);
+        Ok(count)
+    }
+
+    fn discard_input(&mut self) -> Result<(), LinkError> {
+        self.drive.output.clear();
+        Ok(())
+    }
+}

@@ -1,0 +1,361 @@
+//! Requests in each state.
+
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterFlags, ParameterValue, State, Version};
+use lashloop_protocol::message::{CommandResult, Identity, ParameterReport, SetParameter, Subscribe};
+use lashloop_protocol::text::Text;
+use lashloop_protocol::{HostMessage, Message};
+
+use super::description::{CONTROLLER, COUNTS, LAWS, PARAMETERS, PERIOD, SIGNALS};
+use super::run::{Run, longest_gap};
+use super::table::{Cell, cell};
+use super::{Drive, defaults};
+
+const VERSION: u8 = 1;
+const MOST_SIGNALS: i64 = 13;
+
+/// The refusals of a request, in the order of their checks.
+type Refusals<const N: usize> = [(&'static str, Option<Outcome>); N];
+
+impl Drive {
+    pub(super) fn handle(&mut self, request: HostMessage) {
+        let row = self.row(&request);
+        match request {
+            HostMessage::EncoderSample(sample) => self.sample(&sample),
+            HostMessage::Hello(hello) => self.hello(row, hello.session),
+            HostMessage::SetParameter(set) => self.set_parameter(row, set),
+            HostMessage::Subscribe(wanted) => self.subscribe(wanted),
+            HostMessage::Arm(_) => self.arm(row),
+            HostMessage::DescribeParameter(_)
+            | HostMessage::GetParameter(_)
+            | HostMessage::DescribeLaw(_)
+            | HostMessage::DescribeSignal(_)
+            | HostMessage::DescribeChoice(_) => match cell(&self.at, row) {
+                Cell::Done(state) => {
+                    self.set_state(state);
+                    self.describe(&request);
+                }
+                Cell::Refused(outcome) => self.result(&request, outcome),
+            },
+            _ => self.command(row, &request),
+        }
+        if row != "Reset" {
+            self.after(row);
+        }
+    }
+
+    /// The row of the table of states.
+    fn row(&self, request: &HostMessage) -> &'static str {
+        let is_present =
+            |session| self.at.flag("session", "is the present one", self.session == Some(session));
+        match request {
+            HostMessage::Hello(hello) => {
+                if self.at.flag("Hello", "is of another version", hello.protocol_version != VERSION) {
+                    "Hello, another version"
+                } else if is_present(hello.session) {
+                    "Hello, same session"
+                } else {
+                    "Hello, another session"
+                }
+            }
+            HostMessage::SetParameter(set) => {
+                let parameter = PARAMETERS.get(usize::from(set.index));
+                let is_live = parameter.is_some_and(|it| it.flags.contains(ParameterFlags::LIVE));
+                let matters = matches!(self.state(), State::Armed | State::Running);
+                if matters && self.at.flag("SetParameter", "is of a live one", is_live) {
+                    "SetParameter, live"
+                } else {
+                    "SetParameter"
+                }
+            }
+            HostMessage::Arm(arm) if !is_present(arm.session) => "Arm, another session",
+            HostMessage::Start(start) if !is_present(start.session) => "Start, another session",
+            _ => request.layout().name,
+        }
+    }
+
+    /// The first refusal in the order of the checks; a mutant changes the order of two.
+    fn refusal<const N: usize>(
+        &self,
+        request: &'static str,
+        orders: [&'static str; N],
+        mut refusals: Refusals<N>,
+    ) -> Option<Outcome> {
+        // Only the order of two reasons that both apply matters.
+        let first = refusals.iter().position(|(_, refusal)| refusal.is_some()).unwrap_or(N);
+        let next = refusals.iter().skip(first + 1).position(|(_, refusal)| refusal.is_some());
+        if let Some(next) = next.map(|it| first + 1 + it)
+            && refusals[first].1 != refusals[next].1
+            && self.at.flag(request, orders[first], false)
+        {
+            refusals.swap(first, next);
+        }
+        refusals.into_iter().find_map(|(check, refusal)| self.at.refusal(request, check, refusal))
+    }
+
+    pub(super) fn result(&mut self, request: &HostMessage, outcome: Outcome) {
+        self.send(CommandResult { request: request.layout().kind, outcome, state: self.state() });
+    }
+
+    fn hello(&mut self, row: &'static str, session: u32) {
+        let hello =
+            HostMessage::from(lashloop_protocol::message::Hello { protocol_version: VERSION, session });
+        let cell = cell(&self.at, row);
+        if let Cell::Done(state) = cell {
+            if row == "Hello, another session" && self.at.flag("Hello", "opens a session", true) {
+                self.session = Some(session);
+            }
+            self.set_state(state);
+        }
+        self.send(Identity {
+            protocol_version: VERSION,
+            session,
+            firmware: Version { major: 3, minor: 1, patch: 4 },
+            build_id: 0x5eed_0001,
+            dirty: 0,
+            state: self.state(),
+            board: Text::new("specimen"),
+            period_us: whole(self.is_set(PERIOD)),
+            motor_counts_per_rev: whole(self.is_set(COUNTS[0])),
+            load_counts_per_rev: whole(self.is_set(COUNTS[1])),
+            law_count: LAWS.len() as u8,
+            signal_count: SIGNALS.len() as u8,
+            parameter_count: PARAMETERS.len() as u8,
+        });
+        let is_latched = self.fault.is_some() && self.state() == State::Faulted;
+        if let Some(fault) = self.fault
+            && self.at.flag("Hello", "is followed by the latched fault", is_latched)
+        {
+            self.send(fault);
+        }
+        if let Cell::Refused(outcome) = cell {
+            self.result(&hello, outcome);
+        }
+    }
+
+    fn set_parameter(&mut self, row: &'static str, SetParameter { index, value }: SetParameter) {
+        let parameter = PARAMETERS.get(usize::from(index));
+        let state = cell(&self.at, row);
+        let of_range = |part, breaks: bool| {
+            let applies = parameter.is_some_and(|it| it.default.ty() == value.ty());
+            if !applies {
+                return None;
+            }
+            self.at.flag("SetParameter", part, breaks).then_some(Outcome::OutOfRange)
+        };
+        let range = of_range("is below its range", parameter.is_some_and(|it| is_below(value, it.min)))
+            .or(of_range("is above its range", parameter.is_some_and(|it| is_below(it.max, value))))
+            .or(of_range("is NaN", is_nan(value)));
+        let refusal = self.refusal(
+            "SetParameter",
+            ["before the index", "before the state", "before the type", ""],
+            [
+                ("index", parameter.is_none().then_some(Outcome::UnknownIndex)),
+                ("state", refused(state)),
+                ("type", parameter.filter(|it| it.default.ty() != value.ty()).map(|_| Outcome::WrongType)),
+                ("range", range),
+            ],
+        );
+        let stores = refusal.is_none();
+        let keeps = if stores { "is stored" } else { "is stored though refused" };
+        if parameter.is_some_and(|it| it.default.ty() == value.ty())
+            && self.at.flag("SetParameter", keeps, stores)
+            && let Some(stored) = self.values.get_mut(usize::from(index))
+        {
+            *stored = value;
+        }
+        if let (Cell::Done(state), None) = (state, refusal) {
+            self.set_state(state);
+        }
+        self.report(index, refusal.unwrap_or(Outcome::Accepted), Some(value));
+    }
+
+    /// Reports the value in force; `requested` is what a mistaken drive reports.
+    pub(super) fn report(&mut self, index: u8, outcome: Outcome, requested: Option<ParameterValue>) {
+        let value = self.values.get(usize::from(index)).copied().unwrap_or(ParameterValue::U32(0));
+        let requested = requested.unwrap_or(value);
+        let default = PARAMETERS.get(usize::from(index)).map_or(value, |it| it.default);
+        let value = match self.at.pick("ParameterReport", "source of the value", 0, &[0, 1, 2]) {
+            0 => value,
+            1 => requested,
+            _ => default,
+        };
+        self.send(ParameterReport { index, outcome, value, state: self.state() });
+    }
+
+    /// The first signal wanted that the law in force lacks.
+    fn lacked(&self, signals: u32) -> Option<&'static str> {
+        let law = whole(self.is_set(CONTROLLER));
+        let mut wanted = SIGNALS.iter().enumerate().filter(|(index, _)| signals >> index & 1 == 1);
+        wanted.find(|(_, (_, _, laws))| laws >> law & 1 == 0).map(|(_, (name, _, _))| *name)
+    }
+
+    /// Names the cause of a refusal as inconsistent.
+    fn log_cause(&mut self, cause: &str) {
+        let names_it = self.at.flag("Log", "names the cause", true);
+        self.log(&format!("inconsistent: {}", if names_it { cause } else { "see the manual" }));
+    }
+
+    fn subscribe(&mut self, wanted: Subscribe) {
+        let state = cell(&self.at, "Subscribe");
+        let lacked = self.lacked(wanted.signals);
+        let lacks = lacked.is_some() && matches!(self.state(), State::Armed | State::Running);
+        let is_too_many =
+            i64::from(wanted.signals.count_ones()) > self.at.whole("Subscribe", "most signals", MOST_SIGNALS);
+        let refusal = self.refusal(
+            "Subscribe",
+            ["before the state", "before a bit without a signal", "before too many", ""],
+            [
+                ("state", refused(state)),
+                (
+                    "a bit without a signal",
+                    (wanted.signals >> SIGNALS.len() != 0).then_some(Outcome::UnknownIndex),
+                ),
+                ("too many", is_too_many.then_some(Outcome::OutOfRange)),
+                ("a signal that the law lacks", lacks.then_some(Outcome::Inconsistent)),
+            ],
+        );
+        if refusal == Some(Outcome::Inconsistent) {
+            self.log_cause(lacked.unwrap_or_default());
+        }
+        let stores = refusal.is_none();
+        if self.at.flag("Subscribe", if stores { "is stored" } else { "is stored though refused" }, stores) {
+            (self.signals, self.every) = (wanted.signals, wanted.every);
+        }
+        if let (Cell::Done(state), None) = (state, refusal) {
+            self.set_state(state);
+        }
+        self.result(&wanted.into(), refusal.unwrap_or(Outcome::Accepted));
+    }
+
+    fn arm(&mut self, row: &'static str) {
+        let state = cell(&self.at, row);
+        let lacked = self.lacked(self.signals);
+        let is_ambiguous = longest_gap(&self.at, &self.values) == 0;
+        let refusal = self.refusal(
+            "Arm",
+            ["before session and state", "", ""],
+            [
+                ("session and state", refused(state)),
+                ("ambiguous positions", is_ambiguous.then_some(Outcome::Inconsistent)),
+                ("a signal that the law lacks", lacked.map(|_| Outcome::Inconsistent)),
+            ],
+        );
+        if refusal == Some(Outcome::Inconsistent) {
+            self.log_cause(if is_ambiguous { "period_us, speed limits" } else { lacked.unwrap_or_default() });
+        }
+        if let (Cell::Done(state), None) = (state, refusal) {
+            let mut run = self.run.take().unwrap_or_else(|| Run::new(self.values));
+            run.settings = self.values;
+            self.run = Some(run);
+            self.set_state(state);
+        }
+        self.result(
+            &lashloop_protocol::message::Arm { session: 0 }.into(),
+            refusal.unwrap_or(Outcome::Accepted),
+        );
+    }
+
+    /// Requests without fields that change the state, and `Start`.
+    fn command(&mut self, row: &'static str, request: &HostMessage) {
+        if matches!(request, HostMessage::Stop(_)) {
+            self.send(self.counts);
+        }
+        let outcome = match cell(&self.at, row) {
+            Cell::Done(state) => {
+                self.set_state(state);
+                self.effect(request);
+                Outcome::Accepted
+            }
+            Cell::Refused(outcome) => {
+                let done = match request {
+                    HostMessage::Start(_) => Some(State::Running),
+                    HostMessage::Stop(_) | HostMessage::ClearFault(_) => Some(State::Idle),
+                    _ => None,
+                };
+                if let Some(done) = done
+                    && done != self.state()
+                    && self.at.flag(row, "is done though refused", false)
+                {
+                    self.set_state(done);
+                    self.effect(request);
+                }
+                outcome
+            }
+        };
+        self.result(request, outcome);
+    }
+
+    fn effect(&mut self, request: &HostMessage) {
+        match request {
+            HostMessage::Start(_) => {
+                self.run = self.run.as_ref().map(|run| run.restarted(&self.at));
+                if self.at.flag("Start resets", "the watchdog", true) {
+                    self.fed_us = self.now_us;
+                }
+                if self.at.flag("Start resets", "the line counts", true) {
+                    self.clear_counts();
+                }
+            }
+            HostMessage::EmergencyStop(_) => {
+                let code = self.at.fault("EmergencyStop", FaultCode::EmergencyStop);
+                let report = self.trip(code, 0.0, 0.0);
+                self.send(report);
+            }
+            HostMessage::ClearFault(_) => {
+                if self.at.flag("ClearFault", "forgets the fault", true) {
+                    self.fault = None;
+                }
+                if self.at.flag("ClearFault", "replaces no handshake", self.session.is_none()) {
+                    self.set_state(State::Boot);
+                }
+            }
+            HostMessage::Reset(_) => self.reset(),
+            _ => {}
+        }
+    }
+
+    fn reset(&mut self) {
+        let restores = |what| self.at.flag("Reset restores", what, true);
+        for ((stored, default), parameter) in self.values.iter_mut().zip(defaults()).zip(PARAMETERS) {
+            if restores(parameter.name) {
+                *stored = default;
+            }
+        }
+        if restores("no subscription") {
+            (self.signals, self.every) = (0, 0);
+        }
+        if restores("no session") {
+            self.session = None;
+        }
+        if restores("no fault") {
+            self.fault = None;
+        }
+        self.at.restart();
+    }
+}
+
+pub(super) fn whole(value: ParameterValue) -> u32 {
+    match value {
+        ParameterValue::U32(value) => value,
+        ParameterValue::F32(value) => value as u32,
+    }
+}
+
+fn refused(cell: Cell) -> Option<Outcome> {
+    match cell {
+        Cell::Done(_) => None,
+        Cell::Refused(outcome) => Some(outcome),
+    }
+}
+
+fn is_below(value: ParameterValue, limit: ParameterValue) -> bool {
+    match (value, limit) {
+        (ParameterValue::U32(value), ParameterValue::U32(limit)) => value < limit,
+        (ParameterValue::F32(value), ParameterValue::F32(limit)) => value < limit,
+        _ => false,
+    }
+}
+
+fn is_nan(value: ParameterValue) -> bool {
+    matches!(value, ParameterValue::F32(value) if value.is_nan())
+}

@@ -1,0 +1,145 @@
+//! The rules of `docs/protocol.md`: numbered without a gap, none without a check or a reason, no "must" without a number.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+
+use lashloop::conformance;
+use lashloop::conformance::unchecked::{Instead, UNCHECKED};
+use regex_lite::Regex;
+
+use crate::markdown::PROTOCOL;
+
+/// A rule: `R` for the drive or `H` for the host, the section, and the number in the section.
+type Rule = (char, u32, u32);
+
+/// Words of prose that a person reads in half an hour.
+const HALF_AN_HOUR: usize = 6_500;
+
+fn rule(text: &str) -> Rule {
+    let parsed = text.split_at_checked(1).and_then(|(side, numbers)| {
+        let (section, number) = numbers.split_once('.')?;
+        Some((side.chars().next()?, section.parse().ok()?, number.parse().ok()?))
+    });
+    parsed.unwrap_or_else(|| panic!("{text:?} is no rule"))
+}
+
+/// The page without its fenced blocks.
+fn prose() -> String {
+    PROTOCOL.split("\n```").step_by(2).collect::<Vec<_>>().join("\n")
+}
+
+/// The tags in a text.
+fn tags(text: &str) -> impl Iterator<Item = Rule> {
+    let tag = Regex::new(r"\[([RH]\d+\.\d+)\]").expect("a pattern");
+    let found: Vec<_> = tag.captures_iter(text).map(|it| rule(&it[1])).collect();
+    found.into_iter()
+}
+
+fn of_page() -> BTreeSet<Rule> {
+    tags(&prose()).collect()
+}
+
+/// The rules of the checks.
+fn checked() -> BTreeSet<Rule> {
+    conformance::list()
+        .flat_map(|check| {
+            assert!(!check.rules.is_empty(), "{}: {} cites no rule", check.group, check.name);
+            check.rules.split(' ').map(rule).collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+#[test]
+fn rules_are_numbered_without_a_gap() {
+    let mut numbers = BTreeMap::<_, Vec<_>>::new();
+    for (side, section, number) in of_page() {
+        numbers.entry((section, side)).or_default().push(number);
+    }
+    assert!(numbers.len() > 20, "{} kinds of rules", numbers.len());
+    for ((section, side), numbers) in numbers {
+        let want: Vec<_> = (1..).take(numbers.len()).collect();
+        assert_eq!(numbers, want, "{side}{section}");
+        let heading = format!("\n## {section}. ");
+        let (_, after) = PROTOCOL.split_once(&heading).unwrap_or_else(|| panic!("no section {section}"));
+        let section_text = after.split("\n## ").next().unwrap_or(after);
+        let here: BTreeSet<_> = tags(section_text).collect();
+        for number in numbers {
+            assert!(
+                here.contains(&(side, section, number)),
+                "{side}{section}.{number} is not in its section"
+            );
+        }
+    }
+}
+
+/// Paragraphs, list items and rows of tables. A row carries the tags of the sentence above its table.
+fn statements() -> Vec<String> {
+    let (mut statements, mut above) = (Vec::<String>::new(), String::new());
+    let mut is_open = false;
+    for line in prose().lines() {
+        if line.starts_with('|') {
+            statements.push(format!("{above} {line}"));
+            is_open = false;
+        } else if line.is_empty() || line.starts_with('#') {
+            is_open = false;
+        } else {
+            match statements.last_mut() {
+                Some(last) if is_open && !line.starts_with("- ") => {
+                    last.push(' ');
+                    last.push_str(line);
+                }
+                _ => statements.push(line.to_owned()),
+            }
+            is_open = true;
+            above = tags(statements.last().expect("just pushed")).map(|it| format!("{it:?}")).collect();
+        }
+    }
+    statements
+}
+
+#[test]
+fn every_must_has_a_number() {
+    let must = Regex::new(r"\bmust\b").expect("a pattern");
+    let statements = statements();
+    let mut obliging = 0;
+    for statement in statements.iter().filter(|it| must.is_match(it)) {
+        obliging += 1;
+        assert!(tags(statement).next().is_some(), "no number: {statement}");
+    }
+    assert!(obliging > 40, "{obliging} statements with must");
+}
+
+#[test]
+fn every_rule_is_checked_or_listed_with_a_reason() {
+    let (page, checked) = (of_page(), checked());
+    let unchecked: BTreeSet<_> = UNCHECKED.iter().map(|it| rule(it.rule)).collect();
+    assert_eq!(unchecked.len(), UNCHECKED.len(), "a rule is listed twice");
+    let names = |rules: BTreeSet<Rule>| -> Vec<_> {
+        rules.into_iter().map(|(side, section, number)| format!("{side}{section}.{number}")).collect()
+    };
+    let none = Vec::<String>::new();
+    assert_eq!(names(&checked & &unchecked), none, "have a check and are listed without one");
+    assert_eq!(names(&checked - &page), none, "are cited by checks and not in the page");
+    assert_eq!(names(&unchecked - &page), none, "are listed and not in the page");
+    assert_eq!(names(&page - &(&checked | &unchecked)), none, "have neither check nor reason");
+}
+
+#[test]
+fn the_tests_that_take_the_place_of_checks_exist() {
+    for it in UNCHECKED {
+        match it.instead {
+            Instead::Nothing(reason) => assert!(reason.len() > 10, "{}: {reason:?}", it.rule),
+            Instead::Test { file, name } => {
+                let text = fs::read_to_string(tests::workspace().join(file))
+                    .unwrap_or_else(|error| panic!("{}: {file}: {error}", it.rule));
+                assert!(text.contains(&format!("fn {name}(")), "{}: {file} has no test {name}", it.rule);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_page_is_read_in_half_an_hour() {
+    let words = prose().lines().filter(|line| !line.starts_with('|')).flat_map(str::split_whitespace).count();
+    assert!(words <= HALF_AN_HOUR, "{words} words of prose, {HALF_AN_HOUR} at most");
+}
