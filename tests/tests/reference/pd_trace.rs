@@ -40,7 +40,7 @@ pub const LOOPS: [Loop; 2] = [
             let jumps_rad = 0.15 * f64::from(time_s >= 0.2) - 0.01 * f64::from(time_s >= 0.3);
             sine(-0.5, 0.3, 1.5, time_s) + jumps_rad
         },
-        start_rad: (-0.55, -1.7),
+        start_rad: (-0.55, -1.8),
         left_out: 170..174,
     },
     // Load and motor wrap around at a load of pi, upwards and downwards.
@@ -149,7 +149,7 @@ fn simulator(run: &Loop, parameters: &[(String, f64)]) -> Simulator {
     for key in ["reduction_ratio", "stiffness_nm_rad", "load_inertia_kg_m2", "load_friction_nm_s_rad"] {
         settings.push(Override::Set(format!("plant.{key}={}", value(key))));
     }
-    let text = "title = \"golden\"\n[run]\nduration_s = 1.0\n[plant]\nmodel = \"smooth\"\nmotor_inertia_kg_m2 = 0.005\n\
+    let text = "title = \"golden\"\n[run]\nduration_s = 1.0\ncontrol_period_us = 1000\n[plant]\nmodel = \"smooth\"\nmotor_inertia_kg_m2 = 0.005\n\
                 motor_friction_nm_s_rad = 0.01\ndead_zone_rad = 0.05\n[controller]\nname = \"pd\"\n\
                 [reference]\nprofile = \"constant\"\nposition_rad = 0.0\n";
     let scenario = Scenario::from_str("golden.toml", text, &settings).expect("a good scenario");
