@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`program`] | the program under test, built once; one invocation with a deadline |
 //! | [`twin`] | `lashloop device`: a drive on a pseudo-terminal |
+//! | [`battery`] | the output of `lashloop conformance` |
 //! | [`c_drive`] | the drive in C of `examples/drive-in-c` |
 //! | [`python`] | the drive of the Python package |
 //! | [`terminal`] | pseudo-terminals |
@@ -23,6 +24,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod battery;
 pub mod c_drive;
 pub mod fault_table;
 pub mod loss;

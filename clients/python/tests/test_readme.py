@@ -79,7 +79,7 @@ def test_the_drive_of_the_readme_runs_its_own_law_on_the_bench(tmp_path: Path) -
         [str(program()), *conformance[1:]], capture_output=True, text=True, timeout=SOON_S, check=False, cwd=tmp_path
     )
     assert (ended.returncode, ended.stderr) == (0, ""), ended.stdout
-    assert ended.stdout.endswith(" passed, 0 failed, 2 skipped\n"), ended.stdout
+    assert " passed, 0 failed, 0 not judged, " in ended.stdout, ended.stdout
 
 
 def test_the_commands_of_the_readme_work() -> None:

@@ -1,4 +1,7 @@
-//! `lashloop conformance` and `lashloop parameters` as a user runs them, on the native twin.
+//! `lashloop conformance` and `lashloop parameters` as a user runs them, on the native twin; and the frame of the battery, on
+//! drives that are right or broken as a whole.
 
+mod altered;
+mod frame;
 mod native;
 mod parameters;

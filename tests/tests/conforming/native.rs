@@ -1,18 +1,13 @@
 //! The native twin conforms to the protocol, and the report shows every check.
 
+use tests::battery::{self, LASHLOOP_SKIPS};
 use tests::program::run;
 use tests::twin::Twin;
 
-/// The number of checks, of which all passed but those that need 14 signals or laws with different signals: the Lashloop
-/// drive has neither. Tests of the checks make them on a drive that has both.
+/// The number of checks, of which all passed but those that the Lashloop drive's description excludes. Tests of the checks
+/// make them on a drive that has everything.
 fn all_passed(stdout: &str) -> usize {
-    let last = stdout.lines().last().unwrap_or_default();
-    let passed = last.strip_suffix(" passed, 0 failed, 2 skipped").and_then(|count| count.parse().ok());
-    let passed: usize = passed.unwrap_or_else(|| panic!("not all checks passed\n{stdout}"));
-    let lines = |start| stdout.lines().filter(|line| line.starts_with(start)).count();
-    assert_eq!(lines("PASS "), passed, "a line for each check");
-    assert_eq!(lines("SKIPPED  telemetry: "), 2, "{stdout}");
-    passed + 2
+    battery::all_passed(stdout, LASHLOOP_SKIPS)
 }
 
 #[test]
@@ -62,6 +57,17 @@ fn the_junit_file_has_every_check_as_a_case_of_its_group() {
         "latency",
     ];
     assert_eq!(groups, wanted);
+}
+
+#[test]
+fn the_list_has_every_check_and_every_rule_without_one() {
+    let listed = run(["conformance", "--list"]).with_code(0).stdout;
+    let checks = lashloop::conformance::list().count();
+    let unchecked = lashloop::conformance::unchecked::UNCHECKED.len();
+    assert_eq!(listed.lines().count(), checks + unchecked, "{listed}");
+    assert_eq!(listed.lines().filter(|line| line.contains("  no check: ")).count(), unchecked, "{listed}");
+    let ran = run(["conformance", "--device", "inproc"]).with_code(0).stdout;
+    assert_eq!(all_passed(&ran), checks, "{ran}");
 }
 
 #[test]

@@ -23,7 +23,11 @@ use super::range::holds;
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
         check("R9", "the drive has every required parameter", |client| {
-            REQUIRED.iter().try_for_each(|name| client.parameter(name).map(drop))
+            let mut missing = REQUIRED.to_vec();
+            missing.retain(|name| client.description.parameters.iter().all(|it| it.name != *name));
+            expect(missing.is_empty(), format!("the parameters {}", REQUIRED.join(", ")), {
+                format!("none named {}", missing.join(", "))
+            })
         }),
         check("R9", "parameters with a reserved name have the type of the name, and all laws", reserved),
         check("R9", "every parameter name is unique", |client| {

@@ -1,0 +1,27 @@
+//! The output of `lashloop conformance` on drives that pass.
+
+use std::collections::BTreeSet;
+
+/// What the Lashloop drive's description excludes, and so does that of the drive in C.
+pub const LASHLOOP_SKIPS: &[&str] = &[
+    "every law has every signal",
+    "no law has 13 signals",
+    "the drive has no 14 signals",
+    "the drive has no live parameter besides reserved ones",
+];
+
+/// The number of checks, of which all passed but those skipped for `reasons`, each of which occurs.
+///
+/// # Panics
+/// A check failed or was not judged, or others are skipped.
+pub fn all_passed(stdout: &str, reasons: &[&str]) -> usize {
+    let lines = |start: &str| stdout.lines().filter(|line| line.starts_with(start)).count();
+    let (passed, skipped) = (lines("PASS "), lines("SKIPPED "));
+    let last = format!("{passed} passed, 0 failed, 0 not judged, {skipped} skipped");
+    assert_eq!(stdout.lines().last(), Some(&*last), "{stdout}");
+    let skips = stdout.lines().filter(|line| line.starts_with("SKIPPED "));
+    let got: BTreeSet<_> =
+        skips.filter_map(|line| line.rsplit_once("; ")).map(|(_, reason)| reason).collect();
+    assert_eq!(got, reasons.iter().copied().collect(), "{stdout}");
+    passed + skipped
+}

@@ -1,0 +1,114 @@
+//! A drive in process whose answers are altered on the way.
+
+use std::time::{Duration, Instant};
+
+use lashloop::conformance::{CheckResult, CheckStatus, Reporter, run};
+use lashloop_bench::link::in_process::InProcess;
+use lashloop_bench::link::{Link, LinkError};
+use lashloop_bench::session::SessionError;
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
+
+/// What arrives in place of a message, as bytes; the number counts the requests.
+pub type Alteration = fn(&DriveMessage, u32) -> Vec<u8>;
+
+/// A middleware that alters the drive's messages, each after a delay.
+pub struct Altered {
+    drive: InProcess,
+    decoder: Decoder,
+    alter: Alteration,
+    delay: Duration,
+    requests: u32,
+    waiting: Vec<u8>,
+}
+
+impl Altered {
+    pub fn new(alter: Alteration) -> Self {
+        Self {
+            drive: InProcess::default(),
+            decoder: Decoder::new(),
+            alter,
+            delay: Duration::ZERO,
+            requests: 0,
+            waiting: Vec::new(),
+        }
+    }
+
+    /// Every answer takes this long.
+    pub fn slow(delay: Duration) -> Self {
+        Self { delay, ..Self::new(|message, _| message.frame().to_vec()) }
+    }
+}
+
+impl Link for Altered {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        Some(&mut self.drive)
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        let mut decoder = Decoder::new();
+        let mut rest = bytes;
+        while let Some(frame) = decoder.next::<HostMessage>(&mut rest) {
+            self.requests += u32::from(frame.is_ok());
+        }
+        self.drive.send(bytes)
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
+        while self.waiting.is_empty() {
+            let mut bytes = [0; 1024];
+            let count = self.drive.receive(&mut bytes, deadline)?;
+            if count == 0 {
+                return Ok(0);
+            }
+            let mut rest = &bytes[..count];
+            while let Some(message) = self.decoder.next::<DriveMessage>(&mut rest) {
+                let message = message.expect("a drive that sends good frames");
+                self.waiting.extend((self.alter)(&message, self.requests));
+            }
+            let until = self.drive.now() + self.delay;
+            self.drive.wait_until(until)?;
+        }
+        let count = self.waiting.len().min(buffer.len());
+        buffer[..count].copy_from_slice(&self.waiting[..count]);
+        self.waiting.drain(..count);
+        Ok(count)
+    }
+
+    fn discard_input(&mut self) -> Result<(), LinkError> {
+        self.waiting.clear();
+        self.drive.discard_input()
+    }
+}
+
+/// The results of a battery, and how it ended.
+pub struct Battery {
+    pub results: Vec<CheckResult>,
+    pub ended: Result<(), SessionError>,
+}
+
+impl Reporter for Battery {
+    fn checked(&mut self, result: &CheckResult) {
+        self.results.push(result.clone());
+    }
+}
+
+impl Battery {
+    pub fn of(link: Altered) -> Self {
+        let mut battery = Self { results: Vec::new(), ended: Ok(()) };
+        battery.ended = run(Box::new(link), 7, &mut battery);
+        battery
+    }
+
+    /// The checks whose status has this property.
+    pub fn with(&self, property: impl Fn(&CheckStatus) -> bool) -> Vec<&CheckResult> {
+        self.results.iter().filter(|it| property(&it.status)).collect()
+    }
+
+    pub fn failed(&self) -> Vec<&CheckResult> {
+        self.with(|status| matches!(status, CheckStatus::Failed { .. }))
+    }
+
+    pub fn not_judged(&self) -> Vec<&CheckResult> {
+        self.with(|status| matches!(status, CheckStatus::NotJudged { .. }))
+    }
+}

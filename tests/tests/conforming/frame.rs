@@ -1,0 +1,125 @@
+//! The frame of the battery: what it bears, what it reports, and when it ends.
+
+use std::time::Duration;
+
+use lashloop::conformance::CheckStatus;
+use lashloop_protocol::enums::{LogLevel, Outcome, State};
+use lashloop_protocol::message::{CommandResult, Log, Start};
+use lashloop_protocol::text::Text;
+use lashloop_protocol::wire::Payload;
+use lashloop_protocol::{DriveMessage, Message, cobs, crc};
+
+use crate::altered::{Altered, Battery};
+
+fn whole(message: &DriveMessage) -> Vec<u8> {
+    message.frame().to_vec()
+}
+
+fn log() -> Vec<u8> {
+    let log = Log { level: LogLevel::Debug, text: Text::new("still alive") };
+    whole(&log.into())
+}
+
+/// A good frame of a kind that this version lacks.
+fn of_new_kind() -> Vec<u8> {
+    let body = [0xe7, 1, 2, 3];
+    let mut frame = [&[0], &body[..], &crc::checksum(&body).to_le_bytes(), &[0]].concat();
+    let end = frame.len() - 1;
+    cobs::stuff(&mut frame[..end]);
+    frame
+}
+
+fn assert_passes(battery: &Battery) {
+    assert!(battery.ended.is_ok(), "{:?}", battery.ended);
+    assert!(battery.failed().is_empty() && battery.not_judged().is_empty(), "{:#?}", battery.results);
+    assert!(battery.results.len() > 100, "{} checks", battery.results.len());
+}
+
+#[test]
+fn logs_between_any_two_frames_are_borne() {
+    assert_passes(&Battery::of(Altered::new(|message, _| [log(), whole(message), log()].concat())));
+}
+
+#[test]
+fn frames_of_a_new_kind_are_borne() {
+    assert_passes(&Battery::of(Altered::new(|message, _| [of_new_kind(), whole(message)].concat())));
+}
+
+#[test]
+fn a_silent_drive_ends_the_battery_after_three_checks() {
+    // The handshake, the description and some checks are answered.
+    let battery = Battery::of(Altered::new(
+        |message, requests| {
+            if requests < 400 { whole(message) } else { Vec::new() }
+        },
+    ));
+    let error = battery.ended.expect_err("a drive that is lost");
+    assert!(error.is_loss(), "{error}");
+    let silent = &battery.results[battery.results.len() - 3..];
+    let failed = |status: &CheckStatus| matches!(status, CheckStatus::Failed { got, .. } if got == "nothing");
+    assert!(failed(&silent[0].status), "{silent:#?}");
+    assert!(silent.iter().all(|it| it.status != CheckStatus::Passed), "{silent:#?}");
+}
+
+/// `Start` is done and answered as refused.
+#[test]
+fn a_failed_preparation_fails_one_check_and_leaves_the_others_unjudged() {
+    let battery = Battery::of(Altered::new(|message, _| match message {
+        DriveMessage::CommandResult(it) if it.request == Start::LAYOUT.kind => {
+            whole(&CommandResult { outcome: Outcome::WrongSession, state: State::Armed, ..*it }.into())
+        }
+        other => whole(other),
+    }));
+    let not_judged = battery.not_judged();
+    assert!(not_judged.len() > 40, "{} of {}", not_judged.len(), battery.results.len());
+    let failed = battery.failed();
+    assert!((1..10).contains(&failed.len()), "{failed:#?}");
+    let first = failed
+        .iter()
+        .find(|it| matches!(&it.status, CheckStatus::Failed { expected, .. } if expected.starts_with("Start before")))
+        .expect("a check that reports the preparation");
+    let CheckStatus::Failed { expected, got } = &first.status else { unreachable!() };
+    assert_eq!(expected, "Start before the check: Start: outcome and state Accepted, Running");
+    assert_eq!(got, "WrongSession, Armed");
+    let cause = format!("Start, see \"{}\"", first.name);
+    for it in not_judged {
+        assert_eq!(it.status, CheckStatus::NotJudged { cause: cause.clone() }, "{}", it.name);
+    }
+}
+
+#[test]
+fn a_slow_drive_ends_the_battery_after_thirty_seconds() {
+    let battery = Battery::of(Altered::slow(Duration::from_millis(300)));
+    assert!(battery.ended.is_ok(), "{:?}", battery.ended);
+    let took: Duration = battery.results.iter().map(|it| it.took).sum();
+    assert!(took <= Duration::from_secs(31), "{took:?}");
+    let last = battery.results.last().map(|it| it.status.clone());
+    assert_eq!(last, Some(CheckStatus::NotJudged { cause: "30 s have passed".to_owned() }));
+    for it in &battery.results {
+        assert!(it.took <= Duration::from_millis(5_500), "{} took {:?}", it.name, it.took);
+    }
+}
+
+/// The specification's words and units, none of Rust's.
+#[test]
+fn a_failure_is_reported_in_the_words_of_the_specification() {
+    let battery = Battery::of(Altered::new(|message, _| match message {
+        DriveMessage::TorqueAnswer(it) if it.status.state == State::Idle => {
+            let mut moved = *it;
+            moved.torque_nm = 0.5;
+            whole(&moved.into())
+        }
+        other => whole(other),
+    }));
+    let failed = battery.failed();
+    let idle = failed.iter().find(|it| it.name == "a sample gets torque zero in Idle").expect("a failure");
+    let CheckStatus::Failed { expected, got } = &idle.status else { unreachable!() };
+    assert_eq!(expected, "sequence, torque in N m, state and flags 0, 0, Idle, no flags");
+    assert_eq!(got, "0, 0.5, Idle, no flags");
+    for it in failed {
+        let CheckStatus::Failed { expected, got } = &it.status else { unreachable!() };
+        for text in [expected, got] {
+            assert!(!text.contains(['{', '}', '[', ']']) && !text.contains("Some("), "{}: {text}", it.name);
+        }
+    }
+}
