@@ -17,13 +17,8 @@ from support import WORKSPACE, table
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from typing import Protocol
 
-    from lashloop.control import ControlOutput
-
-    class Law(Protocol):
-        def step(self, sample: ControlInput) -> ControlOutput: ...
-
+    from lashloop.control import Controller
 
 GOLDEN = WORKSPACE / "protocol/golden"
 RUNS = ["coarse", "fine"]
@@ -61,7 +56,7 @@ def rows(run: str) -> list[Row]:
         ]
 
 
-def replayed(law: Law, run: str) -> Iterator[tuple[Row, float]]:
+def replayed(law: Controller, run: str) -> Iterator[tuple[Row, float]]:
     """Each row, with the torque of the law within the limit."""
     limit_nm = parameters(run)["torque_limit_nm"]
     motor = load = 0
@@ -90,7 +85,9 @@ def test_the_law_of_the_section_gives_the_bits_of_the_trace_in_single_precision(
 
 @pytest.mark.parametrize("run", RUNS)
 def test_the_law_of_the_section_is_within_the_tolerance_in_double_precision(run: str) -> None:
-    largest_nm = max(abs(torque - row.torque_nm) for row, torque in replayed(SpecifiedPd(parameters(run), np.float64), run))
+    largest_nm = max(
+        abs(torque - row.torque_nm) for row, torque in replayed(SpecifiedPd(parameters(run), np.float64), run)
+    )
     assert largest_nm <= tolerance_nm() / 4, "with a margin for other orders of operations"
 
 

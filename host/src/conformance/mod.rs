@@ -12,6 +12,7 @@
 //! | `safety` | torque limit, latched faults, watchdog |
 //! | `receiver` | noise, damaged and refused frames |
 //! | `line` | the line report |
+//! | `profile_pd` | the optional profile `pd`, by its golden trace |
 //! | `latency` | response times |
 //!
 //! Each check is one rule, stated as a sentence with the numbers of the rules in the specification, and starts from a drive that
@@ -38,6 +39,7 @@ pub mod junit;
 mod latency;
 mod line;
 mod parameters;
+mod profile_pd;
 mod range;
 mod reactions;
 mod receiver;
@@ -134,6 +136,7 @@ fn all_checks() -> impl Iterator<Item = (&'static str, Check)> {
         ("safety", safety::checks()),
         ("receiver", receiver::checks()),
         ("line", line::checks()),
+        ("profile_pd", profile_pd::checks()),
         ("latency", latency::checks()),
     ];
     groups.into_iter().flat_map(|(group, checks)| checks.into_iter().map(move |check| (group, check)))
