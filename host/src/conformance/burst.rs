@@ -10,7 +10,7 @@ use super::client::Client;
 use super::words::Words;
 
 /// Requests in one write. More would gain little, and a drive on a slow line buffers the answers.
-const BURST: usize = 8;
+pub(super) const BURST: usize = 8;
 
 /// A request and its only answer.
 pub(super) type Exchange = (HostMessage, DriveMessage);

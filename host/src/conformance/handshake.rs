@@ -1,7 +1,7 @@
 //! Handshake: identity and protocol version.
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::message::{Arm, Hello, Identity};
+use lashloop_protocol::message::{Arm, EmergencyStop, Hello, Identity};
 use lashloop_protocol::{HostMessage, PROTOCOL_VERSION};
 
 use super::answers::{hello, identity, outcome};
@@ -104,6 +104,8 @@ fn settings(client: &mut Client) -> RuleResult {
     in_identity(client, "in Armed")?;
     client.start()?;
     in_identity(client, "in Running")?;
+    client.request(EmergencyStop {})?;
+    in_identity(client, "in Faulted")?;
     client.reset()?;
     in_identity(client, "after another Reset")
 }

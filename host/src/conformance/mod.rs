@@ -30,6 +30,7 @@ mod assertion;
 mod burst;
 mod check;
 mod client;
+mod constancy;
 mod damage;
 mod description;
 mod encoders;

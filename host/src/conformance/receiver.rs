@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use lashloop_protocol::enums::{State, TorqueFlags};
 use lashloop_protocol::frame::DELIMITER;
-use lashloop_protocol::message::{EmergencyStop, GetParameter, LineReport, Reset, Stop};
+use lashloop_protocol::message::{EmergencyStop, GetParameter, LineReport, Reset, SetParameter, Stop};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage, MAX_BODY, Message, crc};
 
@@ -114,8 +114,7 @@ pub(super) fn checks() -> Vec<Check> {
             counts(client, &frames, 0, frames.len())
         }),
         check("R2 R3 R4", "a value of a type without a name is refused", |client| {
-            let index = client.parameter("torque_limit_nm")?.index;
-            let frames = [0, 3, 4, 0x81, 0xff].map(|ty| framed(&[0x04, index, ty, 0, 0, 0, 0]));
+            let frames = wrong_types();
             counts(client, &frames, 0, frames.len())
         }),
         check("R2", "no damaged or refused frame changes anything", no_effect),
@@ -169,7 +168,33 @@ pub(super) fn foreign() -> Vec<Vec<u8>> {
         // As long as `Stop`, as `Arm`, and as the longest body.
         [1, 5, MAX_BODY].map(|length| framed(&[vec![kind], vec![1; length - 1]].concat()))
     });
-    of_drive.chain(unknown).collect()
+    // As long as the request whose kind differs in the highest bit only.
+    let mirrored = HostMessage::LAYOUTS.iter().map(|layout| {
+        let mut body = vec![1; layout.body_len];
+        body[0] = layout.kind | 0x80;
+        framed(&body)
+    });
+    of_drive.chain(unknown).chain(mirrored).collect()
+}
+
+/// Frames of every kind of damage, each without a good frame's effect.
+pub(super) fn damaged() -> Vec<Vec<u8>> {
+    let body = damage::body(&request(0));
+    let oversized = [57, 64, 128].map(|length| [vec![0x55; length], request(0)].concat());
+    let longest = framed(&[vec![GetParameter::LAYOUT.kind], vec![0x11; MAX_BODY]].concat());
+    let mut frames = [damage::checksums(&body), damage::stuffing(&request(0)), oversized.to_vec()].concat();
+    frames.push(longest);
+    frames
+}
+
+/// Whole frames of every kind that is no request.
+pub(super) fn refused(session: u32) -> Vec<Vec<u8>> {
+    [foreign(), wrong_lengths(session), wrong_types()].concat()
+}
+
+/// `SetParameter` with a byte of no type.
+fn wrong_types() -> Vec<Vec<u8>> {
+    [0, 3, 4, 0x81, 0xff].map(|ty| framed(&[SetParameter::LAYOUT.kind, 0, ty, 0, 0, 0, 0])).to_vec()
 }
 
 /// A request of each kind with its body a byte longer, a byte shorter, and much longer. A body of no byte is damaged.
@@ -204,11 +229,10 @@ fn answered(client: &mut Client, bytes: &[u8], indices: &[u8]) -> RuleResult {
     Err(broken(format!("a ParameterReport for each of {indices}, and nothing else"), answers.words()))
 }
 
-/// Sends frames in a run of their own, and requires no answer and these counts in the report.
-fn counts<F: AsRef<[u8]>>(client: &mut Client, frames: &[F], damaged: usize, refused: usize) -> RuleResult {
+/// Sends frames, many in one write.
+pub(super) fn send<F: AsRef<[u8]>>(client: &mut Client, frames: &[F]) -> RuleResult {
     /// Bytes of one write.
     const WRITE: usize = 512;
-    client.running(&[])?;
     let mut bytes = Vec::new();
     for frame in frames {
         bytes.extend(frame.as_ref());
@@ -217,8 +241,14 @@ fn counts<F: AsRef<[u8]>>(client: &mut Client, frames: &[F], damaged: usize, ref
             bytes.clear();
         }
     }
-    bytes.extend(&*HostMessage::from(Stop {}).frame());
-    let answers = client.request_bytes(&bytes)?;
+    client.send_bytes(&bytes)
+}
+
+/// Sends frames in a run of their own, and requires no answer and these counts in the report.
+fn counts<F: AsRef<[u8]>>(client: &mut Client, frames: &[F], damaged: usize, refused: usize) -> RuleResult {
+    client.running(&[])?;
+    send(client, frames)?;
+    let answers = client.request(Stop {})?;
     let kinds = vec!["LineReport", "CommandResult"];
     equal("answers to these frames and to Stop", kinds, names(&answers))?;
     // The marker after Start, and Stop.

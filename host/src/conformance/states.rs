@@ -26,7 +26,7 @@ impl Client {
     }
 
     pub(super) fn armed(&mut self) -> RuleResult {
-        self.idle()?;
+        self.long_watchdog()?;
         self.arm()
     }
 
@@ -51,14 +51,14 @@ impl Client {
         preparation(name, done)
     }
 
-    /// Sets the watchdog to a time in which no check ends.
+    /// Opens the session and sets a watchdog that no check of another rule trips.
     pub(super) fn long_watchdog(&mut self) -> RuleResult {
+        self.idle()?;
         self.put("watchdog_us", ParameterValue::U32(LONG_WATCHDOG_US))
     }
 
     /// Opens the session, sets these parameters, arms and starts.
     pub(super) fn running(&mut self, settings: &[(&str, ParameterValue)]) -> RuleResult {
-        self.idle()?;
         self.long_watchdog()?;
         self.put_all(settings)?;
         self.arm()?;
@@ -67,7 +67,6 @@ impl Client {
 
     /// As [`Self::running`]. Skips the check if the drive refuses these settings as inconsistent, as it may.
     pub(super) fn running_if_consistent(&mut self, settings: &[(&str, ParameterValue)]) -> RuleResult {
-        self.idle()?;
         self.long_watchdog()?;
         self.put_all(settings)?;
         if self.command(Arm { session: self.session })? == (Outcome::Inconsistent, State::Idle) {

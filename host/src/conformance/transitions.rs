@@ -10,6 +10,7 @@ use super::answers::{hello, outcome, torque};
 use super::assertion::{RuleResult, equal, expect, names};
 use super::check::{Check, check};
 use super::client::Client;
+use super::constancy;
 
 /// Required reaction to a request.
 #[derive(Clone, Copy)]
@@ -117,18 +118,17 @@ const ROWS: [Row; 12] = [
 ];
 
 pub(super) fn checks() -> Vec<Check> {
-    ROWS.into_iter()
-        .map(|row| {
-            check("R6", row.name, move |client| {
-                for (state, reaction) in STATES.into_iter().zip(row.reactions) {
-                    client.reset()?;
-                    client.enter(state)?;
-                    cell(client, &row, state, reaction)?;
-                }
-                Ok(())
-            })
+    let rows = ROWS.into_iter().map(|row| {
+        check("R6", row.name, move |client| {
+            for (state, reaction) in STATES.into_iter().zip(row.reactions) {
+                client.reset()?;
+                client.enter(state)?;
+                cell(client, &row, state, reaction)?;
+            }
+            Ok(())
         })
-        .collect()
+    });
+    rows.chain(constancy::checks()).collect()
 }
 
 fn cell(client: &mut Client, row: &Row, state: State, reaction: Reaction) -> RuleResult {
@@ -136,7 +136,8 @@ fn cell(client: &mut Client, row: &Row, state: State, reaction: Reaction) -> Rul
         To(to) => (Outcome::Accepted, to),
         Refused(outcome) => (outcome, state),
     };
-    let answers = client.request((row.request)(client.session))?;
+    let request = (row.request)(client.session);
+    let answers = client.request(request)?;
     let mut kinds = row.answers.to_vec();
     if kinds[0] == "Identity" && state == Faulted {
         kinds.insert(1, "FaultReport");
@@ -144,7 +145,14 @@ fn cell(client: &mut Client, row: &Row, state: State, reaction: Reaction) -> Rul
     equal(&format!("in {state:?}, answers"), kinds, names(&answers))?;
     for answer in &answers {
         let got = match answer {
-            DriveMessage::Identity(it) => (wanted, it.state),
+            DriveMessage::Identity(it) => {
+                equal(
+                    &format!("in {state:?}, session of the Identity"),
+                    session_of(request),
+                    Some(it.session),
+                )?;
+                (wanted, it.state)
+            }
             DriveMessage::CommandResult(it) => (it.outcome, it.state),
             _ => continue,
         };
@@ -152,6 +160,13 @@ fn cell(client: &mut Client, row: &Row, state: State, reaction: Reaction) -> Rul
     }
     equal(&format!("after the request in {state:?}, state"), after, client.state)?;
     shown(client, &format!("after the request in {state:?}"), after)
+}
+
+const fn session_of(request: HostMessage) -> Option<u32> {
+    match request {
+        HostMessage::Hello(hello) => Some(hello.session),
+        _ => None,
+    }
 }
 
 /// Requires that a sample is answered as in this state: the state is not only reported.

@@ -1,5 +1,6 @@
 //! Tests of the conformance checks: each mutant breaks one rule, and the check of that rule must fail.
 
+mod allowed;
 mod kill_rate;
 mod laws;
 mod mutants;

@@ -79,8 +79,7 @@ pub enum SessionError {
     /// Each request was answered in time or repeated, but all of them together took too long.
     #[error(
         "the drive has taken more than {} s for its answers to {requests} requests, the last of them {waiting_for} \
-         ({last_seen}): a drive must answer at once; check its firmware, the baud rate and the losses on the line; \
-         {diagnosis}",
+         ({last_seen}): a drive must answer at once; check its firmware, the baud rate and the losses on the line",
         limit.as_secs()
     )]
     Slow {
@@ -92,8 +91,6 @@ pub enum SessionError {
         requests: u32,
         /// How far the session got.
         last_seen: LastSeen,
-        /// What arrived in place of the last answer.
-        diagnosis: Box<Diagnosis>,
     },
     /// The drive has left more control periods unanswered than a drive bridges, so it rejects every further sample.
     #[error(

@@ -196,12 +196,12 @@ impl Line {
     /// The error for a drive that did not answer `waiting_for` within `limit`, or within the time for all requests.
     #[must_use]
     pub fn silent(&self, waiting_for: &'static str, limit: Duration) -> SessionError {
-        let diagnosis = Box::new(self.diagnosis());
+        let last_seen = self.last_seen;
         if self.patience.is_exhausted() {
             let (limit, requests) = (PATIENCE, self.patience.waits);
-            return SessionError::Slow { waiting_for, limit, requests, last_seen: self.last_seen, diagnosis };
+            return SessionError::Slow { waiting_for, limit, requests, last_seen };
         }
-        SessionError::Silent { waiting_for, limit, last_seen: self.last_seen, diagnosis }
+        SessionError::Silent { waiting_for, limit, last_seen, diagnosis: Box::new(self.diagnosis()) }
     }
 
     /// What arrived since the last message that a [`Line::wait`] returned, and its probable cause.

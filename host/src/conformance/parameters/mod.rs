@@ -76,12 +76,17 @@ fn each(client: &mut Client, mut check: impl FnMut(&mut Client, &Parameter) -> R
 }
 
 /// Requires these values in force, in the order of the indices.
-fn in_force(client: &mut Client, when: &str, values: &[ParameterValue], state: State) -> RuleResult {
+pub(super) fn in_force(
+    client: &mut Client,
+    when: &str,
+    values: &[ParameterValue],
+    state: State,
+) -> RuleResult {
     let all: Vec<Exchange> = (0..).zip(values).map(|(index, value)| reads(index, *value, state)).collect();
     client.exchange(when, &all)
 }
 
-fn defaults(client: &Client) -> Vec<ParameterValue> {
+pub(super) fn defaults(client: &Client) -> Vec<ParameterValue> {
     client.description.parameters.iter().map(|it| it.default).collect()
 }
 

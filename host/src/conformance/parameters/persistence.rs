@@ -3,6 +3,8 @@
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Start, Stop};
 
+use lashloop_protocol::parameter_names::WATCHDOG_US;
+
 use super::super::answers::{hello, outcome};
 use super::super::assertion::{Failure, RuleResult};
 use super::super::burst::{Exchange, result, sets};
@@ -78,7 +80,10 @@ fn set_all(client: &mut Client, values: &[ParameterValue], descending: bool) -> 
 fn run(client: &mut Client) -> Result<(), Failure> {
     client.idle()?;
     // Near the defaults, which go together.
-    let kept: Vec<_> = client.description.parameters.iter().map(neighbour).collect();
+    let mut kept: Vec<_> = client.description.parameters.iter().map(neighbour).collect();
+    client.long_watchdog()?;
+    let watchdog = client.parameter(WATCHDOG_US)?.index;
+    kept[usize::from(watchdog)] = client.get(watchdog)?.value;
     set_all(client, &kept, false)?;
     let session = client.session;
     let answers = client.request(Arm { session })?;

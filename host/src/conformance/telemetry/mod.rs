@@ -79,6 +79,15 @@ pub(super) fn checks() -> Vec<Check> {
             (0..2).try_for_each(|sequence| follows(client, sequence, TORQUE))
         }),
         check("R11", "a subscription outlives sessions, stops and faults", outlives),
+        check("R11", "a subscription in Armed is that of the run", |client| {
+            let signals = signals(client)?;
+            client.armed()?;
+            accepted(client, signals, 2)?;
+            client.start()?;
+            carries(client, 0, signals.count_ones())?;
+            follows(client, 1, TORQUE)?;
+            carries(client, 2, signals.count_ones())
+        }),
         check("R11", "a subscription while running replaces the former from the next sample", replaced),
     ];
     checks.extend(values::checks());
@@ -90,7 +99,7 @@ pub(super) fn checks() -> Vec<Check> {
 ///
 /// # Errors
 /// The law has none: the check is skipped.
-fn signals(client: &Client) -> Result<u32, Failure> {
+pub(super) fn signals(client: &Client) -> Result<u32, Failure> {
     let bits = law_signals(client, client.default_law());
     match bits.first() {
         None => skip("the law in force has no signal").map(|()| 0),

@@ -97,6 +97,8 @@ fn in_force(client: &mut Client, law: u8) -> RuleResult {
 /// `Idle`, in `Armed` and in `Running`.
 fn unchanged_by_refusals(client: &mut Client, known: u32, refused: &[u32], outcome: Outcome) -> RuleResult {
     client.idle()?;
+    // Before the first subscription too.
+    refusals(client, refused, outcome)?;
     accepted(client, known, 1)?;
     refusals(client, refused, outcome)?;
     client.running(&[])?;

@@ -32,6 +32,8 @@ struct Probe {
     acts_in: Checks,
     /// Of all values, so that two mutants with the same ones count as one.
     trace: DefaultHasher,
+    /// The first value.
+    value: Value,
 }
 
 impl Recorder {
@@ -61,10 +63,12 @@ impl Recorder {
                 memory: Memory::default(),
                 acts_in: Checks::new(),
                 trace: DefaultHasher::new(),
+                value: value.clone(),
             };
             Mutant::all_at(key, value).into_iter().map(probe).collect()
         });
         for probe in probes {
+            assert!(probe.value.is_like(value), "{key:?} is the name of two sites");
             let mutated = probe.mutant.apply(&mut probe.memory, state, value);
             mutated.hash(&mut probe.trace);
             if !mutated.is(value) {

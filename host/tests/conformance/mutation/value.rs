@@ -9,6 +9,8 @@ pub enum Width {
     U16,
     U32,
     I24,
+    /// An `I24` that is about to become a wider number.
+    Reading,
     F32,
     /// A whole number in a calculation.
     Whole,
@@ -62,14 +64,14 @@ pub enum Operator {
 
 impl Width {
     const fn is_signed(self) -> bool {
-        matches!(self, Self::I24 | Self::F32 | Self::Whole | Self::Real)
+        matches!(self, Self::I24 | Self::Reading | Self::F32 | Self::Whole | Self::Real)
     }
 
     const fn bytes(self) -> usize {
         match self {
             Self::U8 | Self::Whole | Self::Real => 1,
             Self::U16 => 2,
-            Self::I24 => 3,
+            Self::I24 | Self::Reading => 3,
             Self::U32 | Self::F32 => 4,
         }
     }
@@ -80,7 +82,7 @@ impl Width {
         four[..bytes.len()].copy_from_slice(bytes);
         match self {
             Self::F32 => f32::from_le_bytes(four).into(),
-            Self::I24 => f64::from(i32::from_le_bytes(four) << 8 >> 8),
+            Self::I24 | Self::Reading => f64::from(i32::from_le_bytes(four) << 8 >> 8),
             _ => u32::from_le_bytes(four).into(),
         }
     }
@@ -108,7 +110,7 @@ impl Value {
                 if width.is_signed() {
                     operators.extend([Negated, Absolute]);
                 }
-                if *width == Width::I24 {
+                if *width == Width::Reading {
                     operators.push(Unsigned);
                 }
                 if width.bytes() > 1 {
@@ -134,7 +136,7 @@ impl Value {
                     Zero => 0.0,
                     Add(more) => value + more,
                     Scale(factor) => value * factor,
-                    Negated => -value,
+                    Negated => 0.0 - value,
                     Absolute => value.abs(),
                     Unsigned => value.rem_euclid(f64::from(1 << 24)),
                     Other => other.unwrap_or(value),
@@ -182,6 +184,17 @@ impl Value {
             }
             (Self::Text(text), Self::Text(other)) => text == other,
             (Self::List(list), Self::List(other)) => bits(list) == bits(other),
+            _ => false,
+        }
+    }
+
+    /// Whether both are of one type.
+    pub fn is_like(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Pick { of, .. }, Self::Pick { of: other, .. }) => of == other,
+            (Self::Number { .. }, Self::Number { .. })
+            | (Self::Text(_), Self::Text(_))
+            | (Self::List(_), Self::List(_)) => true,
             _ => false,
         }
     }

@@ -17,7 +17,8 @@ impl Drive {
         let loses_fault = loses("keeps the fault report", self.fault.is_some());
         let loses_counts = loses("keeps the line counts", has_counts);
         let loses_state = loses("keeps the state", !matches!(self.state(), State::Boot | State::Idle));
-        if is_running && self.at.flag("feeds the watchdog", event, false) {
+        let may_feed = is_running && !matches!(event, "an accepted sample" | "Start");
+        if may_feed && self.at.flag("feeds the watchdog", event, false) {
             self.fed_us = self.now_us;
         }
         if loses_parameters {

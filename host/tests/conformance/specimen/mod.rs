@@ -24,6 +24,9 @@ use run::{Run, Values};
 
 pub use link::Specimen;
 
+/// Time between two looks at the watchdog.
+const LOOK_US: f64 = 1_000.0;
+
 /// The drive behind its receiver.
 struct Drive {
     at: Sites,
@@ -163,10 +166,9 @@ impl Drive {
     fn trip(&mut self, code: FaultCode, value: f64, limit: f64) -> FaultReport {
         let sequence = self.run.as_ref().and_then(|run| run.last).unwrap_or(0);
         let report = FaultReport { code, sequence, value: value as f32, limit: limit as f32, detail: 0 };
-        if self.at.flag("fault", "the first one is kept", self.fault.is_some()) && self.fault.is_some() {
-            return report;
+        if self.fault.is_none() || !self.at.flag("fault", "the first one is kept", true) {
+            self.fault = Some(report);
         }
-        self.fault = Some(report);
         report
     }
 
@@ -177,19 +179,23 @@ impl Drive {
     /// Looks at the watchdog; its report if it trips.
     fn watchdog(&mut self) -> Option<FaultReport> {
         let runs = self.at.flag("watchdog", "runs", self.state() == State::Running);
+        if !runs {
+            return None;
+        }
         let silence_us = self.now_us - self.fed_us;
         let limit_us = match &self.run {
             Some(run) => run.watchdog_us(&self.at),
             None => run::setting(&self.at, &self.values, description::WATCHDOG),
         };
+        let reported_us = limit_us;
         let limit_us = self.at.real("watchdog", "limit", limit_us);
         let is_late = silence_us > limit_us
             || self.at.flag("watchdog", "trips at its limit", false) && silence_us == limit_us;
-        if !(runs && self.at.flag("watchdog", "is late", is_late)) {
+        if !self.at.flag("watchdog", "is late", is_late) {
             return None;
         }
         let code = self.at.fault("watchdog", FaultCode::Watchdog);
-        let report = self.trip(code, silence_us * 1e-6, limit_us * 1e-6);
+        let report = self.trip(code, silence_us * 1e-6, reported_us * 1e-6);
         let state = self.at.state("watchdog", "state afterwards", State::Faulted);
         self.set_state(state);
         Some(report)
@@ -198,8 +204,13 @@ impl Drive {
     /// Lets time pass, with a look at the watchdog every millisecond.
     fn pass_until(&mut self, until_us: f64) {
         while self.now_us < until_us {
-            let next_us =
-                self.polled_us + self.at.real("watchdog", "time between two looks", 1_000.0).max(100.0);
+            let is_running = self.state() == State::Running;
+            let between_us = if is_running {
+                self.at.real("watchdog", "time between two looks", LOOK_US)
+            } else {
+                LOOK_US
+            };
+            let next_us = self.polled_us + between_us.max(100.0);
             self.now_us = next_us.min(until_us).max(self.now_us);
             if self.now_us < next_us {
                 return;

@@ -19,6 +19,7 @@ type Refusals<const N: usize> = [(&'static str, Option<Outcome>); N];
 impl Drive {
     pub(super) fn handle(&mut self, request: HostMessage) {
         let row = self.row(&request);
+        let is_sample_of_run = row == "EncoderSample" && self.state() == State::Running;
         match request {
             HostMessage::EncoderSample(sample) => self.sample(&sample),
             HostMessage::Hello(hello) => self.hello(row, hello.session),
@@ -38,7 +39,8 @@ impl Drive {
             },
             _ => self.command(row, &request),
         }
-        if row != "Reset" {
+        // A sample in a run has events of its own, and `Reset` keeps nothing.
+        if !is_sample_of_run && row != "Reset" {
             self.after(row);
         }
     }
@@ -149,10 +151,13 @@ impl Drive {
             "SetParameter",
             ["before the index", "before the state", "before the type", ""],
             [
-                ("index", parameter.is_none().then_some(Outcome::UnknownIndex)),
-                ("state", refused(state)),
-                ("type", parameter.filter(|it| it.default.ty() != value.ty()).map(|_| Outcome::WrongType)),
-                ("range", range),
+                ("refused for its index", parameter.is_none().then_some(Outcome::UnknownIndex)),
+                ("refused for the state", refused(state)),
+                (
+                    "refused for its type",
+                    parameter.filter(|it| it.default.ty() != value.ty()).map(|_| Outcome::WrongType),
+                ),
+                ("refused for its range", range),
             ],
         );
         let stores = refusal.is_none();
@@ -205,7 +210,7 @@ impl Drive {
             "Subscribe",
             ["before the state", "before a bit without a signal", "before too many", ""],
             [
-                ("state", refused(state)),
+                ("refused for the state", refused(state)),
                 (
                     "a bit without a signal",
                     (wanted.signals >> SIGNALS.len() != 0).then_some(Outcome::UnknownIndex),
@@ -230,7 +235,7 @@ impl Drive {
     fn arm(&mut self, row: &'static str) {
         let state = cell(&self.at, row);
         let lacked = self.lacked(self.signals);
-        let is_ambiguous = longest_gap(&self.at, &self.values) == 0;
+        let is_ambiguous = refused(state).is_none() && longest_gap(&self.at, &self.values) == 0;
         let refusal = self.refusal(
             "Arm",
             ["before session and state", "", ""],
@@ -329,6 +334,9 @@ impl Drive {
         }
         if restores("no fault") {
             self.fault = None;
+        }
+        if restores("no run") {
+            self.run = None;
         }
         self.at.restart();
     }

@@ -97,13 +97,16 @@ impl Run {
     /// A `Start`. A mistaken drive goes on where the run before ended.
     pub fn restarted(&self, at: &Sites) -> Self {
         let mut run = Self::new(self.settings);
+        if self.last.is_none() {
+            return run;
+        }
         if !at.flag("Start resets", "the sequence", true) {
             (run.last, run.answer) = (self.last, self.answer);
         }
         if !at.flag("Start resets", "the encoders", true) {
             run.encoders = self.encoders.clone();
         }
-        if !at.flag("Start resets", "the integral", true) {
+        if self.integral_nm != 0.0 && !at.flag("Start resets", "the integral", true) {
             run.integral_nm = self.integral_nm;
         }
         run
@@ -121,7 +124,7 @@ impl Run {
             return (0, at.pick("sequence", "before the first sample", place, &PLACES));
         };
         let ahead = i64::from(sequence.wrapping_sub(last));
-        let modulo = at.flag("sequence", "is modulo 2^16", true);
+        let modulo = sequence >= last || at.flag("sequence", "is modulo 2^16", true);
         let ahead = if modulo { ahead } else { i64::from(sequence) - i64::from(last) };
         let ahead = at.whole("sequence", "periods ahead", ahead);
         let place = match ahead {
@@ -148,7 +151,10 @@ impl Run {
         let readings = [sample.motor_counts, sample.load_counts].map(|it| i64::from(it.get()));
         let periods = at.whole("step", "elapsed periods", periods);
         let elapsed_s = periods as f64 * setting(at, &self.settings, PERIOD) * 1e-6;
-        let mut moved = [0, 1].map(|encoder| self.moved(at, encoder, readings));
+        let of = |encoder| {
+            if periods == 0 { self.first(at, encoder, readings) } else { self.moved(at, encoder, readings) }
+        };
+        let moved = [of(0), of(1)];
         let causes = [
             self.reference(at, sample),
             self.jump(at, 0, moved[0], elapsed_s),
@@ -158,9 +164,6 @@ impl Run {
         if let Some(first) = causes.next() {
             let second = causes.next().filter(|_| at.flag("step", "takes the second fault", false));
             return Err(second.unwrap_or(first));
-        }
-        if periods == 0 {
-            moved = [0, 1].map(|encoder| self.first(at, encoder, readings));
         }
         for (index, encoder) in self.encoders.iter_mut().enumerate() {
             encoder.position += moved[index];
@@ -177,7 +180,7 @@ impl Run {
 
     /// The position of the first sample.
     fn first(&self, at: &Sites, encoder: usize, readings: [i64; 2]) -> i64 {
-        let reading = (readings[encoder] as f64, Width::I24);
+        let reading = (readings[encoder] as f64, Width::Reading);
         let other = Some(readings[1 - encoder] as f64);
         at.number_or("position of the first sample", ENCODERS[encoder], reading, other) as i64
     }
@@ -185,8 +188,9 @@ impl Run {
     /// The wrapped difference to the last reading.
     fn moved(&self, at: &Sites, encoder: usize, readings: [i64; 2]) -> i64 {
         let raw = readings[encoder] - self.encoders[encoder].reading;
-        let wraps = at.flag("difference is wrapped", ENCODERS[encoder], true);
-        let wrapped = if wraps { (raw + HALF).rem_euclid(2 * HALF) - HALF } else { raw };
+        let wrapped = (raw + HALF).rem_euclid(2 * HALF) - HALF;
+        let wraps = raw == wrapped || at.flag("difference is wrapped", ENCODERS[encoder], true);
+        let wrapped = if wraps { wrapped } else { raw };
         at.whole("difference", ENCODERS[encoder], wrapped)
     }
 
@@ -206,7 +210,9 @@ impl Run {
         }
         let elapsed_s = if elapsed_s == 0.0 { 1e-3 } else { elapsed_s };
         let moved = at.whole(SITES[encoder], "counts", moved);
-        let counts = (moved.abs() - at.whole(SITES[encoder], "counts forgiven", 1)).max(0);
+        let forwards =
+            if moved < 0 && at.flag(SITES[encoder], "backwards too", true) { -moved } else { moved };
+        let counts = (forwards - at.whole(SITES[encoder], "counts forgiven", 1)).max(0);
         let speed_rad_s = counts as f64 / setting(at, &self.settings, COUNTS[encoder]) * TAU / elapsed_s;
         let limit_rad_s = setting(at, &self.settings, SPEED_LIMITS[encoder]);
         at.flag(SITES[encoder], "beyond the limit", speed_rad_s > limit_rad_s)
@@ -226,7 +232,9 @@ impl Run {
         let [motor_rad, load_rad] = turns.map(|turns| turns * TAU);
         let [motor_rad_s, load_rad_s] = [0, 1].map(|it| self.encoders[it].velocity_rad_s);
         let error_rad = load_rad - reference_rad;
-        let spring_nm = -setting(at, live, GAIN) * (error_rad + 0.25 * (motor_rad - load_rad));
+        let is_live = at.flag("live parameter", "has effect at once", true);
+        let gain_nm_rad = setting(at, if is_live { live } else { &self.settings }, GAIN);
+        let spring_nm = -gain_nm_rad * (error_rad + 0.25 * (motor_rad - load_rad));
         let damping_nm = -setting(at, &self.settings, DAMPING) * motor_rad_s;
         let law = setting(at, &self.settings, CONTROLLER);
         if law == 1.0 {

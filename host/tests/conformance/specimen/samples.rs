@@ -70,10 +70,12 @@ impl Drive {
                     Ok(torque) => self.accepted(sample.sequence, place, &torque),
                     Err((code, value, limit)) => {
                         let report = self.trip(code, value, limit);
-                        self.end_run(sample.sequence, report);
+                        self.end_run(sample.sequence, place, report);
                     }
                 }
-                if self.at.flag("watchdog", "is fed by an accepted sample", true) {
+                if self.state() == State::Running
+                    && self.at.flag("watchdog", "is fed by an accepted sample", true)
+                {
                     self.fed_us = self.now_us;
                 }
                 self.after("an accepted sample");
@@ -81,15 +83,20 @@ impl Drive {
         }
     }
 
-    fn end_run(&mut self, sequence: u16, report: FaultReport) {
+    fn end_run(&mut self, sequence: u16, place: Place, report: FaultReport) {
+        let mut flags = TorqueFlags::empty();
+        flags.set(
+            TorqueFlags::GAP,
+            self.at.flag("fault of a sample", "is after a gap", place == Place::AfterGap),
+        );
         let state = self.at.state("fault of a sample", "state afterwards", State::Faulted);
         self.set_state(state);
         if !self.at.flag("fault of a sample", "the torque comes first", true) {
             self.send(report);
-            self.torque(sequence, 0.0, TorqueFlags::empty());
+            self.torque(sequence, 0.0, flags);
             return;
         }
-        self.torque(sequence, 0.0, TorqueFlags::empty());
+        self.torque(sequence, 0.0, flags);
         self.send(report);
         if self.at.flag("fault of a sample", "gets telemetry", false) {
             self.telemetry(sequence, &[0.0; 16]);
@@ -130,7 +137,8 @@ impl Drive {
         let steps = self.run.as_ref().map(|run| f64::from(run.steps));
         let counter = (f64::from(sequence), crate::mutation::Width::U16);
         let counter = self.at.number_or("telemetry", "counter", counter, steps) as i64;
-        let every = self.at.whole("telemetry", "every", self.every.into());
+        let every = (f64::from(self.every), crate::mutation::Width::U16);
+        let every = self.at.number_or("telemetry", "every", every, None) as i64;
         let is_due = every != 0 && counter % every == 0;
         if !self.at.flag("telemetry", "is due", is_due) || self.signals == 0 {
             return;

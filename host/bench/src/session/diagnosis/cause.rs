@@ -145,7 +145,10 @@ impl fmt::Display for Cause {
                 "answers wait behind messages that no request causes; the firmware must answer first and send fewer of them",
             ),
             Self::OtherAnswers => {
-                out.write_str("the drive leaves out this answer or sends it for another request; correct the firmware")
+                out.write_str(
+                    "answers to other requests, so the drive omits this one, or a delay on the line is longer than the wait; \
+                     check the firmware and the line",
+                )
             }
             Self::Trickle => out.write_str(
                 "single bytes with pauses, too slow for a frame; send each frame in one write, and check converters on the \

@@ -22,3 +22,6 @@ pub use cause::Cause;
 pub(super) use collector::Collector;
 pub use raw_bytes::RawBytes;
 pub use report::Diagnosis;
+
+#[cfg(test)]
+mod tests;

@@ -50,26 +50,9 @@ impl fmt::Display for Arrivals {
         }
         let window_s = self.window().as_secs_f64();
         write!(out, "{} arrived in {window_s:.1} s", counted(*bytes, "byte"))?;
-        let good = self.good_frames();
-        if !good.is_empty() {
-            let named = good.iter().take(NAMED).map(|(layout, count)| format!("{count} {}", layout.name));
-            let rest = if good.len() > NAMED { ", ..." } else { "" };
-            let list = named.collect::<Vec<_>>().join(", ");
-            write!(out, ", {} among them ({list}{rest})", counted(self.good_count().into(), "good frame"))?;
-        }
-        for (count, noun) in [
-            (self.own_frames, "frame of this bench"),
-            (self.host_requests, "request of another host"),
-            (self.refused, "refused frame"),
-            (self.crc_errors, "frame with a wrong CRC"),
-            (self.malformed, "malformed frame"),
-        ] {
-            if count > 0 {
-                write!(out, ", {}", counted(count.into(), noun))?;
-            }
-        }
-        if self.oversized > 0 {
-            write!(out, ", {} longer than {MAX_FRAME} bytes", counted(self.oversized.into(), "frame"))?;
+        let parts = self.parts();
+        if !parts.is_empty() {
+            write!(out, " with {}", parts.join(", "))?;
         }
         if self.lone_delimiters == *bytes {
             return out.write_str(", all of them zero");
@@ -79,13 +62,37 @@ impl fmt::Display for Arrivals {
         }
         if self.is_undecodable() && !self.raw.is_text() {
             let shown = &self.raw.head()[..self.raw.head().len().min(SHOWN)];
-            write!(out, ", the first {:#}", Hex(shown))?;
+            write!(out, ", beginning {:#}", Hex(shown))?;
         }
         Ok(())
     }
 }
 
 impl Arrivals {
+    /// The frames among the bytes, as in "25 Identity".
+    fn parts(&self) -> Vec<String> {
+        let good = self.good_frames();
+        let mut parts: Vec<_> =
+            good.iter().take(NAMED).map(|(layout, count)| format!("{count} {}", layout.name)).collect();
+        if let Some(rest) = good.get(NAMED..).filter(|rest| !rest.is_empty()) {
+            let count = rest.iter().map(|(_, count)| u64::from(*count)).sum();
+            parts.push(counted(count, "other good frame"));
+        }
+        let others = [
+            (self.own_frames, "frame of this bench"),
+            (self.host_requests, "request of another host"),
+            (self.refused, "refused frame"),
+            (self.crc_errors, "frame with a wrong CRC"),
+            (self.malformed, "malformed frame"),
+        ];
+        let others = others.into_iter().filter(|(count, _)| *count > 0);
+        parts.extend(others.map(|(count, noun)| counted(count.into(), noun)));
+        if self.oversized > 0 {
+            parts.push(format!("{} longer than {MAX_FRAME} bytes", counted(self.oversized.into(), "frame")));
+        }
+        parts
+    }
+
     /// Whether bytes arrived and no whole frame.
     fn is_undecodable(&self) -> bool {
         let whole = [self.good_count(), self.own_frames, self.host_requests, self.refused];
@@ -93,14 +100,11 @@ impl Arrivals {
     }
 }
 
+/// A number and its noun: "1 byte", "25 frames of this bench".
 fn counted(count: u64, noun: &str) -> String {
-    let (first, rest) = noun.split_once(' ').unwrap_or((noun, ""));
-    match (count, rest) {
-        (1, _) => format!("1 {noun}"),
-        // "good frames", but "frames of this bench".
-        (_, "frame") => format!("{count} {noun}s"),
-        (_, "") => format!("{count} {first}s"),
-        (_, rest) if matches!(first, "frame" | "request") => format!("{count} {first}s {rest}"),
-        _ => format!("{count} {noun}s"),
-    }
+    // The noun ends before its preposition.
+    let end = [" of ", " with "].iter().find_map(|preposition| noun.find(preposition)).unwrap_or(noun.len());
+    let (head, tail) = noun.split_at(end);
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {head}{plural}{tail}")
 }

@@ -1,0 +1,396 @@
+//! What a drive keeps: requests and frames that change nothing, many times in every state; runs and faults, many times.
+
+use std::time::Duration;
+
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
+use lashloop_protocol::message::{
+    Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
+    EncoderSample, FaultReport, GetParameter, LineReport, ParameterReport, Reset, SetParameter, Start, Stop,
+    Subscribe,
+};
+use lashloop_protocol::{DriveMessage, HostMessage, Message};
+
+use super::answers::{fault, hello, identity, line_report, report, sample, torque};
+use super::assertion::{Failure, RuleResult, broken, equal, names};
+use super::burst::{BURST, Exchange, described, reads, result, sets};
+use super::check::{Check, check};
+use super::client::Client;
+use super::handshake::other;
+use super::parameters::{defaults, in_force};
+use super::range::{neighbour, of_other_type};
+use super::receiver;
+use super::telemetry::signals;
+use super::words::Words;
+
+use State::{Armed, Boot, Faulted, Idle, Running};
+
+/// Copies of each request. A drive that errs only later errs within them.
+const COPIES: usize = 10;
+/// A pause in a frame, in each state.
+const PAUSE: Duration = Duration::from_millis(5);
+
+pub(super) fn checks() -> Vec<Check> {
+    let mut checks = vec![
+        check("R6.2 R6.3", "the first request after a Reset is answered like any other", first_requests),
+        check("R4.15 R7.17 R11.5", "every run of ten is like the first", runs),
+        check("R8.1 R8.2", "every fault of ten is latched, reported and cleared like the first", faults),
+    ];
+    for state in [Boot, Idle, Armed, Running, Faulted] {
+        let name =
+            format!("requests and frames that change nothing change nothing in {state:?}, however often");
+        checks.push(check("R2.6 R2.7 R4.15 R6.2 R6.3 R6.8", name, move |client| {
+            Constancy::check(client, state)
+        }));
+    }
+    checks
+}
+
+/// A drive in one state, with everything in it that a request could change by mistake.
+struct Constancy {
+    state: State,
+    session: u32,
+    signals: u32,
+    values: Vec<ParameterValue>,
+    fault: Option<FaultReport>,
+    /// What the drive's receiver has counted since the last `Start`.
+    counts: LineReport,
+}
+
+impl Constancy {
+    fn check(client: &mut Client, state: State) -> RuleResult {
+        let mut it = Self::prepared(client, state)?;
+        for request in it.requests(client) {
+            it.repeat(client, request)?;
+        }
+        if state == Running {
+            it.run_on(client)?;
+        }
+        it.damage(client)?;
+        it.pause(client)?;
+        it.unchanged(client)
+    }
+
+    /// Leads the drive into the state by a run, so that there are counts, and a subscription and values of its own.
+    fn prepared(client: &mut Client, state: State) -> Result<Self, Failure> {
+        client.idle()?;
+        let limit = client.parameter("torque_limit_nm")?.clone();
+        client.long_watchdog()?;
+        client.put(&limit.name, neighbour(&limit))?;
+        let signals = signals(client).unwrap_or(0);
+        let session = client.session;
+        client.exchange("in Idle", &[result(Subscribe { signals, every: 2 }, Outcome::Accepted, Idle)])?;
+        client.arm()?;
+        client.start()?;
+        let counts = LineReport { messages: 1, damaged: 0, refused: 0, overruns: 0 };
+        let mut it = Self { state, session, signals, values: Vec::new(), fault: None, counts };
+        let end: Vec<HostMessage> = match state {
+            Boot => vec![Reset {}.into()],
+            Idle => vec![Stop {}.into()],
+            Armed => vec![Stop {}.into(), Arm { session }.into()],
+            Running => vec![sample(0).into()],
+            Faulted => vec![EncoderSample { reference_rad: f32::INFINITY, ..sample(0) }.into()],
+        };
+        let answers = it.send(client, &end)?;
+        if state == Faulted {
+            it.fault = Some(fault(&answers)?);
+        }
+        it.values = match state {
+            Boot => defaults(client),
+            _ => it.present(client)?,
+        };
+        Ok(it)
+    }
+
+    fn present(&mut self, client: &mut Client) -> Result<Vec<ParameterValue>, Failure> {
+        let mut values = defaults(client);
+        for name in ["watchdog_us", "torque_limit_nm"] {
+            let index = client.parameter(name)?.index;
+            let answers = self.send(client, &[GetParameter { index }.into()])?;
+            values[usize::from(index)] = report(index, &answers)?.value;
+        }
+        Ok(values)
+    }
+
+    /// Sends requests in one write, counted with their marker, and requires the state afterwards.
+    fn send(&mut self, client: &mut Client, requests: &[HostMessage]) -> Result<Vec<DriveMessage>, Failure> {
+        let answers = client.burst(requests)?;
+        self.counts.messages += requests.len() as u32 + 1;
+        equal(&format!("state after {}", described(&requests[0])), self.state, client.state)?;
+        Ok(answers)
+    }
+
+    /// The requests that change nothing in this state.
+    fn requests(&self, client: &Client) -> Vec<HostMessage> {
+        let Self { state, session, signals, .. } = *self;
+        let identity = &client.identity;
+        let mut requests: Vec<HostMessage> = Vec::new();
+        if state != Boot {
+            // First, because in Idle it would open again a session that another request closed.
+            requests.push(hello(session).into());
+        }
+        let stranger = session ^ 1;
+        requests.extend::<[HostMessage; 14]>([
+            other(stranger),
+            DescribeLaw { index: 0 }.into(),
+            DescribeLaw { index: identity.law_count }.into(),
+            DescribeSignal { index: 0 }.into(),
+            DescribeSignal { index: identity.signal_count }.into(),
+            DescribeParameter { index: 0 }.into(),
+            DescribeParameter { index: identity.parameter_count }.into(),
+            DescribeChoice { parameter: 0, choice: 0 }.into(),
+            DescribeChoice { parameter: identity.parameter_count, choice: 0 }.into(),
+            GetParameter { index: 0 }.into(),
+            GetParameter { index: identity.parameter_count }.into(),
+            Arm { session: stranger }.into(),
+            Start { session: stranger }.into(),
+            Subscribe { signals, every: 2 }.into(),
+        ]);
+        if let Some(choices) = client.description.parameters.iter().find(|it| !it.choices.is_empty()) {
+            let choice = choices.choices[0].value as u8;
+            requests.push(DescribeChoice { parameter: choices.index, choice }.into());
+        }
+        requests.extend(self.settings(client));
+        if state != Idle && state != Boot {
+            requests.push(Arm { session }.into());
+        }
+        if state != Armed && state != Boot {
+            requests.push(Start { session }.into());
+        }
+        match state {
+            Faulted => requests.push(EmergencyStop {}.into()),
+            _ => requests.push(ClearFault {}.into()),
+        }
+        match state {
+            // The last sample, and a stray one.
+            Running => requests.extend::<[HostMessage; 2]>([sample(0).into(), sample(1 << 15).into()]),
+            _ => requests.push(sample(3).into()),
+        }
+        if matches!(state, Boot | Idle | Faulted) {
+            requests.push(Stop {}.into());
+        }
+        requests
+    }
+
+    /// Settings that are refused, or of the value in force.
+    fn settings(&self, client: &Client) -> Vec<HostMessage> {
+        let index = client.identity.parameter_count;
+        let mut settings = vec![SetParameter { index, value: ParameterValue::U32(0) }];
+        let parameters = &client.description.parameters;
+        for it in
+            parameters.iter().find(|it| it.live).into_iter().chain(parameters.iter().find(|it| !it.live))
+        {
+            let index = it.index;
+            settings.push(SetParameter { index, value: self.values[usize::from(index)] });
+            settings.push(SetParameter { index, value: of_other_type(it)[0] });
+            if matches!(self.state, Boot | Faulted) || !it.live && self.state != Idle {
+                settings.push(SetParameter { index, value: neighbour(it) });
+            }
+        }
+        settings.into_iter().map(HostMessage::from).collect()
+    }
+
+    /// Sends a request many times in one write, and requires equal answers every time.
+    fn repeat(&mut self, client: &mut Client, request: HostMessage) -> RuleResult {
+        let mut answers = self.send(client, &[request; COPIES])?;
+        answers.iter_mut().for_each(forget_time);
+        let count = answers.len() / COPIES;
+        let name = described(&request);
+        if count == 0 || !answers.len().is_multiple_of(COPIES) {
+            return Err(broken(format!("equal answers to {COPIES} times {name}"), answers.words()));
+        }
+        let (first, rest) = answers.split_at(count);
+        for (copy, later) in (2..).zip(rest.chunks(count)) {
+            if later != first {
+                let what = format!("to {name} for the {copy}. time in {:?}, {}", self.state, first.words());
+                return Err(broken(what, later.words()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Accepted samples, as many as copies of the other requests.
+    fn run_on(&mut self, client: &mut Client) -> RuleResult {
+        for sequence in 1..=COPIES as u16 {
+            let answers = self.send(client, &[sample(sequence).into()])?;
+            let kinds = if sequence % 2 == 0 && self.signals != 0 { 2 } else { 1 };
+            equal(&format!("answers to sample {sequence}"), kinds, answers.len())?;
+        }
+        Ok(())
+    }
+
+    fn damage(&mut self, client: &mut Client) -> RuleResult {
+        let (damaged, refused) = (receiver::damaged(), receiver::refused(self.session));
+        for (frames, count) in [(&damaged, &mut self.counts.damaged), (&refused, &mut self.counts.refused)] {
+            *count += frames.len() as u32;
+            receiver::send(client, frames)?;
+        }
+        let answers = self.send(client, &[GetParameter { index: 0 }.into()])?;
+        equal("answers after damaged and refused frames", vec!["ParameterReport"], names(&answers))
+    }
+
+    fn pause(&mut self, client: &mut Client) -> RuleResult {
+        let frame = HostMessage::from(GetParameter { index: 0 }).frame();
+        let (start, rest) = frame.split_at(3);
+        client.send_bytes(start)?;
+        client.wait_for(PAUSE, |_| None::<()>)?;
+        let answers = client.request_bytes(rest)?;
+        self.counts.messages += 2;
+        equal("answers to a frame with a pause", vec!["ParameterReport"], names(&answers))
+    }
+
+    fn unchanged(&mut self, client: &mut Client) -> RuleResult {
+        let Self { state, session, signals, .. } = *self;
+        let when = format!("after all of it in {state:?}");
+        in_force(client, &when, &self.values.clone(), state)?;
+        // One marker for each write of reads.
+        let reads = self.values.len();
+        self.counts.messages += (reads + reads.div_ceil(BURST)) as u32;
+        if let Some(wanted) = self.fault {
+            let answers = self.send(client, &[hello(session).into()])?;
+            equal(&format!("{when}, after the Identity"), wanted, fault(&answers)?)?;
+        }
+        let counts = line_report(&client.request(Stop {})?)?;
+        self.counts.messages += 1;
+        equal(&format!("{when}, line report"), self.counts, counts)?;
+        if state == Faulted {
+            client.exchange(&when, &[result(ClearFault {}, Outcome::Accepted, Idle)])?;
+        }
+        if state == Boot {
+            client.exchange(&when, &[result(Arm { session }, Outcome::WrongSession, Boot)])?;
+            client.idle()?;
+        }
+        client.exchange(&when, &[result(Arm { session }, Outcome::Accepted, Armed)])?;
+        client.exchange(&when, &[result(Start { session }, Outcome::Accepted, Running)])?;
+        let subscribed = state != Boot && signals != 0;
+        for sequence in 0..3 {
+            let with_telemetry = subscribed && sequence % 2 == 0;
+            let kinds = if with_telemetry { vec!["TorqueAnswer", "Telemetry"] } else { vec!["TorqueAnswer"] };
+            let answers = client.sample(sequence)?;
+            equal(&format!("{when}, in a new run, answers to sample {sequence}"), kinds, names(&answers))?;
+        }
+        Ok(())
+    }
+}
+
+/// Clears what differs between two equal answers: times and counts.
+fn forget_time(answer: &mut DriveMessage) {
+    match answer {
+        DriveMessage::TorqueAnswer(it) => it.compute_tenths_us = 0,
+        DriveMessage::LineReport(it) => *it = LineReport { messages: 0, damaged: 0, refused: 0, overruns: 0 },
+        _ => {}
+    }
+}
+
+/// Each as the first request and the first answer of its kind after a `Reset`.
+fn first_requests(client: &mut Client) -> RuleResult {
+    let (count, session) = (client.identity.parameter_count, client.session);
+    let unknown = ParameterReport {
+        index: count,
+        outcome: Outcome::UnknownIndex,
+        value: ParameterValue::U32(0),
+        state: Boot,
+    };
+    let unknown_result = Outcome::UnknownIndex;
+    let mut exchanges: Vec<Exchange> = vec![
+        (GetParameter { index: count }.into(), unknown.into()),
+        (DescribeParameter { index: count }.into(), unknown.into()),
+        result(DescribeLaw { index: client.identity.law_count }, unknown_result, Boot),
+        result(DescribeSignal { index: client.identity.signal_count }, unknown_result, Boot),
+        result(DescribeChoice { parameter: count, choice: 0 }, unknown_result, Boot),
+        result(Subscribe { signals: 0, every: 0 }, Outcome::WrongState, Boot),
+        result(Arm { session }, Outcome::WrongSession, Boot),
+        result(Start { session }, Outcome::WrongSession, Boot),
+        result(sample(0), Outcome::WrongState, Boot),
+    ];
+    if let Some(it) = client.description.parameters.first() {
+        exchanges.push(reads(it.index, it.default, Boot));
+        exchanges.push(sets(it.index, it.max, Outcome::WrongState, it.default, Boot));
+    }
+    for exchange in exchanges {
+        client.exchange("right after Reset", &[result(Reset {}, Outcome::Accepted, Boot), exchange])?;
+    }
+    for frame in receiver::damaged() {
+        let answers = client.request_bytes(&[&*HostMessage::from(Reset {}).frame(), &frame].concat())?;
+        equal("answers to Reset and a damaged frame", vec!["CommandResult"], names(&answers))?;
+    }
+    Ok(())
+}
+
+fn runs(client: &mut Client) -> RuleResult {
+    client.idle()?;
+    client.long_watchdog()?;
+    let signals = signals(client).unwrap_or(0);
+    let session = client.session;
+    client.exchange("in Idle", &[result(Subscribe { signals, every: 2 }, Outcome::Accepted, Idle)])?;
+    let run: [HostMessage; 7] = [
+        Arm { session }.into(),
+        Start { session }.into(),
+        sample(0).into(),
+        EncoderSample { reference_rad: 0.5, ..sample(1) }.into(),
+        sample(2).into(),
+        sample(2).into(),
+        Stop {}.into(),
+    ];
+    let mut first = None;
+    for number in 1..=COPIES {
+        let mut answers = client.burst(&run)?;
+        equal(&format!("report of run {number}"), 5, line_report(&answers)?.messages)?;
+        answers.iter_mut().for_each(forget_time);
+        let first = first.get_or_insert_with(|| answers.clone());
+        if answers != *first {
+            return Err(broken(format!("in run {number} {}", first.words()), answers.words()));
+        }
+    }
+    Ok(())
+}
+
+fn faults(client: &mut Client) -> RuleResult {
+    client.idle()?;
+    client.long_watchdog()?;
+    let session = client.session;
+    for number in 1..=COPIES as u16 {
+        let last = number % 3;
+        let samples = (0..last).map(|sequence| HostMessage::from(sample(sequence)));
+        let end = match number % 2 {
+            0 => EmergencyStop {}.into(),
+            _ => EncoderSample { reference_rad: f32::NEG_INFINITY, ..sample(last) }.into(),
+        };
+        let mut requests = vec![Arm { session }.into(), Start { session }.into()];
+        requests.extend(samples.chain([end]));
+        let wanted = fault(&client.burst(&requests)?)?;
+        let what = format!("fault {number}");
+        equal(
+            &format!("{what}: sequence"),
+            if number % 2 == 0 { last.saturating_sub(1) } else { last },
+            wanted.sequence,
+        )?;
+        if number % 2 == 1 {
+            equal(&format!("{what}: value in rad"), f32::NEG_INFINITY, wanted.value)?;
+        }
+        equal(&format!("{what}: state"), Faulted, client.state)?;
+        let answers = client.burst(&[EmergencyStop {}.into(), hello(session).into()])?;
+        let own = fault(&answers)?;
+        let own_code = FaultCode::EmergencyStop;
+        equal(
+            &format!("{what}: then of an EmergencyStop, code and sequence"),
+            (own_code, wanted.sequence),
+            (own.code, own.sequence),
+        )?;
+        equal(&format!("{what}: state of the Identity"), Faulted, identity(&answers)?.state)?;
+        let latched = answers.iter().rev().find_map(|answer| match answer {
+            DriveMessage::FaultReport(it) => Some(*it),
+            _ => None,
+        });
+        equal(&format!("{what}: after the Identity"), Some(wanted), latched)?;
+        let refused = torque(&client.sample(last)?)?;
+        equal(
+            &format!("{what}: torque and state of a sample"),
+            (0.0, Faulted),
+            (refused.torque_nm, refused.status.state),
+        )?;
+        client.exchange(&what, &[result(ClearFault {}, Outcome::Accepted, Idle)])?;
+        let answers = client.request(hello(session))?;
+        equal(&format!("{what}: after ClearFault, answers to Hello"), vec!["Identity"], names(&answers))?;
+    }
+    Ok(())
+}

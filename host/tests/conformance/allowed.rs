@@ -1,0 +1,158 @@
+//! Mutants that no battery may find, and those that this one does not.
+
+use lashloop_protocol::enums::State;
+
+use crate::mutation::{Mutant, Operator, When};
+
+/// A set of mutants: site, part (any if empty), which of them, and why.
+pub struct Set {
+    site: &'static str,
+    part: &'static str,
+    which: fn(&Mutant) -> bool,
+    pub reason: &'static str,
+}
+
+impl Set {
+    pub fn has(&self, mutant: &Mutant) -> bool {
+        let (site, part) = mutant.key;
+        self.site == site && (self.part.is_empty() || self.part == part) && (self.which)(mutant)
+    }
+}
+
+const fn set(
+    (site, part): (&'static str, &'static str),
+    which: fn(&Mutant) -> bool,
+    reason: &'static str,
+) -> Set {
+    Set { site, part, which, reason }
+}
+
+const fn all(_: &Mutant) -> bool {
+    true
+}
+
+fn always(mutant: &Mutant) -> bool {
+    mutant.when == When::Always && mutant.operator != Operator::Previous
+}
+
+fn by_one(mutant: &Mutant) -> bool {
+    matches!(mutant.operator, Operator::Add(_))
+}
+
+const fn in_no_run(mutant: &Mutant) -> bool {
+    matches!(mutant.when, When::In(State::Boot | State::Idle | State::Armed | State::Faulted))
+}
+
+const fn in_boot(mutant: &Mutant) -> bool {
+    matches!(mutant.when, When::In(State::Boot))
+}
+
+const fn in_boot_or_faulted(mutant: &Mutant) -> bool {
+    matches!(mutant.when, When::In(State::Boot | State::Faulted))
+}
+
+/// Slightly wrong, as a clock may be.
+fn slightly(mutant: &Mutant) -> bool {
+    by_one(mutant) || mutant.operator == Operator::Scale(2.0)
+}
+
+/// Wrong from the first step on, at the first or from the second on. Velocities are zero in the first.
+const fn from_first_or_second(mutant: &Mutant) -> bool {
+    matches!(mutant.when, When::Always | When::Once | When::Later)
+}
+
+const FREE_NUMBER: &str = "the number of a build is the drive's own";
+const FREE_TEXT: &str = "other names, units and texts are allowed";
+const OWN_LAW: &str = "what a law makes of its parameters is the drive's own";
+const UNUSED: &str = "the field is not used in this state";
+const REFUSED_FIRST: &str = "the state is checked before";
+const CLOCK: &str = "the difference is below a millisecond of the drive's clock";
+
+/// Mutants that keep every rule of the page.
+pub const EQUIVALENT: &[Set] = &[
+    set(("Identity", "build_id"), |it| it.when == When::Always, FREE_NUMBER),
+    set(
+        ("Identity", "dirty"),
+        |it| it.when == When::Always && it.operator == Operator::Add(1.0),
+        "1 is allowed, and any other byte reads as 1",
+    ),
+    set(("Identity", "board"), |it| always(it) && it.operator != Operator::Unterminated, FREE_TEXT),
+    set(("Log", "level"), |it| it.operator != Operator::To(0), "the severity is the drive's own"),
+    set(("Log", "text"), |it| it.operator == Operator::Altered, FREE_TEXT),
+    set(
+        ("Log", "times sent, or 3 for behind the next"),
+        |it| it.operator == Operator::Next,
+        "a log may be sent at any time",
+    ),
+    set(
+        ("ParameterDescription", "unit"),
+        |it| always(it) && it.operator != Operator::Unterminated,
+        FREE_TEXT,
+    ),
+    set(("SignalDescription", "unit"), |it| always(it) && it.operator != Operator::Unterminated, FREE_TEXT),
+    set(
+        ("SignalDescription", "name"),
+        |it| matches!((it.operator, it.when), (Operator::Shortened, When::Always)),
+        FREE_TEXT,
+    ),
+    set(
+        ("frame", "delimiters"),
+        |it| it.operator == Operator::Next,
+        "a drive may send delimiters between frames",
+    ),
+    set(
+        ("TorqueAnswer", "compute_tenths_us"),
+        |it| {
+            matches!(it.operator, Operator::Zero | Operator::Scale(1e-3))
+                || slightly(it) && !matches!(it.when, When::Once | When::Later)
+        },
+        "a measurement of the drive's own clock, which may be coarse",
+    ),
+    set(("effect of a parameter", "controller"), from_first_or_second, OWN_LAW),
+    set(("effect of a parameter", "gain_nm_rad"), |it| always(it) && it.operator != Operator::Zero, OWN_LAW),
+    set(("effect of a parameter", "damping_nm_s_rad"), from_first_or_second, OWN_LAW),
+    set(("effect of a parameter", "integral_gain_1_s"), from_first_or_second, OWN_LAW),
+    set(("effect of a parameter", "output"), |it| it.when == When::Always, OWN_LAW),
+    set(
+        ("position of the first sample", ""),
+        |it| by_one(it) && it.when == When::Always,
+        "one count of an unknown law",
+    ),
+    set(("EncoderSample", "motor_counts"), in_no_run, UNUSED),
+    set(("EncoderSample", "load_counts"), in_no_run, UNUSED),
+    set(("EncoderSample", "reference_rad"), in_no_run, UNUSED),
+    set(("EncoderSample", "sequence"), in_boot, UNUSED),
+    set(
+        ("EncoderSample", "reference_rad"),
+        |it| {
+            matches!(it.operator, Operator::Add(1.0) | Operator::Scale(1e-3))
+                && matches!(it.when, When::Always | When::In(State::Running))
+        },
+        OWN_LAW,
+    ),
+    set(("Arm", "session"), in_boot, "no session is open"),
+    set(("Start", "session"), in_boot, "no session is open"),
+    set(("SetParameter", "value"), in_boot_or_faulted, REFUSED_FIRST),
+    set(("SetParameter", "is NaN"), in_boot_or_faulted, REFUSED_FIRST),
+    set(("SetParameter", "is above its range"), in_boot_or_faulted, REFUSED_FIRST),
+    set(("SetParameter", "is below its range"), in_boot_or_faulted, REFUSED_FIRST),
+    set(("Subscribe", "signals"), in_boot_or_faulted, REFUSED_FIRST),
+    set(("Subscribe", "every"), in_boot_or_faulted, REFUSED_FIRST),
+    set(("Subscribe", "most signals"), in_boot_or_faulted, REFUSED_FIRST),
+    set(("watchdog", "limit"), by_one, CLOCK),
+    set(("effect of a parameter", "watchdog_us"), |it| it.operator == Operator::Previous, CLOCK),
+    set(("watchdog", "limit"), |it| it.operator == Operator::Previous, CLOCK),
+    set(("feeds the watchdog", "a millisecond"), |it| it.when == When::Once, CLOCK),
+    set(("ClearFault", "is done though refused"), in_boot, "without a session it leads to Boot"),
+    set(
+        ("SetParameter", "value"),
+        |it| it.when == When::Negative && it.operator == Operator::Scale(2.0),
+        "no negative value is in any range",
+    ),
+    set(("watchdog", "trips at its limit"), all, CLOCK),
+    set(("watchdog", "time between two looks"), |it| it.operator != Operator::Scale(1e3), CLOCK),
+    set(("watchdog", "is looked at when a sample arrives"), all, CLOCK),
+];
+
+/// Mutants that break a rule and are not found.
+pub const NOT_FOUND: &[Set] = &[];
