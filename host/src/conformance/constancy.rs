@@ -2,24 +2,26 @@
 
 use std::time::Duration;
 
-use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
+use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::message::{
     Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
     EncoderSample, FaultReport, GetParameter, LineReport, ParameterReport, Reset, SetParameter, Start, Stop,
     Subscribe,
 };
-use lashloop_protocol::{DriveMessage, HostMessage, Message};
+use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, Message};
 
-use super::answers::{fault, hello, identity, line_report, report, sample, torque};
+use super::answers::{fault, hello, identity, line_report, sample, torque};
 use super::assertion::{Failure, RuleResult, broken, equal, names};
 use super::burst::{BURST, Exchange, described, reads, result, sets};
 use super::check::{Check, check};
-use super::client::Client;
+use super::client::{CONTROLLER, Client};
 use super::handshake::other;
 use super::parameters::{defaults, in_force};
 use super::range::{neighbour, of_other_type};
 use super::receiver;
-use super::telemetry::signals;
+use super::telemetry::{law_signals, signals};
 use super::words::Words;
 
 use State::{Armed, Boot, Faulted, Idle, Running};
@@ -62,6 +64,9 @@ impl Constancy {
         for request in it.requests(client) {
             it.repeat(client, request)?;
         }
+        for (request, answer) in unknown(client, state) {
+            equal(&format!("to {}", described(&request)), vec![answer], it.repeat(client, request)?)?;
+        }
         if state == Running {
             it.run_on(client)?;
         }
@@ -78,11 +83,16 @@ impl Constancy {
         client.put(&limit.name, neighbour(&limit))?;
         let signals = signals(client).unwrap_or(0);
         let session = client.session;
+        let mut values = defaults(client);
+        for name in [WATCHDOG_US, TORQUE_LIMIT_NM] {
+            let index = client.parameter(name)?.index;
+            values[usize::from(index)] = client.get(index)?.value;
+        }
         client.exchange("in Idle", &[result(Subscribe { signals, every: 2 }, Outcome::Accepted, Idle)])?;
         client.arm()?;
         client.start()?;
         let counts = LineReport { messages: 1, damaged: 0, refused: 0, overruns: 0 };
-        let mut it = Self { state, session, signals, values: Vec::new(), fault: None, counts };
+        let mut it = Self { state, session, signals, values, fault: None, counts };
         let end: Vec<HostMessage> = match state {
             Boot => vec![Reset {}.into()],
             Idle => vec![Stop {}.into()],
@@ -94,21 +104,10 @@ impl Constancy {
         if state == Faulted {
             it.fault = Some(fault(&answers)?);
         }
-        it.values = match state {
-            Boot => defaults(client),
-            _ => it.present(client)?,
-        };
-        Ok(it)
-    }
-
-    fn present(&mut self, client: &mut Client) -> Result<Vec<ParameterValue>, Failure> {
-        let mut values = defaults(client);
-        for name in ["watchdog_us", "torque_limit_nm"] {
-            let index = client.parameter(name)?.index;
-            let answers = self.send(client, &[GetParameter { index }.into()])?;
-            values[usize::from(index)] = report(index, &answers)?.value;
+        if state == Boot {
+            it.values = defaults(client);
         }
-        Ok(values)
+        Ok(it)
     }
 
     /// Sends requests in one write, counted with their marker, and requires the state afterwards.
@@ -122,28 +121,25 @@ impl Constancy {
     /// The requests that change nothing in this state.
     fn requests(&self, client: &Client) -> Vec<HostMessage> {
         let Self { state, session, signals, .. } = *self;
-        let identity = &client.identity;
         let mut requests: Vec<HostMessage> = Vec::new();
+        // First, because these would repair what another request breaks: the subscription, and in Idle the session.
+        if matches!(state, Armed | Running) {
+            requests.push(Subscribe { signals, every: 2 }.into());
+        }
         if state != Boot {
-            // First, because in Idle it would open again a session that another request closed.
             requests.push(hello(session).into());
         }
         let stranger = session ^ 1;
-        requests.extend::<[HostMessage; 14]>([
+        requests.extend::<[HostMessage; 9]>([
             other(stranger),
             DescribeLaw { index: 0 }.into(),
-            DescribeLaw { index: identity.law_count }.into(),
             DescribeSignal { index: 0 }.into(),
-            DescribeSignal { index: identity.signal_count }.into(),
             DescribeParameter { index: 0 }.into(),
-            DescribeParameter { index: identity.parameter_count }.into(),
             DescribeChoice { parameter: 0, choice: 0 }.into(),
-            DescribeChoice { parameter: identity.parameter_count, choice: 0 }.into(),
             GetParameter { index: 0 }.into(),
-            GetParameter { index: identity.parameter_count }.into(),
             Arm { session: stranger }.into(),
             Start { session: stranger }.into(),
-            Subscribe { signals, every: 2 }.into(),
+            Subscribe { signals: u32::MAX, every: 2 }.into(),
         ]);
         if let Some(choices) = client.description.parameters.iter().find(|it| !it.choices.is_empty()) {
             let choice = choices.choices[0].value as u8;
@@ -189,8 +185,8 @@ impl Constancy {
         settings.into_iter().map(HostMessage::from).collect()
     }
 
-    /// Sends a request many times in one write, and requires equal answers every time.
-    fn repeat(&mut self, client: &mut Client, request: HostMessage) -> RuleResult {
+    /// Sends a request many times in one write, and requires equal answers every time. Returns those of one time.
+    fn repeat(&mut self, client: &mut Client, request: HostMessage) -> Result<Vec<DriveMessage>, Failure> {
         let mut answers = self.send(client, &[request; COPIES])?;
         answers.iter_mut().for_each(forget_time);
         let count = answers.len() / COPIES;
@@ -205,7 +201,7 @@ impl Constancy {
                 return Err(broken(what, later.words()));
             }
         }
-        Ok(())
+        Ok(first.to_vec())
     }
 
     /// Accepted samples, as many as copies of the other requests.
@@ -246,7 +242,8 @@ impl Constancy {
         let reads = self.values.len();
         self.counts.messages += (reads + reads.div_ceil(BURST)) as u32;
         if let Some(wanted) = self.fault {
-            let answers = self.send(client, &[hello(session).into()])?;
+            // A `Hello` of this version would open again a session that was lost.
+            let answers = self.send(client, &[other(session)])?;
             equal(&format!("{when}, after the Identity"), wanted, fault(&answers)?)?;
         }
         let counts = line_report(&client.request(Stop {})?)?;
@@ -281,27 +278,35 @@ fn forget_time(answer: &mut DriveMessage) {
     }
 }
 
+/// Requests of an index that the drive does not have.
+fn unknown(client: &Client, state: State) -> Vec<Exchange> {
+    let identity = &client.identity;
+    let index = identity.parameter_count;
+    let outcome = Outcome::UnknownIndex;
+    let mut unknown = vec![
+        result(DescribeLaw { index: identity.law_count }, outcome, state),
+        result(DescribeSignal { index: identity.signal_count }, outcome, state),
+        result(DescribeChoice { parameter: index, choice: 0 }, outcome, state),
+    ];
+    // The last index of all ends every exchange.
+    if index < u8::MAX {
+        let report = ParameterReport { index, outcome, value: ParameterValue::U32(0), state };
+        unknown.push((GetParameter { index }.into(), report.into()));
+        unknown.push((DescribeParameter { index }.into(), report.into()));
+    }
+    unknown
+}
+
 /// Each as the first request and the first answer of its kind after a `Reset`.
 fn first_requests(client: &mut Client) -> RuleResult {
-    let (count, session) = (client.identity.parameter_count, client.session);
-    let unknown = ParameterReport {
-        index: count,
-        outcome: Outcome::UnknownIndex,
-        value: ParameterValue::U32(0),
-        state: Boot,
-    };
-    let unknown_result = Outcome::UnknownIndex;
-    let mut exchanges: Vec<Exchange> = vec![
-        (GetParameter { index: count }.into(), unknown.into()),
-        (DescribeParameter { index: count }.into(), unknown.into()),
-        result(DescribeLaw { index: client.identity.law_count }, unknown_result, Boot),
-        result(DescribeSignal { index: client.identity.signal_count }, unknown_result, Boot),
-        result(DescribeChoice { parameter: count, choice: 0 }, unknown_result, Boot),
+    let session = client.session;
+    let mut exchanges = unknown(client, Boot);
+    exchanges.extend([
         result(Subscribe { signals: 0, every: 0 }, Outcome::WrongState, Boot),
         result(Arm { session }, Outcome::WrongSession, Boot),
         result(Start { session }, Outcome::WrongSession, Boot),
         result(sample(0), Outcome::WrongState, Boot),
-    ];
+    ]);
     if let Some(it) = client.description.parameters.first() {
         exchanges.push(reads(it.index, it.default, Boot));
         exchanges.push(sets(it.index, it.max, Outcome::WrongState, it.default, Boot));
@@ -309,88 +314,117 @@ fn first_requests(client: &mut Client) -> RuleResult {
     for exchange in exchanges {
         client.exchange("right after Reset", &[result(Reset {}, Outcome::Accepted, Boot), exchange])?;
     }
-    for frame in receiver::damaged() {
+    for frame in [receiver::damaged(), receiver::foreign()].concat() {
         let answers = client.request_bytes(&[&*HostMessage::from(Reset {}).frame(), &frame].concat())?;
-        equal("answers to Reset and a damaged frame", vec!["CommandResult"], names(&answers))?;
+        equal("answers to Reset and a frame that is no request", vec!["CommandResult"], names(&answers))?;
     }
     Ok(())
 }
 
+/// Runs of every law; the last one after a `Reset`.
 fn runs(client: &mut Client) -> RuleResult {
-    client.idle()?;
-    client.long_watchdog()?;
-    let signals = signals(client).unwrap_or(0);
-    let session = client.session;
-    client.exchange("in Idle", &[result(Subscribe { signals, every: 2 }, Outcome::Accepted, Idle)])?;
-    let run: [HostMessage; 7] = [
-        Arm { session }.into(),
-        Start { session }.into(),
-        sample(0).into(),
-        EncoderSample { reference_rad: 0.5, ..sample(1) }.into(),
-        sample(2).into(),
-        sample(2).into(),
-        Stop {}.into(),
-    ];
-    let mut first = None;
-    for number in 1..=COPIES {
-        let mut answers = client.burst(&run)?;
-        equal(&format!("report of run {number}"), 5, line_report(&answers)?.messages)?;
-        answers.iter_mut().for_each(forget_time);
-        let first = first.get_or_insert_with(|| answers.clone());
-        if answers != *first {
-            return Err(broken(format!("in run {number} {}", first.words()), answers.words()));
+    for law in client.description.laws.clone() {
+        let mut first = None;
+        for number in 1..=COPIES {
+            // Nothing of a run survives a Reset either.
+            if number == 1 || number == COPIES {
+                client.reset()?;
+                client.long_watchdog()?;
+                if client.description.laws.len() > 1 {
+                    client.put(CONTROLLER, ParameterValue::U32(law.index.into()))?;
+                }
+                let signals = signals_of(client, law.index);
+                client.exchange(
+                    "in Idle",
+                    &[result(Subscribe { signals, every: 2 }, Outcome::Accepted, Idle)],
+                )?;
+            }
+            let mut answers = client.burst(&one_run(client.session))?;
+            let what = format!("run {number} of {}", law.name);
+            // All requests of the burst but `Arm` and `Start`.
+            equal(&format!("messages in the report of {what}"), 7, line_report(&answers)?.messages)?;
+            answers.iter_mut().for_each(forget_time);
+            let first = first.get_or_insert_with(|| answers.clone());
+            let differs = answers.iter().zip(&*first).find(|(answer, first)| answer != first);
+            if let Some((answer, first)) = differs {
+                return Err(broken(format!("in {what} {}", first.words()), answer.words()));
+            }
+            equal(&format!("answers in {what}"), first.len(), answers.len())?;
         }
     }
     Ok(())
+}
+
+/// Ends with both encoders one count away from the start, which is never a jump.
+fn one_run(session: u32) -> [HostMessage; 9] {
+    let [motor_counts, load_counts] = [1, -1].map(EncoderCounts::wrapping);
+    let moved = |sequence| EncoderSample { motor_counts, load_counts, ..sample(sequence) };
+    [
+        Arm { session }.into(),
+        Start { session }.into(),
+        // Stray: the first is 0.
+        sample(7).into(),
+        sample(0).into(),
+        EncoderSample { reference_rad: 0.5, ..sample(1) }.into(),
+        moved(2).into(),
+        moved(2).into(),
+        moved(3).into(),
+        Stop {}.into(),
+    ]
+}
+
+fn signals_of(client: &Client, law: u8) -> u32 {
+    law_signals(client, law).iter().take(MAX_TELEMETRY_VALUES).fold(0, |all, index| all | 1 << index)
 }
 
 fn faults(client: &mut Client) -> RuleResult {
-    client.idle()?;
     client.long_watchdog()?;
+    (1..=COPIES as u16).try_for_each(|number| one_fault(client, number))
+}
+
+/// A run with 0 to 2 samples before its end, by `EmergencyStop` and by a reference in turn.
+fn one_fault(client: &mut Client, number: u16) -> RuleResult {
     let session = client.session;
-    for number in 1..=COPIES as u16 {
-        let last = number % 3;
-        let samples = (0..last).map(|sequence| HostMessage::from(sample(sequence)));
-        let end = match number % 2 {
-            0 => EmergencyStop {}.into(),
-            _ => EncoderSample { reference_rad: f32::NEG_INFINITY, ..sample(last) }.into(),
-        };
-        let mut requests = vec![Arm { session }.into(), Start { session }.into()];
-        requests.extend(samples.chain([end]));
-        let wanted = fault(&client.burst(&requests)?)?;
-        let what = format!("fault {number}");
-        equal(
-            &format!("{what}: sequence"),
-            if number % 2 == 0 { last.saturating_sub(1) } else { last },
-            wanted.sequence,
-        )?;
-        if number % 2 == 1 {
-            equal(&format!("{what}: value in rad"), f32::NEG_INFINITY, wanted.value)?;
+    let what = format!("fault {number}");
+    let count = number % 3;
+    let by_sample = number % 2 == 1;
+    let mut requests = vec![Arm { session }.into(), Start { session }.into()];
+    requests.extend((0..count).map(|sequence| HostMessage::from(sample(sequence))));
+    requests.push(match by_sample {
+        false => EmergencyStop {}.into(),
+        true => EncoderSample { reference_rad: f32::NEG_INFINITY, ..sample(count) }.into(),
+    });
+    let (code, value) = match by_sample {
+        false => (FaultCode::EmergencyStop, 0.0),
+        true => (FaultCode::ReferenceNotFinite, f32::NEG_INFINITY),
+    };
+    let sequence = if by_sample { count } else { count.saturating_sub(1) };
+    let wanted = FaultReport { code, sequence, value, limit: 0.0, detail: 0 };
+    let answers = client.burst(&requests)?;
+    let mut kinds = vec!["CommandResult"; 2];
+    kinds.extend(vec!["TorqueAnswer"; usize::from(count)]);
+    kinds.extend(if by_sample { ["TorqueAnswer", "FaultReport"] } else { ["FaultReport", "CommandResult"] });
+    equal(&format!("{what}: answers"), kinds, names(&answers))?;
+    equal(&what, wanted, fault(&answers)?)?;
+    for answer in &answers {
+        if let DriveMessage::TorqueAnswer(it) = answer {
+            let flags = it.status.flags - TorqueFlags::SATURATED;
+            equal(&format!("{what}: flags"), TorqueFlags::empty(), flags)?;
         }
-        equal(&format!("{what}: state"), Faulted, client.state)?;
-        let answers = client.burst(&[EmergencyStop {}.into(), hello(session).into()])?;
-        let own = fault(&answers)?;
-        let own_code = FaultCode::EmergencyStop;
-        equal(
-            &format!("{what}: then of an EmergencyStop, code and sequence"),
-            (own_code, wanted.sequence),
-            (own.code, own.sequence),
-        )?;
-        equal(&format!("{what}: state of the Identity"), Faulted, identity(&answers)?.state)?;
-        let latched = answers.iter().rev().find_map(|answer| match answer {
-            DriveMessage::FaultReport(it) => Some(*it),
-            _ => None,
-        });
-        equal(&format!("{what}: after the Identity"), Some(wanted), latched)?;
-        let refused = torque(&client.sample(last)?)?;
-        equal(
-            &format!("{what}: torque and state of a sample"),
-            (0.0, Faulted),
-            (refused.torque_nm, refused.status.state),
-        )?;
-        client.exchange(&what, &[result(ClearFault {}, Outcome::Accepted, Idle)])?;
-        let answers = client.request(hello(session))?;
-        equal(&format!("{what}: after ClearFault, answers to Hello"), vec!["Identity"], names(&answers))?;
     }
-    Ok(())
+    equal(&format!("{what}: state"), Faulted, client.state)?;
+    let own = FaultReport { code: FaultCode::EmergencyStop, sequence, value: 0.0, limit: 0.0, detail: 0 };
+    equal(&format!("{what}, then EmergencyStop"), own, fault(&client.request(EmergencyStop {})?)?)?;
+    let answers = client.request(hello(session))?;
+    equal(&format!("{what}: state of the Identity"), Faulted, identity(&answers)?.state)?;
+    equal(&format!("{what}: after the Identity"), wanted, fault(&answers)?)?;
+    let answer = torque(&client.sample(count)?)?;
+    equal(
+        &format!("{what}: torque and state of a sample"),
+        (0.0, Faulted),
+        (answer.torque_nm, answer.status.state),
+    )?;
+    client.exchange(&what, &[result(ClearFault {}, Outcome::Accepted, Idle)])?;
+    let answers = client.request(hello(session))?;
+    equal(&format!("{what}: after ClearFault, answers to Hello"), vec!["Identity"], names(&answers))
 }

@@ -109,12 +109,17 @@ fn continued(client: &mut Client) -> RuleResult {
     client.send_bytes(&damaged())?;
     let mut wanted = LineReport { messages: 2, damaged: 4, refused: 2, overruns: 0 };
     reported(client, wanted)?;
-    let ends: [(&str, Vec<HostMessage>); 5] = [
+    let ends: [(&str, Vec<HostMessage>); 7] = [
         ("Stop", Vec::new()),
         ("a Hello of the same session", vec![hello(session).into()]),
         ("a new session", vec![hello(session ^ 1).into()]),
-        ("a fault", vec![EmergencyStop {}.into(), ClearFault {}.into()]),
+        ("another session", vec![hello(session ^ 2).into()]),
+        (
+            "a new session in Faulted",
+            vec![EmergencyStop {}.into(), hello(session ^ 4).into(), ClearFault {}.into()],
+        ),
         ("Reset", vec![Reset {}.into()]),
+        ("Hello and Arm after Reset", vec![hello(session).into(), Arm { session }.into()]),
     ];
     for (what, requests) in ends {
         client.send_bytes(&damaged())?;

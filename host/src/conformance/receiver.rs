@@ -103,7 +103,10 @@ pub(super) fn checks() -> Vec<Check> {
         check("R2 R4", "63 bytes are a frame, 64 are damaged", |client| {
             let body = |length: usize| [vec![GetParameter::LAYOUT.kind], vec![0x11; length - 1]].concat();
             counts(client, &[framed(&body(MAX_BODY))], 0, 1)?;
-            counts(client, &[framed(&body(MAX_BODY + 1)), framed(&body(MAX_BODY + 2))], 2, 0)
+            counts(client, &[framed(&body(MAX_BODY + 1)), framed(&body(MAX_BODY + 2))], 2, 0)?;
+            // Whole up to its 63rd byte.
+            let whole = framed(&body(MAX_BODY));
+            counts(client, &[[&whole[..whole.len() - 1], &[0x11, DELIMITER]].concat()], 1, 0)
         }),
         check("R2 R4", "a frame of an unknown kind, or of a kind of the drive, is refused", |client| {
             let frames = foreign();
@@ -183,6 +186,9 @@ pub(super) fn damaged() -> Vec<Vec<u8>> {
     let oversized = [57, 64, 128].map(|length| [vec![0x55; length], request(0)].concat());
     let longest = framed(&[vec![GetParameter::LAYOUT.kind], vec![0x11; MAX_BODY]].concat());
     let mut frames = [damage::checksums(&body), damage::stuffing(&request(0)), oversized.to_vec()].concat();
+    // A whole frame of 63 bytes, and then more.
+    let whole = framed(&[vec![GetParameter::LAYOUT.kind], vec![0x11; MAX_BODY - 1]].concat());
+    frames.push([&whole[..whole.len() - 1], &[0x11; 9], &[DELIMITER]].concat());
     frames.push(longest);
     frames
 }

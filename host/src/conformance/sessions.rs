@@ -142,11 +142,12 @@ fn latched(client: &mut Client) -> RuleResult {
     let session = client.session;
     let with_result = vec!["Identity", "FaultReport", "CommandResult"];
     let without: Vec<_> = with_result[..2].to_vec();
-    let hellos: [(HostMessage, _); 4] = [
+    let hellos: [(HostMessage, _); 5] = [
         (hello(session).into(), &without),
         (other(session), &with_result),
         (hello(session ^ 1).into(), &without),
-        (hello(session ^ 1).into(), &without),
+        (hello(session ^ 2).into(), &without),
+        (hello(session ^ 2).into(), &without),
     ];
     for (request, kinds) in hellos {
         let answers = client.request(request)?;

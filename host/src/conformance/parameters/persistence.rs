@@ -50,10 +50,13 @@ pub(super) fn checks() -> Vec<Check> {
             client.request(other(client.session ^ 1))?;
             in_force(client, "after Hello of the same session, and of another version", &kept, Idle)?;
             client.request(EmergencyStop {})?;
-            in_force(client, "in Faulted", &kept, Faulted)?;
+            client.handshake(client.session ^ 1)?;
+            client.handshake(client.session ^ 2)?;
+            in_force(client, "in new sessions in Faulted", &kept, Faulted)?;
             client.exchange("in Faulted", &[result(ClearFault {}, Accepted, Idle)])?;
             client.handshake(client.session ^ 1)?;
-            in_force(client, "in a new session", &kept, Idle)
+            client.handshake(client.session ^ 2)?;
+            in_force(client, "in new sessions in Idle", &kept, Idle)
         }),
         check("R6", "a run keeps every parameter, and Idle accepts settings again", run),
     ]

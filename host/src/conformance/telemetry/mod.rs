@@ -108,7 +108,7 @@ pub(super) fn signals(client: &Client) -> Result<u32, Failure> {
 }
 
 /// The indices of the signals of a law.
-fn law_signals(client: &Client, law: u8) -> Vec<u8> {
+pub(super) fn law_signals(client: &Client, law: u8) -> Vec<u8> {
     let of_law = client.description.signals.iter().filter(|it| it.laws.contains(law));
     of_law.map(|it| it.index).collect()
 }

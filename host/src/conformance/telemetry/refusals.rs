@@ -8,9 +8,9 @@ use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
 use lashloop_bench::session::DriveSignal;
 
-use super::super::answers::outcome;
+use super::super::answers::{line_report, outcome};
 use super::super::assertion::{RuleResult, equal, expect, skip};
-use super::super::burst::{Exchange, result};
+use super::super::burst::{Exchange, reads, result};
 use super::super::check::{Check, check};
 use super::super::client::{CONTROLLER, Client};
 use super::{accepted, carries, follows, law_signals, lowest, signals};
@@ -140,14 +140,25 @@ fn lacking(client: &mut Client) -> RuleResult {
     let other_law = (0..laws).find(|law| lacked.laws.contains(*law));
     let signals = 1 << lacked.index;
     let session = client.session;
-    client.idle()?;
+    client.running(&[])?;
+    client.request(Stop {})?;
     in_force(client, law)?;
+    let before = line_report(&client.request(Stop {})?)?;
     for every in [0, 1] {
         accepted(client, signals, every)?;
         // Arm finds the signals only, whether `every` is 0 or not.
         if every == 1 {
             inconsistent(client, Arm { session }, Idle, &lacked)?;
         }
+    }
+    // The refusal lets the counts of the receiver continue, and keeps the values of parameters.
+    let after = line_report(&client.request(Stop {})?)?;
+    let went_on = after.messages > before.messages;
+    expect(went_on, format!("more than {} messages after the refused Arm", before.messages), after.messages)?;
+    if client.description.laws.len() > 1 {
+        let controller = client.parameter(CONTROLLER)?.index;
+        client
+            .exchange("after the refused Arm", &[reads(controller, ParameterValue::U32(law.into()), Idle)])?;
     }
     // State and session come first.
     client.exchange("in Idle", &[result(Arm { session: session ^ 1 }, Outcome::WrongSession, Idle)])?;
