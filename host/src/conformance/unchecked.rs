@@ -63,7 +63,11 @@ pub const UNCHECKED: &[Unchecked] = &[
     test("H2.3", HOST_RULES, "the_first_byte_of_a_host_is_the_boundary_byte"),
     test("H3.1", "protocol/tests/wire/document.rs", "every_message_has_a_table_of_its_bytes"),
     test("H3.2", "protocol/src/enums/parameter_flags.rs", "bits_without_a_name_are_kept"),
-    test("H3.3", "tests/tests/robustness/wrong_answers.rs", "a_torque_one_ulp_beyond_the_limit_ends_the_run"),
+    test(
+        "H3.3",
+        "tests/tests/looped/exit_codes.rs",
+        "a_torque_beyond_the_limit_fails_the_run_with_rule_and_step",
+    ),
     test(
         "H3.4",
         "host/bench/src/session/description/tests.rs",
