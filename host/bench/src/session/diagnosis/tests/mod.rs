@@ -278,3 +278,18 @@ fn answers_just_in_time_hold_no_session_beyond_its_patience() {
         }
     }
 }
+
+#[test]
+fn telemetry_behind_the_last_answer_is_no_answer() {
+    let mut session = Some(());
+    let peer = Peer::answering(MS, move |request| match request {
+        HostMessage::Hello(Hello { session: number, .. }) => {
+            session.take().map(|()| [frame(identity(number)), boot_log()].concat())
+        }
+        _ => None,
+    });
+    let error = failure(peer, Duration::from_secs(3));
+    let SessionError::Silent { ref diagnosis, .. } = error else { panic!("{error}") };
+    assert_eq!((&diagnosis.cause, diagnosis.arrivals.good_count()), (&Cause::Hang, 1));
+    assert!(error.to_string().starts_with("the drive was silent for 2.0 s after DescribeLaw"), "{error}");
+}
