@@ -4,11 +4,9 @@ mod peer;
 
 use std::time::Duration;
 
-use lashloop_protocol::enums::{
-    LogLevel, Outcome, ParameterFlags, ParameterValue, State, TorqueFlags, TorqueStatus,
-};
+use lashloop_protocol::enums::{LogLevel, ParameterFlags, ParameterValue, State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::message::{
-    CommandResult, Hello, Identity, LawDescription, Log, ParameterDescription, TorqueAnswer,
+    ChoiceDescription, Hello, Identity, LawDescription, Log, ParameterDescription, TorqueAnswer,
 };
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{DriveMessage, HostMessage, Message, crc, frame::DELIMITER};
@@ -256,11 +254,12 @@ fn talkative(delay: Duration) -> Peer {
                 name: Text::new("parameter"),
                 unit: Text::new(""),
             }),
-            other => frame(CommandResult {
-                request: other.layout().kind,
-                outcome: Outcome::UnknownIndex,
-                state: State::Idle,
+            HostMessage::DescribeChoice(it) => frame(ChoiceDescription {
+                parameter: it.parameter,
+                choice: it.choice,
+                name: Text::new("choice"),
             }),
+            other => panic!("{other:?} before the description is complete"),
         };
         Some((delay, answer))
     })
