@@ -51,7 +51,11 @@ pub(super) fn checks() -> Vec<Check> {
         }),
         check("R6.5", "a fault cleared before the handshake leads back to Boot", before_handshake),
         check("R4.13 R8.2 R8.3", "the report of a latched fault follows every Identity, unchanged", latched),
-        check("R6.3 R6.7 R12.3 R12.5", "a request that changes nothing leaves the torques of a run alone", undisturbed),
+        check(
+            "R6.3 R6.7 R12.3 R12.5",
+            "a request that changes nothing leaves the torques of a run alone",
+            undisturbed,
+        ),
     ]
 }
 

@@ -29,7 +29,11 @@ pub(super) fn checks() -> Vec<Check> {
                 format!("none named {}", missing.join(", "))
             })
         }),
-        check("R9.10 R9.12", "parameters with a reserved name have the type of the name, and all laws", reserved),
+        check(
+            "R9.10 R9.12",
+            "parameters with a reserved name have the type of the name, and all laws",
+            reserved,
+        ),
         check("R9.9", "every parameter name is unique", |client| {
             let mut seen = HashSet::new();
             client.description.parameters.iter().try_for_each(|it| {
@@ -48,22 +52,26 @@ pub(super) fn checks() -> Vec<Check> {
                 expect(holds(it, it.default), range, it.default)
             })
         }),
-        check("R4.6 R9.4 R9.7 R9.11", "every parameter accepts its minimum and maximum and reads them back", |client| {
-            client.idle()?;
-            each(client, |client, it| {
-                let mut values = vec![it.min, it.max];
-                // -0 is not below a minimum of 0. It may read back as either zero.
-                if it.min == ParameterValue::F32(0.0) {
-                    values.push(ParameterValue::F32(-0.0));
-                }
-                values.push(it.default);
-                let exchanges = values.into_iter().flat_map(|value| {
-                    let set = sets(it.index, value, Outcome::Accepted, value, State::Idle);
-                    [set, reads(it.index, value, State::Idle)]
-                });
-                client.exchange(&it.name, &exchanges.collect::<Vec<_>>())
-            })
-        }),
+        check(
+            "R4.6 R9.4 R9.7 R9.11",
+            "every parameter accepts its minimum and maximum and reads them back",
+            |client| {
+                client.idle()?;
+                each(client, |client, it| {
+                    let mut values = vec![it.min, it.max];
+                    // -0 is not below a minimum of 0. It may read back as either zero.
+                    if it.min == ParameterValue::F32(0.0) {
+                        values.push(ParameterValue::F32(-0.0));
+                    }
+                    values.push(it.default);
+                    let exchanges = values.into_iter().flat_map(|value| {
+                        let set = sets(it.index, value, Outcome::Accepted, value, State::Idle);
+                        [set, reads(it.index, value, State::Idle)]
+                    });
+                    client.exchange(&it.name, &exchanges.collect::<Vec<_>>())
+                })
+            },
+        ),
     ];
     checks.extend(refusals::checks());
     checks.extend(persistence::checks());

@@ -20,17 +20,21 @@ use State::{Armed, Boot, Faulted, Idle, Running};
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R11.6 R11.8", "a signal that the drive does not have is refused and changes nothing", |client| {
-            let unknown = unknown(client);
-            if unknown == 0 {
-                return skip("the drive has all 32 signals");
-            }
-            let known = signals(client).map_or(0, lowest);
-            // Each alone, with one that the drive has, and all 32, which are more than 13 too.
-            let each = (0..32_u32).map(|index| 1 << index).filter(|bit| unknown & bit != 0);
-            let refused: Vec<_> = each.chain([unknown, lowest(unknown) | known, u32::MAX]).collect();
-            unchanged_by_refusals(client, known, &refused, UnknownIndex)
-        }),
+        check(
+            "R11.6 R11.8",
+            "a signal that the drive does not have is refused and changes nothing",
+            |client| {
+                let unknown = unknown(client);
+                if unknown == 0 {
+                    return skip("the drive has all 32 signals");
+                }
+                let known = signals(client).map_or(0, lowest);
+                // Each alone, with one that the drive has, and all 32, which are more than 13 too.
+                let each = (0..32_u32).map(|index| 1 << index).filter(|bit| unknown & bit != 0);
+                let refused: Vec<_> = each.chain([unknown, lowest(unknown) | known, u32::MAX]).collect();
+                unchanged_by_refusals(client, known, &refused, UnknownIndex)
+            },
+        ),
         check("R11.6 R11.8", "more than 13 signals are refused as OutOfRange and change nothing", |client| {
             let count = u32::from(client.identity.signal_count);
             if count as usize <= MAX_TELEMETRY_VALUES {
@@ -76,7 +80,11 @@ pub(super) fn checks() -> Vec<Check> {
             client.running(&[])?;
             carries(client, 0, known.count_ones())
         }),
-        check("R6.6 R10.2 R11.8 R11.9 R11.10", "a signal that the law in force lacks is refused by Arm, and when armed", lacking),
+        check(
+            "R6.6 R10.2 R11.8 R11.9 R11.10",
+            "a signal that the law in force lacks is refused by Arm, and when armed",
+            lacking,
+        ),
     ]
 }
 
