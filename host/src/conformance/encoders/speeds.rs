@@ -20,7 +20,7 @@ const STARTS: [i64; 3] = [0, EncoderCounts::MAX.get() as i64, EncoderCounts::MIN
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
-        check("R7.14", "an encoder within its speed limit is accepted", |client| {
+        check("R7.5 R7.14 R7.15", "an encoder within its speed limit is accepted", |client| {
             let setup = Setup::coarse(client)?;
             for encoder in Encoder::BOTH {
                 for (start, sign) in STARTS.into_iter().flat_map(|start| [(start, 1), (start, -1)]) {
