@@ -221,7 +221,9 @@ impl Constancy {
         let frame = HostMessage::from(GetParameter { index: 0 }).frame();
         let (start, rest) = frame.split_at(3);
         client.send_bytes(start)?;
-        client.wait_for(PAUSE, |_| None::<()>)?;
+        let unasked = client
+            .wait_for(PAUSE, |message| (!matches!(message, DriveMessage::Log(_))).then_some(*message))?;
+        equal("without a request, message other than a Log", None, unasked)?;
         let answers = client.request_bytes(rest)?;
         self.counts.messages += 2;
         equal("answers to a frame with a pause", vec!["ParameterReport"], names(&answers))

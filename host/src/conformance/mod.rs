@@ -11,7 +11,9 @@
 //! | `encoders` | wraparound, jumps and ambiguous positions |
 //! | `safety` | torque limit, latched faults, watchdog |
 //! | `receiver` | noise, damaged and refused frames |
+//! | `walk` | a long session through all states, with every request in each |
 //! | `line` | the line report |
+//! | `profile_pd` | the optional profile `pd`, by its golden trace |
 //! | `latency` | response times |
 //!
 //! Each check is one rule, stated as a sentence with the numbers of the rules in the specification, and starts from a drive that
@@ -39,6 +41,7 @@ pub mod junit;
 mod latency;
 mod line;
 mod parameters;
+mod profile_pd;
 mod range;
 mod reactions;
 mod receiver;
@@ -51,6 +54,7 @@ mod states;
 mod telemetry;
 mod transitions;
 pub mod unchecked;
+mod walk;
 mod words;
 
 use lashloop_protocol::message::Identity;
@@ -135,7 +139,9 @@ fn all_checks() -> impl Iterator<Item = (&'static str, Check)> {
         ("encoders", encoders::checks()),
         ("safety", safety::checks()),
         ("receiver", receiver::checks()),
+        ("walk", walk::checks()),
         ("line", line::checks()),
+        ("profile_pd", profile_pd::checks()),
         ("latency", latency::checks()),
     ];
     groups.into_iter().flat_map(|(group, checks)| checks.into_iter().map(move |check| (group, check)))

@@ -42,17 +42,27 @@ fn unchanged_drive_passes_every_check() {
     assert!(results.iter().all(|it| it.status == CheckStatus::Passed), "{results:#?}");
 }
 
+/// Whether every check has passed, and those of the profile `pd` too or were skipped: its golden trace needs encoders and
+/// periods of its own.
+fn passed_but_for_the_profile(results: &[CheckResult]) -> bool {
+    results.iter().all(|it| match it.status {
+        CheckStatus::Passed => true,
+        CheckStatus::Skipped { .. } => it.group == "profile_pd",
+        _ => false,
+    })
+}
+
 /// With 1000 rad/s and these encoders the longest gap is 50 periods.
 #[test]
 fn drive_with_fine_encoders_passes_every_check() {
     let results = results(variants::FINE);
-    assert!(results.iter().all(|it| it.status == CheckStatus::Passed), "{results:#?}");
+    assert!(passed_but_for_the_profile(&results), "{results:#?}");
 }
 
 #[test]
 fn drive_with_one_period_and_resolution_passes_every_check() {
     let results = results(variants::FIXED);
-    assert!(results.iter().all(|it| it.status == CheckStatus::Passed), "{results:#?}");
+    assert!(passed_but_for_the_profile(&results), "{results:#?}");
 }
 
 #[test]

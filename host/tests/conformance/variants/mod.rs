@@ -6,6 +6,7 @@ mod foreign;
 mod handshake;
 mod line;
 mod parameters;
+mod profile_pd;
 mod safety;
 mod samples;
 mod telemetry;
@@ -32,6 +33,7 @@ pub fn all() -> impl Iterator<Item = Variant> {
         encoders::VARIANTS,
         safety::VARIANTS,
         line::VARIANTS,
+        profile_pd::VARIANTS,
     ]
     .into_iter()
     .flatten()
