@@ -35,7 +35,7 @@ pub(super) fn checks() -> Vec<Check> {
     let of_state = |state: State| {
         let name =
             format!("requests and frames that change nothing change nothing in {state:?}, however often");
-        check("R2.6 R2.7 R4.15 R6.2 R6.3 R6.8", name, move |client| Constancy::check(client, state))
+        check("R2.6 R2.7 R4.2 R4.15 R6.2 R6.3 R6.8", name, move |client| Constancy::check(client, state))
     };
     states.map(of_state).collect()
 }

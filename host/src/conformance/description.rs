@@ -67,7 +67,7 @@ pub(super) fn checks() -> Vec<Check> {
         ),
         check("R10.9", "no setting changes a description", with_other_settings),
         check(
-            "R4.1 R4.7 R10.10",
+            "R4.1 R4.7 R6.2 R10.10",
             "an unknown law, signal or choice is answered with UnknownIndex in every state",
             |client| STATES.into_iter().try_for_each(|state| unknown_in(client, state)),
         ),

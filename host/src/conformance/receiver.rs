@@ -23,7 +23,7 @@ const PAUSE: Duration = Duration::from_millis(60);
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R1.3 R4.1", "frames in one write are answered in their order", |client| {
+        check("R1.1 R1.3 R4.1", "frames in one write are answered in their order", |client| {
             let all: Vec<u8> = (0..12).flat_map(request).collect();
             answered(client, &all, &(0..12).collect::<Vec<_>>())
         }),
@@ -55,7 +55,7 @@ pub(super) fn checks() -> Vec<Check> {
             answered(client, &bytes, &[0, 1])?;
             counts(client, &[&[DELIMITER; 200][..]], 0, 0)
         }),
-        check("R2.8", "garbage before a frame is discarded", |client| {
+        check("R2.4 R2.8", "garbage before a frame is discarded", |client| {
             let garbage = [b"noise\0more noise\0", &*request(0)].concat();
             answered(client, &garbage, &[0])?;
             // Without a delimiter the garbage corrupts the frame that follows, but not the next.

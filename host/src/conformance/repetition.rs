@@ -22,10 +22,14 @@ use State::{Boot, Faulted, Idle};
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R4.1 R4.3", "the first request after a Reset is answered like any other", first_requests),
-        check("R7.2 R7.3 R7.17", "every run of ten is like the first", runs),
         check(
-            "R5.2 R8.2 R8.3 R8.4",
+            "R4.1 R4.3 R6.2 R6.3",
+            "the first request after a Reset is answered like any other",
+            first_requests,
+        ),
+        check("R4.15 R7.2 R7.3 R7.17 R11.5", "every run of ten is like the first", runs),
+        check(
+            "R5.2 R8.1 R8.2 R8.3 R8.4",
             "every fault of ten is latched, reported and cleared like the first",
             faults,
         ),

@@ -31,7 +31,7 @@ pub(super) fn checks() -> Vec<Check> {
             }
             Ok(())
         }),
-        check("R12.1", "a new session makes the previous one stale in every state", previous),
+        check("R12.1 R12.2", "a new session makes the previous one stale in every state", previous),
         check("R4.3 R12.4", "Reset ends the session", |client| {
             let session = client.session;
             client.idle()?;
@@ -50,9 +50,13 @@ pub(super) fn checks() -> Vec<Check> {
             no_torque(client, 1, Idle)
         }),
         check("R6.5 R6.7", "a fault cleared before the handshake leads back to Boot", before_handshake),
-        check("R8.2 R8.3 R8.4", "the report of a latched fault follows every Identity, unchanged", latched),
         check(
-            "R6.3 R6.7 R12.3",
+            "R4.13 R8.2 R8.3 R8.4",
+            "the report of a latched fault follows every Identity, unchanged",
+            latched,
+        ),
+        check(
+            "R6.3 R6.7 R12.3 R12.5",
             "a request that changes nothing leaves the torques of a run alone",
             undisturbed,
         ),

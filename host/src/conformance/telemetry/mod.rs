@@ -70,7 +70,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.running(&[])?;
             (0..4).try_for_each(|sequence| follows(client, sequence, TORQUE))
         }),
-        check("R4.3 R11.1", "a reset ends the subscription", |client| {
+        check("R4.3 R6.8 R11.1", "a reset ends the subscription", |client| {
             let signals = signals(client)?;
             running_with(client, signals, 1)?;
             follows(client, 0, BOTH)?;

@@ -16,7 +16,7 @@ const REFERENCES_RAD: [f32; STEPS as usize] = [1.0, 0.75, -0.5, 0.25, -1.25];
 pub(super) fn checks() -> Vec<Check> {
     vec![
         check(
-            "R11.4",
+            "R4.12 R11.4",
             "values are those of the subscribed signals, in the order of their indices",
             order_of_values,
         ),
