@@ -100,7 +100,7 @@ fn checks_outside_the_ranges_of_a_drive_are_skipped_aloud() {
 const OUT_OF_REACH: [&str; 3] = [
     "Reset leads from Boot to Boot",
     "a frame that arrives byte by byte is answered",
-    "every frame from the drive was a good message",
+    "no frame from the drive was damaged",
 ];
 
 #[test]
