@@ -11,6 +11,7 @@
 //! | `encoders` | wraparound, jumps and ambiguous positions |
 //! | `safety` | torque limit, latched faults, watchdog |
 //! | `receiver` | noise, damaged and refused frames |
+//! | `walk` | a long session through all states, with every request in each |
 //! | `line` | the line report |
 //! | `profile_pd` | the optional profile `pd`, by its golden trace |
 //! | `latency` | response times |
@@ -52,6 +53,7 @@ mod states;
 mod telemetry;
 mod transitions;
 pub mod unchecked;
+mod walk;
 mod words;
 
 use lashloop_protocol::message::Identity;
@@ -136,6 +138,7 @@ fn all_checks() -> impl Iterator<Item = (&'static str, Check)> {
         ("encoders", encoders::checks()),
         ("safety", safety::checks()),
         ("receiver", receiver::checks()),
+        ("walk", walk::checks()),
         ("line", line::checks()),
         ("profile_pd", profile_pd::checks()),
         ("latency", latency::checks()),

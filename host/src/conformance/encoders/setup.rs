@@ -15,7 +15,8 @@ use crate::conformance::assertion::{Failure, RuleResult, skip};
 use crate::conformance::client::Client;
 use crate::conformance::range::{holds, in_type_of, nearest_real, nearest_whole};
 
-const PERIOD_US: u32 = 1_000;
+/// Not the period of most drives after power-up: a drive must use the one that is set.
+const PERIOD_US: u32 = 800;
 /// Resolutions of motor and load. Coarse enough that the largest distance of a period fits the counter, fine enough that one
 /// count is a small part of it, and different: a drive must not use one for the other.
 const COUNTS_PER_REV: [u32; 2] = [65_536, 40_000];
@@ -121,7 +122,7 @@ impl Setup {
             .fold(LONGEST_GAP, u16::min)
     }
 
-    pub(super) fn settings(&self) -> [Setting; 5] {
+    pub(in crate::conformance) fn settings(&self) -> [Setting; 5] {
         use ParameterValue::{F32, U32};
         let [motor, load] = self.scales;
         [
@@ -134,7 +135,7 @@ impl Setup {
     }
 
     /// Skips the check if the drive's ranges exclude these settings. A drive may choose its ranges freely.
-    pub(super) fn allowed(&self, client: &Client) -> RuleResult {
+    pub(in crate::conformance) fn allowed(&self, client: &Client) -> RuleResult {
         for (name, value) in self.settings() {
             let parameter = client.parameter(name)?;
             if !holds(parameter, in_type_of(parameter, value)) {

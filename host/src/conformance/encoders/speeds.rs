@@ -20,7 +20,7 @@ const STARTS: [i64; 3] = [0, EncoderCounts::MAX.get() as i64, EncoderCounts::MIN
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
-        check("R7.14", "an encoder within its speed limit is accepted", |client| {
+        check("R7.5 R7.14 R7.15", "an encoder within its speed limit is accepted", |client| {
             let setup = Setup::coarse(client)?;
             for encoder in Encoder::BOTH {
                 for (start, sign) in STARTS.into_iter().flat_map(|start| [(start, 1), (start, -1)]) {
@@ -84,7 +84,7 @@ struct Jump {
 
 impl Scale {
     /// Most counts in so many periods that pass on any drive, one count of quantisation included.
-    fn most_counts(&self, periods: u16) -> i64 {
+    pub(super) fn most_counts(&self, periods: u16) -> i64 {
         (f64::from(periods) * self.counts_per_period() * (1.0 - ROUNDING)) as i64 + 1
     }
 

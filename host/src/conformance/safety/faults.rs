@@ -114,6 +114,7 @@ fn emergency_stop(client: &mut Client) -> RuleResult {
         client.reset()?;
         client.enter(state)?;
         let it = stopped(client, 0)?;
+        [0, 1].into_iter().try_for_each(|sequence| no_torque(client, sequence, State::Faulted))?;
         still_reported(client, it)?;
     }
     client.reset()?;

@@ -88,7 +88,6 @@ fn equal_torques(what: &str, wanted: &[u32], got: &[u32]) -> RuleResult {
 
 /// A run after each end of a run before it.
 fn new_start(client: &mut Client) -> RuleResult {
-    client.idle()?;
     client.long_watchdog()?;
     let fresh = torques_of_a_run(client, |_, _| Ok(()))?;
     client.command(Stop {})?;

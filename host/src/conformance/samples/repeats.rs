@@ -52,7 +52,6 @@ pub(super) fn checks() -> Vec<Check> {
             accepted(client, sample(2), TorqueFlags::empty()).map(drop)
         }),
         check("R7.3", "a repeated sample makes no control step", |client| {
-            client.idle()?;
             client.long_watchdog()?;
             let once = torques_of_a_run(client, |_, _| Ok(()))?;
             client.command(Stop {})?;

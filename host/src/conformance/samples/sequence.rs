@@ -57,7 +57,6 @@ pub(super) fn checks() -> Vec<Check> {
             accepted(client, sample(last + 1 + longest), TorqueFlags::GAP).map(drop)
         }),
         check("R7.6", "a refused sample makes no control step", |client| {
-            client.idle()?;
             client.long_watchdog()?;
             let quiet = torques_of_a_run(client, |_, _| Ok(()))?;
             client.command(Stop {})?;
