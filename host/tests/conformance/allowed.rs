@@ -1,5 +1,7 @@
 //! Mutants that no battery may find, and those that this one does not.
 
+use std::fmt;
+
 use lashloop_protocol::enums::State;
 
 use crate::mutation::{Mutant, Operator, When};
@@ -9,13 +11,19 @@ pub struct Set {
     site: &'static str,
     part: &'static str,
     which: fn(&Mutant) -> bool,
-    pub reason: &'static str,
+    reason: &'static str,
 }
 
 impl Set {
     pub fn has(&self, mutant: &Mutant) -> bool {
         let (site, part) = mutant.key;
         self.site == site && (self.part.is_empty() || self.part == part) && (self.which)(mutant)
+    }
+}
+
+impl fmt::Display for Set {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{} | {} | {}", self.site, self.part, self.reason)
     }
 }
 
@@ -43,6 +51,10 @@ const fn in_no_run(mutant: &Mutant) -> bool {
     matches!(mutant.when, When::In(State::Boot | State::Idle | State::Armed | State::Faulted))
 }
 
+const fn either_way(mutant: &Mutant) -> bool {
+    matches!(mutant.operator, Operator::Negated | Operator::Absolute)
+}
+
 const fn in_boot(mutant: &Mutant) -> bool {
     matches!(mutant.when, When::In(State::Boot))
 }
@@ -64,6 +76,7 @@ const fn from_first_or_second(mutant: &Mutant) -> bool {
 const FREE_NUMBER: &str = "the number of a build is the drive's own";
 const FREE_TEXT: &str = "other names, units and texts are allowed";
 const OWN_LAW: &str = "what a law makes of its parameters is the drive's own";
+const NO_LAW_KNOWN: &str = "no battery can make an unknown law request an infinite torque";
 const UNUSED: &str = "the field is not used in this state";
 const REFUSED_FIRST: &str = "the state is checked before";
 const CLOCK: &str = "the difference is below a millisecond of the drive's clock";
@@ -150,9 +163,18 @@ pub const EQUIVALENT: &[Set] = &[
         "no negative value is in any range",
     ),
     set(("watchdog", "trips at its limit"), all, CLOCK),
+    set(("load jump", "counts"), either_way, "the speed has no sign"),
+    set(("motor jump", "counts"), either_way, "the speed has no sign"),
     set(("watchdog", "time between two looks"), |it| it.operator != Operator::Scale(1e3), CLOCK),
     set(("watchdog", "is looked at when a sample arrives"), all, CLOCK),
 ];
 
 /// Mutants that break a rule and are not found.
-pub const NOT_FOUND: &[Set] = &[];
+pub const NOT_FOUND: &[Set] = &[
+    set(("torque", "not finite is a fault"), all, NO_LAW_KNOWN),
+    set(
+        ("effect of a parameter", "motor_counts_per_rev"),
+        by_one,
+        "1.5e-5 of it, near the tolerance of a speed",
+    ),
+];

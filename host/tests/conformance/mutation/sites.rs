@@ -50,10 +50,6 @@ impl Recorder {
         mutants
     }
 
-    pub fn keys(&self) -> Vec<Key> {
-        self.sites.lock().unwrap_or_else(PoisonError::into_inner).keys().copied().collect()
-    }
-
     fn record(&self, key: Key, state: State, value: &Value) {
         let check = self.check.load(Ordering::Relaxed);
         let mut sites = self.sites.lock().unwrap_or_else(PoisonError::into_inner);
