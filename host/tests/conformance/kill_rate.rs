@@ -11,6 +11,7 @@ use std::thread;
 use lashloop::conformance::{CheckResult, CheckStatus, Reporter, run};
 
 use crate::allowed::{EQUIVALENT, NOT_FOUND, Set};
+use crate::is_of_profile;
 use crate::mutation::{Checks, Mutant, Recorder, Sites};
 use crate::specimen::Specimen;
 
@@ -18,8 +19,6 @@ use crate::specimen::Specimen;
 const LEAST_PERCENT: f64 = 97.0;
 /// Number of the handshake before the first check.
 const HANDSHAKE: usize = 0;
-/// Checks that no mutant can fail.
-const OUT_OF_REACH: [&str; 0] = [];
 
 /// Counts the checks of an unchanged specimen for its recorder.
 struct Census {
@@ -134,7 +133,7 @@ fn specimen() -> (Census, BTreeMap<String, usize>) {
 #[test]
 fn specimen_passes_every_check() {
     let mut results = census().results;
-    results.retain(|it| it.status != CheckStatus::Passed);
+    results.retain(|it| it.status != CheckStatus::Passed && !is_of_profile(it));
     assert!(results.is_empty(), "{results:#?}");
 }
 
@@ -148,34 +147,42 @@ fn nearly_every_mutant_is_found_and_none_that_the_page_allows() {
     report(broken.len(), &survivors, allowed.len(), percent);
 
     let wronged: Vec<_> = allowed.iter().filter(|it| it.by.is_some()).map(|it| it.text()).collect();
-    assert!(wronged.is_empty(), "the page allows these mutants, and a check fails:\n{}", wronged.join("\n"));
     let unexpected: Vec<_> = survivors.iter().filter(|it| !it.is_in(NOT_FOUND)).map(|it| it.text()).collect();
-    assert!(unexpected.is_empty(), "no check fails for these mutants:\n{}", unexpected.join("\n"));
-    let idle = |set: &&Set, mutants: &[&Found]| !mutants.iter().any(|it| set.has(&it.mutant));
+    let is_idle = |set: &&Set, mutants: &[&Found]| !mutants.iter().any(|it| set.has(&it.mutant));
     let survivors: Vec<&Found> = survivors.into_iter().copied().collect();
-    let stale = EQUIVALENT.iter().filter(|set| idle(set, &allowed));
-    let stale = stale.chain(NOT_FOUND.iter().filter(|set| idle(set, &survivors)));
+    let stale = EQUIVALENT.iter().filter(|set| is_idle(set, &allowed));
+    let stale = stale.chain(NOT_FOUND.iter().filter(|set| is_idle(set, &survivors)));
     let stale: Vec<_> = stale.map(ToString::to_string).collect();
-    assert!(stale.is_empty(), "no mutant survives of these rows, which can go:\n{}", stale.join("\n"));
+    let unbroken = unbroken(&census, &numbers, &broken);
+    let wrong: String = [
+        ("the page allows these mutants, and a check fails", wronged),
+        ("no check fails for these mutants", unexpected),
+        ("no mutant survives of these rows, which can go", stale),
+        ("no mutant fails these checks", unbroken),
+    ]
+    .into_iter()
+    .filter(|(_, lines)| !lines.is_empty())
+    .map(|(what, lines)| format!("{what}:\n{}\n", lines.join("\n")))
+    .collect();
+    assert!(wrong.is_empty(), "{wrong}");
     assert!(
         percent >= LEAST_PERCENT,
         "{percent:.1} % of the mutants are found, of at least {LEAST_PERCENT} %"
     );
-
-    let unbroken = unbroken(&census, &numbers, &broken);
-    assert_eq!(unbroken, OUT_OF_REACH, "checks that no mutant fails");
 }
 
 /// Checks that fail for no mutant, not even one that another check finds first.
-fn unbroken<'a>(census: &'a Census, numbers: &BTreeMap<String, usize>, broken: &[&Found]) -> Vec<&'a str> {
+fn unbroken(census: &Census, numbers: &BTreeMap<String, usize>, broken: &[&Found]) -> Vec<String> {
     let caught: BTreeSet<_> = broken.iter().filter_map(|it| it.by.as_deref()).collect();
-    let others = census.results.iter().map(|it| it.name.as_str()).filter(|name| !caught.contains(name));
+    let judged = census.results.iter().filter(|it| !is_of_profile(it));
+    let others = judged.map(|it| it.name.as_str()).filter(|name| !caught.contains(name));
     others
         .filter(|name| {
             let number = numbers[*name];
             let acting = broken.iter().filter(|it| it.acts_in.contains(&number));
             !acting.into_iter().any(|it| hunt(it.mutant, numbers, &|wanted| wanted == number).is_some())
         })
+        .map(ToOwned::to_owned)
         .collect()
 }
 

@@ -1,20 +1,20 @@
-//! Tests of the conformance checks: each mutant breaks one rule, and the check of that rule must fail.
+//! Tests of the conformance checks: a drive that the page allows passes them all, and a mutant of it does not.
 
 mod allowed;
 mod kill_rate;
 mod laws;
-mod mutants;
 mod mutation;
+mod profile_pd;
 mod specimen;
-mod variants;
 
 use std::collections::BTreeSet;
-use std::thread;
 
 use lashloop::conformance::{CheckResult, CheckStatus, Reporter, run};
+use lashloop_bench::link::Link;
 use lashloop_bench::link::in_process::InProcess;
 use laws::TestLaws;
-use mutants::{Mutant, Variant};
+use mutation::{Mutant, Operator, Sites, When};
+use specimen::{FINE, FIXED, REAL, SLOW, Specimen};
 
 #[derive(Default)]
 struct Results(Vec<CheckResult>);
@@ -25,113 +25,85 @@ impl Reporter for Results {
     }
 }
 
-fn results(variant: Variant) -> Vec<CheckResult> {
+fn results(link: impl Link + 'static) -> Vec<CheckResult> {
     let mut results = Results::default();
-    run(Box::new(Mutant::new(variant)), 7, &mut results).expect("a line that holds");
+    run(Box::new(link), 7, &mut results).expect("a drive that answers");
     results.0
 }
 
-fn failed(results: &[CheckResult]) -> BTreeSet<String> {
-    let failed = results.iter().filter(|it| matches!(it.status, CheckStatus::Failed { .. }));
-    failed.map(|it| it.name.clone()).collect()
+fn unchanged() -> Sites {
+    Sites::new(None, None)
 }
 
-#[test]
-fn unchanged_drive_passes_every_check() {
-    let results = results(Variant::UNCHANGED);
-    assert!(results.iter().all(|it| it.status == CheckStatus::Passed), "{results:#?}");
+/// Whether the check is of the optional profile, which the specimen does not offer.
+fn is_of_profile(result: &CheckResult) -> bool {
+    result.group == "profile_pd" && matches!(result.status, CheckStatus::Skipped { .. })
 }
 
-/// Whether every check has passed, and those of the profile `pd` too or were skipped: its golden trace needs encoders and
-/// periods of its own.
-fn passed_but_for_the_profile(results: &[CheckResult]) -> bool {
-    results.iter().all(|it| match it.status {
-        CheckStatus::Passed => true,
-        CheckStatus::Skipped { .. } => it.group == "profile_pd",
-        _ => false,
-    })
+/// The names of the checks that were skipped, of a drive that passes all others. Those of the optional profile don't count.
+fn skipped(link: impl Link + 'static) -> BTreeSet<String> {
+    let mut results = results(link);
+    results.retain(|it| it.status != CheckStatus::Passed && !is_of_profile(it));
+    let broken: Vec<_> =
+        results.iter().filter(|it| !matches!(it.status, CheckStatus::Skipped { .. })).collect();
+    assert!(broken.is_empty(), "{broken:#?}");
+    results.into_iter().map(|it| it.name).collect()
 }
 
-/// With 1000 rad/s and these encoders the longest gap is 50 periods.
-#[test]
-fn drive_with_fine_encoders_passes_every_check() {
-    let results = results(variants::FINE);
-    assert!(passed_but_for_the_profile(&results), "{results:#?}");
+fn none() -> BTreeSet<String> {
+    BTreeSet::new()
 }
-
-#[test]
-fn drive_with_one_period_and_resolution_passes_every_check() {
-    let results = results(variants::FIXED);
-    assert!(passed_but_for_the_profile(&results), "{results:#?}");
-}
-
-#[test]
-fn jumps_and_gaps_are_checked_at_one_period_and_resolution() {
-    let failed = failed(&results(variants::FIXED_CREDULOUS));
-    for name in [
-        "a gap is flagged GAP, once",
-        "a motor encoder that jumps is a fault",
-        "a load encoder that jumps is a fault",
-    ] {
-        assert!(failed.contains(name), "{name}: {failed:?}");
-    }
-}
-
-#[test]
-fn checks_outside_the_ranges_of_a_drive_are_skipped_aloud() {
-    let results = results(variants::SLOW);
-    let skipped: Vec<_> = results
-        .iter()
-        .filter(|it| matches!(it.status, CheckStatus::Skipped { reason } if reason.contains("speed limits")))
-        .map(|it| it.name.as_str())
-        .collect();
-    let wanted = [
-        "a gap is accepted up to the longest unambiguous one",
-        "Arm is refused if one period leaves the position of the load ambiguous",
-    ];
-    assert_eq!(skipped, wanted);
-    // This drive accepts values beyond its ranges; every other rule is kept.
-    let refuses = "a value out of range is refused and changes nothing".to_owned();
-    assert_eq!(failed(&results), BTreeSet::from([refuses]));
-}
-
-/// Checks that no mutant can fail. A mutant resets into Boot before every check, assembles whole frames before it changes
-/// them, and sends whole frames only.
-const OUT_OF_REACH: [&str; 3] = [
-    "Reset leads from Boot to Boot",
-    "a frame that arrives byte by byte is answered",
-    "no frame from the drive was damaged",
-];
 
 #[test]
 fn names_of_checks_are_unique() {
-    let results = results(Variant::UNCHANGED);
+    let results = results(Specimen::new(unchanged()));
     let names: BTreeSet<_> = results.iter().map(|it| &it.name).collect();
     assert_eq!(names.len(), results.len());
 }
 
 #[test]
-fn every_broken_rule_fails_its_own_check() {
-    let failures: Vec<_> = thread::scope(|scope| {
-        let runs: Vec<_> =
-            variants::all().map(|variant| scope.spawn(move || failed(&results(variant)))).collect();
-        runs.into_iter().map(|run| run.join().expect("a battery that ends")).collect()
-    });
-    let missed: Vec<_> = variants::all()
-        .zip(&failures)
-        .filter(|(variant, failed)| !failed.contains(variant.caught_by))
-        .map(|(variant, failed)| format!("a drive that {}: {failed:?}", variant.does))
-        .collect();
-    assert!(missed.is_empty(), "not caught by their check:\n{}", missed.join("\n"));
-    let caught: BTreeSet<_> = failures.iter().flatten().collect();
-    let every = results(Variant::UNCHANGED);
-    let idle: Vec<_> = every.iter().map(|it| &it.name).filter(|name| !caught.contains(name)).collect();
-    assert_eq!(idle, OUT_OF_REACH, "checks that no broken drive fails");
+fn drive_with_fine_encoders_passes_every_check() {
+    assert_eq!(skipped(Specimen::with(unchanged(), &FINE)), none());
 }
 
 #[test]
-fn a_drive_in_process_passes_every_check_and_none_is_skipped() {
-    let mut results = Results::default();
-    run(Box::new(InProcess::<TestLaws>::default()), 7, &mut results).expect("a drive");
-    assert!(results.0.iter().all(|it| it.status == CheckStatus::Passed), "{:#?}", results.0);
+fn drive_with_real_numbers_passes_every_check() {
+    assert_eq!(skipped(Specimen::with(unchanged(), &REAL)), none());
+}
+
+#[test]
+fn drive_with_one_period_and_resolution_passes_every_check() {
+    assert_eq!(skipped(Specimen::with(unchanged(), &FIXED)), none());
+}
+
+#[test]
+fn logs_and_messages_of_a_later_version_are_borne_at_any_time() {
+    assert_eq!(skipped(Specimen::chatty()), none());
+}
+
+#[test]
+fn jumps_and_gaps_are_checked_at_one_period_and_resolution() {
+    for (key, check) in [
+        (("motor jump", "beyond the limit"), "a motor encoder that jumps is a fault"),
+        (("load jump", "beyond the limit"), "a load encoder that jumps is a fault"),
+        (("torque", "is after a gap"), "a gap is flagged GAP, once"),
+    ] {
+        let mutant = Mutant { key, operator: Operator::To(0), when: When::Always };
+        let results = results(Specimen::with(Sites::new(Some(mutant), None), &FIXED));
+        let failed = |it: &CheckResult| it.name == check && matches!(it.status, CheckStatus::Failed { .. });
+        assert!(results.iter().any(failed), "{check}: {results:#?}");
+    }
+}
+
+#[test]
+fn checks_outside_the_ranges_of_a_drive_are_skipped_aloud() {
+    let skipped = skipped(Specimen::with(unchanged(), &SLOW));
+    assert_eq!(skipped, none());
+}
+
+/// None of its parameters is live.
+#[test]
+fn a_drive_in_process_passes_every_check() {
+    let skipped = skipped(InProcess::<TestLaws>::default());
+    assert!(skipped.iter().all(|name| name.contains("live")), "{skipped:?}");
 }

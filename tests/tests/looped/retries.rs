@@ -74,7 +74,7 @@ fn a_run_survives_the_loss_of_each_first_request() {
     let (sender, dropped) = mpsc::channel();
     let torques = torques_over(drop_the_first(request, sender), &[]);
     let setup = ["Hello", "DescribeLaw", "DescribeParameter", "DescribeChoice", "DescribeSignal"];
-    let run = ["Reset", "SetParameter", "Subscribe", "Arm", "Start", "Stop"];
+    let run = ["Reset", "SetParameter", "Subscribe", "GetParameter", "Arm", "Start", "Stop"];
     assert_eq!(dropped.iter().collect::<Vec<_>>(), [&setup[..], &run].concat());
     assert_eq!(torques, torques_of_a_run("native", &[]));
 }

@@ -203,7 +203,7 @@ fn a_missing_flag_gap_ends_the_run() {
 }
 
 #[test]
-fn no_impairment_of_the_line_accuses_a_right_drive() {
+fn no_impairment_of_the_line_breaks_a_rule() {
     for kind in [
         "link-byte-loss\"\nshare = 0.2",
         "link-bit-flip\"\nshare = 0.2",

@@ -98,7 +98,8 @@ impl AnswerCheck {
             return Some(AnswerRule::SaturatedAtLimit { torque_nm, limit_nm });
         }
         if let Some(sample) = sample {
-            if has(TorqueFlags::REPEATED) && !sample.is_retransmitted {
+            // Behind an answer, it is the line that has duplicated the sample.
+            if has(TorqueFlags::REPEATED) && !sample.is_retransmitted && !sample.is_answered {
                 return Some(AnswerRule::RepeatedOnlyIfRetransmitted);
             }
             match self.before(sample) {

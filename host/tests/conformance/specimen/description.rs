@@ -29,6 +29,7 @@ pub const SIGNALS: [(&str, &str, u16); 16] = [
     ("motor_turns", "", ALL),
 ];
 
+#[derive(Clone, Copy, PartialEq)]
 pub struct Parameter {
     pub name: &'static str,
     pub unit: &'static str,
@@ -55,7 +56,14 @@ pub const DAMPING: usize = 9;
 pub const INTEGRAL_GAIN: usize = 10;
 pub const OUTPUT: usize = 11;
 
-pub const PARAMETERS: [Parameter; 12] = [
+pub const PARAMETER_COUNT: usize = 12;
+
+/// The parameters of a drive.
+pub type Table = [Parameter; PARAMETER_COUNT];
+
+pub static PARAMETERS: Table = TABLE;
+
+const TABLE: Table = [
     of("torque_limit_nm", "N m", [F32(20.0), F32(0.0), F32(1e3)]),
     of("watchdog_us", "us", [U32(20_000), U32(200), U32(60_000_000)]),
     of("period_us", "us", [U32(1_000), U32(100), U32(100_000)]),
@@ -69,6 +77,38 @@ pub const PARAMETERS: [Parameter; 12] = [
     Parameter { laws: INTEGRAL, ..of("integral_gain_1_s", "1/s", [F32(0.5), F32(0.0), F32(1e3)]) },
     Parameter { flags: ParameterFlags::CHOICES, ..of("output", "", [U32(1), U32(1), U32(3)]) },
 ];
+
+const fn with<const N: usize>(changes: [(usize, [ParameterValue; 3]); N]) -> Table {
+    let mut table = TABLE;
+    let mut at = 0;
+    while at < N {
+        let (index, [default, min, max]) = changes[at];
+        (table[index].default, table[index].min, table[index].max) = (default, min, max);
+        at += 1;
+    }
+    table
+}
+
+/// With fine encoders: the longest gap is 50 periods for the motor.
+pub static FINE: Table = {
+    let fine = [U32(1 << 20), U32(4), U32(1 << 24)];
+    with([(COUNTS[0], fine), (COUNTS[1], fine)])
+};
+
+/// With one timer and absolute encoders: one period and one resolution each.
+pub static FIXED: Table =
+    with([(PERIOD, [U32(500); 3]), (COUNTS[0], [U32(131_072); 3]), (COUNTS[1], [U32(65_536); 3])]);
+
+/// With a load so slow that no settings leave its position ambiguous.
+pub static SLOW: Table = with([(SPEED_LIMITS[1], [F32(100.0), F32(0.1), F32(200.0)])]);
+
+/// With real numbers where the page allows them.
+pub static REAL: Table = {
+    let counts = [F32(65_536.0), F32(4.0), F32(16_777_216.0)];
+    let period = [F32(1_000.0), F32(100.0), F32(100_000.0)];
+    let watchdog = [F32(20_000.0), F32(200.0), F32(60_000_000.0)];
+    with([(PERIOD, period), (COUNTS[0], counts), (COUNTS[1], counts), (WATCHDOG, watchdog)])
+};
 
 /// Names of the values of `output`, from its `min`.
 pub const OUTPUTS: [&str; 3] = ["direct", "half", "double"];

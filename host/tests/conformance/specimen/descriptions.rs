@@ -8,7 +8,7 @@ use lashloop_protocol::message::{
 use lashloop_protocol::text::Text;
 
 use super::Drive;
-use super::description::{CONTROLLER, LAWS, OUTPUTS, PARAMETERS, SIGNALS};
+use super::description::{CONTROLLER, LAWS, OUTPUTS, SIGNALS, Table};
 use super::requests::whole;
 
 impl Drive {
@@ -23,7 +23,7 @@ impl Drive {
                 let (name, unit) = (Text::new(name), Text::new(unit));
                 self.send(SignalDescription { index: it.index, laws, name, unit });
             }
-            HostMessage::DescribeChoice(it) => match choice(*it) {
+            HostMessage::DescribeChoice(it) => match choice(self.values.table, *it) {
                 Some(name) if self.at.flag("DescribeChoice", "is known", true) => {
                     self.send(ChoiceDescription {
                         parameter: it.parameter,
@@ -33,8 +33,10 @@ impl Drive {
                 }
                 _ => self.unknown(request),
             },
-            HostMessage::DescribeParameter(it) if self.is_known(request, it.index, PARAMETERS.len()) => {
-                let parameter = &PARAMETERS[usize::from(it.index).min(PARAMETERS.len() - 1)];
+            HostMessage::DescribeParameter(it)
+                if self.is_known(request, it.index, self.values.table.len()) =>
+            {
+                let parameter = &self.values.table[usize::from(it.index).min(self.values.table.len() - 1)];
                 self.send(ParameterDescription {
                     index: it.index,
                     flags: parameter.flags,
@@ -48,7 +50,7 @@ impl Drive {
             }
             HostMessage::DescribeParameter(it) => self.report(it.index, Outcome::UnknownIndex, None),
             HostMessage::GetParameter(it) => {
-                let is_known = self.is_known(request, it.index, PARAMETERS.len());
+                let is_known = self.is_known(request, it.index, self.values.table.len());
                 self.report(it.index, if is_known { Outcome::Accepted } else { Outcome::UnknownIndex }, None);
             }
             _ => self.unknown(request),
@@ -66,9 +68,9 @@ impl Drive {
     }
 }
 
-fn choice(request: DescribeChoice) -> Option<&'static str> {
+fn choice(table: &Table, request: DescribeChoice) -> Option<&'static str> {
     let index = usize::from(request.parameter);
-    let parameter = PARAMETERS.get(index).filter(|it| it.flags.contains(ParameterFlags::CHOICES))?;
+    let parameter = table.get(index).filter(|it| it.flags.contains(ParameterFlags::CHOICES))?;
     let names: &[&str] = if index == CONTROLLER { &LAWS } else { &OUTPUTS };
     let place = u32::from(request.choice).checked_sub(whole(parameter.min))?;
     names.get(place as usize).copied()

@@ -2,7 +2,7 @@
 
 use lashloop_protocol::enums::State;
 
-use super::{Drive, defaults};
+use super::Drive;
 
 impl Drive {
     /// After an event, be it a request, refused or done, a frame or time. A mutant loses with it what must be kept.
@@ -11,7 +11,7 @@ impl Drive {
         let counts = self.counts;
         let has_counts = [counts.messages, counts.damaged, counts.refused] != [0; 3];
         let is_running = self.state() == State::Running;
-        let loses_parameters = loses("keeps the parameters", self.values != defaults());
+        let loses_parameters = loses("keeps the parameters", self.values != self.defaults());
         let loses_subscription = loses("keeps the subscription", self.signals != 0 || self.every != 0);
         let loses_session = loses("keeps the session", self.session.is_some());
         let loses_fault = loses("keeps the fault report", self.fault.is_some());
@@ -22,7 +22,7 @@ impl Drive {
             self.fed_us = self.now_us;
         }
         if loses_parameters {
-            self.values = defaults();
+            self.values = self.defaults();
         }
         if loses_subscription {
             (self.signals, self.every) = (0, 0);

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use lashloop_bench::link::{Link, LinkError};
 
 use super::Drive;
+use super::description::{PARAMETERS, Table};
 use crate::mutation::Sites;
 
 /// Time of a byte on the line.
@@ -18,7 +19,18 @@ pub struct Specimen {
 
 impl Specimen {
     pub fn new(sites: Sites) -> Self {
-        Self { drive: Drive::new(sites), boot: Instant::now() }
+        Self::with(sites, &PARAMETERS)
+    }
+
+    /// With parameters of other types, defaults and ranges.
+    pub fn with(sites: Sites, parameters: &'static Table) -> Self {
+        Self { drive: Drive::new(sites, parameters, false), boot: Instant::now() }
+    }
+
+    /// That also sends what the page allows at any time.
+    pub fn chatty() -> Self {
+        let drive = Drive::new(Sites::new(None, None), &PARAMETERS, true);
+        Self { drive, boot: Instant::now() }
     }
 
     fn us(&self, instant: Instant) -> f64 {

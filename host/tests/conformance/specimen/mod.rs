@@ -18,12 +18,15 @@ use lashloop_protocol::text::Text;
 use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
 use crate::mutation::Sites;
-use description::PARAMETERS;
+use description::Table;
 use receiver::Receiver;
 use run::{Run, Values};
 
+pub use description::{FINE, FIXED, REAL, SLOW};
 pub use link::Specimen;
 
+/// A kind that this version lacks.
+const LATER_KIND: u8 = 0xf7;
 /// Time between two looks at the watchdog.
 const LOOK_US: f64 = 1_000.0;
 
@@ -36,6 +39,8 @@ struct Drive {
     receiver: Receiver,
     session: Option<u32>,
     values: Values,
+    /// Sends a log and a message of a later version after every other message, as the page allows.
+    is_chatty: bool,
     signals: u32,
     every: u16,
     fault: Option<FaultReport>,
@@ -51,19 +56,16 @@ struct Drive {
     held: Vec<u8>,
 }
 
-fn defaults() -> Values {
-    PARAMETERS.map(|parameter| parameter.default)
-}
-
 impl Drive {
-    fn new(at: Sites) -> Self {
+    fn new(at: Sites, table: &'static Table, is_chatty: bool) -> Self {
         Self {
             at,
             now_us: 0.0,
             arrived_us: 0.0,
             receiver: Receiver::default(),
             session: None,
-            values: defaults(),
+            values: Values::defaults(table),
+            is_chatty,
             signals: 0,
             every: 0,
             fault: None,
@@ -75,6 +77,10 @@ impl Drive {
             output: Vec::new(),
             held: Vec::new(),
         }
+    }
+
+    fn defaults(&self) -> Values {
+        Values::defaults(self.values.table)
     }
 
     fn state(&self) -> State {
@@ -156,6 +162,10 @@ impl Drive {
             copies => (0..copies).for_each(|_| self.output.extend(&frame)),
         }
         self.output.extend(held);
+        if self.is_chatty && layout.name != "Log" {
+            self.output.extend(receiver::frame(&self.at, &[LATER_KIND, 1, 2, 3]));
+            self.log("a log at any time");
+        }
     }
 
     fn log(&mut self, text: &str) {
@@ -173,7 +183,7 @@ impl Drive {
     }
 
     fn is_set(&self, index: usize) -> ParameterValue {
-        self.values[index]
+        self.values.set[index]
     }
 
     /// Looks at the watchdog; its report if it trips.

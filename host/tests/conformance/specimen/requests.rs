@@ -5,10 +5,10 @@ use lashloop_protocol::message::{CommandResult, Identity, ParameterReport, SetPa
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{HostMessage, Message};
 
-use super::description::{CONTROLLER, COUNTS, LAWS, PARAMETERS, PERIOD, SIGNALS};
+use super::Drive;
+use super::description::{CONTROLLER, COUNTS, LAWS, PERIOD, SIGNALS};
 use super::run::{Run, longest_gap};
 use super::table::{Cell, cell};
-use super::{Drive, defaults};
 
 const VERSION: u8 = 1;
 const MOST_SIGNALS: i64 = 13;
@@ -60,7 +60,7 @@ impl Drive {
                 }
             }
             HostMessage::SetParameter(set) => {
-                let parameter = PARAMETERS.get(usize::from(set.index));
+                let parameter = self.values.table.get(usize::from(set.index));
                 let is_live = parameter.is_some_and(|it| it.flags.contains(ParameterFlags::LIVE));
                 let matters = matches!(self.state(), State::Armed | State::Running);
                 if matters && self.at.flag("SetParameter", "is of a live one", is_live) {
@@ -121,7 +121,7 @@ impl Drive {
             load_counts_per_rev: whole(self.is_set(COUNTS[1])),
             law_count: LAWS.len() as u8,
             signal_count: SIGNALS.len() as u8,
-            parameter_count: PARAMETERS.len() as u8,
+            parameter_count: self.values.table.len() as u8,
         });
         let is_latched = self.fault.is_some() && self.state() == State::Faulted;
         if let Some(fault) = self.fault
@@ -135,7 +135,7 @@ impl Drive {
     }
 
     fn set_parameter(&mut self, row: &'static str, SetParameter { index, value }: SetParameter) {
-        let parameter = PARAMETERS.get(usize::from(index));
+        let parameter = self.values.table.get(usize::from(index));
         let state = cell(&self.at, row);
         let of_range = |part, breaks: bool| {
             let applies = parameter.is_some_and(|it| it.default.ty() == value.ty());
@@ -164,7 +164,7 @@ impl Drive {
         let keeps = if stores { "is stored" } else { "is stored though refused" };
         if parameter.is_some_and(|it| it.default.ty() == value.ty())
             && self.at.flag("SetParameter", keeps, stores)
-            && let Some(stored) = self.values.get_mut(usize::from(index))
+            && let Some(stored) = self.values.set.get_mut(usize::from(index))
         {
             *stored = value;
         }
@@ -176,9 +176,9 @@ impl Drive {
 
     /// Reports the value in force; `requested` is what a mistaken drive reports.
     pub(super) fn report(&mut self, index: u8, outcome: Outcome, requested: Option<ParameterValue>) {
-        let value = self.values.get(usize::from(index)).copied().unwrap_or(ParameterValue::U32(0));
+        let value = self.values.set.get(usize::from(index)).copied().unwrap_or(ParameterValue::U32(0));
         let requested = requested.unwrap_or(value);
-        let default = PARAMETERS.get(usize::from(index)).map_or(value, |it| it.default);
+        let default = self.values.table.get(usize::from(index)).map_or(value, |it| it.default);
         let value = match self.at.pick("ParameterReport", "source of the value", 0, &[0, 1, 2]) {
             0 => value,
             1 => requested,
@@ -321,9 +321,9 @@ impl Drive {
 
     fn reset(&mut self) {
         let restores = |what| self.at.flag("Reset restores", what, true);
-        for ((stored, default), parameter) in self.values.iter_mut().zip(defaults()).zip(PARAMETERS) {
+        for (stored, parameter) in self.values.set.iter_mut().zip(self.values.table) {
             if restores(parameter.name) {
-                *stored = default;
+                *stored = parameter.default;
             }
         }
         if restores("no subscription") {

@@ -6,8 +6,8 @@ use lashloop_protocol::enums::{FaultCode, ParameterValue};
 use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
 
 use super::description::{
-    CONTROLLER, COUNTS, DAMPING, GAIN, INTEGRAL_GAIN, OUTPUT, PARAMETERS, PERIOD, SIGNALS, SPEED_LIMITS,
-    TORQUE_LIMIT, WATCHDOG,
+    CONTROLLER, COUNTS, DAMPING, GAIN, INTEGRAL_GAIN, OUTPUT, PARAMETER_COUNT, PERIOD, SIGNALS, SPEED_LIMITS,
+    TORQUE_LIMIT, Table, WATCHDOG,
 };
 use crate::mutation::{Sites, Width};
 
@@ -15,8 +15,18 @@ const ENCODERS: [&str; 2] = ["motor", "load"];
 const HALF: i64 = 1 << 23;
 const LONGEST_GAP: i64 = 1000;
 
-/// All parameters, by index.
-pub type Values = [ParameterValue; PARAMETERS.len()];
+/// All parameters of a drive and their values, by index.
+#[derive(Clone, Copy, PartialEq)]
+pub struct Values {
+    pub table: &'static Table,
+    pub set: [ParameterValue; PARAMETER_COUNT],
+}
+
+impl Values {
+    pub fn defaults(table: &'static Table) -> Self {
+        Self { table, set: table.map(|parameter| parameter.default) }
+    }
+}
 
 /// Place of a sample in the sequence.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,8 +79,8 @@ fn number(value: ParameterValue) -> f64 {
 
 /// A parameter in force where it has its effect. A mistaken drive takes the default.
 pub fn setting(at: &Sites, values: &Values, index: usize) -> f64 {
-    let parameter = &PARAMETERS[index];
-    let value = (number(values[index]), Width::Real);
+    let parameter = &values.table[index];
+    let value = (number(values.set[index]), Width::Real);
     at.number_or("effect of a parameter", parameter.name, value, Some(number(parameter.default)))
 }
 

@@ -138,6 +138,8 @@ fn repeated_is_the_answer_to_a_retransmitted_sample_only() {
     assert_eq!(Host::new().sends([0]).flagged(0, REPEATED), Some(AnswerRule::RepeatedOnlyIfRetransmitted));
     assert_eq!(Host::new().sends([0, 0]).flagged(0, REPEATED), None);
     assert_eq!(Host::new().sends([0, 0, 1]).has(0, NONE).has(0, REPEATED).flagged(1, NONE), None);
+    let duplicated = Host::new().sends([0]).has(0, NONE);
+    assert_eq!(duplicated.flagged(0, REPEATED), None, "the line has duplicated it, and lost no answer");
     let mut duplicating = Host(AnswerCheck::new(LIMIT_NM, true)).sends([0]);
     assert_eq!(duplicating.broken(0, 1.0, State::Running, REPEATED), None, "the line has duplicated it");
 }
