@@ -66,7 +66,7 @@
 //! | [`conformance`] | checks of a drive against the protocol, rule by rule |
 //! | [`decode`] | the frames of a capture or of a raw stream as text |
 //! | [`parameter_set`] | the parameters of a drive as a file and as a fingerprint |
-//! | [`ports`], [`doctor`] | the serial ports of this machine, and the diagnosis of one |
+//! | [`ports`], [`doctor`] | the serial ports of this machine, and the examination of a line |
 //! | [`soak`] | a scenario repeated under rising faults |
 
 #![forbid(unsafe_code)]

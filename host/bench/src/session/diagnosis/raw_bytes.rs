@@ -68,7 +68,8 @@ impl RawBytes {
     #[must_use]
     pub fn is_cooked_echo(&self) -> bool {
         let pairs = |wanted: &[u8; 2]| self.head().windows(2).filter(|pair| pair == wanted).count();
-        pairs(b"^@") >= 1 && pairs(b"^A") >= 1
+        // A byte of the checksum may be a signal character, on which the terminal drops the beginning of the echo.
+        pairs(b"^@") >= 2 || (pairs(b"^@") == 1 && pairs(b"^A") >= 1)
     }
 
     /// Whether a UART received them that samples faster than the far end sends.

@@ -161,6 +161,9 @@ fn each_trouble_has_its_sentence() {
 fn the_bench_s_own_frames_are_a_loopback() {
     assert_eq!(cause_of("own frames"), Cause::Loopback);
     assert_eq!(cause_of("cooked echo"), Cause::CookedEcho);
+    // The echo of a frame after a signal character, as a terminal with ISIG sends it.
+    let end_of_echo = Peer::replying(|_| vec![(MS, b"^\\\xf3\xddAi%\xcf^@".to_vec())]);
+    assert_eq!(diagnosis(end_of_echo).cause, Cause::CookedEcho);
 }
 
 #[test]

@@ -13,11 +13,14 @@ use crate::link::{Link, LinkError};
 /// Bytes that arrive, each after a delay from the one before.
 pub type Reply = Vec<(Duration, Vec<u8>)>;
 
+type Replies = Box<dyn FnMut(&[u8]) -> Reply + Send>;
+type Pieces = Box<dyn FnMut() -> Vec<u8> + Send>;
+
 /// A far end that replies to each write, and sends its stream without being asked.
 pub struct Peer {
     pub now: Instant,
-    replies: Box<dyn FnMut(&[u8]) -> Reply + Send>,
-    stream: Option<(Duration, Box<dyn FnMut() -> Vec<u8> + Send>)>,
+    replies: Replies,
+    stream: Option<(Duration, Pieces)>,
     pending: VecDeque<(Instant, Vec<u8>)>,
 }
 
@@ -49,7 +52,7 @@ impl Peer {
 
     /// A far end that sends a piece at each interval and reads nothing.
     pub fn streaming(interval: Duration, piece: impl FnMut() -> Vec<u8> + Send + 'static) -> Self {
-        let stream = Some((interval, Box::new(piece) as Box<_>));
+        let stream = Some((interval, Box::new(piece) as Pieces));
         Self { stream, ..Self::replying(|_| Vec::new()) }
     }
 }
