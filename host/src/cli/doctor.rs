@@ -1,24 +1,25 @@
-//! `lashloop doctor`: whether a terminal is fit for a bench.
-
-use std::path::PathBuf;
+//! `lashloop doctor`: whether a line is fit for a bench.
 
 use crate::bench::Bench;
 use crate::doctor;
 use clap::Args;
+use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::verdict::Exit;
 
 use super::error::CliError;
 use super::options::BaudOption;
 use super::output::outln;
+use super::supervision::start_supervisor;
 
-/// Diagnose a terminal with a drive: open, handshake, round trip
+/// Diagnose the line to a drive: open, handshake, round trip
 ///
 /// The drive stays disarmed and produces no torque. Exit code 1 if a property needs a remedy, 4 if no drive completes the
 /// handshake.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Terminal, such as /dev/ttyACM0 or /dev/pts/3
-    terminal: PathBuf,
+    /// Drive: the path of a terminal such as /dev/ttyACM0 or /dev/pts/3, or any other device of `lashloop run`
+    #[arg(value_name = "DEVICE")]
+    device: DeviceChoice,
 
     #[command(flatten)]
     line: BaudOption,
@@ -30,9 +31,10 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
-        let examination = doctor::examine(&self.terminal, self.line.baud, self.rounds);
-        for diagnosis in &examination.diagnoses {
-            outln!("{diagnosis}");
+        let supervisor = start_supervisor()?;
+        let examination = doctor::examine(&self.device, self.line.baud, self.rounds, &supervisor);
+        for finding in &examination.findings {
+            outln!("{finding}");
         }
         Ok(match (examination.reached, examination.is_healthy()) {
             (false, _) => Exit::DeviceOrLink,

@@ -10,6 +10,7 @@
 //! The first object is wrapped here. `Telemetry` also has `"signals":{"NAME":VALUE,...}` if the descriptions of the signals and
 //! the subscription are part of the stream. NaN and infinities are strings.
 
+use lashloop_bench::session::printable;
 use lashloop_protocol::Counters;
 use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::field_value::{FieldValue, SetFlags};
@@ -131,7 +132,8 @@ impl Serialize for Value<'_> {
                 Real(value).serialize(serializer)
             }
             FieldValue::Reals(values) => serializer.collect_seq(values.as_slice().iter().copied().map(Real)),
-            FieldValue::Name(text) | FieldValue::Text(text) => serializer.serialize_str(text),
+            FieldValue::Name(name) => serializer.serialize_str(name),
+            FieldValue::Text(text) => serializer.serialize_str(&printable(text)),
             FieldValue::Status(state, flags) => {
                 let mut status = serializer.serialize_struct("Status", 2)?;
                 status.serialize_field("state", state)?;

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use lashloop_bench::session::printable;
 use lashloop_protocol::enums::Outcome;
 use lashloop_protocol::message::{Reset, Subscribe, Telemetry};
 use lashloop_protocol::wire::Payload;
@@ -40,7 +41,8 @@ impl Subscription {
                 }
             }
             AnyMessage::Drive(DriveMessage::SignalDescription(signal)) => {
-                let label = Label { name: signal.name.to_string(), unit: signal.unit.to_string() };
+                let [name, unit] = [signal.name.as_str(), signal.unit.as_str()].map(printable);
+                let label = Label { name, unit };
                 self.described.insert(signal.index, label);
             }
             AnyMessage::Drive(DriveMessage::Telemetry(telemetry)) => return self.labels(telemetry),

@@ -5,10 +5,12 @@ use std::time::Duration;
 use lashloop_protocol::enums::State;
 use lashloop_protocol::message::Identity;
 
-use super::diagnosis::Diagnosis;
+use super::finding::Finding;
 use super::latency_timer::LatencyTimer;
+use super::line_under_test::LineUnderTest;
 use super::round_trip::{BYTES, Timing};
 use lashloop_bench::device::DeviceError;
+use lashloop_bench::session::printable;
 
 /// Excess over the time on the wire that indicates buffering. USB at full speed costs up to 1 ms in each direction, and the
 /// drive needs time for its answer.
@@ -16,48 +18,49 @@ const BUFFERING: Duration = Duration::from_millis(3);
 /// Excess that indicates a latency timer of 16 ms.
 const LATENCY_TIMER: Duration = Duration::from_millis(10);
 
-pub(super) fn not_opened(error: &DeviceError, holders: &[String]) -> Diagnosis {
+pub(super) fn not_opened(error: &DeviceError, holders: &[String]) -> Finding {
     let holders =
         if holders.is_empty() { String::new() } else { format!("; it is open in {}", holders.join(", ")) };
-    Diagnosis::wrong("open", format!("{error}{holders}"))
+    Finding::wrong("open", format!("{error}{holders}"))
 }
 
-pub(super) fn opened(baud: Option<u32>) -> Diagnosis {
-    Diagnosis::fine(
+pub(super) fn opened(line: LineUnderTest<'_>) -> Finding {
+    Finding::fine(
         "open",
-        match baud {
-            Some(baud) => {
+        match line {
+            LineUnderTest::SerialPort { baud, .. } => {
                 format!("exclusive, {baud} baud, 8 data bits, no parity, 1 stop bit, no flow control")
             }
-            None => "exclusive, raw; a pseudo-terminal has no baud rate".to_owned(),
+            LineUnderTest::PseudoTerminal => "exclusive, raw; a pseudo-terminal has no baud rate".to_owned(),
+            LineUnderTest::Other => "raw bytes; this line has no terminal".to_owned(),
         },
     )
 }
 
-pub(super) fn dtr(is_pty: bool) -> Diagnosis {
-    if is_pty {
-        return Diagnosis::not_applicable("DTR", "a pseudo-terminal has no modem lines");
+pub(super) fn dtr(line: LineUnderTest<'_>) -> Finding {
+    if line.terminal().is_none() {
+        return Finding::not_applicable("DTR", format!("{} has no modem lines", line.name()));
     }
-    Diagnosis::fine(
+    Finding::fine(
         "DTR",
         "left as the driver sets it at open, which is on; a board that resets by DTR has just been reset",
     )
 }
 
-/// `None` stands for a pseudo-terminal.
-pub(super) fn latency_timer(timer: Option<&LatencyTimer>) -> Diagnosis {
+/// `None` stands for a line that is no serial port.
+pub(super) fn latency_timer(line: LineUnderTest<'_>, timer: Option<&LatencyTimer>) -> Finding {
     let about = "latency timer";
     match timer {
-        None => Diagnosis::not_applicable(about, "a pseudo-terminal does not buffer by time"),
-        Some(LatencyTimer::None) => Diagnosis::not_applicable(about, "this driver has none"),
-        Some(LatencyTimer::Short) => Diagnosis::fine(about, "1 ms, the shortest"),
-        Some(LatencyTimer::Shortened { from_ms }) => Diagnosis::fine(
+        None => Finding::not_applicable(about, format!("{} does not buffer by time", line.name())),
+        Some(LatencyTimer::None) => Finding::not_applicable(about, "this driver has none"),
+        Some(LatencyTimer::Short) => Finding::fine(about, "1 ms, the shortest"),
+        Some(LatencyTimer::Shortened { from_ms }) => Finding::fine(
             about,
             format!(
                 "was {from_ms} ms, set to 1 ms until the adapter is unplugged; a udev rule makes it last"
             ),
         ),
-        Some(LatencyTimer::Long { ms, file, reason }) => Diagnosis::wrong(
+        Some(LatencyTimer::Long { ms, file, reason }) => Finding::wrong(
             about,
             format!(
                 "{ms} ms and can't be shortened ({reason}): echo 1 | sudo tee {}, or add a udev rule that does it",
@@ -68,40 +71,48 @@ pub(super) fn latency_timer(timer: Option<&LatencyTimer>) -> Diagnosis {
 }
 
 /// First step of every handshake.
-pub(super) fn drained() -> Diagnosis {
-    Diagnosis::fine("drain", "pending input is discarded, and a delimiter ends a partial frame at the drive")
+pub(super) fn drained() -> Finding {
+    Finding::fine("drain", "pending input is discarded, and a delimiter ends a partial frame at the drive")
 }
 
-pub(super) fn handshake(identity: &Identity) -> Diagnosis {
-    let Identity { protocol_version, firmware, build_id, state, board, .. } = identity;
+pub(super) fn handshake(identity: &Identity) -> Finding {
+    let board = printable(identity.board.as_str());
+    let Identity { protocol_version, firmware, build_id, state, .. } = identity;
     let who = format!(
         "{board}, firmware {firmware}, build {build_id:08x}, protocol version {protocol_version}, state {state:?}"
     );
     match state {
-        State::Idle => Diagnosis::fine("handshake", who),
-        State::Faulted => Diagnosis::wrong(
+        State::Idle => Finding::fine("handshake", who),
+        State::Faulted => Finding::wrong(
             "handshake",
             format!("{who}: a fault is latched; `lashloop run` resets the drive first"),
         ),
-        _ => Diagnosis::wrong(
+        _ => Finding::wrong(
             "handshake",
             format!("{who}: expected Idle after the handshake; power the drive off and on"),
         ),
     }
 }
 
-pub(super) fn round_trip(timing: &Timing) -> Diagnosis {
-    let Timing { answered, p50, p99, max, .. } = *timing;
+pub(super) fn round_trip(timing: &Timing) -> Finding {
+    let Timing { answered, left_out, p50, p99, max, .. } = *timing;
     let [p50, p99, max] = [p50, p99, max].map(in_us);
-    Diagnosis::fine("round trip", format!("{answered} samples answered: p50 {p50}, p99 {p99}, max {max}"))
+    let measured = format!("{answered} samples answered: p50 {p50}, p99 {p99}, max {max}");
+    if left_out == 0 {
+        return Finding::fine("round trip", measured);
+    }
+    Finding::wrong(
+        "round trip",
+        format!("{measured}; too slow for the other {left_out} samples within the time limit"),
+    )
 }
 
-pub(super) fn losses(timing: &Timing, damaged: u64) -> Option<Diagnosis> {
+pub(super) fn losses(timing: &Timing, damaged: u64) -> Option<Finding> {
     let Timing { answered, lost, .. } = *timing;
     if lost == 0 && damaged == 0 {
         return None;
     }
-    Some(Diagnosis::wrong(
+    Some(Finding::wrong(
         "losses",
         format!(
             "{lost} of {} samples without an answer, {damaged} damaged frames: check ground and cable, or take a lower \
@@ -111,14 +122,14 @@ pub(super) fn losses(timing: &Timing, damaged: u64) -> Option<Diagnosis> {
     ))
 }
 
-/// Compares the round trip with `wire`, its time on the line; `None` for a pseudo-terminal.
-pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&LatencyTimer>) -> Diagnosis {
+/// Compares the round trip with `wire`, its time on the line; `None` for a line without a baud rate.
+pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&LatencyTimer>) -> Finding {
     let about = "speed";
     let Some(wire) = wire else {
-        return Diagnosis::not_applicable(about, "a pseudo-terminal has no baud rate to compare with");
+        return Finding::not_applicable(about, "this line has no baud rate to compare with");
     };
     let Some(above) = timing.p50.checked_sub(wire) else {
-        return Diagnosis::fine(
+        return Finding::fine(
             about,
             format!(
                 "faster than the {} that {BYTES} bytes take at this baud rate: the port has none, as USB CDC",
@@ -132,7 +143,7 @@ pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&Late
         in_us(wire)
     );
     if above < BUFFERING {
-        return Diagnosis::fine(about, sum);
+        return Finding::fine(about, sum);
     }
     let cause = match timer {
         Some(LatencyTimer::Long { ms, .. }) => format!("the adapter's latency timer of {ms} ms"),
@@ -142,7 +153,7 @@ pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&Late
         _ => "a component buffers bytes: a hub, the adapter, or firmware that answers late"
             .to_owned(),
     };
-    Diagnosis::wrong(about, format!("{sum}: {cause}"))
+    Finding::wrong(about, format!("{sum}: {cause}"))
 }
 
 fn in_us(time: Duration) -> String {
@@ -152,13 +163,18 @@ fn in_us(time: Duration) -> String {
 #[cfg(test)]
 mod tests {
     use std::io;
+    use std::path::Path;
 
     use super::super::round_trip::wire_time;
     use super::*;
 
     fn timing(p50_us: u64) -> Timing {
         let p50 = Duration::from_micros(p50_us);
-        Timing { answered: 1000, lost: 0, p50, p99: 2 * p50, max: 3 * p50 }
+        Timing { answered: 1000, lost: 0, left_out: 0, p50, p99: 2 * p50, max: 3 * p50 }
+    }
+
+    fn serial_port() -> LineUnderTest<'static> {
+        LineUnderTest::SerialPort { terminal: Path::new("/dev/ttyUSB0"), baud: 921_600 }
     }
 
     fn long_timer() -> LatencyTimer {
@@ -172,9 +188,11 @@ mod tests {
     #[test]
     fn long_latency_timer_is_named_as_the_cause() {
         let timer = long_timer();
-        let diagnoses =
-            [latency_timer(Some(&timer)), speed(&timing(16_400), Some(wire_time(921_600)), Some(&timer))];
-        insta::assert_snapshot!(diagnoses.map(|diagnosis| diagnosis.to_string()).join("\n"), @r"
+        let findings = [
+            latency_timer(serial_port(), Some(&timer)),
+            speed(&timing(16_400), Some(wire_time(921_600)), Some(&timer)),
+        ];
+        insta::assert_snapshot!(findings.map(|finding| finding.to_string()).join("\n"), @r"
         WRONG  latency timer  16 ms and can't be shortened (permission denied): echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer, or add a udev rule that does it
         WRONG  speed          p50 is 16020.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each: the adapter's latency timer of 16 ms
         ");
@@ -184,8 +202,8 @@ mod tests {
     fn each_speed_has_its_cause() {
         let none = LatencyTimer::None;
         let wire = Some(wire_time(921_600));
-        let diagnoses = [100, 900, 4_500, 16_000].map(|p50_us| speed(&timing(p50_us), wire, Some(&none)));
-        let text = diagnoses.map(|diagnosis| diagnosis.to_string()).join("\n");
+        let findings = [100, 900, 4_500, 16_000].map(|p50_us| speed(&timing(p50_us), wire, Some(&none)));
+        let text = findings.map(|finding| finding.to_string()).join("\n");
         insta::assert_snapshot!(text, @r"
         ok     speed          faster than the 379.8 us that 35 bytes take at this baud rate: the port has none, as USB CDC
         ok     speed          p50 is 520.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each

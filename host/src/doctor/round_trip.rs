@@ -13,6 +13,10 @@ use lashloop_bench::session::{Exchange, Session, SessionError};
 
 /// Answer timeout, far longer than the round trip of any line fit for a bench.
 const ANSWER_LIMIT: Duration = Duration::from_millis(500);
+/// Time for the whole measurement, with [`ROUND_LIMIT`] for each sample on top.
+const MEASUREMENT_LIMIT: Duration = Duration::from_secs(10);
+/// Time for a sample of a long measurement.
+const ROUND_LIMIT: Duration = Duration::from_millis(1);
 /// Lost answers after which the drive counts as silent.
 const LARGEST_LOSS: u32 = 5;
 /// Significant digits of the histogram.
@@ -26,6 +30,8 @@ pub struct Timing {
     pub answered: u32,
     /// Samples without an answer.
     pub lost: u32,
+    /// Samples not sent, because the time limit of the measurement had passed.
+    pub left_out: u32,
     pub p50: Duration,
     pub p99: Duration,
     pub max: Duration,
@@ -38,7 +44,7 @@ pub fn wire_time(baud: u32) -> Duration {
 }
 
 /// Sends `rounds` samples, each after the answer to the previous one. The drive is disarmed: it answers with zero torque
-/// and makes no control step.
+/// and makes no control step. A drive that answers late ends the measurement early, after 10 s and 1 ms for each round.
 ///
 /// # Errors
 /// The link fails, or the drive is silent.
@@ -46,11 +52,16 @@ pub fn measure(session: &mut Session, rounds: u32) -> Result<Timing, SessionErro
     let longest_ns = 2 * ANSWER_LIMIT.as_nanos() as u64;
     let mut times_ns =
         Histogram::<u64>::new_with_max(longest_ns, DIGITS).expect("the crate takes 0 to 5 digits");
-    let mut lost = 0;
+    let (mut lost, mut left_out) = (0, 0);
+    let give_up = Instant::now() + MEASUREMENT_LIMIT + rounds * ROUND_LIMIT;
     let [motor_counts, load_counts] = [EncoderCounts::default(); 2];
     for step in 0..rounds {
         let sample = EncoderSample { sequence: of_step(step), motor_counts, load_counts, reference_rad: 0.0 };
         let sent = Instant::now();
+        if sent >= give_up {
+            left_out = rounds - step;
+            break;
+        }
         match session.exchange(step, &sample, Instant::now() + ANSWER_LIMIT)? {
             Exchange::Answered(_) => times_ns.saturating_record(sent.elapsed().as_nanos() as u64),
             // A disarmed drive reports no fault; we count one as a lost answer.
@@ -66,6 +77,7 @@ pub fn measure(session: &mut Session, rounds: u32) -> Result<Timing, SessionErro
     Ok(Timing {
         answered: times_ns.len() as u32,
         lost,
+        left_out,
         p50: quantile(0.5),
         p99: quantile(0.99),
         max: Duration::from_nanos(times_ns.max()),

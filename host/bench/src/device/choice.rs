@@ -1,6 +1,7 @@
 //! Parsing and display of `--device`.
 
 use std::fmt;
+use std::path::Path;
 use std::str::FromStr;
 use std::sync::Arc;
 
@@ -27,6 +28,12 @@ impl DeviceChoice {
     pub fn parse(text: &str, kinds: &[Syntax]) -> Result<Self, String> {
         let kind = kinds.iter().find_map(|syntax| (syntax.parse)(text));
         kind.unwrap_or_else(|| Err(expected(kinds))).map(|kind| Self(kind.into()))
+    }
+
+    /// Path of the terminal that the drive is at; `None` for a drive that is reached in another way.
+    #[must_use]
+    pub fn terminal(&self) -> Option<&Path> {
+        self.0.terminal()
     }
 }
 

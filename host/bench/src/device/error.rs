@@ -167,15 +167,19 @@ fn open_reason(source: &io::Error) -> String {
 
 fn remedy(source: &SessionError) -> &'static str {
     match source {
-        SessionError::Broken { .. } => "; check the cable and the power of the drive, then start again",
-        SessionError::Silent { last_seen, .. } if last_seen.frame.is_none() => {
-            "; is it a Lashloop drive, powered, at this baud rate?"
+        SessionError::Broken { diagnosis: None, .. } => {
+            "; check the cable and the power of the drive, then start again"
         }
         SessionError::TooLongAGap { .. } => "; the bench slept, the firmware hangs or the line is cut",
-        SessionError::Silent { .. } => "; the firmware hangs or the line is cut",
         SessionError::Refused { state: State::Boot, .. } => {
             "; it has restarted: look at its power and its reset line"
         }
-        SessionError::Version { .. } | SessionError::Refused { .. } | SessionError::Choices { .. } => "",
+        // A diagnosis has the remedy.
+        SessionError::Silent { .. }
+        | SessionError::Slow { .. }
+        | SessionError::Broken { diagnosis: Some(_), .. }
+        | SessionError::Version { .. }
+        | SessionError::Refused { .. }
+        | SessionError::Choices { .. } => "",
     }
 }

@@ -1,6 +1,7 @@
 //! One way to reach a drive.
 
 use std::fmt;
+use std::path::Path;
 
 use super::drive_host::DriveHost;
 use super::error::DeviceError;
@@ -19,6 +20,11 @@ pub trait DeviceKind: fmt::Debug + Send + Sync {
     /// # Errors
     /// What can't be started or opened, and what to do.
     fn open(&self, baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError>;
+
+    /// Path of the terminal that the drive is at; `None` for a drive that is reached in another way.
+    fn terminal(&self) -> Option<&Path> {
+        None
+    }
 
     /// Checks that a UART may be modelled on this link: that it has none of its own. `baud` is the speed it has otherwise.
     ///

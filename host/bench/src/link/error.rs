@@ -6,6 +6,9 @@ use std::time::Duration;
 /// A write that takes longer goes to a line that takes no bytes any more.
 pub(super) const WRITE_LIMIT: Duration = Duration::from_secs(1);
 
+/// A write takes longer only to a far end that reads byte by byte, with pauses.
+pub(super) const WHOLE_WRITE_LIMIT: Duration = Duration::from_secs(4);
+
 /// `EIO`, `ENXIO` and `ENODEV`: the far end of a terminal is closed or unplugged.
 const DISCONNECTED: [i32; 3] = [5, 6, 19];
 
@@ -15,7 +18,7 @@ pub enum LinkError {
     /// The far end is disconnected: unplugged, closed or killed.
     #[error("the far end closed the line")]
     Disconnected,
-    /// The line took no byte for as long as a write may take.
+    /// The line took no byte for as long as a write may take, or too few.
     #[error("the line took no bytes for {} s: the drive does not read", WRITE_LIMIT.as_secs())]
     Stuck,
     /// The operating system refused.

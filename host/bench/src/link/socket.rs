@@ -9,7 +9,7 @@ use rustix::net::sockopt::{Timeout, set_socket_timeout};
 use rustix::net::{RecvFlags, SendFlags, recv, send};
 
 use super::deadline::{readable_by, remaining};
-use super::error::WRITE_LIMIT;
+use super::error::{WHOLE_WRITE_LIMIT, WRITE_LIMIT};
 use super::{Link, LinkError};
 
 /// The kernel does the waiting, in slices of this length: changing a timeout would cost a system call. A nearer deadline is
@@ -52,9 +52,17 @@ impl Link for Socket {
     }
 
     fn send(&mut self, mut bytes: &[u8]) -> Result<(), LinkError> {
+        let mut give_up = None;
         while !bytes.is_empty() {
             match send(&self.stream, bytes, SendFlags::NOSIGNAL) {
-                Ok(count) => bytes = &bytes[count..],
+                Ok(count) if count == bytes.len() => return Ok(()),
+                Ok(count) => {
+                    bytes = &bytes[count..];
+                    let give_up = *give_up.get_or_insert_with(|| Instant::now() + WHOLE_WRITE_LIMIT);
+                    if remaining(give_up).is_none() {
+                        return Err(LinkError::Stuck);
+                    }
+                }
                 Err(Errno::INTR) => {}
                 // The time limit of the socket has passed.
                 Err(Errno::AGAIN) => return Err(LinkError::Stuck),

@@ -10,6 +10,7 @@ use lashloop_protocol::{DriveMessage, HostMessage};
 use super::client::Session;
 use super::error::SessionError;
 use super::handshake::shake_hands;
+use super::patience::Patience;
 use super::request::Answered;
 use super::signals::Subscription;
 
@@ -50,6 +51,8 @@ impl Session {
     pub fn start(&mut self) -> Result<(), SessionError> {
         self.arm_and_start()?;
         self.forget_run();
+        // The end of the run and the next one have their own.
+        self.line.patience = Patience::default();
         Ok(())
     }
 

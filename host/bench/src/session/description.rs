@@ -11,9 +11,9 @@ use lashloop_protocol::{DriveMessage, HostMessage};
 use super::error::SessionError;
 use super::laws::{Law, LawMask};
 use super::line::Line;
-use super::logs::printable;
 use super::parameters::{Choice, Parameter};
 use super::signals::DriveSignal;
+use super::text::printable;
 
 /// A drive's description of itself. Each list is in the order of the index.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,6 +9,7 @@ use lashloop_protocol::sequence::nearest_step;
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, Message, PROTOCOL_VERSION};
 
+use super::diagnosis::Diagnosis;
 use crate::link::LinkError;
 
 /// How far a session got.
@@ -54,15 +55,17 @@ impl fmt::Display for LastSeen {
 #[derive(Debug, thiserror::Error)]
 pub enum SessionError {
     /// The line broke.
-    #[error("{source} ({last_seen})")]
+    #[error("{source} ({last_seen}){}", before(diagnosis.as_deref()))]
     Broken {
         /// Why.
         source: LinkError,
         /// How far the session got.
         last_seen: LastSeen,
+        /// What arrived before, if it was no good frame.
+        diagnosis: Option<Box<Diagnosis>>,
     },
     /// The drive did not answer in time.
-    #[error("the drive was silent for {:.1} s after {waiting_for} ({last_seen})", limit.as_secs_f64())]
+    #[error("{} ({last_seen}): {diagnosis}", unanswered(diagnosis, waiting_for, *limit))]
     Silent {
         /// The message it left unanswered.
         waiting_for: &'static str,
@@ -70,6 +73,27 @@ pub enum SessionError {
         limit: Duration,
         /// How far the session got.
         last_seen: LastSeen,
+        /// What arrived in place of the answer, the probable cause and the remedy.
+        diagnosis: Box<Diagnosis>,
+    },
+    /// Each request was answered in time or repeated, but all of them together took too long.
+    #[error(
+        "the drive has taken more than {} s for its answers to {requests} requests, the last of them {waiting_for} \
+         ({last_seen}): a drive must answer at once; check its firmware, the baud rate and the losses on the line; \
+         {diagnosis}",
+        limit.as_secs()
+    )]
+    Slow {
+        /// The message that was awaited at the end.
+        waiting_for: &'static str,
+        /// Time for all answers together.
+        limit: Duration,
+        /// Number of requests sent, handshakes and repetitions included.
+        requests: u32,
+        /// How far the session got.
+        last_seen: LastSeen,
+        /// What arrived in place of the last answer.
+        diagnosis: Box<Diagnosis>,
     },
     /// The drive has left more control periods unanswered than a drive bridges, so it rejects every further sample.
     #[error(
@@ -122,6 +146,19 @@ pub enum SessionError {
     },
 }
 
+fn unanswered(diagnosis: &Diagnosis, waiting_for: &str, limit: Duration) -> String {
+    let limit_s = limit.as_secs_f64();
+    if diagnosis.is_silence() {
+        format!("the drive was silent for {limit_s:.1} s after {waiting_for}")
+    } else {
+        format!("no answer to {waiting_for} within {limit_s:.1} s")
+    }
+}
+
+fn before(diagnosis: Option<&Diagnosis>) -> String {
+    diagnosis.map_or_else(String::new, |diagnosis| format!("; before that {diagnosis}"))
+}
+
 fn quoted(log: &str) -> String {
     if log.is_empty() { String::new() } else { format!(", log \"{log}\"") }
 }
@@ -132,7 +169,7 @@ impl SessionError {
     pub fn is_loss(&self) -> bool {
         match self {
             Self::Broken { source, .. } => matches!(source, LinkError::Disconnected | LinkError::Stuck),
-            Self::Silent { .. } | Self::TooLongAGap { .. } => true,
+            Self::Silent { .. } | Self::Slow { .. } | Self::TooLongAGap { .. } => true,
             Self::Refused { request, state, .. } => {
                 *request == EncoderSample::LAYOUT.name && *state == State::Boot
             }

@@ -20,7 +20,8 @@ const INTERVAL: Duration = Duration::from_millis(100);
 /// The drive stays silent, has another protocol version, or the line broke.
 pub fn shake_hands(line: &mut Line, session: u32) -> Result<Identity, SessionError> {
     let hello = Hello { protocol_version: PROTOCOL_VERSION, session };
-    let give_up = line.now() + LIMIT;
+    let began = line.now();
+    let give_up = began + line.patience.within(LIMIT);
     while line.now() < give_up {
         line.send(&hello.into())?;
         let deadline = line.now() + INTERVAL;
@@ -34,8 +35,12 @@ pub fn shake_hands(line: &mut Line, session: u32) -> Result<Identity, SessionErr
         })?;
         if let Some(identity) = identity.transpose()? {
             line.session = session;
+            let waited = line.now().saturating_duration_since(began);
+            line.patience.spend(waited);
             return Ok(identity);
         }
     }
+    let waited = line.now().saturating_duration_since(began);
+    line.patience.spend(waited);
     Err(line.silent("Hello", LIMIT))
 }

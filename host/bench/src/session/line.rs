@@ -7,8 +7,10 @@ use lashloop_protocol::message::{FaultReport, LineReport, Telemetry};
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, MAX_FRAME, Message};
 
 use super::at_step::AtStep;
+use super::diagnosis::{Collector, Diagnosis};
 use super::error::{LastSeen, SessionError};
 use super::logs::Logs;
+use super::patience::{PATIENCE, Patience};
 use crate::link::{Link, LinkError, TimeBase};
 
 /// A link with a decoder at its end.
@@ -33,6 +35,8 @@ pub struct Line {
     /// The latest line report.
     pub report: Option<LineReport>,
     pub(crate) logs: Logs,
+    collector: Collector,
+    pub(super) patience: Patience,
     /// When the bytes decoded last were read, in wall-clock time.
     pub arrived: Instant,
 }
@@ -54,6 +58,8 @@ impl Line {
             fault: None,
             report: None,
             logs: Logs::default(),
+            collector: Collector::default(),
+            patience: Patience::default(),
             arrived: Instant::now(),
         }
     }
@@ -65,6 +71,8 @@ impl Line {
     pub fn clear(&mut self) -> Result<(), SessionError> {
         self.unread = 0..0;
         self.decoder.forget_partial();
+        self.collector.clear();
+        self.patience = Patience::default();
         self.link.discard_input().map_err(|error| self.broken(error))?;
         self.end_frame()
     }
@@ -83,6 +91,7 @@ impl Line {
     /// The line broke.
     pub fn send(&mut self, message: &HostMessage) -> Result<(), SessionError> {
         self.frames_sent += 1;
+        self.collector.sent(message);
         let sent = self.link.send(message.write_frame(&mut self.outbox));
         sent.map_err(|error| self.broken(error))
     }
@@ -92,6 +101,7 @@ impl Line {
     /// # Errors
     /// The line broke.
     pub fn send_bytes(&mut self, bytes: &[u8]) -> Result<(), SessionError> {
+        self.collector.sent_bytes(bytes);
         self.link.send(bytes).map_err(|error| self.broken(error))
     }
 
@@ -109,17 +119,25 @@ impl Line {
         loop {
             while let Some(message) = self.decoded() {
                 if let Some(answer) = wanted(&message) {
+                    self.collector.awaited();
                     return Ok(Some(answer));
                 }
+                self.collector.other(&message);
             }
             if last_look {
                 return Ok(None);
             }
-            last_look = self.now() >= deadline;
+            let now = self.now();
+            self.collector.waits(now);
+            last_look = now >= deadline;
             match self.link.receive(&mut self.inbox[..], deadline) {
-                Ok(0) => return Ok(None),
+                Ok(0) => {
+                    self.collector.waits(deadline.max(now));
+                    return Ok(None);
+                }
                 Ok(count) => {
                     self.arrived = Instant::now();
+                    self.collector.read(count);
                     self.unread = 0..count;
                 }
                 Err(error) => return Err(self.broken(error)),
@@ -158,23 +176,44 @@ impl Line {
         loop {
             let mut bytes = &self.inbox[self.unread.clone()];
             let decoded = self.decoder.next::<DriveMessage>(&mut bytes);
-            self.unread.start = self.unread.end - bytes.len();
-            // The decoder counts damaged frames; their content is unknown.
-            if let Ok(message) = decoded? {
-                self.note(&message);
-                return Some(message);
+            let consumed = self.unread.start..self.unread.end - bytes.len();
+            self.unread.start = consumed.end;
+            match decoded {
+                Some(Ok(message)) => {
+                    self.collector.good();
+                    self.note(&message);
+                    return Some(message);
+                }
+                Some(Err(error)) => self.collector.bad(&self.inbox[consumed], &error),
+                None => {
+                    self.collector.partial(&self.inbox[consumed]);
+                    return None;
+                }
             }
         }
     }
 
-    /// The error for a drive that did not answer `waiting_for` within `limit`.
+    /// The error for a drive that did not answer `waiting_for` within `limit`, or within the time for all requests.
     #[must_use]
     pub fn silent(&self, waiting_for: &'static str, limit: Duration) -> SessionError {
-        SessionError::Silent { waiting_for, limit, last_seen: self.last_seen }
+        let diagnosis = Box::new(self.diagnosis());
+        if self.patience.is_exhausted() {
+            let (limit, requests) = (PATIENCE, self.patience.waits);
+            return SessionError::Slow { waiting_for, limit, requests, last_seen: self.last_seen, diagnosis };
+        }
+        SessionError::Silent { waiting_for, limit, last_seen: self.last_seen, diagnosis }
+    }
+
+    /// What arrived since the last message that a [`Line::wait`] returned, and its probable cause.
+    #[must_use]
+    pub fn diagnosis(&self) -> Diagnosis {
+        self.collector.diagnosis()
     }
 
     fn broken(&self, source: LinkError) -> SessionError {
-        SessionError::Broken { source, last_seen: self.last_seen }
+        let has_unknown_bytes = self.last_seen.frame.is_none() && self.collector.has_arrivals();
+        let diagnosis = has_unknown_bytes.then(|| Box::new(self.diagnosis()));
+        SessionError::Broken { source, last_seen: self.last_seen, diagnosis }
     }
 
     fn note(&mut self, message: &DriveMessage) {

@@ -4,6 +4,8 @@ use std::collections::VecDeque;
 
 use lashloop_protocol::message::Log;
 
+use super::text::printable;
+
 /// Texts kept: the latest ones, because a drive may log without end.
 const CAPACITY: usize = 100;
 
@@ -70,12 +72,6 @@ impl Entry {
             Self::Note(text) => text.clone(),
         }
     }
-}
-
-/// Replaces control characters: text of the drive goes to a user's terminal and must not control it.
-#[must_use]
-pub fn printable(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
 #[cfg(test)]

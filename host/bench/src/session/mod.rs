@@ -10,8 +10,11 @@
 //! | [`description`] | the drive's description of itself, read |
 //! | [`parameters`], [`laws`], [`signals`] | what it describes |
 //! | [`request`] | a request and its answer, with retries |
+//! | `patience` | the time for all requests together |
 //! | [`handshake`] | `Hello` and `Identity` |
 //! | [`mod@line`] | messages on a link |
+//! | [`diagnosis`] | what arrives in place of an answer |
+//! | `text` | text of a drive, made fit for a terminal |
 //!
 //! A session has messages and deadlines, no plants or scenarios. Every wait ends, and every error names the side, the last
 //! sample sent and the last good frame received. Deadlines are instants of the link's time, [`Link::now`](crate::link::Link::now).
@@ -20,6 +23,7 @@ mod at_step;
 mod client;
 mod commands;
 pub mod description;
+pub mod diagnosis;
 mod error;
 mod exchange;
 pub mod handshake;
@@ -28,17 +32,21 @@ pub mod line;
 mod logs;
 mod parameter_access;
 pub mod parameters;
+mod patience;
 pub mod request;
 pub mod signals;
 mod subscribe;
+mod text;
 
 pub use at_step::AtStep;
 pub use client::{Session, Traffic};
 pub use description::Description;
+pub use diagnosis::Diagnosis;
 pub use error::{LastSeen, SessionError};
 pub use exchange::Exchange;
 pub use laws::{Law, LawMask};
-pub use logs::printable;
 pub use parameters::{Choice, Parameter, SetError, WrittenValue};
+pub use patience::PATIENCE;
 pub use signals::{DriveSignal, Subscription};
 pub use subscribe::SubscribeError;
+pub use text::printable;

@@ -28,7 +28,7 @@ impl Line {
     /// The request must be repeatable: the drive executes every copy that reaches it.
     ///
     /// # Errors
-    /// No answer within [`REQUEST_LIMIT`], or the line broke.
+    /// No answer within [`REQUEST_LIMIT`] or what is left of [`PATIENCE`](super::PATIENCE), or the line broke.
     pub fn request<T>(
         &mut self,
         request: &HostMessage,
@@ -45,7 +45,7 @@ impl Line {
                 }
                 return Ok(Answered { with, repeated });
             }
-            if self.now() >= give_up {
+            if self.now() >= give_up || self.patience.is_exhausted() {
                 return Err(self.silent(request.layout().name, REQUEST_LIMIT));
             }
             repeated = true;
@@ -63,8 +63,10 @@ impl Line {
         wanted: impl FnMut(&DriveMessage) -> Option<T>,
     ) -> Result<Option<T>, SessionError> {
         self.send(request)?;
-        let deadline = self.now() + limit;
-        let answer = self.wait(deadline, wanted)?;
+        let sent = self.now();
+        let answer = self.wait(sent + self.patience.within(limit), wanted)?;
+        let waited = self.now().saturating_duration_since(sent);
+        self.patience.spend(waited);
         if answer.is_none() {
             // Part of a damaged frame in the drive's decoder must not swallow the next frame.
             self.end_frame()?;

@@ -11,6 +11,8 @@ use tokio::io::{AsyncBufReadExt, AsyncRead, AsyncReadExt, BufReader};
 use tokio::process::{Child, Command};
 use tokio::sync::oneshot;
 
+use crate::session::printable;
+
 /// Longest line that is kept, in bytes.
 const LONGEST_LINE: u64 = 512;
 /// Time that standard error may take to end after its process.
@@ -139,10 +141,10 @@ impl Process {
         self.stdout.recv_timeout(deadline.saturating_duration_since(Instant::now())).ok()
     }
 
-    /// The lines of its standard error that matter most, joined by semicolons; empty if there are none.
+    /// The lines of its standard error that matter most, joined by semicolons and escaped; empty if there are none.
     #[must_use]
     pub fn stderr(&self) -> String {
-        self.stderr.lock().unwrap_or_else(PoisonError::into_inner).join("; ")
+        printable(&self.stderr.lock().unwrap_or_else(PoisonError::into_inner).join("; "))
     }
 }
 

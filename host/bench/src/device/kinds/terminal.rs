@@ -36,6 +36,10 @@ impl DeviceKind for TerminalDrive {
         Ok(Opened { link: open_terminal(&self.path, baud)?, host: DriveHost::External })
     }
 
+    fn terminal(&self) -> Option<&Path> {
+        Some(&self.path)
+    }
+
     fn check_modelled_uart(&self, baud: u32) -> Result<(), DeviceError> {
         let path = &self.path;
         let resolved =

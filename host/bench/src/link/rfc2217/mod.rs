@@ -210,6 +210,10 @@ impl Rfc2217 {
                 None => return Ok(()),
                 Some(count) => self.arrived.extend(&buffer[..count]),
             }
+            // Bytes that keep arriving do not extend the wait.
+            if self.link.now() >= deadline {
+                return Ok(());
+            }
         }
         Ok(())
     }
@@ -299,11 +303,13 @@ impl Link for Rfc2217 {
             }
             return Ok(count);
         }
+        let mut last_look = false;
         loop {
             match self.receive_data(buffer, deadline)? {
                 None => return Ok(0),
-                // A command alone: data may wait behind it, even after the deadline.
-                Some(0) => {}
+                // A command alone: data may wait behind it, even after the deadline, but not for ever.
+                Some(0) if last_look => return Ok(0),
+                Some(0) => last_look = self.link.now() >= deadline,
                 Some(count) => return Ok(count),
             }
         }

@@ -1,9 +1,9 @@
-//! One property of the line and its diagnosis.
+//! One property of the line and its condition.
 
 use std::fmt;
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Diagnosis {
+pub struct Finding {
     pub subject: &'static str,
     pub health: Health,
     /// The observation, and the remedy if one is needed.
@@ -19,7 +19,7 @@ pub enum Health {
     Wrong,
 }
 
-impl Diagnosis {
+impl Finding {
     pub(super) fn wrong(subject: &'static str, text: impl Into<String>) -> Self {
         Self { subject, health: Health::Wrong, text: text.into() }
     }
@@ -38,7 +38,7 @@ impl Diagnosis {
     }
 }
 
-impl fmt::Display for Diagnosis {
+impl fmt::Display for Finding {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let health = match self.health {
             Health::Fine => "ok",
