@@ -106,12 +106,15 @@ impl<O: Observer + Default> CheckedDrive<O> {
             Action::Elapse(time) => self.elapse(*time),
             Action::Overruns(count) => self.drive.note_overruns((*count).into()),
             Action::Drain => self.drain(),
-            Action::Enter(state) => way_to(*state).iter().for_each(|request| self.request(*request)),
+            Action::Enter(state) => self.enter(*state),
         }
     }
 
-    fn request(&mut self, request: HostMessage) {
-        self.receive(&request.frame());
+    fn enter(&mut self, state: State) {
+        let way = way_to(state);
+        // A drive in `Boot` is as after a reset: it takes no parameter and no subscription there.
+        let from_here = if self.drive.state() == State::Boot { &way[1..] } else { way };
+        from_here.iter().for_each(|request| self.receive(&request.frame()));
     }
 
     fn receive(&mut self, mut bytes: &[u8]) {

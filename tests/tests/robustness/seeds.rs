@@ -109,13 +109,12 @@ fn frames_seeds() -> Vec<Seed> {
 /// the contents of a request.
 fn state_seeds() -> Vec<Seed> {
     let everywhere = |name: &str, message: HostMessage| {
-        let histories: Vec<_> =
-            (0..State::ALL.len() as u8).map(|state| [&[6, state][..], &request(&message)].concat()).collect();
-        Seed::new(
-            "drive",
-            format!("state_{}", name.to_lowercase().replace(", ", "_").replace(' ', "_")),
-            histories.concat(),
-        )
+        let request = request(&message);
+        let name = name.to_lowercase().replace(", ", "_").replace(' ', "_");
+        State::ALL.iter().zip(0_u8..).map(move |(state, index)| {
+            let name = format!("{}_{name}", format!("{state:?}").to_lowercase());
+            Seed::new("drive", name, [&[6, index][..], &request].concat())
+        })
     };
     let rows = markdown::table(markdown::section("## 6. States"), "request");
     let names = rows.iter().map(|row| row[0].as_str()).filter(|name| *name != "SetParameter, live");
@@ -127,11 +126,11 @@ fn state_seeds() -> Vec<Seed> {
         DescribeSignal { index: u8::MAX }.into(),
         DescribeChoice { parameter: u8::MAX, choice: 0 }.into(),
     ];
-    let mut seeds: Vec<Seed> = names.map(|name| everywhere(name, host::request(name))).collect();
-    seeds.extend(unknown.iter().map(|m| everywhere(&format!("unknown {}", name_of(m)), *m)));
-    seeds.push(everywhere("unknown signal", Subscribe { signals: 1 << 31, every: 1 }.into()));
+    let mut seeds: Vec<Seed> = names.flat_map(|name| everywhere(name, host::request(name))).collect();
+    seeds.extend(unknown.iter().flat_map(|m| everywhere(&format!("unknown {}", name_of(m)), *m)));
+    seeds.extend(everywhere("unknown signal", Subscribe { signals: 1 << 31, every: 1 }.into()));
     let stray = host::rest(5);
-    seeds.push(everywhere("stray sample", stray.into()));
+    seeds.extend(everywhere("stray sample", stray.into()));
     let period = |value| request(&SetParameter { index: host::index("period_us"), value }.into());
     let fast =
         SetParameter { index: host::index("motor_speed_limit_rad_s"), value: ParameterValue::F32(1e6) };
@@ -142,7 +141,7 @@ fn state_seeds() -> Vec<Seed> {
         &request(&fast.into()),
         &request(&Arm { session: host::SESSION }.into()),
     ];
-    seeds.push(Seed::new("drive", "state_refused_values", refused.concat()));
+    seeds.push(Seed::new("drive", "refused_values", refused.concat()));
     let not_finite = [
         &[6, 1][..],
         &request(&SetParameter { index: host::index("k_p1"), value: ParameterValue::F32(1e6) }.into()),
@@ -151,10 +150,10 @@ fn state_seeds() -> Vec<Seed> {
         &request(&Start { session: host::SESSION }.into()),
         &sample(0, 0, f32::MAX),
     ];
-    seeds.push(Seed::new("drive", "state_torque_not_finite", not_finite.concat()));
+    seeds.push(Seed::new("drive", "torque_not_finite", not_finite.concat()));
     let fault_before_hello =
         [&[6, 0][..], &request(&EmergencyStop {}.into()), &request(&ClearFault {}.into())];
-    seeds.push(Seed::new("drive", "state_fault_before_hello", fault_before_hello.concat()));
+    seeds.push(Seed::new("drive", "fault_before_hello", fault_before_hello.concat()));
     seeds
 }
 
