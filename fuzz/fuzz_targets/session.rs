@@ -35,7 +35,7 @@ fn converse(link: Box<dyn Link>) -> Result<(), SessionError> {
     let mut session = Session::open(link, 1)?;
     let texts = session.laws.iter().map(|law| law.name.to_string());
     let texts = texts.chain(session.parameters.iter().map(|parameter| parameter.name.to_string()));
-    for name in texts.chain(session.signals.iter().map(|signal| signal.name.to_string())) {
+    for name in texts.chain(session.signals.iter().map(|signal| signal.signal.name.to_string())) {
         assert!(!name.chars().any(char::is_control), "{name:?}");
     }
     if let Err(error) = session.set("torque_limit_nm", 2.0) {
