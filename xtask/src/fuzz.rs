@@ -17,7 +17,7 @@ use crate::paths;
 /// A program of `fuzz/`, and the length of its longest input in bytes. Every seed fits, and little more: the time of an execution
 /// grows with the input, and a longer one reaches nothing new.
 const TARGETS: [(&str, u32); 5] =
-    [("decoder", 160), ("frames", 192), ("drive", 192), ("session", 128), ("scenario", 4096)];
+    [("decoder", 160), ("frames", 192), ("drive", 128), ("session", 128), ("scenario", 4096)];
 
 /// What `cargo fuzz build --sanitizer none` passes to the compiler, without the hooks at comparisons and the depth of the stack: they
 /// cost more than the code between them. A comparison with a CRC or an enum is no obstacle, because the targets make frames of bodies.

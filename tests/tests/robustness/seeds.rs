@@ -58,7 +58,10 @@ impl Seed {
 
 /// Seeds of the fuzzers that read bytes. The scenario fuzzer has symbolic links to scenarios as seeds.
 pub fn seeds() -> Vec<Seed> {
-    [decoder_seeds(), frames_seeds(), drive_seeds(), state_seeds()].into_iter().flatten().collect()
+    [decoder_seeds(), frames_seeds(), drive_seeds(), state_seeds(), session_seeds()]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 fn name_of<M: Message>(message: &M) -> String {
@@ -103,6 +106,24 @@ fn frames_seeds() -> Vec<Seed> {
         Seed::new("frames", format!("damage_{damage}"), [&[5][..], &frames].concat())
     });
     messages.into_iter().chain(from_drive).map(seed).chain(damaged).collect()
+}
+
+/// Seeds of the session: each edit of what a drive sends, at the handshake, within the descriptions and at the start.
+fn session_seeds() -> Vec<Seed> {
+    let edits = [
+        ("drop", 0_u8),
+        ("flip", 1),
+        ("replace", 2),
+        ("double", 4),
+        ("insert", 5),
+        ("noise", 6),
+        ("babble", 7),
+    ];
+    let seed = |(name, edit): (&str, u8)| {
+        let head = |passed: u8| [edit << 5 | passed, 14, 6];
+        Seed::new("session", name, [head(0), head(9), head(31)].concat())
+    };
+    edits.map(seed).into()
 }
 
 /// Seeds of the drive: every request in every state, as the table of the specification has them, and the refusals that depend on
