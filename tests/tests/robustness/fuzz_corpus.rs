@@ -36,8 +36,9 @@ struct Reached {
 }
 
 impl Reached {
-    /// The rows of the table for a request. Without a session no number is that of the session: both rows hold.
-    fn rows(&self, request: &HostMessage) -> Vec<String> {
+    /// The rows of the table for a request. In `Boot` both rows of a number hold; a drive that latched its fault before any
+    /// handshake has no session, so every number is another.
+    fn rows(&self, before: State, request: &HostMessage) -> Vec<String> {
         let name = request.layout().name;
         let another = format!("{name}, another session");
         match request {
@@ -49,9 +50,9 @@ impl Reached {
             }
             HostMessage::Hello(_) => vec![another],
             HostMessage::Arm(Arm { session }) | HostMessage::Start(Start { session }) => match self.session {
-                None => vec![name.to_owned(), another],
+                None if before == State::Boot => vec![name.to_owned(), another],
                 Some(present) if present == *session => vec![name.to_owned()],
-                Some(_) => vec![another],
+                Some(_) | None => vec![another],
             },
             _ => vec![name.to_owned()],
         }
@@ -76,7 +77,7 @@ impl Observer for Reached {
             .map(|outcome| format!("{outcome:?}"))
             .next()
             .unwrap_or_else(|| format!("-> {:?}", step.after));
-        for row in self.rows(request) {
+        for row in self.rows(step.before, request) {
             self.cells.insert((row, format!("{:?}", step.before), result.clone()));
         }
         match request {
