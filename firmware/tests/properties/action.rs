@@ -7,21 +7,28 @@
 //! 3 us                        device time elapses (u32)
 //! 4 n                         bytes lost by the hardware
 //! 5                           the output is transmitted
+//! 6 s                         a reset, then the shortest way to a state, s modulo the number of states
 //! ```
 //!
-//! Numbers are little endian. Any bytes are a history: tags count modulo 6, and bytes missing at the end read as zero.
+//! Numbers are little endian. Any bytes are a history: tags count modulo 7, and bytes missing at the end read as zero.
 
+use std::borrow::Cow;
 use std::time::Duration;
 
+use lashloop_protocol::enums::State;
+use lashloop_protocol::frame::MAX_BODY;
 use lashloop_protocol::{HostMessage, Message};
+
+/// A body, without an allocation: a fuzzer executes millions of histories.
+pub type Body = heapless::Vec<u8, MAX_BODY>;
 
 /// One action on a drive.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Action {
+pub enum Action<'bytes> {
     /// Received bytes, whole frames or not.
-    Line(Vec<u8>),
+    Line(Cow<'bytes, [u8]>),
     /// Any body in a valid frame.
-    Body(Vec<u8>),
+    Body(Body),
     /// The next sample of the run.
     Sample {
         /// Motor counts since the last sample.
@@ -37,26 +44,27 @@ pub enum Action {
     Overruns(u8),
     /// The output is transmitted and cleared.
     Drain,
+    /// A reset and the requests that lead to the state.
+    Enter(State),
 }
 
-impl Action {
+impl<'bytes> Action<'bytes> {
     /// Decodes one action from the front of `bytes`; `None` at their end.
-    pub fn read(bytes: &mut &[u8]) -> Option<Self> {
+    pub fn read(bytes: &mut &'bytes [u8]) -> Option<Self> {
         let (&tag, rest) = bytes.split_first()?;
         *bytes = rest;
-        Some(match tag % 6 {
+        Some(match tag % 7 {
             0 => {
                 let len = usize::from(u8::from_le_bytes(take(bytes)));
                 let (line, rest) = bytes.split_at(len.min(bytes.len()));
                 *bytes = rest;
-                Self::Line(line.to_vec())
+                Self::Line(line.into())
             }
             1 => {
                 let [kind] = take(bytes);
                 let layout = HostMessage::LAYOUTS[usize::from(kind) % HostMessage::LAYOUTS.len()];
-                let mut body = vec![layout.kind];
-                body.extend((1..layout.body_len).map(|_| u8::from_le_bytes(take(bytes))));
-                Self::Body(body)
+                let fields = (1..layout.body_len).map(|_| u8::from_le_bytes(take(bytes)));
+                Self::Body([layout.kind].into_iter().chain(fields).collect())
             }
             2 => Self::Sample {
                 motor: i16::from_le_bytes(take(bytes)),
@@ -65,7 +73,11 @@ impl Action {
             },
             3 => Self::Elapse(Duration::from_micros(u32::from_le_bytes(take(bytes)).into())),
             4 => Self::Overruns(u8::from_le_bytes(take(bytes))),
-            _ => Self::Drain,
+            5 => Self::Drain,
+            _ => {
+                let [state] = take(bytes);
+                Self::Enter(State::ALL[usize::from(state) % State::ALL.len()])
+            }
         })
     }
 }

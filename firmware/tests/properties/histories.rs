@@ -7,6 +7,7 @@ use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{Drive, ManualClock};
 use lashloop_firmware::law::{LawSet, Parameter};
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
+use lashloop_protocol::frame::MAX_BODY;
 use lashloop_protocol::message::{Arm, EmergencyStop, Hello, SetParameter, Start, Subscribe};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{HostMessage, Message, PROTOCOL_VERSION};
@@ -16,20 +17,21 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use proptest::test_runner::{Config, RngSeed, TestError, TestRunner};
 
-use crate::action::Action;
-use crate::invariants::{CheckedDrive, Coverage, frame_around};
+use crate::action::{self, Action};
+use crate::coverage::Coverage;
+use crate::invariants::{CheckedDrive, SESSION, frame_around};
 
-const SESSION: u32 = 7;
 const TABLE: &[Parameter] = Laws::PARAMETERS;
 
-fn request<P: Payload>(message: P) -> Action {
-    let mut body = vec![0; P::LAYOUT.body_len];
-    message.put(&mut body);
-    Action::Body(body)
+fn request<P: Payload>(message: P) -> Action<'static> {
+    let mut body = [0; MAX_BODY];
+    let body = &mut body[..P::LAYOUT.body_len];
+    message.put(body);
+    Action::Body(body.iter().copied().collect())
 }
 
 /// The requests that lead from power-up to a state.
-fn way_to(state: State, parameters: Vec<Action>) -> Vec<Action> {
+fn way_to(state: State, parameters: Vec<Action<'static>>) -> Vec<Action<'static>> {
     let hello = request(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION });
     let (arm, start) = (request(Arm { session: SESSION }), request(Start { session: SESSION }));
     let to_running = || [vec![hello.clone()], parameters.clone(), vec![arm.clone(), start.clone()]].concat();
@@ -43,7 +45,7 @@ fn way_to(state: State, parameters: Vec<Action>) -> Vec<Action> {
 }
 
 /// An allowed value of a parameter, with extra weight on the ends of its range.
-fn setting() -> impl Strategy<Value = Action> {
+fn setting() -> impl Strategy<Value = Action<'static>> {
     (0..TABLE.len(), 0.0..=1.0_f32, 0..8_u8).prop_map(|(index, part, end)| {
         let part = match end {
             0 => 0.0,
@@ -67,23 +69,23 @@ fn setting() -> impl Strategy<Value = Action> {
 }
 
 /// Any index, type and value.
-fn wild_setting() -> impl Strategy<Value = Action> {
+fn wild_setting() -> impl Strategy<Value = Action<'static>> {
     let value = prop_oneof![any::<u32>().prop_map(ParameterValue::U32), ANY.prop_map(ParameterValue::F32)];
     (0..TABLE.len() as u8 + 2, value).prop_map(|(index, value)| request(SetParameter { index, value }))
 }
 
 /// Any signals, of which half are known to the drive.
-fn subscription() -> impl Strategy<Value = Action> {
+fn subscription() -> impl Strategy<Value = Action<'static>> {
     let known = (1 << Laws::SIGNALS.len()) - 1;
     let signals = prop_oneof![any::<u32>().prop_map(move |bits| bits & known), any::<u32>()];
     (signals, 0..5_u16).prop_map(|(signals, every)| request(Subscribe { signals, every }))
 }
 
-fn host_body() -> impl Strategy<Value = Action> {
+fn host_body() -> impl Strategy<Value = Action<'static>> {
     (select(HostMessage::LAYOUTS), vec(any::<u8>(), 64), any::<bool>()).prop_map(
         |(layout, bytes, present)| {
-            let mut body = vec![layout.kind];
-            body.extend(&bytes[..layout.body_len - 1]);
+            let fields = bytes[..layout.body_len - 1].iter();
+            let mut body: action::Body = [&layout.kind].into_iter().chain(fields).copied().collect();
             if present && layout.fields.last().is_some_and(|field| field.name == "session") {
                 let at = body.len() - 4;
                 body[at..].copy_from_slice(&SESSION.to_le_bytes());
@@ -93,7 +95,7 @@ fn host_body() -> impl Strategy<Value = Action> {
     )
 }
 
-fn sample() -> impl Strategy<Value = Action> {
+fn sample() -> impl Strategy<Value = Action<'static>> {
     let counts = || prop_oneof![6 => -300..300_i16, 1 => any::<i16>()];
     let reference = prop_oneof![9 => -2.0..2.0_f32, 1 => ANY];
     (counts(), counts(), reference).prop_map(|(motor, load, reference_rad)| Action::Sample {
@@ -103,23 +105,24 @@ fn sample() -> impl Strategy<Value = Action> {
     })
 }
 
-fn action() -> impl Strategy<Value = Action> {
+fn action() -> impl Strategy<Value = Action<'static>> {
     prop_oneof![
         12 => sample(),
         4 => host_body(),
         2 => setting(),
         1 => wild_setting(),
         1 => subscription(),
-        1 => vec(any::<u8>(), 0..9).prop_map(Action::Body),
-        1 => vec(any::<u8>(), 0..200).prop_map(Action::Line),
+        1 => vec(any::<u8>(), 0..9).prop_map(|body| Action::Body(body.into_iter().collect())),
+        1 => vec(any::<u8>(), 0..200).prop_map(|line| Action::Line(line.into())),
         3 => (0..2_000_u64).prop_map(|us| Action::Elapse(Duration::from_micros(us))),
         1 => any::<u32>().prop_map(|us| Action::Elapse(Duration::from_micros(us.into()))),
         1 => any::<u8>().prop_map(Action::Overruns),
         3 => Just(Action::Drain),
+        1 => select(State::ALL).prop_map(Action::Enter),
     ]
 }
 
-fn history() -> impl Strategy<Value = Vec<Action>> {
+fn history() -> impl Strategy<Value = Vec<Action<'static>>> {
     (select(State::ALL), vec(prop_oneof![4 => setting(), 1 => subscription()], 0..6), vec(action(), 0..80))
         .prop_map(|(state, parameters, actions)| [way_to(state, parameters), actions].concat())
 }
@@ -129,10 +132,10 @@ fn config(cases: u32) -> Config {
     Config { cases, rng_seed: RngSeed::Fixed(0x1a54_100b), failure_persistence: None, ..Config::default() }
 }
 
-fn run(history: &[Action]) -> Coverage {
-    let mut drive = CheckedDrive::new();
+fn run(history: &[Action<'_>]) -> Coverage {
+    let mut drive = CheckedDrive::<Coverage>::new();
     history.iter().for_each(|action| drive.act(action));
-    drive.coverage
+    drive.observer
 }
 
 #[test]
@@ -189,10 +192,10 @@ proptest! {
     }
 }
 
-fn bytes_of(action: &Action) -> Vec<u8> {
+fn bytes_of(action: &Action<'_>) -> Vec<u8> {
     match action {
-        Action::Line(bytes) => bytes.clone(),
-        Action::Body(body) => frame_around(body),
+        Action::Line(bytes) => bytes.to_vec(),
+        Action::Body(body) => frame_around(body).to_vec(),
         _ => Vec::new(),
     }
 }

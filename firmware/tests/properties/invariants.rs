@@ -5,20 +5,21 @@ use std::time::Duration;
 use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{Clock, Drive, ManualClock};
 use lashloop_firmware::law::{DriveParameters, LawSet};
-use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
+use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
-    CommandResult, EncoderSample, FaultReport, ParameterReport, Reset, Subscribe, Telemetry,
+    Arm, CommandResult, EmergencyStop, EncoderSample, FaultReport, Hello, ParameterReport, Reset, Start,
+    Subscribe, Telemetry,
 };
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{
-    Decoder, DriveMessage, EncoderCounts, HostMessage, Message, PROTOCOL_VERSION, cobs, crc,
+    Decoder, DriveMessage, EncoderCounts, HostMessage, MAX_FRAME, Message, PROTOCOL_VERSION, cobs, crc,
 };
 
 use crate::action::Action;
 use crate::transitions::{Cause, may_change};
 
 /// A drive, and what its requests and answers imply about it.
-pub struct CheckedDrive {
+pub struct CheckedDrive<O = ()> {
     drive: Drive,
     clock: ManualClock,
     /// Decodes the bytes that the drive takes.
@@ -32,29 +33,40 @@ pub struct CheckedDrive {
     fault: Option<FaultReport>,
     next_sample: EncoderSample,
     /// What the history reached.
-    pub coverage: Coverage,
+    pub observer: O,
 }
 
-/// What a history reached; invariants checked in few states prove little.
-#[derive(Clone, Debug, Default)]
-pub struct Coverage {
-    /// States entered.
-    pub states: Vec<State>,
-    /// Faults latched.
-    pub faults: Vec<FaultCode>,
-    /// Outcomes sent.
-    pub outcomes: Vec<Outcome>,
-    /// Number of torques other than zero.
-    pub torques: usize,
-    /// Number of messages of telemetry.
-    pub telemetry: usize,
-    /// Number of stalls by a full output buffer.
-    pub full: usize,
+/// What happened to a drive, for those who measure what a history reached. A fuzzer doesn't: `()`.
+pub trait Observer {
+    /// Bytes were taken, or time elapsed.
+    fn step(&mut self, _step: &Step<'_>) {}
+    /// The drive took no byte, because its output buffer was full.
+    fn stall(&mut self) {}
 }
+
+impl Observer for () {}
+
+/// One step of a drive.
+pub struct Step<'drive> {
+    /// State before.
+    pub before: State,
+    /// What was received.
+    pub cause: &'drive Cause,
+    /// State afterwards.
+    pub after: State,
+    /// What the drive sent.
+    pub sent: &'drive [DriveMessage],
+    /// Its torque afterwards, in N m.
+    pub torque_nm: f32,
+}
+
+/// Most messages that one action of the drive sends.
+const MOST_SENT: usize = 3;
+type Sent = heapless::Vec<DriveMessage, MOST_SENT>;
 
 const NO_TELEMETRY: Subscribe = Subscribe { signals: 0, every: 0 };
 
-impl CheckedDrive {
+impl<O: Observer + Default> CheckedDrive<O> {
     /// A drive after power-up.
     pub fn new() -> Self {
         Self {
@@ -71,7 +83,7 @@ impl CheckedDrive {
                 load_counts: EncoderCounts::default(),
                 reference_rad: 0.0,
             },
-            coverage: Coverage::default(),
+            observer: O::default(),
         }
     }
 
@@ -79,7 +91,7 @@ impl CheckedDrive {
     ///
     /// # Panics
     /// If the drive violates an invariant.
-    pub fn act(&mut self, action: &Action) {
+    pub fn act(&mut self, action: &Action<'_>) {
         match action {
             Action::Line(bytes) => self.receive(bytes),
             Action::Body(body) => self.receive(&frame_around(body)),
@@ -94,7 +106,15 @@ impl CheckedDrive {
             Action::Elapse(time) => self.elapse(*time),
             Action::Overruns(count) => self.drive.note_overruns((*count).into()),
             Action::Drain => self.drain(),
+            Action::Enter(state) => self.enter(*state),
         }
+    }
+
+    fn enter(&mut self, state: State) {
+        let way = way_to(state);
+        // A drive in `Boot` is as after a reset: it takes no parameter and no subscription there.
+        let from_here = if self.drive.state() == State::Boot { &way[1..] } else { way };
+        from_here.iter().for_each(|request| self.receive(&request.frame()));
     }
 
     fn receive(&mut self, mut bytes: &[u8]) {
@@ -106,7 +126,7 @@ impl CheckedDrive {
             bytes = rest;
             if used == 0 {
                 assert!(!self.drive.output().is_empty(), "stalled with an empty output buffer");
-                self.coverage.full += 1;
+                self.observer.stall();
                 self.drain();
                 continue;
             }
@@ -160,14 +180,12 @@ impl CheckedDrive {
             assert!(report, "an unreported fault: {sent:?}");
         }
         self.check_torque(self.drive.torque_nm(), after);
-        self.coverage.torques += usize::from(self.drive.torque_nm() != 0.0);
-        if !self.coverage.states.contains(&after) {
-            self.coverage.states.push(after);
-        }
+        let torque_nm = self.drive.torque_nm();
+        self.observer.step(&Step { before, cause, after, sent: &sent, torque_nm });
     }
 
     /// The unchecked part of the output, which must be whole frames.
-    fn take_new_output(&mut self) -> Vec<DriveMessage> {
+    fn take_new_output(&mut self) -> Sent {
         let mut new = &self.drive.output()[self.checked_bytes..];
         self.checked_bytes = self.drive.output().len();
         let mut decoder = Decoder::new();
@@ -229,7 +247,6 @@ impl CheckedDrive {
             );
             assert!(every > 0 && sequence % every == 0, "telemetry of {sequence}, every {every}");
             assert_eq!(values.as_slice().len(), signals.count_ones() as usize);
-            self.coverage.telemetry += 1;
         }
     }
 
@@ -248,13 +265,9 @@ impl CheckedDrive {
                 assert_eq!(state, State::Faulted);
                 // The first fault stays latched until it is cleared.
                 self.fault.get_or_insert(*report);
-                if !self.coverage.faults.contains(&report.code) {
-                    self.coverage.faults.push(report.code);
-                }
             }
             DriveMessage::ParameterReport(report) => self.note_parameter(report),
             DriveMessage::CommandResult(result) => {
-                self.note_outcome(result.outcome);
                 let reset = CommandResult { request: Reset::LAYOUT.kind, outcome: Outcome::Accepted, state };
                 if *result == reset {
                     self.torque_limit_nm = DriveParameters::default().torque_limit_nm;
@@ -265,7 +278,6 @@ impl CheckedDrive {
     }
 
     fn note_parameter(&mut self, report: &ParameterReport) {
-        self.note_outcome(report.outcome);
         let Some(entry) = Laws::PARAMETERS.get(usize::from(report.index)) else {
             assert_eq!(report.outcome, Outcome::UnknownIndex);
             return;
@@ -278,12 +290,6 @@ impl CheckedDrive {
         );
         if let ("torque_limit_nm", ParameterValue::F32(limit)) = (entry.name, report.value) {
             self.torque_limit_nm = limit;
-        }
-    }
-
-    fn note_outcome(&mut self, outcome: Outcome) {
-        if !self.coverage.outcomes.contains(&outcome) {
-            self.coverage.outcomes.push(outcome);
         }
     }
 
@@ -311,10 +317,32 @@ fn same(a: &FaultReport, b: &FaultReport) -> bool {
     DriveMessage::from(*a).frame()[..] == DriveMessage::from(*b).frame()[..]
 }
 
+/// The session of [`Action::Enter`].
+pub const SESSION: u32 = 7;
+
+/// The requests that lead to a state from any other.
+fn way_to(state: State) -> &'static [HostMessage] {
+    const WAY: &[HostMessage] = &[
+        HostMessage::Reset(Reset {}),
+        HostMessage::Hello(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION }),
+        HostMessage::Arm(Arm { session: SESSION }),
+        HostMessage::Start(Start { session: SESSION }),
+        HostMessage::EmergencyStop(EmergencyStop {}),
+    ];
+    match state {
+        State::Boot => &WAY[..1],
+        State::Idle => &WAY[..2],
+        State::Armed => &WAY[..3],
+        State::Running => &WAY[..4],
+        State::Faulted => WAY,
+    }
+}
+
 /// Any body in a frame with a valid CRC.
-pub fn frame_around(body: &[u8]) -> Vec<u8> {
-    let mut frame = [&[0], body, &crc::checksum(body).to_le_bytes()].concat();
+pub fn frame_around(body: &[u8]) -> heapless::Vec<u8, MAX_FRAME> {
+    let crc = crc::checksum(body).to_le_bytes();
+    let mut frame: heapless::Vec<u8, MAX_FRAME> = [0].iter().chain(body).chain(&crc).copied().collect();
     cobs::stuff(&mut frame);
-    frame.push(0);
+    frame.push(0).expect("a body of at most MAX_BODY bytes");
     frame
 }

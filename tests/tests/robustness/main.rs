@@ -1,8 +1,15 @@
 //! Damaged frames, lossy links, and the seeds of the fuzzers.
 
+#[path = "../../../firmware/tests/properties/action.rs"]
+mod action;
 mod damaged;
 mod fuzz_corpus;
+#[allow(dead_code, reason = "the property tests read more of a step")]
+#[path = "../../../firmware/tests/properties/invariants.rs"]
+mod invariants;
 mod lossy;
 mod seeds;
+#[path = "../../../firmware/tests/properties/transitions.rs"]
+mod transitions;
 mod undetected_errors;
 mod wrong_answers;

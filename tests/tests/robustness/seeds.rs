@@ -1,4 +1,4 @@
-//! Seeds of the fuzzers: the pinned examples, and a few typical histories of a drive.
+//! Seeds of the fuzzers: the pinned examples, typical histories of a drive, and every request in every state.
 
 use std::fs;
 use std::io;
@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 
 use lashloop_firmware::Laws;
 use lashloop_firmware::law::LawSet;
-use lashloop_protocol::enums::ParameterValue;
+use lashloop_protocol::enums::{ParameterValue, State};
 use lashloop_protocol::message::{
-    Arm, ClearFault, EmergencyStop, Hello, SetParameter, Start, Stop, Subscribe,
+    Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
+    GetParameter, Hello, SetParameter, Start, Stop, Subscribe,
 };
 use lashloop_protocol::parameter_names::CONTROLLER;
 use lashloop_protocol::{HostMessage, Message, PROTOCOL_VERSION};
@@ -16,6 +17,12 @@ use lashloop_protocol::{HostMessage, Message, PROTOCOL_VERSION};
 #[allow(dead_code, reason = "the tests of the protocol use more of it")]
 #[path = "../../../protocol/tests/wire/examples.rs"]
 mod examples;
+#[allow(dead_code, reason = "the tests of the document use more of it")]
+#[path = "../document/host.rs"]
+mod host;
+#[allow(dead_code, reason = "the tests of the document use more of it")]
+#[path = "../../../protocol/tests/wire/markdown.rs"]
+pub mod markdown;
 
 /// A file below `fuzz/corpus` and its contents.
 #[derive(Debug)]
@@ -51,14 +58,20 @@ impl Seed {
 
 /// Seeds of the fuzzers that read bytes. The scenario fuzzer has symbolic links to scenarios as seeds.
 pub fn seeds() -> Vec<Seed> {
-    decoder_seeds().into_iter().chain(drive_seeds()).collect()
+    [decoder_seeds(), frames_seeds(), drive_seeds(), state_seeds(), session_seeds()]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 fn name_of<M: Message>(message: &M) -> String {
     message.layout().name.to_lowercase()
 }
 
-/// Seeds of the decoder: the length of the pieces, then a stream.
+/// Of the first byte of the decoder's seeds: the stream is one for the host.
+const FOR_HOST: u8 = 0x80;
+
+/// Seeds of the decoder: direction and length of the pieces, then a stream.
 fn decoder_seeds() -> Vec<Seed> {
     let seed = |name: String, piece_len: u8, stream: &[u8]| {
         Seed::new("decoder", name, [&[piece_len], stream].concat())
@@ -66,7 +79,7 @@ fn decoder_seeds() -> Vec<Seed> {
     let (host, drive) = (examples::from_host(), examples::from_drive());
     let frames: Vec<Vec<u8>> = host.iter().map(|message| message.frame().to_vec()).collect();
     let mut seeds: Vec<Seed> = host.iter().map(|m| seed(name_of(m), 64, &m.frame())).collect();
-    seeds.extend(drive.iter().map(|m| seed(name_of(m), 64, &m.frame())));
+    seeds.extend(drive.iter().map(|m| seed(name_of(m), FOR_HOST | 64, &m.frame())));
     seeds.push(seed("all_in_small_pieces".into(), 7, &frames.concat()));
     seeds.push(seed(
         "all_without_delimiters".into(),
@@ -74,6 +87,94 @@ fn decoder_seeds() -> Vec<Seed> {
         &frames.concat().iter().map(|&byte| byte.max(1)).collect::<Vec<_>>(),
     ));
     seeds.push(seed("all_cut".into(), 3, &frames.iter().flat_map(|f| f[2..].to_vec()).collect::<Vec<_>>()));
+    seeds
+}
+
+/// Seeds of the frames: one of each message, then one of each damage.
+fn frames_seeds() -> Vec<Seed> {
+    let frame = |head: u8, body: &[u8]| [&[head << 6 | (body.len() - 1) as u8, 20], body].concat();
+    let messages =
+        examples::from_host().iter().map(|m| (name_of(m), 64, body(&m.frame()))).collect::<Vec<_>>();
+    let from_drive = examples::from_drive();
+    let from_drive = from_drive.iter().map(|m| (name_of(m), FOR_HOST | 64, body(&m.frame())));
+    let seed = |(name, first, body): (String, u8, Vec<u8>)| {
+        Seed::new("frames", name, [&[first][..], &frame(0, &body)].concat())
+    };
+    let arm = body(&HostMessage::from(Arm { session: 7 }).frame());
+    let damaged = (1..3).map(|damage| {
+        let frames = [frame(damage, &arm), frame(0, &arm), frame(0, &arm)].concat();
+        Seed::new("frames", format!("damage_{damage}"), [&[5][..], &frames].concat())
+    });
+    messages.into_iter().chain(from_drive).map(seed).chain(damaged).collect()
+}
+
+/// Seeds of the session: each edit of what a drive sends, at the handshake, within the descriptions and at the start.
+fn session_seeds() -> Vec<Seed> {
+    let edits = [
+        ("drop", 0_u8),
+        ("flip", 1),
+        ("replace", 2),
+        ("double", 4),
+        ("insert", 5),
+        ("noise", 6),
+        ("babble", 7),
+    ];
+    let seed = |(name, edit): (&str, u8)| {
+        let head = |passed: u8| [edit << 5 | passed, 14, 6];
+        Seed::new("session", name, [head(0), head(9), head(31)].concat())
+    };
+    edits.map(seed).into()
+}
+
+/// Seeds of the drive: every request in every state, as the table of the specification has them, and the refusals that depend on
+/// the contents of a request.
+fn state_seeds() -> Vec<Seed> {
+    let everywhere = |name: &str, message: HostMessage| {
+        let request = request(&message);
+        let name = name.to_lowercase().replace(", ", "_").replace(' ', "_");
+        State::ALL.iter().zip(0_u8..).map(move |(state, index)| {
+            let name = format!("{}_{name}", format!("{state:?}").to_lowercase());
+            Seed::new("drive", name, [&[6, index][..], &request].concat())
+        })
+    };
+    let rows = markdown::table(markdown::section("## 6. States"), "request");
+    let names = rows.iter().map(|row| row[0].as_str()).filter(|name| *name != "SetParameter, live");
+    let unknown: [HostMessage; 6] = [
+        DescribeParameter { index: u8::MAX }.into(),
+        GetParameter { index: u8::MAX }.into(),
+        SetParameter { index: u8::MAX, value: ParameterValue::U32(0) }.into(),
+        DescribeLaw { index: u8::MAX }.into(),
+        DescribeSignal { index: u8::MAX }.into(),
+        DescribeChoice { parameter: u8::MAX, choice: 0 }.into(),
+    ];
+    let mut seeds: Vec<Seed> = names.flat_map(|name| everywhere(name, host::request(name))).collect();
+    seeds.extend(unknown.iter().flat_map(|m| everywhere(&format!("unknown {}", name_of(m)), *m)));
+    seeds.extend(everywhere("unknown signal", Subscribe { signals: 1 << 31, every: 1 }.into()));
+    let stray = host::rest(5);
+    seeds.extend(everywhere("stray sample", stray.into()));
+    let period = |value| request(&SetParameter { index: host::index("period_us"), value }.into());
+    let fast =
+        SetParameter { index: host::index("motor_speed_limit_rad_s"), value: ParameterValue::F32(1e6) };
+    let refused = [
+        &[6, 1][..],
+        &period(ParameterValue::F32(1.0)),
+        &period(ParameterValue::U32(0)),
+        &request(&fast.into()),
+        &request(&Arm { session: host::SESSION }.into()),
+    ];
+    seeds.push(Seed::new("drive", "refused_values", refused.concat()));
+    let not_finite = [
+        &[6, 1][..],
+        &request(&SetParameter { index: host::index("k_p1"), value: ParameterValue::F32(1e6) }.into()),
+        &request(&SetParameter { index: host::index("k_p2"), value: ParameterValue::F32(1e6) }.into()),
+        &request(&Arm { session: host::SESSION }.into()),
+        &request(&Start { session: host::SESSION }.into()),
+        &sample(0, 0, f32::MAX),
+    ];
+    seeds.push(Seed::new("drive", "torque_not_finite", not_finite.concat()));
+    let fault_before_hello =
+        [&[6, 0][..], &request(&EmergencyStop {}.into()), &request(&ClearFault {}.into())];
+    seeds.push(Seed::new("drive", "fault_before_hello", fault_before_hello.concat()));
     seeds
 }
 
@@ -87,7 +188,7 @@ fn drive_seeds() -> Vec<Seed> {
     let index = controller.expect("a drive with several laws has this parameter") as u8;
     let run = |law: u32| {
         let law = request(&SetParameter { index, value: ParameterValue::U32(law) }.into());
-        let samples: Vec<u8> = (0..12_i16).flat_map(|k| sample(40 * k - 200, 10 * k, 0.5)).collect();
+        let samples: Vec<u8> = (0..8_i16).flat_map(|k| sample(40 * k - 200, 10 * k, 0.5)).collect();
         let subscribe = request(&Subscribe { signals: 0b1_1111, every: 3 }.into());
         [hello.clone(), law, subscribe, go.clone(), samples, DRAIN.to_vec(), request(&Stop {}.into())]
             .concat()
@@ -103,6 +204,7 @@ fn drive_seeds() -> Vec<Seed> {
     seeds.push(seed("silence", &[go.clone(), sample(900, 300, 0.0), pass(20_001), sample(0, 0, 0.0)]));
     seeds.push(seed("not_a_number", &[go.clone(), sample(900, 300, f32::NAN)]));
     seeds.push(seed("encoder_jump", &[go.clone(), sample(0, 0, 0.0), sample(i16::MAX, 0, 0.0)]));
+    seeds.push(seed("load_encoder_jump", &[go.clone(), sample(0, 0, 0.0), sample(0, i16::MAX, 0.0)]));
     let frame = HostMessage::from(examples::SAMPLE).frame().to_vec();
     seeds.push(seed("noise", &[go, noise(&frame[..9]), noise(&frame), noise(b"noise\0"), vec![4, 3]]));
     seeds
@@ -112,10 +214,12 @@ const DRAIN: [u8; 1] = [5];
 
 fn request(message: &HostMessage) -> Vec<u8> {
     let kind = HostMessage::LAYOUTS.iter().position(|layout| layout.name == message.layout().name);
-    let frame = message.frame();
+    [&[1, kind.expect("every message has a layout") as u8], &body(&message.frame())[1..]].concat()
+}
+
+fn body(frame: &[u8]) -> Vec<u8> {
     let mut stuffed = frame[..frame.len() - 1].to_vec();
-    let body = lashloop_protocol::frame::open(&mut stuffed).expect("a frame of ours");
-    [&[1, kind.expect("every message has a layout") as u8], &body[1..]].concat()
+    lashloop_protocol::frame::open(&mut stuffed).expect("a frame of ours").to_vec()
 }
 
 fn sample(motor: i16, load: i16, reference_rad: f32) -> Vec<u8> {
