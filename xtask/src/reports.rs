@@ -38,7 +38,8 @@ pub(crate) fn lines(folder: &Path) -> Result<Vec<String>> {
     paths.sort();
     let mut lines = Vec::new();
     for path in paths {
-        let report = fs::read_to_string(&path).with_context(|| format!("{} can't be read", path.display()))?;
+        let report =
+            fs::read_to_string(&path).with_context(|| format!("{} can't be read", path.display()))?;
         lines.extend(report.lines().map(str::to_owned));
     }
     Ok(lines)

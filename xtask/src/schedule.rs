@@ -38,7 +38,8 @@ pub(crate) fn run() -> Result<Counts> {
     let (mut sum, started, set_up) = (Counts::default(), Instant::now(), OnceLock::new());
     for lanes in STAGES {
         thread::scope(|scope| {
-            let lanes: Vec<_> = lanes.iter().map(|lane| scope.spawn(|| run_lane(lane, started, &set_up))).collect();
+            let lanes: Vec<_> =
+                lanes.iter().map(|lane| scope.spawn(|| run_lane(lane, started, &set_up))).collect();
             for lane in lanes {
                 sum += lane.join().unwrap_or(Counts { passed: 0, failed: 1 });
             }
