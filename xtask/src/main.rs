@@ -12,6 +12,7 @@ mod header;
 mod image;
 mod paths;
 mod python;
+mod reports;
 mod rings;
 mod schedule;
 mod setup;
@@ -44,7 +45,8 @@ enum Chore {
 fn main() -> Result<ExitCode> {
     match Chore::parse() {
         Chore::Test(selection) => {
-            return Ok(selection.ring.map_or_else(schedule::run, |ring| selection.run(ring)).print());
+            let counts = selection.ring.map_or_else(schedule::run, |ring| Ok(selection.run(ring)))?;
+            return Ok(counts.print());
         }
         Chore::Check => return Ok(checks::run_all().print()),
         Chore::Setup => setup::install_missing()?,

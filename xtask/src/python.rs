@@ -20,7 +20,7 @@ const OLDEST: (u32, u32) = (3, 10);
 pub(crate) fn set_up() -> Result<()> {
     make_environment()?;
     run(&mut tool(
-        "pip install --quiet --disable-pip-version-check --retries 2 --timeout 30 --editable .[test]",
+        "pip install --quiet --disable-pip-version-check --no-compile --retries 2 --timeout 30 --editable .[test]",
     ))
     .context("the Python package could not be installed into target/python: is there a network?")?;
     fs::write(installed(), manifest()?).context("target/python can't be written")

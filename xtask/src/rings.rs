@@ -50,7 +50,7 @@ fn ring_of(program: &str) -> Option<Ring> {
         "tests tree" => None,
         "tests looped" | "tests conforming" | "tests network" | "host tools" => Some(Ring::Loop),
         "tests emulated" => Some(Ring::Image),
-        "tests python" => Some(Ring::Python),
+        PYTHON => Some(Ring::Python),
         _ => Some(Ring::Unit),
     }
 }
@@ -76,17 +76,34 @@ fn timed_modules(program: &str) -> &'static [&'static str] {
 /// A test program, and its module whose tests mostly wait: they run at the same time as its other untimed tests.
 const WAITING: (&str, &str) = ("tests looped", "soak::");
 
+/// The test program of the ring [`Ring::Python`]. The package's own tests run at the same time.
+const PYTHON: &str = "tests python";
+
 /// Runs the tests of a program but those of `timed` modules.
 fn run_untimed(program: &TestProgram, timed: &[&str]) -> Result<Counts> {
     let skip: String = timed.iter().map(|module| format!(" --skip {module}")).collect();
-    if program.name != WAITING.0 {
-        return program.run(&skip);
-    }
-    thread::scope(|scope| {
-        let waiting = scope.spawn(|| program.run(WAITING.1));
+    match program.name.as_str() {
         // One thread more than cores: tests of drives in other processes wait for them.
-        let mut counts = program.run(&format!("--test-threads 3 --skip {}{skip}", WAITING.1))?;
-        counts += waiting.join().unwrap_or_else(|_| bail!("the thread of the waiting tests panicked"))?;
+        name if name == WAITING.0 => at_once(
+            || program.run(WAITING.1),
+            || program.run(&format!("--test-threads 3 --skip {}{skip}", WAITING.1)),
+        ),
+        // A core for each: bench and Python drive take turns.
+        PYTHON => at_once(python::test, || program.run("--test-threads 1")),
+        _ => program.run(&skip),
+    }
+}
+
+/// Runs two steps at the same time.
+fn at_once(
+    one: impl FnOnce() -> Result<Counts> + Send,
+    other: impl FnOnce() -> Result<Counts>,
+) -> Result<Counts> {
+    thread::scope(|scope| {
+        let one = scope.spawn(one);
+        let other = other();
+        let mut counts = one.join().unwrap_or_else(|_| bail!("the thread of a step panicked"))?;
+        counts += other?;
         Ok(counts)
     })
 }
@@ -103,10 +120,7 @@ impl Selection {
                 counts.step("image size", size::check);
                 counts.step("image clippy", || run(&mut ArmToolchain::find()?.clippy()?));
             }
-            Ring::Python => {
-                counts.step("python lint", python::lint);
-                counts.step("python tests", python::test);
-            }
+            Ring::Python => counts.step("python lint", python::lint),
             Ring::Fuzz => {
                 counts.step("fuzz", || fuzz::run_all(self.seconds));
                 return counts;

@@ -4,6 +4,7 @@
 //! their own with their timeouts, run when nothing else does.
 
 use std::env;
+use std::sync::OnceLock;
 use std::thread;
 use std::time::Instant;
 
@@ -11,35 +12,55 @@ use anyhow::Result;
 
 use crate::command::command;
 use crate::counts::Counts;
+use crate::reports;
 
 /// Chores that run one after the other.
 pub(crate) type Lane = &'static [&'static str];
 
+/// Installs what tests need: every chore but [`WITHOUT_EQUIPMENT`] starts after it.
+const SETUP: &str = "setup";
+
+/// Chores that need the compiler alone.
+const WITHOUT_EQUIPMENT: [&str; 2] = [SETUP, "check"];
+
 /// The lanes of a stage run at the same time, the stages one after the other. Each chore is a call of this program.
-pub(crate) const STAGES: [&[Lane]; 3] = [
-    &[&["setup"], &["check"]],
-    &[&["test image"], &["test unit --timing untimed", "test fuzz"]],
+pub(crate) const STAGES: [&[Lane]; 2] = [
+    &[&[SETUP, "test image"], &["check", "test unit --timing untimed", "test fuzz"]],
     &[&["test unit --timing timed", "test python", "test loop"]],
 ];
 
-/// Runs the stages.
-pub(crate) fn run() -> Counts {
-    let (mut sum, started) = (Counts::default(), Instant::now());
+/// Runs the stages, and prints the reports of the tests.
+///
+/// # Errors
+/// The folder of the reports can't be cleared or read.
+pub(crate) fn run() -> Result<Counts> {
+    reports::clear(&reports::folder())?;
+    let (mut sum, started, set_up) = (Counts::default(), Instant::now(), OnceLock::new());
     for lanes in STAGES {
         thread::scope(|scope| {
-            let lanes: Vec<_> = lanes.iter().map(|lane| scope.spawn(|| run_lane(lane, started))).collect();
+            let lanes: Vec<_> =
+                lanes.iter().map(|lane| scope.spawn(|| run_lane(lane, started, &set_up))).collect();
             for lane in lanes {
                 sum += lane.join().unwrap_or(Counts { passed: 0, failed: 1 });
             }
         });
     }
-    sum
+    for line in reports::lines(&reports::folder())? {
+        println!("{line}");
+    }
+    Ok(sum)
 }
 
-fn run_lane(chores: Lane, started: Instant) -> Counts {
+fn run_lane(chores: Lane, started: Instant, set_up: &OnceLock<()>) -> Counts {
     let mut sum = Counts::default();
-    for chore in chores {
+    for &chore in chores {
+        if !WITHOUT_EQUIPMENT.contains(&chore) {
+            set_up.wait();
+        }
         sum.step(chore, || run_chore(chore, started));
+        if chore == SETUP {
+            set_up.get_or_init(|| ());
+        }
     }
     sum
 }

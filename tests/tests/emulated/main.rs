@@ -7,6 +7,7 @@ mod codec_cost;
 mod conforming;
 mod drive_loss;
 mod equipment;
+mod faults;
 mod instructions;
 mod own_law;
 mod runs;
@@ -48,9 +49,8 @@ fn main() -> ExitCode {
         let name = format!("runs::{}_is_the_same_run_as_in_process", run.name.replace('-', "_"));
         trials.push(trial(&name, missing.clone(), move || runs::same_as_in_process(run)));
     }
-    for (number, row) in fault_table::rows().into_iter().enumerate() {
-        let name =
-            format!("faults::row_{:02}_{}_matches_the_table", number + 1, row.kind().replace('-', "_"));
+    for (number, row) in faults::rows() {
+        let name = format!("faults::row_{number:02}_{}_matches_the_table", row.kind().replace('-', "_"));
         trials.push(trial(&name, missing.clone(), move || row.check_on("qemu")));
     }
     trials.push(trial("runs::a_missing_image_is_named_with_its_build_command", None, runs::no_image));
