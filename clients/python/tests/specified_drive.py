@@ -1,4 +1,4 @@
-"""The drive of the specification's example, made from the tables of section 16."""
+"""The drive of the specification's example, made from the tables of section 16 and the law of section 17."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from lashloop.messages import (
     Subscribe,
     Telemetry,
 )
+from specified_pd import SpecifiedPd
 from support import table
 
 if TYPE_CHECKING:
@@ -56,7 +57,7 @@ def has(law: str, laws: str) -> bool:
 
 
 def specified_drive(clock_ns: Callable[[], int]) -> Drive:
-    """A drive with laws, parameters and signals of the specification; every law computes as `pd` does."""
+    """A drive with laws, parameters and signals of the specification; every law computes as the profile `pd` does."""
     own_parameters, own_signals = {spec.name for spec in Drive([PD]).parameters.specs}, set(Drive([PD]).signals)
     own_parameters -= {spec.name for spec in PD.parameters}
     own_signals -= {spec.name for spec in PD.signals}
@@ -65,7 +66,7 @@ def specified_drive(clock_ns: Callable[[], int]) -> Drive:
             name=name,
             parameters=tuple(parameter(it) for it in PARAMETERS if has(name, it[7]) and it[1] not in own_parameters),
             signals=tuple(signal_spec(it) for it in SIGNALS if has(name, it[3]) and it[1] not in own_signals),
-            build=PD.build,
+            build=SpecifiedPd,
         )
         for name in LAWS
     ]

@@ -196,7 +196,8 @@ SIGNALS_OF_CASE: dict[str, list[tuple[int, ...]]] = {
 
 
 @pytest.mark.parametrize(
-    ("case", "states", "wanted"), table("A drive must check a `Subscribe` in this order, whether `every` is 0 or not [R11.8]:")
+    ("case", "states", "wanted"),
+    table("A drive must check a `Subscribe` in this order, whether `every` is 0 or not [R11.8]:"),
 )
 def test_a_subscription_is_checked_as_specified(case: str, states: str, wanted: str) -> None:
     for state in states.split(", "):

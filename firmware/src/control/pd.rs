@@ -2,6 +2,9 @@
 //!
 //! No estimate of the disturbing torque, no lead, no free control. The elastic feedback k1 stays: only with it do the
 //! paper's 13 s and its static error of 0.32 rad result.
+//!
+//! Section 17 of docs/protocol.md specifies this law with its sensing as the profile `pd`, operation by operation, and
+//! `protocol/golden/pd.csv` has its torques under a moving reference: a change of one bit here changes both.
 
 use crate::control::cascade::{Cascade, CascadeGains, Compensation};
 use crate::control::cascade_signals::CascadeSignals;

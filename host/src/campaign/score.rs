@@ -159,7 +159,7 @@ impl Scores {
         let score = |criterion: Criterion| match (end, metrics.get(criterion.metric())) {
             (End::Diverged(_), _) | (_, Measured::NotFinite) => Score::Missing(MissingReason::NotFinite),
             // A metric measured up to the fault does not describe the whole run.
-            (End::DriveFault(_) | End::DriveRestarted | End::Interrupted, _) => {
+            (End::DriveFault(_) | End::RuleBroken(_) | End::DriveRestarted | End::Interrupted, _) => {
                 Score::Missing(MissingReason::CutShort)
             }
             _ if verdict == Verdict::Invalid => Score::Missing(MissingReason::CutShort),

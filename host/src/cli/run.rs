@@ -134,6 +134,7 @@ pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -
         telemetry: Telemetry::from(device.session.subscription()),
         seed: scenario.run.seed,
         end: outcome.end.to_string(),
+        broken_rule: outcome.end.broken_rule(),
         steps: outcome.steps,
         simulated_s: outcome.simulated_s,
         wall_s: outcome.wall_s,

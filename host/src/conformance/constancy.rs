@@ -40,7 +40,7 @@ pub(super) fn checks() -> Vec<Check> {
     for state in [Boot, Idle, Armed, Running, Faulted] {
         let name =
             format!("requests and frames that change nothing change nothing in {state:?}, however often");
-        checks.push(check("R2.6 R2.7 R4.15 R6.2 R6.3 R6.8", name, move |client| {
+        checks.push(check("R2.6 R2.7 R4.2 R4.15 R6.2 R6.3 R6.8", name, move |client| {
             Constancy::check(client, state)
         }));
     }
@@ -228,7 +228,9 @@ impl Constancy {
         let frame = HostMessage::from(GetParameter { index: 0 }).frame();
         let (start, rest) = frame.split_at(3);
         client.send_bytes(start)?;
-        client.wait_for(PAUSE, |_| None::<()>)?;
+        let unasked = client
+            .wait_for(PAUSE, |message| (!matches!(message, DriveMessage::Log(_))).then_some(*message))?;
+        equal("without a request, message other than a Log", None, unasked)?;
         let answers = client.request_bytes(rest)?;
         self.counts.messages += 2;
         equal("answers to a frame with a pause", vec!["ParameterReport"], names(&answers))

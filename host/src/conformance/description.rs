@@ -55,7 +55,7 @@ pub(super) fn checks() -> Vec<Check> {
                 expect(last, format!("{}: max of at most 255", it.name), it.max)
             })
         }),
-        check("R4.8 R4.9 R4.10 R10.9", "the drive describes itself as at the start", |client| {
+        check("R4.5 R4.8 R4.9 R4.10 R10.9", "the drive describes itself as at the start", |client| {
             let again = Description::read(&mut client.line, &client.identity)?;
             let same = again == client.description;
             expect(same, "the description read first", if same { "it" } else { "another one" })

@@ -14,21 +14,21 @@ use super::receiver::{foreign, request};
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R4", "the LineReport of a clean run counts no damage, with idle delimiters", |client| {
+        check("R4.15", "the LineReport of a clean run counts no damage, with idle delimiters", |client| {
             client.running(&[])?;
             client.send_bytes(&[DELIMITER; 5])?;
             client.torque(0)?;
             // The marker after Start, the sample, the marker after the sample, and Stop.
             reported(client, LineReport { messages: 4, damaged: 0, refused: 0, overruns: 0 })
         }),
-        check("R4", "the LineReport counts good, damaged and refused frames apart", |client| {
+        check("R2.7 R4.15", "the LineReport counts good, damaged and refused frames apart", |client| {
             client.running(&[])?;
             client.send_bytes(&damaged())?;
             client.send_bytes(&[request(0), request(1), request(2)].concat())?;
             reported(client, LineReport { messages: 5, damaged: 4, refused: 2, overruns: 0 })
         }),
-        check("R4", "every good frame counts as a message, whatever its outcome", outcomes),
-        check("R4", "the LineReport counts each run from zero", |client| {
+        check("R4.15", "every good frame counts as a message, whatever its outcome", outcomes),
+        check("R4.15", "the LineReport counts each run from zero", |client| {
             client.running(&[])?;
             client.send_bytes(&damaged())?;
             client.request(Stop {})?;
@@ -37,9 +37,9 @@ pub(super) fn checks() -> Vec<Check> {
             client.start()?;
             reported(client, LineReport { messages: 2, damaged: 0, refused: 0, overruns: 0 })
         }),
-        check("R4", "only a Start that is accepted restarts the counts", only_start),
-        check("R4 R12", "Stop, sessions, faults and Reset let the counts continue", continued),
-        check("R2 R4", "every frame from the drive was a good message", |client| {
+        check("R4.15", "only a Start that is accepted restarts the counts", only_start),
+        check("R4.3 R4.15", "Stop, sessions, faults and Reset let the counts continue", continued),
+        check("R2.1 R3.1 R5.1", "every frame from the drive was a good message", |client| {
             let counters = *client.line.decoder.counters();
             let got = (counters.damaged(), counters.refused);
             client.note = format!("{} messages", counters.messages);

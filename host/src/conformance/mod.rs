@@ -13,6 +13,7 @@
 //! | `receiver` | noise, damaged and refused frames |
 //! | `walk` | a long session through all states, with every request in each |
 //! | `line` | the line report |
+//! | `profile_pd` | the optional profile `pd`, by its golden trace |
 //! | `latency` | response times |
 //!
 //! Each check is one rule, stated as a sentence with the numbers of the rules in the specification, and starts from a drive that
@@ -40,6 +41,7 @@ pub mod junit;
 mod latency;
 mod line;
 mod parameters;
+mod profile_pd;
 mod range;
 mod reactions;
 mod receiver;
@@ -138,6 +140,7 @@ fn all_checks() -> impl Iterator<Item = (&'static str, Check)> {
         ("receiver", receiver::checks()),
         ("walk", walk::checks()),
         ("line", line::checks()),
+        ("profile_pd", profile_pd::checks()),
         ("latency", latency::checks()),
     ];
     groups.into_iter().flat_map(|(group, checks)| checks.into_iter().map(move |check| (group, check)))

@@ -23,11 +23,11 @@ const PAUSE: Duration = Duration::from_millis(60);
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R1 R2", "frames in one write are answered in their order", |client| {
+        check("R1.1 R1.3 R4.1", "frames in one write are answered in their order", |client| {
             let all: Vec<u8> = (0..12).flat_map(request).collect();
             answered(client, &all, &(0..12).collect::<Vec<_>>())
         }),
-        check("R1", "a frame that arrives byte by byte is answered", |client| {
+        check("R1.1", "a frame that arrives byte by byte is answered", |client| {
             for byte in request(0) {
                 client.send_bytes(&[byte])?;
             }
@@ -39,7 +39,7 @@ pub(super) fn checks() -> Vec<Check> {
             }
             answered(client, &[], &[0, 1, 2])
         }),
-        check("R1", "a pause in a frame is no end of it", |client| {
+        check("R1.1", "a pause in a frame is no end of it", |client| {
             client.running(&[])?;
             let frame = HostMessage::from(sample(0)).frame();
             let (start, rest) = frame.split_at(7);
@@ -49,46 +49,46 @@ pub(super) fn checks() -> Vec<Check> {
             let answers = client.request_bytes(rest)?;
             equal("answers to a sample in two pieces", vec!["TorqueAnswer"], names(&answers))
         }),
-        check("R2", "delimiters between frames are no frame and no error", |client| {
+        check("R2.2", "delimiters between frames are no frame and no error", |client| {
             let bytes =
                 [&[DELIMITER; 3][..], &request(0), &[DELIMITER; 70], &request(1), &[DELIMITER]].concat();
             answered(client, &bytes, &[0, 1])?;
             counts(client, &[&[DELIMITER; 200][..]], 0, 0)
         }),
-        check("R2", "garbage before a frame is discarded", |client| {
+        check("R2.4 R2.8", "garbage before a frame is discarded", |client| {
             let garbage = [b"noise\0more noise\0", &*request(0)].concat();
             answered(client, &garbage, &[0])?;
             // Without a delimiter the garbage corrupts the frame that follows, but not the next.
             answered(client, &[b"noise", &*request(0), &*request(1)].concat(), &[1])
         }),
-        check("R2", "a truncated frame is not answered, and the next one is", |client| {
+        check("R2.4 R2.8", "a truncated frame is not answered, and the next one is", |client| {
             let whole = request(0);
             let cut = (1..whole.len() - 1).flat_map(|length| [&whole[..length], &[DELIMITER]].concat());
             let bytes: Vec<u8> = cut.chain(request(1)).collect();
             answered(client, &bytes, &[1])
         }),
-        check("R2", "a frame without its delimiter corrupts the next one and no other", |client| {
+        check("R2.8", "a frame without its delimiter corrupts the next one and no other", |client| {
             let whole = request(0);
             let bytes = [&whole[..whole.len() - 1], &*request(1), &*request(2)].concat();
             answered(client, &bytes, &[2])
         }),
-        check("R2 R4", "a frame with a flipped bit is damaged", |client| {
+        check("R2.4 R2.7", "a frame with a flipped bit is damaged", |client| {
             let requests = [HostMessage::from(GetParameter { index: 0 }), sample(0).into(), Stop {}.into()];
             requests.iter().try_for_each(|request| {
                 let frames = damage::flipped_bits(&request.frame());
                 counts(client, &frames, frames.len(), 0)
             })
         }),
-        check("R2 R4", "a frame with another checksum is damaged", |client| {
+        check("R2.4 R2.7", "a frame with another checksum is damaged", |client| {
             let frames = damage::checksums(&[GetParameter::LAYOUT.kind, 0]);
             counts(client, &frames, frames.len(), 0)
         }),
-        check("R2 R4", "a frame with bad stuffing, or of fewer than 6 bytes, is damaged", |client| {
+        check("R2.4 R2.7", "a frame with bad stuffing, or of fewer than 6 bytes, is damaged", |client| {
             let frames = damage::stuffing(&request(0));
             counts(client, &frames, frames.len(), 0)
         }),
         check(
-            "R2 R4",
+            "R2.3 R2.7 R2.8",
             "more than 63 bytes are damaged once, and a frame at their end is dropped",
             |client| {
                 let lengths = [57, 58, 62, 63, 64, 65, 70, 120, 127, 128, 129, 192, 255, 256, 257, 1_000];
@@ -100,7 +100,7 @@ pub(super) fn checks() -> Vec<Check> {
                 answered(client, &bytes, &[3; 16])
             },
         ),
-        check("R2 R4", "63 bytes are a frame, 64 are damaged", |client| {
+        check("R2.3 R2.5", "63 bytes are a frame, 64 are damaged", |client| {
             let body = |length: usize| [vec![GetParameter::LAYOUT.kind], vec![0x11; length - 1]].concat();
             counts(client, &[framed(&body(MAX_BODY))], 0, 1)?;
             counts(client, &[framed(&body(MAX_BODY + 1)), framed(&body(MAX_BODY + 2))], 2, 0)?;
@@ -108,19 +108,19 @@ pub(super) fn checks() -> Vec<Check> {
             let whole = framed(&body(MAX_BODY));
             counts(client, &[[&whole[..whole.len() - 1], &[0x11, DELIMITER]].concat()], 1, 0)
         }),
-        check("R2 R4", "a frame of an unknown kind, or of a kind of the drive, is refused", |client| {
+        check("R2.5", "a frame of an unknown kind, or of a kind of the drive, is refused", |client| {
             let frames = foreign();
             counts(client, &frames, 0, frames.len())
         }),
-        check("R2 R4", "a request that is too long or too short is refused", |client| {
+        check("R2.5", "a request that is too long or too short is refused", |client| {
             let frames = wrong_lengths(client.session);
             counts(client, &frames, 0, frames.len())
         }),
-        check("R2 R3 R4", "a value of a type without a name is refused", |client| {
+        check("R2.5 R3.1", "a value of a type without a name is refused", |client| {
             let frames = wrong_types();
             counts(client, &frames, 0, frames.len())
         }),
-        check("R2", "no damaged or refused frame changes anything", no_effect),
+        check("R2.6", "no damaged or refused frame changes anything", no_effect),
     ]
 }
 

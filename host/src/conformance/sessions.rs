@@ -20,9 +20,9 @@ use State::{Armed, Boot, Faulted, Idle, Running};
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R12", "every number is a session, and the identity carries it", every_number),
-        check("R12", "Arm and Start of a session that differs in one bit are refused", one_bit),
-        check("R12", "before the first Hello no number is a session", |client| {
+        check("R12.1", "every number is a session, and the identity carries it", every_number),
+        check("R12.1", "Arm and Start of a session that differs in one bit are refused", one_bit),
+        check("R6.5", "before the first Hello no number is a session", |client| {
             let session = client.session;
             for number in [0, session, u32::MAX] {
                 let arm = result(Arm { session: number }, WrongSession, Boot);
@@ -31,8 +31,8 @@ pub(super) fn checks() -> Vec<Check> {
             }
             Ok(())
         }),
-        check("R12", "a new session makes the previous one stale in every state", previous),
-        check("R12", "Reset ends the session", |client| {
+        check("R12.1 R12.2", "a new session makes the previous one stale in every state", previous),
+        check("R12.4", "Reset ends the session", |client| {
             let session = client.session;
             client.idle()?;
             client.exchange("in Idle", &[result(Reset {}, Accepted, Boot)])?;
@@ -40,8 +40,8 @@ pub(super) fn checks() -> Vec<Check> {
             client.handshake(session ^ 1)?;
             client.exchange("in a new session", &[result(Arm { session }, WrongSession, Idle)])
         }),
-        check("R12", "Stop, faults and ClearFault keep the session", kept),
-        check("R12", "a new session ends a run without a message", |client| {
+        check("R12.4", "Stop, faults and ClearFault keep the session", kept),
+        check("R12.2", "a new session ends a run without a message", |client| {
             client.running(&[])?;
             client.torque(0)?;
             let answers = client.request(hello(client.session ^ 1 << 31))?;
@@ -49,9 +49,13 @@ pub(super) fn checks() -> Vec<Check> {
             equal("state", Idle, identity(&answers)?.state)?;
             no_torque(client, 1, Idle)
         }),
-        check("R6", "a fault cleared before the handshake leads back to Boot", before_handshake),
-        check("R8", "the report of a latched fault follows every Identity, unchanged", latched),
-        check("R6 R12", "a request that changes nothing leaves the torques of a run alone", undisturbed),
+        check("R6.5", "a fault cleared before the handshake leads back to Boot", before_handshake),
+        check("R4.13 R8.2 R8.3", "the report of a latched fault follows every Identity, unchanged", latched),
+        check(
+            "R6.3 R6.7 R12.3 R12.5",
+            "a request that changes nothing leaves the torques of a run alone",
+            undisturbed,
+        ),
     ]
 }
 

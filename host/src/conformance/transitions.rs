@@ -119,7 +119,7 @@ const ROWS: [Row; 12] = [
 
 pub(super) fn checks() -> Vec<Check> {
     let rows = ROWS.into_iter().map(|row| {
-        check("R6", row.name, move |client| {
+        check("R4.1 R4.7 R6.2 R6.3", row.name, move |client| {
             for (state, reaction) in STATES.into_iter().zip(row.reactions) {
                 client.reset()?;
                 client.enter(state)?;

@@ -65,7 +65,7 @@ pub fn measure(session: &mut Session, rounds: u32) -> Result<Timing, SessionErro
         match session.exchange(step, &sample, Instant::now() + ANSWER_LIMIT)? {
             Exchange::Answered(_) => times_ns.saturating_record(sent.elapsed().as_nanos() as u64),
             // A disarmed drive reports no fault; we count one as a lost answer.
-            Exchange::Unanswered | Exchange::Faulted(_) => {
+            Exchange::Unanswered | Exchange::Faulted(_) | Exchange::Rejected => {
                 lost += 1;
                 if lost > LARGEST_LOSS {
                     return Err(session.line.silent("EncoderSample", ANSWER_LIMIT));

@@ -25,6 +25,7 @@ pub fn wrong(scenario: &Scenario, outcome: &Outcome) -> Option<String> {
         (min..=max).contains(&value)
     });
     let want = match end.verdict() {
+        _ if end.broken_rule().is_some() => Verdict::Fail,
         _ if broken => Verdict::Invalid,
         Some(Verdict::Invalid) => Verdict::Invalid,
         None if met => Verdict::Pass,

@@ -10,6 +10,7 @@ use std::thread;
 
 use lashloop::conformance::{CheckResult, CheckStatus, Reporter, run};
 
+use crate::PROFILE;
 use crate::allowed::{EQUIVALENT, NOT_FOUND, Set};
 use crate::mutation::{Checks, Mutant, Recorder, Sites};
 use crate::specimen::Specimen;
@@ -132,7 +133,7 @@ fn specimen() -> (Census, BTreeMap<String, usize>) {
 #[test]
 fn specimen_passes_every_check() {
     let mut results = census().results;
-    results.retain(|it| it.status != CheckStatus::Passed);
+    results.retain(|it| it.status != CheckStatus::Passed && it.group != PROFILE);
     assert!(results.is_empty(), "{results:#?}");
 }
 
@@ -173,7 +174,8 @@ fn nearly_every_mutant_is_found_and_none_that_the_page_allows() {
 /// Checks that fail for no mutant, not even one that another check finds first.
 fn unbroken(census: &Census, numbers: &BTreeMap<String, usize>, broken: &[&Found]) -> Vec<String> {
     let caught: BTreeSet<_> = broken.iter().filter_map(|it| it.by.as_deref()).collect();
-    let others = census.results.iter().map(|it| it.name.as_str()).filter(|name| !caught.contains(name));
+    let judged = census.results.iter().filter(|it| it.status == CheckStatus::Passed);
+    let others = judged.map(|it| it.name.as_str()).filter(|name| !caught.contains(name));
     others
         .filter(|name| {
             let number = numbers[*name];

@@ -2,49 +2,57 @@
 
 use std::fs::File;
 use std::io::{Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::thread;
 
-use lashloop::doctor::diagnosis::Health;
+use lashloop::doctor::finding::Health;
 use lashloop::doctor::{Examination, examine};
+use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::device::twin::Twin;
 use lashloop_bench::link::pty::Pty;
 use lashloop_bench::link::terminal::Terminal;
+use lashloop_bench::supervisor::Supervisor;
 use lashloop_protocol::{DriveMessage, Message};
 
 use crate::examples;
 use crate::support::{lashloop, text};
 
-fn examination(terminal: &Path) -> Examination {
-    examine(terminal, 921_600, 100)
+fn examination(device: &str) -> Examination {
+    let device: DeviceChoice = device.parse().expect("a device");
+    let supervisor = Supervisor::without_signals(None).expect("a thread");
+    examine(&device, 921_600, 100, &supervisor)
+}
+
+fn name(path: &Path) -> String {
+    path.to_str().expect("a path of ASCII").to_owned()
 }
 
 /// A twin that serves until the test's process ends.
-fn twin() -> PathBuf {
+fn twin() -> String {
     let twin = Twin::open().unwrap();
-    let path = twin.terminal.path.clone();
+    let path = name(&twin.terminal.path);
     thread::spawn(move || twin.serve());
     path
 }
 
 fn wrong(examination: &Examination) -> String {
-    let wrong = examination.diagnoses.iter().filter(|diagnosis| diagnosis.health == Health::Wrong);
+    let wrong = examination.findings.iter().filter(|finding| finding.health == Health::Wrong);
     wrong.map(ToString::to_string).collect::<Vec<_>>().join("\n")
 }
 
 #[test]
 fn twin_is_healthy_and_serial_properties_do_not_apply() {
     let examination = examination(&twin());
-    assert!(examination.is_healthy(), "{:#?}", examination.diagnoses);
+    assert!(examination.is_healthy(), "{:#?}", examination.findings);
     let not_applicable =
-        examination.diagnoses.iter().filter(|diagnosis| diagnosis.health == Health::NotApplicable);
-    let about: Vec<_> = not_applicable.map(|diagnosis| diagnosis.subject).collect();
+        examination.findings.iter().filter(|finding| finding.health == Health::NotApplicable);
+    let about: Vec<_> = not_applicable.map(|finding| finding.subject).collect();
     assert_eq!(about, ["DTR", "latency timer", "speed"]);
 }
 
 #[test]
 fn command_prints_plausible_times() {
-    let output = lashloop(&["doctor", twin().to_str().unwrap()], &[]);
+    let output = lashloop(&["doctor", &twin()], &[]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stdout));
     let line = text(&output.stdout).lines().find(|line| line.contains("round trip")).unwrap();
     assert!(line.contains("1000 samples answered"), "{line}");
@@ -57,7 +65,7 @@ fn command_prints_plausible_times() {
 #[test]
 fn held_terminal_is_reported_with_its_holder() {
     let path = twin();
-    let _holder = Pty::open(&path).unwrap();
+    let _holder = Pty::open(path.as_ref()).unwrap();
     let examination = examination(&path);
     assert!(!examination.reached);
     let report = wrong(&examination);
@@ -68,7 +76,7 @@ fn held_terminal_is_reported_with_its_holder() {
 #[test]
 fn silent_far_end_is_reported() {
     let twin = Twin::open().unwrap();
-    let examination = examination(&twin.terminal.path);
+    let examination = examination(&name(&twin.terminal.path));
     assert!(!examination.reached);
     let report = wrong(&examination);
     assert!(report.contains("silent for 2.5 s after Hello") && report.contains("baud rate"), "{report}");
@@ -88,7 +96,7 @@ fn other_protocol_version_is_reported_with_the_remedy() {
             far_end.write_all(&DriveMessage::from(identity).frame()).unwrap();
         }
     });
-    let report = wrong(&examination(&terminal.path));
+    let report = wrong(&examination(&name(&terminal.path)));
     assert!(report.contains("speaks protocol version 2, this bench speaks version 1: flash"), "{report}");
 }
 
@@ -97,4 +105,19 @@ fn missing_terminal_is_reported() {
     let output = lashloop(&["doctor", "/dev/no-such-terminal"], &[]);
     assert_eq!(output.status.code(), Some(4));
     assert!(text(&output.stdout).starts_with("WRONG  open"), "{}", text(&output.stdout));
+}
+
+#[test]
+fn a_drive_without_a_terminal_is_examined_as_well() {
+    let examination = examination("inproc");
+    assert!(examination.is_healthy(), "{:#?}", examination.findings);
+    let subjects: Vec<_> = examination.findings.iter().map(|finding| finding.subject).collect();
+    let all = ["open", "DTR", "latency timer", "drain", "handshake", "round trip", "speed"];
+    assert_eq!(subjects, all);
+}
+
+#[test]
+fn a_command_that_is_no_drive_is_diagnosed() {
+    let report = wrong(&examination("exec:sh -c 'echo usage: drive PORT; exec sleep 100'"));
+    assert!(report.contains("text, \"usage: drive PORT\""), "{report}");
 }

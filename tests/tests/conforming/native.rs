@@ -54,6 +54,7 @@ fn the_junit_file_has_every_check_as_a_case_of_its_group() {
         "encoders",
         "safety",
         "line",
+        "profile_pd",
         "latency",
     ];
     assert_eq!(groups, wanted);

@@ -1,10 +1,15 @@
 //! Exit codes of runs.
 
+use lashloop_protocol::DriveMessage;
+use lashloop_protocol::Message;
 use rustix::process::Signal;
+use serde_json::json;
 use tests::loss::run_in_progress;
 use tests::paper::PATIENCE;
 use tests::program;
 use tests::records::Records;
+use tests::relay::{Action, Relay};
+use tests::twin::Twin;
 
 #[test]
 fn a_missed_expectation_fails_with_exit_code_1() {
@@ -44,6 +49,42 @@ fn a_latched_fault_fails_the_run_with_its_reason() {
     let summary = records.summary();
     assert_eq!(summary["verdict"], "FAIL");
     assert_eq!(summary["steps"].as_u64(), Some(records.trace().len() as u64));
+}
+
+#[test]
+fn a_torque_beyond_the_limit_fails_the_run_with_rule_and_step() {
+    let twin = Twin::start();
+    let relay = Relay::start(twin.path(), |frame| match frame.torque() {
+        Some(mut answer) if answer.sequence == 300 => {
+            answer.torque_nm = 25.0_f32.next_up();
+            Action::Replace(DriveMessage::TorqueAnswer(answer).frame().to_vec())
+        }
+        _ => Action::Forward,
+    });
+    let records = Records::new();
+    let arguments =
+        ["run", "scenarios/smooth-after.toml", "--device", relay.device(), "--out", &records.out()];
+    let ended = program::run(arguments.into_iter().chain(PATIENCE)).with_code(1);
+    let end = "the drive breaks rule R7.11 of docs/protocol.md at step 300, sequence 300: torque 25.000002 N m, limit: \
+               25 N m; a torque lies within torque_limit_nm";
+    assert!(ended.stdout.ends_with(&format!("ENDED  {end}\nFAIL\n")), "{}", ended.stdout);
+    let summary = records.summary();
+    assert_eq!((&summary["verdict"], &summary["end"]), (&"FAIL".into(), &end.into()));
+    let broken = json!({
+        "side": "drive",
+        "rule": "R7.11",
+        "requirement": "a torque lies within torque_limit_nm",
+        "step": 300,
+        "sequence": 300,
+        "value": "torque 25.000002 N m",
+        "limit": "25 N m",
+    });
+    assert_eq!(summary["broken_rule"], broken);
+    assert_eq!(
+        records.trace().column("torque_nm").last(),
+        Some(&0.0),
+        "the motor gets no torque of this drive"
+    );
 }
 
 #[test]

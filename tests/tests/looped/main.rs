@@ -14,6 +14,7 @@ mod estimates;
 mod exec_drives;
 mod exit_codes;
 mod fault_table;
+mod hostile;
 mod idle;
 mod link_faults;
 mod network_errors;

@@ -6,10 +6,12 @@
 mod both_precisions;
 mod closed_loop;
 mod drive_train;
+mod golden_pd;
 mod law;
 mod open_loop;
 mod paper;
 mod paper_loops;
+mod pd_trace;
 mod recorded;
 mod trajectory;
 

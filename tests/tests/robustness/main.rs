@@ -5,3 +5,4 @@ mod fuzz_corpus;
 mod lossy;
 mod seeds;
 mod undetected_errors;
+mod wrong_answers;

@@ -132,9 +132,10 @@ impl DeviceError {
     #[must_use]
     pub fn is_transient(&self) -> bool {
         match self {
-            Self::Session { source, .. } => {
-                !matches!(**source, SessionError::Version { .. } | SessionError::Choices { .. })
-            }
+            Self::Session { source, .. } => !matches!(
+                **source,
+                SessionError::Version { .. } | SessionError::Count { .. } | SessionError::Choices { .. }
+            ),
             _ => false,
         }
     }
@@ -180,6 +181,7 @@ fn remedy(source: &SessionError) -> &'static str {
         | SessionError::Broken { diagnosis: Some(_), .. }
         | SessionError::Version { .. }
         | SessionError::Refused { .. }
+        | SessionError::Count { .. }
         | SessionError::Choices { .. } => "",
     }
 }

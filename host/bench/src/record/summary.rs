@@ -14,7 +14,7 @@ use crate::device::Evidence;
 use crate::fault::log::FaultRecord;
 use crate::session::Subscription;
 use crate::timing::TimingReport;
-use crate::verdict::{JudgedExpectation, LinkCounts, Verdict};
+use crate::verdict::{BrokenRule, JudgedExpectation, LinkCounts, Verdict};
 use lashloop_plant::metrics::{Measured, Metric, Metrics};
 
 /// Summary of a run: one JSON object with its keys in this order.
@@ -36,6 +36,9 @@ pub struct Summary {
     pub seed: u64,
     /// How the run ended: `complete`, or what interrupted it.
     pub end: String,
+    /// The rule that ended the run, if the drive broke one; left out otherwise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub broken_rule: Option<BrokenRule>,
     /// Number of control steps.
     pub steps: u64,
     /// Simulated time.
@@ -192,6 +195,7 @@ mod tests {
             telemetry: Telemetry { every_steps: 10, signals: vec!["dead_zone_estimate_rad".to_owned()] },
             seed: 1,
             end: "complete".to_owned(),
+            broken_rule: None,
             steps: 4,
             simulated_s: 2.0,
             wall_s: 0.25,

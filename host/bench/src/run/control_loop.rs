@@ -6,9 +6,10 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use lashloop_protocol::enums::State;
-use lashloop_protocol::message::TorqueAnswer;
+use lashloop_protocol::DriveMessage;
+use lashloop_protocol::message::{FaultReport, GetParameter, TorqueAnswer};
 
+use super::answer_check::AnswerCheck;
 use super::error::RunError;
 use super::held_torque::HeldTorque;
 use super::outcome::End;
@@ -20,8 +21,14 @@ use super::{reconnect, setup};
 use crate::device::Device;
 use crate::fault::timeline::Timeline;
 use crate::scenario::Scenario;
-use crate::session::{Exchange, SessionError};
+use crate::scenario::fault::{FaultKind, FrameFault, Way};
+use crate::session::handshake::shake_hands;
+use crate::session::{AtStep, Exchange, SessionError};
 use crate::timing::{ClockName, RoundTrip, StepOutcome, StepTiming};
+use crate::verdict::AnswerRule;
+
+/// Requests for the report of a latched fault, of which the line may lose some.
+const FAULT_REQUESTS: usize = 3;
 
 /// The loop of one run.
 pub(super) struct ControlLoop<'a, S> {
@@ -31,6 +38,7 @@ pub(super) struct ControlLoop<'a, S> {
     pub(super) timeline: Timeline,
     clock: ClockName,
     phase: Phase,
+    answers: AnswerCheck,
     torque: HeldTorque,
     /// When the first sample was sent that has no answer yet, in the link's time.
     silent_since: Option<Instant>,
@@ -49,6 +57,8 @@ pub(super) struct LoopSettings {
     pub(super) watchdog: Option<Duration>,
     /// Signals that the drive sends in a telemetry.
     pub(super) drive_signals: usize,
+    /// The drive's largest torque in N m, as read from it.
+    pub(super) torque_limit_nm: f32,
 }
 
 /// What the loop counts.
@@ -74,7 +84,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         settings: LoopSettings,
         sink: S,
     ) -> Self {
-        let LoopSettings { clock, watchdog, drive_signals } = settings;
+        let LoopSettings { clock, watchdog, drive_signals, torque_limit_nm } = settings;
         let period = Duration::from_micros(scenario.run.control_period_us.into());
         Self {
             scenario,
@@ -83,6 +93,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
             timeline,
             clock,
             phase: Phase::Started,
+            answers: AnswerCheck::new(torque_limit_nm, may_duplicate_samples(scenario)),
             torque: HeldTorque::new(period, watchdog),
             silent_since: None,
             counts: Counts::default(),
@@ -108,11 +119,19 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         self.begin(step, device)?;
         let (sample, observation) = self.simulator.observe(step)?;
         let exchanged = match self.phase.request(step, sample, &self.simulator)? {
-            Some(request) => self.exchange(&request, deadline, device)?,
+            Some(request) => self.exchange(step, &request, deadline, device)?,
             // The drive was lost again or started too late: the next step retries the start.
             None => self.give_up(),
         };
         match exchanged {
+            ControlFlow::Break(end @ End::RuleBroken(_)) => {
+                // The motor gets no torque of such a drive any more, and the record shows it.
+                self.torque.torque_nm = 0.0;
+                self.finish(device)?;
+                let timing = StepTiming { lateness, outcome: StepOutcome::Answered, round_trip: None };
+                self.hold(step, observation, timing)?;
+                Ok(Some(end))
+            }
             ControlFlow::Break(end) => Ok(Some(end)),
             ControlFlow::Continue((outcome, round_trip)) => {
                 self.finish(device)?;
@@ -165,6 +184,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
 
     fn exchange(
         &mut self,
+        step: u32,
         request: &Request,
         deadline: Instant,
         device: &mut Device,
@@ -173,10 +193,13 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         let limit = self.scenario.link.silence_limit();
         let silent_at = self.silent_since.unwrap_or(sent) + limit;
         let Request { number, sample, .. } = request;
-        match device.session.exchange(*number, sample, deadline.min(silent_at)) {
+        self.answers.note_sent(*number, step);
+        let passes = |answer: &TorqueAnswer| self.answers.passes(answer);
+        match device.session.exchange_checked(*number, sample, deadline.min(silent_at), passes) {
             Err(source) if source.is_loss() => self.lose(source, device),
             Err(source) => Err(device.explain(source).into()),
-            Ok(Exchange::Answered(answer)) => self.take_answer(request, &answer, deadline, device),
+            Ok(Exchange::Answered(answer)) => Ok(self.take_answer(request, &answer, deadline, device)),
+            Ok(Exchange::Rejected) => self.reject(device),
             Ok(Exchange::Faulted(fault)) => Ok(ControlFlow::Break(End::DriveFault(fault))),
             Ok(Exchange::Unanswered) if device.session.line.now() >= silent_at => {
                 let silent = device.session.line.silent("EncoderSample", limit);
@@ -194,25 +217,30 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         request: &Request,
         answer: &TorqueAnswer,
         deadline: Instant,
-        device: &mut Device,
-    ) -> Result<Exchanged, RunError> {
-        if answer.status.state != State::Running {
-            return Ok(ControlFlow::Break(drive_fault(device, answer)?));
-        }
-        if !answer.torque_nm.is_finite() {
-            return Err(device.unfit(format!("it sent a torque of {} N m", answer.torque_nm)).into());
-        }
+        device: &Device,
+    ) -> Exchanged {
         self.silent_since = None;
         self.phase.note_answer();
         let timestamps = device.session.timestamps;
         if self.clock == ClockName::RealTime && timestamps.arrived > deadline {
             // The bench itself read the answer late; the motor had no torque in time all the same.
-            return Ok(ControlFlow::Continue((StepOutcome::Unanswered, None)));
+            return ControlFlow::Continue((StepOutcome::Unanswered, None));
         }
         self.torque.torque_nm = answer.torque_nm;
         // Of a retransmitted sample it is unknown which copy was answered.
         let round_trip = (!request.is_retransmission).then(|| RoundTrip::new(&timestamps, answer));
-        Ok(ControlFlow::Continue((StepOutcome::Answered, round_trip)))
+        ControlFlow::Continue((StepOutcome::Answered, round_trip))
+    }
+
+    /// The end of the run after an answer that does not pass.
+    fn reject(&mut self, device: &mut Device) -> Result<Exchanged, RunError> {
+        let Some(broken) = self.answers.broken else { return Ok(self.give_up()) };
+        if !matches!(broken.rule, AnswerRule::Running { .. }) {
+            return Ok(ControlFlow::Break(End::RuleBroken(broken)));
+        }
+        self.timeline.pause();
+        let fault = latched_fault(device).map_err(|source| device.explain(source))?;
+        Ok(ControlFlow::Break(fault.map_or(End::RuleBroken(broken), End::DriveFault)))
     }
 
     fn give_up(&mut self) -> Exchanged {
@@ -238,12 +266,16 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         self.timeline.pause();
         let stop_asked = || self.sink.stop_asked();
         let end = reconnect::set_up_again(self.scenario, self.clock, &mut self.timeline, device, stop_asked)?;
-        if end.is_none() {
-            self.phase = Phase::Restarting;
-            self.silent_since = None;
-            self.counts.resumes += 1;
+        match end {
+            ControlFlow::Break(end) => Ok(Some(end)),
+            ControlFlow::Continue(torque_limit_nm) => {
+                self.answers = AnswerCheck::new(torque_limit_nm, may_duplicate_samples(self.scenario));
+                self.phase = Phase::Restarting;
+                self.silent_since = None;
+                self.counts.resumes += 1;
+                Ok(None)
+            }
         }
-        Ok(end)
     }
 
     fn start_again(&mut self, device: &mut Device) -> Result<Option<End>, RunError> {
@@ -268,16 +300,30 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
     }
 }
 
-/// The fault that an answer shows by its state. The report follows the answer; the answer to a stop is behind it.
-fn drive_fault(device: &mut Device, answer: &TorqueAnswer) -> Result<End, RunError> {
-    if device.session.line.fault.is_none() {
-        let stopped = device.session.stop();
-        stopped.map_err(|source| device.explain(source))?;
+/// The fault behind an answer of a drive that runs no more. Its report follows the answer, or is lost on the line; the drive
+/// sends it again after an identity. `None` if the drive has none.
+fn latched_fault(device: &mut Device) -> Result<Option<AtStep<FaultReport>>, SessionError> {
+    let session = &mut device.session;
+    for _ in 0..FAULT_REQUESTS {
+        if session.line.fault.is_none() {
+            let number = session.line.session;
+            shake_hands(&mut session.line, number)?;
+            // The report follows the identity; the answer to a request is behind both.
+            let _ = session.line.request(&GetParameter { index: 0 }.into(), |answer| match answer {
+                DriveMessage::ParameterReport(_) => Some(()),
+                _ => None,
+            })?;
+        }
     }
-    match device.session.line.fault {
-        Some(fault) => Ok(End::DriveFault(fault)),
-        None => Err(device
-            .unfit(format!("state {:?} in the middle of the run, without a fault", answer.status.state))
-            .into()),
-    }
+    Ok(session.line.fault)
+}
+
+/// Whether a fault of the scenario duplicates frames to the drive, which then answers a sample twice.
+fn may_duplicate_samples(scenario: &Scenario) -> bool {
+    scenario.faults.iter().any(|fault| {
+        matches!(
+            fault.kind,
+            FaultKind::Frame { fault: FrameFault::Duplicate { .. }, way: Way::ToDrive | Way::Both }
+        )
+    })
 }

@@ -10,6 +10,7 @@
 //! | `lockstep` | paces the loop by the drive: the plant waits for it |
 //! | [`real_time`] | paces the loop by the wall clock |
 //! | `control_loop` | one step of the loop |
+//! | `answer_check` | holds every torque answer to the rules of the protocol |
 //! | `phase` | where the drive is in the run: started, running, restarting |
 //! | `held_torque` | the torque on the motor while answers stay out |
 //! | `reconnect` | getting a lost drive back |
@@ -18,6 +19,7 @@
 //! | [`outcome`] | the end of a run and its verdict |
 //! | `error` | why a run fails |
 
+mod answer_check;
 mod control_loop;
 mod device_under_test;
 mod drive_settings;

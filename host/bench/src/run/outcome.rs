@@ -8,7 +8,7 @@ use lashloop_protocol::message::FaultReport;
 use crate::fault::log::FaultRecord;
 use crate::session::AtStep;
 use crate::timing::TimingReport;
-use crate::verdict::{Judgement, LinkCounts, Verdict};
+use crate::verdict::{BrokenRule, Judgement, LinkCounts, Verdict};
 use lashloop_plant::PlantError;
 use lashloop_plant::metrics::{Metrics, SignalTable};
 
@@ -19,6 +19,8 @@ pub enum End {
     Complete,
     /// The drive latched a fault.
     DriveFault(AtStep<FaultReport>),
+    /// The drive sent a torque answer that breaks a rule of the protocol.
+    RuleBroken(BrokenRule),
     /// The drive restarted in the middle of the run.
     DriveRestarted,
     /// The plant could not be integrated any further; as a rule its state overflowed.
@@ -33,8 +35,22 @@ impl End {
     pub fn leaves_a_session(&self) -> bool {
         match self {
             Self::DriveFault(fault) => !matches!(fault.code, FaultCode::Panic | FaultCode::ProcessorFault),
-            Self::DriveRestarted => false,
+            // Of a drive that breaks a rule nothing is expected any more.
+            Self::RuleBroken(_) | Self::DriveRestarted => false,
             Self::Complete | Self::Diverged(_) | Self::Interrupted => true,
+        }
+    }
+
+    /// The rule of the protocol that the drive broke, if that ended the run.
+    #[must_use]
+    pub fn broken_rule(&self) -> Option<BrokenRule> {
+        match self {
+            Self::RuleBroken(broken) => Some(*broken),
+            Self::Complete
+            | Self::DriveFault(_)
+            | Self::DriveRestarted
+            | Self::Diverged(_)
+            | Self::Interrupted => None,
         }
     }
 
@@ -48,7 +64,7 @@ impl End {
             Self::Diverged(PlantError::Chattering { .. } | PlantError::TooStiff { .. }) => {
                 Some(Verdict::Invalid)
             }
-            Self::DriveFault(_) | Self::Diverged(_) => Some(Verdict::Fail),
+            Self::DriveFault(_) | Self::RuleBroken(_) | Self::Diverged(_) => Some(Verdict::Fail),
             Self::DriveRestarted | Self::Interrupted => Some(Verdict::Invalid),
         }
     }
@@ -58,6 +74,7 @@ impl fmt::Display for End {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Complete => write!(out, "complete"),
+            Self::RuleBroken(broken) => write!(out, "{broken}"),
             Self::DriveRestarted => write!(
                 out,
                 "the drive started anew in the middle of the run; with link.on_loss = \"resume\" the bench would go on"

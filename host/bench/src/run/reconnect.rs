@@ -1,5 +1,6 @@
 //! Getting a lost drive back: set up again at once, started again in the step that sends its first sample.
 
+use std::ops::ControlFlow;
 use std::thread;
 use std::time::Duration;
 
@@ -34,8 +35,8 @@ pub(super) fn end_of_loss(
     }
 }
 
-/// Sets a lost drive up again, with retries for as long as the scenario allows. Returns the end of the run if the user
-/// stops it.
+/// Sets a lost drive up again, with retries for as long as the scenario allows. Continues with its largest torque in
+/// N m; breaks with the end of the run if the user stops it.
 ///
 /// # Errors
 /// The drive did not come back in time, or another firmware did.
@@ -45,14 +46,17 @@ pub(super) fn set_up_again(
     timeline: &mut Timeline,
     device: &mut Device,
     stop_asked: impl Fn() -> bool,
-) -> Result<Option<End>, RunError> {
+) -> Result<ControlFlow<End, f32>, RunError> {
     let deadline = device.session.line.now() + scenario.link.resume_limit();
     let lost = device.session.identity;
     loop {
         timeline.revive(device);
-        let Err(error) = setup::resume(device, scenario, clock, &lost) else { return Ok(None) };
+        let error = match setup::resume(device, scenario, clock, &lost) {
+            Ok(torque_limit_nm) => return Ok(ControlFlow::Continue(torque_limit_nm)),
+            Err(error) => error,
+        };
         if stop_asked() {
-            return Ok(Some(End::Interrupted));
+            return Ok(ControlFlow::Break(End::Interrupted));
         }
         let is_transient = matches!(&error, RunError::Device(error) if error.is_transient());
         let now = device.session.line.now();

@@ -69,9 +69,11 @@ pub fn run(
         Clock::Lockstep => None,
         Clock::RealTime(_) => Some(setup::watchdog(device)?),
     };
+    let torque_limit_nm = setup::torque_limit_nm(device)?;
     observer.begin(&signals)?;
     let before = device.session.traffic();
-    let settings = LoopSettings { clock: clock.name(), watchdog, drive_signals: signals.drive.len() };
+    let settings =
+        LoopSettings { clock: clock.name(), watchdog, drive_signals: signals.drive.len(), torque_limit_nm };
     let mut recorder = StepRecorder::new(scenario, &signals, clock.name(), observer);
     let (closed, refused) = match clock {
         Clock::Lockstep => {
@@ -93,7 +95,10 @@ pub fn run(
     let timing = recorder.timings.report(refused);
     let metrics = recorder.measurement.metrics();
     let mut judgement = Judgement::new(&scenario.expectations, &metrics, &scenario.allow, &link, &timing);
-    judgement.cap(end.verdict());
+    match &end {
+        End::RuleBroken(_) => judgement.fail(),
+        end => judgement.cap(end.verdict()),
+    }
     Ok(Outcome {
         judgement,
         end,

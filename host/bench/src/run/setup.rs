@@ -7,7 +7,7 @@ use std::time::Duration;
 use lashloop_plant::Signal;
 use lashloop_protocol::enums::{Outcome, ParameterValue};
 use lashloop_protocol::message::Identity;
-use lashloop_protocol::parameter_names::WATCHDOG_US;
+use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
 
 use super::drive_settings::{DriveSettings, written};
 use super::error::RunError;
@@ -56,26 +56,42 @@ fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Resu
 /// # Errors
 /// The drive has no such parameter, or the session failed.
 pub(super) fn watchdog(device: &mut Device) -> Result<Duration, RunError> {
-    let Some(index) = device.session.parameter(WATCHDOG_US).map(|parameter| parameter.index) else {
-        return Err(device
-            .unfit("it has no parameter watchdog_us, which every drive must have".to_owned())
-            .into());
-    };
-    match device.session.get(index).map_err(|source| device.explain(source))? {
+    match in_force(device, WATCHDOG_US)? {
         ParameterValue::U32(us) => Ok(Duration::from_micros(us.into())),
         ParameterValue::F32(us) => Duration::try_from_secs_f32(1e-6 * us)
             .map_err(|error| device.unfit(format!("its watchdog_us is {us}: {error}")).into()),
     }
 }
 
+/// Reads the largest torque of the drive in N m, either way.
+///
+/// # Errors
+/// The drive has no such limit, or the session failed.
+pub(super) fn torque_limit_nm(device: &mut Device) -> Result<f32, RunError> {
+    match in_force(device, TORQUE_LIMIT_NM)? {
+        ParameterValue::F32(limit_nm) if limit_nm >= 0.0 => Ok(limit_nm),
+        other => Err(device
+            .unfit(format!("its {TORQUE_LIMIT_NM} is {other:?}; it must be an F32 of 0 N m or more"))
+            .into()),
+    }
+}
+
+/// The value in force of a parameter that every drive must have.
+fn in_force(device: &mut Device, name: &str) -> Result<ParameterValue, RunError> {
+    let Some(index) = device.session.parameter(name).map(|parameter| parameter.index) else {
+        return Err(device.unfit(format!("it has no parameter {name}, which every drive must have")).into());
+    };
+    Ok(device.session.get(index).map_err(|source| device.explain(source))?)
+}
+
 /// Sets up a drive that was lost, up to its start. It must be the same firmware: parameters are set by the indices read from
-/// it, and a run has one drive.
+/// it, and a run has one drive. Returns its largest torque in N m.
 pub(super) fn resume(
     device: &mut Device,
     scenario: &Scenario,
     clock: ClockName,
     lost: &Identity,
-) -> Result<(), RunError> {
+) -> Result<f32, RunError> {
     device.session.line.clear().map_err(|source| device.explain(source))?;
     device.session.reset().map_err(|source| device.explain(source))?;
     let firmware_of = |it: &Identity| {
@@ -87,7 +103,8 @@ pub(super) fn resume(
             .unfit(format!("it came back with another firmware than build {build:08x}"))
             .into());
     }
-    configure(device, scenario, clock)
+    configure(device, scenario, clock)?;
+    torque_limit_nm(device)
 }
 
 /// The error for a drive that does not start. Parameters that contradict each other are the scenario's error.

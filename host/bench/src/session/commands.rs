@@ -65,6 +65,7 @@ impl Session {
 
     fn arm_and_start(&mut self) -> Result<(), SessionError> {
         let session = self.number;
+        let mut silent = None;
         for limit in START_LIMITS {
             self.command(Arm { session }, State::Armed)?;
             let log_mark = self.line.logs.mark();
@@ -72,10 +73,13 @@ impl Session {
                 Some((Outcome::Accepted, _)) => return Ok(()),
                 Some((outcome, state)) => return Err(self.refused::<Start>(outcome, state, log_mark)),
                 // The drive may have started, and its watchdog is then about to trip: a late start is of no use.
-                None => self.disarm()?,
+                None => {
+                    silent = Some(self.line.silent(Start::LAYOUT.name, START_LIMITS.iter().sum()));
+                    self.disarm()?;
+                }
             }
         }
-        Err(self.line.silent(Start::LAYOUT.name, START_LIMITS.iter().sum()))
+        Err(silent.unwrap_or_else(|| self.line.silent(Start::LAYOUT.name, Duration::ZERO)))
     }
 
     /// Brings a drive that is armed, runs or has just latched a fault back to `Idle`.

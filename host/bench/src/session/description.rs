@@ -4,6 +4,7 @@ use std::ops::RangeInclusive;
 
 use lashloop_plant::Signal;
 use lashloop_protocol::enums::{Outcome, ParameterFlags, ParameterValue, State};
+use lashloop_protocol::limits::{MAX_LAWS, MAX_SIGNALS};
 use lashloop_protocol::message::{DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, Identity};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
@@ -30,8 +31,22 @@ impl Description {
     /// Requests everything that `identity` announces.
     ///
     /// # Errors
-    /// The drive is silent, rejects an index that it announced or describes impossible choices, or the line broke.
+    /// The drive is silent, announces impossible numbers of laws or signals, rejects an index that it announced or describes
+    /// impossible choices, or the line broke.
     pub fn read(line: &mut Line, identity: &Identity) -> Result<Self, SessionError> {
+        for (field, count, allowed) in [
+            ("law_count", identity.law_count, 1..=MAX_LAWS),
+            ("signal_count", identity.signal_count, 0..=MAX_SIGNALS),
+        ] {
+            if !allowed.contains(&count.into()) {
+                return Err(SessionError::Count {
+                    field,
+                    count,
+                    least: *allowed.start(),
+                    most: *allowed.end(),
+                });
+            }
+        }
         let laws = (0..identity.law_count).map(|index| law(line, index)).collect::<Result<_, _>>()?;
         let parameters =
             (0..identity.parameter_count).map(|index| parameter(line, index, identity.law_count));

@@ -126,6 +126,20 @@ pub enum SessionError {
         /// How far the session got.
         last_seen: LastSeen,
     },
+    /// A number of laws or signals that no drive can have.
+    #[error(
+        "the drive's Identity has {field} {count}, allowed are {least} to {most}: correct the firmware's Identity"
+    )]
+    Count {
+        /// Name of the field.
+        field: &'static str,
+        /// Its value.
+        count: u8,
+        /// The smallest number allowed.
+        least: usize,
+        /// The largest number allowed.
+        most: usize,
+    },
     /// A parameter whose choices can't be requested.
     #[error(
         "the drive describes choices of {parameter} from {min} to {max} ({:?} to {:?}); choices are U32 from 0 to 255: \

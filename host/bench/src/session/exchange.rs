@@ -21,6 +21,8 @@ pub enum Exchange {
     Faulted(AtStep<FaultReport>),
     /// No answer by the deadline.
     Unanswered,
+    /// The caller has rejected an answer, to this sample or to an earlier one.
+    Rejected,
 }
 
 impl Session {
@@ -35,10 +37,25 @@ impl Session {
         sample: &EncoderSample,
         deadline: Instant,
     ) -> Result<Exchange, SessionError> {
+        self.exchange_checked(step, sample, deadline, |_| true)
+    }
+
+    /// As [`exchange`](Self::exchange). Every torque that arrives, late and repeated ones included, goes through `passes`
+    /// first; the wait ends with the first that doesn't pass.
+    ///
+    /// # Errors
+    /// As [`exchange`](Self::exchange).
+    pub fn exchange_checked(
+        &mut self,
+        step: u32,
+        sample: &EncoderSample,
+        deadline: Instant,
+        mut passes: impl FnMut(&TorqueAnswer) -> bool,
+    ) -> Result<Exchange, SessionError> {
         if self.gap(step) > LONGEST_GAP.into() {
             // The bench has not read meanwhile, so answers of the drive may still be on the line.
-            if let Some(fault) = self.read_pending()? {
-                return Ok(Exchange::Faulted(fault));
+            if let Some(end) = self.read_pending(&mut passes)? {
+                return Ok(end);
             }
             let periods = self.gap(step);
             if periods > LONGEST_GAP.into() {
@@ -54,6 +71,7 @@ impl Session {
         let answered = self.answered;
         let mut late = 0;
         let answer = self.line.wait(deadline, |message| match message {
+            DriveMessage::TorqueAnswer(answer) if !passes(answer) => Some(Ok(Exchange::Rejected)),
             DriveMessage::TorqueAnswer(answer) if answer.sequence == sequence => {
                 Some(Ok(Exchange::Answered(*answer)))
             }
@@ -97,12 +115,16 @@ impl Session {
         step.saturating_sub(self.line.last_seen.torque.unwrap_or(0))
     }
 
-    /// Reads what has arrived between two exchanges. Returns the fault, if one was reported.
-    fn read_pending(&mut self) -> Result<Option<AtStep<FaultReport>>, SessionError> {
+    /// Reads what has arrived between two exchanges. Returns the fault, if one was reported, or a rejection.
+    fn read_pending(
+        &mut self,
+        passes: &mut impl FnMut(&TorqueAnswer) -> bool,
+    ) -> Result<Option<Exchange>, SessionError> {
         let (answered, mut late) = (self.answered, 0);
         let now = self.line.now();
-        let fault = self.line.wait(now, |message| match message {
-            DriveMessage::FaultReport(_) => Some(()),
+        let end = self.line.wait(now, |message| match message {
+            DriveMessage::FaultReport(_) => Some(None),
+            DriveMessage::TorqueAnswer(answer) if !passes(answer) => Some(Some(Exchange::Rejected)),
             DriveMessage::TorqueAnswer(answer) => {
                 late += u64::from(is_late(answer, answered));
                 None
@@ -110,7 +132,7 @@ impl Session {
             _ => None,
         })?;
         self.late += late;
-        Ok(fault.and(self.line.fault))
+        Ok(end.and_then(|rejected| rejected.or(self.line.fault.map(Exchange::Faulted))))
     }
 }
 

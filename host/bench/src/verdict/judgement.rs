@@ -155,6 +155,11 @@ impl Judgement {
             self.verdict = self.verdict.max(ceiling);
         }
     }
+
+    /// Makes the verdict FAIL, for a drive that breaks a rule of the protocol: what the line did explains none of it.
+    pub fn fail(&mut self) {
+        self.verdict = Verdict::Fail;
+    }
 }
 
 fn breaches(allow: &Allowance, counts: &LinkCounts, timing: &TimingReport) -> Vec<Breach> {

@@ -11,7 +11,7 @@ use super::setup::Setup;
 use crate::conformance::assertion::{Failure, RuleResult, expect, skip};
 use crate::conformance::check::{Check, check};
 use crate::conformance::client::Client;
-use crate::conformance::reactions::{accepted, first_sample};
+use crate::conformance::reactions::accepted;
 
 /// Half the range of a reading, in counts.
 const HALF: i64 = 1 << 23;
@@ -37,18 +37,25 @@ pub(super) fn checks() -> Vec<Check> {
         check("R7.8 R10.5", "an encoder may wrap around more than once", |client| {
             each_way(client, HALF / 2, 3 * HALF)
         }),
-        check("R7.7 R7.14", "the first sample of a run has no predecessor", |client| {
+        check("R7.7 R7.14 R7.17", "the first sample of a run has no predecessor", |client| {
             let setup = Setup::coarse(client)?;
-            setup.start(client)?;
-            first_sample(client)?;
-            for counts in [HALF / 2, -HALF, HALF - 1, -1, 1] {
-                for encoder in Encoder::BOTH {
+            for encoder in Encoder::BOTH {
+                // The torques of first samples after a reset, and then one after the other.
+                let places = [HALF / 2, -HALF, HALF - 1, -1, 1];
+                let fresh = places.map(|counts| {
+                    client.reset()?;
+                    setup.start(client)?;
+                    accepted(client, placed(encoder, 0, counts), TorqueFlags::empty())
+                });
+                for (counts, fresh) in places.into_iter().zip(fresh) {
+                    let wanted_nm = fresh?.torque_nm;
                     client.command(Stop {})?;
                     client.arm()?;
                     client.start()?;
-                    for sequence in 0..2 {
-                        accepted(client, placed(encoder, sequence, counts), TorqueFlags::empty())?;
-                    }
+                    let first = accepted(client, placed(encoder, 0, counts), TorqueFlags::empty())?;
+                    let expected = format!("{} at {counts} counts: {wanted_nm} N m", encoder.name);
+                    expect(first.torque_nm.to_bits() == wanted_nm.to_bits(), expected, first.torque_nm)?;
+                    accepted(client, placed(encoder, 1, counts), TorqueFlags::empty())?;
                 }
             }
             Ok(())

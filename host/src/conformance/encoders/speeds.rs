@@ -20,7 +20,7 @@ const STARTS: [i64; 3] = [0, EncoderCounts::MAX.get() as i64, EncoderCounts::MIN
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
-        check("R7.14", "an encoder within its speed limit is accepted", |client| {
+        check("R7.5 R7.14 R7.15", "an encoder within its speed limit is accepted", |client| {
             let setup = Setup::coarse(client)?;
             for encoder in Encoder::BOTH {
                 for (start, sign) in STARTS.into_iter().flat_map(|start| [(start, 1), (start, -1)]) {
@@ -29,7 +29,9 @@ pub(super) fn checks() -> Vec<Check> {
                     accepted(client, placed(encoder, 0, start), TorqueFlags::empty())?;
                     let mut at = start;
                     let mut sequence = 0;
-                    for periods in periods(&setup) {
+                    // From zero often enough to show a count that adds up.
+                    let more = if start == 0 { 9 } else { 0 };
+                    for periods in std::iter::repeat_n(1, more).chain(periods(&setup)) {
                         at += sign * setup.scale(encoder).most_counts(periods);
                         sequence += periods;
                         accepted(client, placed(encoder, sequence, at), gap_flag(periods))?;

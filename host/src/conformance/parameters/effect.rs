@@ -26,9 +26,13 @@ const BEFORE: u16 = 1;
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R7 R9", "period and counts per revolution have an effect on the speed of an encoder", speeds),
-        check("R9", "a live parameter set in Armed has the effect of one set in Idle", live_in_armed),
-        check("R9", "a live parameter set in Running has an effect from the next sample", live_in_running),
+        check(
+            "R7.14 R9.6",
+            "period and counts per revolution have an effect on the speed of an encoder",
+            speeds,
+        ),
+        check("R9.5", "a live parameter set in Armed has the effect of one set in Idle", live_in_armed),
+        check("R9.5", "a live parameter set in Running has an effect from the next sample", live_in_running),
     ]
 }
 

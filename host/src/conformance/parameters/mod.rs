@@ -22,48 +22,56 @@ use super::range::holds;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
-        check("R9", "the drive has every required parameter", |client| {
+        check("R9.13", "the drive has every required parameter", |client| {
             let mut missing = REQUIRED.to_vec();
             missing.retain(|name| client.description.parameters.iter().all(|it| it.name != *name));
             expect(missing.is_empty(), format!("the parameters {}", REQUIRED.join(", ")), {
                 format!("none named {}", missing.join(", "))
             })
         }),
-        check("R9", "parameters with a reserved name have the type of the name, and all laws", reserved),
-        check("R9", "every parameter name is unique", |client| {
+        check(
+            "R9.10 R9.12",
+            "parameters with a reserved name have the type of the name, and all laws",
+            reserved,
+        ),
+        check("R9.9", "every parameter name is unique", |client| {
             let mut seen = HashSet::new();
             client.description.parameters.iter().try_for_each(|it| {
                 expect(!it.name.is_empty() && seen.insert(&it.name), "a name no other has", &it.name)
             })
         }),
-        check("R9", "default, minimum and maximum have one type", |client| {
+        check("R9.1", "default, minimum and maximum have one type", |client| {
             client.description.parameters.iter().try_for_each(|it| {
                 let types = (it.default.ty(), it.min.ty(), it.max.ty());
                 expect(types.0 == types.1 && types.1 == types.2, format!("{}: one type", it.name), types)
             })
         }),
-        check("R9", "every default lies in its range", |client| {
+        check("R9.2", "every default lies in its range", |client| {
             client.description.parameters.iter().try_for_each(|it| {
                 let range = format!("{} within {} to {}", it.name, it.min, it.max);
                 expect(holds(it, it.default), range, it.default)
             })
         }),
-        check("R9", "every parameter accepts its minimum and maximum and reads them back", |client| {
-            client.idle()?;
-            each(client, |client, it| {
-                let mut values = vec![it.min, it.max];
-                // -0 is not below a minimum of 0. It may read back as either zero.
-                if it.min == ParameterValue::F32(0.0) {
-                    values.push(ParameterValue::F32(-0.0));
-                }
-                values.push(it.default);
-                let exchanges = values.into_iter().flat_map(|value| {
-                    let set = sets(it.index, value, Outcome::Accepted, value, State::Idle);
-                    [set, reads(it.index, value, State::Idle)]
-                });
-                client.exchange(&it.name, &exchanges.collect::<Vec<_>>())
-            })
-        }),
+        check(
+            "R4.6 R9.4 R9.7 R9.11",
+            "every parameter accepts its minimum and maximum and reads them back",
+            |client| {
+                client.idle()?;
+                each(client, |client, it| {
+                    let mut values = vec![it.min, it.max];
+                    // -0 is not below a minimum of 0. It may read back as either zero.
+                    if it.min == ParameterValue::F32(0.0) {
+                        values.push(ParameterValue::F32(-0.0));
+                    }
+                    values.push(it.default);
+                    let exchanges = values.into_iter().flat_map(|value| {
+                        let set = sets(it.index, value, Outcome::Accepted, value, State::Idle);
+                        [set, reads(it.index, value, State::Idle)]
+                    });
+                    client.exchange(&it.name, &exchanges.collect::<Vec<_>>())
+                })
+            },
+        ),
     ];
     checks.extend(refusals::checks());
     checks.extend(persistence::checks());

@@ -19,13 +19,13 @@ use State::{Armed, Boot, Faulted, Idle, Running};
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R4 R9", "after a reset every parameter has its default", |client| {
+        check("R4.3 R9.8", "after a reset every parameter has its default", |client| {
             let defaults = defaults(client);
             in_force(client, "after Reset", &defaults, Boot)?;
             client.idle()?;
             in_force(client, "after the handshake", &defaults, Idle)
         }),
-        check("R9", "each parameter keeps a value of its own", |client| {
+        check("R9.7", "each parameter keeps a value of its own", |client| {
             client.idle()?;
             // In both directions, so that no setting hides that it changed another parameter too.
             let (rising, falling) = (spread(client, 0), spread(client, 7));
@@ -34,7 +34,7 @@ pub(super) fn checks() -> Vec<Check> {
             set_all(client, &falling, true)?;
             in_force(client, "after all were set in descending order", &falling, Idle)
         }),
-        check("R4 R6", "a reset restores the default of every parameter", |client| {
+        check("R4.3 R6.8", "a reset restores the default of every parameter", |client| {
             client.idle()?;
             let changed = spread(client, 3);
             set_all(client, &changed, false)?;
@@ -42,7 +42,7 @@ pub(super) fn checks() -> Vec<Check> {
             let defaults = defaults(client);
             in_force(client, "after Reset", &defaults, Boot)
         }),
-        check("R6", "sessions, versions, faults and ClearFault keep every parameter", |client| {
+        check("R6.7 R6.8", "sessions, versions, faults and ClearFault keep every parameter", |client| {
             client.idle()?;
             let kept = spread(client, 5);
             set_all(client, &kept, false)?;
@@ -58,7 +58,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.handshake(client.session ^ 2)?;
             in_force(client, "in new sessions in Idle", &kept, Idle)
         }),
-        check("R6", "a run keeps every parameter, and Idle accepts settings again", run),
+        check("R6.8", "a run keeps every parameter, and Idle accepts settings again", run),
     ]
 }
 

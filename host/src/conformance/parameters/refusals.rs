@@ -18,26 +18,26 @@ use State::{Armed, Boot, Faulted, Idle, Running};
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
-        check("R9", "a value out of range is refused and changes nothing", |client| {
+        check("R6.3 R9.3 R9.7", "a value out of range is refused and changes nothing", |client| {
             refused(client, |it| outside(it).into_iter().map(|value| (value, OutOfRange)).collect())
         }),
-        check("R9", "a value of the wrong type is refused and changes nothing", |client| {
+        check("R6.3 R9.1 R9.7", "a value of the wrong type is refused and changes nothing", |client| {
             refused(client, |it| of_other_type(it).into_iter().map(|value| (value, WrongType)).collect())
         }),
-        check("R4 R9", "an unknown parameter index is refused in every state", |client| {
+        check("R4.6 R6.2", "an unknown parameter index is refused in every state", |client| {
             [Boot, Idle, Armed, Running, Faulted].into_iter().try_for_each(|state| unknown(client, state))
         }),
-        check("R6", "the state of the drive is checked before type and range of a value", |client| {
+        check("R6.4", "the state of the drive is checked before type and range of a value", |client| {
             [Boot, Armed, Running, Faulted].into_iter().try_for_each(|state| wrong_in(client, state))
         }),
     ];
     for state in [Armed, Running] {
         let name = format!("in {state:?} a live parameter is accepted and any other refused");
-        checks.push(check("R6 R9", name, move |client| settable(client, state)));
+        checks.push(check("R6.2 R6.3 R6.4 R9.5", name, move |client| settable(client, state)));
     }
     for state in [Boot, Faulted] {
         let name = format!("in {state:?} nothing can be set");
-        checks.push(check("R6 R9", name, move |client| settable(client, state)));
+        checks.push(check("R6.2 R6.3 R6.4 R9.5", name, move |client| settable(client, state)));
     }
     checks
 }

@@ -13,6 +13,8 @@ use super::super::reactions::{first_sample, no_torque};
 const LIMIT: &str = "torque_limit_nm";
 /// References of one sign and of the other, in rad.
 const REFERENCES: [f32; 2] = [1.0, -1.0];
+/// Samples of a run, and runs, at the limit.
+const SAMPLES: u16 = 10;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
@@ -67,21 +69,38 @@ fn limited(client: &mut Client) -> RuleResult {
 
 /// Runs with different limits and no reset between them.
 fn limits_of_runs(client: &mut Client) -> RuleResult {
-    client.running(&[])?;
-    let free_nm = first_sample(client)?.torque_nm;
-    for fraction in [0.25, 0.0, 0.5, 0.125] {
-        let limit_nm = fraction * free_nm.abs();
-        client.command(Stop {})?;
-        client.running_if_consistent(&[(LIMIT, ParameterValue::F32(limit_nm))])?;
-        for sequence in 0..2 {
-            let answer = torque(&client.sample(sequence)?)?;
-            let expected = format!("a torque of at most {limit_nm} N m");
-            expect(answer.torque_nm.abs() <= limit_nm, expected, answer.torque_nm)?;
-            if sequence == 0 {
-                let got = (answer.torque_nm, answer.status.flags);
-                let wanted = (limit_nm.copysign(free_nm), TorqueFlags::SATURATED);
-                equal(&format!("limit {limit_nm} N m: torque in N m and flags"), wanted, got)?;
+    for reference_rad in REFERENCES {
+        let pushed = |sequence| EncoderSample { reference_rad, ..sample(sequence) };
+        client.reset()?;
+        client.running(&[])?;
+        let free_nm = torque(&client.request(pushed(0))?)?.torque_nm;
+        for fraction in [0.25, 0.0, 0.5, 0.125] {
+            let limit_nm = fraction * free_nm.abs();
+            client.command(Stop {})?;
+            client.running_if_consistent(&[(LIMIT, ParameterValue::F32(limit_nm))])?;
+            for sequence in 0..SAMPLES {
+                let it = torque(&client.request(pushed(sequence))?)?;
+                let bounded = it.torque_nm.abs() <= limit_nm;
+                expect(bounded, format!("a torque of at most {limit_nm} N m"), it)?;
+                // A flag without a clamped torque, or the reverse.
+                let is_limit = it.torque_nm.abs() == limit_nm;
+                let is_flagged = it.status.flags == TorqueFlags::SATURATED;
+                expect(is_limit || !is_flagged, format!("SATURATED at {limit_nm} N m only"), it)?;
+                if sequence == 0 && free_nm != 0.0 {
+                    let got = (it.torque_nm, it.status.flags);
+                    let wanted = (limit_nm.copysign(free_nm), TorqueFlags::SATURATED);
+                    equal(&format!("limit {limit_nm} N m: torque in N m and flags"), wanted, got)?;
+                }
             }
+        }
+        // The mechanics do not move, so a law without an integrator stays at the limit; any law shows its first torque again.
+        for _ in 0..SAMPLES {
+            client.command(Stop {})?;
+            client.arm()?;
+            client.start()?;
+            let it = torque(&client.request(pushed(0))?)?;
+            let is_flagged = it.status.flags == TorqueFlags::SATURATED;
+            expect(is_flagged || free_nm == 0.0, "SATURATED at the start of every run", it)?;
         }
     }
     Ok(())

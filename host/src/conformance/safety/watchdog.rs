@@ -8,10 +8,10 @@ use std::time::{Duration, Instant};
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
 use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::message::{
-    Arm, ClearFault, DescribeLaw, DescribeParameter, FaultReport, GetParameter, LineReport, SetParameter,
-    Start, Stop, Subscribe,
+    Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, FaultReport,
+    GetParameter, Hello, LineReport, SetParameter, Start, Stop, Subscribe,
 };
-use lashloop_protocol::{DriveMessage, HostMessage, Message};
+use lashloop_protocol::{DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
 
 use super::super::answers::{fault, hello, sample, torque};
 use super::super::assertion::{Failure, RuleResult, broken, equal, expect, names};
@@ -39,12 +39,18 @@ const PATIENCE: Duration = Duration::from_secs(1);
 const INTERVAL: Duration = Duration::from_millis(1);
 /// Tolerated error of the drive's clock, as a fraction.
 const CLOCK_TOLERANCE: f64 = 0.1;
+/// Samples in quick succession before those whose time counts.
+const QUICK: u16 = 10;
 /// Attempts of a check whose result a busy bench may spoil.
 const ATTEMPTS: u32 = 3;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
-        check("R8.5 R8.7 R8.8 R5.2", "without samples the watchdog trips, and not early", trips_in_time),
+        check(
+            "R5.2 R8.5 R8.7 R8.8 R8.10",
+            "without samples the watchdog trips, and not early",
+            trips_in_time,
+        ),
         check("R8.5 R6.9", "the watchdog runs from the Start, and in no other state", |client| {
             client.idle()?;
             client.put(NAME, micros(WATCHDOG))?;
@@ -120,8 +126,35 @@ struct Trip {
 /// Requires the report of a watchdog, not early. `before` is a time before the drive received the last accepted sample.
 fn tripped(client: &mut Client, limit: Duration, sequence: u16, before: Instant) -> Result<Trip, Failure> {
     let after = client.line.now();
-    let limit_s = limit.as_secs_f32();
     let found = client.wait_for(limit + PATIENCE, fault_report)?;
+    judged(client, limit, sequence, [before, after], found)
+}
+
+/// As [`tripped`], with frames that must not feed the watchdog after three quarters of its time.
+fn tripped_through_feeds(client: &mut Client, limit: Duration, before: Instant) -> Result<Trip, Failure> {
+    let after = client.line.now();
+    let mut found = client.wait_for(limit.mul_f64(0.75), fault_report)?;
+    for (_, _, feed) in FEEDS {
+        for count in 0..2 {
+            let answers = client.request_bytes(&feed(client, count))?;
+            found = found.or(answers.iter().find_map(fault_report));
+        }
+    }
+    if found.is_none() {
+        found = client.wait_for(limit + PATIENCE, fault_report)?;
+    }
+    judged(client, limit, 2, [before, after], found)
+}
+
+/// Judges the report that arrived now, if one did. The drive received the last accepted sample between the two times.
+fn judged(
+    client: &mut Client,
+    limit: Duration,
+    sequence: u16,
+    [before, after]: [Instant; 2],
+    found: Option<FaultReport>,
+) -> Result<Trip, Failure> {
+    let limit_s = limit.as_secs_f32();
     let report = found.ok_or_else(|| {
         let got = format!("nothing within {} s", (limit + PATIENCE).as_secs_f64());
         broken(format!("a FaultReport {limit_s} s after the last accepted sample"), got)
@@ -146,13 +179,15 @@ fn tripped(client: &mut Client, limit: Duration, sequence: u16, before: Instant)
     Ok(Trip { report, waited })
 }
 
-/// Twice with the longer watchdog if the first report is late, then in a second run with another value.
+/// Again with the longer watchdog if the first report is late, then in a second run with another value.
 fn trips_in_time(client: &mut Client) -> RuleResult {
     let latest = (LONGER + LATEST).mul_f64(1.0 + CLOCK_TOLERANCE) + TRANSPORT;
     for attempt in 1.. {
-        let before = client.line.now();
         start_with(client, LONGER)?;
-        let trip = tripped(client, LONGER, 0, before)?;
+        accepted(client, sample(1), TorqueFlags::empty())?;
+        let before = client.line.now();
+        accepted(client, sample(2), TorqueFlags::empty())?;
+        let trip = tripped_through_feeds(client, LONGER, before)?;
         client.note = format!("tripped {:.1} ms after the last sample, device time", 1e3 * trip.report.value);
         if trip.waited <= latest {
             break;
@@ -178,9 +213,12 @@ fn samples_in_time(client: &mut Client) -> RuleResult {
     for _ in 0..ATTEMPTS {
         client.reset()?;
         start_with(client, WATCHDOG)?;
+        for sequence in 1..QUICK {
+            client.sample(sequence)?;
+        }
         let mut sent = client.line.now();
         let mut longest = Duration::ZERO;
-        for sequence in 1..4 {
+        for sequence in QUICK..QUICK + 3 {
             client.wait_for(WATCHDOG.mul_f64(0.6), |_| None::<()>)?;
             let earlier = std::mem::replace(&mut sent, client.line.now());
             client.sample(sequence)?;
@@ -198,10 +236,17 @@ fn samples_in_time(client: &mut Client) -> RuleResult {
 
 /// A new, a repeated and a stray sample, later than the watchdog allows.
 fn late_samples(client: &mut Client) -> RuleResult {
-    for late in [1, 0, 5000] {
+    let last = QUICK - 1;
+    for late in [QUICK, last, 5000] {
         for attempt in 1.. {
             client.reset()?;
             start_with(client, SHORT)?;
+            for sequence in 1..QUICK {
+                client.sample(sequence)?;
+            }
+            if client.state != State::Running && attempt < ATTEMPTS {
+                continue;
+            }
             let mut reports = Vec::new();
             client.wait_for(SHORT.mul_f64(1.0 + 2.0 * CLOCK_TOLERANCE), |message| {
                 reports.extend(fault_report(message));
@@ -212,7 +257,7 @@ fn late_samples(client: &mut Client) -> RuleResult {
             let expected = format!("for the late sample {late} one FaultReport");
             expect(reports.len() == 1, expected, reports.as_slice())?;
             let got = (reports[0].code, reports[0].sequence);
-            equal("code and sequence", (FaultCode::Watchdog, 0), got)?;
+            equal("code and sequence", (FaultCode::Watchdog, last), got)?;
             let it = torque(&answers)?;
             let got = (it.sequence, it.torque_nm, it.status.state, it.status.flags);
             let wanted = (late, 0.0, State::Faulted, TorqueFlags::empty());
@@ -227,28 +272,28 @@ fn late_samples(client: &mut Client) -> RuleResult {
     Ok(())
 }
 
-/// Frames that do not feed the watchdog. The number counts the frames sent.
+/// Bytes that do not feed the watchdog. The number counts the writes.
+type Feed = fn(&Client, usize) -> Vec<u8>;
+
+const FEEDS: [(&str, &str, Feed); 4] = [
+    ("R8.6", "repeating one sample does not feed the watchdog", |_, _| frame(sample(2))),
+    ("R8.6", "stray samples do not feed the watchdog", |_, count| {
+        frame(sample(if count.is_multiple_of(2) { 1 } else { 5000 }))
+    }),
+    ("R8.6", "other requests do not feed the watchdog", requests),
+    ("R2.6 R8.6", "damaged and refused frames do not feed the watchdog", |_, count| {
+        let report = LineReport { messages: 0, damaged: 0, refused: 0, overruns: 0 };
+        if !count.is_multiple_of(2) {
+            return DriveMessage::from(report).frame().to_vec();
+        }
+        let mut bytes = frame(sample(3));
+        bytes[3] ^= if bytes[3] == 1 { 2 } else { 1 };
+        bytes.push(DELIMITER);
+        bytes
+    }),
+];
+
 fn feeds() -> impl Iterator<Item = Check> {
-    type Feed = fn(&Client, usize) -> Vec<u8>;
-    const FEEDS: [(&str, &str, Feed); 4] = [
-        ("R8.6", "repeating one sample does not feed the watchdog", |_, _| frame(sample(2))),
-        ("R8.6", "stray samples do not feed the watchdog", |_, count| {
-            frame(sample(if count % 2 == 0 { 1 } else { 5000 }))
-        }),
-        ("R8.6", "other requests do not feed the watchdog", request),
-        ("R2.6 R8.6", "damaged and refused frames do not feed the watchdog", |_, count| {
-            let report = LineReport { messages: 0, damaged: 0, refused: 0, overruns: 0 };
-            let mut bytes = match count % 2 {
-                0 => frame(sample(3)),
-                _ => DriveMessage::from(report).frame().to_vec(),
-            };
-            if count % 2 == 0 {
-                bytes[3] ^= if bytes[3] == 1 { 2 } else { 1 };
-            }
-            bytes.push(DELIMITER);
-            bytes
-        }),
-    ];
     FEEDS.into_iter().map(|(rules, name, feed)| {
         check(rules, name, move |client| {
             start_with(client, WATCHDOG)?;
@@ -275,19 +320,33 @@ fn frame(message: impl Into<HostMessage>) -> Vec<u8> {
     message.into().frame().to_vec()
 }
 
-/// Requests that a running drive accepts or refuses without a change, in turn.
-fn request(client: &Client, count: usize) -> Vec<u8> {
+/// Requests that a running drive accepts or refuses without a change, a few at a time.
+fn requests(client: &Client, count: usize) -> Vec<u8> {
     let session = client.session;
     let index = client.parameter(NAME).map_or(0, |it| it.index);
-    let requests: [HostMessage; 8] = [
+    let live = client.description.parameters.iter().find(|it| it.live);
+    let live = live.map_or(SetParameter { index, value: micros(WATCHDOG) }, |it| SetParameter {
+        index: it.index,
+        value: it.default,
+    });
+    let other_version = Hello { protocol_version: PROTOCOL_VERSION.wrapping_add(1), session };
+    let requests: [HostMessage; 14] = [
         hello(session).into(),
+        other_version.into(),
         GetParameter { index }.into(),
         DescribeParameter { index }.into(),
         DescribeLaw { index: 0 }.into(),
+        DescribeSignal { index: 0 }.into(),
+        DescribeChoice { parameter: 0, choice: 0 }.into(),
         Subscribe { signals: 0, every: 0 }.into(),
         SetParameter { index, value: micros(Duration::from_secs(30)) }.into(),
+        live.into(),
         Arm { session }.into(),
         Start { session }.into(),
+        Start { session: session ^ 1 }.into(),
+        ClearFault {}.into(),
     ];
-    requests[count % requests.len()].frame().to_vec()
+    let half = requests.len() / 2;
+    let from = count % 2 * half;
+    requests[from..from + half].iter().flat_map(|request| request.frame().to_vec()).collect()
 }

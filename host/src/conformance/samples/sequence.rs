@@ -18,7 +18,8 @@ pub(super) fn checks() -> Vec<Check> {
     vec![
         check("R7.2", "the first sample of a run must carry sequence 0", |client| {
             client.running(&[])?;
-            [1, 5, 1000, u16::MAX].into_iter().try_for_each(|sequence| refused_sample(client, sequence))?;
+            let others = [1, 5, 1000, u16::MAX].into_iter().chain(1..8);
+            others.into_iter().try_for_each(|sequence| refused_sample(client, sequence))?;
             for sequence in 0..3 {
                 accepted(client, sample(sequence), NONE)?;
             }

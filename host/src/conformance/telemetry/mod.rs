@@ -24,12 +24,12 @@ const BOTH: &[&str] = &["TorqueAnswer", "Telemetry"];
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
         check(
-            "R11",
+            "R11.2",
             "telemetry follows the torque of every sample whose sequence is a multiple of every",
             multiples,
         ),
-        check("R11", "the interval of telemetry starts anew when the sequence wraps around", wraparound),
-        check("R11", "no telemetry follows a repeated or a stray sample", |client| {
+        check("R11.2", "the interval of telemetry starts anew when the sequence wraps around", wraparound),
+        check("R11.3", "no telemetry follows a repeated or a stray sample", |client| {
             let signals = signals(client)?;
             running_with(client, signals, 2)?;
             follows(client, 0, BOTH)?;
@@ -40,7 +40,7 @@ pub(super) fn checks() -> Vec<Check> {
             follows(client, 3, TORQUE)?;
             follows(client, 4, BOTH)
         }),
-        check("R11", "no telemetry follows the torque of a sample that causes a fault", |client| {
+        check("R11.3", "no telemetry follows the torque of a sample that causes a fault", |client| {
             let signals = signals(client)?;
             running_with(client, signals, 1)?;
             follows(client, 0, BOTH)?;
@@ -48,7 +48,7 @@ pub(super) fn checks() -> Vec<Check> {
             fault_answer(&answers, lashloop_protocol::enums::FaultCode::ReferenceNotFinite).map(drop)?;
             follows(client, 2, TORQUE)
         }),
-        check("R11", "no telemetry follows a sample in another state than Running", |client| {
+        check("R11.2", "no telemetry follows a sample in another state than Running", |client| {
             let signals = signals(client)?;
             client.idle()?;
             accepted(client, signals, 1)?;
@@ -58,7 +58,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.request(EmergencyStop {})?;
             follows(client, 0, TORQUE)
         }),
-        check("R11", "every = 0 and no signal mean no telemetry", |client| {
+        check("R11.3", "every = 0 and no signal mean no telemetry", |client| {
             for (signals, every) in [(signals(client)?, 0), (0, 1), (0, 0)] {
                 client.reset()?;
                 running_with(client, signals, every)?;
@@ -66,11 +66,11 @@ pub(super) fn checks() -> Vec<Check> {
             }
             Ok(())
         }),
-        check("R11", "after power-up there is no telemetry", |client| {
+        check("R11.1", "after power-up there is no telemetry", |client| {
             client.running(&[])?;
             (0..4).try_for_each(|sequence| follows(client, sequence, TORQUE))
         }),
-        check("R4 R11", "a reset ends the subscription", |client| {
+        check("R4.3 R6.8 R11.1", "a reset ends the subscription", |client| {
             let signals = signals(client)?;
             running_with(client, signals, 1)?;
             follows(client, 0, BOTH)?;
@@ -78,8 +78,8 @@ pub(super) fn checks() -> Vec<Check> {
             client.running(&[])?;
             (0..2).try_for_each(|sequence| follows(client, sequence, TORQUE))
         }),
-        check("R11", "a subscription outlives sessions, stops and faults", outlives),
-        check("R11", "a subscription in Armed is that of the run", |client| {
+        check("R11.5", "a subscription outlives sessions, stops and faults", outlives),
+        check("R11.5", "a subscription in Armed is that of the run", |client| {
             let signals = signals(client)?;
             client.armed()?;
             accepted(client, signals, 2)?;
@@ -88,7 +88,7 @@ pub(super) fn checks() -> Vec<Check> {
             follows(client, 1, TORQUE)?;
             carries(client, 2, signals.count_ones())
         }),
-        check("R11", "a subscription while running replaces the former from the next sample", replaced),
+        check("R11.7", "a subscription while running replaces the former from the next sample", replaced),
     ];
     checks.extend(values::checks());
     checks.extend(refusals::checks());

@@ -20,18 +20,22 @@ use State::{Armed, Boot, Faulted, Idle, Running};
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R11", "a signal that the drive does not have is refused and changes nothing", |client| {
-            let unknown = unknown(client);
-            if unknown == 0 {
-                return skip("the drive has all 32 signals");
-            }
-            let known = signals(client).map_or(0, lowest);
-            // Each alone, with one that the drive has, and all 32, which are more than 13 too.
-            let each = (0..32_u32).map(|index| 1 << index).filter(|bit| unknown & bit != 0);
-            let refused: Vec<_> = each.chain([unknown, lowest(unknown) | known, u32::MAX]).collect();
-            unchanged_by_refusals(client, known, &refused, UnknownIndex)
-        }),
-        check("R11", "more than 13 signals are refused as OutOfRange and change nothing", |client| {
+        check(
+            "R11.6 R11.8",
+            "a signal that the drive does not have is refused and changes nothing",
+            |client| {
+                let unknown = unknown(client);
+                if unknown == 0 {
+                    return skip("the drive has all 32 signals");
+                }
+                let known = signals(client).map_or(0, lowest);
+                // Each alone, with one that the drive has, and all 32, which are more than 13 too.
+                let each = (0..32_u32).map(|index| 1 << index).filter(|bit| unknown & bit != 0);
+                let refused: Vec<_> = each.chain([unknown, lowest(unknown) | known, u32::MAX]).collect();
+                unchanged_by_refusals(client, known, &refused, UnknownIndex)
+            },
+        ),
+        check("R11.6 R11.8", "more than 13 signals are refused as OutOfRange and change nothing", |client| {
             let count = u32::from(client.identity.signal_count);
             if count as usize <= MAX_TELEMETRY_VALUES {
                 return skip("the drive has no 14 signals");
@@ -40,7 +44,7 @@ pub(super) fn checks() -> Vec<Check> {
             let too_many = (1 << (MAX_TELEMETRY_VALUES + 1)) - 1;
             unchanged_by_refusals(client, known, &[too_many, !unknown(client)], OutOfRange)
         }),
-        check("R11", "13 signals are accepted", |client| {
+        check("R11.8", "13 signals are accepted", |client| {
             let all = (0..client.description.laws.len() as u8).map(|law| (law, law_signals(client, law)));
             let found = all.into_iter().find(|(_, signals)| signals.len() >= MAX_TELEMETRY_VALUES);
             let Some((law, of_law)) = found else { return skip("no law has 13 signals") };
@@ -52,7 +56,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.running(&[])?;
             carries(client, 0, MAX_TELEMETRY_VALUES as u32)
         }),
-        check("R11", "Subscribe is refused for the state before all other reasons", |client| {
+        check("R11.8", "Subscribe is refused for the state before all other reasons", |client| {
             for state in [Boot, Faulted] {
                 client.reset()?;
                 client.enter(state)?;
@@ -64,7 +68,7 @@ pub(super) fn checks() -> Vec<Check> {
             }
             Ok(())
         }),
-        check("R11", "a refused Subscribe in Boot and Faulted changes nothing", |client| {
+        check("R11.6", "a refused Subscribe in Boot and Faulted changes nothing", |client| {
             let known = signals(client)?;
             client.request(Subscribe { signals: known, every: 1 })?;
             client.running(&[])?;
@@ -76,7 +80,11 @@ pub(super) fn checks() -> Vec<Check> {
             client.running(&[])?;
             carries(client, 0, known.count_ones())
         }),
-        check("R6 R11", "a signal that the law in force lacks is refused by Arm, and when armed", lacking),
+        check(
+            "R6.6 R10.2 R11.8 R11.9 R11.10",
+            "a signal that the law in force lacks is refused by Arm, and when armed",
+            lacking,
+        ),
     ]
 }
 

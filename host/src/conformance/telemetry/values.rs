@@ -16,12 +16,12 @@ const REFERENCES_RAD: [f32; STEPS as usize] = [1.0, 0.75, -0.5, 0.25, -1.25];
 pub(super) fn checks() -> Vec<Check> {
     vec![
         check(
-            "R11",
+            "R4.12 R11.4",
             "values are those of the subscribed signals, in the order of their indices",
             order_of_values,
         ),
-        check("R11", "values are of the control step of their sample", of_the_sample),
-        check("R11", "telemetry carries the requested torque before the limit", requested_torque),
+        check("R11.4", "values are of the control step of their sample", of_the_sample),
+        check("R11.4", "telemetry carries the requested torque before the limit", requested_torque),
     ]
 }
 

@@ -100,6 +100,9 @@ impl OptionState {
     }
 }
 
+/// Reads after a deadline that may return commands without data.
+const LATE_LOOKS: u32 = 100;
+
 /// A link to a serial port behind an RFC 2217 server.
 pub struct Rfc2217 {
     link: Box<dyn Link>,
@@ -303,13 +306,13 @@ impl Link for Rfc2217 {
             }
             return Ok(count);
         }
-        let mut last_look = false;
+        let mut late_looks = 0;
         loop {
             match self.receive_data(buffer, deadline)? {
                 None => return Ok(0),
-                // A command alone: data may wait behind it, even after the deadline, but not for ever.
-                Some(0) if last_look => return Ok(0),
-                Some(0) => last_look = self.link.now() >= deadline,
+                // A command alone: data may wait behind it, even after the deadline, but not behind commands without end.
+                Some(0) if late_looks >= LATE_LOOKS => return Ok(0),
+                Some(0) => late_looks += u32::from(self.link.now() >= deadline),
                 Some(count) => return Ok(count),
             }
         }

@@ -13,6 +13,8 @@ struct Server {
     pending: VecDeque<u8>,
     received: Arc<Mutex<Vec<u8>>>,
     now: Instant,
+    /// Time between two pieces.
+    byte_time: Duration,
 }
 
 impl Link for Server {
@@ -36,9 +38,10 @@ impl Link for Server {
         for (place, byte) in buffer.iter_mut().zip(self.pending.drain(..count)) {
             *place = byte;
         }
-        if count == 0 {
-            self.now = self.now.max(deadline);
-        }
+        self.now = match count {
+            0 => self.now.max(deadline),
+            _ => self.now + self.byte_time,
+        };
         Ok(count)
     }
 
@@ -83,6 +86,7 @@ fn opened(
         pending: VecDeque::new(),
         received: Arc::clone(&received),
         now: Instant::now(),
+        byte_time: Duration::ZERO,
     };
     (Rfc2217::open(Box::new(server), baud), received)
 }
@@ -250,4 +254,20 @@ fn a_suspended_server_gets_no_data_until_it_resumes() {
     port.handle(&Command::Subnegotiation(vec![44, 109]));
     port.send(&[1]).unwrap();
     assert_eq!(*received.lock().unwrap(), [1]);
+}
+
+#[test]
+fn bytes_that_keep_arriving_extend_no_negotiation() {
+    for flood in [&b"no telnet"[..], &[255, 241]] {
+        let bytes = flood.repeat(100_000);
+        let server = Server {
+            answers: Box::new(move |_| bytes.clone()),
+            pending: VecDeque::new(),
+            received: Arc::default(),
+            now: Instant::now(),
+            byte_time: Duration::from_millis(10),
+        };
+        let Err(error) = Rfc2217::open(Box::new(server), 9600) else { panic!("negotiated with {flood:?}") };
+        assert!(matches!(error, NegotiationError::NotTelnet | NegotiationError::NotOffered), "{error}");
+    }
 }

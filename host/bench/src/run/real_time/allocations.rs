@@ -105,7 +105,8 @@ fn counted(
         .expect("a drive that takes the scenario")
         .len();
     let watchdog = Some(setup::watchdog(&mut device).expect("a watchdog"));
-    let settings = LoopSettings { clock: ClockName::RealTime, watchdog, drive_signals };
+    let torque_limit_nm = setup::torque_limit_nm(&mut device).expect("a torque limit");
+    let settings = LoopSettings { clock: ClockName::RealTime, watchdog, drive_signals, torque_limit_nm };
     device.session.start().expect("a drive that starts");
 
     let simulator = Simulator::new(&scenario).expect("a bench");

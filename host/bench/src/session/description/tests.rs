@@ -117,3 +117,23 @@ fn bits_of_laws_that_the_drive_lacks_change_nothing() {
     assert!(described.laws.len() <= 8);
     assert_eq!(with_more_bits.expect("a description"), described);
 }
+
+#[test]
+fn counts_that_no_drive_can_have_are_rejected_by_field() {
+    let cases: [(Alteration, &str); 3] = [
+        (|answer| with_counts(answer, 0, 3), "law_count 0, allowed are 1 to 16"),
+        (|answer| with_counts(answer, 17, 3), "law_count 17, allowed are 1 to 16"),
+        (|answer| with_counts(answer, 4, 33), "signal_count 33, allowed are 0 to 32"),
+    ];
+    for (alteration, want) in cases {
+        let error = read(alteration).expect_err(want).to_string();
+        assert!(error.contains(want), "{error}");
+    }
+}
+
+fn with_counts(answer: DriveMessage, law_count: u8, signal_count: u8) -> DriveMessage {
+    match answer {
+        DriveMessage::Identity(it) => Identity { law_count, signal_count, ..it }.into(),
+        other => other,
+    }
+}

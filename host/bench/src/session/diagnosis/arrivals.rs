@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use lashloop_protocol::layout::MessageLayout;
-use lashloop_protocol::message::{Log, Telemetry};
+use lashloop_protocol::message::{FaultReport, Log, Telemetry};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, Message};
 
@@ -97,11 +97,17 @@ impl Arrivals {
         self.oversized.saturating_add(self.malformed).saturating_add(self.crc_errors)
     }
 
-    /// Messages that no request causes, per second.
+    /// Good frames that answer no request.
+    #[must_use]
+    pub fn unsolicited(&self) -> u32 {
+        let kinds = [Log::LAYOUT, Telemetry::LAYOUT, FaultReport::LAYOUT].map(|layout| layout.kind);
+        kinds.iter().fold(0, |sum, kind| sum.saturating_add(self.good[slot(*kind)]))
+    }
+
+    /// Good frames that answer no request, per second.
     #[must_use]
     pub fn unsolicited_per_s(&self) -> f64 {
-        let unsolicited = [Log::LAYOUT, Telemetry::LAYOUT].map(|layout| self.good[slot(layout.kind)]);
-        per_s(unsolicited.iter().map(|count| u64::from(*count)).sum(), self.window())
+        per_s(self.unsolicited().into(), self.window())
     }
 
     /// Whether single bytes arrived, with pauses, over most of the wait.

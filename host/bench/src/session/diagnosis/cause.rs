@@ -60,7 +60,7 @@ pub enum Cause {
 }
 
 impl Cause {
-    /// The cause that explains `arrivals` best. `is_connected`: a good frame has arrived on this line before.
+    /// The cause that explains `arrivals` best. `is_connected`: an awaited frame has arrived on this line before.
     pub(super) fn of(arrivals: &Arrivals, is_connected: bool) -> Self {
         let silent = || if is_connected { Self::Hang } else { Self::NoDrive };
         let Arrivals { raw, .. } = arrivals;
@@ -85,6 +85,10 @@ impl Cause {
         }
         if arrivals.unsolicited_per_s() > FLOOD_PER_S {
             return Self::Flood;
+        }
+        // Logs, and the telemetry of the last sample.
+        if is_connected && good > 0 && good == arrivals.unsolicited() {
+            return Self::Hang;
         }
         if good > 0 {
             let is_foreign = 2 * u64::from(arrivals.unrequested) > u64::from(good);

@@ -30,7 +30,7 @@ pub(in crate::session) struct Collector {
     sent_kinds: u32,
     /// Session of the last `Hello` sent.
     session: Option<u32>,
-    /// Whether a good frame has ever arrived.
+    /// Whether an awaited frame has ever arrived.
     is_connected: bool,
 }
 
@@ -99,13 +99,13 @@ impl Collector {
     /// The frame in progress was good.
     #[inline]
     pub(in crate::session) fn good(&mut self) {
-        self.is_connected = true;
         self.partial_len = 0;
     }
 
     /// The bench awaited the message that arrived last.
     #[inline]
     pub(in crate::session) fn awaited(&mut self) {
+        self.is_connected = true;
         if self.is_mixed {
             self.restart();
             return;

@@ -49,7 +49,8 @@ impl RawBytes {
     /// Whether a person could read them.
     #[must_use]
     pub fn is_text(&self) -> bool {
-        self.count >= 4 && 10 * self.text >= 9 * self.count
+        let is_varied = self.head().iter().any(|byte| *byte != self.head[0]);
+        self.count >= 4 && is_varied && 10 * self.text >= 9 * self.count
     }
 
     /// The first line with letters in it, escaped and shortened.

@@ -28,10 +28,10 @@ impl Diagnosis {
         Self { arrivals, cause }
     }
 
-    /// Whether nothing arrived.
+    /// Whether nothing arrived that needs an explanation: no byte, or logs and telemetry of a drive that answered before.
     #[must_use]
     pub fn is_silence(&self) -> bool {
-        self.arrivals.bytes == 0
+        matches!(self.cause, Cause::NoDrive | Cause::Hang)
     }
 }
 

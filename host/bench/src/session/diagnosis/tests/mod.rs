@@ -4,11 +4,9 @@ mod peer;
 
 use std::time::Duration;
 
-use lashloop_protocol::enums::{
-    LogLevel, Outcome, ParameterFlags, ParameterValue, State, TorqueFlags, TorqueStatus,
-};
+use lashloop_protocol::enums::{LogLevel, ParameterFlags, ParameterValue, State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::message::{
-    CommandResult, Hello, Identity, LawDescription, Log, ParameterDescription, TorqueAnswer,
+    ChoiceDescription, Hello, Identity, LawDescription, Log, ParameterDescription, TorqueAnswer,
 };
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{DriveMessage, HostMessage, Message, crc, frame::DELIMITER};
@@ -138,7 +136,7 @@ fn troubles() -> Vec<(&'static str, Peer)> {
         ("CRC big endian", other_crc(|body| crc::checksum(body).to_be_bytes())),
         ("CRC of zlib", other_crc(|body| ISO_HDLC.checksum(body).to_le_bytes())),
         ("CRC not inverted", other_crc(|body| (!crc::checksum(body)).to_le_bytes())),
-        ("console", Peer::replying(|_| vec![(MS, b"\r\n\x1b[31mlogin: \xe2\x80\xae".to_vec())])),
+        ("console", Peer::replying(|_| vec![(MS, "\r\n\u{1b}[31mUbuntu 24.04 LTS, login: \u{202e}".into())])),
         ("modem", Peer::replying(|_| vec![(MS, b"\r\nERROR\r\n".to_vec())])),
         ("zero bytes", Peer::streaming(MS, || vec![0; 10])),
         ("frame without end", Peer::streaming(MS, || vec![0x55; 10])),
@@ -212,7 +210,7 @@ fn bytes_without_frames_are_told_apart() {
         ("logs without end", Cause::Flood),
         ("logs alone", Cause::OtherAnswers),
         ("modem", Cause::Text("ERROR".to_owned())),
-        ("console", Cause::Text("\\u{1b}[31mlogin: \\u{202e}".to_owned())),
+        ("console", Cause::Text("\\u{1b}[31mUbuntu 24.04 LTS, login: \\u{202e}".to_owned())),
     ] {
         assert_eq!(cause_of(trouble), cause, "{trouble}");
     }
@@ -227,7 +225,8 @@ fn an_echo_in_front_of_a_drive_does_no_harm() {
         let mut answer = [0; 64];
         let later = drive.now + MS;
         let count = drive.receive(&mut answer, later).expect("a peer");
-        vec![(MS, bytes.to_vec()), (MS, answer[..count].to_vec())]
+        let pieces = [bytes.to_vec(), answer[..count].to_vec()];
+        pieces.into_iter().filter(|piece| !piece.is_empty()).map(|piece| (MS, piece)).collect()
     });
     let error = failure(echoing, Duration::from_secs(5));
     let SessionError::Silent { waiting_for: "DescribeLaw", diagnosis, .. } = error else {
@@ -236,10 +235,11 @@ fn an_echo_in_front_of_a_drive_does_no_harm() {
     assert_eq!((diagnosis.cause, diagnosis.arrivals.own_frames), (Cause::Hang, 4));
 }
 
-/// A drive with 16 laws and 255 parameters of 256 choices each that answers each request after `delay`.
+/// A drive with 16 laws and 255 parameters of 256 choices each that answers each request but `Hello` after `delay`.
 fn talkative(delay: Duration) -> Peer {
-    Peer::answering(delay, |request| {
-        Some(match request {
+    Peer::answering_after(move |request| {
+        let delay = if matches!(request, HostMessage::Hello(_)) { MS } else { delay };
+        let answer = match request {
             HostMessage::Hello(Hello { session, .. }) => {
                 frame(Identity { law_count: 16, parameter_count: u8::MAX, ..identity(session) })
             }
@@ -254,12 +254,14 @@ fn talkative(delay: Duration) -> Peer {
                 name: Text::new("parameter"),
                 unit: Text::new(""),
             }),
-            other => frame(CommandResult {
-                request: other.layout().kind,
-                outcome: Outcome::UnknownIndex,
-                state: State::Idle,
+            HostMessage::DescribeChoice(it) => frame(ChoiceDescription {
+                parameter: it.parameter,
+                choice: it.choice,
+                name: Text::new("choice"),
             }),
-        })
+            other => panic!("{other:?} before the description is complete"),
+        };
+        Some((delay, answer))
     })
 }
 
@@ -277,4 +279,19 @@ fn answers_just_in_time_hold_no_session_beyond_its_patience() {
             _ => panic!("{delay:?}: {error}"),
         }
     }
+}
+
+#[test]
+fn telemetry_behind_the_last_answer_is_no_answer() {
+    let mut session = Some(());
+    let peer = Peer::answering(MS, move |request| match request {
+        HostMessage::Hello(Hello { session: number, .. }) => {
+            session.take().map(|()| [frame(identity(number)), boot_log()].concat())
+        }
+        _ => None,
+    });
+    let error = failure(peer, Duration::from_secs(3));
+    let SessionError::Silent { ref diagnosis, .. } = error else { panic!("{error}") };
+    assert_eq!((&diagnosis.cause, diagnosis.arrivals.good_count()), (&Cause::Hang, 1));
+    assert!(error.to_string().starts_with("the drive was silent for 2.0 s after DescribeLaw"), "{error}");
 }

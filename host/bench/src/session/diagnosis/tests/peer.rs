@@ -33,10 +33,17 @@ impl Peer {
         delay: Duration,
         mut answer: impl FnMut(HostMessage) -> Option<Vec<u8>> + Send + 'static,
     ) -> Self {
+        Self::answering_after(move |request| Some((delay, answer(request)?)))
+    }
+
+    /// A far end that answers each request with one frame, after a delay that depends on the request.
+    pub fn answering_after(
+        mut answer: impl FnMut(HostMessage) -> Option<(Duration, Vec<u8>)> + Send + 'static,
+    ) -> Self {
         Self::replying(move |bytes| {
             let (mut bytes, mut decoder) = (bytes, Decoder::new());
             let requests = std::iter::from_fn(|| decoder.next::<HostMessage>(&mut bytes));
-            requests.flatten().filter_map(|request| Some((delay, answer(request)?))).collect()
+            requests.flatten().filter_map(&mut answer).collect()
         })
     }
 

@@ -1,0 +1,155 @@
+//! The rules of docs/protocol.md that every torque answer of a run must keep.
+
+use std::fmt;
+
+use lashloop_protocol::enums::State;
+use serde::Serialize;
+use serde::ser::{SerializeStruct, Serializer};
+
+/// A rule for torque answers, with the values that break it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum AnswerRule {
+    /// A torque is finite.
+    Finite {
+        /// The torque in N m.
+        torque_nm: f32,
+    },
+    /// A torque lies within `torque_limit_nm`, either way.
+    WithinLimit {
+        /// The torque in N m.
+        torque_nm: f32,
+        /// The limit that the bench has read from the drive, in N m.
+        limit_nm: f32,
+    },
+    /// A torque is zero in every state but `Running`.
+    ZeroUnlessRunning {
+        /// The torque in N m.
+        torque_nm: f32,
+        /// The state of the answer.
+        state: State,
+    },
+    /// A torque with the flag `SATURATED` is the limit.
+    SaturatedAtLimit {
+        /// The torque in N m.
+        torque_nm: f32,
+        /// The limit that the bench has read from the drive, in N m.
+        limit_nm: f32,
+    },
+    /// The answer after a gap has the flag `GAP`.
+    GapFlagged,
+    /// No other answer has the flag `GAP`.
+    GapOnlyAfterGap,
+    /// Only a sample that arrived twice has the flag `REPEATED`.
+    RepeatedOnlyIfRetransmitted,
+    /// From the start to the stop, the state is `Running` unless a fault is latched.
+    Running {
+        /// The state of the answer.
+        state: State,
+    },
+}
+
+impl AnswerRule {
+    /// Number of the rule in docs/protocol.md.
+    #[must_use]
+    pub fn number(&self) -> &'static str {
+        match self {
+            Self::Finite { .. } => "R7.12",
+            Self::WithinLimit { .. } | Self::SaturatedAtLimit { .. } => "R7.11",
+            Self::ZeroUnlessRunning { .. } => "R6.1",
+            Self::GapFlagged => "R7.2",
+            Self::GapOnlyAfterGap => "R7.4",
+            Self::RepeatedOnlyIfRetransmitted => "R7.3",
+            Self::Running { .. } => "R6.2",
+        }
+    }
+
+    /// What the rule requires.
+    #[must_use]
+    pub fn requirement(&self) -> &'static str {
+        match self {
+            Self::Finite { .. } => "a torque is finite",
+            Self::WithinLimit { .. } => "a torque lies within torque_limit_nm",
+            Self::ZeroUnlessRunning { .. } => "a torque is 0 in every state but Running",
+            Self::SaturatedAtLimit { .. } => {
+                "a torque with the flag SATURATED is torque_limit_nm, either way"
+            }
+            Self::GapFlagged => "the answer to a sample after a gap has the flag GAP",
+            Self::GapOnlyAfterGap => "only the answer to a sample after a gap has the flag GAP",
+            Self::RepeatedOnlyIfRetransmitted => "only the answer to a repeated sample has the flag REPEATED",
+            Self::Running { .. } => "a started drive is Running until a stop, a reset or a fault",
+        }
+    }
+
+    /// What the answer has.
+    #[must_use]
+    pub fn value(&self) -> String {
+        match self {
+            Self::Finite { torque_nm }
+            | Self::WithinLimit { torque_nm, .. }
+            | Self::SaturatedAtLimit { torque_nm, .. } => format!("torque {torque_nm} N m"),
+            Self::ZeroUnlessRunning { torque_nm, state } => {
+                format!("torque {torque_nm} N m in state {state:?}")
+            }
+            Self::GapFlagged => "no flag GAP".to_owned(),
+            Self::GapOnlyAfterGap => "flag GAP".to_owned(),
+            Self::RepeatedOnlyIfRetransmitted => "flag REPEATED".to_owned(),
+            Self::Running { state } => format!("state {state:?} without a fault report"),
+        }
+    }
+
+    /// What it may have.
+    #[must_use]
+    pub fn limit(&self) -> String {
+        match self {
+            Self::Finite { .. } => "finite".to_owned(),
+            Self::WithinLimit { limit_nm, .. } | Self::SaturatedAtLimit { limit_nm, .. } => {
+                format!("{limit_nm} N m")
+            }
+            Self::ZeroUnlessRunning { .. } => "0 N m".to_owned(),
+            Self::GapFlagged => "the sample before was not sent".to_owned(),
+            Self::GapOnlyAfterGap => "the sample before was answered".to_owned(),
+            Self::RepeatedOnlyIfRetransmitted => "the sample was sent once".to_owned(),
+            Self::Running { .. } => "state Running".to_owned(),
+        }
+    }
+}
+
+/// A torque answer that breaks a rule.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BrokenRule {
+    /// The rule.
+    pub rule: AnswerRule,
+    /// Step of the run whose sample the drive answered.
+    pub step: u32,
+    /// Sequence of the answer.
+    pub sequence: u16,
+}
+
+impl fmt::Display for BrokenRule {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { rule, step, sequence } = self;
+        write!(
+            out,
+            "the drive breaks rule {} of docs/protocol.md at step {step}, sequence {sequence}: {}, limit: {}; {}",
+            rule.number(),
+            rule.value(),
+            rule.limit(),
+            rule.requirement()
+        )
+    }
+}
+
+impl Serialize for BrokenRule {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self { rule, step, sequence } = self;
+        let mut keys = serializer.serialize_struct("BrokenRule", 7)?;
+        keys.serialize_field("side", "drive")?;
+        keys.serialize_field("rule", rule.number())?;
+        keys.serialize_field("requirement", rule.requirement())?;
+        keys.serialize_field("step", step)?;
+        keys.serialize_field("sequence", sequence)?;
+        keys.serialize_field("value", &rule.value())?;
+        keys.serialize_field("limit", &rule.limit())?;
+        keys.end()
+    }
+}
