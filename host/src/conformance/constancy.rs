@@ -1,50 +1,43 @@
-//! What a drive keeps: requests and frames that change nothing, many times in every state; runs and faults, many times.
+//! What a drive keeps: requests and frames that change nothing, many times in every state.
 
 use std::time::Duration;
 
-use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State, TorqueFlags};
-use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
+use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
     Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
     EncoderSample, FaultReport, GetParameter, LineReport, ParameterReport, Reset, SetParameter, Start, Stop,
     Subscribe,
 };
 use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
-use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, Message};
+use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
-use super::answers::{fault, hello, identity, line_report, sample, torque};
+use super::answers::{fault, hello, line_report, sample};
 use super::assertion::{Failure, RuleResult, broken, equal, names};
-use super::burst::{BURST, Exchange, described, reads, result, sets};
+use super::burst::{BURST, Exchange, described, result};
 use super::check::{Check, check};
-use super::client::{CONTROLLER, Client};
+use super::client::Client;
 use super::handshake::other;
 use super::parameters::{defaults, in_force};
 use super::range::{neighbour, of_other_type};
 use super::receiver;
-use super::telemetry::{law_signals, signals};
+use super::telemetry::signals;
 use super::words::Words;
 
 use State::{Armed, Boot, Faulted, Idle, Running};
 
 /// Copies of each request. A drive that errs only later errs within them.
-const COPIES: usize = 10;
+pub(super) const COPIES: usize = 10;
 /// A pause in a frame, in each state.
 const PAUSE: Duration = Duration::from_millis(5);
 
 pub(super) fn checks() -> Vec<Check> {
-    let mut checks = vec![
-        check("R6.2 R6.3", "the first request after a Reset is answered like any other", first_requests),
-        check("R4.15 R7.17 R11.5", "every run of ten is like the first", runs),
-        check("R8.1 R8.2", "every fault of ten is latched, reported and cleared like the first", faults),
-    ];
-    for state in [Boot, Idle, Armed, Running, Faulted] {
+    let states = [Boot, Idle, Armed, Running, Faulted].into_iter();
+    let of_state = |state: State| {
         let name =
             format!("requests and frames that change nothing change nothing in {state:?}, however often");
-        checks.push(check("R2.6 R2.7 R4.2 R4.15 R6.2 R6.3 R6.8", name, move |client| {
-            Constancy::check(client, state)
-        }));
-    }
-    checks
+        check("R2.6 R2.7 R4.2 R4.15 R6.2 R6.3 R6.8", name, move |client| Constancy::check(client, state))
+    };
+    states.map(of_state).collect()
 }
 
 /// A drive in one state, with everything in it that a request could change by mistake.
@@ -272,7 +265,7 @@ impl Constancy {
 }
 
 /// Clears what differs between two equal answers: times and counts.
-fn forget_time(answer: &mut DriveMessage) {
+pub(super) fn forget_time(answer: &mut DriveMessage) {
     match answer {
         DriveMessage::TorqueAnswer(it) => it.compute_tenths_us = 0,
         DriveMessage::LineReport(it) => *it = LineReport { messages: 0, damaged: 0, refused: 0, overruns: 0 },
@@ -281,7 +274,7 @@ fn forget_time(answer: &mut DriveMessage) {
 }
 
 /// Requests of an index that the drive does not have.
-fn unknown(client: &Client, state: State) -> Vec<Exchange> {
+pub(super) fn unknown(client: &Client, state: State) -> Vec<Exchange> {
     let identity = &client.identity;
     let index = identity.parameter_count;
     let outcome = Outcome::UnknownIndex;
@@ -297,136 +290,4 @@ fn unknown(client: &Client, state: State) -> Vec<Exchange> {
         unknown.push((DescribeParameter { index }.into(), report.into()));
     }
     unknown
-}
-
-/// Each as the first request and the first answer of its kind after a `Reset`.
-fn first_requests(client: &mut Client) -> RuleResult {
-    let session = client.session;
-    let mut exchanges = unknown(client, Boot);
-    exchanges.extend([
-        result(Subscribe { signals: 0, every: 0 }, Outcome::WrongState, Boot),
-        result(Arm { session }, Outcome::WrongSession, Boot),
-        result(Start { session }, Outcome::WrongSession, Boot),
-        result(sample(0), Outcome::WrongState, Boot),
-    ]);
-    if let Some(it) = client.description.parameters.first() {
-        exchanges.push(reads(it.index, it.default, Boot));
-        exchanges.push(sets(it.index, it.max, Outcome::WrongState, it.default, Boot));
-    }
-    for exchange in exchanges {
-        client.exchange("right after Reset", &[result(Reset {}, Outcome::Accepted, Boot), exchange])?;
-    }
-    for frame in [receiver::damaged(), receiver::foreign()].concat() {
-        let answers = client.request_bytes(&[&*HostMessage::from(Reset {}).frame(), &frame].concat())?;
-        equal("answers to Reset and a frame that is no request", vec!["CommandResult"], names(&answers))?;
-    }
-    Ok(())
-}
-
-/// Runs of every law; the last one after a `Reset`.
-fn runs(client: &mut Client) -> RuleResult {
-    for law in client.description.laws.clone() {
-        let mut first = None;
-        for number in 1..=COPIES {
-            // Nothing of a run survives a Reset either.
-            if number == 1 || number == COPIES {
-                client.reset()?;
-                client.long_watchdog()?;
-                if client.description.laws.len() > 1 {
-                    client.put(CONTROLLER, ParameterValue::U32(law.index.into()))?;
-                }
-                let signals = signals_of(client, law.index);
-                client.exchange(
-                    "in Idle",
-                    &[result(Subscribe { signals, every: 2 }, Outcome::Accepted, Idle)],
-                )?;
-            }
-            let mut answers = client.burst(&one_run(client.session))?;
-            let what = format!("run {number} of {}", law.name);
-            // All requests of the burst but `Arm` and `Start`.
-            equal(&format!("messages in the report of {what}"), 7, line_report(&answers)?.messages)?;
-            answers.iter_mut().for_each(forget_time);
-            let first = first.get_or_insert_with(|| answers.clone());
-            let differs = answers.iter().zip(&*first).find(|(answer, first)| answer != first);
-            if let Some((answer, first)) = differs {
-                return Err(broken(format!("in {what} {}", first.words()), answer.words()));
-            }
-            equal(&format!("answers in {what}"), first.len(), answers.len())?;
-        }
-    }
-    Ok(())
-}
-
-/// Ends with both encoders one count away from the start, which is never a jump.
-fn one_run(session: u32) -> [HostMessage; 9] {
-    let [motor_counts, load_counts] = [1, -1].map(EncoderCounts::wrapping);
-    let moved = |sequence| EncoderSample { motor_counts, load_counts, ..sample(sequence) };
-    [
-        Arm { session }.into(),
-        Start { session }.into(),
-        // Stray: the first is 0.
-        sample(7).into(),
-        sample(0).into(),
-        EncoderSample { reference_rad: 0.5, ..sample(1) }.into(),
-        moved(2).into(),
-        moved(2).into(),
-        moved(3).into(),
-        Stop {}.into(),
-    ]
-}
-
-fn signals_of(client: &Client, law: u8) -> u32 {
-    law_signals(client, law).iter().take(MAX_TELEMETRY_VALUES).fold(0, |all, index| all | 1 << index)
-}
-
-fn faults(client: &mut Client) -> RuleResult {
-    client.long_watchdog()?;
-    (1..=COPIES as u16).try_for_each(|number| one_fault(client, number))
-}
-
-/// A run with 0 to 2 samples before its end, by `EmergencyStop` and by a reference in turn.
-fn one_fault(client: &mut Client, number: u16) -> RuleResult {
-    let session = client.session;
-    let what = format!("fault {number}");
-    let count = number % 3;
-    let by_sample = number % 2 == 1;
-    let mut requests = vec![Arm { session }.into(), Start { session }.into()];
-    requests.extend((0..count).map(|sequence| HostMessage::from(sample(sequence))));
-    requests.push(match by_sample {
-        false => EmergencyStop {}.into(),
-        true => EncoderSample { reference_rad: f32::NEG_INFINITY, ..sample(count) }.into(),
-    });
-    let (code, value) = match by_sample {
-        false => (FaultCode::EmergencyStop, 0.0),
-        true => (FaultCode::ReferenceNotFinite, f32::NEG_INFINITY),
-    };
-    let sequence = if by_sample { count } else { count.saturating_sub(1) };
-    let wanted = FaultReport { code, sequence, value, limit: 0.0, detail: 0 };
-    let answers = client.burst(&requests)?;
-    let mut kinds = vec!["CommandResult"; 2];
-    kinds.extend(vec!["TorqueAnswer"; usize::from(count)]);
-    kinds.extend(if by_sample { ["TorqueAnswer", "FaultReport"] } else { ["FaultReport", "CommandResult"] });
-    equal(&format!("{what}: answers"), kinds, names(&answers))?;
-    equal(&what, wanted, fault(&answers)?)?;
-    for answer in &answers {
-        if let DriveMessage::TorqueAnswer(it) = answer {
-            let flags = it.status.flags - TorqueFlags::SATURATED;
-            equal(&format!("{what}: flags"), TorqueFlags::empty(), flags)?;
-        }
-    }
-    equal(&format!("{what}: state"), Faulted, client.state)?;
-    let own = FaultReport { code: FaultCode::EmergencyStop, sequence, value: 0.0, limit: 0.0, detail: 0 };
-    equal(&format!("{what}, then EmergencyStop"), own, fault(&client.request(EmergencyStop {})?)?)?;
-    let answers = client.request(hello(session))?;
-    equal(&format!("{what}: state of the Identity"), Faulted, identity(&answers)?.state)?;
-    equal(&format!("{what}: after the Identity"), wanted, fault(&answers)?)?;
-    let answer = torque(&client.sample(count)?)?;
-    equal(
-        &format!("{what}: torque and state of a sample"),
-        (0.0, Faulted),
-        (answer.torque_nm, answer.status.state),
-    )?;
-    client.exchange(&what, &[result(ClearFault {}, Outcome::Accepted, Idle)])?;
-    let answers = client.request(hello(session))?;
-    equal(&format!("{what}: after ClearFault, answers to Hello"), vec!["Identity"], names(&answers))
 }

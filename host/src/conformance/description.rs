@@ -61,13 +61,13 @@ pub(super) fn checks() -> Vec<Check> {
             expect(same, "the description read first", if same { "it" } else { "another one" })
         }),
         check(
-            "R6.2 R10.9",
+            "R4.1 R6.2 R9.8 R10.9",
             "the drive describes itself alike in every state and in any order",
             in_every_state,
         ),
         check("R10.9", "no setting changes a description", with_other_settings),
         check(
-            "R6.2 R10.10",
+            "R4.1 R4.7 R6.2 R10.10",
             "an unknown law, signal or choice is answered with UnknownIndex in every state",
             |client| STATES.into_iter().try_for_each(|state| unknown_in(client, state)),
         ),

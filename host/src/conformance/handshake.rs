@@ -13,14 +13,14 @@ use super::sessions;
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
         check("R3.2 R4.4", "the identity has every field in its range", fields),
-        check("R4.4 R14.1", "the identity is the same in every state, and for every version", constant),
+        check("R4.4 R6.7 R14.1", "the identity is the same in every state, and for every version", constant),
         check("R4.4 R9.14", "the identity carries the settings in force", settings),
         check(
-            "R3.3 R14.1 R14.2",
+            "R3.3 R4.4 R14.1 R14.2",
             "another version is refused, and the identity carries the drive's own",
             other_version,
         ),
-        check("R6.7 R12.1", "a Hello of another version opens no session", |client| {
+        check("R6.7 R12.1 R14.2", "a Hello of another version opens no session", |client| {
             let session = client.session;
             client.request(other(session))?;
             equal("Arm", (Outcome::WrongSession, State::Boot), client.command(Arm { session })?)?;

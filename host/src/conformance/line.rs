@@ -14,13 +14,17 @@ use super::receiver::{foreign, request};
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R4.15", "the LineReport of a clean run counts no damage, with idle delimiters", |client| {
-            client.running(&[])?;
-            client.send_bytes(&[DELIMITER; 5])?;
-            client.torque(0)?;
-            // The marker after Start, the sample, the marker after the sample, and Stop.
-            reported(client, LineReport { messages: 4, damaged: 0, refused: 0, overruns: 0 })
-        }),
+        check(
+            "R2.2 R4.15",
+            "the LineReport of a clean run counts no damage, with idle delimiters",
+            |client| {
+                client.running(&[])?;
+                client.send_bytes(&[DELIMITER; 5])?;
+                client.torque(0)?;
+                // The marker after Start, the sample, the marker after the sample, and Stop.
+                reported(client, LineReport { messages: 4, damaged: 0, refused: 0, overruns: 0 })
+            },
+        ),
         check("R2.7 R4.15", "the LineReport counts good, damaged and refused frames apart", |client| {
             client.running(&[])?;
             client.send_bytes(&damaged())?;
@@ -37,7 +41,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.start()?;
             reported(client, LineReport { messages: 2, damaged: 0, refused: 0, overruns: 0 })
         }),
-        check("R4.15", "only a Start that is accepted restarts the counts", only_start),
+        check("R4.15 R6.3", "only a Start that is accepted restarts the counts", only_start),
         check("R4.3 R4.15", "Stop, sessions, faults and Reset let the counts continue", continued),
         check("R2.1 R3.1 R5.1", "every frame from the drive was a good message", |client| {
             let counters = *client.line.decoder.counters();

@@ -45,6 +45,7 @@ mod profile_pd;
 mod range;
 mod reactions;
 mod receiver;
+mod repetition;
 mod result;
 mod safety;
 mod samples;

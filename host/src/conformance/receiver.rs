@@ -108,15 +108,15 @@ pub(super) fn checks() -> Vec<Check> {
             let whole = framed(&body(MAX_BODY));
             counts(client, &[[&whole[..whole.len() - 1], &[0x11, DELIMITER]].concat()], 1, 0)
         }),
-        check("R2.5", "a frame of an unknown kind, or of a kind of the drive, is refused", |client| {
+        check("R2.5 R2.7", "a frame of an unknown kind, or of a kind of the drive, is refused", |client| {
             let frames = foreign();
             counts(client, &frames, 0, frames.len())
         }),
-        check("R2.5", "a request that is too long or too short is refused", |client| {
+        check("R2.5 R2.7", "a request that is too long or too short is refused", |client| {
             let frames = wrong_lengths(client.session);
             counts(client, &frames, 0, frames.len())
         }),
-        check("R2.5 R3.1", "a value of a type without a name is refused", |client| {
+        check("R2.5 R3.1 R5.1", "a value of a type without a name is refused", |client| {
             let frames = wrong_types();
             counts(client, &frames, 0, frames.len())
         }),

@@ -20,7 +20,7 @@ use State::{Armed, Boot, Faulted, Idle, Running};
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R12.1", "every number is a session, and the identity carries it", every_number),
+        check("R3.1 R4.4 R12.1", "every number is a session, and the identity carries it", every_number),
         check("R12.1", "Arm and Start of a session that differs in one bit are refused", one_bit),
         check("R6.5", "before the first Hello no number is a session", |client| {
             let session = client.session;
@@ -32,7 +32,7 @@ pub(super) fn checks() -> Vec<Check> {
             Ok(())
         }),
         check("R12.1 R12.2", "a new session makes the previous one stale in every state", previous),
-        check("R12.4", "Reset ends the session", |client| {
+        check("R4.3 R12.4", "Reset ends the session", |client| {
             let session = client.session;
             client.idle()?;
             client.exchange("in Idle", &[result(Reset {}, Accepted, Boot)])?;
@@ -49,8 +49,12 @@ pub(super) fn checks() -> Vec<Check> {
             equal("state", Idle, identity(&answers)?.state)?;
             no_torque(client, 1, Idle)
         }),
-        check("R6.5", "a fault cleared before the handshake leads back to Boot", before_handshake),
-        check("R4.13 R8.2 R8.3", "the report of a latched fault follows every Identity, unchanged", latched),
+        check("R6.5 R6.7", "a fault cleared before the handshake leads back to Boot", before_handshake),
+        check(
+            "R4.13 R8.2 R8.3 R8.4",
+            "the report of a latched fault follows every Identity, unchanged",
+            latched,
+        ),
         check(
             "R6.3 R6.7 R12.3 R12.5",
             "a request that changes nothing leaves the torques of a run alone",

@@ -10,7 +10,7 @@ use super::answers::{hello, outcome, torque};
 use super::assertion::{RuleResult, equal, expect, names};
 use super::check::{Check, check};
 use super::client::Client;
-use super::constancy;
+use super::{constancy, repetition};
 
 /// Required reaction to a request.
 #[derive(Clone, Copy)]
@@ -119,7 +119,7 @@ const ROWS: [Row; 12] = [
 
 pub(super) fn checks() -> Vec<Check> {
     let rows = ROWS.into_iter().map(|row| {
-        check("R4.1 R4.7 R6.2 R6.3", row.name, move |client| {
+        check("R4.1 R4.7 R6.1 R6.2 R6.3 R12.5", row.name, move |client| {
             for (state, reaction) in STATES.into_iter().zip(row.reactions) {
                 client.reset()?;
                 client.enter(state)?;
@@ -128,7 +128,7 @@ pub(super) fn checks() -> Vec<Check> {
             Ok(())
         })
     });
-    rows.chain(constancy::checks()).collect()
+    rows.chain(constancy::checks()).chain(repetition::checks()).collect()
 }
 
 fn cell(client: &mut Client, row: &Row, state: State, reaction: Reaction) -> RuleResult {

@@ -20,14 +20,14 @@ use super::super::reactions::fault_answer;
 /// Speed limit of the checks, in counts per period.
 const COUNTS_PER_PERIOD: f64 = 500.0;
 /// Samples of a run that shows the effect of a live parameter.
-const STEPS: u16 = 6;
+const STEPS: u16 = 14;
 /// Last sample before a setting in `Running`.
-const BEFORE: u16 = 1;
+const BEFORE: u16 = 10;
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
         check(
-            "R7.14 R9.6",
+            "R7.14 R9.6 R9.12",
             "period and counts per revolution have an effect on the speed of an encoder",
             speeds,
         ),

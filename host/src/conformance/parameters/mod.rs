@@ -53,7 +53,7 @@ pub(super) fn checks() -> Vec<Check> {
             })
         }),
         check(
-            "R4.6 R9.4 R9.7 R9.11",
+            "R4.6 R9.2 R9.4 R9.7 R9.11",
             "every parameter accepts its minimum and maximum and reads them back",
             |client| {
                 client.idle()?;

@@ -19,13 +19,13 @@ use State::{Armed, Boot, Faulted, Idle, Running};
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
-        check("R4.3 R9.8", "after a reset every parameter has its default", |client| {
+        check("R4.3 R4.5 R9.8", "after a reset every parameter has its default", |client| {
             let defaults = defaults(client);
             in_force(client, "after Reset", &defaults, Boot)?;
             client.idle()?;
             in_force(client, "after the handshake", &defaults, Idle)
         }),
-        check("R9.7", "each parameter keeps a value of its own", |client| {
+        check("R9.4 R9.7", "each parameter keeps a value of its own", |client| {
             client.idle()?;
             // In both directions, so that no setting hides that it changed another parameter too.
             let (rising, falling) = (spread(client, 0), spread(client, 7));
@@ -58,7 +58,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.handshake(client.session ^ 2)?;
             in_force(client, "in new sessions in Idle", &kept, Idle)
         }),
-        check("R6.8", "a run keeps every parameter, and Idle accepts settings again", run),
+        check("R6.8 R9.6", "a run keeps every parameter, and Idle accepts settings again", run),
     ]
 }
 

@@ -24,7 +24,7 @@ pub(super) fn checks() -> Vec<Check> {
         check("R6.3 R9.1 R9.7", "a value of the wrong type is refused and changes nothing", |client| {
             refused(client, |it| of_other_type(it).into_iter().map(|value| (value, WrongType)).collect())
         }),
-        check("R4.6 R6.2", "an unknown parameter index is refused in every state", |client| {
+        check("R4.6 R6.2 R6.4", "an unknown parameter index is refused in every state", |client| {
             [Boot, Idle, Armed, Running, Faulted].into_iter().try_for_each(|state| unknown(client, state))
         }),
         check("R6.4", "the state of the drive is checked before type and range of a value", |client| {
@@ -33,11 +33,11 @@ pub(super) fn checks() -> Vec<Check> {
     ];
     for state in [Armed, Running] {
         let name = format!("in {state:?} a live parameter is accepted and any other refused");
-        checks.push(check("R6.2 R6.3 R6.4 R9.5", name, move |client| settable(client, state)));
+        checks.push(check("R6.2 R6.3 R9.5 R9.7 R9.8", name, move |client| settable(client, state)));
     }
     for state in [Boot, Faulted] {
         let name = format!("in {state:?} nothing can be set");
-        checks.push(check("R6.2 R6.3 R6.4 R9.5", name, move |client| settable(client, state)));
+        checks.push(check("R6.2 R6.3 R9.5 R9.7 R9.8", name, move |client| settable(client, state)));
     }
     checks
 }

@@ -33,7 +33,7 @@ pub(super) fn checks() -> Vec<Check> {
             }
             Ok(())
         }),
-        check("R10.4 R7.17", "every law that the drive describes returns a torque", every_law),
+        check("R7.17 R10.4", "every law that the drive describes returns a torque", every_law),
         check("R7.17", "a new start resets the controller: equal samples get equal torques", new_start),
         check("R7.18", "the compute time of a torque is at most the time that the host waited", compute_time),
     ];

@@ -24,7 +24,7 @@ const BOTH: &[&str] = &["TorqueAnswer", "Telemetry"];
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
         check(
-            "R11.2",
+            "R4.12 R11.2",
             "telemetry follows the torque of every sample whose sequence is a multiple of every",
             multiples,
         ),
@@ -48,7 +48,7 @@ pub(super) fn checks() -> Vec<Check> {
             fault_answer(&answers, lashloop_protocol::enums::FaultCode::ReferenceNotFinite).map(drop)?;
             follows(client, 2, TORQUE)
         }),
-        check("R11.2", "no telemetry follows a sample in another state than Running", |client| {
+        check("R7.19 R11.2", "no telemetry follows a sample in another state than Running", |client| {
             let signals = signals(client)?;
             client.idle()?;
             accepted(client, signals, 1)?;
@@ -78,8 +78,8 @@ pub(super) fn checks() -> Vec<Check> {
             client.running(&[])?;
             (0..2).try_for_each(|sequence| follows(client, sequence, TORQUE))
         }),
-        check("R11.5", "a subscription outlives sessions, stops and faults", outlives),
-        check("R11.5", "a subscription in Armed is that of the run", |client| {
+        check("R6.8 R11.5", "a subscription outlives sessions, stops and faults", outlives),
+        check("R11.5 R11.8", "a subscription in Armed is that of the run", |client| {
             let signals = signals(client)?;
             client.armed()?;
             accepted(client, signals, 2)?;
