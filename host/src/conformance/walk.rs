@@ -19,8 +19,8 @@ use super::client::Client;
 use super::encoders::setup::Setup;
 use super::reactions::{no_torque, refused_sample, same_report};
 
-/// Rounds in each state. Counters of a firmware that wrap or saturate earlier show here.
-const LAPS: u16 = 10;
+/// Rounds in each state, with two runs each. Counters of a firmware that wrap or saturate earlier show here.
+const LAPS: u16 = 5;
 /// Signals of the subscription, at most.
 const SIGNALS: usize = 2;
 

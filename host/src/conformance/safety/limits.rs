@@ -51,10 +51,11 @@ fn limited(client: &mut Client) -> RuleResult {
             equal(&format!("{what}: SATURATED at {LIMIT}"), highest, ParameterValue::F32(free_nm.abs()))?;
         } else {
             equal(&format!("{what}: far from the limit"), TorqueFlags::empty(), free.status.flags)?;
-            let same = first_torque(client, ParameterValue::F32(free_nm.abs()), reference_rad)?;
+            // One step of the type above, because a drive may compute in double precision.
+            let above_nm = free_nm.abs().next_up();
+            let same = first_torque(client, ParameterValue::F32(above_nm), reference_rad)?;
             let is_free = same.status.flags.is_empty() && same.torque_nm.abs() <= free_nm.abs();
-            let expected =
-                format!("{what}: with the limit at the torque of {free_nm} N m that torque, no flags");
+            let expected = format!("{what}, limit {above_nm} N m: {free_nm} N m, no flags");
             expect(is_free, expected, same)?;
         }
         for limit_nm in [free_nm.abs() / 2.0, free_nm.abs() / 16.0, 0.0] {
@@ -63,6 +64,14 @@ fn limited(client: &mut Client) -> RuleResult {
             let got = (answer.torque_nm, answer.status.state, answer.status.flags);
             equal(&format!("{what}, limit {limit_nm} N m: torque in N m, state and flags"), wanted, got)?;
         }
+    }
+    // A torque of zero is not clamped by a limit of zero.
+    let free = first_torque(client, highest, 0.0)?;
+    if free.torque_nm == 0.0 {
+        let it = first_torque(client, ParameterValue::F32(0.0), 0.0)?;
+        let got = (it.torque_nm, it.status.state, it.status.flags);
+        let wanted = (0.0, State::Running, TorqueFlags::empty());
+        equal("reference 0 rad, limit 0 N m: torque in N m, state and flags", wanted, got)?;
     }
     Ok(())
 }

@@ -134,6 +134,10 @@ fn tripped(client: &mut Client, limit: Duration, sequence: u16, before: Instant)
 fn tripped_through_feeds(client: &mut Client, limit: Duration, before: Instant) -> Result<Trip, Failure> {
     let after = client.line.now();
     let mut found = client.wait_for(limit.mul_f64(0.75), fault_report)?;
+    // On a busy bench the watchdog may trip here, and would be cleared.
+    if found.is_none() && client.line.now().saturating_duration_since(after) < limit.mul_f64(0.85) {
+        client.request(ClearFault {})?;
+    }
     for (_, _, feed) in FEEDS {
         for count in 0..2 {
             let answers = client.request_bytes(&feed(client, count))?;
@@ -330,7 +334,7 @@ fn requests(client: &Client, count: usize) -> Vec<u8> {
         value: it.default,
     });
     let other_version = Hello { protocol_version: PROTOCOL_VERSION.wrapping_add(1), session };
-    let requests: [HostMessage; 14] = [
+    let requests: [HostMessage; 13] = [
         hello(session).into(),
         other_version.into(),
         GetParameter { index }.into(),
@@ -344,9 +348,8 @@ fn requests(client: &Client, count: usize) -> Vec<u8> {
         Arm { session }.into(),
         Start { session }.into(),
         Start { session: session ^ 1 }.into(),
-        ClearFault {}.into(),
     ];
-    let half = requests.len() / 2;
-    let from = count % 2 * half;
-    requests[from..from + half].iter().flat_map(|request| request.frame().to_vec()).collect()
+    let (one, other) = requests.split_at(requests.len() / 2);
+    let part = if count.is_multiple_of(2) { one } else { other };
+    part.iter().flat_map(|request| request.frame().to_vec()).collect()
 }
