@@ -82,7 +82,7 @@ pub(super) fn neighbour(parameter: &Parameter) -> ParameterValue {
     let candidates = match parameter.default {
         U32(value) => [value.checked_add(1), value.checked_sub(1)].map(|value| value.map(U32)),
         // No denormal number: a floating-point unit may flush it to zero.
-        F32(value) if value == 0.0 => [1e-3, -1e-3].map(|value| Some(F32(value))),
+        F32(0.0) => [1e-3, -1e-3].map(|value| Some(F32(value))),
         F32(value) => [value.next_up(), value.next_down()].map(|value| Some(F32(value))),
     };
     candidates.into_iter().flatten().find(|value| holds(parameter, *value)).unwrap_or(parameter.default)
