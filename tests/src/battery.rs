@@ -2,11 +2,20 @@
 
 use std::collections::BTreeSet;
 
-/// What the Lashloop drive's description excludes, and so does that of the drive in C.
+/// What the Lashloop drive's description excludes.
 pub const LASHLOOP_SKIPS: &[&str] = &[
     "every law has every signal",
     "no law has 13 signals",
     "the drive has no 14 signals",
+    "the drive has no live parameter besides reserved ones",
+];
+
+/// What the description of a drive with a single law excludes, which is not `pd`.
+pub const ONE_LAW_SKIPS: &[&str] = &[
+    "every law has every signal",
+    "no law has 13 signals",
+    "the drive has no 14 signals",
+    "the drive has no law pd, so it does not offer the profile",
     "the drive has no live parameter besides reserved ones",
 ];
 
