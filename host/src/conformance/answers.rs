@@ -7,12 +7,17 @@ use lashloop_protocol::message::{
     TorqueAnswer,
 };
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, EncoderCounts, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION};
 
 use super::assertion::{Failure, find};
 
 pub(super) const fn hello(session: u32) -> Hello {
     Hello { protocol_version: PROTOCOL_VERSION, session }
+}
+
+/// A `Hello` of the next version.
+pub(super) fn other(session: u32) -> HostMessage {
+    Hello { protocol_version: PROTOCOL_VERSION.wrapping_add(1), session }.into()
 }
 
 /// Mechanics at rest at zero and a reference of 1 rad: every control law requests a torque.

@@ -11,16 +11,16 @@ use lashloop_protocol::message::{
 use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
 use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
+use super::answers::other;
 use super::answers::{fault, hello, line_report, sample};
 use super::assertion::{Failure, RuleResult, broken, equal, names};
 use super::burst::{BURST, Exchange, described, result};
 use super::check::{Check, check};
 use super::client::Client;
-use super::handshake::other;
-use super::parameters::{defaults, in_force};
+use super::parameters::values::{defaults, in_force};
 use super::range::{neighbour, of_other_type};
 use super::receiver;
-use super::telemetry::signals;
+use super::telemetry::subscription::signals;
 use super::words::Words;
 
 use State::{Armed, Boot, Faulted, Idle, Running};

@@ -1,10 +1,10 @@
 //! Handshake: identity and protocol version.
 
+use lashloop_protocol::PROTOCOL_VERSION;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{Arm, EmergencyStop, Hello, Identity};
-use lashloop_protocol::{HostMessage, PROTOCOL_VERSION};
 
-use super::answers::{hello, identity, outcome};
+use super::answers::{hello, identity, other, outcome};
 use super::assertion::{Failure, RuleResult, broken, equal, expect, names};
 use super::check::{Check, check};
 use super::client::Client;
@@ -36,11 +36,6 @@ pub(super) fn checks() -> Vec<Check> {
     ];
     checks.extend(sessions::checks());
     checks
-}
-
-/// A `Hello` of the next version.
-pub(super) fn other(session: u32) -> HostMessage {
-    Hello { protocol_version: PROTOCOL_VERSION.wrapping_add(1), session }.into()
 }
 
 fn fields(client: &mut Client) -> RuleResult {

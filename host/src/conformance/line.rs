@@ -4,12 +4,12 @@ use lashloop_protocol::HostMessage;
 use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, LineReport, Reset, Start, Stop};
 
+use super::answers::other;
 use super::answers::{hello, line_report, sample};
 use super::assertion::{Failure, RuleResult, equal};
 use super::check::{Check, check};
 use super::client::Client;
 use super::damage;
-use super::handshake::other;
 use super::receiver::{foreign, request};
 
 pub(super) fn checks() -> Vec<Check> {
@@ -31,7 +31,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.send_bytes(&[request(0), request(1), request(2)].concat())?;
             reported(client, LineReport { messages: 5, damaged: 4, refused: 2, overruns: 0 })
         }),
-        check("R4.15", "every good frame counts as a message, whatever its outcome", outcomes),
+        check("R4.15", "every good frame counts as a message, of any outcome", outcomes),
         check("R4.15", "the LineReport counts each run from zero", |client| {
             client.running(&[])?;
             client.send_bytes(&damaged())?;

@@ -15,7 +15,7 @@ use super::check::{Check, check};
 use super::client::{CONTROLLER, Client};
 use super::constancy::{COPIES, forget_time, unknown};
 use super::receiver;
-use super::telemetry::{law_signals, signals};
+use super::telemetry::subscription::{law_signals, signals};
 use super::words::Words;
 
 use State::{Boot, Faulted, Idle};

@@ -7,12 +7,12 @@ use lashloop_protocol::message::{
     EncoderSample, FaultReport, GetParameter, Identity, Reset, SetParameter, Start, Stop, Subscribe,
 };
 
+use super::answers::other;
 use super::answers::{fault, hello, identity, sample, torque};
 use super::assertion::{Failure, RuleResult, equal, names};
 use super::burst::result;
 use super::check::{Check, check};
 use super::client::Client;
-use super::handshake::other;
 use super::reactions::no_torque;
 
 use Outcome::{Accepted, WrongSession};

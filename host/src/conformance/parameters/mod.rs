@@ -4,6 +4,7 @@
 mod effect;
 mod persistence;
 mod refusals;
+pub(super) mod values;
 
 use std::collections::HashSet;
 
@@ -12,13 +13,12 @@ use lashloop_protocol::parameter_names::{
     CONTROLLER, LOAD_SPEED_LIMIT_RAD_S, MOTOR_SPEED_LIMIT_RAD_S, REQUIRED, TORQUE_LIMIT_NM,
 };
 
-use lashloop_bench::session::Parameter;
-
 use super::assertion::{RuleResult, equal, expect};
-use super::burst::{Exchange, reads, sets};
+use super::burst::{reads, sets};
 use super::check::{Check, check};
 use super::client::Client;
 use super::range::holds;
+use values::each;
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
@@ -77,25 +77,6 @@ pub(super) fn checks() -> Vec<Check> {
     checks.extend(persistence::checks());
     checks.extend(effect::checks());
     checks
-}
-
-fn each(client: &mut Client, mut check: impl FnMut(&mut Client, &Parameter) -> RuleResult) -> RuleResult {
-    client.description.parameters.to_vec().iter().try_for_each(|parameter| check(client, parameter))
-}
-
-/// Requires these values in force, in the order of the indices.
-pub(super) fn in_force(
-    client: &mut Client,
-    when: &str,
-    values: &[ParameterValue],
-    state: State,
-) -> RuleResult {
-    let all: Vec<Exchange> = (0..).zip(values).map(|(index, value)| reads(index, *value, state)).collect();
-    client.exchange(when, &all)
-}
-
-pub(super) fn defaults(client: &Client) -> Vec<ParameterValue> {
-    client.description.parameters.iter().map(|it| it.default).collect()
 }
 
 fn reserved(client: &mut Client) -> RuleResult {

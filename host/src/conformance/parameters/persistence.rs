@@ -5,14 +5,14 @@ use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Start, Stop};
 
 use lashloop_protocol::parameter_names::WATCHDOG_US;
 
+use super::super::answers::other;
 use super::super::answers::{hello, outcome};
 use super::super::assertion::{Failure, RuleResult};
 use super::super::burst::{Exchange, result, sets};
 use super::super::check::{Check, check};
 use super::super::client::Client;
-use super::super::handshake::other;
 use super::super::range::{neighbour, within};
-use super::{defaults, in_force};
+use super::values::{defaults, in_force};
 
 use Outcome::{Accepted, Inconsistent};
 use State::{Armed, Boot, Faulted, Idle, Running};

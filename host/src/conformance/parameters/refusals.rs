@@ -11,7 +11,7 @@ use super::super::burst::{Exchange, reads, sets};
 use super::super::check::{Check, check};
 use super::super::client::Client;
 use super::super::range::{neighbour, of_other_type, outside};
-use super::{defaults, each};
+use super::values::{defaults, each};
 
 use Outcome::{Accepted, OutOfRange, UnknownIndex, WrongState, WrongType};
 use State::{Armed, Boot, Faulted, Idle, Running};

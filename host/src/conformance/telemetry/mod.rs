@@ -2,24 +2,21 @@
 //! (`refusals`).
 
 mod refusals;
+pub(super) mod subscription;
 mod values;
 
-use lashloop_protocol::DriveMessage;
-use lashloop_protocol::enums::{Outcome, State};
-use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
-use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, Stop, Subscribe};
+use lashloop_protocol::enums::{FaultCode, State};
+use lashloop_protocol::message::{ClearFault, EmergencyStop, EncoderSample, Stop};
 
-use super::answers::{hello, sample, telemetry};
-use super::assertion::{Failure, RuleResult, equal, names, skip};
-use super::burst::result;
+use super::answers::other;
+use super::answers::{hello, sample};
+use super::assertion::{RuleResult, equal, skip};
 use super::check::{Check, check};
 use super::client::Client;
 use super::encoders::setup::Setup;
-use super::handshake::other;
 use super::reactions::fault_answer;
 
-const TORQUE: &[&str] = &["TorqueAnswer"];
-const BOTH: &[&str] = &["TorqueAnswer", "Telemetry"];
+use subscription::{BOTH, TORQUE, accepted, carries, follows, lowest, running_with, signals};
 
 pub(super) fn checks() -> Vec<Check> {
     let mut checks = vec![
@@ -45,7 +42,7 @@ pub(super) fn checks() -> Vec<Check> {
             running_with(client, signals, 1)?;
             follows(client, 0, BOTH)?;
             let answers = client.request(EncoderSample { reference_rad: f32::NAN, ..sample(1) })?;
-            fault_answer(&answers, lashloop_protocol::enums::FaultCode::ReferenceNotFinite).map(drop)?;
+            fault_answer(&answers, FaultCode::ReferenceNotFinite).map(drop)?;
             follows(client, 2, TORQUE)
         }),
         check("R7.19 R11.2", "no telemetry follows a sample in another state than Running", |client| {
@@ -93,62 +90,6 @@ pub(super) fn checks() -> Vec<Check> {
     checks.extend(values::checks());
     checks.extend(refusals::checks());
     checks
-}
-
-/// The signals of the law in force, 13 at most.
-///
-/// # Errors
-/// The law has none: the check is skipped.
-pub(super) fn signals(client: &Client) -> Result<u32, Failure> {
-    let bits = law_signals(client, client.default_law());
-    match bits.first() {
-        None => skip("the law in force has no signal").map(|()| 0),
-        Some(_) => Ok(bits.iter().take(MAX_TELEMETRY_VALUES).fold(0, |all, index| all | 1 << index)),
-    }
-}
-
-/// The indices of the signals of a law.
-pub(super) fn law_signals(client: &Client, law: u8) -> Vec<u8> {
-    let of_law = client.description.signals.iter().filter(|it| it.laws.contains(law));
-    of_law.map(|it| it.index).collect()
-}
-
-fn accepted(client: &mut Client, signals: u32, every: u16) -> RuleResult {
-    let state = client.state;
-    client.exchange("before", &[result(Subscribe { signals, every }, Outcome::Accepted, state)])
-}
-
-/// The signal of a subscription with the lowest index, alone.
-const fn lowest(signals: u32) -> u32 {
-    signals & signals.wrapping_neg()
-}
-
-fn running_with(client: &mut Client, signals: u32, every: u16) -> RuleResult {
-    client.idle()?;
-    accepted(client, signals, every)?;
-    client.running(&[])
-}
-
-/// Requires answers of these kinds to a sample, and its sequence in the telemetry.
-fn follows(client: &mut Client, sequence: u16, kinds: &[&'static str]) -> RuleResult {
-    let answers = client.sample(sequence)?;
-    equal(&format!("to sample {sequence}"), kinds.to_vec(), names(&answers))?;
-    sequences(sequence, &answers)
-}
-
-fn sequences(sequence: u16, answers: &[DriveMessage]) -> RuleResult {
-    answers.iter().try_for_each(|answer| match answer {
-        DriveMessage::Telemetry(it) => equal("sequence of the telemetry", sequence, it.sequence),
-        _ => Ok(()),
-    })
-}
-
-/// Requires telemetry of this many values with the torque of a sample.
-fn carries(client: &mut Client, sequence: u16, count: u32) -> RuleResult {
-    let answers = client.sample(sequence)?;
-    equal(&format!("to sample {sequence}"), BOTH.to_vec(), names(&answers))?;
-    let values = telemetry(&answers)?.values.as_slice().len();
-    equal(&format!("values in the telemetry of sample {sequence}:"), count as usize, values)
 }
 
 /// Every sample of a run up to the 7th, then with gaps: not the count of samples matters, but the sequence.

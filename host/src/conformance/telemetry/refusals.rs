@@ -14,7 +14,7 @@ use super::super::assertion::{RuleResult, equal, expect, skip};
 use super::super::burst::{Exchange, reads, result};
 use super::super::check::{Check, check};
 use super::super::client::{CONTROLLER, Client};
-use super::{accepted, carries, follows, law_signals, lowest, signals};
+use super::subscription::{TORQUE, accepted, carries, follows, law_signals, lowest, signals};
 
 use Outcome::{Accepted, OutOfRange, UnknownIndex, WrongState};
 use State::{Armed, Boot, Faulted, Idle, Running};
@@ -73,7 +73,7 @@ pub(super) fn checks() -> Vec<Check> {
             let known = signals(client)?;
             client.request(Subscribe { signals: known, every: 1 })?;
             client.running(&[])?;
-            follows(client, 0, super::TORQUE)?;
+            follows(client, 0, TORQUE)?;
             accepted(client, known, 1)?;
             client.request(EmergencyStop {})?;
             client.request(Subscribe { signals: 0, every: 0 })?;
@@ -134,7 +134,7 @@ fn refusals(client: &mut Client, refused: &[u32], outcome: Outcome) -> RuleResul
 /// Requires one value for each of these signals with the torque of a sample, and no telemetry for none.
 fn subscribed(client: &mut Client, sequence: u16, signals: u32) -> RuleResult {
     match signals.count_ones() {
-        0 => follows(client, sequence, super::TORQUE),
+        0 => follows(client, sequence, TORQUE),
         count => carries(client, sequence, count),
     }
 }
@@ -187,7 +187,7 @@ fn lacking(client: &mut Client) -> RuleResult {
     }
     client.start()?;
     inconsistent(client, Subscribe { signals, every: 1 }, Running, &lacked)?;
-    follows(client, 0, super::TORQUE)?;
+    follows(client, 0, TORQUE)?;
     client.exchange("in Running", &[result(Subscribe { signals: 0, every: 1 }, Accepted, Running)])
 }
 

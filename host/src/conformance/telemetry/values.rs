@@ -6,7 +6,7 @@ use super::super::answers::{sample, telemetry, torque};
 use super::super::assertion::{Failure, RuleResult, broken, equal, skip};
 use super::super::check::{Check, check};
 use super::super::client::Client;
-use super::{accepted, running_with, signals};
+use super::subscription::{accepted, running_with, signals};
 
 /// Samples of a run.
 const STEPS: u16 = 5;
