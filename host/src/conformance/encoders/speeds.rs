@@ -85,12 +85,12 @@ struct Jump {
 }
 
 impl Scale {
-    /// Most counts in so many periods that pass on any drive, one count of quantisation included.
+    /// Most counts over `periods` that pass on any drive, one count of quantisation included.
     pub(super) fn most_counts(&self, periods: u16) -> i64 {
         (f64::from(periods) * self.counts_per_period() * (1.0 - ROUNDING)) as i64 + 1
     }
 
-    /// Fewest counts in so many periods that no drive accepts. Skips the check if no reading shows them.
+    /// Fewest counts over `periods` that no drive accepts. Skips the check if no reading shows them.
     fn fewest_counts(&self, periods: u16) -> Result<i64, Failure> {
         let counts = (f64::from(periods) * self.counts_per_period() * (1.0 + ROUNDING)) as i64 + 2;
         if counts > i64::from(EncoderCounts::MAX.get()) {
