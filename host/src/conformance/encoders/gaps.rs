@@ -10,7 +10,7 @@ use super::encoder::Encoder;
 use super::setup::{Setup, UNAMBIGUOUS_COUNTS};
 
 use crate::conformance::answers::{outcome, sample};
-use crate::conformance::assertion::{Failure, RuleResult, broken, equal};
+use crate::conformance::assertion::{Failure, RuleResult, equal};
 use crate::conformance::check::{Check, check};
 use crate::conformance::client::Client;
 use crate::conformance::reactions::{accepted, first_sample, refused_sample, require_log_before_result};
