@@ -25,6 +25,8 @@ pub(super) struct Judge {
     failed_preparations: HashMap<String, String>,
     /// Consecutive checks without a good frame.
     silent_checks: u32,
+    /// Whether the present check was made, in time.
+    is_made: bool,
     /// Good frames before the present check.
     messages_before: u32,
 }
@@ -35,6 +37,7 @@ impl Judge {
             ends_at: client.line.now() + RUN_LIMIT,
             failed_preparations: HashMap::new(),
             silent_checks: 0,
+            is_made: false,
             messages_before: 0,
         }
     }
@@ -50,7 +53,8 @@ impl Judge {
         let started = client.line.now();
         self.messages_before = client.line.decoder.counters().messages;
         client.time_up = self.time_up(started);
-        let ended = if started < self.ends_at {
+        self.is_made = started < self.ends_at;
+        let ended = if self.is_made {
             client.reset().and_then(|()| run(client))
         } else {
             Err(Failure::NotJudged { cause: client.time_up.cause.to_owned() })
@@ -91,7 +95,7 @@ impl Judge {
     /// # Errors
     /// The drive has sent no good frame in the last checks.
     pub(super) fn require_frames(&mut self, client: &Client) -> Result<(), SessionError> {
-        let is_silent = client.line.decoder.counters().messages == self.messages_before;
+        let is_silent = self.is_made && client.line.decoder.counters().messages == self.messages_before;
         self.silent_checks = if is_silent { self.silent_checks + 1 } else { 0 };
         if self.silent_checks < MOST_SILENT_CHECKS {
             return Ok(());

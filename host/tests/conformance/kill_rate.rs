@@ -145,6 +145,7 @@ fn nearly_every_mutant_is_found_and_none_that_the_page_allows() {
     let survivors: Vec<_> = broken.iter().filter(|it| it.by.is_none()).collect();
     let percent = 100.0 * (broken.len() - survivors.len()) as f64 / broken.len() as f64;
     report(broken.len(), &survivors, allowed.len(), percent);
+    survivors.iter().for_each(|it| println!("{}", it.text()));
 
     let wronged: Vec<_> = allowed.iter().filter(|it| it.by.is_some()).map(|it| it.text()).collect();
     let unexpected: Vec<_> = survivors.iter().filter(|it| !it.is_in(NOT_FOUND)).map(|it| it.text()).collect();
