@@ -169,6 +169,32 @@ pub const EQUIVALENT: &[Set] = &[
     set(("watchdog", "is looked at when a sample arrives"), all, CLOCK),
 ];
 
+/// Wrong after eight times since the power-up.
+const fn late(mutant: &Mutant) -> bool {
+    matches!(mutant.when, When::After(_))
+}
+
+const fn not_at_first(mutant: &Mutant) -> bool {
+    matches!(mutant.when, When::After(_) | When::Later)
+}
+
+const fn at_first(mutant: &Mutant) -> bool {
+    matches!(mutant.when, When::Once)
+}
+
+/// In the test of `Arm`, which comes first.
+const fn at_arm(mutant: &Mutant) -> bool {
+    matches!(mutant.when, When::Once | When::In(State::Idle))
+}
+
+const fn scaled(mutant: &Mutant) -> bool {
+    matches!(mutant.operator, Operator::Scale(_))
+}
+
+const LATE: &str = "it shows after eight repetitions in one check, which cost time on a slow line";
+const AT_FIRST: &str = "it shows at the first time after a reset alone";
+const BY_ONE: &str = "the bound is tested to more than one count or microsecond";
+
 /// Mutants that break a rule and are not found.
 pub const NOT_FOUND: &[Set] = &[
     set(("torque", "not finite is a fault"), all, NO_LAW_KNOWN),
@@ -176,5 +202,46 @@ pub const NOT_FOUND: &[Set] = &[
         ("effect of a parameter", "motor_counts_per_rev"),
         by_one,
         "1.5e-5 of it, near the tolerance of a speed",
+    ),
+    set(("effect of a parameter", "load_counts_per_rev"), at_arm, BY_ONE),
+    set(("effect of a parameter", "period_us"), at_arm, BY_ONE),
+    set(("effect of a parameter", "load_speed_limit_rad_s"), |it| at_arm(it) || late(it), BY_ONE),
+    set(("effect of a parameter", "motor_speed_limit_rad_s"), |it| at_arm(it) || late(it), BY_ONE),
+    set(("effect of a parameter", "watchdog_us"), by_one, BY_ONE),
+    set(
+        ("effect of a parameter", "gain_nm_rad"),
+        |it| it.operator == Operator::Previous,
+        "a live value one step late",
+    ),
+    set(("longest gap", "motor"), late, BY_ONE),
+    set(("longest gap", "load"), late, BY_ONE),
+    set(("motor jump", "counts forgiven"), not_at_first, BY_ONE),
+    set(("load jump", "counts forgiven"), not_at_first, BY_ONE),
+    set(("motor jump", "backwards too"), late, LATE),
+    set(("load jump", "backwards too"), late, LATE),
+    set(("Hello, another session", "Idle"), late, LATE),
+    set(("keeps the line counts", "Hello, another session"), late, LATE),
+    set(("keeps the parameters", "Hello, another session"), late, LATE),
+    set(("keeps the subscription", "Hello, another session"), late, LATE),
+    set(("Start resets", "the watchdog"), late, LATE),
+    set(("sequence", "is modulo 2^16"), late, LATE),
+    set(("receiver", "a pause ends a frame"), at_first, AT_FIRST),
+    set(("receiver", "longest frame"), at_first, AT_FIRST),
+    set(("watchdog", "is fed by an accepted sample"), at_first, AT_FIRST),
+    set(("feeds the watchdog", "GetParameter"), at_first, AT_FIRST),
+    set(
+        ("feeds the watchdog", "ClearFault"),
+        not_at_first,
+        "only the first is sent before the watchdog trips",
+    ),
+    set(
+        ("feeds the watchdog", "Arm, another session"),
+        all,
+        "no check sends it in a run with a short watchdog",
+    ),
+    set(
+        ("position of the first sample", ""),
+        scaled,
+        "so far from its reference the torque of an unknown law is at its limit",
     ),
 ];

@@ -1,65 +1,111 @@
-//! Wrong laws of the name `pd`, of which the golden trace finds each. The specimen has no law of that name.
+//! Mutants of the law `pd`: the real drive behind a filter on samples and torques.
+
+use std::time::Instant;
 
 use lashloop::conformance::CheckStatus;
 use lashloop_bench::link::in_process::InProcess;
-use lashloop_firmware::control::pd::Pd;
-use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
-use lashloop_firmware::law::{ControlLaw, DriveParameters};
+use lashloop_bench::link::{Link, LinkError, TimeBase};
+use lashloop_protocol::enums::State;
+use lashloop_protocol::frame::DELIMITER;
+use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
+use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message};
 
+use crate::laws::TestLaws;
 use crate::results;
 
-/// Declares a law `pd` that measures wrongly, as the only law of a drive.
-macro_rules! wrong_laws {
-    ($($name:ident: |$measured:ident| $alter:expr,)+) => {
-        $(mod $name {
-            use super::*;
-
-            pub struct Wrong(Pd);
-
-            impl ControlLaw for Wrong {
-                const NAME: &'static str = "pd";
-                type Parameters = <Pd as ControlLaw>::Parameters;
-                type Signals = <Pd as ControlLaw>::Signals;
-
-                fn new(
-                    parameters: Self::Parameters,
-                    drive: &DriveParameters,
-                ) -> Result<Self, ParameterError> {
-                    Ok(Self(<Pd as ControlLaw>::new(parameters, drive)?))
-                }
-
-                fn step(&mut self, measurement: &Measurement<f32>) -> ControlOutput<Self::Signals> {
-                    let mut $measured = *measurement;
-                    $alter;
-                    ControlLaw::step(&mut self.0, &$measured)
-                }
-            }
-
-            lashloop_firmware::laws! {
-                /// The wrong law alone.
-                pub enum Laws {
-                    /// The wrong law.
-                    Pd(Wrong),
-                }
-            }
-
-            #[test]
-            fn is_found_by_the_golden_trace() {
-                let results = results(InProcess::<Laws>::default());
-                let trace = results.iter().filter(|it| it.group == "profile_pd");
-                let failed = trace.filter(|it| matches!(it.status, CheckStatus::Failed { .. })).count();
-                assert!(failed > 0, "{results:#?}");
-            }
-        })+
-    };
+/// A drive behind a filter.
+struct Filtered {
+    drive: InProcess<TestLaws>,
+    on_sample: fn(&mut EncoderSample),
+    on_torque: fn(&mut TorqueAnswer),
+    request: Vec<u8>,
+    decoder: Decoder,
+    answers: Vec<u8>,
 }
 
-wrong_laws! {
-    no_velocity_of_the_reference: |measured| measured.reference_velocity_rad_s = 0.0,
-    no_acceleration_of_the_reference: |measured| measured.reference_acceleration_rad_s2 = 0.0,
-    twist_of_the_other_sign: |measured| measured.twist_rad = -measured.twist_rad,
-    no_motor_velocity: |measured| measured.motor_velocity_rad_s = 0.0,
-    no_load_velocity: |measured| measured.load_velocity_rad_s = 0.0,
-    load_at_the_edge_of_its_count: |measured| measured.load_position_rad -= core::f32::consts::PI / 4096.0,
-    motor_at_the_edge_of_its_count: |measured| measured.motor_position_rad -= core::f32::consts::PI / 2000.0,
+impl Filtered {
+    fn new(on_sample: fn(&mut EncoderSample), on_torque: fn(&mut TorqueAnswer)) -> Self {
+        let [request, answers] = [vec![], vec![]];
+        Self { drive: InProcess::default(), on_sample, on_torque, request, decoder: Decoder::new(), answers }
+    }
+}
+
+impl Link for Filtered {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        Some(&mut self.drive)
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        for byte in bytes {
+            self.request.push(*byte);
+            if *byte == DELIMITER {
+                let frame = std::mem::take(&mut self.request);
+                match Decoder::new().next::<HostMessage>(&mut &*frame) {
+                    Some(Ok(HostMessage::EncoderSample(mut sample))) => {
+                        (self.on_sample)(&mut sample);
+                        self.drive.send(&HostMessage::from(sample).frame())?;
+                    }
+                    _ => self.drive.send(&frame)?,
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
+        let mut bytes = [0; 64];
+        while self.answers.is_empty() {
+            let count = self.drive.receive(&mut bytes, deadline)?;
+            if count == 0 {
+                return Ok(0);
+            }
+            let mut rest = &bytes[..count];
+            while let Some(answer) = self.decoder.next::<DriveMessage>(&mut rest) {
+                let mut answer = answer.expect("a good frame");
+                if let DriveMessage::TorqueAnswer(torque) = &mut answer {
+                    (self.on_torque)(torque);
+                }
+                self.answers.extend_from_slice(&answer.frame());
+            }
+        }
+        let count = self.answers.len().min(buffer.len());
+        buffer[..count].copy_from_slice(&self.answers[..count]);
+        self.answers.drain(..count);
+        Ok(count)
+    }
+
+    fn discard_input(&mut self) -> Result<(), LinkError> {
+        self.answers.clear();
+        self.decoder.forget_partial();
+        self.drive.discard_input()
+    }
+
+    fn set_time_base(&mut self, time_base: TimeBase) {
+        self.drive.set_time_base(time_base);
+    }
+}
+
+fn assert_fails(drive: Filtered, run: &str) {
+    let name = format!("the law pd requests the torques of the golden trace, run {run}");
+    let results = results(drive);
+    let result = results.iter().find(|it| it.name == name).expect("a check of this name");
+    assert!(matches!(result.status, CheckStatus::Failed { .. }), "{result:?}");
+}
+
+#[test]
+fn two_thousandths_of_a_torque_too_much_are_found() {
+    let stronger = |it: &mut TorqueAnswer| {
+        if it.status.state == State::Running && it.torque_nm.abs() < 19.0 {
+            it.torque_nm *= 1.002;
+        }
+    };
+    assert_fails(Filtered::new(|_| {}, stronger), "coarse");
+}
+
+#[test]
+fn lowest_bits_of_the_load_that_are_lost_are_found() {
+    let coarser = |it: &mut EncoderSample| {
+        it.load_counts = EncoderCounts::wrapping(i64::from(it.load_counts.get()) & !0xff);
+    };
+    assert_fails(Filtered::new(coarser, |_| {}), "fine");
 }

@@ -4,7 +4,8 @@ use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use lashloop_protocol::message::{FaultReport, LineReport, Telemetry};
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, MAX_FRAME, Message};
+use lashloop_protocol::wire::BodyError;
+use lashloop_protocol::{Decoder, DriveMessage, FrameError, HostMessage, MAX_FRAME, Message};
 
 use super::at_step::AtStep;
 use super::diagnosis::{Collector, Diagnosis};
@@ -18,6 +19,8 @@ pub struct Line {
     link: Box<dyn Link>,
     /// Decoder of the received bytes, with its counters.
     pub decoder: Decoder,
+    /// Frames of a kind that only a later version may have.
+    pub later_kinds: u32,
     outbox: [u8; MAX_FRAME],
     inbox: Box<[u8; 4096]>,
     /// The part of `inbox` that holds bytes not decoded yet.
@@ -48,6 +51,7 @@ impl Line {
         Self {
             link,
             decoder: Decoder::new(),
+            later_kinds: 0,
             outbox: [0; MAX_FRAME],
             inbox: Box::new([0; 4096]),
             unread: 0..0,
@@ -184,7 +188,12 @@ impl Line {
                     self.note(&message);
                     return Some(message);
                 }
-                Some(Err(error)) => self.collector.bad(&self.inbox[consumed], &error),
+                Some(Err(error)) => {
+                    if matches!(error, FrameError::Body(BodyError::UnknownKind { kind: 0x81.. })) {
+                        self.later_kinds = self.later_kinds.saturating_add(1);
+                    }
+                    self.collector.bad(&self.inbox[consumed], &error);
+                }
                 None => {
                     self.collector.partial(&self.inbox[consumed]);
                     return None;

@@ -17,6 +17,8 @@ use crate::conformance::reactions::accepted;
 const HALF: i64 = 1 << 23;
 /// Most samples of one path. Such a run lasts a second on a slow line.
 const LONGEST_PATH: i64 = 300;
+/// Periods of rest after a motion.
+const REST: u16 = 20;
 /// Tolerated difference of two torques whose positions differ by two counts, as a fraction of the larger.
 const SAME_TORQUE: f32 = 0.05;
 
@@ -36,6 +38,18 @@ pub(super) fn checks() -> Vec<Check> {
         ),
         check("R7.8 R10.5", "an encoder may wrap around more than once", |client| {
             each_way(client, HALF / 2, 3 * HALF)
+        }),
+        check("R7.7 R7.8", "a run that starts at a position goes on as one that has moved there", |client| {
+            Encoder::BOTH.into_iter().try_for_each(|encoder| {
+                [1, -1].into_iter().try_for_each(|sign| {
+                    let start = sign * HALF / 2;
+                    let [mut started, mut moved] = [vec![(0, start)], path(client, sign, 0, HALF / 2)?];
+                    for path in [&mut started, &mut moved] {
+                        hold(path);
+                    }
+                    alike(client, encoder, &started, &moved)
+                })
+            })
         }),
         check("R7.7 R7.14 R7.17", "the first sample of a run has no predecessor", |client| {
             let setup = Setup::coarse(client)?;
@@ -87,6 +101,13 @@ fn path(client: &Client, sign: i64, start: i64, end: i64) -> Result<Vec<(u16, i6
     let at = |step| if step == strides { end } else { start + step * stride };
     let sequence = |step: i64| (step as u16).wrapping_mul(gap);
     Ok((0..=strides).map(|step| (sequence(step), sign * at(step))).collect())
+}
+
+/// Lets an encoder rest at the end of a path until the velocities of its motion have decayed.
+fn hold(path: &mut Vec<(u16, i64)>) {
+    if let Some(&(sequence, counts)) = path.last() {
+        path.extend((1..=REST).map(|period| (sequence.wrapping_add(period), counts)));
+    }
 }
 
 /// Requires nearly equal torques at the ends of two paths, which lie at most two counts apart. A path is a list of sequence

@@ -29,7 +29,7 @@ impl Drive {
                         parameter: it.parameter,
                         choice: it.choice,
                         name: Text::new(name),
-                    })
+                    });
                 }
                 _ => self.unknown(request),
             },

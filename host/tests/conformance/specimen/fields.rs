@@ -23,7 +23,7 @@ fn one(at: &Sites, layout: &MessageLayout, field: &FieldLayout, body: &mut [u8])
     let range = field.offset..field.offset + field.len;
     match field.ty {
         FieldType::Enum(list) => {
-            body[field.offset] = listed(at, (site, part), list.values, body[field.offset])
+            body[field.offset] = listed(at, (site, part), list.values, body[field.offset]);
         }
         FieldType::Status { states, flags } => {
             let byte = body[field.offset];
