@@ -3,6 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
+use lashloop_link::LinkError;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::nearest_step;
@@ -10,7 +11,6 @@ use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, Message, PROTOCOL_VERSION};
 
 use super::diagnosis::Diagnosis;
-use crate::link::LinkError;
 
 /// How far a session got.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
