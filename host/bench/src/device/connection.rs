@@ -106,9 +106,10 @@ impl Connection {
         let patience = match source {
             SessionError::Broken { source: LinkError::Disconnected, .. } => Some(END_LIMIT),
             // The timeout of a silent drive was long enough.
-            SessionError::Silent { .. } | SessionError::Slow { .. } | SessionError::TooLongAGap { .. } => {
-                Some(Duration::ZERO)
-            }
+            SessionError::Silent { .. }
+            | SessionError::Slow { .. }
+            | SessionError::SlowTorques { .. }
+            | SessionError::TooLongAGap { .. } => Some(Duration::ZERO),
             _ => None,
         };
         let ended =

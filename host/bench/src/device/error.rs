@@ -178,6 +178,7 @@ fn remedy(source: &SessionError) -> &'static str {
         // A diagnosis has the remedy.
         SessionError::Silent { .. }
         | SessionError::Slow { .. }
+        | SessionError::SlowTorques { .. }
         | SessionError::Broken { diagnosis: Some(_), .. }
         | SessionError::Version { .. }
         | SessionError::Refused { .. }
