@@ -84,8 +84,8 @@ settings! {
     pub struct LinkSettings {
         /// Time the bench waits for one answer. Serial ports have timeouts in tenths of a second.
         answer_timeout_ms: u32 = integer_or(1000, 100..=30_000),
-        /// Time that a lockstep run waits for the drive, a sample on average and 10 s in all on top. Beyond it the run ends,
-        /// as if the drive was lost.
+        /// Mean time for which a lockstep run waits for an answer, after 10 s for all. A slower drive ends the run with exit
+        /// code 4.
         mean_wait_ms: u32 = integer_or(100, 1..=30_000),
         /// Silence after which the drive counts as lost. In lockstep it becomes the drive's watchdog.
         silence_limit_ms: u32 = integer_or(2500, 100..=60_000),
