@@ -144,9 +144,9 @@ fn texts_of_a_process_do_not_control_a_terminal() {
     let hello = HELLO.replace("a_rad", r"a\u001b[2J_rad").replace(r#""unit":"rad""#, r#""unit":"\u0007""#);
     let plant = script(&format!("read a; printf '%s\\n' '{hello}'; read b")).expect("a first line");
     let signal = &plant.signals()[0];
-    assert_eq!((&*signal.name, &*signal.unit), ("a\u{fffd}[2J_rad", "\u{fffd}"));
+    assert_eq!((&*signal.name, &*signal.unit), (r"a\u{1b}[2J_rad", r"\u{7}"));
     let error = error_of_step(r#"printf '%s\n' '{"error": "a\u001b[2J"}'"#);
-    assert!(error.ends_with("reports: a\u{fffd}[2J"), "{error}");
+    assert!(error.ends_with(r"reports: a\u{1b}[2J"), "{error}");
 }
 
 #[test]
