@@ -58,7 +58,8 @@ fn ring_of(program: &str) -> Option<Ring> {
 /// Modules of a test program whose tests run in real time or measure time: they need a quiet machine.
 fn timed_modules(program: &str) -> &'static [&'static str] {
     match program {
-        "host/bench lashloop_bench" => &["real_time::", "uart_model::"],
+        "host/bench lashloop_bench" => &["real_time::"],
+        "host/link lashloop_link" => &["uart_model::"],
         "tests looped" => &[
             "budget::",
             "capture::a_real_time",

@@ -1,5 +1,7 @@
 //! The bench loop: simulates a drive with gear backlash around the real firmware of its controller.
 //!
+//! [`link`] is `lashloop-link`: anything that carries bytes, and the link's time. It depends on no module of the bench.
+//!
 //! The modules in the order of their dependencies: each uses only those above it.
 //!
 //! | module | is |
@@ -10,7 +12,6 @@
 //! | [`supervisor`] | child processes and signals |
 //! | [`process_plant`] | a plant in another process |
 //! | [`scenario`] | what is run and what is expected, as data |
-//! | [`link`] | anything that carries bytes, and the link's time |
 //! | [`capture`] | the bytes of a line, recorded and read |
 //! | [`session`] | handshake, commands and exchanges with a drive |
 //! | [`device`] | the drive of a run: how the bench reaches it, and what runs it |
@@ -26,7 +27,6 @@ pub mod atomic_file;
 pub mod capture;
 pub mod device;
 pub mod fault;
-pub mod link;
 pub mod names;
 pub mod process_plant;
 pub mod record;
@@ -36,3 +36,5 @@ pub mod session;
 pub mod supervisor;
 pub mod timing;
 pub mod verdict;
+
+pub use lashloop_link as link;

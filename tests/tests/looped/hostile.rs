@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use lashloop_protocol::enums::LogLevel;
@@ -127,4 +128,21 @@ fn text_of_a_drive_reaches_no_output_raw() {
     }
     assert!(shown > 10, "the texts are shown, escaped: {shown}");
     assert_files_harmless(record.as_ref());
+}
+
+#[test]
+fn a_drive_that_answers_just_in_time_does_not_hold_a_run() {
+    let twin = Twin::start();
+    let relay = Relay::start(twin.path(), |frame| {
+        if frame.torque().is_some() {
+            thread::sleep(Duration::from_millis(800));
+        }
+        Action::Forward
+    });
+    let started = Instant::now();
+    // 15 samples of 0.8 s exceed 10 s and 0.1 s a sample; all 25,000 would take more than five hours.
+    let ended = program::run(["run", SCENARIO, "--device", relay.device()]).with_code(4);
+    let took = ended.at - started;
+    assert!(ended.stderr.contains("link.mean_wait_ms = 100 for each sample"), "{}", ended.stderr);
+    assert!((Duration::from_secs(10)..Duration::from_secs(30)).contains(&took), "took {took:?}");
 }

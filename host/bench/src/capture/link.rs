@@ -2,10 +2,10 @@
 
 use std::time::Instant;
 
+use lashloop_link::{Link, LinkError};
 use lashloop_protocol::layout::Direction;
 
 use crate::capture::{Recorder, Splitter};
-use crate::link::{Link, LinkError};
 
 /// A link and the capture of its bytes.
 pub struct Captured {

@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use lashloop_link::uart_model::UartModel;
+use lashloop_link::{Link, LinkError};
 use lashloop_protocol::message::Identity;
 
 use super::choice::DeviceChoice;
@@ -9,8 +11,6 @@ use super::drive_host::DriveHost;
 use super::error::DeviceError;
 use super::evidence::{Build, Evidence, OpenFiles};
 use super::kind::Opened;
-use crate::link::uart_model::UartModel;
-use crate::link::{Link, LinkError};
 use crate::scenario::sections::LinkSettings;
 use crate::session::{SessionError, printable};
 use crate::supervisor::{Process, Supervisor};
@@ -106,9 +106,10 @@ impl Connection {
         let patience = match source {
             SessionError::Broken { source: LinkError::Disconnected, .. } => Some(END_LIMIT),
             // The timeout of a silent drive was long enough.
-            SessionError::Silent { .. } | SessionError::Slow { .. } | SessionError::TooLongAGap { .. } => {
-                Some(Duration::ZERO)
-            }
+            SessionError::Silent { .. }
+            | SessionError::Slow { .. }
+            | SessionError::SlowTorques { .. }
+            | SessionError::TooLongAGap { .. } => Some(Duration::ZERO),
             _ => None,
         };
         let ended =

@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
+use lashloop_link::in_process::Suspension;
+
 use super::error::DeviceError;
-use crate::link::in_process::Suspension;
 use crate::supervisor::{Process, Program, Supervisor};
 
 /// Time that a program may take to come up.

@@ -4,10 +4,10 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitStatus;
 
+use lashloop_link::rfc2217::NegotiationError;
+use lashloop_link::tcp::ConnectError;
 use lashloop_protocol::enums::State;
 
-use crate::link::rfc2217::NegotiationError;
-use crate::link::tcp::ConnectError;
 use crate::session::SessionError;
 
 /// Why a drive can't be reached or was lost: which side failed, and what to do.
@@ -178,6 +178,7 @@ fn remedy(source: &SessionError) -> &'static str {
         // A diagnosis has the remedy.
         SessionError::Silent { .. }
         | SessionError::Slow { .. }
+        | SessionError::SlowTorques { .. }
         | SessionError::Broken { diagnosis: Some(_), .. }
         | SessionError::Version { .. }
         | SessionError::Refused { .. }

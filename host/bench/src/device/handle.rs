@@ -2,11 +2,12 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use lashloop_link::Link;
+
 use super::choice::DeviceChoice;
 use super::connection::{Connection, LineSpeed};
 use super::error::DeviceError;
 use super::evidence::Evidence;
-use crate::link::Link;
 use crate::session::{Session, SessionError};
 use crate::supervisor::Supervisor;
 

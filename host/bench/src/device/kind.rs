@@ -3,10 +3,11 @@
 use std::fmt;
 use std::path::Path;
 
+use lashloop_link::Link;
+
 use super::drive_host::DriveHost;
 use super::error::DeviceError;
 use super::evidence::DriveFiles;
-use crate::link::Link;
 use crate::supervisor::Supervisor;
 
 /// One way to reach a drive.

@@ -15,7 +15,7 @@ use lashloop_firmware::drive::{Clock, Drive, fault_frame};
 use lashloop_firmware::law::LawSet;
 use lashloop_protocol::enums::FaultCode;
 
-use crate::link::terminal::Terminal;
+use lashloop_link::terminal::Terminal;
 
 /// Name of the board in the twin's identity.
 pub const BOARD: &str = "native-twin";

@@ -17,6 +17,7 @@ use super::phase::{Phase, Request};
 use super::simulator::Simulator;
 use super::step::{DriveValues, Observation, Step};
 use super::step_sink::StepSink;
+use super::waiting_time::WaitingTime;
 use super::{reconnect, setup};
 use crate::device::Device;
 use crate::fault::timeline::Timeline;
@@ -42,6 +43,8 @@ pub(super) struct ControlLoop<'a, S> {
     torque: HeldTorque,
     /// When the first sample was sent that has no answer yet, in the link's time.
     silent_since: Option<Instant>,
+    /// `None` in real time, where the clock bounds every wait.
+    waiting: Option<WaitingTime>,
     pub(super) counts: Counts,
     /// Signals that the drive sends in a telemetry.
     drive_signals: usize,
@@ -86,6 +89,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
     ) -> Self {
         let LoopSettings { clock, watchdog, drive_signals, torque_limit_nm } = settings;
         let period = Duration::from_micros(scenario.run.control_period_us.into());
+        let waiting = || WaitingTime::new(scenario.link.mean_wait(), scenario.link.answer_timeout());
         Self {
             scenario,
             simulator,
@@ -96,6 +100,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
             answers: AnswerCheck::new(torque_limit_nm, may_duplicate_samples(scenario)),
             torque: HeldTorque::new(period, watchdog),
             silent_since: None,
+            waiting: (clock == ClockName::Lockstep).then(waiting),
             counts: Counts::default(),
             drive_signals,
             unfinished: None,
@@ -195,7 +200,15 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         let Request { number, sample, .. } = request;
         self.answers.note_sent(*number, step);
         let passes = |answer: &TorqueAnswer| self.answers.passes(answer);
-        match device.session.exchange_checked(*number, sample, deadline.min(silent_at), passes) {
+        let asked = Instant::now();
+        let exchanged = device.session.exchange_checked(*number, sample, deadline.min(silent_at), passes);
+        // Of wall-clock time, for a drive in this process waits in virtual time.
+        if let Some(waiting) = &mut self.waiting
+            && let Ok(Exchange::Answered(_) | Exchange::Unanswered) = exchanged
+        {
+            waiting.spend(asked.elapsed()).map_err(|source| device.explain(source))?;
+        }
+        match exchanged {
             Err(source) if source.is_loss() => self.lose(source, device),
             Err(source) => Err(device.explain(source).into()),
             Ok(Exchange::Answered(answer)) => Ok(self.take_answer(request, &answer, deadline, device)),

@@ -1,8 +1,9 @@
 //! The device of a run, with the faults on its link.
 
+use lashloop_link::Link;
+
 use crate::device::{Device, DeviceChoice, DeviceError};
 use crate::fault::link::LinkFaults;
-use crate::link::Link;
 use crate::scenario::Scenario;
 use crate::supervisor::Supervisor;
 

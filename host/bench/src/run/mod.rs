@@ -13,6 +13,7 @@
 //! | `answer_check` | holds every torque answer to the rules of the protocol |
 //! | `phase` | where the drive is in the run: started, running, restarting |
 //! | `held_torque` | the torque on the motor while answers stay out |
+//! | `waiting_time` | the time that a lockstep run waits for its drive |
 //! | `reconnect` | getting a lost drive back |
 //! | `step` | a finished step: truth, torque, the drive's signals, timing |
 //! | `step_sink`, `step_recorder` | where finished steps go, and what is computed from them |
@@ -36,6 +37,7 @@ pub mod simulator;
 mod step;
 mod step_recorder;
 mod step_sink;
+mod waiting_time;
 
 pub use device_under_test::DeviceUnderTest;
 pub use error::RunError;

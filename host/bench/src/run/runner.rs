@@ -3,6 +3,8 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use lashloop_link::TimeBase;
+
 use super::control_loop::{ControlLoop, Counts, LoopSettings};
 use super::device_under_test::DeviceUnderTest;
 use super::error::RunError;
@@ -15,7 +17,6 @@ use super::{lockstep, setup};
 use crate::device::Device;
 use crate::fault::log::FaultRecord;
 use crate::fault::timeline::Timeline;
-use crate::link::TimeBase;
 use crate::scenario::Scenario;
 use crate::session::{Session, Traffic};
 use crate::timing::ClockName;

@@ -84,6 +84,9 @@ settings! {
     pub struct LinkSettings {
         /// Time the bench waits for one answer. Serial ports have timeouts in tenths of a second.
         answer_timeout_ms: u32 = integer_or(1000, 100..=30_000),
+        /// Mean time for which a lockstep run waits for an answer, after 10 s for all. A slower drive ends the run with exit
+        /// code 4.
+        mean_wait_ms: u32 = integer_or(100, 1..=30_000),
         /// Silence after which the drive counts as lost. In lockstep it becomes the drive's watchdog.
         silence_limit_ms: u32 = integer_or(2500, 100..=60_000),
         /// Speed of a serial port. Other links ignore it.
@@ -115,6 +118,12 @@ impl LinkSettings {
     #[must_use]
     pub fn answer_timeout(&self) -> Duration {
         Duration::from_millis(self.answer_timeout_ms.into())
+    }
+
+    /// Time that a lockstep run waits for an answer on average.
+    #[must_use]
+    pub fn mean_wait(&self) -> Duration {
+        Duration::from_millis(self.mean_wait_ms.into())
     }
 
     /// Time for which the bench tries to resume.

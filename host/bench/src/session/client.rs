@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use lashloop_link::Link;
 use lashloop_protocol::message::Identity;
 
 use super::description::Description;
@@ -11,7 +12,6 @@ use super::laws::Law;
 use super::line::Line;
 use super::parameters::Parameter;
 use super::signals::{DriveSignal, Subscription};
-use crate::link::Link;
 use crate::timing::Timestamps;
 
 /// Frames of a session, as the bench counts them.

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
+use lashloop_link::LinkError;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::nearest_step;
@@ -10,7 +11,6 @@ use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, Message, PROTOCOL_VERSION};
 
 use super::diagnosis::Diagnosis;
-use crate::link::LinkError;
 
 /// How far a session got.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -91,6 +91,22 @@ pub enum SessionError {
         requests: u32,
         /// How far the session got.
         last_seen: LastSeen,
+    },
+    /// Each sample was answered in time or given up, but all of them together took too long for a lockstep run.
+    #[error(
+        "the drive has taken {:.1} s for {samples} samples; a lockstep run waits {} s and link.mean_wait_ms = {} for each \
+         sample: a drive must answer at once; raise link.mean_wait_ms for a slow line or a slow drive",
+        waited.as_secs_f64(), allowance.as_secs(), mean_limit.as_millis()
+    )]
+    SlowTorques {
+        /// Time spent waiting.
+        waited: Duration,
+        /// Samples sent.
+        samples: u32,
+        /// Time that a run may wait beyond the mean.
+        allowance: Duration,
+        /// Time for a sample on average.
+        mean_limit: Duration,
     },
     /// The drive has left more control periods unanswered than a drive bridges, so it rejects every further sample.
     #[error(

@@ -146,10 +146,10 @@ mod tests {
     use std::time::Duration;
 
     use lashloop_firmware::Laws;
+    use lashloop_link::in_process::InProcess;
     use lashloop_protocol::EncoderCounts;
 
     use super::*;
-    use crate::link::in_process::InProcess;
 
     /// A started drive with encoders so coarse that their speed limits the gap nowhere.
     fn started() -> Session {

@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
+use lashloop_link::{Link, LinkError, TimeBase};
 use lashloop_protocol::message::{FaultReport, LineReport, Telemetry};
 use lashloop_protocol::wire::BodyError;
 use lashloop_protocol::{Decoder, DriveMessage, FrameError, HostMessage, MAX_FRAME, Message};
@@ -12,7 +13,6 @@ use super::diagnosis::{Collector, Diagnosis};
 use super::error::{LastSeen, SessionError};
 use super::logs::Logs;
 use super::patience::{PATIENCE, Patience};
-use crate::link::{Link, LinkError, TimeBase};
 
 /// A link with a decoder at its end.
 pub struct Line {

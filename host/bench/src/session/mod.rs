@@ -17,7 +17,7 @@
 //! | `text` | text of a drive, made fit for a terminal |
 //!
 //! A session has messages and deadlines, no plants or scenarios. Every wait ends, and every error names the side, the last
-//! sample sent and the last good frame received. Deadlines are instants of the link's time, [`Link::now`](crate::link::Link::now).
+//! sample sent and the last good frame received. Deadlines are instants of the link's time, [`Link::now`](lashloop_link::Link::now).
 
 mod at_step;
 mod client;

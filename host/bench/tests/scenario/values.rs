@@ -45,6 +45,7 @@ fn defaults_are_1_khz_fine_encoders_and_a_flawless_link() {
     assert_eq!((encoders.motor_counts_per_rev, encoders.load_counts_per_rev), (131_072, 131_072));
     assert_eq!(encoders.noise_counts, 0.0);
     assert_eq!(scenario.link.answer_timeout().as_millis(), 1000);
+    assert_eq!(scenario.link.mean_wait().as_millis(), 100);
     assert_eq!(scenario.link.silence_limit().as_millis(), 2500);
     assert_eq!(scenario.link.baud, 921_600);
     assert_eq!((scenario.allow.lost, scenario.allow.late, scenario.allow.crc_errors), (0, 0, 0));
@@ -194,6 +195,7 @@ fn a_scenario_that_was_read_can_be_printed_and_read_again() {
 
     [link]
     answer_timeout_ms = 1000
+    mean_wait_ms = 100
     silence_limit_ms = 2500
     baud = 921600
     modelled_baud = 0

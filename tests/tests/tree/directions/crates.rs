@@ -4,16 +4,25 @@ use anyhow::{Context, Result};
 use serde_json::{Value, json};
 
 /// Each crate with the workspace crates it may depend on, development dependencies apart.
-const ALLOWED: [(&str, &[&str]); 10] = [
+const ALLOWED: [(&str, &[&str]); 11] = [
     ("lashloop-protocol", &[]),
     ("lashloop-firmware", &["lashloop-protocol"]),
     ("lashloop-plant", &[]),
+    // The drive's library is for the in-process link.
+    ("lashloop-link", &["lashloop-protocol", "lashloop-firmware"]),
     // The drive's library is for the in-process device and the native twin.
-    ("lashloop-bench", &["lashloop-protocol", "lashloop-plant", "lashloop-firmware"]),
+    ("lashloop-bench", &["lashloop-protocol", "lashloop-plant", "lashloop-firmware", "lashloop-link"]),
     ("lashloop-report", &["lashloop-bench", "lashloop-plant"]),
     (
         "lashloop",
-        &["lashloop-protocol", "lashloop-firmware", "lashloop-plant", "lashloop-bench", "lashloop-report"],
+        &[
+            "lashloop-protocol",
+            "lashloop-firmware",
+            "lashloop-plant",
+            "lashloop-link",
+            "lashloop-bench",
+            "lashloop-report",
+        ],
     ),
     (
         "tests",
@@ -21,6 +30,7 @@ const ALLOWED: [(&str, &[&str]); 10] = [
             "lashloop-protocol",
             "lashloop-firmware",
             "lashloop-plant",
+            "lashloop-link",
             "lashloop-bench",
             "lashloop-report",
             "lashloop",

@@ -4,12 +4,13 @@ use std::ffi::OsString;
 use std::io;
 use std::path::PathBuf;
 
+use lashloop_link::child_line::ChildLine;
+use lashloop_link::terminal::Terminal;
+
 use crate::device::drive_host::DriveHost;
 use crate::device::error::DeviceError;
 use crate::device::evidence::DriveFiles;
 use crate::device::kind::{DeviceKind, Opened, Syntax};
-use crate::link::child_line::ChildLine;
-use crate::link::terminal::Terminal;
 use crate::supervisor::{Program, Supervisor, find_program};
 
 const PREFIX: &str = "exec:";

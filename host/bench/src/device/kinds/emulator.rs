@@ -7,12 +7,13 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 use std::{io, thread};
 
+use lashloop_link::socket::Socket;
+
 use crate::device::drive_host::{DriveHost, START_LIMIT, not_up, spawn};
 use crate::device::error::DeviceError;
 use crate::device::evidence::DriveFiles;
 use crate::device::image;
 use crate::device::kind::{DeviceKind, Opened, ParsedKind, Syntax};
-use crate::link::socket::Socket;
 use crate::supervisor::{Process, Program, Supervisor, find_program};
 
 /// The emulator.

@@ -5,11 +5,11 @@ use std::marker::PhantomData;
 
 use lashloop_firmware::Laws;
 use lashloop_firmware::law::LawSet;
+use lashloop_link::in_process::InProcess;
 
 use crate::device::drive_host::DriveHost;
 use crate::device::error::DeviceError;
 use crate::device::kind::{DeviceKind, Opened, Syntax};
-use crate::link::in_process::InProcess;
 use crate::supervisor::Supervisor;
 
 const NAME: &str = "inproc";

@@ -1,13 +1,14 @@
 //! `rfc2217:HOST:PORT`: a serial port of another machine. A name of its own, because the first bytes don't distinguish raw
 //! from telnet: a raw server would pass the negotiation on to the drive.
 
+use lashloop_link::Link;
+use lashloop_link::reopening::Reopening;
+use lashloop_link::rfc2217::Rfc2217;
+use lashloop_link::tcp::{Address, connect};
+
 use crate::device::drive_host::DriveHost;
 use crate::device::error::DeviceError;
 use crate::device::kind::{DeviceKind, Opened, Syntax};
-use crate::link::Link;
-use crate::link::reopening::Reopening;
-use crate::link::rfc2217::Rfc2217;
-use crate::link::tcp::{Address, connect};
 use crate::supervisor::Supervisor;
 
 const PREFIX: &str = "rfc2217:";

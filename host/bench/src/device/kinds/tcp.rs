@@ -1,11 +1,12 @@
 //! `tcp:HOST:PORT`: a drive behind a TCP port that passes bytes as they are.
 
+use lashloop_link::Link;
+use lashloop_link::reopening::Reopening;
+use lashloop_link::tcp::{Address, connect_raw};
+
 use crate::device::drive_host::DriveHost;
 use crate::device::error::DeviceError;
 use crate::device::kind::{DeviceKind, Opened, Syntax};
-use crate::link::Link;
-use crate::link::reopening::Reopening;
-use crate::link::tcp::{Address, connect_raw};
 use crate::supervisor::Supervisor;
 
 const PREFIX: &str = "tcp:";

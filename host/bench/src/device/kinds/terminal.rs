@@ -3,13 +3,14 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use lashloop_link::Link;
+use lashloop_link::pty::{self, Pty};
+use lashloop_link::reopening::Reopening;
+use lashloop_link::serial::Serial;
+
 use crate::device::drive_host::DriveHost;
 use crate::device::error::DeviceError;
 use crate::device::kind::{DeviceKind, Opened, Syntax};
-use crate::link::Link;
-use crate::link::pty::{self, Pty};
-use crate::link::reopening::Reopening;
-use crate::link::serial::Serial;
 use crate::supervisor::Supervisor;
 
 pub(in crate::device) const SYNTAX: Syntax = Syntax {

@@ -2,10 +2,11 @@
 
 use std::time::{Duration, Instant};
 
+use lashloop_link::{Link, LinkError};
+
 use super::impairment::Impairment;
 use super::link_faults::LinkFaults;
 use crate::fault::schedule::FaultGroups;
-use crate::link::{Link, LinkError};
 use crate::scenario::Scenario;
 use crate::scenario::fault::LinkFault;
 

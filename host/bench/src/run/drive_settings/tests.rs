@@ -3,9 +3,9 @@
 use lashloop_firmware::Laws;
 use lashloop_firmware::control::{ControlOutput, Measurement, ParameterError};
 use lashloop_firmware::law::{ControlLaw, DriveParameters, LawSet};
+use lashloop_link::in_process::InProcess;
 
 use super::*;
-use crate::link::in_process::InProcess;
 use crate::scenario::Override;
 
 lashloop_firmware::signals! {

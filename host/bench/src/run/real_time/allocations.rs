@@ -7,6 +7,8 @@ use std::time::{Duration, Instant};
 
 use allocation_counter::AllocationInfo;
 use lashloop_firmware::drive::{Clock, Drive};
+use lashloop_link::Link;
+use lashloop_link::terminal::Terminal;
 
 use super::*;
 use crate::capture::link::Captured;
@@ -14,8 +16,6 @@ use crate::capture::{WhenFull, create};
 use crate::device::kinds::terminal::TerminalDrive;
 use crate::device::{Device, DeviceChoice};
 use crate::fault::timeline::Timeline;
-use crate::link::Link;
-use crate::link::terminal::Terminal;
 use crate::run::control_loop::{ControlLoop, LoopSettings};
 use crate::run::simulator::Simulator;
 use crate::run::step::Step;

@@ -2,12 +2,12 @@
 
 use std::time::Instant;
 
+use lashloop_link::in_process::InProcess;
+use lashloop_link::{Link, LinkError};
 use lashloop_protocol::message::ParameterReport;
 use lashloop_protocol::{Decoder, MAX_FRAME, Message};
 
 use super::*;
-use crate::link::in_process::InProcess;
-use crate::link::{Link, LinkError};
 use crate::session::handshake::shake_hands;
 
 type Alteration = fn(DriveMessage) -> DriveMessage;

@@ -223,7 +223,7 @@ fn bytes_without_frames_are_told_apart() {
 fn an_echo_in_front_of_a_drive_does_no_harm() {
     let mut drive = identifying(|session| frame(identity(session)));
     let echoing = Peer::replying(move |bytes| {
-        use crate::link::Link;
+        use lashloop_link::Link;
         drive.send(bytes).expect("a peer");
         let mut answer = [0; 64];
         let later = drive.now + MS;

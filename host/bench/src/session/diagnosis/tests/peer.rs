@@ -8,7 +8,7 @@ use lashloop_protocol::message::Identity;
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{Decoder, HostMessage};
 
-use crate::link::{Link, LinkError};
+use lashloop_link::{Link, LinkError};
 
 /// Bytes that arrive, each after a delay from the one before.
 pub type Reply = Vec<(Duration, Vec<u8>)>;

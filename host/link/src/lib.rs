@@ -17,6 +17,9 @@
 //! Every wait has a deadline, and the end of a line is an error of its own: a terminal whose far end is closed otherwise
 //! reads as silence for ever.
 
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
 pub mod child_line;
 mod contract;
 mod deadline;

@@ -94,7 +94,7 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
-    use crate::link::terminal::open_near_end;
+    use crate::terminal::open_near_end;
 
     fn soon() -> Instant {
         Instant::now() + Duration::from_secs(10)

@@ -167,7 +167,7 @@ impl<L: LawSet> Link for InProcess<L> {
             return Ok(());
         }
         if self.to_drive.len() + bytes.len() > CAPACITY {
-            let give_up = self.now() + super::error::WRITE_LIMIT;
+            let give_up = self.now() + crate::error::WRITE_LIMIT;
             self.wait_until(give_up)?;
             return Err(LinkError::Stuck);
         }
