@@ -32,7 +32,10 @@ pub(super) struct Client {
     pub(super) line: Line,
     pub(super) session: u32,
     pub(super) identity: Identity,
+    /// What the drive describes, as far as a drive can have it.
     pub(super) description: Description,
+    /// What no drive can have, in words.
+    pub(super) defects: Vec<String>,
     /// State of the drive after the last request.
     pub(super) state: State,
     /// A measurement of the check, for information.
@@ -52,9 +55,11 @@ impl Client {
         let mut line = Line::new(link);
         line.clear()?;
         let identity = handshake::shake_hands(&mut line, session)?;
-        let description = Description::read(&mut line, &identity)?;
+        let (description, defects) = Description::read_with_defects(&mut line, &identity)?;
+        let defects = defects.iter().map(ToString::to_string).collect();
         let time_up = TimeUp { at: line.now() + REQUEST_LIMIT, cause: "" };
-        Ok(Self { line, session, identity, description, state: identity.state, note: String::new(), time_up })
+        let (state, note) = (identity.state, String::new());
+        Ok(Self { line, session, identity, description, defects, state, note, time_up })
     }
 
     /// Resets the drive. The answer is left for the next host.

@@ -6,6 +6,7 @@ mod laws;
 mod mutation;
 mod profile_pd;
 mod specimen;
+mod traffic;
 mod wrong_laws;
 
 use std::collections::BTreeSet;

@@ -1,0 +1,101 @@
+//! The traffic of a run with a drive that passes every check.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use lashloop::conformance::{CheckResult, Reporter, run};
+use lashloop_bench::link::in_process::InProcess;
+use lashloop_bench::link::{Link, LinkError, TimeBase};
+use lashloop_protocol::frame::DELIMITER;
+
+use crate::laws::TestLaws;
+
+/// Most messages of a run, in both directions.
+const MOST_MESSAGES: u64 = 9_000;
+/// Most time of its bytes on a line of 115,200 Bd, in s. The rest of the 30 s is left for pauses, and for the drive.
+const MOST_LINE_TIME_S: f64 = 20.0;
+/// Bytes per second of a line of 115,200 Bd, with a start and a stop bit.
+const BYTES_PER_S: f64 = 11_520.0;
+
+#[derive(Default)]
+struct Traffic {
+    bytes: AtomicU64,
+    messages: AtomicU64,
+}
+
+impl Traffic {
+    /// Empty frames and damaged ones count as messages too.
+    fn add(&self, bytes: &[u8]) {
+        self.bytes.fetch_add(bytes.len() as u64, Ordering::Relaxed);
+        let delimiters = bytes.iter().filter(|byte| **byte == DELIMITER).count();
+        self.messages.fetch_add(delimiters as u64, Ordering::Relaxed);
+    }
+
+    fn so_far(&self) -> (u64, u64) {
+        (self.messages.load(Ordering::Relaxed), self.bytes.load(Ordering::Relaxed))
+    }
+}
+
+/// A link that counts what passes it.
+struct Counted {
+    drive: InProcess<TestLaws>,
+    traffic: Arc<Traffic>,
+}
+
+impl Link for Counted {
+    fn inner(&mut self) -> Option<&mut dyn Link> {
+        Some(&mut self.drive)
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        self.traffic.add(bytes);
+        self.drive.send(bytes)
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
+        let count = self.drive.receive(buffer, deadline)?;
+        self.traffic.add(&buffer[..count]);
+        Ok(count)
+    }
+
+    fn discard_input(&mut self) -> Result<(), LinkError> {
+        self.drive.discard_input()
+    }
+
+    fn set_time_base(&mut self, time_base: TimeBase) {
+        self.drive.set_time_base(time_base);
+    }
+}
+
+/// The traffic of each check.
+struct PerCheck {
+    traffic: Arc<Traffic>,
+    before: (u64, u64),
+    checks: Vec<(u64, u64, String)>,
+}
+
+impl Reporter for PerCheck {
+    fn checked(&mut self, result: &CheckResult) {
+        let (messages, bytes) = self.traffic.so_far();
+        let (messages_before, bytes_before) = self.before;
+        self.checks.push((messages - messages_before, bytes - bytes_before, result.name.clone()));
+        self.before = (messages, bytes);
+    }
+}
+
+#[test]
+fn a_run_fits_a_line_of_115_200_baud() {
+    let traffic = Arc::new(Traffic::default());
+    let mut per_check = PerCheck { traffic: traffic.clone(), before: (0, 0), checks: Vec::new() };
+    let link = Counted { drive: InProcess::default(), traffic: traffic.clone() };
+    run(Box::new(link), 7, &mut per_check).expect("a drive that answers");
+    let (messages, bytes) = traffic.so_far();
+    let line_time_s = bytes as f64 / BYTES_PER_S;
+    let mut checks = per_check.checks;
+    checks.sort_unstable_by(|one, other| other.cmp(one));
+    checks.iter().take(40).for_each(|(messages, bytes, name)| println!("{messages:6} {bytes:7} {name}"));
+    println!("{messages} messages, {bytes} bytes, {line_time_s:.1} s at 115,200 Bd");
+    assert!(messages <= MOST_MESSAGES, "{messages} messages");
+    assert!(line_time_s <= MOST_LINE_TIME_S, "{line_time_s:.1} s");
+}
