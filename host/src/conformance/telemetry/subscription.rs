@@ -5,10 +5,10 @@ use lashloop_protocol::enums::Outcome;
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::message::Subscribe;
 
+use super::super::answers::{sample, telemetry};
 use super::super::assertion::{Failure, RuleResult, equal, names, skip};
 use super::super::burst::result;
 use super::super::client::Client;
-use crate::conformance::answers::{outcome, sample, telemetry};
 
 pub(super) const TORQUE: &[&str] = &["TorqueAnswer"];
 pub(super) const BOTH: &[&str] = &["TorqueAnswer", "Telemetry"];
