@@ -4,8 +4,9 @@ use std::time::{Duration, Instant};
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
-    GetParameter, Identity, ParameterReport, Reset, SetParameter, TorqueAnswer,
+    GetParameter, Identity, ParameterReport, Reset, SetParameter, Start, TorqueAnswer,
 };
+use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
 use lashloop_bench::link::Link;
@@ -20,6 +21,9 @@ use super::words::Words;
 /// Time for the answers to one request. A drive answers at once.
 pub(super) const REQUEST_LIMIT: Duration = Duration::from_secs(1);
 
+/// Time for a last answer, after which a marker ends the wait for it.
+const MARKER_DELAY: Duration = Duration::from_millis(100);
+
 /// Index that no drive has, since the parameter count is a byte. Reading it has no effect in any state, so its answer marks
 /// the end of the answers to the request before it.
 const NO_PARAMETER: u8 = u8::MAX;
@@ -32,7 +36,10 @@ pub(super) struct Client {
     pub(super) line: Line,
     pub(super) session: u32,
     pub(super) identity: Identity,
+    /// What the drive describes, as far as a drive can have it.
     pub(super) description: Description,
+    /// What no drive can have, in words.
+    pub(super) defects: Vec<String>,
     /// State of the drive after the last request.
     pub(super) state: State,
     /// A measurement of the check, for information.
@@ -52,9 +59,11 @@ impl Client {
         let mut line = Line::new(link);
         line.clear()?;
         let identity = handshake::shake_hands(&mut line, session)?;
-        let description = Description::read(&mut line, &identity)?;
+        let (description, defects) = Description::read_with_defects(&mut line, &identity)?;
+        let defects = defects.iter().map(ToString::to_string).collect();
         let time_up = TimeUp { at: line.now() + REQUEST_LIMIT, cause: "" };
-        Ok(Self { line, session, identity, description, state: identity.state, note: String::new(), time_up })
+        let (state, note) = (identity.state, String::new());
+        Ok(Self { line, session, identity, description, defects, state, note, time_up })
     }
 
     /// Resets the drive. The answer is left for the next host.
@@ -98,6 +107,46 @@ impl Client {
         ))
     }
 
+    /// Sends a request whose last answer `is_last` accepts, and returns all of its answers up to that one but `Log`. A surplus
+    /// answer is found before the answers to the next request. Without the last answer, the answers end at a marker.
+    pub(super) fn request_until(
+        &mut self,
+        request: impl Into<HostMessage>,
+        is_last: impl Fn(&DriveMessage) -> bool,
+    ) -> Result<Vec<DriveMessage>, Failure> {
+        self.send_bytes(&request.into().frame())?;
+        let mut answers = Vec::new();
+        let last = self.wait_for(MARKER_DELAY, |message| {
+            if !matches!(message, DriveMessage::Log(_)) {
+                answers.push(*message);
+            }
+            is_last(message).then_some(*message)
+        })?;
+        if last.is_none() {
+            answers.extend(self.request_bytes(&[])?);
+        } else if let Some(state) = answers.iter().filter_map(state_in).last() {
+            self.state = state;
+        }
+        Ok(answers)
+    }
+
+    /// As [`Self::request_until`], for the name of the last answer's kind.
+    pub(super) fn request_to(
+        &mut self,
+        request: impl Into<HostMessage>,
+        last: &str,
+    ) -> Result<Vec<DriveMessage>, Failure> {
+        self.request_until(request, |answer| answer.layout().name == last)
+    }
+
+    /// As [`Self::request_until`], for a request whose first answer is its only one.
+    pub(super) fn request_one(
+        &mut self,
+        request: impl Into<HostMessage>,
+    ) -> Result<Vec<DriveMessage>, Failure> {
+        self.request_until(request, |answer| !matches!(answer, DriveMessage::Log(_)))
+    }
+
     pub(super) fn send_bytes(&mut self, bytes: &[u8]) -> RuleResult {
         Ok(self.line.send_bytes(bytes)?)
     }
@@ -119,12 +168,25 @@ impl Client {
     /// Sends a request that is answered by a `CommandResult`, and returns its outcome and state.
     pub(super) fn command(&mut self, command: impl Into<HostMessage>) -> Result<(Outcome, State), Failure> {
         let command = command.into();
-        let answers = self.request(command)?;
+        let kind = command.layout().kind;
+        let answers = if kind == Start::LAYOUT.kind {
+            // The receiver's counts of a run start with the marker, in every check.
+            self.request(command)?
+        } else {
+            self.request_until(
+                command,
+                |answer| matches!(answer, DriveMessage::CommandResult(it) if it.request == kind),
+            )?
+        };
         command_result(command.layout(), &answers).map(|result| (result.outcome, result.state))
     }
 
     pub(super) fn handshake(&mut self, session: u32) -> Result<Identity, Failure> {
-        identity(&self.request(hello(session))?)
+        let request = hello(session);
+        if self.state == State::Faulted {
+            return identity(&self.request(request)?);
+        }
+        identity(&self.request_until(request, |answer| matches!(answer, DriveMessage::Identity(_)))?)
     }
 
     pub(super) fn parameter(&self, name: &str) -> Result<&Parameter, Failure> {
@@ -159,11 +221,11 @@ impl Client {
     }
 
     pub(super) fn set(&mut self, index: u8, value: ParameterValue) -> Result<ParameterReport, Failure> {
-        report(index, &self.request(SetParameter { index, value })?)
+        report(index, &self.request_until(SetParameter { index, value }, reports(index))?)
     }
 
     pub(super) fn get(&mut self, index: u8) -> Result<ParameterReport, Failure> {
-        report(index, &self.request(GetParameter { index })?)
+        report(index, &self.request_until(GetParameter { index }, reports(index))?)
     }
 
     /// The value of a real parameter, as a preparation.
@@ -185,6 +247,22 @@ impl Client {
 
     /// Sends the sample of [`Self::sample`] and returns its torque.
     pub(super) fn torque(&mut self, sequence: u16) -> Result<TorqueAnswer, Failure> {
-        torque(&self.sample(sequence)?)
+        torque(&self.request_one(sample(sequence))?)
     }
+}
+
+/// The state in an answer, after it was sent.
+fn state_in(answer: &DriveMessage) -> Option<State> {
+    match answer {
+        DriveMessage::Identity(it) => Some(it.state),
+        DriveMessage::TorqueAnswer(it) => Some(it.status.state),
+        DriveMessage::CommandResult(it) => Some(it.state),
+        DriveMessage::ParameterReport(it) => Some(it.state),
+        _ => None,
+    }
+}
+
+/// Whether an answer is the report of a parameter.
+fn reports(index: u8) -> impl Fn(&DriveMessage) -> bool {
+    move |answer| matches!(answer, DriveMessage::ParameterReport(it) if it.index == index)
 }

@@ -26,7 +26,7 @@ use super::words::Words;
 use State::{Armed, Boot, Faulted, Idle, Running};
 
 /// Copies of each request. A drive that errs only later errs within them.
-pub(super) const COPIES: usize = 10;
+pub(super) const COPIES: usize = 9;
 /// A pause in a frame, in each state.
 const PAUSE: Duration = Duration::from_millis(5);
 

@@ -28,6 +28,14 @@ pub(super) fn checks() -> Vec<Check> {
             expect((1..=MAX_LAWS).contains(&usize::from(laws)), "1 to 16 laws", laws)?;
             expect(usize::from(signals) <= MAX_SIGNALS, "at most 32 signals", signals)
         }),
+        check("R9.8 R10.1 R10.6 R10.8", "the drive describes all that it announces", |client| {
+            let got = client.defects.join("; ");
+            expect(
+                client.defects.is_empty(),
+                "possible counts and choices, and a description of each index",
+                got,
+            )
+        }),
         check("R10.1 R10.6 R10.8", "names of laws, signals and choices are unique and not empty", |client| {
             let it = &client.description;
             unique("law", it.laws.iter().map(|law| &law.name))?;
@@ -37,11 +45,9 @@ pub(super) fn checks() -> Vec<Check> {
             })
         }),
         check("R9.10 R10.7", "every parameter and every signal belongs to a law", |client| {
-            let laws = u32::from(client.identity.law_count);
-            let belongs = |name: &str, mask: LawMask| {
-                let known = (1_u32 << laws) - 1;
-                expect(u32::from(mask.0) & known != 0, format!("{name} in one of the laws"), mask.0)
-            };
+            // The mask of a description has the bits of the drive's laws only.
+            let belongs =
+                |name: &str, mask: LawMask| expect(mask.0 != 0, format!("{name} in one of the laws"), mask.0);
             let it = &client.description;
             it.parameters.iter().try_for_each(|parameter| belongs(&parameter.name, parameter.laws))?;
             it.signals.iter().try_for_each(|signal| belongs(&signal.signal.name, signal.laws))
@@ -56,7 +62,7 @@ pub(super) fn checks() -> Vec<Check> {
             })
         }),
         check("R4.5 R4.8 R4.9 R4.10 R10.9", "the drive describes itself as at the start", |client| {
-            let again = Description::read(&mut client.line, &client.identity)?;
+            let (again, _) = Description::read_with_defects(&mut client.line, &client.identity)?;
             let same = again == client.description;
             expect(same, "the description read first", if same { "it" } else { "another one" })
         }),
@@ -141,7 +147,8 @@ fn in_every_state(client: &mut Client) -> RuleResult {
     let before = described(client)?;
     let mut reversed = before.clone();
     reversed.reverse();
-    for (place, state) in STATES.into_iter().enumerate() {
+    // The first reading is that of `Boot`.
+    for (place, state) in STATES.into_iter().enumerate().skip(1) {
         client.reset()?;
         client.enter(state)?;
         let order = if place % 2 == 0 { &reversed } else { &before };

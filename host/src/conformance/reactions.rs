@@ -10,7 +10,7 @@ use super::client::Client;
 
 /// Requires torque zero, this state and no flags.
 pub(super) fn no_torque(client: &mut Client, sequence: u16, state: State) -> RuleResult {
-    let answers = client.sample(sequence)?;
+    let answers = client.request_one(sample(sequence))?;
     equal(&format!("to sample {sequence} in {state:?}"), vec!["TorqueAnswer"], names(&answers))?;
     let it = torque(&answers)?;
     let wanted = (sequence, 0.0, state, TorqueFlags::empty());
@@ -24,7 +24,7 @@ pub(super) fn accepted(
     sample: EncoderSample,
     flags: TorqueFlags,
 ) -> Result<TorqueAnswer, Failure> {
-    let answers = client.request(sample)?;
+    let answers = client.request_one(sample)?;
     let EncoderSample { sequence, motor_counts, load_counts, reference_rad } = sample;
     let (motor, load) = (motor_counts.get(), load_counts.get());
     let what =
@@ -51,7 +51,7 @@ pub(super) fn refused_sample(client: &mut Client, sequence: u16) -> RuleResult {
 /// Requires the refusal of a stray sample, and that the run continues.
 pub(super) fn refused(client: &mut Client, sample: EncoderSample) -> RuleResult {
     let sequence = sample.sequence;
-    let answers = client.request(sample)?;
+    let answers = client.request_one(sample)?;
     equal(&format!("to sample {sequence}"), vec!["CommandResult"], names(&answers))?;
     let got = (outcome::<EncoderSample>(&answers)?, client.state);
     equal(&format!("to sample {sequence} outcome and state"), (Outcome::OutOfSequence, State::Running), got)

@@ -20,6 +20,9 @@ use super::words::Words;
 
 use State::{Boot, Faulted, Idle};
 
+/// Resets in one write, each with a frame after it.
+const RESETS: usize = 4;
+
 pub(super) fn checks() -> Vec<Check> {
     vec![
         check(
@@ -53,9 +56,12 @@ fn first_requests(client: &mut Client) -> RuleResult {
     for exchange in exchanges {
         client.exchange("right after Reset", &[result(Reset {}, Outcome::Accepted, Boot), exchange])?;
     }
-    for frame in [receiver::damaged(), receiver::foreign()].concat() {
-        let answers = client.request_bytes(&[&*HostMessage::from(Reset {}).frame(), &frame].concat())?;
-        equal("answers to Reset and a frame that is no request", vec!["CommandResult"], names(&answers))?;
+    for frames in [receiver::damaged(), receiver::foreign()].concat().chunks(RESETS) {
+        let reset = HostMessage::from(Reset {}).frame();
+        let bytes: Vec<u8> = frames.iter().flat_map(|frame| [&*reset, frame].concat()).collect();
+        let answers = client.request_bytes(&bytes)?;
+        let kinds = vec!["CommandResult"; frames.len()];
+        equal("answers to a Reset before each of some frames that are no request", kinds, names(&answers))?;
     }
     Ok(())
 }

@@ -20,7 +20,7 @@ use super::encoders::setup::Setup;
 use super::reactions::{no_torque, refused_sample, same_report};
 
 /// Rounds in each state, with two runs each. Counters of a firmware that wrap or saturate earlier show here.
-const LAPS: u16 = 5;
+const LAPS: u16 = 3;
 /// Signals of the subscription, at most.
 const SIGNALS: usize = 2;
 
@@ -251,10 +251,10 @@ impl Kept {
 
     /// A sample that is accepted or repeated, with the telemetry of the subscription unless it is repeated.
     fn stepped(&self, client: &mut Client, sequence: u16, flags: TorqueFlags) -> Result<f32, Failure> {
-        let answers = client.request(sample(sequence))?;
         let values = self.subscription.signals.count_ones() as usize;
         let is_due = values > 0 && flags.is_empty();
         let wanted = if is_due { vec!["TorqueAnswer", "Telemetry"] } else { vec!["TorqueAnswer"] };
+        let answers = client.request_to(sample(sequence), wanted[wanted.len() - 1])?;
         equal(&format!("to sample {sequence}"), wanted, names(&answers))?;
         let it = torque(&answers)?;
         let got = (it.sequence, it.status.state, it.status.flags - TorqueFlags::SATURATED);

@@ -1,11 +1,13 @@
 //! Tests of the conformance checks: a drive that the page allows passes them all, and a mutant of it does not.
 
 mod allowed;
+mod default_laws;
 mod kill_rate;
 mod laws;
 mod mutation;
 mod profile_pd;
 mod specimen;
+mod traffic;
 mod wrong_laws;
 
 use std::collections::BTreeSet;

@@ -34,26 +34,78 @@ impl Description {
     /// The drive is silent, announces impossible numbers of laws or signals, rejects an index that it announced or describes
     /// impossible choices, or the line broke.
     pub fn read(line: &mut Line, identity: &Identity) -> Result<Self, SessionError> {
-        for (field, count, allowed) in [
-            ("law_count", identity.law_count, 1..=MAX_LAWS),
-            ("signal_count", identity.signal_count, 0..=MAX_SIGNALS),
-        ] {
-            if !allowed.contains(&count.into()) {
-                return Err(SessionError::Count {
-                    field,
-                    count,
-                    least: *allowed.start(),
-                    most: *allowed.end(),
-                });
-            }
+        if let Some(defect) = impossible_counts(identity).next() {
+            return Err(defect);
         }
-        let laws = (0..identity.law_count).map(|index| law(line, index)).collect::<Result<_, _>>()?;
-        let parameters =
-            (0..identity.parameter_count).map(|index| parameter(line, index, identity.law_count));
-        let parameters = parameters.collect::<Result<_, _>>()?;
-        let signals = (0..identity.signal_count).map(|index| signal(line, index, identity.law_count));
-        Ok(Self { laws, parameters, signals: signals.collect::<Result<_, _>>()? })
+        let mut defects = Vec::new();
+        let description = Self::read_possible(line, identity, &mut defects)?;
+        defects.into_iter().next().map_or(Ok(description), Err)
     }
+
+    /// Requests what a drive can have of everything that `identity` announces, for a bench that reports every defect of a
+    /// description. A list ends before the first index that the drive rejects. A parameter with impossible choices has none.
+    ///
+    /// # Errors
+    /// The drive is silent, or the line broke. Everything else is a defect, in the order of the requests.
+    pub fn read_with_defects(
+        line: &mut Line,
+        identity: &Identity,
+    ) -> Result<(Self, Vec<SessionError>), SessionError> {
+        let mut defects: Vec<_> = impossible_counts(identity).collect();
+        let description = Self::read_possible(line, identity, &mut defects)?;
+        Ok((description, defects))
+    }
+
+    fn read_possible(
+        line: &mut Line,
+        identity: &Identity,
+        defects: &mut Vec<SessionError>,
+    ) -> Result<Self, SessionError> {
+        let law_count = identity.law_count;
+        let laws = 0..law_count.min(MAX_LAWS as u8);
+        let laws = list(laws, defects, |index, _| law(line, index))?;
+        let parameters = 0..identity.parameter_count;
+        let parameters =
+            list(parameters, defects, |index, defects| parameter(line, index, law_count, defects))?;
+        let signals = 0..identity.signal_count.min(MAX_SIGNALS as u8);
+        let signals = list(signals, defects, |index, _| signal(line, index, law_count))?;
+        Ok(Self { laws, parameters, signals })
+    }
+}
+
+fn impossible_counts(identity: &Identity) -> impl Iterator<Item = SessionError> + use<> {
+    let counts = [
+        ("law_count", identity.law_count, 1..=MAX_LAWS),
+        ("signal_count", identity.signal_count, 0..=MAX_SIGNALS),
+    ];
+    counts.into_iter().filter(|(_, count, allowed)| !allowed.contains(&usize::from(*count))).map(
+        |(field, count, allowed)| SessionError::Count {
+            field,
+            count,
+            least: *allowed.start(),
+            most: *allowed.end(),
+        },
+    )
+}
+
+/// The descriptions of these indices, up to the first that the drive rejects.
+fn list<T>(
+    indices: impl Iterator<Item = u8>,
+    defects: &mut Vec<SessionError>,
+    mut describe: impl FnMut(u8, &mut Vec<SessionError>) -> Result<T, SessionError>,
+) -> Result<Vec<T>, SessionError> {
+    let mut list = Vec::new();
+    for index in indices {
+        match describe(index, defects) {
+            Ok(described) => list.push(described),
+            Err(defect @ SessionError::Refused { .. }) => {
+                defects.push(defect);
+                break;
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(list)
 }
 
 fn law(line: &mut Line, index: u8) -> Result<Law, SessionError> {
@@ -65,7 +117,12 @@ fn law(line: &mut Line, index: u8) -> Result<Law, SessionError> {
     })
 }
 
-fn parameter(line: &mut Line, index: u8, law_count: u8) -> Result<Parameter, SessionError> {
+fn parameter(
+    line: &mut Line,
+    index: u8,
+    law_count: u8,
+    defects: &mut Vec<SessionError>,
+) -> Result<Parameter, SessionError> {
     let (flags, mut parameter) = described(line, DescribeParameter { index }, |answer| match answer {
         DriveMessage::ParameterDescription(it) if it.index == index => {
             let parameter = Parameter {
@@ -88,8 +145,10 @@ fn parameter(line: &mut Line, index: u8, law_count: u8) -> Result<Parameter, Ses
         _ => None,
     })?;
     if flags.contains(ParameterFlags::CHOICES) {
-        let choices = choice_values(&parameter)?.map(|value| choice(line, index, value));
-        parameter.choices = choices.collect::<Result<_, _>>()?;
+        match choice_values(&parameter) {
+            Ok(values) => parameter.choices = list(values, defects, |value, _| choice(line, index, value))?,
+            Err(defect) => defects.push(defect),
+        }
     }
     Ok(parameter)
 }

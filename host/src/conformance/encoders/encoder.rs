@@ -4,6 +4,8 @@ use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::FaultCode;
 use lashloop_protocol::message::EncoderSample;
 
+use crate::conformance::answers::sample;
+
 #[derive(Clone, Copy)]
 pub(in crate::conformance) struct Encoder {
     /// Position in [`Encoder::BOTH`].
@@ -36,4 +38,11 @@ impl Encoder {
         counts_mut: |sample| &mut sample.load_counts,
     };
     pub(in crate::conformance) const BOTH: [Self; 2] = [Self::MOTOR, Self::LOAD];
+}
+
+/// A sample with one encoder at `counts` and the other at zero.
+pub(in crate::conformance) fn placed(encoder: Encoder, sequence: u16, counts: i64) -> EncoderSample {
+    let mut sample = sample(sequence);
+    *(encoder.counts_mut)(&mut sample) = EncoderCounts::wrapping(counts);
+    sample
 }

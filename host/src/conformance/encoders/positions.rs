@@ -4,8 +4,7 @@ use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::TorqueFlags;
 use lashloop_protocol::message::Stop;
 
-use super::encoder::Encoder;
-use super::placed;
+use super::encoder::{Encoder, placed};
 use super::setup::Setup;
 
 use crate::conformance::assertion::{Failure, RuleResult, expect, skip};

@@ -4,8 +4,7 @@ use lashloop_protocol::EncoderCounts;
 use lashloop_protocol::enums::{State, TorqueFlags};
 use lashloop_protocol::message::EncoderSample;
 
-use super::encoder::Encoder;
-use super::placed;
+use super::encoder::{Encoder, placed};
 use super::setup::{ROUNDING, Scale, Setup};
 
 use crate::conformance::assertion::{Failure, RuleResult, expect, skip};

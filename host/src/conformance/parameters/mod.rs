@@ -59,7 +59,7 @@ pub(super) fn checks() -> Vec<Check> {
                 client.idle()?;
                 each(client, |client, it| {
                     let mut values = vec![it.min, it.max];
-                    // -0 is not below a minimum of 0. It may read back as either zero.
+                    // -0 is not below a minimum of 0, and keeps its sign.
                     if it.min == ParameterValue::F32(0.0) {
                         values.push(ParameterValue::F32(-0.0));
                     }
@@ -82,6 +82,7 @@ pub(super) fn checks() -> Vec<Check> {
 fn reserved(client: &mut Client) -> RuleResult {
     for name in REQUIRED {
         let it = client.parameter(name)?;
+        expect(!it.live, format!("{name} without LIVE"), it.live)?;
         if [TORQUE_LIMIT_NM, MOTOR_SPEED_LIMIT_RAD_S, LOAD_SPEED_LIMIT_RAD_S].contains(&name) {
             equal(&format!("{name}: type"), ParameterType::F32, it.default.ty())?;
         }

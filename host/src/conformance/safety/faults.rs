@@ -10,7 +10,7 @@ use super::super::assertion::{Failure, RuleResult, equal, expect, names};
 use super::super::check::{Check, check};
 use super::super::client::Client;
 use super::super::encoders::encoder::Encoder;
-use super::super::encoders::placed;
+use super::super::encoders::encoder::placed;
 use super::super::encoders::setup::Setup;
 use super::super::reactions::{
     accepted, fault_answer, fault_answer_with, first_sample, no_torque, reported_to, same_report,

@@ -34,7 +34,7 @@ fn first_torque(
 ) -> Result<TorqueAnswer, Failure> {
     client.reset()?;
     client.running_if_consistent(&[(LIMIT, limit)])?;
-    torque(&client.request(EncoderSample { reference_rad, ..sample(0) })?)
+    torque(&client.request_one(EncoderSample { reference_rad, ..sample(0) })?)
 }
 
 fn limited(client: &mut Client) -> RuleResult {
@@ -82,13 +82,13 @@ fn limits_of_runs(client: &mut Client) -> RuleResult {
         let pushed = |sequence| EncoderSample { reference_rad, ..sample(sequence) };
         client.reset()?;
         client.running(&[])?;
-        let free_nm = torque(&client.request(pushed(0))?)?.torque_nm;
+        let free_nm = torque(&client.request_one(pushed(0))?)?.torque_nm;
         for fraction in [0.25, 0.0, 0.5, 0.125] {
             let limit_nm = fraction * free_nm.abs();
             client.command(Stop {})?;
             client.running_if_consistent(&[(LIMIT, ParameterValue::F32(limit_nm))])?;
             for sequence in 0..SAMPLES {
-                let it = torque(&client.request(pushed(sequence))?)?;
+                let it = torque(&client.request_one(pushed(sequence))?)?;
                 let bounded = it.torque_nm.abs() <= limit_nm;
                 expect(bounded, format!("a torque of at most {limit_nm} N m"), it)?;
                 // A flag without a clamped torque, or the reverse.
@@ -107,7 +107,7 @@ fn limits_of_runs(client: &mut Client) -> RuleResult {
             client.command(Stop {})?;
             client.arm()?;
             client.start()?;
-            let it = torque(&client.request(pushed(0))?)?;
+            let it = torque(&client.request_one(pushed(0))?)?;
             let is_flagged = it.status.flags == TorqueFlags::SATURATED;
             expect(is_flagged || free_nm == 0.0, "SATURATED at the start of every run", it)?;
         }

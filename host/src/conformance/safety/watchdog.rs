@@ -218,14 +218,14 @@ fn samples_in_time(client: &mut Client) -> RuleResult {
         client.reset()?;
         start_with(client, WATCHDOG)?;
         for sequence in 1..QUICK {
-            client.sample(sequence)?;
+            client.torque(sequence)?;
         }
         let mut sent = client.line.now();
         let mut longest = Duration::ZERO;
         for sequence in QUICK..QUICK + 3 {
             client.wait_for(WATCHDOG.mul_f64(0.6), |_| None::<()>)?;
             let earlier = std::mem::replace(&mut sent, client.line.now());
-            client.sample(sequence)?;
+            client.torque(sequence)?;
             longest = longest.max(client.line.now().saturating_duration_since(earlier));
         }
         if client.state == State::Running {
@@ -246,7 +246,7 @@ fn late_samples(client: &mut Client) -> RuleResult {
             client.reset()?;
             start_with(client, SHORT)?;
             for sequence in 1..QUICK {
-                client.sample(sequence)?;
+                client.torque(sequence)?;
             }
             if client.state != State::Running && attempt < ATTEMPTS {
                 continue;

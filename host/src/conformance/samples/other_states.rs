@@ -59,7 +59,7 @@ fn odd_samples(client: &mut Client, state: State) -> RuleResult {
         (40_001, EncoderCounts::default(), f32::NAN),
     ] {
         let odd = EncoderSample { sequence, motor_counts: counts, load_counts: counts, reference_rad };
-        let answers = client.request(odd)?;
+        let answers = client.request_one(odd)?;
         equal(&format!("to sample {sequence} in {state:?}"), vec!["TorqueAnswer"], names(&answers))?;
         let it = torque(&answers)?;
         let wanted = (sequence, 0.0, state, TorqueFlags::empty());

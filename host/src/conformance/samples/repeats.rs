@@ -10,7 +10,7 @@ use super::super::check::{Check, check};
 use super::super::client::Client;
 use super::super::encoders::setup::Setup;
 use super::super::reactions::{accepted, first_sample};
-use super::{equal_torques, start_with_gaps, torques_of_a_run};
+use super::runs::{equal_torques, start_with_gaps, torques_of_a_run};
 
 pub(super) fn checks() -> Vec<Check> {
     vec![
@@ -36,7 +36,7 @@ pub(super) fn checks() -> Vec<Check> {
         check("R7.3 R7.11", "the answer to a repeated sample keeps SATURATED", |client| {
             client.running_if_consistent(&[("torque_limit_nm", ParameterValue::F32(0.0))])?;
             for sequence in 0..2 {
-                let first = torque(&client.sample(sequence)?)?;
+                let first = client.torque(sequence)?;
                 repeated(client, sample(sequence), first)?;
             }
             Ok(())
@@ -55,7 +55,7 @@ pub(super) fn checks() -> Vec<Check> {
             client.long_watchdog()?;
             let once = torques_of_a_run(client, |_, _| Ok(()))?;
             client.command(Stop {})?;
-            let twice = torques_of_a_run(client, |client, sample| client.request(*sample).map(drop))?;
+            let twice = torques_of_a_run(client, |client, sample| client.request_one(*sample).map(drop))?;
             equal_torques("with every sample repeated", &once, &twice)
         }),
     ]
@@ -63,7 +63,7 @@ pub(super) fn checks() -> Vec<Check> {
 
 /// Requires the answer `first` again, with `REPEATED`.
 fn repeated(client: &mut Client, sample: EncoderSample, first: TorqueAnswer) -> RuleResult {
-    let answers = client.request(sample)?;
+    let answers = client.request_one(sample)?;
     let what = format!("to sample {} again", sample.sequence);
     equal(&what, vec!["TorqueAnswer"], names(&answers))?;
     let mut wanted = first;

@@ -10,7 +10,7 @@ use super::super::check::{Check, check};
 use super::super::client::Client;
 use super::super::encoders::setup::Setup;
 use super::super::reactions::{accepted, first_sample, refused, refused_sample};
-use super::{equal_torques, start_with_gaps, torques_of_a_run};
+use super::runs::{equal_torques, start_with_gaps, torques_of_a_run};
 
 const NONE: TorqueFlags = TorqueFlags::empty();
 

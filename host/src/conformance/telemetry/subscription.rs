@@ -5,7 +5,7 @@ use lashloop_protocol::enums::Outcome;
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::message::Subscribe;
 
-use super::super::answers::telemetry;
+use super::super::answers::{sample, telemetry};
 use super::super::assertion::{Failure, RuleResult, equal, names, skip};
 use super::super::burst::result;
 use super::super::client::Client;
@@ -49,7 +49,7 @@ pub(super) fn running_with(client: &mut Client, signals: u32, every: u16) -> Rul
 
 /// Requires answers of these kinds to a sample, and its sequence in the telemetry.
 pub(super) fn follows(client: &mut Client, sequence: u16, kinds: &[&'static str]) -> RuleResult {
-    let answers = client.sample(sequence)?;
+    let answers = client.request_to(sample(sequence), kinds.last().copied().unwrap_or_default())?;
     equal(&format!("to sample {sequence}"), kinds.to_vec(), names(&answers))?;
     sequences(sequence, &answers)
 }
@@ -63,7 +63,7 @@ fn sequences(sequence: u16, answers: &[DriveMessage]) -> RuleResult {
 
 /// Requires telemetry of this many values with the torque of a sample.
 pub(super) fn carries(client: &mut Client, sequence: u16, count: u32) -> RuleResult {
-    let answers = client.sample(sequence)?;
+    let answers = client.request_to(sample(sequence), BOTH[BOTH.len() - 1])?;
     equal(&format!("to sample {sequence}"), BOTH.to_vec(), names(&answers))?;
     let values = telemetry(&answers)?.values.as_slice().len();
     equal(&format!("values in the telemetry of sample {sequence}:"), count as usize, values)

@@ -35,7 +35,8 @@ fn series(
     running_with(client, signals, every)?;
     let mut series = Vec::new();
     for (sequence, &reference_rad) in (0..).zip(references_rad) {
-        let answers = client.request(EncoderSample { reference_rad, ..sample(sequence) })?;
+        let last = if sequence % every == 0 { "Telemetry" } else { "TorqueAnswer" };
+        let answers = client.request_to(EncoderSample { reference_rad, ..sample(sequence) }, last)?;
         if sequence % every != 0 {
             series.push(Vec::new());
             continue;

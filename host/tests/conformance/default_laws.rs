@@ -1,0 +1,41 @@
+//! A drive passes with each law of Lashloop in force after power-up: no check assumes more of a law than the page does.
+
+use lashloop_bench::link::in_process::InProcess;
+use lashloop_firmware::control::backlash_inverse::BacklashInverse;
+use lashloop_firmware::control::merzouki::Merzouki;
+use lashloop_firmware::control::merzouki_as_printed::MerzoukiAsPrinted;
+use lashloop_firmware::control::pd::Pd;
+
+use crate::skipped;
+
+/// Declares a drive with this law as its first, and another one.
+macro_rules! default_laws {
+    ($($name:ident: $Law:ident, $Other:ident;)+) => {
+        $(mod $name {
+            use super::*;
+
+            lashloop_firmware::laws! {
+                /// Two laws.
+                pub enum Laws {
+                    /// In force after power-up.
+                    Default($Law),
+                    /// The other one.
+                    Other($Other),
+                }
+            }
+
+            #[test]
+            fn as_the_default_law_passes_every_check() {
+                let skipped = skipped(InProcess::<Laws>::default());
+                assert!(skipped.iter().all(|name| name.contains("live") || name.contains("signal")), "{skipped:?}");
+            }
+        })+
+    };
+}
+
+default_laws! {
+    pd: Pd, Merzouki;
+    merzouki: Merzouki, Pd;
+    merzouki_as_printed: MerzoukiAsPrinted, Pd;
+    backlash_inverse: BacklashInverse, Pd;
+}
