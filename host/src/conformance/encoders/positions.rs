@@ -37,7 +37,7 @@ pub(super) fn checks() -> Vec<Check> {
             |client| each_way(client, -HALF / 2, HALF / 2),
         ),
         check("R7.8 R10.5", "an encoder may wrap around more than once", |client| {
-            each_way(client, HALF / 2, 3 * HALF)
+            each_way(client, HALF / 2, 5 * HALF)
         }),
         check("R7.7 R7.8", "a run that starts at a position goes on as one that has moved there", |client| {
             Encoder::BOTH.into_iter().try_for_each(|encoder| {
