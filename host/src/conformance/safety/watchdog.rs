@@ -170,7 +170,7 @@ fn judged(
     let near = (report.limit - limit_s).abs() <= 1e-6;
     expect(near, format!("a limit of {limit_s} s"), format!("{} s", report.limit))?;
     let most_s = limit_s + LATEST.mul_f64(1.0 + CLOCK_TOLERANCE).as_secs_f32();
-    let in_time = report.value > report.limit && report.value <= most_s;
+    let in_time = report.value >= report.limit && report.value <= most_s;
     expect(in_time, format!("a silence of {limit_s} to {most_s} s"), format!("{} s", report.value))?;
     let least = limit.mul_f64(1.0 - CLOCK_TOLERANCE);
     let expected =
