@@ -12,6 +12,7 @@
 //! | `safety` | torque limit, latched faults, watchdog |
 //! | `receiver` | noise, damaged and refused frames |
 //! | `walk` | a long session through all states, with every request in each |
+//! | `aftermath` | what earlier messages and runs leave behind |
 //! | `line` | the line report |
 //! | `profile_pd` | the optional profile `pd`, by its golden trace |
 //! | `latency` | response times |
@@ -26,6 +27,7 @@
 //! The checks depend on the protocol and on [`REQUIRED_PARAMETERS`], not on the control law: of the law they require only
 //! some torque for a load at rest off its reference.
 
+mod aftermath;
 mod answers;
 mod assertion;
 mod burst;
@@ -140,6 +142,7 @@ fn all_checks() -> impl Iterator<Item = (&'static str, Check)> {
         ("safety", safety::checks()),
         ("receiver", receiver::checks()),
         ("walk", walk::checks()),
+        ("aftermath", aftermath::checks()),
         ("line", line::checks()),
         ("profile_pd", profile_pd::checks()),
         ("latency", latency::checks()),

@@ -76,7 +76,6 @@ const fn from_first_or_second(mutant: &Mutant) -> bool {
 const FREE_NUMBER: &str = "the number of a build is the drive's own";
 const FREE_TEXT: &str = "other names, units and texts are allowed";
 const OWN_LAW: &str = "what a law makes of its parameters is the drive's own";
-const NO_LAW_KNOWN: &str = "no battery can make an unknown law request an infinite torque";
 const UNUSED: &str = "the field is not used in this state";
 const REFUSED_FIRST: &str = "the state is checked before";
 const CLOCK: &str = "the difference is below a millisecond of the drive's clock";
@@ -197,7 +196,19 @@ const BY_ONE: &str = "the bound is tested to more than one count or microsecond"
 
 /// Mutants that break a rule and are not found.
 pub const NOT_FOUND: &[Set] = &[
-    set(("torque", "not finite is a fault"), all, NO_LAW_KNOWN),
+    set(("stray sample", "keeps the stored answer"), late, LATE),
+    set(
+        ("position beyond 2^25", ""),
+        |it| it.when == When::Later,
+        "the torques compared are those of the first sample beyond the bound",
+    ),
+    set(("torque after a gap", "is that of its own step"), late, LATE),
+    set(("watchdog", "runs on in Armed after a run"), at_first, AT_FIRST),
+    set(
+        ("watchdog", "silence"),
+        |it| it.operator == Operator::Other,
+        "a drive that looks often trips at a silence that rounds to the limit",
+    ),
     set(
         ("effect of a parameter", "motor_counts_per_rev"),
         by_one,

@@ -36,7 +36,12 @@ pub(super) fn checks() -> Vec<Check> {
             |client| each_way(client, -HALF / 2, HALF / 2),
         ),
         check("R7.8 R10.5", "an encoder may wrap around more than once", |client| {
-            each_way(client, HALF / 2, 3 * HALF)
+            each_way(client, HALF / 2, 3 * HALF)?;
+            // The bound of a position in 26 bits, or in 32 bits with six of a fraction.
+            Encoder::BOTH.into_iter().try_for_each(|encoder| {
+                let [further, earlier] = [1, -1].map(|more| path(client, 1, HALF / 2, 4 * HALF + more));
+                alike(client, encoder, &further?, &earlier?)
+            })
         }),
         check("R7.7 R7.8", "a run that starts at a position goes on as one that has moved there", |client| {
             Encoder::BOTH.into_iter().try_for_each(|encoder| {

@@ -17,7 +17,7 @@ use lashloop_protocol::message::{FaultReport, LineReport, Log};
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{DriveMessage, HostMessage, Message};
 
-use crate::mutation::Sites;
+use crate::mutation::{Sites, Width};
 use description::Table;
 use receiver::Receiver;
 use run::{Run, Values};
@@ -48,6 +48,10 @@ struct Drive {
     /// When the watchdog was fed.
     fed_us: f64,
     polled_us: f64,
+    /// A mistaken drive leaves the watchdog on after a `Reset`.
+    watches_in_boot: bool,
+    /// The law of the first `Arm`, by which a mistaken drive goes for ever.
+    first_law: Option<u32>,
     counts: LineReport,
     /// The torque of the last step, which a mistaken drive keeps.
     torque_nm: f32,
@@ -72,6 +76,8 @@ impl Drive {
             run: None,
             fed_us: 0.0,
             polled_us: 0.0,
+            watches_in_boot: false,
+            first_law: None,
             counts: LineReport { messages: 0, damaged: 0, refused: 0, overruns: 0 },
             torque_nm: 0.0,
             output: Vec::new(),
@@ -189,7 +195,13 @@ impl Drive {
     /// Looks at the watchdog; its report if it trips.
     fn watchdog(&mut self) -> Option<FaultReport> {
         let runs = self.at.flag("watchdog", "runs", self.state() == State::Running);
-        if !runs {
+        let has_run = self.run.as_ref().is_some_and(|run| run.last.is_some());
+        let runs_on = match self.state() {
+            State::Armed => has_run && self.at.flag("watchdog", "runs on in Armed after a run", false),
+            State::Boot => self.watches_in_boot,
+            _ => false,
+        };
+        if !runs && !runs_on {
             return None;
         }
         let silence_us = self.now_us - self.fed_us;
@@ -205,7 +217,10 @@ impl Drive {
             return None;
         }
         let code = self.at.fault("watchdog", FaultCode::Watchdog);
-        let report = self.trip(code, silence_us * 1e-6, reported_us * 1e-6);
+        let limit_s = reported_us * 1e-6;
+        let silence = (silence_us * 1e-6, Width::Real);
+        let silence_s = self.at.number_or("watchdog", "silence", silence, Some(limit_s));
+        let report = self.trip(code, silence_s, limit_s);
         let state = self.at.state("watchdog", "state afterwards", State::Faulted);
         self.set_state(state);
         Some(report)

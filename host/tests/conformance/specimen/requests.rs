@@ -1,7 +1,7 @@
 //! Requests in each state.
 
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterFlags, ParameterValue, State, Version};
-use lashloop_protocol::message::{CommandResult, Identity, ParameterReport, SetParameter, Subscribe};
+use lashloop_protocol::message::{CommandResult, Hello, Identity, ParameterReport, SetParameter, Subscribe};
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{HostMessage, Message};
 
@@ -22,7 +22,7 @@ impl Drive {
         let is_sample_of_run = row == "EncoderSample" && self.state() == State::Running;
         match request {
             HostMessage::EncoderSample(sample) => self.sample(&sample),
-            HostMessage::Hello(hello) => self.hello(row, hello.session),
+            HostMessage::Hello(hello) => self.hello(row, hello),
             HostMessage::SetParameter(set) => self.set_parameter(row, set),
             HostMessage::Subscribe(wanted) => self.subscribe(wanted),
             HostMessage::Arm(_) => self.arm(row),
@@ -98,13 +98,18 @@ impl Drive {
         self.send(CommandResult { request: request.layout().kind, outcome, state: self.state() });
     }
 
-    fn hello(&mut self, row: &'static str, session: u32) {
-        let hello =
-            HostMessage::from(lashloop_protocol::message::Hello { protocol_version: VERSION, session });
+    fn hello(&mut self, row: &'static str, Hello { protocol_version, session }: Hello) {
+        let hello = HostMessage::from(Hello { protocol_version: VERSION, session });
         let cell = cell(&self.at, row);
         if let Cell::Done(state) = cell {
             if row == "Hello, another session" && self.at.flag("Hello", "opens a session", true) {
                 self.session = Some(session);
+                if let Some(run) = &mut self.run
+                    && run.last.is_some_and(|last| last > 0)
+                    && !self.at.flag("Hello", "keeps the sequence of reports", true)
+                {
+                    run.last = None;
+                }
             }
             self.set_state(state);
         }
@@ -130,6 +135,14 @@ impl Drive {
             self.send(fault);
         }
         if let Cell::Refused(outcome) = cell {
+            let part = match protocol_version {
+                0 => "of version 0 opens a session",
+                u8::MAX => "of version 255 opens a session",
+                _ => "of a later version opens a session",
+            };
+            if self.at.flag("Hello", part, false) {
+                self.session = Some(session);
+            }
             self.result(&hello, outcome);
         }
     }
@@ -190,6 +203,9 @@ impl Drive {
     /// The first signal wanted that the law in force lacks.
     fn lacked(&self, signals: u32) -> Option<&'static str> {
         let law = whole(self.is_set(CONTROLLER));
+        let first = self.first_law.filter(|first| *first != law);
+        let law =
+            first.filter(|_| self.at.flag("law in force", "is that of the first Arm", false)).unwrap_or(law);
         let mut wanted = SIGNALS.iter().enumerate().filter(|(index, _)| signals >> index & 1 == 1);
         wanted.find(|(_, (_, _, laws))| laws >> law & 1 == 0).map(|(_, (name, _, _))| *name)
     }
@@ -251,6 +267,7 @@ impl Drive {
         if let (Cell::Done(state), None) = (state, refusal) {
             let mut run = self.run.take().unwrap_or_else(|| Run::new(self.values));
             run.settings = self.values;
+            self.first_law = self.first_law.or(Some(whole(self.is_set(CONTROLLER))));
             self.run = Some(run);
             self.set_state(state);
         }
@@ -320,6 +337,9 @@ impl Drive {
     }
 
     fn reset(&mut self) {
+        let has_run = self.run.as_ref().is_some_and(|run| run.last.is_some());
+        self.watches_in_boot = has_run && !self.at.flag("Reset restores", "no watchdog", true);
+        self.first_law = None;
         let restores = |what| self.at.flag("Reset restores", what, true);
         for (stored, parameter) in self.values.set.iter_mut().zip(self.values.table) {
             if restores(parameter.name) {

@@ -13,6 +13,8 @@ use crate::mutation::{Sites, Width};
 
 const ENCODERS: [&str; 2] = ["motor", "load"];
 const HALF: i64 = 1 << 23;
+/// Half the range of a position in 26 bits, which is too few.
+const FAR: i64 = 1 << 25;
 const LONGEST_GAP: i64 = 1000;
 
 /// All parameters of a drive and their values, by index.
@@ -177,6 +179,11 @@ impl Run {
         }
         for (index, encoder) in self.encoders.iter_mut().enumerate() {
             encoder.position += moved[index];
+            if !(-FAR..FAR).contains(&encoder.position)
+                && !at.flag("position beyond 2^25", ENCODERS[index], true)
+            {
+                encoder.position = (encoder.position + FAR).rem_euclid(2 * FAR) - FAR;
+            }
             encoder.reading = readings[index];
             if periods > 0 {
                 let counts_per_rev = setting(at, &self.settings, COUNTS[index]);

@@ -38,6 +38,11 @@ impl Drive {
         match place {
             Place::Stray => {
                 self.result(&(*sample).into(), Outcome::OutOfSequence);
+                if !self.at.flag("stray sample", "keeps the stored answer", true)
+                    && let Some(answer) = self.run.as_mut().and_then(|run| run.answer.as_mut())
+                {
+                    answer.torque_nm = 0.0;
+                }
                 self.after("a stray sample");
             }
             Place::Repeated => {
@@ -107,8 +112,11 @@ impl Drive {
         let mut flags = TorqueFlags::empty();
         flags.set(TorqueFlags::GAP, self.at.flag("torque", "is after a gap", place == Place::AfterGap));
         flags.set(TorqueFlags::SATURATED, self.at.flag("torque", "is saturated", torque.is_saturated));
-        self.torque_nm = torque.nm;
-        let answer = self.torque(sequence, torque.nm, flags);
+        let steps =
+            place != Place::AfterGap || self.at.flag("torque after a gap", "is that of its own step", true);
+        let torque_nm = if steps { torque.nm } else { self.torque_nm };
+        self.torque_nm = torque_nm;
+        let answer = self.torque(sequence, torque_nm, flags);
         if let Some(run) = &mut self.run {
             run.answer = Some(answer);
         }
