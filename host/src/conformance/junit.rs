@@ -91,7 +91,7 @@ mod tests {
             result(CheckStatus::Passed),
         ];
         let xml = report("a drive", &results, None).expect("XML");
-        assert!(xml.contains(r#"tests="3" failures="0" errors="1""#), "{xml}");
+        assert!(xml.contains(r#"tests="3" skipped="1" failures="0" errors="1""#), "{xml}");
         assert!(xml.contains(r#"<error message="not judged: 30 s have passed"/>"#), "{xml}");
         assert_eq!(xml.matches("<skipped").count(), 1, "{xml}");
     }
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn a_run_without_a_result_is_an_error_with_its_diagnosis() {
         let xml = report("a drive", &[], Some(&"the drive was silent for 2.5 s")).expect("XML");
-        assert!(xml.contains(r#"tests="1" failures="0" errors="1""#), "{xml}");
+        assert!(xml.contains(r#"tests="1" skipped="0" failures="0" errors="1""#), "{xml}");
         assert!(xml.contains("the run ended early: the drive was silent for 2.5 s"), "{xml}");
     }
 }
