@@ -1,5 +1,6 @@
 //! `lashloop conformance`: whether a drive conforms to the protocol.
 
+use std::fmt::Display;
 use std::fs;
 use std::path::PathBuf;
 
@@ -57,11 +58,15 @@ impl Arguments {
         let ended = conformance::run(link, session_number(), &mut printer);
         drop(signals);
         let Printer { device, results, .. } = printer;
+        let ended = ended.map_err(|source| connection.explain(source));
         if let Some(path) = &self.junit {
-            let xml = junit::report(&device, &results).map_err(system("write the results as XML"))?;
+            let interrupted = supervisor.interrupted().then_some(&"interrupted" as &dyn Display);
+            let ended_by = ended.as_ref().err().map(|error| error as &dyn Display).or(interrupted);
+            let xml =
+                junit::report(&device, &results, ended_by).map_err(system("write the results as XML"))?;
             fs::write(path, xml).map_err(|source| CliError::Report { path: path.clone(), source })?;
         }
-        ended.map_err(|source| connection.explain(source))?;
+        ended?;
         let Counts { passed, failed, not_judged, skipped } = Counts::of(&results);
         outln!("{passed} passed, {failed} failed, {not_judged} not judged, {skipped} skipped");
         Ok(match (failed, not_judged) {

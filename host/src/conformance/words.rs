@@ -23,7 +23,48 @@ macro_rules! displayed {
     };
 }
 
-displayed!(u8, u16, u32, u64, i32, i64, usize, f32, f64, ParameterValue);
+displayed!(u8, u16, u32, u64, i32, i64, usize);
+
+/// Nine digits distinguish any two values of binary32.
+impl Words for f64 {
+    fn words(&self) -> String {
+        let rounded: f64 = format!("{self:.8e}").parse().unwrap_or(*self);
+        scaled(rounded.abs(), &rounded.to_string(), &format!("{rounded:e}"))
+    }
+}
+
+/// The fewest digits that distinguish a value from its neighbours, nine at most.
+impl Words for f32 {
+    fn words(&self) -> String {
+        scaled(f64::from(self.abs()), &self.to_string(), &format!("{self:e}"))
+    }
+}
+
+/// Very large and very small numbers have a power of ten.
+fn scaled(size: f64, plain: &str, with_power: &str) -> String {
+    let is_plain = size == 0.0 || !size.is_finite() || (1e-5..1e9).contains(&size);
+    if is_plain { plain } else { with_power }.to_owned()
+}
+
+impl Words for ParameterValue {
+    fn words(&self) -> String {
+        match self {
+            Self::U32(value) => value.words(),
+            Self::F32(value) => value.words(),
+        }
+    }
+}
+
+/// A number that is compared by its bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Bits(pub(super) u32);
+
+impl Words for Bits {
+    fn words(&self) -> String {
+        let value = f32::from_bits(self.0);
+        if value.is_nan() { format!("NaN (bits {:#010x})", self.0) } else { value.words() }
+    }
+}
 
 /// The variants have the names of the specification's lists.
 macro_rules! named {
@@ -59,7 +100,7 @@ impl Words for String {
 
 impl Words for Duration {
     fn words(&self) -> String {
-        format!("{} s", self.as_secs_f64())
+        format!("{} s", (self.as_secs_f64() * 1e6).round() / 1e6)
     }
 }
 
@@ -171,6 +212,10 @@ fn field_words(field: &FieldLayout, value: FieldValue<'_>) -> String {
             known.map_or_else(|| format!("request {kind:#04x}"), |it| format!("request {}", it.name))
         }
         value => {
+            let value = match value {
+                FieldValue::Real(value) => value.words(),
+                other => other.to_string(),
+            };
             let with_unit = UNITS.iter().find_map(|(suffix, unit)| Some((name.strip_suffix(suffix)?, unit)));
             match with_unit {
                 Some((name, &"0.1 us")) => format!("{name} {value} x 0.1 us"),
@@ -178,5 +223,23 @@ fn field_words(field: &FieldLayout, value: FieldValue<'_>) -> String {
                 None => format!("{name} {value}"),
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_at_most_nine_digits_and_a_power_of_ten_where_they_are_long() {
+        assert_eq!(f64::from(0.1_f32).words(), "0.100000001");
+        assert_eq!((0.1_f32, -3e38_f32).words(), "0.1, -3e38");
+        assert_eq!((1e-30_f64, f32::INFINITY, -0.0_f32).words(), "1e-30, inf, -0");
+        assert_eq!(Duration::from_secs_f32(0.21).words(), "0.21 s");
+    }
+
+    #[test]
+    fn bits_are_shown_as_their_number() {
+        assert_eq!([0x3f80_0000, 0xbf80_0000, 0x7fc0_0001].map(Bits).words(), "1, -1, NaN (bits 0x7fc00001)");
     }
 }

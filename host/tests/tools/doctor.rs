@@ -97,7 +97,7 @@ fn other_protocol_version_is_reported_with_the_remedy() {
         }
     });
     let report = wrong(&examination(&name(&terminal.path)));
-    assert!(report.contains("speaks protocol version 2, this bench speaks version 1: flash"), "{report}");
+    assert!(report.contains("has protocol version 2, this bench has version 1: flash"), "{report}");
 }
 
 #[test]

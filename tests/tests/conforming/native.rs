@@ -51,6 +51,21 @@ fn the_junit_file_has_every_check_as_a_case_of_its_group() {
 }
 
 #[test]
+fn a_silent_drive_leaves_an_error_with_its_diagnosis_in_the_junit_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("conformance.xml");
+    let file = path.display().to_string();
+    run(["conformance", "--device", "exec:sleep 60", "--junit", &file]).with_code(4);
+    let text = std::fs::read_to_string(&path).expect("a report");
+    let document = roxmltree::Document::parse(&text).expect("XML");
+    let suites = document.root_element();
+    assert_eq!((suites.attribute("tests"), suites.attribute("errors")), (Some("1"), Some("1")), "{text}");
+    let error = document.descendants().find(|it| it.has_tag_name("error")).expect("an error");
+    let message = error.attribute("message").expect("a message");
+    assert!(message.contains("the drive was silent for 2.5 s"), "{message}");
+}
+
+#[test]
 fn the_list_has_every_check_and_every_rule_without_one() {
     let listed = run(["conformance", "--list"]).with_code(0).stdout;
     let checks = lashloop::conformance::list().count();

@@ -120,7 +120,7 @@ pub enum SessionError {
     },
     /// The drive has another version of the protocol.
     #[error(
-        "the drive speaks protocol version {drive}, this bench speaks version {}: flash the firmware that came with \
+        "the drive has protocol version {drive}, this bench has version {}: flash the firmware that came with \
          this bench, or use the bench that came with that firmware",
         PROTOCOL_VERSION
     )]

@@ -18,6 +18,7 @@ use super::super::assertion::{Failure, RuleResult, broken, equal, expect, names}
 use super::super::check::{Check, check};
 use super::super::client::Client;
 use super::super::reactions::{accepted, first_sample, no_torque, reported_to, still_reported};
+use super::super::words::Words;
 use super::faults::stays_latched;
 
 const NAME: &str = "watchdog_us";
@@ -160,7 +161,7 @@ fn judged(
 ) -> Result<Trip, Failure> {
     let limit_s = limit.as_secs_f32();
     let report = found.ok_or_else(|| {
-        let got = format!("nothing within {} s", (limit + PATIENCE).as_secs_f64());
+        let got = format!("nothing within {}", (limit + PATIENCE).words());
         broken(format!("a FaultReport {limit_s} s after the last accepted sample"), got)
     })?;
     let now = client.line.now();
@@ -171,10 +172,9 @@ fn judged(
     expect(near, format!("a limit of {limit_s} s"), format!("{} s", report.limit))?;
     let most_s = limit_s + LATEST.mul_f64(1.0 + CLOCK_TOLERANCE).as_secs_f32();
     let in_time = report.value >= report.limit && report.value <= most_s;
-    expect(in_time, format!("a silence of {limit_s} to {most_s} s"), format!("{} s", report.value))?;
+    expect(in_time, format!("a silence of {limit_s} to {most_s:.3} s"), format!("{} s", report.value))?;
     let least = limit.mul_f64(1.0 - CLOCK_TOLERANCE);
-    let expected =
-        format!("the FaultReport {} s after the last accepted sample or later", least.as_secs_f64());
+    let expected = format!("the FaultReport {} after the last accepted sample or later", least.words());
     expect(longest >= least, expected, longest)?;
     equal("to the FaultReport, state", State::Faulted, {
         client.request_bytes(&[])?;
@@ -196,7 +196,7 @@ fn trips_in_time(client: &mut Client) -> RuleResult {
         if trip.waited <= latest {
             break;
         }
-        let expected = format!("the FaultReport within {} s", latest.as_secs_f64());
+        let expected = format!("the FaultReport within {}", latest.words());
         expect(attempt < ATTEMPTS, expected, trip.waited)?;
         client.reset()?;
     }
@@ -232,7 +232,7 @@ fn samples_in_time(client: &mut Client) -> RuleResult {
             return Ok(());
         }
         let least = WATCHDOG.mul_f64(1.0 - CLOCK_TOLERANCE);
-        let expected = format!("Running with samples at most {} s apart", longest.as_secs_f64());
+        let expected = format!("Running with samples at most {} apart", longest.words());
         expect(longest >= least, expected, client.state)?;
     }
     Err(Failure::NotJudged { cause: "this machine is too busy to send samples in time".to_owned() })

@@ -6,6 +6,7 @@ use super::super::answers::{sample, telemetry, torque};
 use super::super::assertion::{Failure, RuleResult, broken, equal, skip};
 use super::super::check::{Check, check};
 use super::super::client::Client;
+use super::super::words::{Bits, Words};
 use super::subscription::{accepted, running_with, signals};
 
 /// Samples of a run.
@@ -50,6 +51,10 @@ fn series(
     Ok(series)
 }
 
+fn numbers(values: &[u32]) -> Vec<Bits> {
+    values.iter().copied().map(Bits).collect()
+}
+
 /// Each signal alone and all together, on the same samples.
 fn order_of_values(client: &mut Client) -> RuleResult {
     let all = signals(client)?;
@@ -63,7 +68,7 @@ fn order_of_values(client: &mut Client) -> RuleResult {
         let wanted: Vec<_> = alone.iter().flat_map(|series| series[step].clone()).collect();
         let got = together[step].clone();
         if let Some(at) = wanted.iter().zip(&got).position(|(wanted, got)| wanted != got) {
-            let [wanted, got] = [wanted[at], got[at]].map(|bits| f32::from_bits(bits).to_string());
+            let [wanted, got] = [wanted[at], got[at]].map(|bits| Bits(bits).words());
             let signal = indices[at];
             return Err(broken(
                 format!("in sample {step} for signal {signal}, as in its own telemetry, {wanted}"),
@@ -81,13 +86,17 @@ fn of_the_sample(client: &mut Client) -> RuleResult {
     let every_second = series(client, all, 2, &REFERENCES_RAD)?;
     for step in (0..usize::from(STEPS)).step_by(2) {
         let [wanted, got] = [&every_sample, &every_second].map(|series| series[step].clone());
-        equal(&format!("values of sample {step} with every = 2, as bits as with every = 1:"), wanted, got)?;
+        equal(
+            &format!("values of sample {step} with every = 2, as with every = 1:"),
+            numbers(&wanted),
+            numbers(&got),
+        )?;
     }
     // A run starts from the initial state: its first values are not those of the run before.
     let mut references_rad = REFERENCES_RAD;
     references_rad[1] = 2.5;
     let changed = series(client, all, 1, &references_rad)?;
-    equal("values of sample 0 of another run, as bits:", every_sample[0].clone(), changed[0].clone())?;
+    equal("values of sample 0 of another run:", numbers(&every_sample[0]), numbers(&changed[0]))?;
     // With another reference in sample 1, several signals that differ in sample 2, but none in sample 1, are late.
     let differing =
         |step: usize| every_sample[step].iter().zip(&changed[step]).filter(|(one, two)| one != two).count();

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use lashloop_protocol::layout::MessageLayout;
 use lashloop_protocol::message::{FaultReport, Log, Telemetry};
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, Message};
+use lashloop_protocol::{DriveMessage, Message, PROTOCOL_VERSION};
 
 use super::bad_frame::{CrcVariant, Refusal};
 use super::raw_bytes::RawBytes;
@@ -110,14 +110,16 @@ impl Arrivals {
         per_s(self.unsolicited().into(), self.window())
     }
 
-    /// Whether single bytes arrived, with pauses, over most of the wait.
+    /// Whether single bytes arrived, with pauses: over most of the wait, or as the beginning of an `Identity`.
     #[must_use]
     pub fn trickles(&self) -> bool {
         let Some((first, last)) = self.first_and_last else { return false };
         let spread = last.saturating_duration_since(first);
-        self.bytes >= 4
+        // A code byte, kind and version.
+        let is_identity = matches!(self.raw.head(), [_, 0x81, PROTOCOL_VERSION, ..]);
+        self.bytes >= 3
             && 2 * u64::from(self.reads) >= self.bytes
-            && 2 * spread >= self.window()
+            && (2 * spread >= self.window() || is_identity)
             && self.bytes_per_s() < 100.0
     }
 }

@@ -155,8 +155,8 @@ impl fmt::Display for Cause {
                 )
             }
             Self::Trickle => out.write_str(
-                "single bytes with pauses, too slow for a frame; send each frame in one write, and check converters on the \
-                 line for delays",
+                "single bytes with pauses, so an answer takes longer than the limit; send each frame in one write, and check \
+                 converters on the line for delays",
             ),
             Self::Crc(variant) => write!(out, "whole frames have a wrong CRC: {variant}"),
             Self::Text(line) => write!(

@@ -220,6 +220,19 @@ fn bytes_without_frames_are_told_apart() {
 }
 
 #[test]
+fn a_trickle_is_named_after_its_first_bytes() {
+    for pause_ms in [300, 600, 800] {
+        let mut sent = false;
+        let peer = Peer::replying(move |bytes| {
+            let is_first = bytes.len() == 12 && !std::mem::replace(&mut sent, true);
+            let bytes = if is_first { frame(identity(SESSION)) } else { Vec::new() };
+            bytes.into_iter().map(|byte| (pause_ms * MS, vec![byte])).collect()
+        });
+        assert_eq!(diagnosis(peer).cause, Cause::Trickle, "{pause_ms} ms");
+    }
+}
+
+#[test]
 fn an_echo_in_front_of_a_drive_does_no_harm() {
     let mut drive = identifying(|session| frame(identity(session)));
     let echoing = Peer::replying(move |bytes| {
