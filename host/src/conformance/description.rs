@@ -62,6 +62,7 @@ pub(super) fn checks() -> Vec<Check> {
             })
         }),
         check("R4.5 R4.8 R4.9 R4.10 R10.9", "the drive describes itself as at the start", |client| {
+            client.has_time_to_describe()?;
             let (again, _) = Description::read_with_defects(&mut client.line, &client.identity)?;
             let same = again == client.description;
             expect(same, "the description read first", if same { "it" } else { "another one" })

@@ -78,7 +78,7 @@ fn every_number(client: &mut Client) -> RuleResult {
 fn one_bit(client: &mut Client) -> RuleResult {
     let session = client.session;
     let others = || (0..u32::BITS).map(move |bit| session ^ 1 << bit);
-    client.idle()?;
+    client.long_watchdog()?;
     let arms: Vec<_> = others().map(|session| result(Arm { session }, WrongSession, Idle)).collect();
     client.exchange("in Idle", &arms)?;
     client.arm()?;
