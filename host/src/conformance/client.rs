@@ -119,7 +119,9 @@ impl Client {
             return Ok(());
         }
         let took_s = self.describing.as_secs_f32();
-        Err(Failure::NotJudged { cause: format!("the description takes {took_s:.1} s, too long for this check") })
+        Err(Failure::NotJudged {
+            cause: format!("description read in {took_s:.1} s, too slow for this check"),
+        })
     }
 
     /// Lets late answers to earlier requests pass: all have arrived when a `Hello` of a new session is answered.

@@ -3,13 +3,13 @@
 use std::time::Duration;
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
+use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::message::{
     Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
     EncoderSample, FaultReport, GetParameter, LineReport, ParameterReport, Reset, SetParameter, Start, Stop,
     Subscribe,
 };
 use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
-use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::{DriveMessage, HostMessage, Message, TelemetryValues};
 
 use super::answers::other;
@@ -275,8 +275,7 @@ pub(super) fn forget_time(answer: &mut DriveMessage) {
         // Equal samples need not have equal signals.
         DriveMessage::Telemetry(it) => {
             let zeros = [0.0; MAX_TELEMETRY_VALUES];
-            it.values =
-                TelemetryValues::new(&zeros[..it.values.as_slice().len()]).unwrap_or(it.values);
+            it.values = TelemetryValues::new(&zeros[..it.values.as_slice().len()]).unwrap_or(it.values);
         }
         DriveMessage::LineReport(it) => *it = LineReport { messages: 0, damaged: 0, refused: 0, overruns: 0 },
         _ => {}

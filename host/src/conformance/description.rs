@@ -149,7 +149,8 @@ fn in_every_state(client: &mut Client) -> RuleResult {
     let mut reversed = before.clone();
     reversed.reverse();
     // The first reading is that of `Boot`.
-    for (place, state) in STATES.into_iter().enumerate().skip(1) {
+    let count = client.repetitions(STATES.len() - 1);
+    for (place, state) in STATES.into_iter().enumerate().skip(STATES.len() - count) {
         client.reset()?;
         client.enter(state)?;
         let order = if place % 2 == 0 { &reversed } else { &before };

@@ -84,30 +84,27 @@ fn each_way(client: &mut Client, start: i64, end: i64) -> RuleResult {
     })
 }
 
-/// A position reached from either side, and one at which the run started. Of a law with memory the torque depends on the way:
-/// then the torques of the two ways differ, or the torque changes at rest.
+/// A position reached in two ways from zero, and one at which the run started. Of a law with memory the torque depends on the
+/// way: then the torques of the two ways differ, or the torque changes at rest.
 fn started_or_moved(client: &mut Client, encoder: Encoder) -> RuleResult {
     let end = HALF / 2;
-    let mut ways = [path(client, 1, 0, end)?, path(client, 1, HALF - 1, end)?];
-    ways.iter_mut().for_each(hold);
-    let mut torques_nm = [0.0; 2];
-    for (torque_nm, way) in torques_nm.iter_mut().zip(&ways) {
-        let at_rest = &way[..way.len() - 1];
-        let earlier_nm = at_the_end(client, encoder, at_rest)?;
-        *torque_nm = at_the_end(client, encoder, way)?;
-        if earlier_nm.to_bits() != torque_nm.to_bits() {
-            return skip(WITH_MEMORY);
-        }
-    }
-    if torques_nm[0].to_bits() != torques_nm[1].to_bits() {
+    let direct = held(path(client, 1, 0, end)?);
+    let mut detour = path(client, 1, 0, end + end / 2)?;
+    let arrived = detour.last().map_or(0, |it| it.0);
+    let back = path(client, 1, end + end / 2, end)?;
+    detour
+        .extend(back.into_iter().skip(1).map(|(sequence, counts)| (arrived.wrapping_add(sequence), counts)));
+    let [earlier_nm, moved_nm] = at_the_end(client, encoder, &direct)?;
+    let detoured_nm = at_the_end(client, encoder, &held(detour))?[1];
+    if [earlier_nm, detoured_nm].iter().any(|torque_nm| torque_nm.to_bits() != moved_nm.to_bits()) {
         return skip(WITH_MEMORY);
     }
     [1, -1].into_iter().try_for_each(|sign| {
-        let mut moved = path(client, sign, 0, end)?;
-        hold(&mut moved);
+        let moved: Vec<_> = direct.iter().map(|(sequence, counts)| (*sequence, sign * counts)).collect();
         // As many samples, for a law with a soft start.
         let started: Vec<_> = moved.iter().map(|(sequence, _)| (*sequence, sign * end)).collect();
-        alike(client, encoder, &started, &moved)
+        let wanted_nm = if sign == 1 { moved_nm } else { at_the_end(client, encoder, &moved)?[1] };
+        near(client, encoder, (&started, sign * end), (wanted_nm, sign * end))
     })
 }
 
@@ -128,11 +125,12 @@ fn path(client: &Client, sign: i64, start: i64, end: i64) -> Result<Vec<(u16, i6
     Ok((0..=strides).map(|step| (sequence(step), sign * at(step))).collect())
 }
 
-/// Lets an encoder rest at the end of a path until the velocities of its motion have decayed.
-fn hold(path: &mut Vec<(u16, i64)>) {
+/// A path, and rest at its end until the velocities of the motion have decayed.
+fn held(mut path: Vec<(u16, i64)>) -> Vec<(u16, i64)> {
     if let Some(&(sequence, counts)) = path.last() {
         path.extend((1..=REST).map(|period| (sequence.wrapping_add(period), counts)));
     }
+    path
 }
 
 /// Requires nearly equal torques at the ends of two paths, which lie at most two counts apart. A path is a list of sequence
@@ -142,36 +140,45 @@ fn hold(path: &mut Vec<(u16, i64)>) {
 /// large torque, on which one count has no effect. A position wrong by the whole range lies on the other side of zero and
 /// reverses the torque.
 fn alike(client: &mut Client, encoder: Encoder, path: &[(u16, i64)], earlier: &[(u16, i64)]) -> RuleResult {
-    let wanted_nm = at_the_end(client, encoder, earlier)?;
-    let came_nm = at_the_end(client, encoder, path)?;
-    let near = (came_nm - wanted_nm).abs() <= SAME_TORQUE * came_nm.abs().max(wanted_nm.abs());
     let last = |path: &[(u16, i64)]| path.last().map_or(0, |it| it.1);
-    let expected = format!(
-        "with the {} at {} counts {wanted_nm} N m to {} %, the torque at {} counts",
-        encoder.name,
-        last(path),
-        100.0 * SAME_TORQUE,
-        last(earlier)
-    );
-    expect(near, expected, format!("{came_nm} N m"))
+    let wanted_nm = at_the_end(client, encoder, earlier)?[1];
+    near(client, encoder, (path, last(path)), (wanted_nm, last(earlier)))
 }
 
-/// The torque at the end of a path. So far from zero one period at the speed limit still passes.
-fn at_the_end(client: &mut Client, encoder: Encoder, path: &[(u16, i64)]) -> Result<f32, Failure> {
+/// Requires nearly this torque, as at these counts, at the end of a path.
+fn near(
+    client: &mut Client,
+    encoder: Encoder,
+    (path, counts): (&[(u16, i64)], i64),
+    (wanted_nm, wanted_counts): (f32, i64),
+) -> RuleResult {
+    let came_nm = at_the_end(client, encoder, path)?[1];
+    let is_near = (came_nm - wanted_nm).abs() <= SAME_TORQUE * came_nm.abs().max(wanted_nm.abs());
+    let expected = format!(
+        "with the {} at {counts} counts {wanted_nm} N m to {} %, the torque at {wanted_counts} counts",
+        encoder.name,
+        100.0 * SAME_TORQUE,
+    );
+    expect(is_near, expected, format!("{came_nm} N m"))
+}
+
+/// The last two torques of a path. So far from zero one period at the speed limit still passes.
+fn at_the_end(client: &mut Client, encoder: Encoder, path: &[(u16, i64)]) -> Result<[f32; 2], Failure> {
     client.reset()?;
     let setup = Setup::fast(client)?;
     setup.start(client)?;
-    let mut torque_nm = 0.0;
+    let mut torques_nm = [0.0; 2];
     let mut last = None;
     for &(sequence, counts) in path {
         let is_next = last.is_none_or(|last: u16| last.wrapping_add(1) == sequence);
         let flags = if is_next { TorqueFlags::empty() } else { TorqueFlags::GAP };
-        torque_nm = accepted(client, placed(encoder, sequence, counts), flags)?.torque_nm;
+        let torque_nm = accepted(client, placed(encoder, sequence, counts), flags)?.torque_nm;
+        torques_nm = [torques_nm[1], torque_nm];
         last = Some(sequence);
     }
     if let Some(&(sequence, counts)) = path.last() {
         let further = counts + setup.scale(encoder).most_counts(1);
         accepted(client, placed(encoder, sequence.wrapping_add(1), further), TorqueFlags::empty())?;
     }
-    Ok(torque_nm)
+    Ok(torques_nm)
 }

@@ -22,7 +22,9 @@ pub(super) fn checks() -> Vec<Check> {
             "values are those of the subscribed signals, in the order of their indices",
             |client| firmly(client, order_of_values),
         ),
-        check("R11.4", "values are of the control step of their sample", |client| firmly(client, of_the_sample)),
+        check("R11.4", "values are of the control step of their sample", |client| {
+            firmly(client, of_the_sample)
+        }),
         check("R11.4", "telemetry carries the requested torque before the limit", requested_torque),
     ]
 }
