@@ -253,7 +253,7 @@ impl Constancy {
         }
         if state == Boot {
             client.exchange(&when, &[result(Arm { session }, Outcome::WrongSession, Boot)])?;
-            client.idle()?;
+            client.long_watchdog()?;
         }
         client.exchange(&when, &[result(Arm { session }, Outcome::Accepted, Armed)])?;
         client.exchange(&when, &[result(Start { session }, Outcome::Accepted, Running)])?;

@@ -10,7 +10,7 @@ use lashloop_protocol::parameter_names::TORQUE_LIMIT_NM;
 use lashloop_protocol::wire::Payload;
 
 /// Long enough for any bench on any machine, so that no watchdog trips in a check of another rule.
-const LONG_WATCHDOG_US: u32 = 30_000_000;
+pub(super) const LONG_WATCHDOG_US: u32 = 30_000_000;
 
 impl Client {
     /// Resets the drive from any state.
