@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
+use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::message::{
     GetParameter, Identity, ParameterReport, Reset, SetParameter, Start, TorqueAnswer,
 };
@@ -21,8 +22,12 @@ use super::words::Words;
 /// Time for the answers to one request. A drive answers at once.
 pub(super) const REQUEST_LIMIT: Duration = Duration::from_secs(1);
 
-/// Time for a last answer, after which a marker ends the wait for it.
-const MARKER_DELAY: Duration = Duration::from_millis(100);
+/// Numbers of the sessions that settle a drive differ in these bits from those of the checks.
+const SETTLING: u32 = 0x5e77_1e00;
+/// Mean time of an exchange from which a drive or its line is slow: some 230,400 Bd.
+const SLOW: Duration = Duration::from_micros(1_500);
+/// As above, for a drive on which repetitions are hardly possible.
+const SLOWEST: Duration = Duration::from_micros(2_500);
 
 /// Index that no drive has, since the parameter count is a byte. Reading it has no effect in any state, so its answer marks
 /// the end of the answers to the request before it.
@@ -46,6 +51,18 @@ pub(super) struct Client {
     pub(super) note: String,
     /// The end of the time for the present check.
     pub(super) time_up: TimeUp,
+    /// When the first request was sent.
+    pub(super) opened_at: Instant,
+    /// Mean time of a request and its answer.
+    exchange: Duration,
+    /// Time for the description.
+    describing: Duration,
+    /// Longest time for an answer in the present check.
+    pub(super) slowest: Duration,
+    /// Whether answers to earlier requests may still arrive.
+    pub(super) is_unsettled: bool,
+    /// Times that the drive was settled.
+    settled: u8,
 }
 
 /// When the time for a check ends, and what to report then.
@@ -57,13 +74,70 @@ pub(super) struct TimeUp {
 impl Client {
     pub(super) fn open(link: Box<dyn Link>, session: u32) -> Result<Self, SessionError> {
         let mut line = Line::new(link);
+        let opened_at = line.now();
         line.clear()?;
         let identity = handshake::shake_hands(&mut line, session)?;
+        let (started, frames) = (line.now(), line.decoder.counters().messages);
         let (description, defects) = Description::read_with_defects(&mut line, &identity)?;
+        let answers = (line.decoder.counters().messages - frames).max(1);
+        let describing = line.now().saturating_duration_since(started);
+        let exchange = describing / answers;
         let defects = defects.iter().map(ToString::to_string).collect();
         let time_up = TimeUp { at: line.now() + REQUEST_LIMIT, cause: "" };
         let (state, note) = (identity.state, String::new());
-        Ok(Self { line, session, identity, description, defects, state, note, time_up })
+        let (slowest, is_unsettled, settled) = (Duration::ZERO, false, 0);
+        Ok(Self {
+            line,
+            session,
+            identity,
+            description,
+            defects,
+            state,
+            note,
+            time_up,
+            opened_at,
+            exchange,
+            describing,
+            slowest,
+            is_unsettled,
+            settled,
+        })
+    }
+
+    /// How often to repeat what a drive may do wrongly only later: `most` times, fewer on a slow line.
+    pub(super) fn repetitions(&self, most: usize) -> usize {
+        match self.exchange {
+            exchange if exchange < SLOW => most,
+            exchange if exchange < SLOWEST => most.div_ceil(2),
+            _ => most.min(2),
+        }
+    }
+
+    /// Requires time to read the description again, as long as the first time.
+    pub(super) fn has_time_to_describe(&mut self) -> RuleResult {
+        if self.line.now() + self.describing <= self.time_up.at {
+            return Ok(());
+        }
+        let took_s = self.describing.as_secs_f32();
+        Err(Failure::NotJudged {
+            cause: format!("description read in {took_s:.1} s, too slow for this check"),
+        })
+    }
+
+    /// Lets late answers to earlier requests pass: all have arrived when a `Hello` of a new session is answered.
+    pub(super) fn settle(&mut self) -> RuleResult {
+        if !self.is_unsettled {
+            return Ok(());
+        }
+        self.settled = self.settled.wrapping_add(1);
+        let session = self.session ^ SETTLING ^ u32::from(self.settled);
+        self.line.send(&hello(session).into())?;
+        let answered = self.wait_for(2 * REQUEST_LIMIT, |message| match message {
+            DriveMessage::Identity(it) if it.session == session => Some(it.state),
+            _ => None,
+        })?;
+        self.is_unsettled = answered.is_none();
+        Ok(())
     }
 
     /// Resets the drive. The answer is left for the next host.
@@ -88,18 +162,28 @@ impl Client {
     pub(super) fn request_with_logs(&mut self, bytes: &[u8]) -> Result<Vec<DriveMessage>, Failure> {
         let marker = HostMessage::from(GetParameter { index: NO_PARAMETER });
         self.send_bytes(&[bytes, &*marker.frame()].concat())?;
+        let requests = bytes.iter().filter(|byte| **byte == DELIMITER).count() as u32 + 1;
+        let sent_at = self.line.now();
         let mut answers = Vec::new();
-        let state = self.wait_for(REQUEST_LIMIT, |message| match message {
-            DriveMessage::ParameterReport(report) if report.index == NO_PARAMETER => Some(report.state),
-            answer => {
-                answers.push(*answer);
-                None
+        let mut heard = 0;
+        loop {
+            // Each request of a burst has a time of its own; other messages extend none.
+            let limit = REQUEST_LIMIT * (heard + 1).min(requests);
+            let rest = (sent_at + limit).saturating_duration_since(self.line.now());
+            let Some(message) = self.wait_for(rest, |message| Some(*message))? else { break };
+            match message {
+                DriveMessage::ParameterReport(report) if report.index == NO_PARAMETER => {
+                    self.state = report.state;
+                    let waited = self.line.now().saturating_duration_since(sent_at);
+                    self.slowest = self.slowest.max(waited / requests);
+                    return Ok(answers);
+                }
+                DriveMessage::Log(_) => {}
+                _ => heard += 1,
             }
-        })?;
-        if let Some(state) = state {
-            self.state = state;
-            return Ok(answers);
+            answers.push(message);
         }
+        self.is_unsettled = true;
         let limit_s = REQUEST_LIMIT.as_secs();
         Err(broken(
             format!("within {limit_s} s the answer to the next good request, GetParameter {NO_PARAMETER}"),
@@ -115,13 +199,18 @@ impl Client {
         is_last: impl Fn(&DriveMessage) -> bool,
     ) -> Result<Vec<DriveMessage>, Failure> {
         self.send_bytes(&request.into().frame())?;
+        let sent_at = self.line.now();
         let mut answers = Vec::new();
-        let last = self.wait_for(MARKER_DELAY, |message| {
+        let last = self.wait_for(REQUEST_LIMIT, |message| {
             if !matches!(message, DriveMessage::Log(_)) {
                 answers.push(*message);
             }
             is_last(message).then_some(*message)
         })?;
+        let waited = self.line.now().saturating_duration_since(sent_at);
+        if last.is_some() {
+            self.slowest = self.slowest.max(waited);
+        }
         if last.is_none() {
             answers.extend(self.request_bytes(&[])?);
         } else if let Some(state) = answers.iter().filter_map(state_in).last() {
@@ -148,6 +237,10 @@ impl Client {
     }
 
     pub(super) fn send_bytes(&mut self, bytes: &[u8]) -> RuleResult {
+        if self.line.now() >= self.time_up.at {
+            self.is_unsettled = true;
+            return Err(Failure::NotJudged { cause: self.time_up.cause.to_owned() });
+        }
         Ok(self.line.send_bytes(bytes)?)
     }
 
@@ -160,6 +253,7 @@ impl Client {
         let deadline = self.line.now() + limit;
         let found = self.line.wait(deadline.min(self.time_up.at), wanted)?;
         if found.is_none() && self.time_up.at < deadline {
+            self.is_unsettled = true;
             return Err(Failure::NotJudged { cause: self.time_up.cause.to_owned() });
         }
         Ok(found)

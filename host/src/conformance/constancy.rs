@@ -3,13 +3,14 @@
 use std::time::Duration;
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
+use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::message::{
     Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
     EncoderSample, FaultReport, GetParameter, LineReport, ParameterReport, Reset, SetParameter, Start, Stop,
     Subscribe,
 };
 use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
-use lashloop_protocol::{DriveMessage, HostMessage, Message};
+use lashloop_protocol::{DriveMessage, HostMessage, Message, TelemetryValues};
 
 use super::answers::other;
 use super::answers::{fault, hello, line_report, sample};
@@ -163,7 +164,9 @@ impl Constancy {
     /// Settings that are refused, or of the value in force.
     fn settings(&self, client: &Client) -> Vec<HostMessage> {
         let index = client.identity.parameter_count;
-        let mut settings = vec![SetParameter { index, value: ParameterValue::U32(0) }];
+        let unknown = SetParameter { index, value: ParameterValue::U32(0) };
+        // The last index of all ends every exchange.
+        let mut settings = if index < u8::MAX { vec![unknown] } else { Vec::new() };
         let parameters = &client.description.parameters;
         for it in
             parameters.iter().find(|it| it.live).into_iter().chain(parameters.iter().find(|it| !it.live))
@@ -180,12 +183,13 @@ impl Constancy {
 
     /// Sends a request many times in one write, and requires equal answers every time. Returns those of one time.
     fn repeat(&mut self, client: &mut Client, request: HostMessage) -> Result<Vec<DriveMessage>, Failure> {
-        let mut answers = self.send(client, &[request; COPIES])?;
+        let copies = client.repetitions(COPIES);
+        let mut answers = self.send(client, &vec![request; copies])?;
         answers.iter_mut().for_each(forget_time);
-        let count = answers.len() / COPIES;
+        let count = answers.len() / copies;
         let name = described(&request);
-        if count == 0 || !answers.len().is_multiple_of(COPIES) {
-            return Err(broken(format!("equal answers to {COPIES} times {name}"), answers.words()));
+        if count == 0 || !answers.len().is_multiple_of(copies) {
+            return Err(broken(format!("equal answers to {copies} times {name}"), answers.words()));
         }
         let (first, rest) = answers.split_at(count);
         for (copy, later) in (2..).zip(rest.chunks(count)) {
@@ -199,7 +203,7 @@ impl Constancy {
 
     /// Accepted samples, as many as copies of the other requests.
     fn run_on(&mut self, client: &mut Client) -> RuleResult {
-        for sequence in 1..=COPIES as u16 {
+        for sequence in 1..=client.repetitions(COPIES) as u16 {
             let answers = self.send(client, &[sample(sequence).into()])?;
             let kinds = if sequence % 2 == 0 && self.signals != 0 { 2 } else { 1 };
             equal(&format!("answers to sample {sequence}"), kinds, answers.len())?;
@@ -249,7 +253,7 @@ impl Constancy {
         }
         if state == Boot {
             client.exchange(&when, &[result(Arm { session }, Outcome::WrongSession, Boot)])?;
-            client.idle()?;
+            client.long_watchdog()?;
         }
         client.exchange(&when, &[result(Arm { session }, Outcome::Accepted, Armed)])?;
         client.exchange(&when, &[result(Start { session }, Outcome::Accepted, Running)])?;
@@ -264,10 +268,15 @@ impl Constancy {
     }
 }
 
-/// Clears what differs between two equal answers: times and counts.
+/// Clears what differs between two equal answers: times, counts and signals.
 pub(super) fn forget_time(answer: &mut DriveMessage) {
     match answer {
         DriveMessage::TorqueAnswer(it) => it.compute_tenths_us = 0,
+        // Equal samples need not have equal signals.
+        DriveMessage::Telemetry(it) => {
+            let zeros = [0.0; MAX_TELEMETRY_VALUES];
+            it.values = TelemetryValues::new(&zeros[..it.values.as_slice().len()]).unwrap_or(it.values);
+        }
         DriveMessage::LineReport(it) => *it = LineReport { messages: 0, damaged: 0, refused: 0, overruns: 0 },
         _ => {}
     }

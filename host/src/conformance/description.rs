@@ -62,6 +62,7 @@ pub(super) fn checks() -> Vec<Check> {
             })
         }),
         check("R4.5 R4.8 R4.9 R4.10 R10.9", "the drive describes itself as at the start", |client| {
+            client.has_time_to_describe()?;
             let (again, _) = Description::read_with_defects(&mut client.line, &client.identity)?;
             let same = again == client.description;
             expect(same, "the description read first", if same { "it" } else { "another one" })
@@ -148,7 +149,8 @@ fn in_every_state(client: &mut Client) -> RuleResult {
     let mut reversed = before.clone();
     reversed.reverse();
     // The first reading is that of `Boot`.
-    for (place, state) in STATES.into_iter().enumerate().skip(1) {
+    let count = client.repetitions(STATES.len() - 1);
+    for (place, state) in STATES.into_iter().enumerate().skip(STATES.len() - count) {
         client.reset()?;
         client.enter(state)?;
         let order = if place % 2 == 0 { &reversed } else { &before };

@@ -32,9 +32,9 @@ pub(super) struct Judge {
 }
 
 impl Judge {
-    pub(super) fn new(client: &mut Client) -> Self {
+    pub(super) fn new(client: &Client) -> Self {
         Self {
-            ends_at: client.line.now() + RUN_LIMIT,
+            ends_at: client.opened_at + RUN_LIMIT,
             failed_preparations: HashMap::new(),
             silent_checks: 0,
             is_made: false,
@@ -53,6 +53,7 @@ impl Judge {
         let started = client.line.now();
         self.messages_before = client.line.decoder.counters().messages;
         client.time_up = self.time_up(started);
+        client.slowest = Duration::ZERO;
         self.is_made = started < self.ends_at;
         let ended = if self.is_made {
             client.reset().and_then(|()| run(client))
@@ -67,6 +68,9 @@ impl Judge {
             Err(Failure::NotJudged { cause }) => CheckStatus::NotJudged { cause },
             Err(Failure::Session(error)) => return Err(error),
         };
+        // What ends a check early may leave answers on their way.
+        client.is_unsettled |=
+            matches!(status, CheckStatus::Failed { .. } | CheckStatus::NotJudged { .. }) && self.is_made;
         let took = client.line.now().saturating_duration_since(started);
         Ok(CheckResult { group, rules, name, status, note: std::mem::take(&mut client.note), took })
     }

@@ -70,9 +70,10 @@ fn first_requests(client: &mut Client) -> RuleResult {
 fn runs(client: &mut Client) -> RuleResult {
     for law in client.description.laws.clone() {
         let mut first = None;
-        for number in 1..=COPIES + 1 {
+        let copies = client.repetitions(COPIES);
+        for number in 1..=copies + 1 {
             // Nothing of a run survives a Reset either.
-            if number == 1 || number > COPIES {
+            if number == 1 || number > copies {
                 client.reset()?;
                 client.long_watchdog()?;
                 if client.description.laws.len() > 1 {
@@ -127,7 +128,7 @@ fn faults(client: &mut Client) -> RuleResult {
     let signals = signals(client).unwrap_or(0);
     client.exchange("in Idle", &[result(Subscribe { signals, every: 1 }, Outcome::Accepted, Idle)])?;
     let with_telemetry = signals != 0;
-    (1..=COPIES as u16).try_for_each(|number| one_fault(client, number, with_telemetry))
+    (1..=client.repetitions(COPIES) as u16).try_for_each(|number| one_fault(client, number, with_telemetry))
 }
 
 /// A run with 0 to 2 samples before its end, by `EmergencyStop` and by a reference in turn.

@@ -1,11 +1,12 @@
 //! Sessions: whose `Arm` and `Start` a drive accepts, and what a session begins, ends and keeps.
 
 use lashloop_protocol::HostMessage;
-use lashloop_protocol::enums::{FaultCode, Outcome, State};
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
     Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
     EncoderSample, FaultReport, GetParameter, Identity, Reset, SetParameter, Start, Stop, Subscribe,
 };
+use lashloop_protocol::parameter_names::WATCHDOG_US;
 
 use super::answers::other;
 use super::answers::{fault, hello, identity, sample, torque};
@@ -14,6 +15,7 @@ use super::burst::result;
 use super::check::{Check, check};
 use super::client::Client;
 use super::reactions::no_torque;
+use super::states::LONG_WATCHDOG_US;
 
 use Outcome::{Accepted, WrongSession};
 use State::{Armed, Boot, Faulted, Idle, Running};
@@ -68,6 +70,7 @@ fn every_number(client: &mut Client) -> RuleResult {
         client.reset()?;
         let it = client.handshake(session)?;
         equal("session and state", (session, Idle), (it.session, it.state))?;
+        client.put(WATCHDOG_US, ParameterValue::U32(LONG_WATCHDOG_US))?;
         let armed = result(Arm { session }, Accepted, Armed);
         let running = result(Start { session }, Accepted, Running);
         client.exchange(&format!("in session {session}"), &[armed, running])?;
@@ -78,7 +81,7 @@ fn every_number(client: &mut Client) -> RuleResult {
 fn one_bit(client: &mut Client) -> RuleResult {
     let session = client.session;
     let others = || (0..u32::BITS).map(move |bit| session ^ 1 << bit);
-    client.idle()?;
+    client.long_watchdog()?;
     let arms: Vec<_> = others().map(|session| result(Arm { session }, WrongSession, Idle)).collect();
     client.exchange("in Idle", &arms)?;
     client.arm()?;
@@ -92,6 +95,7 @@ fn previous(client: &mut Client) -> RuleResult {
     let new = session ^ 1 << 24;
     for state in [Idle, Armed, Running, Faulted] {
         client.reset()?;
+        client.long_watchdog()?;
         client.enter(state)?;
         let after = client.handshake(new)?.state;
         let stale =

@@ -6,16 +6,18 @@ use lashloop_protocol::message::{Arm, EmergencyStop, Reset, Start};
 use super::assertion::{RuleResult, equal, preparation, skip};
 use super::client::Client;
 use lashloop_protocol::HostMessage;
+use lashloop_protocol::parameter_names::TORQUE_LIMIT_NM;
 use lashloop_protocol::wire::Payload;
 
 /// Long enough for any bench on any machine, so that no watchdog trips in a check of another rule.
-const LONG_WATCHDOG_US: u32 = 30_000_000;
+pub(super) const LONG_WATCHDOG_US: u32 = 30_000_000;
 
 impl Client {
     /// Resets the drive from any state.
     pub(super) fn reset(&mut self) -> RuleResult {
         // Discards late answers to the previous check, and ends its partial frame.
         self.line.clear()?;
+        self.settle()?;
         self.prepare(Reset {}, State::Boot)
     }
 
@@ -51,10 +53,16 @@ impl Client {
         preparation(name, done)
     }
 
-    /// Opens the session and sets a watchdog that no check of another rule trips.
+    /// Opens the session and sets a watchdog that no check of another rule trips, and a torque limit unless the default is one.
     pub(super) fn long_watchdog(&mut self) -> RuleResult {
         self.idle()?;
-        self.put("watchdog_us", ParameterValue::U32(LONG_WATCHDOG_US))
+        self.put("watchdog_us", ParameterValue::U32(LONG_WATCHDOG_US))?;
+        let limit = self.parameter(TORQUE_LIMIT_NM)?.clone();
+        match limit.default {
+            // Without it no law shows a torque.
+            ParameterValue::F32(0.0) => self.put(TORQUE_LIMIT_NM, limit.max),
+            _ => Ok(()),
+        }
     }
 
     /// Opens the session, sets these parameters, arms and starts.

@@ -49,11 +49,12 @@ fn long_session(client: &mut Client) -> RuleResult {
         identity: client.identity,
         first_torque: None,
     };
-    for lap in 0..LAPS {
+    let laps = client.repetitions(LAPS.into()) as u16;
+    for lap in 0..laps {
         kept.round(client, State::Boot, lap, None)?;
     }
     kept.prepare(client)?;
-    for lap in 0..LAPS {
+    for lap in 0..laps {
         kept.round(client, State::Idle, lap, None)?;
         client.arm()?;
         kept.round(client, State::Armed, lap, None)?;

@@ -233,7 +233,6 @@ pub const NOT_FOUND: &[Set] = &[
     set(("Start resets", "the watchdog"), late, LATE),
     set(("Start resets", "the encoders"), late, LATE),
     set(("ClearFault", "forgets the fault"), late, LATE),
-    set(("watchdog", "runs"), in_boot, "no check waits in Boot"),
     set(("sequence", "is modulo 2^16"), late, LATE),
     set(("receiver", "a pause ends a frame"), at_first, AT_FIRST),
     set(("receiver", "longest frame"), at_first, AT_FIRST),
@@ -243,11 +242,6 @@ pub const NOT_FOUND: &[Set] = &[
         ("feeds the watchdog", "ClearFault"),
         not_at_first,
         "only the first is sent before the watchdog trips",
-    ),
-    set(
-        ("feeds the watchdog", "Arm, another session"),
-        all,
-        "no check sends it in a run with a short watchdog",
     ),
     set(
         ("position of the first sample", ""),

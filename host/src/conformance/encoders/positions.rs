@@ -18,6 +18,8 @@ const HALF: i64 = 1 << 23;
 const LONGEST_PATH: i64 = 300;
 /// Periods of rest after a motion.
 const REST: u16 = 20;
+/// Why a position reached in two ways shows nothing.
+const WITH_MEMORY: &str = "not run: the torque of the law in force depends on the way to a position";
 /// Tolerated difference of two torques whose positions differ by two counts, as a fraction of the larger.
 const SAME_TORQUE: f32 = 0.05;
 
@@ -44,16 +46,7 @@ pub(super) fn checks() -> Vec<Check> {
             })
         }),
         check("R7.7 R7.8", "a run that starts at a position goes on as one that has moved there", |client| {
-            Encoder::BOTH.into_iter().try_for_each(|encoder| {
-                [1, -1].into_iter().try_for_each(|sign| {
-                    let start = sign * HALF / 2;
-                    let [mut started, mut moved] = [vec![(0, start)], path(client, sign, 0, HALF / 2)?];
-                    for path in [&mut started, &mut moved] {
-                        hold(path);
-                    }
-                    alike(client, encoder, &started, &moved)
-                })
-            })
+            Encoder::BOTH.into_iter().try_for_each(|encoder| started_or_moved(client, encoder))
         }),
         check("R7.7 R7.14 R7.17", "the first sample of a run has no predecessor", |client| {
             let setup = Setup::coarse(client)?;
@@ -85,9 +78,38 @@ pub(super) fn checks() -> Vec<Check> {
 fn each_way(client: &mut Client, start: i64, end: i64) -> RuleResult {
     Encoder::BOTH.into_iter().try_for_each(|encoder| {
         [1, -1].into_iter().try_for_each(|sign| {
-            let [further, earlier] = [1, -1].map(|more| path(client, sign, start, end + more));
-            alike(client, encoder, &further?, &earlier?)
+            // The same path but for its end.
+            let further = path(client, sign, start, end + 1)?;
+            let mut earlier = further.clone();
+            if let Some((_, counts)) = earlier.last_mut() {
+                *counts -= 2 * sign;
+            }
+            alike(client, encoder, &further, &earlier)
         })
+    })
+}
+
+/// A position reached in two ways from zero, and one at which the run started. Of a law with memory the torque depends on the
+/// way: then the torques of the two ways differ, or the torque changes at rest.
+fn started_or_moved(client: &mut Client, encoder: Encoder) -> RuleResult {
+    let end = HALF / 2;
+    let direct = held(path(client, 1, 0, end)?);
+    let mut detour = path(client, 1, 0, end + end / 2)?;
+    let arrived = detour.last().map_or(0, |it| it.0);
+    let back = path(client, 1, end + end / 2, end)?;
+    detour
+        .extend(back.into_iter().skip(1).map(|(sequence, counts)| (arrived.wrapping_add(sequence), counts)));
+    let [earlier_nm, moved_nm] = at_the_end(client, encoder, &direct)?;
+    let detoured_nm = at_the_end(client, encoder, &held(detour))?[1];
+    if [earlier_nm, detoured_nm].iter().any(|torque_nm| torque_nm.to_bits() != moved_nm.to_bits()) {
+        return skip(WITH_MEMORY);
+    }
+    [1, -1].into_iter().try_for_each(|sign| {
+        let moved: Vec<_> = direct.iter().map(|(sequence, counts)| (*sequence, sign * counts)).collect();
+        // As many samples, for a law with a soft start.
+        let started: Vec<_> = moved.iter().map(|(sequence, _)| (*sequence, sign * end)).collect();
+        let wanted_nm = if sign == 1 { moved_nm } else { at_the_end(client, encoder, &moved)?[1] };
+        near(client, encoder, (&started, sign * end), (wanted_nm, sign * end))
     })
 }
 
@@ -98,7 +120,8 @@ fn path(client: &Client, sign: i64, start: i64, end: i64) -> Result<Vec<(u16, i6
     // Half the speed limit of the slower encoder.
     let allowed_counts = setup.scales.map(|it| it.counts_per_period() * f64::from(gap));
     let stride = ((0.5 * allowed_counts[0].min(allowed_counts[1])) as i64).clamp(1, HALF / 2);
-    let strides = (end - start + stride - 1) / stride;
+    let strides = ((end - start).abs() + stride - 1) / stride;
+    let stride = stride * (end - start).signum();
     if strides > LONGEST_PATH {
         return skip("not run: with the highest speed limits of this drive the path takes too many samples");
     }
@@ -107,11 +130,12 @@ fn path(client: &Client, sign: i64, start: i64, end: i64) -> Result<Vec<(u16, i6
     Ok((0..=strides).map(|step| (sequence(step), sign * at(step))).collect())
 }
 
-/// Lets an encoder rest at the end of a path until the velocities of its motion have decayed.
-fn hold(path: &mut Vec<(u16, i64)>) {
+/// A path, and rest at its end until the velocities of the motion have decayed.
+fn held(mut path: Vec<(u16, i64)>) -> Vec<(u16, i64)> {
     if let Some(&(sequence, counts)) = path.last() {
         path.extend((1..=REST).map(|period| (sequence.wrapping_add(period), counts)));
     }
+    path
 }
 
 /// Requires nearly equal torques at the ends of two paths, which lie at most two counts apart. A path is a list of sequence
@@ -121,36 +145,45 @@ fn hold(path: &mut Vec<(u16, i64)>) {
 /// large torque, on which one count has no effect. A position wrong by the whole range lies on the other side of zero and
 /// reverses the torque.
 fn alike(client: &mut Client, encoder: Encoder, path: &[(u16, i64)], earlier: &[(u16, i64)]) -> RuleResult {
-    let wanted_nm = at_the_end(client, encoder, earlier)?;
-    let came_nm = at_the_end(client, encoder, path)?;
-    let near = (came_nm - wanted_nm).abs() <= SAME_TORQUE * came_nm.abs().max(wanted_nm.abs());
     let last = |path: &[(u16, i64)]| path.last().map_or(0, |it| it.1);
-    let expected = format!(
-        "with the {} at {} counts {wanted_nm} N m to {} %, the torque at {} counts",
-        encoder.name,
-        last(path),
-        100.0 * SAME_TORQUE,
-        last(earlier)
-    );
-    expect(near, expected, format!("{came_nm} N m"))
+    let wanted_nm = at_the_end(client, encoder, earlier)?[1];
+    near(client, encoder, (path, last(path)), (wanted_nm, last(earlier)))
 }
 
-/// The torque at the end of a path. So far from zero one period at the speed limit still passes.
-fn at_the_end(client: &mut Client, encoder: Encoder, path: &[(u16, i64)]) -> Result<f32, Failure> {
+/// Requires nearly this torque, as at these counts, at the end of a path.
+fn near(
+    client: &mut Client,
+    encoder: Encoder,
+    (path, counts): (&[(u16, i64)], i64),
+    (wanted_nm, wanted_counts): (f32, i64),
+) -> RuleResult {
+    let came_nm = at_the_end(client, encoder, path)?[1];
+    let is_near = (came_nm - wanted_nm).abs() <= SAME_TORQUE * came_nm.abs().max(wanted_nm.abs());
+    let expected = format!(
+        "with the {} at {counts} counts {wanted_nm} N m to {} %, the torque at {wanted_counts} counts",
+        encoder.name,
+        100.0 * SAME_TORQUE,
+    );
+    expect(is_near, expected, format!("{came_nm} N m"))
+}
+
+/// The last two torques of a path. So far from zero one period at the speed limit still passes.
+fn at_the_end(client: &mut Client, encoder: Encoder, path: &[(u16, i64)]) -> Result<[f32; 2], Failure> {
     client.reset()?;
     let setup = Setup::fast(client)?;
     setup.start(client)?;
-    let mut torque_nm = 0.0;
+    let mut torques_nm = [0.0; 2];
     let mut last = None;
     for &(sequence, counts) in path {
         let is_next = last.is_none_or(|last: u16| last.wrapping_add(1) == sequence);
         let flags = if is_next { TorqueFlags::empty() } else { TorqueFlags::GAP };
-        torque_nm = accepted(client, placed(encoder, sequence, counts), flags)?.torque_nm;
+        let torque_nm = accepted(client, placed(encoder, sequence, counts), flags)?.torque_nm;
+        torques_nm = [torques_nm[1], torque_nm];
         last = Some(sequence);
     }
     if let Some(&(sequence, counts)) = path.last() {
         let further = counts + setup.scale(encoder).most_counts(1);
         accepted(client, placed(encoder, sequence.wrapping_add(1), further), TorqueFlags::empty())?;
     }
-    Ok(torque_nm)
+    Ok(torques_nm)
 }

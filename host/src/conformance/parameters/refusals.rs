@@ -3,6 +3,7 @@
 use lashloop_protocol::HostMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{DescribeParameter, GetParameter, ParameterReport, SetParameter};
+use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
 
 use lashloop_bench::session::Parameter;
 
@@ -81,9 +82,10 @@ fn unknown(client: &mut Client, state: State) -> RuleResult {
 /// Values in force after [`Client::enter`], which sets some of them.
 fn present(client: &mut Client) -> Result<Vec<ParameterValue>, super::super::assertion::Failure> {
     let mut values = defaults(client);
-    let name = "watchdog_us";
-    let index = client.parameter(name)?.index;
-    values[usize::from(index)] = client.get(index)?.value;
+    for name in [WATCHDOG_US, TORQUE_LIMIT_NM] {
+        let index = client.parameter(name)?.index;
+        values[usize::from(index)] = client.get(index)?.value;
+    }
     Ok(values)
 }
 

@@ -117,10 +117,10 @@ fn limits_of_runs(client: &mut Client) -> RuleResult {
 
 /// The largest finite references: the law's request is finite, infinite or NaN.
 fn extreme(client: &mut Client) -> RuleResult {
-    let limit_nm = client.real(LIMIT)?;
     for reference_rad in [f32::MAX, f32::MIN] {
         client.reset()?;
         client.running(&[])?;
+        let limit_nm = client.real(LIMIT)?;
         let answers = client.request(EncoderSample { reference_rad, ..sample(0) })?;
         let it = torque(&answers)?;
         let what = format!("reference {reference_rad} rad");

@@ -42,6 +42,8 @@ const INTERVAL: Duration = Duration::from_millis(1);
 const CLOCK_TOLERANCE: f64 = 0.1;
 /// Samples in quick succession before those whose time counts.
 const QUICK: u16 = 10;
+/// Slowest answer with which the times of these checks hold.
+const SLOWEST_ANSWER: Duration = Duration::from_millis(8);
 /// Attempts of a check whose result a busy bench may spoil.
 const ATTEMPTS: u32 = 3;
 
@@ -53,6 +55,7 @@ pub(super) fn checks() -> Vec<Check> {
             trips_in_time,
         ),
         check("R8.5 R6.9", "the watchdog runs from the Start, and in no other state", |client| {
+            stays(client, State::Boot)?;
             client.idle()?;
             client.put(NAME, micros(WATCHDOG))?;
             stays(client, State::Idle)?;
@@ -86,7 +89,27 @@ pub(super) fn checks() -> Vec<Check> {
         check("R8.9 R7.1", "a sample later than the watchdog gets no torque", late_samples),
     ];
     checks.extend(feeds());
-    checks
+    checks.into_iter().map(in_time).collect()
+}
+
+/// Tries a check again that fails while an answer comes late: the drive cannot tell when the bench has sent a sample, and the
+/// bench not when the drive has processed it.
+fn in_time(Check { rules, name, run }: Check) -> Check {
+    check(rules, name, move |client| {
+        for _ in 0..ATTEMPTS {
+            client.slowest = Duration::ZERO;
+            let ended = run(client);
+            let is_broken = matches!(ended, Err(Failure::Rule { .. } | Failure::Preparation { .. }));
+            if !is_broken || client.slowest <= SLOWEST_ANSWER {
+                return ended;
+            }
+            client.is_unsettled = true;
+            client.reset()?;
+        }
+        let longest_ms = client.slowest.as_millis();
+        let cause = format!("an answer takes up to {longest_ms} ms, too long to time a watchdog");
+        Err(Failure::NotJudged { cause })
+    })
 }
 
 fn micros(time: Duration) -> ParameterValue {
@@ -334,7 +357,7 @@ fn requests(client: &Client, count: usize) -> Vec<u8> {
         value: it.default,
     });
     let other_version = Hello { protocol_version: PROTOCOL_VERSION.wrapping_add(1), session };
-    let requests: [HostMessage; 13] = [
+    let requests: [HostMessage; 14] = [
         hello(session).into(),
         other_version.into(),
         GetParameter { index }.into(),
@@ -346,6 +369,7 @@ fn requests(client: &Client, count: usize) -> Vec<u8> {
         SetParameter { index, value: micros(Duration::from_secs(30)) }.into(),
         live.into(),
         Arm { session }.into(),
+        Arm { session: session ^ 1 }.into(),
         Start { session }.into(),
         Start { session: session ^ 1 }.into(),
     ];
