@@ -109,7 +109,7 @@ impl Client {
         match self.exchange {
             exchange if exchange < SLOW => most,
             exchange if exchange < SLOWEST => most.div_ceil(2),
-            _ => most.min(2),
+            _ => most.min(1),
         }
     }
 
@@ -213,7 +213,7 @@ impl Client {
         }
         if last.is_none() {
             answers.extend(self.request_bytes(&[])?);
-        } else if let Some(state) = answers.iter().filter_map(state_in).last() {
+        } else if let Some(state) = answers.iter().filter_map(state_in).next_back() {
             self.state = state;
         }
         Ok(answers)

@@ -8,6 +8,10 @@ use lashloop_firmware::control::pd::Pd;
 
 use crate::skipped;
 
+/// What the checks are about that need certain parameters, signals or torques of a law, or signals that only one law has.
+const DEPENDS: [&str; 4] =
+    ["live", "signal", "a request that is infinite", "the law in force is that of the last Arm"];
+
 /// Declares a drive with this law as its first, and another one.
 macro_rules! default_laws {
     ($($name:ident: $Law:ident, $Other:ident;)+) => {
@@ -27,7 +31,7 @@ macro_rules! default_laws {
             #[test]
             fn as_the_default_law_passes_every_check() {
                 let skipped = skipped(InProcess::<Laws>::default());
-                assert!(skipped.iter().all(|name| name.contains("live") || name.contains("signal")), "{skipped:?}");
+                assert!(skipped.iter().all(|name| DEPENDS.iter().any(|what| name.contains(what))), "{skipped:?}");
             }
         })+
     };
