@@ -126,7 +126,7 @@ fn a_run_fits_a_line_of_115_200_baud() {
     let mut checks = per_check.checks;
     checks.sort_unstable_by(|one, other| other.cmp(one));
     checks.iter().take(50).for_each(|(took, messages, bytes, name)| {
-        println!("{:5} ms {messages:5} {bytes:6} {name}", took.as_millis())
+        println!("{:5} ms {messages:5} {bytes:6} {name}", took.as_millis());
     });
     println!("\ntotal {messages} messages, {bytes} bytes, {time_s:.1} s at 115,200 Bd");
     assert!(per_check.broken.is_empty(), "{:#?}", per_check.broken);
