@@ -122,6 +122,20 @@ pub(super) fn losses(timing: &Timing, damaged: u64) -> Option<Finding> {
     ))
 }
 
+/// Answers without a sample, but for those of lost samples that came late.
+pub(super) fn surplus(timing: &Timing) -> Option<Finding> {
+    let Timing { answered, lost, surplus, .. } = *timing;
+    (surplus > lost).then(|| {
+        Finding::wrong(
+            "answers",
+            format!(
+                "{surplus} answers without a sample of this bench, {answered} with one: a second host uses this drive, or drive \
+                 or line send frames twice; disconnect every other program"
+            ),
+        )
+    })
+}
+
 /// Compares the round trip with `wire`, its time on the line; `None` for a line without a baud rate.
 pub(super) fn speed(timing: &Timing, wire: Option<Duration>, timer: Option<&LatencyTimer>) -> Finding {
     let about = "speed";
@@ -170,7 +184,7 @@ mod tests {
 
     fn timing(p50_us: u64) -> Timing {
         let p50 = Duration::from_micros(p50_us);
-        Timing { answered: 1000, lost: 0, left_out: 0, p50, p99: 2 * p50, max: 3 * p50 }
+        Timing { answered: 1000, lost: 0, surplus: 0, left_out: 0, p50, p99: 2 * p50, max: 3 * p50 }
     }
 
     fn serial_port() -> LineUnderTest<'static> {
@@ -217,6 +231,8 @@ mod tests {
         assert_eq!(losses(&timing(10), 0), None);
         let lossy = Timing { lost: 2, answered: 998, ..timing(10) };
         insta::assert_snapshot!(losses(&lossy, 3).unwrap(), @"WRONG  losses         2 of 1000 samples without an answer, 3 damaged frames: check ground and cable, or take a lower baud rate on both sides");
+        assert_eq!(surplus(&Timing { surplus: 2, ..lossy }), None, "late answers");
+        assert!(surplus(&Timing { surplus: 3, ..lossy }).unwrap().is_wrong(), "answers to others");
         assert!(losses(&timing(10), 1).unwrap().is_wrong(), "damage alone");
     }
 

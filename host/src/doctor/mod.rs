@@ -81,6 +81,7 @@ fn examine_steps(
     let timing = round_trip::measure(&mut session, rounds).map_err(failed("round trip"))?;
     findings.push(assessment::round_trip(&timing));
     findings.extend(assessment::losses(&timing, session.traffic().damaged));
+    findings.extend(assessment::surplus(&timing));
     findings.push(assessment::speed(&timing, line.wire_time(), timer.as_ref()));
     Ok(())
 }

@@ -30,6 +30,8 @@ pub struct Timing {
     pub answered: u32,
     /// Samples without an answer.
     pub lost: u32,
+    /// Answers that no sample awaited.
+    pub surplus: u32,
     /// Samples not sent, because the time limit of the measurement had passed.
     pub left_out: u32,
     pub p50: Duration,
@@ -53,6 +55,7 @@ pub fn measure(session: &mut Session, rounds: u32) -> Result<Timing, SessionErro
     let mut times_ns =
         Histogram::<u64>::new_with_max(longest_ns, DIGITS).expect("the crate takes 0 to 5 digits");
     let (mut lost, mut left_out) = (0, 0);
+    let surplus_before = session.line.surplus_answers();
     let give_up = Instant::now() + MEASUREMENT_LIMIT + rounds * ROUND_LIMIT;
     let [motor_counts, load_counts] = [EncoderCounts::default(); 2];
     for step in 0..rounds {
@@ -77,6 +80,7 @@ pub fn measure(session: &mut Session, rounds: u32) -> Result<Timing, SessionErro
     Ok(Timing {
         answered: times_ns.len() as u32,
         lost,
+        surplus: session.line.surplus_answers() - surplus_before,
         left_out,
         p50: quantile(0.5),
         p99: quantile(0.99),
@@ -86,7 +90,48 @@ pub fn measure(session: &mut Session, rounds: u32) -> Result<Timing, SessionErro
 
 #[cfg(test)]
 mod tests {
+    use lashloop_bench::link::in_process::InProcess;
+    use lashloop_bench::link::{Link, LinkError};
+    use lashloop_firmware::Laws;
+
     use super::*;
+
+    /// A line that delivers everything twice.
+    struct Twice(InProcess<Laws>);
+
+    impl Link for Twice {
+        fn inner(&mut self) -> Option<&mut dyn Link> {
+            Some(&mut self.0)
+        }
+
+        fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+            self.0.send(bytes)
+        }
+
+        fn receive(&mut self, buffer: &mut [u8], deadline: Instant) -> Result<usize, LinkError> {
+            // The drive has output whole frames only, each shorter than half a buffer.
+            let half = buffer.len() / 2;
+            let count = self.0.receive(&mut buffer[..half], deadline)?;
+            buffer.copy_within(..count, count);
+            Ok(2 * count)
+        }
+
+        fn discard_input(&mut self) -> Result<(), LinkError> {
+            self.0.discard_input()
+        }
+    }
+
+    #[test]
+    fn answers_that_no_sample_awaited_are_counted() {
+        let surplus = |link| {
+            let mut session = Session::open(link, 7).expect("a session");
+            measure(&mut session, 100).expect("a measurement").surplus
+        };
+        assert_eq!(surplus(Box::new(InProcess::<Laws>::default())), 0);
+        // The copy of the last answer is unread.
+        let twice = surplus(Box::new(Twice(InProcess::default())));
+        assert!((99..=101).contains(&twice), "{twice}");
+    }
 
     #[test]
     fn a_control_cycle_is_35_bytes_of_ten_bits() {

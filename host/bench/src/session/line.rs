@@ -219,6 +219,12 @@ impl Line {
         self.collector.diagnosis()
     }
 
+    /// Answers since the line was opened that no wait returned: late, doubled, or to the requests of another host.
+    #[must_use]
+    pub fn surplus_answers(&self) -> u32 {
+        self.collector.surplus_answers()
+    }
+
     fn broken(&self, source: LinkError) -> SessionError {
         let has_unknown_bytes = self.last_seen.frame.is_none() && self.collector.has_arrivals();
         let diagnosis = has_unknown_bytes.then(|| Box::new(self.diagnosis()));

@@ -32,6 +32,8 @@ pub(in crate::session) struct Collector {
     session: Option<u32>,
     /// Whether an awaited frame has ever arrived.
     is_connected: bool,
+    /// Answers since the line was opened that nothing awaited.
+    surplus_answers: u32,
 }
 
 impl Default for Collector {
@@ -46,6 +48,7 @@ impl Default for Collector {
             sent_kinds: 0,
             session: None,
             is_connected: false,
+            surplus_answers: 0,
         }
     }
 }
@@ -125,6 +128,12 @@ impl Collector {
         self.is_mixed = true;
         let count = &mut self.arrivals.good[slot(message.layout().kind)];
         *count = count.saturating_add(1);
+        if !matches!(
+            message,
+            DriveMessage::Telemetry(_) | DriveMessage::FaultReport(_) | DriveMessage::Log(_)
+        ) {
+            self.surplus_answers = self.surplus_answers.saturating_add(1);
+        }
         if !self.is_requested(message) {
             self.arrivals.unrequested = self.arrivals.unrequested.saturating_add(1);
         }
@@ -134,6 +143,11 @@ impl Collector {
             self.arrivals.other_identities = self.arrivals.other_identities.saturating_add(1);
             self.arrivals.other_session = Some((it.session, session));
         }
+    }
+
+    /// Answers since the line was opened that nothing awaited: late, doubled, or to the requests of another host.
+    pub(in crate::session) fn surplus_answers(&self) -> u32 {
+        self.surplus_answers
     }
 
     /// Whether this bench has sent a request of the kind that causes this message.
