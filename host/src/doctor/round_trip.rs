@@ -127,7 +127,7 @@ mod tests {
             let mut session = Session::open(link, 7).expect("a session");
             measure(&mut session, 100).expect("a measurement").surplus
         };
-        assert_eq!(surplus(Box::new(InProcess::<Laws>::default())), 0);
+        assert_eq!(surplus(Box::<InProcess<Laws>>::default()), 0);
         // The copy of the last answer is unread.
         let twice = surplus(Box::new(Twice(InProcess::default())));
         assert!((99..=101).contains(&twice), "{twice}");
