@@ -28,6 +28,7 @@ impl Arguments {
                 "The drive serves this terminal. In another shell: lashloop run SCENARIO.toml --device";
             super::output::error_line(format_args!("{hint} {path}"));
         }
+        twin.end_at_panics().map_err(system("share the pseudo-terminal"))?;
         bench.serve(&twin).map_err(system("serve the drive any longer"))?;
         Ok(Exit::Pass)
     }

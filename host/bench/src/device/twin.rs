@@ -43,14 +43,28 @@ impl Twin {
         self.serve_laws::<Laws>()
     }
 
-    /// Runs a drive with these laws until the line breaks. A panic ends the process, as it ends the image: the torque is zero, and the
-    /// last frame on the line is the fault report.
+    /// Makes any panic of this process end it, as a panic ends the image: the torque is zero, and the last frame on the line is the
+    /// fault report. For a process that does nothing else than serve.
+    ///
+    /// # Errors
+    /// The line can't be shared.
+    pub fn end_at_panics(&self) -> io::Result<()> {
+        let (line, report) = (self.terminal.far_end.try_clone()?, panic::take_hook());
+        panic::set_hook(Box::new(move |info| {
+            let at = info.location().map_or(0, panic::Location::line);
+            let _ = rustix::io::write(&line, &fault_frame(FaultCode::Panic, at));
+            report(info);
+            process::exit(101);
+        }));
+        Ok(())
+    }
+
+    /// Runs a drive with these laws until the line breaks.
     ///
     /// # Errors
     /// Why the line broke.
     pub fn serve_laws<L: LawSet>(&self) -> io::Result<()> {
         let line = &self.terminal.far_end;
-        report_panics(line.try_clone()?);
         let shared = Shared {
             drive: Mutex::new(Drive::<L>::with_laws(BOARD)),
             changed: Condvar::new(),
@@ -68,17 +82,6 @@ impl Twin {
             Err(error)
         })
     }
-}
-
-/// Sends a fault report for a panic, then ends the process.
-fn report_panics(line: OwnedFd) {
-    let report = panic::take_hook();
-    panic::set_hook(Box::new(move |info| {
-        let at = info.location().map_or(0, panic::Location::line);
-        let _ = rustix::io::write(&line, &fault_frame(FaultCode::Panic, at));
-        report(info);
-        process::exit(101);
-    }));
 }
 
 struct BootClock(Instant);
