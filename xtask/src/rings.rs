@@ -84,10 +84,10 @@ const PYTHON: &str = "tests python";
 fn run_untimed(program: &TestProgram, timed: &[&str]) -> Result<Counts> {
     let skip: String = timed.iter().map(|module| format!(" --skip {module}")).collect();
     match program.name.as_str() {
-        // One thread more than cores: tests of drives in other processes wait for them.
+        // More threads than cores: tests of drives in other processes mostly wait for them.
         name if name == WAITING.0 => at_once(
             || program.run(WAITING.1),
-            || program.run(&format!("--test-threads 3 --skip {}{skip}", WAITING.1)),
+            || program.run(&format!("--test-threads 5 --skip {}{skip}", WAITING.1)),
         ),
         // A core for each: bench and Python drive take turns.
         PYTHON => at_once(python::test, || program.run("--test-threads 1")),
