@@ -62,6 +62,7 @@ fn timed_modules(program: &str) -> &'static [&'static str] {
         "host/link lashloop_link" => &["uart_model::"],
         "tests looped" => &[
             "budget::",
+            "capture::a_bench_killed_in_real_time",
             "capture::a_real_time",
             "compared::",
             "idle::",
@@ -77,7 +78,7 @@ fn timed_modules(program: &str) -> &'static [&'static str] {
 /// A test program, and its module whose tests mostly wait: they run at the same time as its other untimed tests.
 const WAITING: (&str, &str) = ("tests looped", "soak::");
 
-/// The test program of the ring [`Ring::Python`]. The package's own tests run at the same time.
+/// The test program of the ring [`Ring::Python`]: drives in Python, which need a quiet machine.
 const PYTHON: &str = "tests python";
 
 /// Runs the tests of a program but those of `timed` modules.
@@ -87,10 +88,8 @@ fn run_untimed(program: &TestProgram, timed: &[&str]) -> Result<Counts> {
         // More threads than cores: tests of drives in other processes mostly wait for them.
         name if name == WAITING.0 => at_once(
             || program.run(WAITING.1),
-            || program.run(&format!("--test-threads 5 --skip {}{skip}", WAITING.1)),
+            || program.run(&format!("--test-threads 6 --skip {}{skip}", WAITING.1)),
         ),
-        // A core for each: bench and Python drive take turns.
-        PYTHON => at_once(python::test, || program.run("--test-threads 1")),
         _ => program.run(&skip),
     }
 }
@@ -121,12 +120,18 @@ impl Selection {
                 counts.step("image size", size::check);
                 counts.step("image clippy", || run(&mut ArmToolchain::find()?.clippy()?));
             }
-            Ring::Python => counts.step("python lint", python::lint),
+            Ring::Python if self.timing != Some(Timing::Timed) => {
+                counts.step("python lint", python::lint);
+                counts.step("python package", python::test);
+                if self.timing == Some(Timing::Untimed) {
+                    return counts;
+                }
+            }
             Ring::Fuzz => {
                 counts.step("fuzz", || fuzz::run_all(self.seconds));
                 return counts;
             }
-            Ring::Unit | Ring::Loop => {}
+            Ring::Unit | Ring::Loop | Ring::Python => {}
         }
         let mut programs = Vec::new();
         counts.step("test programs", || {
@@ -134,6 +139,10 @@ impl Selection {
             Ok(Counts::default())
         });
         for program in programs.iter().filter(|program| ring_of(&program.name) == Some(ring)) {
+            if program.name == PYTHON {
+                counts.step(PYTHON, || program.run(""));
+                continue;
+            }
             let timed = timed_modules(&program.name);
             if self.timing != Some(Timing::Timed) {
                 counts.step(&program.name, || run_untimed(program, timed));

@@ -292,6 +292,10 @@ fn late_samples(client: &mut Client) -> RuleResult {
             })?;
             let answers = client.request(sample(late))?;
             reports.extend(answers.iter().filter_map(fault_report));
+            // A longer one also exceeds what the clock of an emulator on a busy machine lags behind.
+            if reports.is_empty() && attempt < LONGEST_ATTEMPT {
+                continue;
+            }
             let expected = format!("for the late sample {late} one FaultReport");
             expect(reports.len() == 1, expected, reports.as_slice())?;
             let got = (reports[0].code, reports[0].sequence);
