@@ -60,16 +60,6 @@ impl<F: Real> Estimate<F> {
     pub(in crate::control) fn dead_zone_rad(&self) -> F {
         self.parameters.y
     }
-
-    /// Standard deviation of j_hat in rad by the samples alone, without the prior value; at most one radian, when nothing
-    /// is learnt.
-    pub(in crate::control) fn dead_zone_deviation_rad(&self) -> F {
-        let variance = self.covariance.m22;
-        let samples = F::ONE - variance / F::from_f64(INITIAL_VARIANCE);
-        let largest = F::from_f64(1.0 / (DEVIATION_SCALE * DEVIATION_SCALE));
-        let alone = if samples * largest > variance { variance / samples } else { largest };
-        F::from_f64(DEVIATION_SCALE) * alone.sqrt()
-    }
 }
 
 impl<F: Real> Identification<F> {
@@ -98,6 +88,19 @@ impl<F: Real> Identification<F> {
         {
             self.update(estimate, torque, twist_rad.abs());
         }
+    }
+
+    /// Standard deviation of j_hat in rad by the samples alone, without the prior value; one radian when nothing is learnt. A
+    /// compliance at a bound of its range also counts as nothing: samples that contradict the model, such as those of a motor
+    /// with less torque than commanded, lead there.
+    pub(in crate::control) fn dead_zone_deviation_rad(&self, estimate: &Estimate<F>) -> F {
+        let (compliance, variance) = (estimate.parameters.x, estimate.covariance.m22);
+        let (low, high) = COMPLIANCE_RANGE;
+        let (low, high) = (F::from_f64(low) * self.nominal_rad_nm, F::from_f64(high) * self.nominal_rad_nm);
+        let samples = F::ONE - variance / F::from_f64(INITIAL_VARIANCE);
+        let largest = F::from_f64(1.0 / (DEVIATION_SCALE * DEVIATION_SCALE));
+        let learns = samples * largest > variance && low < compliance && compliance < high;
+        F::from_f64(DEVIATION_SCALE) * (if learns { variance / samples } else { largest }).sqrt()
     }
 
     fn update(&self, estimate: &mut Estimate<F>, torque_nm: F, twist_rad: F) {

@@ -19,8 +19,6 @@ const BALANCED_PERIODS: u32 = 19;
 /// Torque of the motor's acceleration, and rate of the twist, up to which it is balanced.
 const BALANCE_NM: f64 = 0.6;
 const BALANCE_RAD_S: f64 = 4.0;
-/// Fraction of the torque limit up to which a torque counts for the gap: the motor may give less than it is believed to.
-const TRUSTED_FRACTION: f64 = 0.55;
 
 /// What the law needs of the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,7 +44,6 @@ pub struct BrakingCurve<F: Real = f32> {
     load_observer: LoadObserver<F>,
     identification: Identification<F>,
     per_crossing_nm: F,
-    trusted_nm: F,
     twist_alpha: F,
     estimate: Estimate<F>,
     load_loop_state: LoadLoopState<F>,
@@ -98,7 +95,6 @@ impl<F: Real> BrakingCurve<F> {
             load_observer: LoadObserver::new(model, gains.speed_observer_rad_s, period_s),
             identification,
             per_crossing_nm: F::ONE / gains.crossing_nm,
-            trusted_nm: F::from_f64(TRUSTED_FRACTION) * torque_limit_nm,
             twist_alpha: alpha(gains.shaft_observer_rad_s, period_s),
             estimate: identification.initial_estimate(),
             load_loop_state: LoadLoop::initial_state(),
@@ -130,7 +126,7 @@ impl<F: Real> BrakingCurve<F> {
         let accelerating_nm = m.applied_torque_nm - viscous_nm - coulomb_nm - transmitted_nm;
         let twist_rate = gains.shaft_observer_rad_s * (m.twist_rad - lagging_twist);
         let balanced =
-            accelerating_nm.abs() < F::from_f64(BALANCE_NM) && m.applied_torque_nm.abs() < self.trusted_nm && twist_rate.abs() < F::from_f64(BALANCE_RAD_S);
+            accelerating_nm.abs() < F::from_f64(BALANCE_NM) && twist_rate.abs() < F::from_f64(BALANCE_RAD_S);
         self.balanced_periods = if balanced { (self.balanced_periods + 1).min(BALANCED_PERIODS) } else { 0 };
         if !self.load_loop_state.holding && self.balanced_periods == BALANCED_PERIODS {
             self.identification.step(&mut self.estimate, transmitted_nm, lagging_twist, twist_rate);
@@ -158,7 +154,7 @@ impl<F: Real> BrakingCurve<F> {
                 load_error_rad: m.load_position_rad - m.reference_position_rad,
                 motor_error_rad: twist_error,
                 elastic_error_nm: stiffness * twist_error,
-                dead_zone_deviation_rad: self.estimate.dead_zone_deviation_rad(),
+                dead_zone_deviation_rad: self.identification.dead_zone_deviation_rad(&self.estimate),
             },
         }
     }
