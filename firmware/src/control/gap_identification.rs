@@ -158,6 +158,19 @@ mod tests {
     }
 
     #[test]
+    fn deviation_shrinks_with_samples_and_reports_a_spring_that_the_model_excludes() {
+        let deviation = |samples, twist_rad: fn(f64) -> f64| {
+            identification().dead_zone_deviation_rad(&estimate_after(samples, twist_rad))
+        };
+        assert_eq!(deviation(0, |torque| torque), 1.0, "nothing learnt");
+        let few = deviation(400, |torque| torque + 0.1 * torque.signum());
+        let many = deviation(20_000, |torque| torque + 0.1 * torque.signum());
+        assert!(many < 0.005 && few > 3.0 * many, "{few} rad, then {many} rad");
+        assert_eq!(deviation(20_000, |torque| 0.2 * torque), 1.0, "stiffer than the range of the compliance");
+        assert_eq!(deviation(20_000, |torque| 3.0 * torque), 1.0, "softer");
+    }
+
+    #[test]
     fn recursion_equals_the_batch_solution() {
         // The recursion without bounds is the solution of (P0^-1 + sum phi phi' / R) x = P0^-1 x0 + sum phi y / R.
         let twist = |torque: f64| 1.2 * torque.abs() + 0.1 + 0.02 * (17.0 * torque).sin();
