@@ -32,7 +32,8 @@ impl Law {
     const COUNT: usize = 4;
 
     /// In the order of the tables.
-    pub const ALL: [Self; Self::COUNT] = [Self::BEFORE, Self::AFTER, Self::BACKLASH_INVERSE, Self::BRAKING_CURVE];
+    pub const ALL: [Self; Self::COUNT] =
+        [Self::BEFORE, Self::AFTER, Self::BACKLASH_INVERSE, Self::BRAKING_CURVE];
 
     /// The paper's law before compensation.
     pub const BEFORE: Self = Self(0);

@@ -37,7 +37,12 @@ pub(crate) struct Arguments {
     seed: u64,
 
     /// Control laws under test, separated by commas
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "pd,merzouki,backlash-inverse,braking-curve")]
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "pd,merzouki,backlash-inverse,braking-curve"
+    )]
     controller: Vec<Law>,
 
     /// Omit the runs with one quantity varied

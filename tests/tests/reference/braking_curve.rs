@@ -51,7 +51,10 @@ fn weak_drive_arrives_late_but_without_overshoot() {
         let drive_train = DriveTrain { torque_limit_nm, ..DriveTrain::paper() };
         let rows = drive_train.regulate(&drive_train.braking_curve::<f32>());
         let figures = Figures::of(&rows);
-        assert!(figures.settle_s.is_some_and(|settle_s| settle_s < settled_s), "{torque_limit_nm}: {figures:?}");
+        assert!(
+            figures.settle_s.is_some_and(|settle_s| settle_s < settled_s),
+            "{torque_limit_nm}: {figures:?}"
+        );
         assert!(figures.static_error_rad.abs() < 2e-3, "{torque_limit_nm} N m: {figures:?}");
         assert!(figures.hunting_rad < 0.5e-3, "{torque_limit_nm} N m: {figures:?}");
         let lowest = rows.iter().map(|row| row.truth.load_position_rad).fold(f64::MAX, f64::min);

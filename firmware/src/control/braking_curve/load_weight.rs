@@ -73,8 +73,7 @@ impl<F: Real> LoadWeight<F> {
         state.fast |= speed > F::from_f64(FAST_RAD_S);
         if speed > F::from_f64(MOVING_RAD_S) && !state.fast {
             let inertia_kg_m2 = state.impulse_nm_s / velocity;
-            let factor =
-                (inertia_kg_m2 * self.per_tolerated_kg_m2).clamp(F::ONE, F::from_f64(HEAVIEST));
+            let factor = (inertia_kg_m2 * self.per_tolerated_kg_m2).clamp(F::ONE, F::from_f64(HEAVIEST));
             let following = F::from_f64(FOLLOW_RAD_S) * self.period_s;
             state.factor += following.clamp(F::ZERO, F::ONE) * (factor - state.factor);
         }

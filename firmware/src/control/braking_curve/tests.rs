@@ -116,7 +116,12 @@ fn accelerating_motor_does_not_teach_the_gap() {
     // The torque alternates faster than the observer follows: the motor is never balanced for 19 periods.
     for k in 0..40_000 {
         let torque = if k % 20 < 10 { 6.0 } else { 1.0 };
-        let m = Measurement { applied_torque_nm: torque, twist_rad: 3.5, load_position_rad: -0.5, ..Measurement::default() };
+        let m = Measurement {
+            applied_torque_nm: torque,
+            twist_rad: 3.5,
+            load_position_rad: -0.5,
+            ..Measurement::default()
+        };
         assert_eq!(law.step(&m).signals.dead_zone_deviation_rad, 1.0, "sample {k}");
     }
 }

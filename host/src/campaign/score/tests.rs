@@ -71,9 +71,14 @@ fn estimate_scores_where_the_drive_claims_it() {
     let learnt = of(LEARNT_DEVIATION_RAD).value().expect("a claim");
     assert!((learnt - 0.1).abs() < 1e-12, "have {learnt} rad");
     assert_eq!(of(LEARNT_DEVIATION_RAD * 1.001), Score::Missing(MissingReason::NotLearnt));
-    let quantiles = |scores: &[Score]| Quantiles::of(scores.iter().copied()).expect("runs").get(Quantile::Max);
+    let quantiles =
+        |scores: &[Score]| Quantiles::of(scores.iter().copied()).expect("runs").get(Quantile::Max);
     let unclaimed = Score::Missing(MissingReason::NotLearnt);
-    assert_eq!(quantiles(&[Score::Value(0.1), unclaimed]), Score::Value(0.1), "an unclaimed estimate is omitted");
+    assert_eq!(
+        quantiles(&[Score::Value(0.1), unclaimed]),
+        Score::Value(0.1),
+        "an unclaimed estimate is omitted"
+    );
     assert_eq!(quantiles(&[unclaimed]), unclaimed);
 }
 
