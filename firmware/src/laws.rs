@@ -1,6 +1,7 @@
 //! The laws of Lashloop's own drive. A law is a file in [`control`](crate::control) and a line here.
 
 use crate::control::backlash_inverse::BacklashInverse;
+use crate::control::braking_curve::BrakingCurve;
 use crate::control::merzouki::Merzouki;
 use crate::control::merzouki_as_printed::MerzoukiAsPrinted;
 use crate::control::pd::Pd;
@@ -17,5 +18,7 @@ crate::laws! {
         MerzoukiAsPrinted(MerzoukiAsPrinted),
         /// Inversion of the backlash in the torque domain, the gap identified by least squares. Not from the paper.
         BacklashInverse(BacklashInverse),
+        /// That inverse along a braking curve: within a third of the physical limit. Not from the paper.
+        BrakingCurve(BrakingCurve),
     }
 }

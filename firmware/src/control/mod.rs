@@ -1,6 +1,6 @@
 //! The control laws: numbers in, a torque out.
 //!
-//! Everything here but [`backlash_inverse`] follows R. Merzouki, J.C. Cadiou, "Estimation of backlash phenomenon in the
+//! Everything here but [`backlash_inverse`] and [`braking_curve`] follows R. Merzouki, J.C. Cadiou, "Estimation of backlash phenomenon in the
 //! electromechanical actuator", Control Engineering Practice 13 (2005) 973-983, doi:10.1016/j.conengprac.2004.10.016.
 //! Equation numbers are those of the paper. `theta_e` is the motor position, `theta_s` the load position, both in
 //! radians at their own shafts; `z = theta_e - N0 theta_s` is the twist.
@@ -17,6 +17,10 @@
 //! | [`pd`], [`merzouki`] | the cascade before compensation, and after it |
 //! | [`merzouki_as_printed`] | the compensation without lead and free control |
 //! | [`backlash_inverse`] | the gap inverted in the torque domain and identified by least squares; not from the paper |
+//! | [`braking_curve`] | that inverse, led along the braking curve that every plant in a tolerance can follow; not from the paper |
+//! | `load_observer` | load velocity from counts |
+//! | `motor_friction` | direction of the motor's dry friction |
+//! | `gap_identification` | compliance and half gap by recursive least squares |
 //! | [`sensing`] | encoder counts to [`Measurement`] |
 //! | `encoder_channel` | one encoder: wraparound, position, velocity filter |
 //! | `reference_rates` | velocity and acceleration of the reference |
@@ -25,16 +29,20 @@
 //! solvers in `f64`. A law is one value: its constants and its state.
 
 pub mod backlash_inverse;
+pub mod braking_curve;
 pub mod cascade;
 pub mod cascade_signals;
 pub mod dead_zone;
 pub mod dead_zone_observer;
 mod encoder_channel;
 pub mod feed_forward;
+mod gap_identification;
+mod load_observer;
 mod measurement;
 pub mod merzouki;
 pub mod merzouki_as_printed;
 pub mod momentum_observer;
+mod motor_friction;
 pub mod nominal_model;
 mod parameter_error;
 pub mod pd;

@@ -28,6 +28,8 @@ pub trait Real: Copy + PartialOrd + Field + Scalar {
     fn tanh(self) -> Self;
     /// e to the power of the value, minus one, accurate near zero.
     fn exp_m1(self) -> Self;
+    /// Square root, correctly rounded.
+    fn sqrt(self) -> Self;
     /// Magnitude.
     fn abs(self) -> Self;
 
@@ -55,7 +57,7 @@ pub trait Real: Copy + PartialOrd + Field + Scalar {
 }
 
 macro_rules! real {
-    ($float:ident, $tanh:path, $exp_m1:path, $abs:path) => {
+    ($float:ident, $tanh:path, $exp_m1:path, $sqrt:path, $abs:path) => {
         impl Real for $float {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -78,6 +80,9 @@ macro_rules! real {
             fn exp_m1(self) -> Self {
                 $exp_m1(self)
             }
+            fn sqrt(self) -> Self {
+                $sqrt(self)
+            }
             fn abs(self) -> Self {
                 $abs(self)
             }
@@ -85,8 +90,8 @@ macro_rules! real {
     };
 }
 
-real!(f32, libm::tanhf, libm::expm1f, libm::fabsf);
-real!(f64, libm::tanh, libm::expm1, libm::fabs);
+real!(f32, libm::tanhf, libm::expm1f, libm::sqrtf, libm::fabsf);
+real!(f64, libm::tanh, libm::expm1, libm::sqrt, libm::fabs);
 
 /// Gain alpha of a first-order lag of `rate` (1/s) over `time` (s) with a held input: `1 - e^(-rate time)`.
 pub(crate) fn alpha<F: Real>(rate: F, time: F) -> F {

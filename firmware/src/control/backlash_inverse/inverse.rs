@@ -1,13 +1,13 @@
 //! The law: transmitted torque to motor torque, across the gap.
 
 use super::gains::BacklashInverseGains;
-use super::identification::{Estimate, GAP_PROCESS_NOISE_RAD2, Identification};
 use super::load_loop::{LoadLoop, LoadLoopState};
-use super::load_observer::{LoadObserver, LoadObserverState};
-use super::motor_friction::MotorFriction;
 use crate::control::cascade_signals::CascadeSignals;
 use crate::control::dead_zone_observer::DeadZoneBounds;
+use crate::control::gap_identification::{Estimate, GAP_PROCESS_NOISE_RAD2, Identification};
+use crate::control::load_observer::{LoadObserver, LoadObserverState};
 use crate::control::momentum_observer::{MomentumObserver, MomentumObserverPole};
+use crate::control::motor_friction::MotorFriction;
 use crate::control::nominal_model::NominalModel;
 use crate::control::real::alpha;
 use crate::control::{ControlOutput, Measurement, ParameterError, Real};

@@ -18,16 +18,10 @@
 //! | `gains` | gains and limits to tune |
 //! | `inverse` | the law |
 //! | `load_loop` | proportional and proportional-integral loop of the load, with a hold on arrival |
-//! | `load_observer` | load velocity from counts |
-//! | `motor_friction` | direction of the motor's dry friction |
-//! | `identification` | kappa and j_hat by recursive least squares |
 
 mod gains;
-mod identification;
 mod inverse;
 mod load_loop;
-mod load_observer;
-mod motor_friction;
 #[cfg(test)]
 mod tests;
 

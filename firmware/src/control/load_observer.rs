@@ -19,7 +19,7 @@ use crate::control::nominal_model::NominalModel;
 
 /// The observer with its constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct LoadObserver<F> {
+pub(in crate::control) struct LoadObserver<F> {
     ratio: F,
     friction_nm_s_rad: F,
     per_inertia: F,
@@ -31,7 +31,7 @@ pub(super) struct LoadObserver<F> {
 
 /// State of the observer.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct LoadObserverState<F> {
+pub(in crate::control) struct LoadObserverState<F> {
     position_rad: F,
     /// Measured minus observed position in rad.
     error_rad: F,
@@ -39,9 +39,28 @@ pub(super) struct LoadObserverState<F> {
     disturbance_nm: F,
 }
 
+/// The load as observed at one sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::control) struct ObservedLoad<F> {
+    /// Load velocity in rad/s.
+    pub(in crate::control) velocity_rad_s: F,
+    /// Torque against a positive motion in N m at the load: dry friction and load torque.
+    pub(in crate::control) disturbance_nm: F,
+    /// Transmitted torque at the motor in N m.
+    pub(in crate::control) transmitted_nm: F,
+}
+
+impl<F: Real> LoadObserverState<F> {
+    /// The load after the last sample, which came with this transmitted torque.
+    pub(in crate::control) fn observed(&self, transmitted_nm: F) -> ObservedLoad<F> {
+        let (velocity_rad_s, disturbance_nm) = (self.velocity_rad_s, self.disturbance_nm);
+        ObservedLoad { velocity_rad_s, disturbance_nm, transmitted_nm }
+    }
+}
+
 impl<F: Real> LoadObserver<F> {
     /// An observer of the load of `model` with its poles at `-pole_rad_s`.
-    pub(super) fn new(model: &NominalModel<F>, pole_rad_s: F, period_s: F) -> Self {
+    pub(in crate::control) fn new(model: &NominalModel<F>, pole_rad_s: F, period_s: F) -> Self {
         let (three, pole) = (F::from_f64(3.0), pole_rad_s);
         let decay = model.load_friction_nm_s_rad / model.load_inertia_kg_m2;
         let position_gain = three * pole - decay;
@@ -57,7 +76,7 @@ impl<F: Real> LoadObserver<F> {
     }
 
     /// The state for a load at rest.
-    pub(super) fn initial_state(position_rad: F) -> LoadObserverState<F> {
+    pub(in crate::control) fn initial_state(position_rad: F) -> LoadObserverState<F> {
         LoadObserverState {
             position_rad,
             error_rad: F::ZERO,
@@ -67,7 +86,12 @@ impl<F: Real> LoadObserver<F> {
     }
 
     /// Load velocity in rad/s after this sample.
-    pub(super) fn step(&self, state: &mut LoadObserverState<F>, position_rad: F, transmitted_nm: F) -> F {
+    pub(in crate::control) fn step(
+        &self,
+        state: &mut LoadObserverState<F>,
+        position_rad: F,
+        transmitted_nm: F,
+    ) -> F {
         let error = state.error_rad + (position_rad - state.position_rad);
         let velocity = state.velocity_rad_s;
         let driving_nm =

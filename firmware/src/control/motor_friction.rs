@@ -13,19 +13,19 @@ const TURNOVER_RAD: f64 = 0.02;
 
 /// State: the position, and the fraction of the dry friction from -1 to 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct MotorFriction<F> {
+pub(in crate::control) struct MotorFriction<F> {
     position_rad: F,
     fraction: F,
 }
 
 impl<F: Real> MotorFriction<F> {
     /// A motor at this position without friction.
-    pub(super) fn at(position_rad: F) -> Self {
+    pub(in crate::control) fn at(position_rad: F) -> Self {
         Self { position_rad, fraction: F::ZERO }
     }
 
     /// Fraction of the dry friction at this position, positive against motion in the positive sense.
-    pub(super) fn step(&mut self, position_rad: F) -> F {
+    pub(in crate::control) fn step(&mut self, position_rad: F) -> F {
         let moved = position_rad - self.position_rad;
         self.position_rad = position_rad;
         self.fraction = (self.fraction + moved * F::from_f64(1.0 / TURNOVER_RAD)).clamp(-F::ONE, F::ONE);
