@@ -1,0 +1,18 @@
+"""Values of the plant `backlash-shaft`: its keys in scenarios, in capitals, with their defaults. A test compares them with the product's."""
+
+LOAD_INERTIA_KG_M2 = 7.5
+LOAD_FRICTION_NM_S_RAD = 16.0
+MOTOR_INERTIA_KG_M2 = 9.72e-4
+MOTOR_FRICTION_NM_S_RAD = 4.3e-4
+REDUCTION_RATIO = 3.0
+STIFFNESS_NM_RAD = 1.0
+DEAD_ZONE_RAD = 0.16
+SHAFT_DAMPING_NM_S_RAD = 3.1e-3
+LOAD_COULOMB_NM = 3.4
+LOAD_STICTION_NM = 3.82
+LOAD_STRIBECK_RAD_S = 0.03
+MOTOR_COULOMB_NM = 0.02
+MOTOR_STICTION_NM = 0.025
+MOTOR_STRIBECK_RAD_S = 0.2
+CURRENT_LAG_MS = 0.5
+TORQUE_DELAY_US = 1000
