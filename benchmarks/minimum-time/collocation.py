@@ -171,14 +171,17 @@ class Movement:
         if not leg.sticks:
             opti.subject_to(node[LOAD_SPEED] <= 0)
 
-    def solve(self, last_of_time):
-        """Minimises the time up to the end of the leg of this name; the legs by name, or None without a solution."""
+    def solve(self, last_of_time, warm):
+        """Minimises the time up to the end of the leg of this name; the legs by name, or None without a solution.
+
+        `warm`: the guess is near a solution, so that the barrier begins low.
+        """
         durations = [duration for _, duration, *_ in self.legs]
         counted = 1 + [name for name, *_ in self.legs].index(last_of_time)
         # The weight of what follows makes the solution unique. It costs less than a microsecond.
         self.opti.minimize(sum(durations[:counted]) + 1e-6 * sum(durations[counted:]))
-        options = {"print_level": 0, "max_iter": 3000, "tol": 1e-8, "sb": "yes"}
-        self.opti.solver("ipopt", {"print_time": False}, options)
+        options = {"print_level": 0, "max_iter": 500, "tol": 1e-8, "sb": "yes", "mu_init": 1e-4 if warm else 0.1}
+        self.opti.solver("ipopt", {"print_time": False, "expand": True}, options)
         try:
             solution = self.opti.solve()
         except RuntimeError:

@@ -55,17 +55,13 @@ def in_band(x):
     return [x[LOAD] == BAND_RAD]
 
 
-def stops(lowest_rad, highest_rad):
+def stops(lowest_rad):
     return lambda x: [
         x[LOAD_SPEED] == 0,
         x[LOAD] >= lowest_rad,
-        x[LOAD] <= highest_rad,
+        x[LOAD] <= BAND_RAD,
         N0 * transmitted(x, 1) <= STICTION_NM,
     ]
-
-
-def motor_rests(x):
-    return [x[MOTOR_SPEED] == 0]
 
 
 def sequences():
@@ -74,19 +70,15 @@ def sequences():
     wind = Leg("wind", -1, sticks=True, end=breaks_loose)
     accelerate = Leg("accelerate", -1, sticks=False, end=opens(-1))
     cross = Leg("cross", 0, sticks=False, end=at_flank(1))
-    brake = Leg("brake", 1, sticks=False, end=stops(-BAND_RAD, BAND_RAD))
-    hold = Leg("hold", 1, sticks=True, end=motor_rests)
-    release = Leg("release", 1, sticks=True, end=opens(1))
-    free = Leg("free", 0, sticks=True, end=motor_rests)
-    stop = replace(brake, name="stop", end=stops(-OVERSHOOT_RAD, BAND_RAD))
-    start, end = [gap, wind], [release, free]
-    yield "rest", "held by a flank", [*start, accelerate, cross, brake, hold], "hold"
-    yield "rest", "in the gap", [*start, accelerate, cross, brake, *end], "free"
+    brake = Leg("brake", 1, sticks=False, end=stops(-BAND_RAD))
+    hold = Leg("hold", 1, sticks=True, end=lambda x: [x[MOTOR_SPEED] == 0])
+    stop = replace(brake, name="stop", end=stops(-OVERSHOOT_RAD))
+    yield "rest", "braking", [gap, wind, accelerate, cross, brake, hold], "hold"
     entering = [replace(leg, end=in_band) for leg in (accelerate, cross, brake)]
     inside = [replace(leg, name=f"{leg.name} in band") for leg in (accelerate, cross)]
-    yield "settle", "braking", [*start, accelerate, cross, entering[2], stop, *end], "brake"
-    yield "settle", "in the gap", [*start, accelerate, entering[1], inside[1], stop, *end], "cross"
-    yield "settle", "accelerating", [*start, entering[0], *inside, stop, *end], "accelerate"
+    yield "settle", "braking", [gap, wind, accelerate, cross, entering[2], stop], "brake"
+    yield "settle", "crossing", [gap, wind, accelerate, entering[1], inside[1], stop], "cross"
+    yield "settle", "accelerating", [gap, wind, entering[0], *inside, stop], "accelerate"
 
 
 # Duration, load position and speed at the end of each leg, for 20 N m.
@@ -96,10 +88,8 @@ GUESSES = {
     "accelerate": (0.5, 0.5, -2.5),
     "cross": (0.02, 0.45, -2.5),
     "brake": (0.3, 0.05, -1.25),
-    "stop": (0.1, 0.0, -0.3),
     "hold": (0.01, 0.0, 0.0),
-    "release": (0.01, 0.0, 0.0),
-    "free": (0.01, 0.0, 0.0),
+    "stop": (0.1, 0.0, -0.3),
 }
 
 
@@ -136,11 +126,11 @@ def top_speed_rad_s(torque_limit_nm):
     return (N0 * torque_limit_nm - plant.LOAD_COULOMB_NM) / plant.LOAD_FRICTION_NM_S_RAD
 
 
-def solve(torque_limit_nm, intervals, legs, timed, guess):
+def solve(torque_limit_nm, intervals, legs, timed, guess, warm):
     movement = Movement(torque_limit_nm, intervals)
     for leg in legs:
         movement.add(leg, guess[leg.name])
-    return movement.solve(timed)
+    return movement.solve(timed, warm)
 
 
 def minimum_s(solution, timed):
@@ -198,10 +188,10 @@ class Study:
         """Minimum on both meshes and the solution on the finer one; None without a solution."""
         known, at_limit_nm = self.known.get((target, sequence)) or self.known.get(target) or ({}, torque_limit_nm)
         stretch = top_speed_rad_s(at_limit_nm) / top_speed_rad_s(torque_limit_nm)
-        coarse = solve(torque_limit_nm, self.intervals, legs, timed, guess_of(legs, known, stretch))
+        coarse = solve(torque_limit_nm, self.intervals, legs, timed, guess_of(legs, known, stretch), warm=bool(known))
         if coarse is None:
             return None
-        fine = solve(torque_limit_nm, 2 * self.intervals, legs, timed, coarse)
+        fine = solve(torque_limit_nm, 2 * self.intervals, legs, timed, coarse, warm=True)
         if fine is None:
             return None
         self.known[target, sequence] = self.known[target] = coarse, torque_limit_nm
