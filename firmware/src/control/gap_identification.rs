@@ -22,6 +22,10 @@ const DEVIATION_SCALE: f64 = 0.12;
 /// Growth of the half gap's variance per sample in rad^2, up to the initial variance. The estimate follows wear within
 /// some ten seconds of contact.
 pub(in crate::control) const GAP_PROCESS_NOISE_RAD2: f64 = 1e-7;
+/// Fraction of a sample's misfit in the mean of the last ones, and the misfit's weight in the deviation. A spring that fits the
+/// model misses by some 15 mrad; one wound with less torque than commanded, by 60 mrad and more.
+const MISFIT_FRACTION: f64 = 0.01;
+const MISFIT_WEIGHT: f64 = 0.27;
 /// Range of the compliance relative to the nominal one.
 const COMPLIANCE_RANGE: (f64, f64) = (0.5, 2.0);
 /// Largest rate of the twist in rad/s at which a sample counts.
@@ -48,6 +52,8 @@ pub(in crate::control) struct Estimate<F: Real> {
     /// Compliance in rad/(N m), half gap in rad.
     parameters: Vector2<F>,
     covariance: Matrix2<F>,
+    /// Mean distance in rad of the last samples from the twist that the estimates predicted.
+    misfit_rad: F,
 }
 
 impl<F: Real> Estimate<F> {
@@ -70,6 +76,7 @@ impl<F: Real> Identification<F> {
         Estimate {
             parameters: Vector2::new(nominal, self.initial_rad),
             covariance: Matrix2::new(variance * nominal * nominal, F::ZERO, F::ZERO, variance),
+            misfit_rad: F::ZERO,
         }
     }
 
@@ -90,17 +97,17 @@ impl<F: Real> Identification<F> {
         }
     }
 
-    /// Standard deviation of j_hat in rad by the samples alone, without the prior value; one radian when nothing is learnt. A
-    /// compliance at a bound of its range also counts as nothing: samples that contradict the model, such as those of a motor
-    /// with less torque than commanded, lead there.
+    /// Standard deviation of j_hat in rad by the samples alone, without the prior value; one radian when nothing is learnt.
+    /// Samples that contradict the model, such as those of a motor with less torque than commanded, add their misfit.
     pub(in crate::control) fn dead_zone_deviation_rad(&self, estimate: &Estimate<F>) -> F {
-        let (compliance, variance) = (estimate.parameters.x, estimate.covariance.m22);
-        let (low, high) = COMPLIANCE_RANGE;
-        let (low, high) = (F::from_f64(low) * self.nominal_rad_nm, F::from_f64(high) * self.nominal_rad_nm);
+        let variance = estimate.covariance.m22;
         let samples = F::ONE - variance / F::from_f64(INITIAL_VARIANCE);
-        let largest = F::from_f64(1.0 / (DEVIATION_SCALE * DEVIATION_SCALE));
-        let learns = samples * largest > variance && low < compliance && compliance < high;
-        F::from_f64(DEVIATION_SCALE) * (if learns { variance / samples } else { largest }).sqrt()
+        let scale = F::from_f64(DEVIATION_SCALE * DEVIATION_SCALE);
+        if samples <= variance * scale {
+            return F::ONE;
+        }
+        let misfit = F::from_f64(MISFIT_WEIGHT) * estimate.misfit_rad;
+        (scale * variance / samples + misfit * misfit).sqrt()
     }
 
     fn update(&self, estimate: &mut Estimate<F>, torque_nm: F, twist_rad: F) {
@@ -108,6 +115,7 @@ impl<F: Real> Identification<F> {
         let spread = estimate.covariance * regressor;
         let gain = spread / (F::from_f64(SAMPLE_VARIANCE_RAD2) + regressor.dot(&spread));
         let error = twist_rad - estimate.parameters.dot(&regressor);
+        estimate.misfit_rad += F::from_f64(MISFIT_FRACTION) * (error.abs() - estimate.misfit_rad);
         estimate.covariance -= gain * spread.transpose();
         estimate.parameters += gain * error;
         if estimate.covariance.m22 < F::from_f64(INITIAL_VARIANCE) {
@@ -155,6 +163,23 @@ mod tests {
         let (compliance, gap) = (estimate.compliance_rad_nm(), estimate.dead_zone_rad());
         assert!((compliance - 1.3).abs() < 2e-3, "have {compliance} rad/(N m), want 1.3");
         assert!((gap - 0.1).abs() < 4e-3, "have {gap} rad, want 0.1");
+    }
+
+    #[test]
+    fn deviation_shrinks_with_samples_and_grows_with_their_misfit() {
+        let deviation = |samples, twist_rad: fn(f64) -> f64| {
+            identification().dead_zone_deviation_rad(&estimate_after(samples, twist_rad))
+        };
+        assert_eq!(deviation(0, |torque| torque), 1.0, "nothing learnt");
+        let few = deviation(400, |torque| torque + 0.1 * torque.signum());
+        let many = deviation(20_000, |torque| torque + 0.1 * torque.signum());
+        assert!(many < 0.005 && few > 3.0 * many, "{few} rad, then {many} rad");
+        let stiff = deviation(20_000, |torque| 0.2 * torque);
+        let limited = deviation(20_000, |torque| torque.clamp(-1.0, 1.0) + 0.1 * torque.signum());
+        assert!(
+            stiff > 0.05 && limited > 0.05,
+            "{stiff} rad beyond the compliance's range, {limited} rad at 1 N m"
+        );
     }
 
     #[test]

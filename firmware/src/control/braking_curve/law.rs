@@ -20,6 +20,9 @@ const BALANCED_PERIODS: u32 = 19;
 const BALANCE_NM: f64 = 0.6;
 const BALANCE_RAD_S: f64 = 4.0;
 
+/// Largest `dead_zone_deviation_rad` in rad with which the law claims to have learnt the gap.
+pub const LEARNT_DEVIATION_RAD: f64 = 0.015;
+
 /// What the law needs of the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BrakingCurveSetting<F> {
