@@ -1,8 +1,8 @@
-//! `docs/laws.md` against the product: minimum times, settling times of the laws, and their constants.
+//! `docs/laws.md` against the product: minimum times, settling times, parameters and constants of the laws.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use lashloop::{Bench, run};
 use lashloop_firmware::Laws;
@@ -11,115 +11,141 @@ use lashloop_plant::{PlantValue, Plants};
 use regex_lite::Regex;
 use tests::workspace;
 
-use crate::markdown::rows;
+use crate::markdown::table;
 
-const MINIMUM_TIME: &str = "benchmarks/minimum-time";
-/// Keys of the plant without effect on a movement in one direction, or varied.
-const UNUSED: [&str; 3] = ["substeps", "load_friction_asymmetry", "torque_saturation_nm"];
+/// Numbers of the plant that a movement in one direction leaves without effect, and the one that the study varies.
+const UNUSED: [&str; 5] = [
+    "substeps",
+    "load_friction_asymmetry",
+    "bristle_stiffness_nm_rad",
+    "bristle_damping_nm_s_rad",
+    "torque_saturation_nm",
+];
 
-fn read(path: impl AsRef<Path>) -> String {
-    let path = workspace().join(path);
-    fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+fn read(path: &str) -> String {
+    fs::read_to_string(workspace().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
 fn page() -> String {
     read("docs/laws.md")
 }
 
-/// The minima of the script: torque limit, at rest, settled.
+/// Torque limit in N m, minimum settled and minimum at rest in s, as the script wrote them.
 fn minima() -> Vec<[String; 3]> {
-    let text = read(format!("{MINIMUM_TIME}/minimum-time.csv"));
-    let mut table = csv::Reader::from_reader(text.as_bytes());
-    let header = table.headers().expect("a header").clone();
-    let columns = ["torque_limit_nm", "rest_s", "settle_s"]
+    let text = read("benchmarks/minimum-time/minimum-time.csv");
+    let mut minima = csv::Reader::from_reader(text.as_bytes());
+    let header = minima.headers().expect("a header").clone();
+    let columns = ["torque_limit_nm", "settle_s", "rest_s"]
         .map(|name| header.iter().position(|column| column == name).expect("the column of a minimum"));
-    let records = table.records().map(|record| record.expect("a row"));
-    records.map(|record| columns.map(|column| record[column].to_owned())).collect()
+    let rows = minima.records().map(|row| row.expect("a row"));
+    rows.map(|row| columns.map(|column| row[column].to_owned())).collect()
 }
 
 #[test]
-fn minimum_times_are_of_the_plant_of_the_product() {
+fn minimum_times_are_those_of_the_plant_of_the_product() {
     let constant = Regex::new(r"(?m)^([A-Z0-9_]+) = (.+)$").expect("a pattern");
-    let script = read(format!("{MINIMUM_TIME}/plant_values.py"));
-    let have: BTreeMap<String, f64> = (constant.captures_iter(&script))
+    let script = read("benchmarks/minimum-time/plant_values.py");
+    let have: BTreeMap<String, f64> = constant
+        .captures_iter(&script)
         .map(|found| (found[1].to_lowercase(), found[2].parse().expect("a number")))
         .collect();
     let plants = Plants::standard();
     let model = plants.get("backlash-shaft").expect("the plant of the study");
-    let defaults = model.defaults();
-    let mut want = BTreeMap::new();
-    for key in model.keys().iter().filter(|key| !UNUSED.contains(&key.name)) {
-        match defaults.get(key.name) {
-            Some(PlantValue::Number(number)) => want.insert(key.name.to_owned(), *number),
-            Some(PlantValue::Integer(integer)) => want.insert(key.name.to_owned(), *integer as f64),
-            _ => None,
-        };
-    }
-    want.retain(|key, _| !key.starts_with("bristle_"));
+    let number = |value| match value {
+        PlantValue::Number(number) => Some(number),
+        PlantValue::Integer(integer) => Some(integer as f64),
+        _ => None,
+    };
+    let used = model.keys().iter().filter(|key| !UNUSED.contains(&key.name));
+    let want: BTreeMap<String, f64> = used
+        .filter_map(|key| Some((key.name.to_owned(), key.default_value().and_then(number)?)))
+        .collect();
     assert_eq!(have, want);
 }
 
 #[test]
 fn documented_minimum_times_are_those_of_the_script() {
-    let documented: Vec<_> = rows(&page(), "torque limit, N m").into_iter().map(|row| row[..3].to_vec()).collect();
-    assert_eq!(documented, minima().map(|row| row.to_vec()));
+    let documented = table(&page(), "torque limit, N m");
+    let have: Vec<_> = documented.iter().map(|row| &row[..3]).collect();
+    assert_eq!(have, minima());
 }
 
 #[test]
-fn documented_settling_times_and_ratios_are_those_of_the_laws() {
+fn documented_ratios_to_the_limit_are_those_of_the_laws() {
     let bench = Bench::new();
     let device = bench.device("inproc").expect("the drive in process");
-    let table = rows(&page(), "N m");
-    let minima = minima();
-    assert_eq!(table.len(), minima.len());
-    for (row, [limit_nm, rest_s, settle_s]) in table.iter().zip(&minima) {
-        let mut want = vec![limit_nm.clone()];
-        for law in ["merzouki", "backlash-inverse", "braking-curve"] {
-            let limits = ["plant.torque_saturation_nm", "controller.parameters.torque_limit_nm"]
-                .map(|key| format!("{key}={limit_nm}"));
-            let mut settings: Vec<&str> = limits.iter().map(String::as_str).collect();
-            settings.push("expect=[]");
-            let path = workspace().join(format!("scenarios/shaft-{law}.toml"));
-            let scenario = bench.scenario(path, &settings).expect("the scenario of the law");
-            let outcome = run(&scenario, &device).expect("a run");
-            let have_s = outcome.metric("settle_time_s").expect("the law settles");
-            let [rest_s, settle_s] = [rest_s, settle_s].map(|minimum| minimum.parse::<f64>().expect("a time"));
-            want.push(format!("{have_s:.2} s: {:.2} ({:.2})", have_s / settle_s, have_s / rest_s));
-        }
-        assert_eq!(row, &want);
+    let settle_s = |law: &str, limit_nm: &str| {
+        let settings = [
+            format!("plant.torque_saturation_nm={limit_nm}"),
+            format!("controller.parameters.torque_limit_nm={limit_nm}"),
+            "expect=[]".to_owned(),
+        ];
+        let path = workspace().join(format!("scenarios/shaft-{law}.toml"));
+        let scenario = bench.scenario(path, &settings.each_ref().map(String::as_str)).expect("a scenario");
+        run(&scenario, &device).expect("a run").metric("settle_time_s").expect("the law settles")
+    };
+    let mut want = Vec::new();
+    for [limit_nm, settled, at_rest] in minima() {
+        let [settled_s, at_rest_s] = [settled, at_rest].map(|minimum| minimum.parse::<f64>().expect("a time"));
+        let mut row = vec![limit_nm.clone()];
+        row.extend(["merzouki", "backlash-inverse", "braking-curve"].map(|law| {
+            let time_s = settle_s(law, &limit_nm);
+            format!("{time_s:.2} s, {:.2} ({:.2})", time_s / settled_s, time_s / at_rest_s)
+        }));
+        want.push(row);
     }
+    assert_eq!(table(&page(), "N m"), want);
 }
 
 #[test]
-fn every_constant_of_a_law_is_documented_with_its_value() {
-    let constant = Regex::new(r"const ([A-Z0-9_]+): (?:f64|u32) = ([^;]+);").expect("a pattern");
+fn every_constant_of_the_laws_is_documented_with_its_value() {
+    let constant =
+        Regex::new(r"\bconst ([A-Z0-9_]+): (?:f64|u32|\(f64, f64\)) = ([^;]+);").expect("a pattern");
     let mut want = BTreeSet::new();
     for path in sources(&workspace().join("firmware/src/control")) {
         let text = fs::read_to_string(&path).expect("a source of the laws");
-        let product = text.split("#[cfg(test)]").next().unwrap_or_default();
+        let product = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
         want.extend(constant.captures_iter(product).map(|found| (found[1].to_owned(), found[2].to_owned())));
     }
-    let table = rows(&page(), "constant");
-    let have: BTreeSet<_> = table.iter().map(|row| (row[0].clone(), row[1].clone())).collect();
-    assert_eq!(have, want, "constants of firmware/src/control, and the table of docs/laws.md");
+    let rows = table(&page(), "constant");
+    let have: BTreeSet<_> = rows.iter().map(|row| (row[0].clone(), row[1].clone())).collect();
+    assert_eq!(have, want);
 }
 
-/// The Rust files below a folder, without those of tests.
-fn sources(folder: &Path) -> Vec<std::path::PathBuf> {
+/// The Rust files below a folder, those of tests left out.
+fn sources(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).expect("a folder of laws").map(|entry| entry.expect("an entry").path());
     let (folders, files): (Vec<_>, Vec<_>) = entries.partition(|path| path.is_dir());
     let files = files.into_iter().filter(|path| path.file_name().is_none_or(|name| name != "tests.rs"));
     files.chain(folders.iter().flat_map(|folder| sources(folder))).collect()
 }
 
+/// Parameters and defaults in the tables of parameters of a piece of the page.
+fn documented_parameters(text: &str) -> BTreeSet<(String, String)> {
+    let row = Regex::new(r"(?m)^\| [^|`]*\| `([a-z0-9_]+)` \| ([^|]+) \|").expect("a pattern");
+    row.captures_iter(text).map(|found| (found[1].to_owned(), found[2].to_owned())).collect()
+}
+
 #[test]
-fn every_parameter_of_a_law_is_named_in_its_section() {
+fn every_parameter_of_the_laws_is_documented_with_its_default() {
     let page = page();
-    for (index, law) in Laws::NAMES.iter().enumerate() {
-        let (_, section) = page.split_once(&format!("\n## {law}\n")).unwrap_or_else(|| panic!("no section {law}"));
-        let section = section.split("\n## ").next().unwrap_or(section);
+    let (laws, _) = page.split_once("\n## Fixed constants\n").expect("the end of the laws");
+    let own = Laws::PARAMETERS.iter().skip_while(|parameter| parameter.name != "load_filter_rad_s").skip(1);
+    let mut want: BTreeSet<_> =
+        own.map(|parameter| (parameter.name.to_owned(), parameter.range.default().to_string())).collect();
+    want.insert(("reduction_ratio".to_owned(), "3".to_owned()));
+    assert_eq!(documented_parameters(laws), want);
+}
+
+#[test]
+fn parameters_of_one_law_are_in_its_section() {
+    let page = page();
+    for (index, name) in Laws::NAMES.iter().enumerate() {
+        let (_, section) = page.split_once(&format!("\n## {name}\n")).unwrap_or_else(|| panic!("no {name}"));
+        let documented = documented_parameters(section.split("\n## ").next().unwrap_or(section));
         for parameter in Laws::PARAMETERS.iter().filter(|parameter| parameter.laws == 1 << index) {
-            assert!(section.contains(&format!("`{}`", parameter.name)) || section.contains(parameter.name), "{law}: {}", parameter.name);
+            let row = (parameter.name.to_owned(), parameter.range.default().to_string());
+            assert!(documented.contains(&row), "{name}: {row:?}");
         }
     }
 }
