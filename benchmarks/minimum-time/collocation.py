@@ -1,7 +1,7 @@
-"""Direct collocation of a movement of the plant `backlash-shaft`: legs with one contact each, one after the other, of free duration.
+"""Direct collocation of a movement of the plant `backlash-shaft`: successive legs with one contact each.
 
-The equations are those of docs/model.md. State: load position and speed, motor position and speed, position in the gap, torque of the
-motor. The command of the torque is constant over each interval; the states are polynomials through Radau points.
+The equations are those of docs/model.md. State: load position and speed, motor position and speed, position in the gap,
+torque of the motor. The torque command is constant over each interval; states are polynomials through Radau points.
 """
 
 from collections.abc import Callable
@@ -10,6 +10,7 @@ from math import ceil, pi
 
 import casadi
 import numpy
+
 import plant_values as plant
 
 START = [pi / 2, 0.0, 3 * pi / 2, 0.0, 0.0, 0.0]
@@ -17,7 +18,7 @@ STATES = 6
 LOAD, LOAD_SPEED, MOTOR, MOTOR_SPEED, GAP_POSITION, TORQUE = range(STATES)
 
 MOTOR_SPEED_LIMIT_RAD_S = 1000.0
-# Collocation needs dry friction of the motor without a jump: its sign changes over this speed. The friction is 0.02 N m.
+# Collocation needs dry friction of the motor without a jump, here of 0.02 N m: its sign changes over this speed.
 MOTOR_SIGN_WIDTH_RAD_S = 0.5
 DEGREE = 3
 # An interval is short compared with 0.2 s, the period of the motor on the shaft.
@@ -72,9 +73,7 @@ def rates(x, torque_nm, leg):
     if leg.sticks:
         load_acceleration = 0
     else:
-        dry = -stribeck(
-            x[LOAD_SPEED], plant.LOAD_COULOMB_NM, plant.LOAD_STICTION_NM, plant.LOAD_STRIBECK_RAD_S
-        )
+        dry = -stribeck(x[LOAD_SPEED], plant.LOAD_COULOMB_NM, plant.LOAD_STICTION_NM, plant.LOAD_STRIBECK_RAD_S)
         viscous = plant.LOAD_FRICTION_NM_S_RAD * x[LOAD_SPEED]
         load_acceleration = (plant.REDUCTION_RATIO * shaft - viscous - dry) / plant.LOAD_INERTIA_KG_M2
     motor_dry = casadi.tanh(x[MOTOR_SPEED] / MOTOR_SIGN_WIDTH_RAD_S) * stribeck(

@@ -1,17 +1,18 @@
 """Minimum time for the plant `backlash-shaft`, the reference for the settling times of the control laws.
 
-The plant of docs/model.md moves its load from pi/2 to 0, from rest. The drive's torque U, within +-U_max, is the only input. Each leg
-of the movement has one contact and a free duration; its states are found by direct collocation. Two minima are computed:
+The plant of docs/model.md moves its load from pi/2 to 0, from rest. The drive's torque U, within +-U_max, is the only
+input. Each leg of the movement has one contact and a free duration; direct collocation finds its states. Two minima:
 
-rest    the load rests within 0.05 rad of its target, and the motor rests too
-settle  the load enters the band of 0.05 rad for good, overshoots by at most 5 mrad, and comes to rest: the metric `settle_time_s`
+rest    load and motor rest, the load within 0.05 rad of its target
+settle  the load enters 0.05 rad for good, overshoots by at most 5 mrad, and comes to rest: the metric `settle_time_s`
 
-Both count from the first sample, so that they hold the delay of the torque. A controller also has a sampling period, quantised encoders
-and unknown parameters; here all is known and U may change at any time. Each minimum is a local one of several sequences of contacts:
-a faster movement with other contacts is not excluded.
+Both count from the first sample and contain the delay of the torque. A controller also has a sampling period, quantised
+encoders and unknown parameters; here all is known and U may change at any time. Minima are local: a faster movement
+with other contacts is not excluded.
 
-Every solution is computed on two meshes and simulated by an integrator of its own, simulation.py. The table has the finer mesh's
-minimum, its difference to the coarser, and the largest difference of the load's position between solution and simulation.
+Every solution is computed on two meshes and simulated by an integrator of its own, simulation.py. The table has the
+minimum on the finer mesh, its difference to the coarser one, and the largest difference of the load's position between
+solution and simulation.
 
     pip install -r requirements.txt
     python minimum_time.py --out minimum-time.csv
@@ -26,9 +27,22 @@ from math import pi
 from pathlib import Path
 
 import numpy
+
 import plant_values as plant
 import simulation
-from collocation import LOAD, LOAD_SPEED, MOTOR_SPEED, GAP_POSITION, START, STATES, Leg, LegSolution, Movement, transmitted
+from collocation import (
+    GAP_POSITION,
+    LOAD,
+    LOAD_SPEED,
+    MOTOR,
+    MOTOR_SPEED,
+    START,
+    STATES,
+    Leg,
+    LegSolution,
+    Movement,
+    transmitted,
+)
 
 BAND_RAD = 0.05
 OVERSHOOT_RAD = 0.005
@@ -67,7 +81,11 @@ def stops(lowest_rad):
 
 
 def sequences():
-    """(target, sequence, legs, leg at whose end the time is taken). A target's later sequences enter the band with later contacts."""
+    """Target, sequence, legs, and the leg at whose end the time is taken.
+
+    With little torque friction stops the load within the band: it enters while the motor still crosses the gap, or
+    still accelerates.
+    """
     gap = Leg("gap", 0, sticks=True, end=at_flank(-1))
     wind = Leg("wind", -1, sticks=True, end=breaks_loose)
     accelerate = Leg("accelerate", -1, sticks=False, end=opens(-1))
@@ -104,7 +122,7 @@ def first_guess(legs):
         states[LOAD] = [load, end]
         states[LOAD_SPEED] = speed
         shaft = leg.contact * (HALF_GAP + 1.0)
-        states[2] = N0 * states[LOAD] + shaft
+        states[MOTOR] = N0 * states[LOAD] + shaft
         states[MOTOR_SPEED] = N0 * speed
         states[GAP_POSITION] = leg.contact * HALF_GAP
         solution[leg.name] = LegSolution(duration_s, numpy.array([0.0, 1.0]), states, numpy.zeros(1))
@@ -113,7 +131,7 @@ def first_guess(legs):
 
 
 def guess_of(legs, known, stretch):
-    """The nearest solution that is known, a leg without one from straight lines; acceleration lasts longer with less torque."""
+    """The known solution, longer by `stretch` where the load accelerates; straight lines for a leg without one."""
     lines = first_guess(legs)
     guess = {}
     for leg in legs:
@@ -154,9 +172,8 @@ def largest_difference_rad(solution):
     return float(numpy.max(numpy.abs(numpy.concatenate(loads_rad) - want_rad)))
 
 
-HEADER = ["torque_limit_nm"] + [
-    f"{target}_{column}" for target in ("rest", "settle") for column in ("s", "sequence", "mesh_ms", "simulation_mrad")
-]
+COLUMNS = ("s", "sequence", "mesh_ms", "simulation_mrad")
+HEADER = ["torque_limit_nm", *(f"{target}_{column}" for target in ("rest", "settle") for column in COLUMNS)]
 
 
 @dataclass(frozen=True)
@@ -184,7 +201,7 @@ class Study:
     def row(self, torque_limit_nm):
         best = {}
         for target, sequence, legs, timed in sequences():
-            # A later entry is faster only if the last leg before an earlier entry vanishes.
+            # The next sequence enters the band one leg earlier, which is faster only if that leg vanishes.
             if target in best and best[target].last_leg_s > VANISHED_S:
                 continue
             found = self.improve(torque_limit_nm, target, sequence, legs, timed)
@@ -216,7 +233,14 @@ class Study:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--torque-limits", type=float, nargs="+", default=TORQUE_LIMITS_NM, metavar="NM", help="in falling order")
+    parser.add_argument(
+        "--torque-limits",
+        type=float,
+        nargs="+",
+        default=TORQUE_LIMITS_NM,
+        metavar="NM",
+        help="each starts from the solution of the next higher one",
+    )
     parser.add_argument("--intervals", type=int, default=INTERVALS, help="collocation intervals of a leg, at least")
     parser.add_argument("--out", type=Path, help="write the table as CSV")
     parser.add_argument("--check", type=Path, help="compare with this table; exit code 1 beyond 2 ms")

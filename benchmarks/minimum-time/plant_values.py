@@ -1,4 +1,4 @@
-"""Values of the plant `backlash-shaft`: its keys in scenarios, in capitals, with their defaults. A test compares them with the product's."""
+"""Keys of the plant `backlash-shaft` in scenarios, in capitals, with their defaults; a test compares them."""
 
 LOAD_INERTIA_KG_M2 = 7.5
 LOAD_FRICTION_NM_S_RAD = 16.0

@@ -1,7 +1,7 @@
 """The plant `backlash-shaft` in small steps: an independent check of a solution of the collocation.
 
-Fixed steps of Runge-Kutta's fourth order; after each step contact, load and motor change their modes. All friction is as in
-docs/model.md, with exact sticking.
+Fixed steps of Runge-Kutta's fourth order; after each step contact, load and motor change their modes. Friction is that
+of docs/model.md, with exact sticking.
 """
 
 from math import ceil, copysign, exp

@@ -57,9 +57,8 @@ fn minimum_times_are_those_of_the_plant_of_the_product() {
         _ => None,
     };
     let used = model.keys().iter().filter(|key| !UNUSED.contains(&key.name));
-    let want: BTreeMap<String, f64> = used
-        .filter_map(|key| Some((key.name.to_owned(), key.default_value().and_then(number)?)))
-        .collect();
+    let want: BTreeMap<String, f64> =
+        used.filter_map(|key| Some((key.name.to_owned(), key.default_value().and_then(number)?))).collect();
     assert_eq!(have, want);
 }
 
@@ -86,7 +85,8 @@ fn documented_ratios_to_the_limit_are_those_of_the_laws() {
     };
     let mut want = Vec::new();
     for [limit_nm, settled, at_rest] in minima() {
-        let [settled_s, at_rest_s] = [settled, at_rest].map(|minimum| minimum.parse::<f64>().expect("a time"));
+        let [settled_s, at_rest_s] =
+            [settled, at_rest].map(|minimum| minimum.parse::<f64>().expect("a time"));
         let mut row = vec![limit_nm.clone()];
         row.extend(["merzouki", "backlash-inverse", "braking-curve"].map(|law| {
             let time_s = settle_s(law, &limit_nm);
@@ -114,7 +114,8 @@ fn every_constant_of_the_laws_is_documented_with_its_value() {
 
 /// The Rust files below a folder, those of tests left out.
 fn sources(folder: &Path) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).expect("a folder of laws").map(|entry| entry.expect("an entry").path());
+    let entries =
+        fs::read_dir(folder).expect("a folder of laws").map(|entry| entry.expect("an entry").path());
     let (folders, files): (Vec<_>, Vec<_>) = entries.partition(|path| path.is_dir());
     let files = files.into_iter().filter(|path| path.file_name().is_none_or(|name| name != "tests.rs"));
     files.chain(folders.iter().flat_map(|folder| sources(folder))).collect()
