@@ -101,7 +101,8 @@ def sequences():
     yield "settle", "accelerating", [gap, wind, entering[0], *inside, stop], "accelerate"
 
 
-# Duration, load position and speed at the end of each leg, for 20 N m.
+# Duration, load position and speed at the end of each leg, for this torque limit.
+GUESSED_NM = 20
 GUESSES = {
     "gap": (0.005, pi / 2, 0.0),
     "wind": (0.01, pi / 2, 0.0),
@@ -113,11 +114,12 @@ GUESSES = {
 }
 
 
-def first_guess(legs):
-    """Straight lines."""
+def first_guess(legs, stretch):
+    """Straight lines, slower by `stretch` than with 20 N m."""
     solution, load = {}, START[LOAD]
     for leg in legs:
         duration_s, end, speed = GUESSES[leg.name.removesuffix(" in band")]
+        speed /= stretch
         states = numpy.zeros((STATES, 2))
         states[LOAD] = [load, end]
         states[LOAD_SPEED] = speed
@@ -132,7 +134,7 @@ def first_guess(legs):
 
 def guess_of(legs, known, stretch):
     """The known solution, longer by `stretch` where the load accelerates; straight lines for a leg without one."""
-    lines = first_guess(legs)
+    lines = first_guess(legs, stretch)
     guess = {}
     for leg in legs:
         found = known.get(leg.name) or known.get(leg.name.removesuffix(" in band")) or lines[leg.name]
@@ -219,7 +221,7 @@ class Study:
 
     def improve(self, torque_limit_nm, target, sequence, legs, timed):
         """The minimum of a sequence; None without a solution."""
-        known, at_limit_nm = self.known.get((target, sequence)) or self.known.get(target) or ({}, torque_limit_nm)
+        known, at_limit_nm = self.known.get((target, sequence)) or self.known.get(target) or ({}, GUESSED_NM)
         stretch = top_speed_rad_s(at_limit_nm) / top_speed_rad_s(torque_limit_nm)
         coarse = solve(torque_limit_nm, self.intervals, legs, timed, guess_of(legs, known, stretch), warm=bool(known))
         if coarse is None:
