@@ -73,7 +73,7 @@ pub const BRAKING_CURVE: PaperRun = PaperRun {
     metric: "settle_time_s",
     want: 1.24,
     tolerance: 0.05,
-    torque_sha256: "TODO",
+    torque_sha256: "6a743721cde20b4acc05c0d36222e5bd3eb2fc2212ba138dfe9cd63787d6114e",
 };
 
 impl PaperRun {
