@@ -22,7 +22,7 @@ MOTOR_SPEED_LIMIT_RAD_S = 1000.0
 MOTOR_SIGN_WIDTH_RAD_S = 0.5
 DEGREE = 3
 # An interval is short compared with 0.2 s, the period of the motor on the shaft.
-LONGEST_INTERVAL_S = 0.025
+LONGEST_INTERVAL_S = 0.05
 SHORTEST_LEG_S = 1e-5
 LONGEST_LEG_S = 30.0
 
