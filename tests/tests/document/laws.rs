@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use lashloop::{Bench, run};
+use lashloop::{Bench, Outcome, run};
 use lashloop_firmware::Laws;
 use lashloop_firmware::law::LawSet;
 use lashloop_plant::{PlantValue, Plants};
@@ -69,32 +69,54 @@ fn documented_minimum_times_are_those_of_the_script() {
     assert_eq!(have, minima());
 }
 
+/// A run of a scenario of the shaft in process.
+fn outcome(scenario: &str, settings: &[&str]) -> Outcome {
+    let bench = Bench::new();
+    let path = workspace().join(format!("scenarios/shaft-{scenario}.toml"));
+    let settings = [settings, &["expect=[]"]].concat();
+    let scenario = bench.scenario(path, &settings).unwrap_or_else(|error| panic!("{settings:?}: {error}"));
+    run(&scenario, &bench.device("inproc").expect("the drive in process")).expect("a run")
+}
+
+fn metric(outcome: &Outcome, name: &str) -> f64 {
+    outcome.metric(name).unwrap_or_else(|reason| panic!("{name}: {reason}"))
+}
+
 #[test]
 fn documented_ratios_to_the_limit_are_those_of_the_laws() {
-    let bench = Bench::new();
-    let device = bench.device("inproc").expect("the drive in process");
-    let settle_s = |law: &str, limit_nm: &str| {
-        let settings = [
-            format!("plant.torque_saturation_nm={limit_nm}"),
-            format!("controller.parameters.torque_limit_nm={limit_nm}"),
-            "expect=[]".to_owned(),
-        ];
-        let path = workspace().join(format!("scenarios/shaft-{law}.toml"));
-        let scenario = bench.scenario(path, &settings.each_ref().map(String::as_str)).expect("a scenario");
-        run(&scenario, &device).expect("a run").metric("settle_time_s").expect("the law settles")
-    };
-    let mut want = Vec::new();
+    let mut want: Vec<Vec<String>> = Vec::new();
     for [limit_nm, settled, at_rest] in minima() {
         let [settled_s, at_rest_s] =
             [settled, at_rest].map(|minimum| minimum.parse::<f64>().expect("a time"));
-        let mut row = vec![limit_nm.clone()];
-        row.extend(["merzouki", "backlash-inverse", "braking-curve"].map(|law| {
-            let time_s = settle_s(law, &limit_nm);
-            format!("{time_s:.2} s, {:.2} ({:.2})", time_s / settled_s, time_s / at_rest_s)
-        }));
-        want.push(row);
+        let limits = ["plant.torque_saturation_nm", "controller.parameters.torque_limit_nm"]
+            .map(|key| format!("{key}={limit_nm}"));
+        let times_s = ["merzouki", "backlash-inverse", "braking-curve"]
+            .map(|law| metric(&outcome(law, &limits.each_ref().map(String::as_str)), "settle_time_s"));
+        let ratios = times_s
+            .map(|time_s| format!("{time_s:.2} s, {:.2} ({:.2})", time_s / settled_s, time_s / at_rest_s));
+        want.push([limit_nm].into_iter().chain(ratios).collect());
     }
     assert_eq!(table(&page(), "N m"), want);
+}
+
+#[test]
+fn documented_limits_of_the_braking_curve_are_those_of_runs() {
+    let rows = table(&page(), "--set");
+    let mut want = Vec::new();
+    for row in &rows {
+        let outcome = outcome("braking-curve", &[row[0].as_str(), "meant=mismatch"]);
+        let mrad = |name| 1e3 * metric(&outcome, name).abs();
+        let deviation_rad = outcome.signal("drive.dead_zone_deviation_rad").expect("a signal of the law");
+        want.push(vec![
+            row[0].clone(),
+            format!("{:.3}", metric(&outcome, "settle_time_s")),
+            format!("{:.2}", mrad("overshoot_rad")),
+            format!("{:.2}", mrad("static_error_rad")),
+            format!("{:.1}", mrad("dead_zone_error_rad")),
+            format!("{:.1}", 1e3 * deviation_rad.last().expect("a run has samples")),
+        ]);
+    }
+    assert_eq!(rows, want);
 }
 
 #[test]
