@@ -23,6 +23,8 @@ MOTOR_SIGN_WIDTH_RAD_S = 0.5
 DEGREE = 3
 # An interval is short compared with 0.2 s, the period of the motor on the shaft.
 LONGEST_INTERVAL_S = 0.05
+# Of a long leg on the coarser mesh.
+INTERVALS = 24
 SHORTEST_LEG_S = 1e-5
 LONGEST_LEG_S = 30.0
 
@@ -36,6 +38,8 @@ class Leg:
     sticks: bool
     # Conditions on the last state.
     end: Callable[[casadi.MX], list[casadi.MX]]
+    # Intervals relative to those of a long leg.
+    mesh: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -126,7 +130,8 @@ class Movement:
     def add(self, leg, guess):
         """Appends a leg with a guess of its solution."""
         opti = self.opti
-        intervals = max(self.intervals, ceil(guess.duration_s / LONGEST_INTERVAL_S * self.intervals / 24))
+        least = ceil(guess.duration_s / LONGEST_INTERVAL_S * self.intervals / INTERVALS)
+        intervals = max(ceil(leg.mesh * self.intervals), least)
         duration = opti.variable()
         opti.subject_to(opti.bounded(SHORTEST_LEG_S, duration, LONGEST_LEG_S))
         opti.set_initial(duration, guess.duration_s)
@@ -179,7 +184,7 @@ class Movement:
         counted = 1 + [name for name, *_ in self.legs].index(last_of_time)
         # The weight of what follows makes the solution unique. It costs less than a microsecond.
         self.opti.minimize(sum(durations[:counted]) + 1e-6 * sum(durations[counted:]))
-        options = {"print_level": 0, "max_iter": 500, "tol": 1e-8, "sb": "yes", "mu_init": 1e-4 if warm else 0.1}
+        options = {"print_level": 0, "max_iter": 300, "tol": 1e-8, "sb": "yes", "mu_init": 1e-4 if warm else 0.1}
         self.opti.solver("ipopt", {"print_time": False, "expand": True}, options)
         try:
             solution = self.opti.solve()

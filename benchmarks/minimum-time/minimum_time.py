@@ -32,6 +32,7 @@ import plant_values as plant
 import simulation
 from collocation import (
     GAP_POSITION,
+    INTERVALS,
     LOAD,
     LOAD_SPEED,
     MOTOR,
@@ -47,7 +48,6 @@ from collocation import (
 BAND_RAD = 0.05
 OVERSHOOT_RAD = 0.005
 TORQUE_LIMITS_NM = [20, 15, 10, 8, 5, 3, 2]
-INTERVALS = 24
 SIMULATION_STEP_S = 1e-5
 # A leg that is shorter is not used.
 VANISHED_S = 1e-3
@@ -86,13 +86,13 @@ def sequences():
     With little torque friction stops the load within the band: it enters while the motor still crosses the gap, or
     still accelerates.
     """
-    gap = Leg("gap", 0, sticks=True, end=at_flank(-1))
-    wind = Leg("wind", -1, sticks=True, end=breaks_loose)
+    gap = Leg("gap", 0, sticks=True, end=at_flank(-1), mesh=0.25)
+    wind = Leg("wind", -1, sticks=True, end=breaks_loose, mesh=0.25)
     accelerate = Leg("accelerate", -1, sticks=False, end=opens(-1))
-    cross = Leg("cross", 0, sticks=False, end=at_flank(1))
+    cross = Leg("cross", 0, sticks=False, end=at_flank(1), mesh=0.25)
     brake = Leg("brake", 1, sticks=False, end=stops(-BAND_RAD))
-    hold = Leg("hold", 1, sticks=True, end=lambda x: [x[MOTOR_SPEED] == 0])
-    stop = replace(brake, name="stop", end=stops(-OVERSHOOT_RAD))
+    hold = Leg("hold", 1, sticks=True, end=lambda x: [x[MOTOR_SPEED] == 0], mesh=0.25)
+    stop = replace(brake, name="stop", end=stops(-OVERSHOOT_RAD), mesh=0.5)
     yield "rest", "braking", [gap, wind, accelerate, cross, brake, hold], "hold"
     entering = [replace(leg, end=in_band) for leg in (accelerate, cross, brake)]
     inside = [replace(leg, name=f"{leg.name} in band") for leg in (accelerate, cross)]
