@@ -93,12 +93,12 @@ def sequences():
     brake = Leg("brake", 1, sticks=False, end=stops(-BAND_RAD))
     hold = Leg("hold", 1, sticks=True, end=lambda x: [x[MOTOR_SPEED] == 0], mesh=0.25)
     stop = replace(brake, name="stop", end=stops(-OVERSHOOT_RAD), mesh=0.5)
-    yield "rest", "braking", [gap, wind, accelerate, cross, brake, hold], "hold"
     entering = [replace(leg, end=in_band) for leg in (accelerate, cross, brake)]
     inside = [replace(leg, name=f"{leg.name} in band") for leg in (accelerate, cross)]
     yield "settle", "braking", [gap, wind, accelerate, cross, entering[2], stop], "brake"
     yield "settle", "crossing", [gap, wind, accelerate, entering[1], inside[1], stop], "cross"
     yield "settle", "accelerating", [gap, wind, entering[0], *inside, stop], "accelerate"
+    yield "rest", "braking", [gap, wind, accelerate, cross, brake, hold], "hold"
 
 
 # Duration, load position and speed at the end of each leg, for this torque limit.
@@ -212,6 +212,8 @@ class Study:
                 best[target] = found
         row = [f"{torque_limit_nm:g}"]
         for target in ("rest", "settle"):
+            if target not in best:
+                sys.exit(f"torque limit {torque_limit_nm:g} N m: no solution for {target}")
             found = best[target]
             simulated_mrad = 1e3 * largest_difference_rad(found.legs)
             mesh_ms = 1e3 * (found.fine_s - found.coarse_s)
@@ -221,10 +223,15 @@ class Study:
 
     def improve(self, torque_limit_nm, target, sequence, legs, timed):
         """The minimum of a sequence; None without a solution."""
-        known, at_limit_nm = self.known.get((target, sequence)) or self.known.get(target) or ({}, GUESSED_NM)
-        stretch = top_speed_rad_s(at_limit_nm) / top_speed_rad_s(torque_limit_nm)
-        coarse = solve(torque_limit_nm, self.intervals, legs, timed, guess_of(legs, known, stretch), warm=bool(known))
-        if coarse is None:
+        lines = {}, GUESSED_NM
+        nearest = self.known.get((target, sequence)) or self.known.get(target) or self.known.get("settle") or lines
+        for (known, at_limit_nm), warm in ((nearest, True), (nearest, False), (lines, False)):
+            stretch = top_speed_rad_s(at_limit_nm) / top_speed_rad_s(torque_limit_nm)
+            guess = guess_of(legs, known, stretch)
+            coarse = solve(torque_limit_nm, self.intervals, legs, timed, guess, warm and bool(known))
+            if coarse is not None:
+                break
+        else:
             return None
         fine = solve(torque_limit_nm, 2 * self.intervals, legs, timed, coarse, warm=True)
         if fine is None:
