@@ -225,8 +225,15 @@ class Study:
         """The minimum of a sequence; None without a solution."""
         lines = {}, GUESSED_NM
         nearest = self.known.get((target, sequence)) or self.known.get(target) or self.known.get("settle") or lines
-        for (known, at_limit_nm), warm in ((nearest, True), (nearest, False), (lines, False)):
-            stretch = top_speed_rad_s(at_limit_nm) / top_speed_rad_s(torque_limit_nm)
+        # Not every guess leads to a solution.
+        for (known, at_limit_nm), longer, warm in (
+            (nearest, 1.0, True),
+            (nearest, 1.0, False),
+            (lines, 1.0, False),
+            (lines, 1.3, False),
+            (lines, 0.8, False),
+        ):
+            stretch = longer * top_speed_rad_s(at_limit_nm) / top_speed_rad_s(torque_limit_nm)
             guess = guess_of(legs, known, stretch)
             coarse = solve(torque_limit_nm, self.intervals, legs, timed, guess, warm and bool(known))
             if coarse is not None:
