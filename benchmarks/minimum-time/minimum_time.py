@@ -23,7 +23,7 @@ import argparse
 import csv
 import sys
 from dataclasses import dataclass, replace
-from math import pi
+from math import log, pi
 from pathlib import Path
 
 import numpy
@@ -47,7 +47,8 @@ from collocation import (
 
 BAND_RAD = 0.05
 OVERSHOOT_RAD = 0.005
-TORQUE_LIMITS_NM = [20, 15, 10, 8, 5, 3, 2]
+# From the middle outwards: a solution is the first guess of its neighbour.
+TORQUE_LIMITS_NM = [8, 10, 15, 20, 5, 3, 2]
 SIMULATION_STEP_S = 1e-5
 # A leg that is shorter is not used.
 VANISHED_S = 1e-3
@@ -193,12 +194,12 @@ class Minimum:
 
 
 class Study:
-    """The minima by torque limit. Each limit starts from the solutions of the limit before."""
+    """The minima by torque limit. Each limit starts from the solutions of the nearest one before."""
 
     def __init__(self, intervals):
         self.intervals = intervals
-        # The last solution of each sequence, and the torque limit of it.
-        self.known = {}
+        # Target, sequence, torque limit and legs of every solution on the coarser mesh.
+        self.known = []
 
     def row(self, torque_limit_nm):
         best = {}
@@ -221,10 +222,22 @@ class Study:
         print(",".join(row), flush=True)
         return row
 
+    def nearest(self, torque_limit_nm, target, sequence):
+        """The known solution that is likest, and its torque limit; None at the beginning."""
+        if not self.known:
+            return None
+
+        def unlike(known):
+            its_target, its_sequence, limit_nm, _ = known
+            return its_target != target, its_sequence != sequence, abs(log(limit_nm / torque_limit_nm))
+
+        *_, limit_nm, legs = min(self.known, key=unlike)
+        return legs, limit_nm
+
     def improve(self, torque_limit_nm, target, sequence, legs, timed):
         """The minimum of a sequence; None without a solution."""
         lines = {}, GUESSED_NM
-        nearest = self.known.get((target, sequence)) or self.known.get(target) or self.known.get("settle") or lines
+        nearest = self.nearest(torque_limit_nm, target, sequence) or lines
         # Not every guess leads to a solution.
         for (known, at_limit_nm), longer, warm in (
             (nearest, 1.0, True),
@@ -243,7 +256,7 @@ class Study:
         fine = solve(torque_limit_nm, 2 * self.intervals, legs, timed, coarse, warm=True)
         if fine is None:
             return None
-        self.known[target, sequence] = self.known[target] = coarse, torque_limit_nm
+        self.known.append((target, sequence, torque_limit_nm, coarse))
         return Minimum(sequence, minimum_s(coarse, timed), minimum_s(fine, timed), fine[timed].duration_s, fine)
 
 
@@ -255,17 +268,17 @@ def main():
         nargs="+",
         default=TORQUE_LIMITS_NM,
         metavar="NM",
-        help="each starts from the solution of the next higher one",
+        help="each starts from the nearest one before",
     )
     parser.add_argument("--intervals", type=int, default=INTERVALS, help="collocation intervals of a leg, at least")
     parser.add_argument("--out", type=Path, help="write the table as CSV")
     parser.add_argument("--check", type=Path, help="compare with this table; exit code 1 beyond 2 ms")
     arguments = parser.parse_args()
     study = Study(arguments.intervals)
-    rows = [study.row(limit_nm) for limit_nm in sorted(arguments.torque_limits, reverse=True)]
+    rows = [study.row(limit_nm) for limit_nm in arguments.torque_limits]
     if arguments.out:
         with arguments.out.open("w", newline="") as file:
-            csv.writer(file, lineterminator="\n").writerows([HEADER, *reversed(rows)])
+            csv.writer(file, lineterminator="\n").writerows([HEADER, *sorted(rows, key=lambda row: float(row[0]))])
     if arguments.check:
         with arguments.check.open() as file:
             pinned = {row["torque_limit_nm"]: row for row in csv.DictReader(file)}
