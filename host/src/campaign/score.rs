@@ -75,7 +75,9 @@ impl Criterion {
             Self::StaticErrorInBands => ("static_error_bands", "static error", "bands", 1.0, 2),
             Self::Hunting => (Metric::Hunting.name(), "hunting", "mrad", 1e3, 2),
             Self::DeadZoneError => (Metric::DeadZoneError.name(), "|j_hat - j0|", "mrad", 1e3, 2),
-            Self::LearntDeadZoneError => ("learnt_dead_zone_error_rad", "the same, learnt", "mrad", 1e3, 2),
+            Self::LearntDeadZoneError => {
+                ("learnt_dead_zone_error_rad", "learnt |j_hat - j0|", "mrad", 1e3, 2)
+            }
             Self::DeadZoneDeviation => (Metric::DeadZoneDeviation.name(), "sigma(j_hat)", "mrad", 1e3, 2),
             Self::Effort => (Metric::Effort.name(), "effort", "N^2 m^2 s", 1.0, 0),
             Self::TorqueVariation => (Metric::TorqueTotalVariation.name(), "variation", "N m", 1.0, 0),

@@ -48,7 +48,7 @@ pub const SWEEPS: [Sweep; 7] = [
     ),
     sweep(
         Part::TorqueSaturation,
-        "saturation unknown to the drive",
+        "unknown saturation",
         "N m",
         &[5.0, 8.0, 10.0, 15.0],
         &["plant.torque_saturation_nm"],

@@ -53,7 +53,7 @@ mod tests {
              dead_zone_error_rad,learnt_dead_zone_error_rad,dead_zone_deviation_rad,effort_nm2s,\
              torque_total_variation_nm,end,torque_sha256,set"
         );
-        let cells = "random-plants,0,pd,never,0.0,-1e-7,-5e-5,0.5,1.0,not learnt,0.25,not finite,0.1,complete,00ff,\
+        let cells = "random-plants,0,pd,never,0.0,-1e-7,-0.00005,0.5,1.0,not learnt,0.25,not finite,0.1,complete,00ff,\
                      plant.load_inertia_kg_m2=";
         assert!(row.starts_with(cells), "{row}");
     }

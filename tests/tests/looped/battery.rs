@@ -76,7 +76,12 @@ fn braking_curve_meets_its_limits_on_seeds_outside_its_tuning() {
     for seed in [11, 12, 13] {
         let line = format!("battery --plants 60 --controller braking-curve --no-sweeps --seed {seed}");
         let ended = program::run(line.split(' ')).with_code(0);
-        assert_eq!(ended.stdout.lines().filter(|line| line.starts_with("met ")).count(), 8, "{}", ended.stdout);
+        assert_eq!(
+            ended.stdout.lines().filter(|line| line.starts_with("met ")).count(),
+            8,
+            "{}",
+            ended.stdout
+        );
     }
 }
 

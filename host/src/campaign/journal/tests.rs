@@ -87,7 +87,7 @@ fn results_of_another_battery_are_refused_by_the_difference() {
         (with(|it| it.settings.plants = 3), "its number of plants is 2, here it is 3"),
         (
             with(|it| it.settings.laws = vec![Law::BEFORE]),
-            "its list of controllers is pd,merzouki,backlash-inverse, here it is pd",
+            "its list of controllers is pd,merzouki,backlash-inverse,braking-curve, here it is pd",
         ),
         (with(|it| it.settings.sweeps = false), "its choice of sweeps is with, here it is without"),
         (with(|it| it.program_sha256 = "11".repeat(32)), "its program's SHA-256 is 0000"),

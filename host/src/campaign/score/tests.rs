@@ -28,7 +28,8 @@ fn metrics(error_rad: f64, dead_zone_rad: f64, deviation_rad: f64) -> Metrics {
         measurement.push(&Sample {
             time_s: f64::from(step) * 0.5,
             reference_rad: 0.0,
-            load_position_rad: error_rad,
+            // Overshoot needs an initial error.
+            load_position_rad: if step == 0 { 0.01 } else { error_rad },
             motor_position_rad: 0.0,
             torque_nm: 0.0,
             plant: &[0.16, 0.0],
