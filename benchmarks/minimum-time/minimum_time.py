@@ -253,7 +253,8 @@ class Study:
                 break
         else:
             return None
-        fine = solve(torque_limit_nm, 2 * self.intervals, legs, timed, coarse, warm=True)
+        finer = (solve(torque_limit_nm, 2 * self.intervals, legs, timed, coarse, warm) for warm in (True, False))
+        fine = next((solution for solution in finer if solution is not None), None)
         if fine is None:
             return None
         self.known.append((target, sequence, torque_limit_nm, coarse))
