@@ -184,7 +184,7 @@ class Movement:
         counted = 1 + [name for name, *_ in self.legs].index(last_of_time)
         # The weight of what follows makes the solution unique. It costs less than a microsecond.
         self.opti.minimize(sum(durations[:counted]) + 1e-6 * sum(durations[counted:]))
-        options = {"print_level": 0, "max_iter": 1500, "tol": 1e-8, "sb": "yes", "mu_init": 1e-4 if warm else 0.1}
+        options = {"print_level": 0, "max_iter": 600, "tol": 1e-8, "sb": "yes", "mu_init": 1e-4 if warm else 0.1}
         self.opti.solver("ipopt", {"print_time": False, "expand": True}, options)
         try:
             solution = self.opti.solve()
