@@ -19,7 +19,7 @@ LOAD, LOAD_SPEED, MOTOR, MOTOR_SPEED, GAP_POSITION, TORQUE = range(STATES)
 
 MOTOR_SPEED_LIMIT_RAD_S = 1000.0
 # Collocation needs dry friction of the motor without a jump, here of 0.02 N m: its sign changes over this speed.
-MOTOR_SIGN_WIDTH_RAD_S = 0.5
+MOTOR_SIGN_WIDTH_RAD_S = 0.1
 DEGREE = 3
 # An interval is short compared with 0.2 s, the period of the motor on the shaft.
 LONGEST_INTERVAL_S = 0.05
@@ -184,7 +184,7 @@ class Movement:
         counted = 1 + [name for name, *_ in self.legs].index(last_of_time)
         # The weight of what follows makes the solution unique. It costs less than a microsecond.
         self.opti.minimize(sum(durations[:counted]) + 1e-6 * sum(durations[counted:]))
-        options = {"print_level": 0, "max_iter": 300, "tol": 1e-8, "sb": "yes", "mu_init": 1e-4 if warm else 0.1}
+        options = {"print_level": 0, "max_iter": 600, "tol": 1e-8, "sb": "yes", "mu_init": 1e-4 if warm else 0.1}
         self.opti.solver("ipopt", {"print_time": False, "expand": True}, options)
         try:
             solution = self.opti.solve()

@@ -181,16 +181,20 @@ HEADER = ["torque_limit_nm", *(f"{target}_{column}" for target in ("rest", "sett
 
 @dataclass(frozen=True)
 class Minimum:
-    """The minimum of a sequence on both meshes, and the legs on the finer one."""
+    """The minimum of a sequence with its legs.
+
+    `mesh_s` is its change from the coarser mesh, None if only that has a solution.
+    """
 
     sequence: str
-    coarse_s: float
-    fine_s: float
+    time_s: float
+    mesh_s: float | None
     last_leg_s: float
     legs: dict[str, LegSolution]
 
     def __str__(self):
-        return f"{self.fine_s:.5f} s, coarser mesh {self.coarse_s:.5f} s"
+        mesh = "coarser mesh alone" if self.mesh_s is None else f"{1e3 * self.mesh_s:.2f} ms from the coarser mesh"
+        return f"{self.time_s:.5f} s, {mesh}"
 
 
 class Study:
@@ -209,7 +213,7 @@ class Study:
                 continue
             found = self.improve(torque_limit_nm, target, sequence, legs, timed)
             print(f"{torque_limit_nm:g} N m, {target}, {sequence}: {found or 'no solution'}", flush=True)
-            if found and (target not in best or found.fine_s < best[target].fine_s):
+            if found and (target not in best or found.time_s < best[target].time_s):
                 best[target] = found
         row = [f"{torque_limit_nm:g}"]
         for target in ("rest", "settle"):
@@ -217,8 +221,8 @@ class Study:
                 sys.exit(f"torque limit {torque_limit_nm:g} N m: no solution for {target}")
             found = best[target]
             simulated_mrad = 1e3 * largest_difference_rad(found.legs)
-            mesh_ms = 1e3 * (found.fine_s - found.coarse_s)
-            row += [f"{found.fine_s:.3f}", found.sequence, f"{mesh_ms:.1f}", f"{simulated_mrad:.2f}"]
+            mesh_ms = "" if found.mesh_s is None else f"{1e3 * found.mesh_s:.1f}"
+            row += [f"{found.time_s:.3f}", found.sequence, mesh_ms, f"{simulated_mrad:.2f}"]
         print(",".join(row), flush=True)
         return row
 
@@ -253,11 +257,13 @@ class Study:
                 break
         else:
             return None
-        fine = solve(torque_limit_nm, 2 * self.intervals, legs, timed, coarse, warm=True)
-        if fine is None:
-            return None
+        finer = (solve(torque_limit_nm, 2 * self.intervals, legs, timed, coarse, warm) for warm in (True, False))
+        fine = next((solution for solution in finer if solution is not None), None)
         self.known.append((target, sequence, torque_limit_nm, coarse))
-        return Minimum(sequence, minimum_s(coarse, timed), minimum_s(fine, timed), fine[timed].duration_s, fine)
+        if fine is None:
+            return Minimum(sequence, minimum_s(coarse, timed), None, coarse[timed].duration_s, coarse)
+        mesh_s = minimum_s(fine, timed) - minimum_s(coarse, timed)
+        return Minimum(sequence, minimum_s(fine, timed), mesh_s, fine[timed].duration_s, fine)
 
 
 def main():
