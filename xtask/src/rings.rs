@@ -88,7 +88,7 @@ fn run_untimed(program: &TestProgram, timed: &[&str]) -> Result<Counts> {
         // More threads than cores: tests of drives in other processes mostly wait for them.
         name if name == WAITING.0 => at_once(
             || program.run(WAITING.1),
-            || program.run(&format!("--test-threads 6 --skip {}{skip}", WAITING.1)),
+            || program.run(&format!("--test-threads 4 --skip {}{skip}", WAITING.1)),
         ),
         _ => program.run(&skip),
     }

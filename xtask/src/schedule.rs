@@ -74,7 +74,7 @@ fn run_chore(chore: &str, started: Instant) -> Result<Counts> {
         let seconds = started.elapsed().as_secs();
         println!("{:2}:{:02} {chore} | {line}", seconds / 60, seconds % 60);
     };
-    let mut command = command("nice", if chore == IN_BACKGROUND { "-n 10" } else { "-n 0" });
+    let mut command = command("nice", if chore == IN_BACKGROUND { "-n 19" } else { "-n 0" });
     command.arg(env::current_exe()?).args(chore.split(' '));
     Counts::of_output(command, Counts::of_sum, print)
 }
