@@ -40,6 +40,7 @@ const ALLOWED: [(&str, &[&str]); 11] = [
     // Crates of a user: they may use what is for users.
     ("own-law", &["lashloop-firmware", "lashloop"]),
     ("own-plant", &["lashloop-plant", "lashloop"]),
+    ("published-laws", &["lashloop-firmware", "lashloop"]),
 ];
 
 /// Dependencies that the table doesn't allow, one sentence each.
