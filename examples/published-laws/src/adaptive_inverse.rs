@@ -162,8 +162,7 @@ mod tests {
 
     #[test]
     fn estimate_converges_to_the_gap_of_a_blocked_motor() {
-        let mut law =
-            AdaptiveInverse::new(Default::default(), &DriveParameters::default()).ok().expect("valid");
+        let mut law = AdaptiveInverse::new(Default::default(), &DriveParameters::default()).expect("valid");
         // 2 N m at a twist of 2.3 rad and a stiffness of 1 N m/rad: half a gap of 0.3 rad.
         let m = Measurement {
             load_position_rad: -1.0,

@@ -94,8 +94,7 @@ mod tests {
 
     #[test]
     fn error_inside_the_band_commands_no_torque() {
-        let mut law =
-            DeadBandCascade::new(Default::default(), &DriveParameters::default()).ok().expect("valid");
+        let mut law = DeadBandCascade::new(Default::default(), &DriveParameters::default()).expect("valid");
         let mut torque_at = |load_position_rad| {
             law.step(&Measurement { load_position_rad, ..Measurement::default() }).torque_nm
         };

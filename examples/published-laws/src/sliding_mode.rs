@@ -120,7 +120,7 @@ mod tests {
     fn load_on_the_surface_needs_the_torque_of_its_deceleration_only() {
         let gains = SlidingGains { load_coulomb_nm: 0.0, ..SlidingGains::default() };
         let parameters = (gains, TwistGains::default(), ArrivalBand::default(), NominalModel::default());
-        let mut law = SlidingMode::new(parameters, &DriveParameters::default()).ok().expect("valid");
+        let mut law = SlidingMode::new(parameters, &DriveParameters::default()).expect("valid");
         // On the surface: om = -lambda e, and d(om)/dt = -lambda om.
         let m = Measurement {
             load_position_rad: -0.2,

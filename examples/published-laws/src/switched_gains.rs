@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     fn at_twist(twist_rad: f32) -> ControlOutput<SwitchedSignals> {
-        let mut law = SwitchedLaw::new(Default::default(), &DriveParameters::default()).ok().expect("valid");
+        let mut law = SwitchedLaw::new(Default::default(), &DriveParameters::default()).expect("valid");
         law.step(&Measurement { load_position_rad: -0.1, twist_rad, ..Measurement::default() })
     }
 

@@ -10,7 +10,7 @@ use rand_pcg::Pcg64;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
 use super::case;
-use super::cost;
+use super::cost::{self, Cost};
 use super::laws::Law;
 
 /// Evaluations of the cost for each law.
@@ -31,35 +31,37 @@ pub struct Point {
 /// The best point; `report` receives each improvement with the number of its evaluation.
 ///
 /// # Errors
-/// A run can't be carried out.
-pub fn best(law: &Law, mut report: impl FnMut(u32, &Point)) -> Result<Point> {
+/// A run can't be carried out with the first point. Any later point that the law rejects is no candidate.
+pub fn best(law: &Law, report: impl FnMut(u32, &Point)) -> Result<Point> {
     let plants = cost::plants();
-    minimise(
-        law.tuned.len(),
-        |place| {
-            let values: Vec<_> =
-                law.tuned.iter().zip(place).map(|(tuned, &at)| value_at(tuned.range, at)).collect();
-            let mut settings = law.settings(&values);
-            settings.push(std::format!("run.duration_s={:?}", cost::DURATION_S));
-            // Values that a law rejects together cost as much as an unstable run.
-            let cost_s =
-                case::figures_on(law, &plants, &settings).map_or(f64::MAX, |figures| cost::cost_s(&figures));
-            Ok(Point { values, cost_s })
-        },
-        &mut report,
-    )
+    let evaluate = |place: &[f64], bound_s: f64| {
+        let values: Vec<_> =
+            law.tuned.iter().zip(place).map(|(tuned, &at)| value_at(tuned.range, at)).collect();
+        let mut settings = law.settings(&values);
+        settings.push(std::format!("run.duration_s={:?}", cost::DURATION_S));
+        let mut cost = Cost::default();
+        for plant in &plants {
+            cost = cost.with(&case::figures(law, *plant, &settings)?);
+            // What is already worse than the best point needs no further plant.
+            if cost.of_s(plants.len()) >= bound_s {
+                break;
+            }
+        }
+        Ok(Point { values, cost_s: cost.of_s(plants.len()) })
+    };
+    minimise(law.tuned.len(), evaluate, report)
 }
 
-/// Minimises over the unit cube.
+/// Minimises over the unit cube. A point that costs more than the bound may return any cost above it.
 fn minimise(
     dimensions: usize,
-    mut evaluate: impl FnMut(&[f64]) -> Result<Point>,
-    report: &mut impl FnMut(u32, &Point),
+    mut evaluate: impl FnMut(&[f64], f64) -> Result<Point>,
+    mut report: impl FnMut(u32, &Point),
 ) -> Result<Point> {
     let mut random = Pcg64::seed_from_u64(SEED);
     let mut uniform = move || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
     let mut place = std::vec![0.5; dimensions];
-    let mut best = evaluate(&place)?;
+    let mut best = evaluate(&place, f64::INFINITY)?;
     report(1, &best);
     for evaluation in 2..=EVALUATIONS {
         let half = EVALUATIONS / 2;
@@ -75,7 +77,7 @@ fn minimise(
             };
             place.iter().map(|&at| varied(at)).collect()
         };
-        let point = evaluate(&candidate)?;
+        let Ok(point) = evaluate(&candidate, best.cost_s) else { continue };
         if point.cost_s < best.cost_s {
             (best, place) = (point, candidate);
             report(evaluation, &best);
@@ -96,13 +98,13 @@ mod tests {
 
     #[test]
     fn search_finds_a_minimum_and_repeats_it() {
-        let evaluate = |place: &[f64]| {
+        let evaluate = |place: &[f64], _: f64| {
             let cost_s = place.iter().map(|at| (at - 0.3) * (at - 0.3)).sum();
             Ok(Point { values: place.to_vec(), cost_s })
         };
         let mut evaluations = Vec::new();
         let mut search =
-            || minimise(6, evaluate, &mut |evaluation, _| evaluations.push(evaluation)).expect("a point");
+            || minimise(6, evaluate, |evaluation, _| evaluations.push(evaluation)).expect("a point");
         let point = search();
         assert_eq!(point, search());
         assert!(point.cost_s < 0.01, "{point:?}");
