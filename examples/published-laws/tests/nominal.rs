@@ -28,7 +28,8 @@ fn constants_of_each_scenario_are_in_the_searched_range() {
         bench.scenario_from_str(law.scenario, &[]).expect("a valid scenario");
         for Tuned { name, range: [low, high] } in law.tuned {
             let line = law.scenario.lines().find(|line| line.split(' ').next() == Some(name));
-            let value = line.and_then(|line| line.split(" = ").nth(1)?.split(' ').next()?.parse::<f64>().ok());
+            let value =
+                line.and_then(|line| line.split(" = ").nth(1)?.split(' ').next()?.parse::<f64>().ok());
             let value = value.unwrap_or_else(|| panic!("{}: no {name}", law.name));
             assert!((*low..=*high).contains(&value), "{}: {name} = {value}", law.name);
         }

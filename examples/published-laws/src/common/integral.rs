@@ -28,3 +28,23 @@ impl Integral {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integral_rests_at_the_limit_of_the_output_and_is_unloaded_once() {
+        let mut integral = Integral::new(2.0, 5.0, 0.5);
+        let mut after = |at_limit, phase| {
+            integral.step(4.0, at_limit, phase);
+            integral.value
+        };
+        let phases = [Phase::Approaching, Phase::Approaching, Phase::Arriving, Phase::Holding];
+        assert_eq!(
+            [true, false, false, false].map(|at_limit| after(at_limit, Phase::Approaching)),
+            [0.0, 4.0, 5.0, 5.0]
+        );
+        assert_eq!(phases.map(|phase| after(false, phase)), [5.0, 5.0, 1.5, 1.5]);
+    }
+}

@@ -102,3 +102,28 @@ impl Horizon {
         self.states[STEPS].x
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use lashloop_firmware::control::nominal_model::NominalModel;
+
+    use super::*;
+
+    const LIMIT_NM: f32 = 5.0;
+
+    #[test]
+    fn load_comes_to_rest_on_its_reference_within_the_torque_limit() {
+        let cost = PredictionCost::default();
+        let model = Model::new(&NominalModel::default(), cost.prediction_step_s);
+        let mut horizon = Horizon::new(&model, &cost, LIMIT_NM);
+        let mut x = State::new(-1.5, 0.0, -0.1, 0.0);
+        let mut largest_nm = 0.0_f32;
+        for _ in 0..750 {
+            let torque_nm = horizon.improve(&model, &x);
+            largest_nm = largest_nm.max(torque_nm.abs());
+            x = model.next(&x, torque_nm);
+        }
+        assert!(x.x.abs() < 0.005 && x.y.abs() < 0.01, "{x}");
+        assert_eq!(largest_nm, LIMIT_NM, "the limit is used and kept");
+    }
+}

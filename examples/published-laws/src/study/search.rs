@@ -3,6 +3,7 @@
 //! Half of the evaluations are drawn uniformly from the ranges, in logarithms. The other half vary the best point so far,
 //! within a width that shrinks. The first point is the middle of the ranges.
 
+use std::string::String;
 use std::vec::Vec;
 
 use anyhow::Result;
@@ -33,23 +34,29 @@ pub struct Point {
 /// # Errors
 /// A run can't be carried out with the first point. Any later point that the law rejects is no candidate.
 pub fn best(law: &Law, report: impl FnMut(u32, &Point)) -> Result<Point> {
-    let plants = cost::plants();
     let evaluate = |place: &[f64], bound_s: f64| {
         let values: Vec<_> =
             law.tuned.iter().zip(place).map(|(tuned, &at)| value_at(tuned.range, at)).collect();
-        let mut settings = law.settings(&values);
-        settings.push(std::format!("run.duration_s={:?}", cost::DURATION_S));
-        let mut cost = Cost::default();
-        for plant in &plants {
-            cost = cost.with(&case::figures(law, *plant, &settings)?);
-            // What is already worse than the best point needs no further plant.
-            if cost.of_s(plants.len()) >= bound_s {
-                break;
-            }
-        }
-        Ok(Point { values, cost_s: cost.of_s(plants.len()) })
+        Ok(Point { cost_s: cost_s(law, law.settings(&values), bound_s)?, values })
     };
     minimise(law.tuned.len(), evaluate, report)
+}
+
+/// The cost of a law with these settings. What already costs more than the bound after some plants needs no further plant.
+///
+/// # Errors
+/// A run can't be carried out.
+pub fn cost_s(law: &Law, mut settings: Vec<String>, bound_s: f64) -> Result<f64> {
+    let plants = cost::plants();
+    settings.push(std::format!("run.duration_s={:?}", cost::DURATION_S));
+    let mut cost = Cost::default();
+    for plant in &plants {
+        cost = cost.with(&case::figures(law, *plant, &settings)?);
+        if cost.of_s(plants.len()) >= bound_s {
+            break;
+        }
+    }
+    Ok(cost.of_s(plants.len()))
 }
 
 /// Minimises over the unit cube. A point that costs more than the bound may return any cost above it.
