@@ -53,16 +53,17 @@ pub struct Row {
     pub figures: Vec<Figures>,
 }
 
-/// The table in Markdown: 95 % quantile and maximum of each figure, or the figure alone for a single plant. A published law
-/// with a better figure than the best of Lashloop's own is marked by an asterisk; a tie is none.
+/// The table in Markdown: 95 % quantile and maximum of each figure, or the figure alone for a single plant, and the number of
+/// plants on which the load never settled or the run was cut short. A published law with a better figure than the best of
+/// Lashloop's own is marked by an asterisk; a tie is none.
 #[must_use]
 pub fn markdown(rows: &[Row]) -> String {
     let mut text = String::from("| law |");
     for Column { name, unit, .. } in &COLUMNS {
         let _ = write!(text, " {name}, {unit} |");
     }
-    text += "\n|---|";
-    text += &"---|".repeat(COLUMNS.len());
+    text += " not settled |\n|---|";
+    text += &"---|".repeat(COLUMNS.len() + 1);
     for row in rows {
         let _ = write!(text, "\n| `{}` |", row.law.name);
         for column in &COLUMNS {
@@ -80,6 +81,8 @@ pub fn markdown(rows: &[Row]) -> String {
                 .collect();
             let _ = write!(text, " {} |", cells.join(" / "));
         }
+        let never = row.figures.iter().filter(|figures| figures.settle_time_s.is_infinite()).count();
+        let _ = write!(text, " {never} |");
     }
     text + "\n"
 }
