@@ -1,242 +1,297 @@
 """Minimum time for the plant `backlash-shaft`, the reference for the settling times of the control laws.
 
-Optimal control by direct collocation: the plant of docs/model.md with the values of scenarios/shaft-backlash-inverse.toml, its contacts
-and its stiction exact, moves its load from pi/2 to 0. The torque U of the drive, within +-U_max, is the only input. The sequence of
-contacts is that of a fast movement: the motor crosses the gap, winds the shaft against the load at rest, accelerates the load, crosses
-the gap again, and brakes. The time of each phase is free.
+The plant of docs/model.md moves its load from pi/2 to 0, from rest. The drive's torque U, within +-U_max, is the only
+input. Each leg of the movement has one contact and a free duration; direct collocation finds its states. Two minima:
 
-Two minima are computed:
+rest    load and motor rest, the load within 0.05 rad of its target
+settle  the load enters 0.05 rad for good, overshoots by at most 5 mrad, and comes to rest: the metric `settle_time_s`
 
-rest     the load is at rest within 0.05 rad of its target, motor at rest, load held by its stiction
-settle   the load enters the band of 0.05 rad for the last time and then comes to rest, with at most 5 mrad of overshoot.
-         This is the metric `settle_time_s`, so no controller that overshoots by at most 5 mrad settles earlier.
+Both count from the first sample and contain the delay of the torque. A controller also has a sampling period, quantised
+encoders and unknown parameters; here all is known and U may change at any time. Minima are local: a faster movement
+with other contacts is not excluded.
 
-Controllers additionally have a sampling period, quantised encoders and unknown parameters; here all is known and U may change at any
-time. Minima are local, as always with direct collocation: a shorter movement with other contacts is not excluded.
+Every solution is computed on two meshes and simulated by an integrator of its own, simulation.py. The table has the
+minimum on the finer mesh, its difference to the coarser one, and the largest difference of the load's position between
+solution and simulation.
 
-Usage: python minimum_time.py [--torque-limits 20 8] [--intervals 24] [--check minimum-time.csv] [--out minimum-time.csv]
+    pip install -r requirements.txt
+    python minimum_time.py --out minimum-time.csv
+    python minimum_time.py --torque-limits 20 10 --check minimum-time.csv
 """
 
 import argparse
 import csv
 import sys
-from dataclasses import dataclass
-from math import pi
+from dataclasses import dataclass, replace
+from math import log, pi
 from pathlib import Path
 
-import casadi
 import numpy
 
-# docs/model.md, plant `backlash-shaft`; SI units.
-RATIO = 3.0
-LOAD_INERTIA = 7.5
-LOAD_FRICTION = 16.0
-LOAD_COULOMB, LOAD_STICTION, LOAD_STRIBECK = 3.40, 3.82, 0.03
-MOTOR_INERTIA = 9.72e-4
-MOTOR_FRICTION = 4.3e-4
-MOTOR_COULOMB, MOTOR_STICTION, MOTOR_STRIBECK = 0.02, 0.025, 0.2
-STIFFNESS = 1.0
-DAMPING = 3.1e-3
-HALF_GAP = 0.16
-CURRENT_LAG_S = 5e-4
-# From the sample to the torque at the terminals of the current loop.
-DELAY_S = 1e-3
+import plant_values as plant
+import simulation
+from collocation import (
+    GAP_POSITION,
+    INTERVALS,
+    LOAD,
+    LOAD_SPEED,
+    MOTOR,
+    MOTOR_SPEED,
+    START,
+    STATES,
+    Leg,
+    LegSolution,
+    Movement,
+    transmitted,
+)
 
-START = [pi / 2, 0.0, 3 * pi / 2, 0.0, 0.0, 0.0]
 BAND_RAD = 0.05
 OVERSHOOT_RAD = 0.005
-MOTOR_SPEED_LIMIT = 1000.0
-# Width over which the motor's dry friction changes sign, rad/s: collocation needs a smooth one. It is 0.1 % of the torque limit.
-MOTOR_SIGN_WIDTH = 0.5
+# From the middle outwards: a solution is the first guess of its neighbour.
+TORQUE_LIMITS_NM = [8, 10, 15, 20, 5, 3, 2]
+SIMULATION_STEP_S = 1e-5
+# A leg that is shorter is not used.
+VANISHED_S = 1e-3
+DELAY_S = plant.TORQUE_DELAY_US / 1e6
+N0, HALF_GAP, STICTION_NM = plant.REDUCTION_RATIO, plant.DEAD_ZONE_RAD, plant.LOAD_STICTION_NM
 
-DEGREE = 3
-STATES = 6
-LOAD, LOAD_SPEED, MOTOR, MOTOR_SPEED, CONTACT, TORQUE = range(STATES)
+
+def at_flank(side):
+    return lambda x: [x[GAP_POSITION] == side * HALF_GAP]
+
+
+def breaks_loose(x):
+    return [N0 * transmitted(x, -1) == -STICTION_NM]
+
+
+def opens(side):
+    return lambda x: [transmitted(x, side) == 0]
+
+
+def in_band(x):
+    return [x[LOAD] == BAND_RAD]
+
+
+def stops(lowest_rad):
+    return lambda x: [
+        x[LOAD_SPEED] == 0,
+        x[LOAD] >= lowest_rad,
+        x[LOAD] <= BAND_RAD,
+        N0 * transmitted(x, 1) <= STICTION_NM,
+    ]
+
+
+def sequences():
+    """Target, sequence, legs, and the leg at whose end the time is taken.
+
+    With little torque friction stops the load within the band: it enters while the motor still crosses the gap, or
+    still accelerates.
+    """
+    gap = Leg("gap", 0, sticks=True, end=at_flank(-1), mesh=0.25)
+    wind = Leg("wind", -1, sticks=True, end=breaks_loose, mesh=0.25)
+    accelerate = Leg("accelerate", -1, sticks=False, end=opens(-1))
+    cross = Leg("cross", 0, sticks=False, end=at_flank(1), mesh=0.25)
+    brake = Leg("brake", 1, sticks=False, end=stops(-BAND_RAD))
+    hold = Leg("hold", 1, sticks=True, end=lambda x: [x[MOTOR_SPEED] == 0], mesh=0.25)
+    stop = replace(brake, name="stop", end=stops(-OVERSHOOT_RAD), mesh=0.5)
+    entering = [replace(leg, end=in_band) for leg in (accelerate, cross, brake)]
+    inside = [replace(leg, name=f"{leg.name} in band") for leg in (accelerate, cross)]
+    yield "settle", "braking", [gap, wind, accelerate, cross, entering[2], stop], "brake"
+    yield "settle", "crossing", [gap, wind, accelerate, entering[1], inside[1], stop], "cross"
+    yield "settle", "accelerating", [gap, wind, entering[0], *inside, stop], "accelerate"
+    yield "rest", "braking", [gap, wind, accelerate, cross, brake, hold], "hold"
+
+
+# Duration, load position and speed at the end of each leg, for this torque limit.
+GUESSED_NM = 20
+GUESSES = {
+    "gap": (0.005, pi / 2, 0.0),
+    "wind": (0.01, pi / 2, 0.0),
+    "accelerate": (0.5, 0.5, -2.5),
+    "cross": (0.02, 0.45, -2.5),
+    "brake": (0.3, 0.05, -1.25),
+    "hold": (0.01, 0.0, 0.0),
+    "stop": (0.1, 0.0, -0.3),
+}
+
+
+def first_guess(legs, stretch):
+    """Straight lines, slower by `stretch` than with 20 N m."""
+    solution, load = {}, START[LOAD]
+    for leg in legs:
+        duration_s, end, speed = GUESSES[leg.name.removesuffix(" in band")]
+        speed /= stretch
+        states = numpy.zeros((STATES, 2))
+        states[LOAD] = [load, end]
+        states[LOAD_SPEED] = speed
+        shaft = leg.contact * (HALF_GAP + 1.0)
+        states[MOTOR] = N0 * states[LOAD] + shaft
+        states[MOTOR_SPEED] = N0 * speed
+        states[GAP_POSITION] = leg.contact * HALF_GAP
+        solution[leg.name] = LegSolution(duration_s, numpy.array([0.0, 1.0]), states, numpy.zeros(1))
+        load = end
+    return solution
+
+
+def guess_of(legs, known, stretch):
+    """The known solution, longer by `stretch` where the load accelerates; straight lines for a leg without one."""
+    lines = first_guess(legs, stretch)
+    guess = {}
+    for leg in legs:
+        found = known.get(leg.name) or known.get(leg.name.removesuffix(" in band")) or lines[leg.name]
+        longer = stretch if leg.name.startswith("accelerate") else 1.0
+        guess[leg.name] = replace(found, duration_s=found.duration_s * longer)
+    return guess
+
+
+def top_speed_rad_s(torque_limit_nm):
+    """Load speed at which friction takes all of the torque."""
+    return (N0 * torque_limit_nm - plant.LOAD_COULOMB_NM) / plant.LOAD_FRICTION_NM_S_RAD
+
+
+def solve(torque_limit_nm, intervals, legs, timed, guess, warm):
+    movement = Movement(torque_limit_nm, intervals)
+    for leg in legs:
+        movement.add(leg, guess[leg.name])
+    return movement.solve(timed, warm)
+
+
+def minimum_s(solution, timed):
+    durations = {name: leg.duration_s for name, leg in solution.items()}
+    counted = list(durations).index(timed) + 1
+    return DELAY_S + sum(list(durations.values())[:counted])
+
+
+def largest_difference_rad(solution):
+    """Of the load's position, between solution and simulation."""
+    pieces, times_s, loads_rad, begin_s = [], [], [], 0.0
+    for leg in solution.values():
+        pieces += [(leg.duration_s / len(leg.torques_nm), float(torque)) for torque in leg.torques_nm]
+        times_s.append(begin_s + leg.fractions * leg.duration_s)
+        loads_rad.append(leg.states[LOAD])
+        begin_s += leg.duration_s
+    at_s, have_rad, _ = simulation.run(START, pieces, SIMULATION_STEP_S)
+    want_rad = numpy.interp(numpy.concatenate(times_s), at_s, have_rad)
+    return float(numpy.max(numpy.abs(numpy.concatenate(loads_rad) - want_rad)))
+
+
+COLUMNS = ("s", "sequence", "mesh_ms", "simulation_mrad")
+HEADER = ["torque_limit_nm", *(f"{target}_{column}" for target in ("rest", "settle") for column in COLUMNS)]
 
 
 @dataclass(frozen=True)
-class Phase:
-    """A stretch of the movement with one contact: -1, 0 (free) or 1; the load sticks or moves backwards."""
+class Minimum:
+    """The minimum of a sequence with its legs.
 
-    contact: int
-    sticks: bool
-    longest_s: float
-    guess_s: float
+    `mesh_s` is its change from the coarser mesh, None if only that has a solution.
+    """
 
+    sequence: str
+    time_s: float
+    mesh_s: float | None
+    last_leg_s: float
+    legs: dict[str, LegSolution]
 
-GAP = Phase(contact=0, sticks=True, longest_s=0.1, guess_s=0.005)
-WIND = Phase(contact=-1, sticks=True, longest_s=0.1, guess_s=0.01)
-ACCELERATE = Phase(contact=-1, sticks=False, longest_s=30.0, guess_s=0.5)
-CROSS = Phase(contact=0, sticks=False, longest_s=0.5, guess_s=0.02)
-BRAKE = Phase(contact=1, sticks=False, longest_s=5.0, guess_s=0.3)
-STOP = Phase(contact=1, sticks=False, longest_s=5.0, guess_s=0.1)
-
-
-def stribeck(speed, coulomb, stiction, width):
-    return coulomb + (stiction - coulomb) * casadi.exp(-((speed / width) ** 2))
+    def __str__(self):
+        mesh = "coarser mesh alone" if self.mesh_s is None else f"{1e3 * self.mesh_s:.2f} ms from the coarser mesh"
+        return f"{self.time_s:.5f} s, {mesh}"
 
 
-def transmitted(x, contact):
-    """Torque of the shaft at the motor, N m."""
-    if contact == 0:
-        return 0
-    twist = x[MOTOR] - RATIO * x[LOAD]
-    twist_speed = x[MOTOR_SPEED] - RATIO * x[LOAD_SPEED]
-    return STIFFNESS * (twist - contact * HALF_GAP) + DAMPING * twist_speed
+class Study:
+    """The minima by torque limit. Each limit starts from the solutions of the nearest one before."""
 
-
-def rates(x, torque_nm, phase):
-    twist = x[MOTOR] - RATIO * x[LOAD]
-    twist_speed = x[MOTOR_SPEED] - RATIO * x[LOAD_SPEED]
-    shaft = transmitted(x, phase.contact)
-    if phase.sticks:
-        load_acceleration = 0
-    else:
-        dry = -stribeck(x[LOAD_SPEED], LOAD_COULOMB, LOAD_STICTION, LOAD_STRIBECK)
-        load_acceleration = (RATIO * shaft - LOAD_FRICTION * x[LOAD_SPEED] - dry) / LOAD_INERTIA
-    motor_dry = casadi.tanh(x[MOTOR_SPEED] / MOTOR_SIGN_WIDTH) * stribeck(
-        x[MOTOR_SPEED], MOTOR_COULOMB, MOTOR_STICTION, MOTOR_STRIBECK
-    )
-    motor_acceleration = (x[TORQUE] - shaft - MOTOR_FRICTION * x[MOTOR_SPEED] - motor_dry) / MOTOR_INERTIA
-    contact_speed = 0 if phase.contact else twist_speed + STIFFNESS / DAMPING * (twist - x[CONTACT])
-    lag = (torque_nm - x[TORQUE]) / CURRENT_LAG_S
-    return casadi.vertcat(
-        x[LOAD_SPEED], load_acceleration, x[MOTOR_SPEED], motor_acceleration, contact_speed, lag
-    )
-
-
-def collocation():
-    """Derivative matrix and end weights of Radau points on [0, 1]."""
-    points = [0.0, *casadi.collocation_points(DEGREE, "radau")]
-    derivative = numpy.zeros((DEGREE + 1, DEGREE + 1))
-    for j in range(DEGREE + 1):
-        basis = numpy.poly1d([1.0])
-        for r in range(DEGREE + 1):
-            if r != j:
-                basis *= numpy.poly1d([1.0, -points[r]]) / (points[j] - points[r])
-        for r in range(DEGREE + 1):
-            derivative[j, r] = numpy.polyder(basis)(points[r])
-    return derivative
-
-
-class Movement:
-    """The program: phases one after the other, each with its collocation and its conditions."""
-
-    def __init__(self, torque_limit_nm, intervals):
-        self.limit_nm = torque_limit_nm
+    def __init__(self, intervals):
         self.intervals = intervals
-        self.opti = casadi.Opti()
-        self.derivative = collocation()
-        self.state = casadi.DM(START)
-        self.durations = []
-        self.travelled = pi / 2
+        # Target, sequence, torque limit and legs of every solution on the coarser mesh.
+        self.known = []
 
-    def add(self, phase, load_end_guess, speed_guess):
-        """Appends a phase and returns its first and last states."""
-        opti, begin = self.opti, self.state
-        duration = opti.variable()
-        opti.subject_to(opti.bounded(1e-5, duration, phase.longest_s))
-        opti.set_initial(duration, phase.guess_s)
-        step = duration / self.intervals
-        x = begin
-        for k in range(self.intervals):
-            torque = opti.variable()
-            opti.subject_to(opti.bounded(-self.limit_nm, torque, self.limit_nm))
-            nodes = [x]
-            for _ in range(DEGREE):
-                node = opti.variable(STATES)
-                part = (k + 1) / self.intervals
-                load = self.travelled + part * (load_end_guess - self.travelled)
-                shaft = phase.contact * (HALF_GAP + 1.0)
-                guess = [load, speed_guess, 3 * load + shaft, 3 * speed_guess, phase.contact * HALF_GAP, 0.0]
-                opti.set_initial(node, guess)
-                opti.subject_to(opti.bounded(-MOTOR_SPEED_LIMIT, node[MOTOR_SPEED], MOTOR_SPEED_LIMIT))
-                if phase.contact:
-                    opti.subject_to(phase.contact * transmitted(node, phase.contact) >= 0)
-                else:
-                    opti.subject_to(opti.bounded(-HALF_GAP, node[CONTACT], HALF_GAP))
-                if phase.sticks and phase.contact:
-                    hold = RATIO * transmitted(node, phase.contact)
-                    opti.subject_to(opti.bounded(-LOAD_STICTION, hold, LOAD_STICTION))
-                if not phase.sticks:
-                    opti.subject_to(node[LOAD_SPEED] <= 0)
-                nodes.append(node)
-            for r in range(1, DEGREE + 1):
-                slope = sum(self.derivative[j, r] * nodes[j] for j in range(DEGREE + 1))
-                opti.subject_to(slope == step * rates(nodes[r], torque, phase))
-            x = nodes[-1]
-        self.durations.append(duration)
-        self.state, self.travelled = x, load_end_guess
-        return begin, x
+    def row(self, torque_limit_nm):
+        best = {}
+        for target, sequence, legs, timed in sequences():
+            # The next sequence enters the band one leg earlier, which is faster only if that leg vanishes.
+            if target in best and best[target].last_leg_s > VANISHED_S:
+                continue
+            found = self.improve(torque_limit_nm, target, sequence, legs, timed)
+            print(f"{torque_limit_nm:g} N m, {target}, {sequence}: {found or 'no solution'}", flush=True)
+            if found and (target not in best or found.time_s < best[target].time_s):
+                best[target] = found
+        row = [f"{torque_limit_nm:g}"]
+        for target in ("rest", "settle"):
+            if target not in best:
+                sys.exit(f"torque limit {torque_limit_nm:g} N m: no solution for {target}")
+            found = best[target]
+            simulated_mrad = 1e3 * largest_difference_rad(found.legs)
+            mesh_ms = "" if found.mesh_s is None else f"{1e3 * found.mesh_s:.1f}"
+            row += [f"{found.time_s:.3f}", found.sequence, mesh_ms, f"{simulated_mrad:.2f}"]
+        print(",".join(row), flush=True)
+        return row
 
-    def require(self, condition):
-        self.opti.subject_to(condition)
+    def nearest(self, torque_limit_nm, target, sequence):
+        """The known solution that is likest, and its torque limit; None at the beginning."""
+        if not self.known:
+            return None
 
-    def solve(self, objective):
-        self.opti.minimize(objective)
-        options = {"print_level": 0, "max_iter": 5000, "tol": 1e-9, "sb": "yes"}
-        self.opti.solver("ipopt", {"print_time": False}, options)
-        solution = self.opti.solve()
-        return [float(solution.value(duration)) for duration in self.durations]
+        def unlike(known):
+            its_target, its_sequence, limit_nm, _ = known
+            return its_target != target, its_sequence != sequence, abs(log(limit_nm / torque_limit_nm))
 
+        *_, limit_nm, legs = min(self.known, key=unlike)
+        return legs, limit_nm
 
-def minimum_s(torque_limit_nm, intervals, target):
-    """The minimum time in seconds, delay included."""
-    movement = Movement(torque_limit_nm, intervals)
-    speed = -min(2.5, 0.15 * torque_limit_nm)
-    _, x = movement.add(GAP, pi / 2, 0.0)
-    movement.require(x[CONTACT] == -HALF_GAP)
-    _, x = movement.add(WIND, pi / 2, 0.0)
-    movement.require(RATIO * transmitted(x, -1) == -LOAD_STICTION)
-    _, x = movement.add(ACCELERATE, 0.5, speed)
-    movement.require(transmitted(x, -1) == 0)
-    _, x = movement.add(CROSS, 0.45, speed)
-    movement.require(x[CONTACT] == HALF_GAP)
-    _, x = movement.add(BRAKE, BAND_RAD, speed / 2)
-    entry = sum(movement.durations)
-    if target == "settle":
-        movement.require(x[LOAD] == BAND_RAD)
-        _, x = movement.add(STOP, 0.0, speed / 8)
-        movement.require(x[LOAD] >= -OVERSHOOT_RAD)
-    else:
-        movement.require(movement.opti.bounded(-BAND_RAD, x[LOAD], BAND_RAD))
-        movement.require(x[MOTOR_SPEED] == 0)
-    movement.require(x[LOAD_SPEED] == 0)
-    movement.require(RATIO * transmitted(x, 1) <= LOAD_STICTION)
-    movement.solve(entry)
-    return DELAY_S + float(movement.opti.debug.value(entry))
-
-
-def table(torque_limits_nm, intervals):
-    rows = []
-    for limit_nm in torque_limits_nm:
-        minima = [minimum_s(limit_nm, intervals, target) for target in ("rest", "settle")]
-        rows.append([f"{limit_nm:g}", *(f"{minimum:.3f}" for minimum in minima)])
-        print("torque_limit_nm {}: rest {} s, settle {} s".format(*rows[-1]), flush=True)
-    return rows
-
-
-HEADER = ["torque_limit_nm", "rest_s", "settle_s"]
+    def improve(self, torque_limit_nm, target, sequence, legs, timed):
+        """The minimum of a sequence; None without a solution."""
+        lines = {}, GUESSED_NM
+        nearest = self.nearest(torque_limit_nm, target, sequence) or lines
+        # Not every guess leads to a solution.
+        for (known, at_limit_nm), longer, warm in (
+            (nearest, 1.0, True),
+            (nearest, 1.0, False),
+            (lines, 1.0, False),
+            (lines, 1.3, False),
+            (lines, 0.8, False),
+        ):
+            stretch = longer * top_speed_rad_s(at_limit_nm) / top_speed_rad_s(torque_limit_nm)
+            guess = guess_of(legs, known, stretch)
+            coarse = solve(torque_limit_nm, self.intervals, legs, timed, guess, warm and bool(known))
+            if coarse is not None:
+                break
+        else:
+            return None
+        finer = (solve(torque_limit_nm, 2 * self.intervals, legs, timed, coarse, warm) for warm in (True, False))
+        fine = next((solution for solution in finer if solution is not None), None)
+        self.known.append((target, sequence, torque_limit_nm, coarse))
+        if fine is None:
+            return Minimum(sequence, minimum_s(coarse, timed), None, coarse[timed].duration_s, coarse)
+        mesh_s = minimum_s(fine, timed) - minimum_s(coarse, timed)
+        return Minimum(sequence, minimum_s(fine, timed), mesh_s, fine[timed].duration_s, fine)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--torque-limits", type=float, nargs="+", default=[5, 8, 10, 15, 20], metavar="NM")
-    parser.add_argument("--intervals", type=int, default=24, help="collocation intervals of a phase")
+    parser.add_argument(
+        "--torque-limits",
+        type=float,
+        nargs="+",
+        default=TORQUE_LIMITS_NM,
+        metavar="NM",
+        help="each starts from the nearest one before",
+    )
+    parser.add_argument("--intervals", type=int, default=INTERVALS, help="collocation intervals of a leg, at least")
     parser.add_argument("--out", type=Path, help="write the table as CSV")
     parser.add_argument("--check", type=Path, help="compare with this table; exit code 1 beyond 2 ms")
     arguments = parser.parse_args()
-    rows = table(arguments.torque_limits, arguments.intervals)
+    study = Study(arguments.intervals)
+    rows = [study.row(limit_nm) for limit_nm in arguments.torque_limits]
     if arguments.out:
         with arguments.out.open("w", newline="") as file:
-            csv.writer(file, lineterminator="\n").writerows([HEADER, *rows])
+            csv.writer(file, lineterminator="\n").writerows([HEADER, *sorted(rows, key=lambda row: float(row[0]))])
     if arguments.check:
         with arguments.check.open() as file:
             pinned = {row["torque_limit_nm"]: row for row in csv.DictReader(file)}
-        for limit, *minima in rows:
-            want = [float(pinned[limit][column]) for column in HEADER[1:]]
-            if any(abs(float(have) - value) > 0.002 for have, value in zip(minima, want, strict=True)):
-                sys.exit(f"torque limit {limit} N m: have {minima}, the table has {want}")
+        for row in rows:
+            have, want = dict(zip(HEADER, row, strict=True)), pinned[row[0]]
+            if any(abs(float(have[key]) - float(want[key])) > 0.002 for key in ("rest_s", "settle_s")):
+                sys.exit(f"torque limit {row[0]} N m: have {row}, the table has {list(want.values())}")
 
 
 if __name__ == "__main__":

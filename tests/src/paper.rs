@@ -58,13 +58,22 @@ pub const RUNS: [PaperRun; 4] = [
     },
 ];
 
-/// Not from the paper: the plant `backlash-shaft` under the backlash inverse, pinned in the same way.
+/// Not from the paper: the plant `backlash-shaft` under laws beyond it, pinned in the same way.
 pub const BACKLASH_INVERSE: PaperRun = PaperRun {
     name: "shaft-backlash-inverse",
     metric: "settle_time_s",
     want: 2.51,
     tolerance: 0.05,
     torque_sha256: "99a06067f3b473b66fd8fed57a0b7816a7830bf38980c65fa47051f4fb053ab3",
+};
+
+/// The same plant under the braking curve.
+pub const BRAKING_CURVE: PaperRun = PaperRun {
+    name: "shaft-braking-curve",
+    metric: "settle_time_s",
+    want: 1.24,
+    tolerance: 0.05,
+    torque_sha256: "6a743721cde20b4acc05c0d36222e5bd3eb2fc2212ba138dfe9cd63787d6114e",
 };
 
 impl PaperRun {

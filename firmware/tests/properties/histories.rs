@@ -74,10 +74,12 @@ fn wild_setting() -> impl Strategy<Value = Action<'static>> {
     (0..TABLE.len() as u8 + 2, value).prop_map(|(index, value)| request(SetParameter { index, value }))
 }
 
-/// Any signals, of which half are known to the drive.
+/// Any signals, of which half are known to every law of the drive.
 fn subscription() -> impl Strategy<Value = Action<'static>> {
-    let known = (1 << Laws::SIGNALS.len()) - 1;
-    let signals = prop_oneof![any::<u32>().prop_map(move |bits| bits & known), any::<u32>()];
+    let every_law = (1 << Laws::NAMES.len()) - 1;
+    let common = (0..).zip(Laws::SIGNALS).filter(|(_, signal)| signal.laws == every_law);
+    let common: u32 = common.map(|(index, _)| 1 << index).sum();
+    let signals = prop_oneof![any::<u32>().prop_map(move |bits| bits & common), any::<u32>()];
     (signals, 0..5_u16).prop_map(|(signals, every)| request(Subscribe { signals, every }))
 }
 

@@ -22,6 +22,12 @@ pub enum Part {
     TorqueLimit,
     /// The nominal plant, torque delay varied.
     TorqueDelay,
+    /// The nominal plant, inertia of the load varied.
+    LoadInertia,
+    /// The nominal plant, lasting torque on the load varied.
+    LoadTorque,
+    /// The nominal plant, saturation of the motor varied, which the drive does not know.
+    TorqueSaturation,
 }
 
 /// Position of a run in the tables.

@@ -17,6 +17,11 @@ const SCENARIOS: [(&str, &str, &str); Law::COUNT] = [
         "scenarios/shaft-backlash-inverse.toml",
         include_str!("../../../scenarios/shaft-backlash-inverse.toml"),
     ),
+    (
+        "braking-curve",
+        "scenarios/shaft-braking-curve.toml",
+        include_str!("../../../scenarios/shaft-braking-curve.toml"),
+    ),
 ];
 
 /// A law under test: the place of its scenario in the table.
@@ -24,16 +29,18 @@ const SCENARIOS: [(&str, &str, &str); Law::COUNT] = [
 pub struct Law(usize);
 
 impl Law {
-    const COUNT: usize = 3;
+    const COUNT: usize = 4;
 
     /// In the order of the tables.
-    pub const ALL: [Self; Self::COUNT] = [Self::BEFORE, Self(1), Self::WITH_LIMITS];
+    pub const ALL: [Self; Self::COUNT] =
+        [Self::BEFORE, Self::AFTER, Self::BACKLASH_INVERSE, Self::BRAKING_CURVE];
 
-    /// The law before compensation, with which the others are compared.
+    /// The paper's law before compensation.
     pub const BEFORE: Self = Self(0);
-
-    /// The law that has limits to meet.
-    pub const WITH_LIMITS: Self = Self(2);
+    /// The paper's compensation.
+    pub const AFTER: Self = Self(1);
+    pub const BACKLASH_INVERSE: Self = Self(2);
+    pub const BRAKING_CURVE: Self = Self(3);
 
     /// Name, as the drive describes it.
     #[must_use]
@@ -88,7 +95,8 @@ mod tests {
     #[test]
     fn former_names_of_laws_are_accepted() {
         assert_eq!("faithful".parse::<Law>().map(Law::name), Ok("merzouki"));
-        assert_eq!("compensating".parse(), Ok(Law::WITH_LIMITS));
-        assert_eq!("lqr".parse::<Law>(), Err("expected pd, merzouki or backlash-inverse".to_owned()));
+        assert_eq!("compensating".parse(), Ok(Law::BACKLASH_INVERSE));
+        let expected = "expected pd, merzouki, backlash-inverse or braking-curve";
+        assert_eq!("lqr".parse::<Law>(), Err(expected.to_owned()));
     }
 }

@@ -1,31 +1,43 @@
-//! Limits of the backlash inverse on the random plants.
+//! Limits of the laws on the random plants.
 
 use std::fmt;
 
+use lashloop_firmware::control::braking_curve::LEARNT_DEVIATION_RAD;
 use serde::Serialize;
 
 use super::law::Law;
 use super::quantiles::{Quantile, Quantiles};
 use super::score::{Criterion, Score};
 
-/// The law under these limits.
-pub const LAW: Law = Law::WITH_LIMITS;
-
 /// An upper limit on a quantile over the random plants.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Limit {
+    pub law: Law,
     #[serde(rename = "figure")]
     pub criterion: Criterion,
     pub quantile: Quantile,
-    /// In the unit of the metric; the value itself misses the limit.
+    /// In SI units; the value itself misses the limit.
     pub below: f64,
 }
 
-pub const LIMITS: [Limit; 4] = [
-    Limit { criterion: Criterion::SettleTime, quantile: Quantile::P95, below: 3.0 },
-    Limit { criterion: Criterion::StaticError, quantile: Quantile::Max, below: 3.5e-3 },
-    Limit { criterion: Criterion::Hunting, quantile: Quantile::Max, below: 1.5e-3 },
-    Limit { criterion: Criterion::DeadZoneError, quantile: Quantile::P95, below: 25e-3 },
+const fn limit(law: Law, criterion: Criterion, quantile: Quantile, below: f64) -> Limit {
+    Limit { law, criterion, quantile, below }
+}
+
+/// In the order of [`Law::ALL`].
+pub const LIMITS: [Limit; 12] = [
+    limit(Law::BACKLASH_INVERSE, Criterion::SettleTime, Quantile::P95, 3.0),
+    limit(Law::BACKLASH_INVERSE, Criterion::StaticError, Quantile::Max, 3.5e-3),
+    limit(Law::BACKLASH_INVERSE, Criterion::Hunting, Quantile::Max, 1.5e-3),
+    limit(Law::BACKLASH_INVERSE, Criterion::DeadZoneError, Quantile::P95, 25e-3),
+    limit(Law::BRAKING_CURVE, Criterion::SettleTime, Quantile::P95, 1.4),
+    limit(Law::BRAKING_CURVE, Criterion::SettleTime, Quantile::Max, 1.6),
+    limit(Law::BRAKING_CURVE, Criterion::Overshoot, Quantile::Max, 5e-3),
+    limit(Law::BRAKING_CURVE, Criterion::StaticErrorInBands, Quantile::P99, 1.0),
+    limit(Law::BRAKING_CURVE, Criterion::Hunting, Quantile::Max, 0.01e-3),
+    limit(Law::BRAKING_CURVE, Criterion::LearntDeadZoneError, Quantile::P95, 25e-3),
+    limit(Law::BRAKING_CURVE, Criterion::DeadZoneDeviation, Quantile::P80, LEARNT_DEVIATION_RAD),
+    limit(Law::BRAKING_CURVE, Criterion::TorqueVariation, Quantile::P95, 260.0),
 ];
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -46,11 +58,11 @@ impl Limit {
 
 impl fmt::Display for LimitResult {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { limit: Limit { criterion, quantile, below }, value, met } = self;
+        let Self { limit: Limit { criterion, quantile, below, .. }, value, met } = self;
         let value = criterion.cell(*value);
         let what = format!("{}, {quantile}", criterion.name());
         let limit = format!("< {} {}", criterion.show(*below), criterion.unit());
-        write!(out, "{:<6} {what:<24}{value:>10}   {limit}", if *met { "met" } else { "MISSED" })
+        write!(out, "{:<6} {what:<28}{value:>10}   {limit}", if *met { "met" } else { "MISSED" })
     }
 }
 

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::case::{CaseResult, Part};
 use super::law::Law;
-use super::limits::{self, LIMITS, LimitResult};
+use super::limits::{LIMITS, LimitResult};
 use super::plan::Settings;
 use super::quantiles::{Quantile, Quantiles};
 use super::score::{Criterion, MissingReason, Score, Scores};
@@ -19,7 +19,7 @@ pub struct Report {
     pub verdict: Verdict,
     pub settings: Settings,
     pub random_plants: Vec<LawReport>,
-    /// Empty without the law that has limits.
+    /// Empty without a law that has limits.
     pub limits: Vec<LimitResult>,
     pub sweeps: Vec<SweepReport>,
 }
@@ -66,10 +66,11 @@ impl Report {
     pub fn new<'a>(settings: &Settings, results: impl Iterator<Item = &'a CaseResult> + Clone) -> Self {
         let random_plants: Vec<_> =
             settings.laws.iter().filter_map(|&law| LawReport::new(law, results.clone())).collect();
-        let judged = random_plants.iter().filter(|report| report.law == limits::LAW);
-        let limits: Vec<_> = judged
+        let limits: Vec<_> = random_plants
+            .iter()
             .flat_map(|report| {
-                LIMITS.iter().filter_map(|limit| Some(limit.judge(report.quantiles(limit.criterion)?)))
+                let mine = LIMITS.iter().filter(|limit| limit.law == report.law);
+                mine.filter_map(|limit| Some(limit.judge(report.quantiles(limit.criterion)?)))
             })
             .collect();
         let verdict = if limits.iter().all(|result| result.met) { Verdict::Pass } else { Verdict::Fail };
@@ -141,12 +142,15 @@ fn row(out: &mut fmt::Formatter<'_>, head: &str, [one, two, three]: [impl fmt::D
 impl fmt::Display for Report {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Settings { seed, plants, .. } = self.settings;
-        row(out, &format!("{plants} random plants, seed {seed}"), Quantile::ALL)?;
+        row(out, &format!("{plants} random plants, seed {seed}"), Quantile::SHOWN)?;
         for criterion in Criterion::ALL {
             let mut name = heading(criterion);
             for report in &self.random_plants {
                 let Some(quantiles) = report.quantiles(criterion) else { continue };
-                let cells = Quantile::ALL.map(|quantile| criterion.cell(quantiles.get(quantile)));
+                if quantiles.get(Quantile::Median) == Score::Missing(MissingReason::Unmeasured) {
+                    continue;
+                }
+                let cells = Quantile::SHOWN.map(|quantile| criterion.cell(quantiles.get(quantile)));
                 row(out, &format!("{name:<26}{}", report.law), cells)?;
                 name.clear();
             }
@@ -161,10 +165,12 @@ impl fmt::Display for Report {
             writeln!(out, "\n{sweep}")?;
         }
         if self.limits.is_empty() {
-            return write!(out, "\nno limits: they apply to {} only", limits::LAW);
+            return write!(out, "\nno limits: none of these laws has any");
         }
-        writeln!(out, "\nlimits of {} on the random plants", limits::LAW)?;
-        self.limits.iter().try_for_each(|result| writeln!(out, "{result}"))?;
+        for mine in self.limits.chunk_by(|one, next| one.limit.law == next.limit.law) {
+            writeln!(out, "\nlimits of {} on the random plants", mine[0].limit.law)?;
+            mine.iter().try_for_each(|result| writeln!(out, "{result}"))?;
+        }
         write!(out, "{}", self.verdict)
     }
 }
@@ -173,19 +179,19 @@ impl fmt::Display for SweepReport {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, unit, rows, .. } = self;
         write!(out, "{:<34}", format!("{name}, {unit}"))?;
-        for criterion in Criterion::ALL {
-            write!(out, "{:>14}", criterion.name())?;
+        for criterion in Criterion::SWEPT {
+            write!(out, "{:>13}", criterion.name())?;
         }
         write!(out, "\n{:<34}", "")?;
-        for criterion in Criterion::ALL {
-            write!(out, "{:>14}", criterion.unit())?;
+        for criterion in Criterion::SWEPT {
+            write!(out, "{:>13}", criterion.unit())?;
         }
         let mut last = None;
         for SweepRow { value, law, scores, .. } in rows {
             let value = Some(*value).filter(|_| last.replace(*value) != Some(*value));
             write!(out, "\n{:<18}{law:<16}", value.map_or_else(String::new, |value| value.to_string()))?;
-            for criterion in Criterion::ALL {
-                write!(out, "{:>14}", criterion.cell(scores.get(criterion)))?;
+            for criterion in Criterion::SWEPT {
+                write!(out, "{:>13}", criterion.cell(scores.get(criterion)))?;
             }
         }
         for SweepRow { value, law, end, .. } in rows.iter().filter(|row| row.end != End::Complete.to_string())

@@ -77,7 +77,7 @@ fn run_one(case: &Case, stop: &Stop<'_>) -> Result<Option<CaseResult>, CampaignE
     Ok(Some(CaseResult {
         case: case.id,
         end: outcome.end.to_string(),
-        scores: Scores::of(&outcome),
+        scores: Scores::of(&outcome, case.scenario.encoders.load_counts_per_rev),
         torque_sha256: outcome.torque_sha256,
     }))
 }
@@ -144,7 +144,7 @@ mod tests {
             assert!(result.end.starts_with(end), "{result:?}");
             assert_eq!(
                 Criterion::ALL.map(|it| result.scores.get(it)),
-                [Score::Missing(reason); 6],
+                [Score::Missing(reason); Criterion::ALL.len()],
                 "{result:?}"
             );
         }
@@ -158,7 +158,7 @@ mod tests {
             case.scenario.run.duration_s = 12.0;
         }
         let one = results_of(&cases, 1);
-        assert_eq!(one.len(), 6);
+        assert_eq!(one.len(), 2 * Law::ALL.len());
         assert_eq!(one, results_of(&cases, 4));
     }
 

@@ -14,7 +14,7 @@ pub fn write<'a>(
     results: impl Iterator<Item = (&'a Case, &'a CaseResult)>,
 ) -> io::Result<()> {
     let mut table = csv::WriterBuilder::new().has_headers(false).from_writer(out);
-    let criteria = Criterion::ALL.map(|criterion| criterion.metric().name());
+    let criteria = Criterion::ALL.map(Criterion::key);
     let columns = ["part", "row", "controller"].into_iter().chain(criteria);
     table.write_record(columns.chain(["end", "torque_sha256", "set"]))?;
     for (case, CaseResult { scores, end, torque_sha256, .. }) in results {
@@ -33,8 +33,10 @@ mod tests {
     fn columns_are_in_the_order_of_the_heading() {
         let settings = Settings { seed: 1, plants: 1, laws: vec![Law::BEFORE], sweeps: false };
         let case = &cases(&settings).expect("a case")[0];
-        let scores = r#"{"settle_time_s":"never","static_error_rad":-1e-7,"hunting_rad":0.5,
-            "dead_zone_error_rad":1.0,"effort_nm2s":"not finite","torque_total_variation_nm":0.1}"#;
+        let scores = r#"{"settle_time_s":"never","overshoot_rad":0.0,"static_error_rad":-1e-7,
+            "static_error_bands":-5e-5,"hunting_rad":0.5,"dead_zone_error_rad":1.0,
+            "learnt_dead_zone_error_rad":"not learnt","dead_zone_deviation_rad":0.25,"effort_nm2s":"not finite",
+            "torque_total_variation_nm":0.1}"#;
         let result = CaseResult {
             case: case.id,
             end: "complete".to_owned(),
@@ -47,11 +49,12 @@ mod tests {
         let (heading, row) = text.split_once('\n').expect("two lines");
         assert_eq!(
             heading,
-            "part,row,controller,settle_time_s,static_error_rad,hunting_rad,dead_zone_error_rad,effort_nm2s,\
+            "part,row,controller,settle_time_s,overshoot_rad,static_error_rad,static_error_bands,hunting_rad,\
+             dead_zone_error_rad,learnt_dead_zone_error_rad,dead_zone_deviation_rad,effort_nm2s,\
              torque_total_variation_nm,end,torque_sha256,set"
         );
-        let cells =
-            "random-plants,0,pd,never,-1e-7,0.5,1.0,not finite,0.1,complete,00ff,plant.load_inertia_kg_m2=";
+        let cells = "random-plants,0,pd,never,0.0,-1e-7,-0.00005,0.5,1.0,not learnt,0.25,not finite,0.1,complete,00ff,\
+                     plant.load_inertia_kg_m2=";
         assert!(row.starts_with(cells), "{row}");
     }
 }

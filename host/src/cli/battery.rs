@@ -25,7 +25,7 @@ use super::supervision::start_supervisor;
 /// Run control laws on random and varied plants, in process and in parallel
 ///
 /// First random plants, with every parameter within 30 % of its nominal value, then the nominal plant with one quantity
-/// varied at a time. Exit code 1 if backlash-inverse misses one of its limits on the random plants.
+/// varied at a time. Exit code 1 if a law misses one of its limits on the random plants.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Number of random plants
@@ -37,7 +37,12 @@ pub(crate) struct Arguments {
     seed: u64,
 
     /// Control laws under test, separated by commas
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "pd,merzouki,backlash-inverse")]
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_delimiter = ',',
+        default_value = "pd,merzouki,backlash-inverse,braking-curve"
+    )]
     controller: Vec<Law>,
 
     /// Omit the runs with one quantity varied

@@ -25,12 +25,12 @@ use super::supervision::start_supervisor;
 
 const SHAFT: [(&str, &str); 5] = [
     Law::BEFORE.scenario(),
-    Law::ALL[1].scenario(),
-    Law::WITH_LIMITS.scenario(),
+    Law::AFTER.scenario(),
+    Law::BRAKING_CURVE.scenario(),
     ("scenarios/shaft-sine.toml", include_str!("../../../scenarios/shaft-sine.toml")),
     (
-        "scenarios/shaft-backlash-inverse-sine.toml",
-        include_str!("../../../scenarios/shaft-backlash-inverse-sine.toml"),
+        "scenarios/shaft-braking-curve-sine.toml",
+        include_str!("../../../scenarios/shaft-braking-curve-sine.toml"),
     ),
 ];
 
@@ -38,7 +38,7 @@ const SHAFT: [(&str, &str); 5] = [
 const WITHOUT_EXPECTATIONS: &str = "expect=[]";
 
 const BEFORE: &str = "pd";
-const BEYOND: &str = "backlash-inverse";
+const BEYOND: &str = "braking-curve";
 
 /// One plant under three laws: a scenario for each, and the law where it is not the scenario's.
 type Plan = [((&'static str, &'static str), Option<&'static str>); 3];
@@ -62,7 +62,7 @@ const INDEX: &str = "index.html";
 /// Reproduce the paper's figures and print its numbers next to ours
 ///
 /// Runs three plants and a slow sine under three laws: the cascaded PD law (before), the paper's compensation (after) and
-/// the law that inverts the gap in the torque domain (beyond). Writes figure-05.svg, figure-07.svg to figure-17.svg, and
+/// the fastest law, which inverts the gap along a braking curve (beyond). Writes figure-05.svg, figure-07.svg to figure-17.svg, and
 /// index.html with all of them.
 #[derive(Args)]
 pub(crate) struct Arguments {

@@ -29,7 +29,10 @@ fn a_set_value_persists_and_changes_list_and_hash() {
     assert_eq!(words, ["torque_limit_nm", "5.0", "20.0", "no", "0", "to", "1000", "N", "m", "all"]);
     let own = list.lines().find(|line| line.starts_with("k_21 ")).expect("a parameter of two laws");
     assert!(own.ends_with("merzouki and merzouki-as-printed"), "{own}");
-    assert!(list.contains("\nlaws: pd, merzouki, merzouki-as-printed, backlash-inverse\n"), "{list}");
+    assert!(
+        list.contains("\nlaws: pd, merzouki, merzouki-as-printed, backlash-inverse, braking-curve\n"),
+        "{list}"
+    );
     assert!(list.contains("\nrequested_torque_nm            N m    all\n"), "{list}");
 }
 

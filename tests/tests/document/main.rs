@@ -1,5 +1,5 @@
-//! `docs/protocol.md` against the drive: states, answers, sequences, faults, descriptions, telemetry and the conversation byte by byte; and
-//! the links of all documents.
+//! `docs/protocol.md` against the drive: states, answers, sequences, faults, descriptions, telemetry and the conversation byte by byte;
+//! `docs/laws.md` against laws and plant; and the links of all documents.
 
 #[path = "../../../protocol/tests/wire/markdown.rs"]
 mod markdown;
@@ -9,6 +9,7 @@ mod conversation;
 mod faults;
 mod host;
 mod host_rules;
+mod laws;
 mod links;
 mod parameters;
 mod rules;

@@ -92,31 +92,33 @@ fn of_a_run(session: &mut Session, law: &str, samples: u32) -> Vec<u32> {
     }
     session.stop().expect("a stop");
     let last = plant.truth(&state).load_position_rad.abs();
-    assert!(law != "backlash-inverse" || last < 2e-3, "the load has settled: {last} rad");
+    assert!(samples < 5000 || last < 2e-3, "the load has settled: {last} rad");
     steps
 }
 
 pub(crate) fn of_every_law() {
-    // The backlash inverse runs until it has settled and holds, so that every branch is taken. The largest numbers allowed
+    // The laws that hold run until they have settled and hold, so that every branch is taken. The largest numbers allowed
     // are 2 % above those of the first release; at 168 MHz a hundredth of a period of 1 ms is 1680 cycles.
+    // The backlash inverse has 3 %, because it shares observers and identification with the braking curve.
     let laws = [
         ("pd", 1000, 751),
         ("merzouki", 1000, 953),
         ("merzouki-as-printed", 1000, 893),
-        ("backlash-inverse", 5000, 1027),
+        ("backlash-inverse", 5000, 1040),
+        ("braking-curve", 5000, 1700),
     ];
     check("lashloop-firmware", &laws);
 }
 
-/// The laws of `examples/published-laws`, with the numbers of docs/laws.md.
+/// The laws of `examples/published-laws`, 5 % above the numbers of docs/laws.md.
 pub(crate) fn of_every_published_law() {
     let laws = [
-        ("dead-band-cascade", 3000, 100_000),
-        ("switched-gains", 3000, 100_000),
-        ("sliding-mode", 3000, 100_000),
-        ("adaptive-inverse", 3000, 100_000),
-        ("kalman-inverse", 3000, 100_000),
-        ("predictive", 2000, 100_000),
+        ("dead-band-cascade", 3000, 850),
+        ("switched-gains", 3000, 870),
+        ("sliding-mode", 3000, 911),
+        ("adaptive-inverse", 3000, 1066),
+        ("kalman-inverse", 3000, 13_923),
+        ("predictive", 2000, 31_417),
     ];
     check("published-laws-image", &laws);
 }

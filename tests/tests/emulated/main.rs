@@ -15,7 +15,7 @@ mod runs;
 use std::process::ExitCode;
 
 use libtest_mimic::{Arguments, Trial};
-use tests::paper::{BACKLASH_INVERSE, RUNS};
+use tests::paper::{BACKLASH_INVERSE, BRAKING_CURVE, RUNS};
 use tests::{fault_table, optional, own_core};
 
 type Check = fn();
@@ -49,7 +49,7 @@ fn main() -> ExitCode {
     let missing = equipment::missing();
     let mut trials: Vec<_> =
         TRIALS.into_iter().map(|(name, check)| trial(name, missing.clone(), check)).collect();
-    for run in RUNS.into_iter().chain([BACKLASH_INVERSE]) {
+    for run in RUNS.into_iter().chain([BACKLASH_INVERSE, BRAKING_CURVE]) {
         let name = format!("runs::{}_is_the_same_run_as_in_process", run.name.replace('-', "_"));
         trials.push(trial(&name, missing.clone(), move || runs::same_as_in_process(run)));
     }

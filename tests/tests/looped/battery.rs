@@ -41,7 +41,7 @@ fn short_battery_meets_its_limits_and_its_rows_can_be_rerun() {
     let records = Records::new();
     let ended = run(&records, "--plants 20").with_code(0);
     assert!(ended.stdout.ends_with("PASS\n"), "{}", ended.stdout);
-    assert_eq!(ended.stdout.lines().filter(|line| line.starts_with("met ")).count(), 4, "{}", ended.stdout);
+    assert_eq!(ended.stdout.lines().filter(|line| line.starts_with("met ")).count(), 12, "{}", ended.stdout);
     // The sweeps do not depend on the number of plants, so docs/robustness.md has the same lines.
     let (_, sweeps) = ended.stdout.split_once("\n\ntrue j0").expect("the first sweep");
     let (sweeps, _) = sweeps.split_once("\n\nlimits of").expect("the end of the last");
@@ -53,9 +53,9 @@ fn short_battery_meets_its_limits_and_its_rows_can_be_rerun() {
         serde_json::from_str(&text(&records, "battery.json")).expect("battery.json is JSON");
     assert_eq!(report["verdict"], "PASS");
     let rows = rows(&records);
-    // 20 plants, and 22 values of four sweeps.
-    assert_eq!(rows.len(), 3 * (20 + 22));
-    for law in ["pd", "merzouki", "backlash-inverse"] {
+    // 20 plants, and 34 values of seven sweeps.
+    assert_eq!(rows.len(), 4 * (20 + 34));
+    for law in ["pd", "merzouki", "backlash-inverse", "braking-curve"] {
         let random = |row: &&BTreeMap<_, _>| row["part"] == "random-plants" && row["controller"] == law;
         let row = rows.iter().filter(random).nth(13).expect("a row");
         let alone = Records::new();
@@ -68,6 +68,20 @@ fn short_battery_meets_its_limits_and_its_rows_can_be_rerun() {
         assert_eq!(summary["torque_sha256"], row["torque_sha256"].as_str(), "{law}");
         let settle_time = summary["metrics"]["settle_time_s"].as_f64();
         assert_eq!(settle_time, row["settle_time_s"].parse().ok(), "{law}");
+    }
+}
+
+#[test]
+fn braking_curve_meets_its_limits_on_seeds_outside_its_tuning() {
+    for seed in [11, 12, 13] {
+        let line = format!("battery --plants 60 --controller braking-curve --no-sweeps --seed {seed}");
+        let ended = program::run(line.split(' ')).with_code(0);
+        assert_eq!(
+            ended.stdout.lines().filter(|line| line.starts_with("met ")).count(),
+            8,
+            "{}",
+            ended.stdout
+        );
     }
 }
 
@@ -169,13 +183,13 @@ fn diverged_run_is_counted_and_fails_the_battery() {
         "{}",
         ended.stdout
     );
-    assert_eq!(ended.stdout.matches("not finite").count(), 6 * 3 + 4 + 1, "{}", ended.stdout);
+    assert_eq!(ended.stdout.matches("not finite").count(), 10 * 3 + 4 + 1, "{}", ended.stdout);
 }
 
 #[test]
 fn wrong_options_of_a_battery_are_refused_with_the_alternative() {
     for (arguments, expected) in [
-        ("battery --controller lqr", "expected pd, merzouki or backlash-inverse"),
+        ("battery --controller lqr", "expected pd, merzouki, backlash-inverse or braking-curve"),
         ("battery --plants 0", "0 is not in 1..=100000"),
         ("battery --jobs 0", "number would be zero"),
         ("battery --resume", "--out <DIR>"),

@@ -16,6 +16,14 @@ const SCENARIOS: [(&str, &str, f64, f64); 9] = [
     ("reversing-friction", "lost_motion_rad", 0.015, 0.01),
 ];
 
+/// Those of the braking curve: the nominal plant is among the pinned runs.
+const BRAKING_CURVE: [(&str, &str, f64, f64); 4] = [
+    ("braking-curve-sine", "lost_motion_rad", 0.0008, 0.0003),
+    ("braking-curve-heavy", "overshoot_rad", 0.0176, 0.002),
+    ("braking-curve-pushed", "settle_time_s", 1.485, 0.05),
+    ("braking-curve-weak-motor", "settle_time_s", 2.853, 0.05),
+];
+
 fn path(name: &str) -> String {
     format!("scenarios/shaft-{name}.toml")
 }
@@ -28,7 +36,7 @@ fn trace(name: &str) -> Trace {
 
 #[test]
 fn every_shaft_scenario_passes_with_its_own_law() {
-    for (name, metric, want, tolerance) in SCENARIOS {
+    for (name, metric, want, tolerance) in SCENARIOS.into_iter().chain(BRAKING_CURVE) {
         let records = Records::new();
         let _ =
             program::run(["run", &path(name), "--device", "inproc", "--out", &records.out()]).with_code(0);
@@ -83,9 +91,14 @@ fn load_and_wear_begin_at_their_scenario_times() {
 }
 
 fn with_bristles_of(stiffness_nm_rad: &str, code: i32) -> program::Ended {
+    law_with_bristles_of("pd", stiffness_nm_rad, code)
+}
+
+fn law_with_bristles_of(law: &str, stiffness_nm_rad: &str, code: i32) -> program::Ended {
     let stiffness = format!("plant.bristle_stiffness_nm_rad={stiffness_nm_rad}");
     let bristles = ["--set", "plant.load_friction=\"lugre\"", "--set", &stiffness];
-    let arguments = ["run", "scenarios/shaft-pd.toml", "--device", "inproc"];
+    let scenario = path(law);
+    let arguments = ["run", &scenario, "--device", "inproc"];
     program::run(arguments.into_iter().chain(bristles)).with_code(code)
 }
 
@@ -109,4 +122,12 @@ fn a_plant_that_becomes_too_stiff_makes_the_run_invalid() {
 fn lugre_bristles_preserve_the_static_error() {
     let ended = with_bristles_of("3.4e4", 0);
     assert!(ended.stdout.ends_with("PASS\n"), "{}", ended.stdout);
+}
+
+#[test]
+fn braking_curve_meets_its_expectations_with_bristles() {
+    for stiffness_nm_rad in ["3.4e4", "3.4e5"] {
+        let ended = law_with_bristles_of("braking-curve", stiffness_nm_rad, 0);
+        assert!(ended.stdout.ends_with("PASS\n"), "{}", ended.stdout);
+    }
 }

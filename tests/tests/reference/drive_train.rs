@@ -6,6 +6,7 @@ use lashloop_firmware::control::Real;
 use lashloop_firmware::control::backlash_inverse::{
     BacklashInverse, BacklashInverseGains, BacklashInverseSetting,
 };
+use lashloop_firmware::control::braking_curve::{BrakingCurve, BrakingCurveGains, BrakingCurveSetting};
 use lashloop_firmware::control::dead_zone_observer::DeadZoneBounds;
 use lashloop_firmware::control::nominal_model::NominalModel;
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
@@ -74,6 +75,19 @@ impl DriveTrain {
         };
         let law = BacklashInverse::new(&model, BacklashInverseGains::default(), setting);
         Law::BacklashInverse(law.expect("valid law"))
+    }
+
+    /// The braking curve, likewise.
+    pub(crate) fn braking_curve<F: Real>(&self) -> Law<F> {
+        let model = NominalModel { motor_coulomb_nm: F::from_f64(0.02), ..NominalModel::default() };
+        let setting = BrakingCurveSetting {
+            dead_zone: DeadZoneBounds::default(),
+            load_resolution_rad: F::from_f64(core::f64::consts::TAU / f64::from(self.counts)),
+            torque_limit_nm: F::from_f64(self.torque_limit_nm),
+            period_s: F::from_f64(1e-3),
+        };
+        let law = BrakingCurve::new(&model, BrakingCurveGains::default(), setting);
+        Law::BrakingCurve(law.expect("valid law"))
     }
 
     /// The drive's encoders and velocity filters.

@@ -18,6 +18,7 @@ mod trajectory;
 mod agreement;
 mod backlash_inverse;
 mod backlash_shaft;
+mod braking_curve;
 mod convergence;
 mod lugre;
 mod paper_numbers;

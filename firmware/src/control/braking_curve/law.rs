@@ -5,7 +5,7 @@ use super::load_loop::{LoadLoop, LoadLoopState};
 use super::signals::BrakingCurveSignals;
 use super::winding::{Winding, WindingState};
 use crate::control::dead_zone_observer::DeadZoneBounds;
-use crate::control::gap_identification::{Estimate, GAP_PROCESS_NOISE_RAD2, Identification};
+use crate::control::gap_identification::{Estimate, GAP_PROCESS_NOISE_RAD2, Identification, mean_misfit_rad};
 use crate::control::load_observer::{LoadObserver, LoadObserverState};
 use crate::control::momentum_observer::MomentumObserver;
 use crate::control::motor_friction::MotorFriction;
@@ -19,6 +19,9 @@ const BALANCED_PERIODS: u32 = 19;
 /// Torque of the motor's acceleration, and rate of the twist, up to which it is balanced.
 const BALANCE_NM: f64 = 0.6;
 const BALANCE_RAD_S: f64 = 4.0;
+
+/// Largest `dead_zone_deviation_rad` in rad with which the law claims to have learnt the gap.
+pub const LEARNT_DEVIATION_RAD: f64 = 0.015;
 
 /// What the law needs of the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,6 +53,7 @@ pub struct BrakingCurve<F: Real = f32> {
     winding_state: WindingState<F>,
     momentum_balance_nm: F,
     balanced_periods: u32,
+    misfit_rad: F,
     /// `None` before the first sample.
     observers: Option<Observers<F>>,
 }
@@ -101,6 +105,7 @@ impl<F: Real> BrakingCurve<F> {
             winding_state: Winding::initial_state(),
             momentum_balance_nm: F::ZERO,
             balanced_periods: 0,
+            misfit_rad: F::ZERO,
             observers: None,
         })
     }
@@ -129,7 +134,9 @@ impl<F: Real> BrakingCurve<F> {
             accelerating_nm.abs() < F::from_f64(BALANCE_NM) && twist_rate.abs() < F::from_f64(BALANCE_RAD_S);
         self.balanced_periods = if balanced { (self.balanced_periods + 1).min(BALANCED_PERIODS) } else { 0 };
         if !self.load_loop_state.holding && self.balanced_periods == BALANCED_PERIODS {
-            self.identification.step(&mut self.estimate, transmitted_nm, lagging_twist, twist_rate);
+            let error =
+                self.identification.step(&mut self.estimate, transmitted_nm, lagging_twist, twist_rate);
+            self.misfit_rad = error.map_or(self.misfit_rad, |error| mean_misfit_rad(self.misfit_rad, error));
         }
 
         let load = observers.load.observed(transmitted_nm);
@@ -154,7 +161,9 @@ impl<F: Real> BrakingCurve<F> {
                 load_error_rad: m.load_position_rad - m.reference_position_rad,
                 motor_error_rad: twist_error,
                 elastic_error_nm: stiffness * twist_error,
-                dead_zone_deviation_rad: self.identification.dead_zone_deviation_rad(&self.estimate),
+                dead_zone_deviation_rad: self
+                    .identification
+                    .dead_zone_deviation_rad(&self.estimate, self.misfit_rad),
             },
         }
     }

@@ -141,7 +141,8 @@ impl<F: Real> LoadLoop<F> {
             (reference_velocity - led_error.sign() * velocity, -(slope * excess_velocity))
         };
         let velocity_error = commanded - load_velocity_rad_s;
-        let moving = ((commanded - reference_velocity) / F::from_f64(FRICTION_WIDTH_RAD_S)).clamp(-F::ONE, F::ONE);
+        let moving =
+            ((commanded - reference_velocity) / F::from_f64(FRICTION_WIDTH_RAD_S)).clamp(-F::ONE, F::ONE);
         let fade = (distance / F::from_f64(FRICTION_FADE_RAD)).clamp(F::ZERO, F::ONE);
         let wanted_nm = self.per_ratio
             * (self.friction_nm_s_rad * commanded

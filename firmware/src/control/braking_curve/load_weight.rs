@@ -73,11 +73,56 @@ impl<F: Real> LoadWeight<F> {
         state.fast |= speed > F::from_f64(FAST_RAD_S);
         if speed > F::from_f64(MOVING_RAD_S) && !state.fast {
             let inertia_kg_m2 = state.impulse_nm_s / velocity;
-            let factor =
-                (inertia_kg_m2 * self.per_tolerated_kg_m2).clamp(F::ONE, F::from_f64(HEAVIEST));
+            let factor = (inertia_kg_m2 * self.per_tolerated_kg_m2).clamp(F::ONE, F::from_f64(HEAVIEST));
             let following = F::from_f64(FOLLOW_RAD_S) * self.period_s;
             state.factor += following.clamp(F::ZERO, F::ONE) * (factor - state.factor);
         }
         state.factor
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOMINAL_KG_M2: f64 = 7.5;
+
+    /// The factor after a load with this inertia and dry friction has accelerated with 3 rad/s^2 to 1.2 rad/s.
+    fn factor_of(inertia_kg_m2: f64, coulomb_nm: f64) -> (LoadWeight<f64>, LoadWeightState<f64>) {
+        let weight = LoadWeight::new(&NominalModel::default(), 3.4, 1e-3);
+        let mut state = LoadWeight::initial_state();
+        for k in 0..400 {
+            let velocity_rad_s = 3.0 * 1e-3 * f64::from(k);
+            let driving_nm = inertia_kg_m2 * 3.0 + 16.0 * velocity_rad_s + coulomb_nm;
+            let load = ObservedLoad { velocity_rad_s, disturbance_nm: 0.0, transmitted_nm: driving_nm / 3.0 };
+            weight.step(&mut state, &load);
+        }
+        (weight, state)
+    }
+
+    #[test]
+    fn factor_converges_to_the_inertia_of_a_heavy_load() {
+        for times in [1.6, 2.0, 2.7] {
+            let (_, state) = factor_of(times * NOMINAL_KG_M2, 3.4);
+            // Below the speed of rest no impulse counts, which the momentum contains.
+            let want = times / TOLERATED;
+            assert!((state.factor / want - 1.0).abs() < 0.06, "{times}: have {}, want {want}", state.factor);
+        }
+    }
+
+    #[test]
+    fn friction_of_a_tolerated_load_leaves_the_factor_at_one() {
+        for coulomb_nm in [2.4, 3.4, 4.4] {
+            let (_, state) = factor_of(1.2 * NOMINAL_KG_M2, coulomb_nm);
+            assert_eq!(state.factor, 1.0, "{coulomb_nm} N m");
+        }
+    }
+
+    #[test]
+    fn standstill_forgets_the_load() {
+        let (weight, mut state) = factor_of(2.0 * NOMINAL_KG_M2, 3.4);
+        let load = ObservedLoad { velocity_rad_s: 0.04, disturbance_nm: 0.0, transmitted_nm: 5.0 };
+        assert_eq!(weight.step(&mut state, &load), 1.0);
+        assert_eq!(state, LoadWeight::initial_state());
     }
 }

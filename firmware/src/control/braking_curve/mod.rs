@@ -16,8 +16,10 @@ mod law;
 mod load_loop;
 mod load_weight;
 mod signals;
+#[cfg(test)]
+mod tests;
 mod winding;
 
 pub use gains::BrakingCurveGains;
-pub use law::{BrakingCurve, BrakingCurveSetting};
+pub use law::{BrakingCurve, BrakingCurveSetting, LEARNT_DEVIATION_RAD};
 pub use signals::BrakingCurveSignals;

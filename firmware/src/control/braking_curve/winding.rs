@@ -42,3 +42,41 @@ impl<F: Real> Winding<F> {
         acceleration
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WINDING: Winding<f64> = Winding { pole_rad_s: 39.0, speed_limit_rad_s: 600.0, period_s: 1e-4 };
+
+    #[test]
+    fn torque_follows_a_step_with_the_double_pole() {
+        let mut state = Winding::initial_state();
+        for k in 1..2000 {
+            WINDING.step(&mut state, 2.0, 1.0);
+            let wt = 39.0 * 1e-4 * f64::from(k);
+            let want = 2.0 * (1.0 - (1.0 + wt) * (-wt).exp());
+            assert!(
+                (state.torque_nm - want).abs() < 5e-3,
+                "step {k}: have {}, want {want} N m",
+                state.torque_nm
+            );
+        }
+    }
+
+    #[test]
+    fn motor_speed_of_winding_is_limited_at_any_compliance() {
+        for compliance_rad_nm in [0.5, 2.0] {
+            let mut state = Winding::initial_state();
+            let mut fastest_rad_s = 0.0_f64;
+            for _ in 0..10_000 {
+                let before = state.rate_nm_s;
+                let acceleration = WINDING.step(&mut state, 200.0, compliance_rad_nm);
+                assert!((before + 1e-4 * acceleration - state.rate_nm_s).abs() < 1e-9);
+                fastest_rad_s = fastest_rad_s.max((compliance_rad_nm * state.rate_nm_s).abs());
+            }
+            assert!((fastest_rad_s - 600.0).abs() < 1e-9, "have {fastest_rad_s} rad/s");
+            assert!((state.torque_nm - 200.0).abs() < 1e-3, "arrives at {} N m", state.torque_nm);
+        }
+    }
+}

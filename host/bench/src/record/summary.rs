@@ -267,6 +267,7 @@ mod tests {
             "peak_torque_nm": 1.5,
             "dead_zone_estimate_rad": 0.16,
             "dead_zone_error_rad": 0.035,
+            "dead_zone_deviation_rad": null,
             "dead_zone_settle_time_s": null,
             "dead_zone_bias_rad": null,
             "dead_zone_largest_error_rad": null,
@@ -283,6 +284,7 @@ mod tests {
             "hunting_rad": "run too short",
             "steady_velocity_error_rad": "no steady velocity",
             "lost_motion_rad": "no reversal",
+            "dead_zone_deviation_rad": "no signal drive.dead_zone_deviation_rad",
             "dead_zone_settle_time_s": "never",
             "dead_zone_bias_rad": "run too short",
             "dead_zone_largest_error_rad": "never"

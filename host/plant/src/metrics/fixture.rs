@@ -12,6 +12,7 @@ pub(super) fn signals() -> SignalTable {
         drive: vec![
             Signal::new("dead_zone_estimate_rad", "rad"),
             Signal::new("disturbing_torque_estimate_nm", "N m"),
+            Signal::new("dead_zone_deviation_rad", "rad"),
         ],
     }
 }

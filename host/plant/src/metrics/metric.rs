@@ -26,6 +26,8 @@ const SETTLED_RAD: f64 = 0.05;
 const ESTIMATE_SETTLED_RAD: f64 = 0.02;
 /// The drive's estimate of half the gap, and its truth.
 const DEAD_ZONE: (&str, &str) = ("drive.dead_zone_estimate_rad", "dead_zone_rad");
+/// The drive's standard deviation of that estimate.
+const DEAD_ZONE_DEVIATION: &str = "drive.dead_zone_deviation_rad";
 /// The drive's estimate of the disturbing torque w = C - K z, and its truth.
 const DISTURBING_TORQUE: (&str, &str) = ("drive.disturbing_torque_estimate_nm", "disturbing_torque_nm");
 
@@ -112,6 +114,10 @@ metrics! {
     };
     /// The last estimate of j0 less the true j0 of its sample.
     DeadZoneError = "dead_zone_error_rad" in "rad" by |setup| statistic(dead_zone(setup)?, Statistic::Final);
+    /// The drive's last standard deviation of its estimate of j0.
+    DeadZoneDeviation = "dead_zone_deviation_rad" in "rad" by |setup| {
+        statistic(setup.needed(DEAD_ZONE_DEVIATION)?, Statistic::Final)
+    };
     /// Time of the first estimate after the last one more than 0.02 rad from the true j0.
     DeadZoneSettleTime = "dead_zone_settle_time_s" in "s" by |setup| {
         boxed(Settling::new(dead_zone(setup)?, Band::Absolute(ESTIMATE_SETTLED_RAD)))
@@ -136,9 +142,11 @@ metrics! {
 pub(super) fn needed_signals() -> SignalTable {
     let bare = |name: &'static str| name.strip_prefix(DRIVE_PREFIX).unwrap_or(name);
     let scored = [(DEAD_ZONE, "rad"), (DISTURBING_TORQUE, "N m")];
+    let estimates = scored.map(|((estimate, _), unit)| (estimate, unit)).into_iter();
+    let drive = estimates.chain([(DEAD_ZONE_DEVIATION, "rad")]);
     SignalTable {
         plant: scored.map(|((_, truth), unit)| Signal::new(truth, unit)).to_vec(),
-        drive: scored.map(|((estimate, _), unit)| Signal::new(bare(estimate), unit)).to_vec(),
+        drive: drive.map(|(name, unit)| Signal::new(bare(name), unit)).collect(),
     }
 }
 

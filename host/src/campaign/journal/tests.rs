@@ -11,8 +11,9 @@ fn header() -> Header {
 }
 
 fn result(row: u32) -> CaseResult {
-    let scores = r#"{"settle_time_s":"never","static_error_rad":-0.1,"hunting_rad":0.0,
-        "dead_zone_error_rad":0.3333333333333333,"effort_nm2s":1e2,"torque_total_variation_nm":7.5}"#;
+    let scores = r#"{"settle_time_s":"never","overshoot_rad":0.0,"static_error_rad":-0.1,"static_error_bands":-50.0,
+        "hunting_rad":0.0,"dead_zone_error_rad":0.3333333333333333,"learnt_dead_zone_error_rad":"not learnt",
+        "dead_zone_deviation_rad":0.5,"effort_nm2s":1e2,"torque_total_variation_nm":7.5}"#;
     CaseResult {
         case: CaseId { part: Part::RandomPlants, row, law: Law::BEFORE },
         end: "complete".to_owned(),
@@ -86,7 +87,7 @@ fn results_of_another_battery_are_refused_by_the_difference() {
         (with(|it| it.settings.plants = 3), "its number of plants is 2, here it is 3"),
         (
             with(|it| it.settings.laws = vec![Law::BEFORE]),
-            "its list of controllers is pd,merzouki,backlash-inverse, here it is pd",
+            "its list of controllers is pd,merzouki,backlash-inverse,braking-curve, here it is pd",
         ),
         (with(|it| it.settings.sweeps = false), "its choice of sweeps is with, here it is without"),
         (with(|it| it.program_sha256 = "11".repeat(32)), "its program's SHA-256 is 0000"),

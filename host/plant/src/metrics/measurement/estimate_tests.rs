@@ -152,8 +152,9 @@ fn signals_are_found_by_name_in_any_order() {
     reversed.plant.reverse();
     reversed.drive.reverse();
     let mut measurement = Measurement::new(PERIOD_S, &reversed);
-    // w = 5 N m and j0 = 0.1 rad, estimated as 4 N m and 0.16 rad.
-    measurement.push(&Sample { plant: &[5.0, 0.1], drive: Some(&[4.0, 0.16]), ..at_rest(0.0) });
+    // w = 5 N m and j0 = 0.1 rad, estimated as 4 N m and 0.16 rad with a deviation of 0.02 rad.
+    measurement.push(&Sample { plant: &[5.0, 0.1], drive: Some(&[0.02, 4.0, 0.16]), ..at_rest(0.0) });
     assert_close(&measurement.metrics(), Metric::DeadZoneError, 0.06);
+    assert_close(&measurement.metrics(), Metric::DeadZoneDeviation, 0.02);
     assert_close(&measurement.metrics(), Metric::DisturbingTorqueBias, -1.0);
 }

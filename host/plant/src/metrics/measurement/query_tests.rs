@@ -74,16 +74,16 @@ fn any_signal_has_statistics_by_its_name() {
         motor_position_rad: 3.0,
         torque_nm: 4.0,
         plant: &[5.0, 6.0],
-        drive: Some(&[7.0, 8.0]),
+        drive: Some(&[7.0, 8.0, 9.0]),
         ..at_rest(t_s)
     };
     let signals = signals();
     let queries: Vec<_> = signals.names().map(|name| statistic(&name, Statistic::Mean)).collect();
     let metrics = ask(&queries, 0.1, at);
     let have: Vec<_> = queries.iter().map(|query| metrics.answer(query)).collect();
-    assert_eq!(have, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0].map(Measured::Value));
+    assert_eq!(have, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0].map(Measured::Value));
     let units: Vec<_> = signals.names().filter_map(|name| signals.unit(&name)).collect();
-    assert_eq!(units, ["rad", "rad", "rad", "N m", "rad", "N m", "rad", "N m"]);
+    assert_eq!(units, ["rad", "rad", "rad", "N m", "rad", "N m", "rad", "N m", "rad"]);
 }
 
 #[test]
