@@ -28,12 +28,14 @@ pub(crate) struct Program {
 pub(crate) const DRIVE: Program =
     Program { package: "lashloop-firmware", name: "lashloop-firmware", feature: "image" };
 /// Every program for the board.
-pub(crate) const PROGRAMS: [Program; 3] = [
+pub(crate) const PROGRAMS: [Program; 4] = [
     DRIVE,
     // Counts the codec's instructions.
     Program { package: "lashloop-firmware", name: "codec-cost", feature: "codec-cost" },
     // A drive with a law from a crate of its own.
     Program { package: "own-law", name: "own-law-image", feature: "image" },
+    // A drive with published laws, whose instructions are counted.
+    Program { package: "published-laws", name: "published-laws-image", feature: "image" },
 ];
 
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";

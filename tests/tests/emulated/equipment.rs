@@ -7,8 +7,8 @@ const EMULATOR: &str = "qemu-system-arm";
 /// Names missing equipment, each with the command that installs it.
 pub(crate) fn missing() -> Option<String> {
     let mut missing = Vec::new();
-    for image in ["target/lashloop-firmware.elf", "target/codec-cost.elf", "target/own-law-image.elf"] {
-        let image = tests::workspace().join(image);
+    for program in ["lashloop-firmware", "codec-cost", "own-law-image", "published-laws-image"] {
+        let image = tests::workspace().join(format!("target/{program}.elf"));
         if !image.is_file() {
             missing.push(format!("no image of the firmware at {}: run `cargo xtask image`", image.display()));
         }

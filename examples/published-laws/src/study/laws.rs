@@ -1,0 +1,207 @@
+//! The laws of the comparison: their scenarios, and what is tuned within which range.
+
+use std::string::String;
+use std::vec::Vec;
+
+/// A parameter that the search may change.
+#[derive(Debug, Clone, Copy)]
+pub struct Tuned {
+    /// As in `controller.parameters`.
+    pub name: &'static str,
+    /// Searched range. The search is uniform in the logarithm, so both ends are positive.
+    pub range: [f64; 2],
+}
+
+/// A law of the comparison.
+#[derive(Debug, Clone, Copy)]
+pub struct Law {
+    pub name: &'static str,
+    /// The scenario with the law's constants.
+    pub scenario: &'static str,
+    /// Parameters of the search; none if the constants are the paper's.
+    pub tuned: &'static [Tuned],
+    /// Whether the law is Lashloop's own.
+    pub ours: bool,
+}
+
+const fn tuned(name: &'static str, low: f64, high: f64) -> Tuned {
+    Tuned { name, range: [low, high] }
+}
+
+const BAND: Tuned = tuned("arrival_band_rad", 0.001, 0.02);
+const LOAD_FILTER: Tuned = tuned("load_filter_rad_s", 10.0, 300.0);
+const MOTOR_FILTER: Tuned = tuned("motor_filter_rad_s", 50.0, 1000.0);
+const TWIST_GAIN: Tuned = tuned("twist_gain_nm_rad", 0.1, 10.0);
+const TWIST_DAMPING: Tuned = tuned("twist_damping_nm_s_rad", 0.005, 0.3);
+const CROSSING: Tuned = tuned("crossing_nm", 0.01, 1.0);
+const NOISE: [Tuned; 3] = [
+    tuned("noise_disturbance_nm", 1.0, 100.0),
+    tuned("noise_motor_nm", 1e-4, 0.1),
+    tuned("noise_gap_rad", 1e-4, 0.1),
+];
+
+/// All laws, in the order of the table.
+pub const LAWS: [Law; 10] = [
+    Law {
+        name: "pd",
+        scenario: include_str!("../../../../scenarios/shaft-pd.toml"),
+        tuned: &[],
+        ours: false,
+    },
+    Law {
+        name: "merzouki",
+        scenario: include_str!("../../../../scenarios/shaft-merzouki.toml"),
+        tuned: &[],
+        ours: false,
+    },
+    Law {
+        name: "dead-band-cascade",
+        scenario: include_str!("../../scenarios/dead-band-cascade.toml"),
+        tuned: &[
+            tuned("cascade_rate_1_s", 0.3, 30.0),
+            tuned("cascade_speed_rad_s", 0.3, 10.0),
+            tuned("cascade_damping", 0.01, 10.0),
+            tuned("cascade_gain_nm_s_rad", 0.005, 0.5),
+            tuned("cascade_integral_nm_rad", 0.01, 10.0),
+            BAND,
+            LOAD_FILTER,
+            MOTOR_FILTER,
+        ],
+        ours: false,
+    },
+    Law {
+        name: "switched-gains",
+        scenario: include_str!("../../scenarios/switched-gains.toml"),
+        tuned: &[
+            tuned("switched_gain_nm_rad", 1.0, 100.0),
+            tuned("switched_reach_rad", 0.05, 2.0),
+            tuned("switched_damping_nm_s_rad", 0.5, 50.0),
+            tuned("switched_integral_nm_rad_s", 0.5, 200.0),
+            tuned("switched_twist_nm_s_rad", 0.005, 0.3),
+            tuned("switched_gap_nm_rad", 0.1, 20.0),
+            tuned("switched_gap_nm_s_rad", 0.005, 0.3),
+            BAND,
+            LOAD_FILTER,
+            MOTOR_FILTER,
+        ],
+        ours: false,
+    },
+    Law {
+        name: "sliding-mode",
+        scenario: include_str!("../../scenarios/sliding-mode.toml"),
+        tuned: &[
+            tuned("surface_rate_1_s", 0.5, 20.0),
+            tuned("surface_speed_rad_s", 0.5, 10.0),
+            tuned("sliding_torque_nm", 2.0, 60.0),
+            tuned("sliding_layer_rad_s", 0.05, 5.0),
+            tuned("sliding_integral_nm_rad", 1.0, 500.0),
+            TWIST_GAIN,
+            TWIST_DAMPING,
+            CROSSING,
+            BAND,
+            LOAD_FILTER,
+            MOTOR_FILTER,
+        ],
+        ours: false,
+    },
+    Law {
+        name: "adaptive-inverse",
+        scenario: include_str!("../../scenarios/adaptive-inverse.toml"),
+        tuned: &[
+            tuned("adaptive_rate_1_s", 0.5, 20.0),
+            tuned("adaptive_speed_rad_s", 0.5, 10.0),
+            tuned("adaptive_gain_nm_s_rad", 5.0, 200.0),
+            tuned("adaptive_integral_nm_rad", 5.0, 1000.0),
+            tuned("adaptive_integral_limit_nm", 3.0, 30.0),
+            tuned("adaptation_rate_1_s", 0.1, 100.0),
+            TWIST_GAIN,
+            TWIST_DAMPING,
+            CROSSING,
+            BAND,
+            LOAD_FILTER,
+            MOTOR_FILTER,
+        ],
+        ours: false,
+    },
+    Law {
+        name: "kalman-inverse",
+        scenario: include_str!("../../scenarios/kalman-inverse.toml"),
+        tuned: &[
+            tuned("load_rate_1_s", 0.5, 20.0),
+            tuned("load_speed_rad_s", 0.5, 10.0),
+            tuned("load_gain_nm_s_rad", 5.0, 200.0),
+            NOISE[0],
+            NOISE[1],
+            NOISE[2],
+            TWIST_GAIN,
+            TWIST_DAMPING,
+            CROSSING,
+            BAND,
+            MOTOR_FILTER,
+        ],
+        ours: false,
+    },
+    Law {
+        name: "predictive",
+        scenario: include_str!("../../scenarios/predictive.toml"),
+        tuned: &[
+            tuned("prediction_step_s", 0.003, 0.02),
+            tuned("weight_velocity_s2", 1e-3, 1.0),
+            tuned("weight_torque_rad2_nm2", 1e-6, 1e-2),
+            NOISE[0],
+            NOISE[1],
+            NOISE[2],
+            tuned("hold_damping_nm_s_rad", 0.001, 0.3),
+            BAND,
+            MOTOR_FILTER,
+        ],
+        ours: false,
+    },
+    Law {
+        name: "backlash-inverse",
+        scenario: include_str!("../../../../scenarios/shaft-backlash-inverse.toml"),
+        tuned: &[],
+        ours: true,
+    },
+    Law {
+        name: "braking-curve",
+        scenario: include_str!("../../../../scenarios/shaft-braking-curve.toml"),
+        tuned: &[
+            tuned("braking_rad_s2", 2.0, 15.0),
+            tuned("braking_rate_1_s", 3.0, 30.0),
+            tuned("landing_rate_1_s", 0.5, 3.0),
+            tuned("landing_rad", 0.01, 0.2),
+            tuned("top_speed_rad_s", 1.0, 10.0),
+            tuned("braking_lead_s", 0.005, 0.1),
+            tuned("speed_gain_nm_s_rad", 10.0, 150.0),
+            tuned("speed_integral_gain_nm_rad", 20.0, 1000.0),
+            tuned("speed_integral_limit_nm", 3.0, 20.0),
+            tuned("winding_rad_s", 10.0, 100.0),
+            tuned("shaft_gain_nm_rad", 0.1, 10.0),
+            tuned("shaft_damping_nm_s_rad", 0.005, 0.3),
+            tuned("crossing_nm", 0.01, 1.0),
+        ],
+        ours: true,
+    },
+];
+
+impl Law {
+    /// The law of this name.
+    ///
+    /// # Errors
+    /// The names that there are.
+    pub fn find(name: &str) -> anyhow::Result<Self> {
+        LAWS.into_iter().find(|law| law.name == name).ok_or_else(|| {
+            let names: Vec<_> = LAWS.iter().map(|law| law.name).collect();
+            anyhow::anyhow!("no law {name}: the laws are {}", names.join(", "))
+        })
+    }
+
+    /// Values of the tuned parameters as settings of a scenario.
+    #[must_use]
+    pub fn settings(&self, values: &[f64]) -> Vec<String> {
+        let setting =
+            |(tuned, value): (&Tuned, &f64)| std::format!("controller.parameters.{}={value:?}", tuned.name);
+        self.tuned.iter().zip(values).map(setting).collect()
+    }
+}
