@@ -106,7 +106,7 @@ pub(crate) fn of_every_law() {
         ("merzouki", 1000, 953),
         ("merzouki-as-printed", 1000, 893),
         ("backlash-inverse", 5000, 1040),
-        ("braking-curve", 5000, 1700),
+        ("braking-curve", 5000, 1435),
     ] {
         let steps = of_a_run(&mut session, law, samples);
         let (least, most) = (steps.iter().min().copied(), steps.iter().max().copied());
