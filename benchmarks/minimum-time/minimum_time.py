@@ -238,25 +238,27 @@ class Study:
         *_, limit_nm, legs = min(self.known, key=unlike)
         return legs, limit_nm
 
+    def first(self, torque_limit_nm, legs, timed, guesses):
+        """The first solution of guesses: known legs with their torque limit, factor of the duration, near or not."""
+        for (known, at_limit_nm), longer, warm in guesses:
+            stretch = longer * top_speed_rad_s(at_limit_nm) / top_speed_rad_s(torque_limit_nm)
+            guess = guess_of(legs, known, stretch)
+            solution = solve(torque_limit_nm, self.intervals, legs, timed, guess, warm and bool(known))
+            if solution is not None:
+                return solution
+        return None
+
     def improve(self, torque_limit_nm, target, sequence, legs, timed):
         """The minimum of a sequence; None without a solution."""
         lines = {}, GUESSED_NM
         nearest = self.nearest(torque_limit_nm, target, sequence) or lines
-        # Not every guess leads to a solution.
-        for (known, at_limit_nm), longer, warm in (
-            (nearest, 1.0, True),
-            (nearest, 1.0, False),
-            (lines, 1.0, False),
-            (lines, 1.3, False),
-            (lines, 0.8, False),
-        ):
-            stretch = longer * top_speed_rad_s(at_limit_nm) / top_speed_rad_s(torque_limit_nm)
-            guess = guess_of(legs, known, stretch)
-            coarse = solve(torque_limit_nm, self.intervals, legs, timed, guess, warm and bool(known))
-            if coarse is not None:
-                break
-        else:
+        # Not every guess leads to a solution, and not every solution is the fastest.
+        first = self.first(torque_limit_nm, legs, timed, [(nearest, 1.0, True), (nearest, 1.0, False)])
+        second = self.first(torque_limit_nm, legs, timed, [(lines, longer, False) for longer in (1.0, 1.3, 0.8)])
+        found = [solution for solution in (first, second) if solution is not None]
+        if not found:
             return None
+        coarse = min(found, key=lambda solution: minimum_s(solution, timed))
         finer = (solve(torque_limit_nm, 2 * self.intervals, legs, timed, coarse, warm) for warm in (True, False))
         fine = next((solution for solution in finer if solution is not None), None)
         self.known.append((target, sequence, torque_limit_nm, coarse))

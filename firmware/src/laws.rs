@@ -18,7 +18,7 @@ crate::laws! {
         MerzoukiAsPrinted(MerzoukiAsPrinted),
         /// Inversion of the backlash in the torque domain, the gap identified by least squares. Not from the paper.
         BacklashInverse(BacklashInverse),
-        /// That inverse along a braking curve: within a third of the physical limit. Not from the paper.
+        /// That inverse along a braking curve: within a third of the minimum time to rest. Not from the paper.
         BrakingCurve(BrakingCurve),
     }
 }

@@ -26,7 +26,7 @@ pub enum Part {
     LoadInertia,
     /// The nominal plant, lasting torque on the load varied.
     LoadTorque,
-    /// The nominal plant, saturation of the motor varied, which the drive does not know.
+    /// The nominal plant, saturation of the motor varied, which is not set in the drive.
     TorqueSaturation,
 }
 

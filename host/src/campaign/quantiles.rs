@@ -1,8 +1,8 @@
 //! Quantiles over runs, some of which may have no value.
 //!
 //! Nearest rank: the q-quantile of n runs is the ceil(q n)-th best score. Without interpolation a quantile is the score of one
-//! run. Missing values are included, so a run that never settled is the maximum. Only a value that the drive does not claim
-//! ([`MissingReason::NotLearnt`]) is omitted, unless no run has another.
+//! run. Missing values are included, so a run that never settled is the maximum. Only a value of a gap that does not count
+//! as learnt ([`MissingReason::NotLearnt`]) is omitted, unless no run has another.
 
 use serde::Serialize;
 
@@ -51,9 +51,9 @@ impl Quantiles {
     #[must_use]
     pub fn of(scores: impl IntoIterator<Item = Score>) -> Option<Self> {
         let mut sizes: Vec<_> = scores.into_iter().map(Score::magnitude).collect();
-        let claimed = |size: &Score| *size != Score::Missing(MissingReason::NotLearnt);
-        if sizes.iter().any(claimed) {
-            sizes.retain(claimed);
+        let learnt = |size: &Score| *size != Score::Missing(MissingReason::NotLearnt);
+        if sizes.iter().any(learnt) {
+            sizes.retain(learnt);
         }
         sizes.sort_by(Score::order);
         let at = |quantile: Quantile| sizes.get(quantile.rank(sizes.len()).checked_sub(1)?).copied();
@@ -90,6 +90,10 @@ mod tests {
         assert_eq!(ranks(1), [Some(1.0); 3]);
         assert_eq!(ranks(20), [Some(10.0), Some(19.0), Some(20.0)]);
         assert_eq!(ranks(200), [Some(100.0), Some(190.0), Some(200.0)]);
+        let of_limits =
+            |runs| [Quantile::P80, Quantile::P99].map(|it| spread(runs).expect("runs").get(it).value());
+        assert_eq!(of_limits(200), [Some(160.0), Some(198.0)]);
+        assert_eq!(of_limits(20), [Some(16.0), Some(20.0)]);
         assert_eq!(spread(0), None);
     }
 

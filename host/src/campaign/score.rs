@@ -29,7 +29,7 @@ pub enum Criterion {
     Hunting,
     /// Last estimate of j0, less its true value.
     DeadZoneError,
-    /// The same where the drive claims the estimate: where its deviation is at most [`LEARNT_DEVIATION_RAD`].
+    /// The same where the gap counts as learnt: where the deviation of the estimate is at most [`LEARNT_DEVIATION_RAD`].
     LearntDeadZoneError,
     /// Last standard deviation of the estimate of j0, as reported by the drive.
     DeadZoneDeviation,
@@ -132,7 +132,7 @@ pub enum MissingReason {
     /// The metric does not apply to this run.
     #[serde(rename = "none")]
     Unmeasured,
-    /// The drive does not claim to have learnt the gap.
+    /// The gap does not count as learnt.
     #[serde(rename = "not learnt")]
     NotLearnt,
     /// The load never settled within the band.

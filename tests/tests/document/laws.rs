@@ -120,16 +120,6 @@ fn documented_limits_of_the_braking_curve_are_those_of_runs() {
 }
 
 #[test]
-fn documented_costs_are_the_budgets_of_the_image() {
-    let budget = Regex::new(r#"\("([a-z-]+)", \d+, (\d+)\)"#).expect("a pattern");
-    let source = read("tests/tests/emulated/instructions.rs");
-    let budgets = budget.captures_iter(&source).filter(|found| Laws::NAMES.contains(&&found[1]));
-    let want: Vec<_> = budgets.map(|found| vec![found[1].to_owned(), found[2].to_owned()]).collect();
-    assert_eq!(table(&page(), "law, on the image"), want);
-    assert_eq!(want.len(), Laws::NAMES.len(), "a budget for each law");
-}
-
-#[test]
 fn every_constant_of_the_laws_is_documented_with_its_value() {
     let constant =
         Regex::new(r"\bconst ([A-Z0-9_]+): (?:f64|u32|\(f64, f64\)) = ([^;]+);").expect("a pattern");

@@ -154,11 +154,11 @@ impl<F: Real> LoadLoop<F> {
         // Anti-windup: the integral doesn't drive further into the limit.
         let at_limit = torque_nm != wanted_nm && wanted_nm * velocity_error > F::ZERO;
         if !state.holding && !at_limit {
-            let limit_nm = gains.speed_integral_limit_nm + state.reach_nm;
-            let wanted = state.integral_nm + self.integral_per_period * velocity_error;
-            state.integral_nm = wanted.clamp(-limit_nm, limit_nm);
+            let integral_limit_nm = gains.speed_integral_limit_nm + state.reach_nm;
+            let integral_nm = state.integral_nm + self.integral_per_period * velocity_error;
+            state.integral_nm = integral_nm.clamp(-integral_limit_nm, integral_limit_nm);
             let stands = load_velocity_rad_s.abs() < F::from_f64(STANDSTILL_RAD_S);
-            if stands && wanted != state.integral_nm {
+            if stands && integral_nm != state.integral_nm {
                 state.reach_nm += self.reach_per_period_nm;
             } else if state.integral_nm.abs() < gains.speed_integral_limit_nm {
                 state.reach_nm = F::ZERO;

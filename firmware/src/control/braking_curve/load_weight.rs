@@ -17,10 +17,11 @@ use crate::control::nominal_model::NominalModel;
 const TOLERATED: f64 = 1.35;
 /// Largest factor.
 const HEAVIEST: f64 = 3.0;
-/// Load velocity in rad/s from which the momentum is much larger than its error, and below which it starts anew.
+/// Load velocity in rad/s from which the momentum is much larger than its error.
 const MOVING_RAD_S: f64 = 0.6;
 /// Load velocity in rad/s beyond which viscous friction, which is not known well, outweighs the momentum.
 const FAST_RAD_S: f64 = 1.3;
+/// Load velocity in rad/s below which the momentum starts anew.
 const RESTING_RAD_S: f64 = 0.05;
 /// Bandwidth of the factor in rad/s.
 const FOLLOW_RAD_S: f64 = 50.0;

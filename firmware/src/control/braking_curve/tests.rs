@@ -51,7 +51,7 @@ fn command_uses_at_most_the_winding_limit_and_95_percent_of_the_drive_s() {
 #[test]
 fn arrival_unloads_the_integral_once_and_departure_releases_the_hold() {
     let (load_loop, mut state) = (load_loop(20.0), LoadLoop::initial_state());
-    // 10 mrad short of the target, the integral grows to its limit of 7.2 N m at the load.
+    // 10 mrad short of the target, at standstill, the integral grows beyond its limit of 7.2 N m at the load.
     let approaching_nm = at_rest(&load_loop, &mut state, -0.01, 0.0, 3000);
     assert!(approaching_nm > 2.4 && !state.holding, "{approaching_nm} N m");
     let before_nm = at_rest(&load_loop, &mut state, -0.0019, 0.0, 1);
@@ -68,7 +68,8 @@ fn arrival_unloads_the_integral_once_and_departure_releases_the_hold() {
 #[test]
 fn lasting_load_beyond_stiction_is_not_unloaded() {
     let (load_loop, mut state) = (load_loop(20.0), LoadLoop::initial_state());
-    at_rest(&load_loop, &mut state, -0.01, 12.0, 20_000);
+    // An integral of more than 7.2 N m at the load, of which 0.3 would be less than the load needs.
+    at_rest(&load_loop, &mut state, -0.01, 12.0, 2200);
     let held_nm = at_rest(&load_loop, &mut state, 0.0, 12.0, 1);
     // 12 N m at the load, less at most the stiction of 1.4 * 3.4 N m that may help.
     assert!(3.0 * held_nm > 12.0 - 1.4 * 3.4, "{held_nm} N m at the motor");
@@ -76,10 +77,22 @@ fn lasting_load_beyond_stiction_is_not_unloaded() {
 
 #[test]
 fn integral_s_limit_grows_at_standstill_only() {
-    let (load_loop, mut state) = (load_loop(20.0), LoadLoop::initial_state());
-    let second_nm = at_rest(&load_loop, &mut state, -0.01, 0.0, 1000);
-    let later_nm = at_rest(&load_loop, &mut state, -0.01, 0.0, 2000);
-    assert!(later_nm > second_nm + 0.5, "from {second_nm} to {later_nm} N m");
+    let (load_loop, m) =
+        (load_loop(20.0), Measurement { load_position_rad: -0.01, ..Measurement::default() });
+    for (velocity_rad_s, grows) in [(0.0, true), (-0.05, false)] {
+        let load = ObservedLoad { velocity_rad_s, disturbance_nm: 0.0, transmitted_nm: 0.0 };
+        let mut state = LoadLoop::initial_state();
+        // After 2 s the integral has reached its limit of 7.2 N m.
+        let [early_nm, late_nm] =
+            [2000, 2000].map(|samples| (0..samples).map(|_| load_loop.step(&mut state, &m, &load)).last());
+        let (early_nm, late_nm) = (early_nm.expect("samples"), late_nm.expect("samples"));
+        assert_eq!(
+            late_nm > early_nm + 2.0,
+            grows,
+            "{velocity_rad_s} rad/s: from {early_nm} to {late_nm} N m"
+        );
+        assert!(grows || late_nm == early_nm, "{velocity_rad_s} rad/s: from {early_nm} to {late_nm} N m");
+    }
 }
 
 /// The law's estimate and deviation after torques of this amplitude at a spring with half a gap of 0.1 rad.

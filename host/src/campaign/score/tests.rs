@@ -105,6 +105,7 @@ fn missing_and_non_finite_scores_rank_last() {
         Score::Missing(MissingReason::Never),
         Score::Missing(MissingReason::CutShort),
         Score::Missing(MissingReason::NotFinite),
+        Score::Missing(MissingReason::NotLearnt),
     ] {
         assert_eq!(huge.order(&worse), Ordering::Less, "{worse:?}");
         assert_eq!(worse.order(&huge), Ordering::Greater, "{worse:?}");
@@ -116,9 +117,14 @@ fn scores_read_back_to_the_same_bits() {
     // serde_json's default parser is off by one bit for some percent of all numbers.
     let mut random = Pcg64::seed_from_u64(1);
     let values = (0..10_000).map(|_| f64::from_bits(random.next_u64())).filter(|value| value.is_finite());
-    let reasons =
-        [MissingReason::Unmeasured, MissingReason::Never, MissingReason::CutShort, MissingReason::NotFinite]
-            .map(Score::Missing);
+    let reasons = [
+        MissingReason::Unmeasured,
+        MissingReason::Never,
+        MissingReason::CutShort,
+        MissingReason::NotFinite,
+        MissingReason::NotLearnt,
+    ]
+    .map(Score::Missing);
     for score in values.chain([-0.0, 5e-324]).map(Score::Value).chain(reasons) {
         let text = serde_json::to_string(&score).expect("a score is JSON");
         let read: Score = serde_json::from_str(&text).expect("what was written is read");
