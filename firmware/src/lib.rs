@@ -10,6 +10,7 @@
 //! | [`Laws`] | the laws of Lashloop's own drive |
 //! | [`direction`] | sign of an encoder or a power stage |
 //! | [`power_stage`] | from a torque to a duty; what switches the bridge |
+//! | [`quadrature`] | hardware counters to the counts of the drive |
 //! | [`drive`] | session, parameters and safety: a state machine with bytes and device time in, bytes and a torque out |
 //! | `board` (feature `image`, Arm only) | the drive on the microcontroller, and `image!` |
 //!
@@ -32,5 +33,6 @@ pub mod drive;
 pub mod law;
 mod laws;
 pub mod power_stage;
+pub mod quadrature;
 
 pub use laws::Laws;

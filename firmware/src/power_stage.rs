@@ -141,13 +141,8 @@ mod tests {
     use super::*;
 
     /// 10 to 90 % for 8 N m either way.
-    const SCALE: DutyScale = DutyScale {
-        nm_per_full_duty: 20.0,
-        offset: 0.5,
-        min: 0.1,
-        max: 0.9,
-        direction: Direction::Forward,
-    };
+    const SCALE: DutyScale =
+        DutyScale { nm_per_full_duty: 20.0, offset: 0.5, min: 0.1, max: 0.9, direction: Direction::Forward };
 
     fn near(have: f32, want: f32) {
         assert!((have - want).abs() < 1e-6, "have {have}, want {want}");
@@ -225,9 +220,6 @@ mod tests {
         for command in [on, on, StageCommand::Off, on] {
             actuator.follow(command);
         }
-        assert_eq!(
-            actuator.stage().0,
-            ["disable", "enable", "apply", "apply", "disable", "enable", "apply"]
-        );
+        assert_eq!(actuator.stage().0, ["disable", "enable", "apply", "apply", "disable", "enable", "apply"]);
     }
 }

@@ -73,7 +73,8 @@ impl<L: LawSet> Parameters<L> {
 
     /// The parameters of bench mode, if that mode is selected.
     pub(super) fn bench_mode(&self) -> Option<PinParameters> {
-        let parameters = <PinParameters as ParameterGroup>::read(&mut Words::new(self.pins.as_ref()?, &OF_PINS));
+        let parameters =
+            <PinParameters as ParameterGroup>::read(&mut Words::new(self.pins.as_ref()?, &OF_PINS));
         (parameters.sample_source == SampleSource::Pins).then_some(parameters)
     }
 

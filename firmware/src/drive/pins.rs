@@ -66,9 +66,8 @@ impl Pins {
 
     /// Forgets everything before this instant.
     pub(super) fn reset(&mut self) {
-        let illegal = self.latest.map_or((0, 0), |(it, _)| {
-            (it.motor.illegal_transitions, it.load.illegal_transitions)
-        });
+        let illegal =
+            self.latest.map_or((0, 0), |(it, _)| (it.motor.illegal_transitions, it.load.illegal_transitions));
         let [motor, load] = [illegal.0, illegal.1]
             .map(|illegal_at_reset| Observed { illegal_at_reset, fastest_counts_per_s: 0.0 });
         *self = Self { hardware: self.hardware, latest: None, motor, load };

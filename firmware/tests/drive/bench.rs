@@ -57,7 +57,9 @@ fn a_drive_with_pins_describes_its_further_parameters() {
         }
         for (name, choice) in entry.range.choices().unwrap_or_default().iter().zip(0..) {
             let answers = host.send(DescribeChoice { parameter: index, choice });
-            assert!(matches!(&answers[..], [DriveMessage::ChoiceDescription(it)] if it.name.as_str() == *name));
+            assert!(
+                matches!(&answers[..], [DriveMessage::ChoiceDescription(it)] if it.name.as_str() == *name)
+            );
         }
     }
     let after_the_last = names.len() as u8;
@@ -97,8 +99,7 @@ fn the_same_counts_through_link_and_pins_give_the_same_torques() {
         let settings =
             [("controller", ParameterValue::U32(law)), ("twist_limit_rad", ParameterValue::F32(1e5))];
         let mut pins = PinHost::running(&settings);
-        let mut link =
-            Host::running(&[settings[0], ("torque_limit_nm", ParameterValue::F32(100.0))]);
+        let mut link = Host::running(&[settings[0], ("torque_limit_nm", ParameterValue::F32(100.0))]);
         let mut torques = BTreeSet::new();
         for ((motor, load, reference_rad), sequence) in trajectory().zip(0..) {
             pins.refer(reference_rad);
@@ -307,12 +308,7 @@ fn a_start_checks_the_pins_again() {
 
 #[test]
 fn pins_that_were_never_read_do_not_arm() {
-    let mut host = PinHost::with(&[]);
-    host.send(Reset {});
-    host.send(HELLO);
-    for (name, value) in BENCH {
-        host.set(name, value);
-    }
+    let mut host = PinHost::unread();
     assert_eq!(host.arm(), (Outcome::EncoderImplausible, State::Idle));
     host.tick();
     assert_eq!(host.arm(), (Outcome::Accepted, State::Armed));

@@ -77,7 +77,10 @@ fn a_fault_of_the_stage_counts_before_the_first_reference_too() {
 #[test]
 fn illegal_transitions_lose_the_encoder() {
     for (code, lose) in [
-        (FaultCode::MotorEncoderLost, (|host| host.readings.motor.illegal_transitions += 2) as fn(&mut PinHost)),
+        (
+            FaultCode::MotorEncoderLost,
+            (|host| host.readings.motor.illegal_transitions += 2) as fn(&mut PinHost),
+        ),
         (FaultCode::LoadEncoderLost, |host| host.readings.load.illegal_transitions += 2),
     ] {
         let mut host = PinHost::under_torque();

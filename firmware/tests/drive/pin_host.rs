@@ -8,7 +8,7 @@ use lashloop_firmware::law::{LawSet, Parameter, ParameterGroup};
 use lashloop_firmware::power_stage::StageCommand;
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
-    Arm, BenchSample, FaultReport, Hello, ParameterReport, Reference, SetParameter, Start,
+    Arm, BenchSample, FaultReport, Hello, ParameterReport, Reference, Reset, SetParameter, Start,
 };
 use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message, PROTOCOL_VERSION};
 
@@ -45,6 +45,17 @@ impl PinHost {
         };
         host.send(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION });
         assert_eq!(host.tick(), []);
+        host
+    }
+
+    /// As [`Self::with`], with pins that were not read since the reset.
+    pub fn unread() -> Self {
+        let mut host = Self::idle();
+        host.send(Reset {});
+        host.send(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION });
+        for (name, value) in BENCH {
+            host.set(name, value);
+        }
         host
     }
 

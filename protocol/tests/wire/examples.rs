@@ -4,10 +4,10 @@ use lashloop_protocol::enums::{
     FaultCode, LogLevel, Outcome, ParameterFlags, ParameterValue, State, TorqueFlags, TorqueStatus, Version,
 };
 use lashloop_protocol::message::{
-    Arm, BenchSample, ChoiceDescription, ClearFault, CommandResult, DescribeChoice, DescribeLaw, DescribeParameter,
-    DescribeSignal, EmergencyStop, EncoderSample, FaultReport, GetParameter, Hello, Identity, LawDescription,
-    LineReport, Log, ParameterDescription, ParameterReport, Reference, Reset, SetParameter, SignalDescription, Start,
-    Stop, Subscribe, Telemetry, TorqueAnswer,
+    Arm, BenchSample, ChoiceDescription, ClearFault, CommandResult, DescribeChoice, DescribeLaw,
+    DescribeParameter, DescribeSignal, EmergencyStop, EncoderSample, FaultReport, GetParameter, Hello,
+    Identity, LawDescription, LineReport, Log, ParameterDescription, ParameterReport, Reference, Reset,
+    SetParameter, SignalDescription, Start, Stop, Subscribe, Telemetry, TorqueAnswer,
 };
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION, TelemetryValues};

@@ -5,12 +5,16 @@
 mod markdown;
 
 mod answers;
+mod bench_mode;
 mod conversation;
 mod faults;
 mod host;
 mod host_rules;
 mod links;
 mod parameters;
+#[allow(dead_code, reason = "the tests of the firmware use more of it")]
+#[path = "../../../firmware/tests/drive/pin_host.rs"]
+mod pin_host;
 mod rules;
 mod sequence;
 mod states;
