@@ -10,7 +10,7 @@ use super::clock::Clock;
 use super::lifecycle::Lifecycle;
 use super::machine::Drive;
 use super::pins::PinReadings;
-use super::run::{PinStep, Run};
+use super::run::PinStep;
 use crate::law::LawSet;
 use crate::power_stage::StageCommand;
 
