@@ -82,25 +82,31 @@ fn reset_returns_to_hil_mode() {
     );
 }
 
-/// Counts of motor and load through the gap and across the wraparound of both encoders, and references.
+/// Three times the default, so that load and motor have equal counts at no twist.
+const LOAD_COUNTS_PER_REV: u32 = 393_216;
+
+/// Counts of motor and load through the gap and across the wraparound of both encoders, and references near to them.
 fn trajectory() -> impl Iterator<Item = (i64, i64, f32)> {
     let (mut motor, mut load, mut velocity) = (8_388_000_i64, 8_388_500_i64, 900_i64);
     (0..3000_u16).map(move |k| {
         velocity -= (motor - 8_390_000) / 900 + velocity / 200;
         motor += velocity / 16;
-        load += (motor - load) / 1500 + i64::from(k % 3);
-        (motor, load, f32::from(k % 700) * 1e-3 - 0.3)
+        load += (motor - load) / 1500;
+        (motor, load, 134.05 + f32::from(k % 700) * 1e-3 - 0.3)
     })
 }
 
 #[test]
 fn the_same_counts_through_link_and_pins_give_the_same_torques() {
     for law in 0..Laws::NAMES.len() as u32 {
-        let settings =
-            [("controller", ParameterValue::U32(law)), ("twist_limit_rad", ParameterValue::F32(1e5))];
+        let settings = [
+            ("controller", ParameterValue::U32(law)),
+            ("load_counts_per_rev", ParameterValue::U32(LOAD_COUNTS_PER_REV)),
+        ];
         let mut pins = PinHost::running(&settings);
-        let mut link = Host::running(&[settings[0], ("torque_limit_nm", ParameterValue::F32(100.0))]);
-        let mut torques = BTreeSet::new();
+        let mut link =
+            Host::running(&[&settings[..], &[("torque_limit_nm", ParameterValue::F32(100.0))]].concat());
+        let (mut torques, mut wrapped) = (BTreeSet::new(), 0);
         for ((motor, load, reference_rad), sequence) in trajectory().zip(0..) {
             pins.refer(reference_rad);
             pins.turn(motor, load);
@@ -113,7 +119,9 @@ fn the_same_counts_through_link_and_pins_give_the_same_torques() {
             assert_eq!((have.motor_counts, have.load_counts), (motor_counts, load_counts));
             assert_eq!(pins.stage_nm(), Some(have.torque_nm));
             torques.insert(have.torque_nm.to_bits());
+            wrapped |= u8::from(motor_counts.get() < 0) | u8::from(load_counts.get() < 0) << 1;
         }
+        assert_eq!(wrapped, 0b11, "both encoders wrapped");
         assert!(torques.len() > 1000, "{} different torques", torques.len());
     }
 }
