@@ -13,7 +13,7 @@
 //! All inputs have pull-ups: an open break input stops the amplifier, and an open channel of an encoder has no edges. The
 //! amplifier needs a pull-down at its enable input, because all pins are inputs during a reset.
 
-use stm32f4xx_hal::gpio::{Alternate, PB6, PB7, PC6, PC7, Pull, gpioa, gpiob, gpioc};
+use stm32f4xx_hal::gpio::{Alternate, PA8, PB6, PB7, PC6, PC7, Pull, gpioa, gpiob, gpioc};
 use stm32f4xx_hal::pac::{TIM1, TIM3, TIM4};
 use stm32f4xx_hal::rcc::Rcc;
 
@@ -47,11 +47,11 @@ pub(super) fn start(
         b.pb7.into_alternate().internal_resistor(Pull::Up),
     );
     let stage_pins = StagePins {
-        // The timer has its output off before the pin is connected to it.
-        pulse: pulse.into_alternate(),
         not_ready: b.pb12.into_alternate().internal_resistor(Pull::Up),
         enable: b.pb0.into_push_pull_output(),
     };
     let stage = PwmStage::new(pwm, stage_pins, rcc);
+    // After the timer has its output off.
+    let _: PA8<Alternate<1>> = pulse.into_alternate();
     (Encoder::new(motor, motor_pins, rcc), Encoder::new(load, load_pins, rcc), stage)
 }

@@ -3,7 +3,7 @@
 //! While the outputs are off the pulse output is low and the enable line is low: a duty of 0, which an amplifier for 10 to
 //! 90 % takes for a broken wire.
 
-use stm32f4xx_hal::gpio::{Alternate, Output, PA8, PB0, PB12};
+use stm32f4xx_hal::gpio::{Alternate, Output, PB0, PB12};
 use stm32f4xx_hal::pac::TIM1;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
@@ -12,10 +12,8 @@ use crate::power_stage::{DutyScale, PowerStage, PowerStageFault};
 /// Cycles of the timer's 168 MHz in a period of the modulation: 20 kHz.
 const PERIOD_CYCLES: u16 = 8_400;
 
-/// The pins of the stage.
+/// The pins of the stage, apart from its pulse output.
 pub(super) struct StagePins {
-    /// Pulse output.
-    pub(super) pulse: PA8<Alternate<1>>,
     /// Break input, high while the amplifier isn't ready.
     pub(super) not_ready: PB12<Alternate<1>>,
     /// Enable line, high while the amplifier may drive.
