@@ -187,6 +187,9 @@ static void handle(struct drive *drive, const uint8_t *body)
     case LASHLOOP_ENCODER_SAMPLE_KIND:
         take_sample(drive, body);
         break;
+    case LASHLOOP_REFERENCE_KIND: /* this drive has no bench mode */
+        send_result(drive, kind, LASHLOOP_OUTCOME_WRONG_STATE);
+        break;
     }
 }
 

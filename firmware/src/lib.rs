@@ -8,6 +8,9 @@
 //! | [`law`] | what a law is: parameters, signals, state, step; sets of laws |
 //! | [`control`] | control laws, from encoder counts to a torque |
 //! | [`Laws`] | the laws of Lashloop's own drive |
+//! | [`direction`] | sign of an encoder or a power stage |
+//! | [`power_stage`] | from a torque to a duty; what switches the bridge |
+//! | [`quadrature`] | hardware counters to the counts of the drive |
 //! | [`drive`] | session, parameters and safety: a state machine with bytes and device time in, bytes and a torque out |
 //! | `board` (feature `image`, Arm only) | the drive on the microcontroller, and `image!` |
 //!
@@ -25,8 +28,11 @@ extern crate std;
 #[cfg(all(feature = "image", target_os = "none"))]
 pub mod board;
 pub mod control;
+pub mod direction;
 pub mod drive;
 pub mod law;
 mod laws;
+pub mod power_stage;
+pub mod quadrature;
 
 pub use laws::Laws;

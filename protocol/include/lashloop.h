@@ -53,7 +53,11 @@ enum lashloop_fault_code {
     LASHLOOP_FAULT_CODE_MOTOR_ENCODER_JUMP = 5,
     LASHLOOP_FAULT_CODE_LOAD_ENCODER_JUMP = 6,
     LASHLOOP_FAULT_CODE_PANIC = 7,
-    LASHLOOP_FAULT_CODE_PROCESSOR_FAULT = 8
+    LASHLOOP_FAULT_CODE_PROCESSOR_FAULT = 8,
+    LASHLOOP_FAULT_CODE_POWER_STAGE = 9,
+    LASHLOOP_FAULT_CODE_MOTOR_ENCODER_LOST = 10,
+    LASHLOOP_FAULT_CODE_LOAD_ENCODER_LOST = 11,
+    LASHLOOP_FAULT_CODE_TICK_OVERRUN = 12
 };
 
 enum lashloop_outcome {
@@ -65,7 +69,9 @@ enum lashloop_outcome {
     LASHLOOP_OUTCOME_WRONG_TYPE = 6,
     LASHLOOP_OUTCOME_OUT_OF_RANGE = 7,
     LASHLOOP_OUTCOME_OUT_OF_SEQUENCE = 8,
-    LASHLOOP_OUTCOME_INCONSISTENT = 9
+    LASHLOOP_OUTCOME_INCONSISTENT = 9,
+    LASHLOOP_OUTCOME_POWER_STAGE_FAULT = 10,
+    LASHLOOP_OUTCOME_ENCODER_IMPLAUSIBLE = 11
 };
 
 enum lashloop_log_level {
@@ -216,6 +222,17 @@ enum lashloop_parameter_type {
 #define LASHLOOP_ENCODER_SAMPLE_REFERENCE_RAD_OFFSET 9
 #define LASHLOOP_ENCODER_SAMPLE_REFERENCE_RAD_LEN 4
 
+/* Reference: Bench mode: the reference for the control steps from its arrival on. Restarts the watchdog. */
+#define LASHLOOP_REFERENCE_KIND 0x11
+#define LASHLOOP_REFERENCE_BODY_LEN 7
+#define LASHLOOP_REFERENCE_FRAME_LEN 13
+/* uint16_t: Number of the message, chosen by the host; BenchSample repeats it. */
+#define LASHLOOP_REFERENCE_NUMBER_OFFSET 1
+#define LASHLOOP_REFERENCE_NUMBER_LEN 2
+/* float, IEEE 754 binary32: Reference position of the load, in rad. */
+#define LASHLOOP_REFERENCE_REFERENCE_RAD_OFFSET 3
+#define LASHLOOP_REFERENCE_REFERENCE_RAD_LEN 4
+
 /* X(name, kind, body length, element length) for every message that this side sends. The element length is 0 if every body
  * has the body length. Else the last field repeats: a body has at least one element and at most the body length. */
 #define LASHLOOP_HOST_MESSAGES(X) \
@@ -233,7 +250,8 @@ enum lashloop_parameter_type {
     X(DESCRIBE_SIGNAL, 0x0c, 2, 0) \
     X(DESCRIBE_CHOICE, 0x0d, 3, 0) \
     X(SUBSCRIBE, 0x0e, 7, 0) \
-    X(ENCODER_SAMPLE, 0x10, 13, 0)
+    X(ENCODER_SAMPLE, 0x10, 13, 0) \
+    X(REFERENCE, 0x11, 7, 0)
 
 /* Identity: Identity of the drive. Same layout in every protocol version. */
 #define LASHLOOP_IDENTITY_KIND 0x81
@@ -457,6 +475,35 @@ enum lashloop_parameter_type {
 #define LASHLOOP_LINE_REPORT_OVERRUNS_OFFSET 13
 #define LASHLOOP_LINE_REPORT_OVERRUNS_LEN 4
 
+/* BenchSample: Bench mode: what the drive measured and applied in one control period. */
+#define LASHLOOP_BENCH_SAMPLE_KIND 0x95
+#define LASHLOOP_BENCH_SAMPLE_BODY_LEN 20
+#define LASHLOOP_BENCH_SAMPLE_FRAME_LEN 26
+/* uint16_t: Number of the control step since the start, from 0; wraps around. */
+#define LASHLOOP_BENCH_SAMPLE_SEQUENCE_OFFSET 1
+#define LASHLOOP_BENCH_SAMPLE_SEQUENCE_LEN 2
+/* 3 bytes of two's complement: Motor encoder of the drive, in counts; wraps around. */
+#define LASHLOOP_BENCH_SAMPLE_MOTOR_COUNTS_OFFSET 3
+#define LASHLOOP_BENCH_SAMPLE_MOTOR_COUNTS_LEN 3
+/* 3 bytes of two's complement: Load encoder of the drive, in counts; wraps around. */
+#define LASHLOOP_BENCH_SAMPLE_LOAD_COUNTS_OFFSET 6
+#define LASHLOOP_BENCH_SAMPLE_LOAD_COUNTS_LEN 3
+/* uint16_t: Number of the reference of this step. */
+#define LASHLOOP_BENCH_SAMPLE_REFERENCE_NUMBER_OFFSET 9
+#define LASHLOOP_BENCH_SAMPLE_REFERENCE_NUMBER_LEN 2
+/* float, IEEE 754 binary32: Torque from this step to the next one, in N m; zero unless running. */
+#define LASHLOOP_BENCH_SAMPLE_TORQUE_NM_OFFSET 11
+#define LASHLOOP_BENCH_SAMPLE_TORQUE_NM_LEN 4
+/* low four bits enum lashloop_state, high four bits LASHLOOP_TORQUE_FLAGS_*: State after the step, and flags of this torque. */
+#define LASHLOOP_BENCH_SAMPLE_STATUS_OFFSET 15
+#define LASHLOOP_BENCH_SAMPLE_STATUS_LEN 1
+/* uint16_t: Time from the start of the step to this message, in us; saturates. */
+#define LASHLOOP_BENCH_SAMPLE_COMPUTE_TIME_US_OFFSET 16
+#define LASHLOOP_BENCH_SAMPLE_COMPUTE_TIME_US_LEN 2
+/* uint16_t: Time from the due time of the step to its start, in us; saturates. */
+#define LASHLOOP_BENCH_SAMPLE_TICK_LATENESS_US_OFFSET 18
+#define LASHLOOP_BENCH_SAMPLE_TICK_LATENESS_US_LEN 2
+
 /* X(name, kind, body length, element length) for every message that this side sends. The element length is 0 if every body
  * has the body length. Else the last field repeats: a body has at least one element and at most the body length. */
 #define LASHLOOP_DRIVE_MESSAGES(X) \
@@ -471,6 +518,7 @@ enum lashloop_parameter_type {
     X(TELEMETRY, 0x91, 55, 4) \
     X(FAULT_REPORT, 0x92, 16, 0) \
     X(LOG, 0x93, 54, 0) \
-    X(LINE_REPORT, 0x94, 17, 0)
+    X(LINE_REPORT, 0x94, 17, 0) \
+    X(BENCH_SAMPLE, 0x95, 20, 0)
 
 #endif

@@ -56,6 +56,10 @@ local FAULT_CODE = {
     [6] = "LoadEncoderJump",
     [7] = "Panic",
     [8] = "ProcessorFault",
+    [9] = "PowerStage",
+    [10] = "MotorEncoderLost",
+    [11] = "LoadEncoderLost",
+    [12] = "TickOverrun",
 }
 local OUTCOME = {
     [1] = "Accepted",
@@ -67,6 +71,8 @@ local OUTCOME = {
     [7] = "OutOfRange",
     [8] = "OutOfSequence",
     [9] = "Inconsistent",
+    [10] = "PowerStageFault",
+    [11] = "EncoderImplausible",
 }
 local LOG_LEVEL = {
     [1] = "Debug",
@@ -142,6 +148,10 @@ local MESSAGES = {
         { "sequence", u16 },
         { "motor_counts", i24 },
         { "load_counts", i24 },
+        { "reference_rad", f32 },
+    } },
+    [0x11] = { "Reference", {
+        { "number", u16 },
         { "reference_rad", f32 },
     } },
     [0x81] = { "Identity", {
@@ -221,6 +231,16 @@ local MESSAGES = {
         { "damaged", u32 },
         { "refused", u32 },
         { "overruns", u32 },
+    } },
+    [0x95] = { "BenchSample", {
+        { "sequence", u16 },
+        { "motor_counts", i24 },
+        { "load_counts", i24 },
+        { "reference_number", u16 },
+        { "torque_nm", f32 },
+        { "status", status(STATE, TORQUE_FLAGS) },
+        { "compute_time_us", u16 },
+        { "tick_lateness_us", u16 },
     } },
 }
 -- END generated

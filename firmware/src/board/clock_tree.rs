@@ -1,15 +1,12 @@
 //! 168 MHz from the crystal, or from the internal oscillator when there is none.
 
+use super::f405_bare::CRYSTAL_HZ;
 use stm32f4xx_hal::pac::RCC;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Config, Rcc};
 
 /// Core clock (hertz): the maximum of the STM32F405, and the rate of SysTick in QEMU.
 pub(crate) const CORE_HZ: u32 = 168_000_000;
-
-/// Frequency of the crystal on OSC_IN and OSC_OUT (hertz). Change it for a board with another crystal: otherwise the
-/// PLL runs at a wrong frequency.
-const CRYSTAL_HZ: u32 = 8_000_000;
 
 /// Polls of the crystal's ready flag before the internal oscillator is used. A poll takes at least 8 cycles at the
 /// initial 16 MHz, so the limit is 100 ms or slightly more; the data sheet gives 2 ms for a crystal.

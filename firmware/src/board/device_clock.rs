@@ -17,6 +17,7 @@ use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{SCB, SYST};
 
 use super::clock_tree::CORE_HZ;
+use super::last_resort;
 
 const CYCLES_PER_MILLISECOND: u32 = CORE_HZ / 1_000;
 
@@ -50,6 +51,7 @@ static MEMORY: Mutex<Memory> = Mutex::new(Memory {
 
 /// The clock of the board, with a resolution of one cycle (6 ns). Valid for tasks up to the priority of SysTick: a task
 /// above could read the clock between SysTick's interrupt and [`Ticker::count_millisecond`].
+#[derive(Clone, Copy)]
 pub struct DeviceClock(());
 
 /// The counter, owned by SysTick's task.
@@ -68,6 +70,7 @@ pub(crate) fn start(mut syst: SYST) -> (DeviceClock, Ticker) {
 impl Ticker {
     /// Counts one millisecond and returns the device time. To be called once per interrupt.
     pub fn count_millisecond(&mut self) -> Duration {
+        last_resort::feed();
         interrupt::free(|token| {
             let counted = &MEMORY.borrow(token).counted;
             counted.set(counted.get().plus_millisecond());

@@ -1,10 +1,9 @@
-//! Handlers of panics, processor faults and unexpected interrupts: each sends one fault report and stops until a reset.
-//!
-//! The board drives no power stage, so no torque has to be switched off. The host receives the fault report or times
-//! out.
+//! Handlers of panics, processor faults and unexpected interrupts: each switches the power stage off, sends one fault
+//! report and stops until a reset.
 
 use core::panic::{Location, PanicInfo};
 
+use super::{f405_bare, last_resort};
 use crate::drive::fault_frame;
 use cortex_m::peripheral::{NVIC, Peripherals};
 use cortex_m_rt::{ExceptionFrame, exception};
@@ -35,9 +34,11 @@ unsafe fn DefaultHandler(interrupt: i16) {
     stop(FaultCode::ProcessorFault, interrupt.unsigned_abs().into())
 }
 
-/// Sends a fault report and sleeps until a reset.
+/// Switches the power stage off, sends a fault report and stops until a reset.
 fn stop(code: FaultCode, detail: u32) -> ! {
     cortex_m::interrupt::disable();
+    // First of all: no torque outlives the code that computed it.
+    f405_bare::switch_off();
     // The delimiter ends a frame in transmission.
     send(&[DELIMITER]);
     send(&fault_frame(code, detail));
@@ -49,7 +50,12 @@ fn stop(code: FaultCode, detail: u32) -> ! {
     let mut syst = unsafe { Peripherals::steal() }.SYST;
     syst.disable_interrupt();
     loop {
-        cortex_m::asm::wfi();
+        // A reset would end the halt that the fault report announced.
+        if last_resort::is_running() {
+            last_resort::feed();
+        } else {
+            cortex_m::asm::wfi();
+        }
     }
 }
 

@@ -10,14 +10,16 @@
 /// lashloop_firmware::image!(my_law::Laws);
 /// ```
 ///
-/// It has four tasks. `receive` queues every byte on arrival. `tick` counts the device clock and checks the watchdog
-/// every millisecond. `serve` feeds received bytes to the drive and transmits its output. The control law has no timer:
-/// the encoder frame is the tick.
+/// It has five tasks. `receive` queues every byte on arrival. `tick` counts the device clock and checks the watchdog
+/// every millisecond. `serve` feeds received bytes to the drive and transmits its output. In HIL mode the control law has
+/// no timer: the encoder frame is the tick. `step` is the tick of bench mode; the emulator has no timer for it. Each task
+/// that may change the state of the drive applies it to the power stage before it ends.
 ///
 /// | task | bound to | priority | why there |
 /// |---|---|---|---|
 /// | `receive` | USART2 | 3 | 11 us from one byte to the next |
 /// | `tick` | SysTick | 2 | the watchdog counts while `serve` is sending |
+/// | `step` | TIM6 | 2 | a control step waits for one request at most |
 /// | `serve` | EXTI0, pended by the others | 1 | a pended interrupt is never lost, however often it is pended |
 /// | `idle` | | 0 | sleeps |
 #[macro_export]
@@ -33,13 +35,15 @@ macro_rules! image {
 
             use $crate::drive::Drive;
             use $crate::board::pac::Interrupt;
-            use $crate::board::{self, Board, DeviceClock, Inbox, Outbox, Queue, Receiver, Ticker, cortex_m, rtic};
+            use $crate::board::{self, Board, DeviceClock, Inbox, Outbox, Queue, Receiver, Stage, Tick, Ticker};
+            use $crate::board::{cortex_m, rtic};
 
             use super::LawsOfImage;
 
             #[shared]
             struct Shared {
                 drive: Drive<LawsOfImage>,
+                stage: Option<Stage>,
                 line_errors: AtomicU32,
             }
 
@@ -47,6 +51,7 @@ macro_rules! image {
             struct Local {
                 clock: DeviceClock,
                 ticker: Ticker,
+                steps: Option<Tick>,
                 receiver: Receiver,
                 inbox: Inbox,
                 outbox: Outbox,
@@ -54,14 +59,11 @@ macro_rules! image {
 
             #[init(local = [queue: Queue = Queue::new()])]
             fn init(cx: init::Context) -> (Shared, Local) {
-                let Board { name, notice, clock, ticker, receiver, inbox, outbox } =
+                let Board { drive, bench, clock, ticker, receiver, inbox, outbox } =
                     board::start(cx.core.SYST, cx.device, cx.local.queue);
-                let mut drive = Drive::with_laws(name);
-                if let Some((level, text)) = notice {
-                    drive.log(level, &[text]);
-                }
-                let shared = Shared { drive, line_errors: AtomicU32::new(0) };
-                (shared, Local { clock, ticker, receiver, inbox, outbox })
+                let (stage, steps) = bench.unzip();
+                let shared = Shared { drive, stage, line_errors: AtomicU32::new(0) };
+                (shared, Local { clock, ticker, steps, receiver, inbox, outbox })
             }
 
             #[task(binds = USART2, priority = 3, local = [receiver], shared = [&line_errors])]
@@ -72,11 +74,14 @@ macro_rules! image {
                 rtic::pend(Interrupt::EXTI0);
             }
 
-            #[task(binds = SysTick, priority = 2, local = [ticker], shared = [drive])]
-            fn tick(mut cx: tick::Context) {
+            #[task(binds = SysTick, priority = 2, local = [ticker], shared = [drive, stage])]
+            fn tick(cx: tick::Context) {
                 let now = cx.local.ticker.count_millisecond();
-                let to_send = cx.shared.drive.lock(|drive| {
+                let to_send = (cx.shared.drive, cx.shared.stage).lock(|drive, stage| {
                     drive.tick(now);
+                    if let Some(stage) = stage {
+                        stage.follow(drive.stage_command());
+                    }
                     !drive.output().is_empty()
                 });
                 if to_send {
@@ -84,7 +89,20 @@ macro_rules! image {
                 }
             }
 
-            #[task(binds = EXTI0, priority = 1, local = [clock, inbox, outbox], shared = [drive, &line_errors])]
+            #[task(binds = TIM6_DAC, priority = 2, local = [steps], shared = [drive, stage])]
+            fn step(cx: step::Context) {
+                let to_send = (cx.shared.drive, cx.shared.stage).lock(|drive, stage| {
+                    if let (Some(steps), Some(stage)) = (cx.local.steps, stage) {
+                        steps.step(drive, stage);
+                    }
+                    !drive.output().is_empty()
+                });
+                if to_send {
+                    rtic::pend(Interrupt::EXTI0);
+                }
+            }
+
+            #[task(binds = EXTI0, priority = 1, local = [clock, inbox, outbox], shared = [drive, stage, &line_errors])]
             fn serve(mut cx: serve::Context) {
                 let lost = cx.shared.line_errors.swap(0, Ordering::Relaxed);
                 if lost > 0 {
@@ -93,8 +111,11 @@ macro_rules! image {
                 let chunk = cx.local.inbox.take();
                 let mut rest = chunk.as_slice();
                 loop {
-                    let mut to_send = cx.shared.drive.lock(|drive| {
+                    let mut to_send = (&mut cx.shared.drive, &mut cx.shared.stage).lock(|drive, stage| {
                         rest = &rest[drive.receive(rest, cx.local.clock)..];
+                        if let Some(stage) = stage {
+                            stage.follow(drive.stage_command());
+                        }
                         cx.local.outbox.load(drive)
                     });
                     // Transmission takes longer than a control step, so it runs outside the lock, where `tick` can interrupt

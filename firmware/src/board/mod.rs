@@ -3,21 +3,27 @@
 //! One image serves the chip and QEMU's `netduinoplus2`, which models the core, SysTick and the USARTs but neither
 //! the clock tree nor the timers. [`start`] alone distinguishes the two, at run time.
 //!
-//! The image outputs its torque over the link only. It configures no pin of a power stage: the gate inputs keep their
-//! high impedance after reset, and a panic has no output to switch off.
+//! On silicon the drive has pins too: encoders, a power stage, and a timer as tick. The emulator has none of them, so the
+//! drive doesn't offer bench mode there. The pins of a board are in a file of its own, such as `f405_bare`.
 //!
 //! [`image!`](crate::image) makes a program of the board and a set of laws.
 
+mod bench;
 mod clock_tree;
 mod device_clock;
+mod encoder;
+mod f405_bare;
 mod fault_handlers;
 mod image;
+mod last_resort;
 mod link;
+mod pwm_stage;
 
 pub use cortex_m;
 pub use rtic;
 pub use stm32f4xx_hal::pac;
 
+pub use bench::{Stage, Tick};
 pub use device_clock::{DeviceClock, Ticker};
 pub use link::{Inbox, LineError, Outbox, Queue, Receiver};
 
@@ -25,14 +31,17 @@ use lashloop_protocol::enums::LogLevel;
 use stm32f4xx_hal::gpio::GpioExt;
 use stm32f4xx_hal::pac::{DBGMCU, Peripherals, RCC};
 
+use crate::drive::Drive;
+use crate::law::LawSet;
 use clock_tree::Source;
+use stm32f4xx_hal::timer::TimerExt;
 
 /// The started board: clocks run, the link receives.
-pub struct Board {
-    /// Name of the board in the identity.
-    pub name: &'static str,
-    /// Log line about the start for the host.
-    pub notice: Option<(LogLevel, &'static str)>,
+pub struct Board<L: LawSet> {
+    /// The drive, as after power-up.
+    pub drive: Drive<L>,
+    /// The power stage, and the tick for the task of TIM6; `None` in the emulator.
+    pub bench: Option<(Stage, Tick)>,
     /// The clock, for the task that serves the drive.
     pub clock: DeviceClock,
     /// The counter of the clock, for the task of SysTick.
@@ -46,18 +55,33 @@ pub struct Board {
 }
 
 /// Starts the board within 0.2 s, with or without a crystal.
-pub fn start(syst: cortex_m::peripheral::SYST, device: Peripherals, queue: &'static mut Queue) -> Board {
+pub fn start<L: LawSet>(
+    syst: cortex_m::peripheral::SYST,
+    device: Peripherals,
+    queue: &'static mut Queue,
+) -> Board<L> {
     let emulated = is_emulated(&device.RCC, &device.DBGMCU);
     let (mut rcc, source) = clock_tree::start(device.RCC, emulated);
     let gpioa = device.GPIOA.split(&mut rcc);
     let (receiver, inbox, outbox) = link::open(device.USART2, (gpioa.pa2, gpioa.pa3), &mut rcc, queue);
-    let (name, notice) = match source {
-        Source::Emulator => ("stm32f405-qemu", None),
-        Source::Crystal => ("stm32f405", None),
-        Source::InternalOscillator => ("stm32f405", Some((LogLevel::Warning, "no crystal, clock is 1% RC"))),
-    };
     let (clock, ticker) = device_clock::start(syst);
-    Board { name, notice, clock, ticker, receiver, inbox, outbox }
+    let (drive, bench) = match source {
+        Source::Emulator => (Drive::with_laws("stm32f405-qemu"), None),
+        Source::Crystal | Source::InternalOscillator => {
+            let mut drive = Drive::with_pins("stm32f405", bench::HARDWARE);
+            if let Source::InternalOscillator = source {
+                drive.log(LogLevel::Warning, &["no crystal, clock is 1% RC"]);
+            }
+            let ports = (gpioa.pa8, device.GPIOB.split(&mut rcc), device.GPIOC.split(&mut rcc));
+            let timers = (device.TIM1, device.TIM3, device.TIM4);
+            let (motor, load, stage) = f405_bare::start(ports, timers, &mut rcc);
+            let timer = device.TIM6.counter(&mut rcc);
+            let tick = Tick::start(timer, (motor, load), clock, drive.period());
+            last_resort::start(device.IWDG, &device.DBGMCU);
+            (drive, Some((Stage::new(stage), tick)))
+        }
+    };
+    Board { drive, bench, clock, ticker, receiver, inbox, outbox }
 }
 
 /// Whether this is QEMU, where clock control and chip identity read 0. On silicon the first has the internal

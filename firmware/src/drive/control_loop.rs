@@ -8,6 +8,7 @@ use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::LONGEST_GAP;
 
 use super::parameters::Parameters;
+use super::pins::PinHardware;
 use crate::control::ParameterError;
 use crate::control::sensing::{EncoderConfig, Sample, Sensing, SensingConfig};
 use crate::law::{DriveParameters, DriveSignals, LawSet, Signals};
@@ -31,23 +32,34 @@ pub(super) struct ControlLoop<L: LawSet> {
 }
 
 impl<L: LawSet> ControlLoop<L> {
-    /// Sensing and law before the first sample.
+    /// Sensing and law before the first sample. `pins` has the limits of the hardware in bench mode.
     ///
     /// # Errors
     /// If the parameters, each in its range, don't go together.
-    pub(super) fn new(parameters: &Parameters<L>) -> Result<Self, ParameterError> {
+    pub(super) fn new(
+        parameters: &Parameters<L>,
+        pins: Option<&PinHardware>,
+    ) -> Result<Self, ParameterError> {
         let drive = parameters.drive();
         let sensing = Sensing::new(sensing_config(&drive))?;
         let law = L::new(parameters.law(), parameters.words(), &drive)?;
         let [motor_rad_s_per_count, load_rad_s_per_count] =
             [drive.motor_counts_per_rev, drive.load_counts_per_rev]
                 .map(|counts| TAU / (counts as f32 * drive.period_s()));
+        let largest_move = match pins {
+            None => LARGEST_MOVE_COUNTS,
+            Some(hardware) => {
+                let longest = hardware.longest_period_us as f32;
+                ParameterError::at_most("period_us", drive.period_us as f32, longest, "the timer")?;
+                f32::from(hardware.largest_move_counts)
+            }
+        };
         let mut longest_gap = LONGEST_GAP;
         for (name, limit_rad_s, rad_s_per_count) in [
             ("motor_speed_limit_rad_s", drive.motor_speed_limit_rad_s, motor_rad_s_per_count),
             ("load_speed_limit_rad_s", drive.load_speed_limit_rad_s, load_rad_s_per_count),
         ] {
-            let fastest_rad_s = LARGEST_MOVE_COUNTS * rad_s_per_count;
+            let fastest_rad_s = largest_move * rad_s_per_count;
             let given_by = "half the range of a reading over the control period";
             ParameterError::at_most(name, limit_rad_s, fastest_rad_s, given_by)?;
             longest_gap = longest_gap.min((fastest_rad_s / limit_rad_s) as u16);
@@ -101,6 +113,11 @@ impl<L: LawSet> ControlLoop<L> {
         });
         self.requested_torque_nm = self.law.step(&measurement, &mut self.signals);
         self.requested_torque_nm
+    }
+
+    /// Twist of the last step in rad at the motor.
+    pub(super) fn twist_rad(&self) -> f32 {
+        self.sensing.motion().twist_rad
     }
 
     /// The values of all signals at the last step, by their indices; zero for a signal of another law.

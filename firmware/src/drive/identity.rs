@@ -36,6 +36,7 @@ pub(super) fn identity<L: LawSet>(
     session: u32,
     state: State,
     parameters: &DriveParameters,
+    parameter_count: u8,
 ) -> Identity {
     Identity {
         protocol_version: PROTOCOL_VERSION,
@@ -50,6 +51,6 @@ pub(super) fn identity<L: LawSet>(
         load_counts_per_rev: parameters.load_counts_per_rev,
         law_count: L::NAMES.len() as u8,
         signal_count: L::SIGNALS.len() as u8,
-        parameter_count: L::PARAMETERS.len() as u8,
+        parameter_count,
     }
 }

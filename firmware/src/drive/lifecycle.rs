@@ -8,7 +8,7 @@ use lashloop_protocol::enums::{Outcome, State};
 use lashloop_protocol::message::FaultReport;
 
 use super::control_loop::ControlLoop;
-use super::run::Run;
+use super::run::{Run, Source};
 use super::safety::Violation;
 use crate::law::{DriveParameters, LawSet};
 
@@ -65,8 +65,8 @@ impl<L: LawSet> Lifecycle<L> {
         if let Self::Faulted { report, .. } = self { Some(*report) } else { None }
     }
 
-    pub(super) fn check_watchdog(&self, now: Duration) -> Result<(), Violation> {
-        self.run().map_or(Ok(()), |run| run.watchdog().check(now))
+    pub(super) fn check_time(&self, now: Duration) -> Result<(), Violation> {
+        self.run().map_or(Ok(()), |run| run.check_time(now))
     }
 
     /// Opens a session. Another one than the present disarms the drive; a latched fault stays.
@@ -79,10 +79,10 @@ impl<L: LawSet> Lifecycle<L> {
     }
 
     /// `Accepted` if the drive was armed and now runs.
-    pub(super) fn start(&mut self, parameters: &DriveParameters, now: Duration) -> Outcome {
+    pub(super) fn start(&mut self, parameters: &DriveParameters, source: Source, now: Duration) -> Outcome {
         match core::mem::replace(self, Self::Boot) {
             Self::Armed { session, control } => {
-                *self = Self::Running { session, run: Run::new(control, parameters, now) };
+                *self = Self::Running { session, run: Run::new(control, parameters, source, now) };
                 Outcome::Accepted
             }
             other => {

@@ -14,11 +14,14 @@ use super::identity::identity;
 use super::lifecycle::Lifecycle;
 use super::line_counts::LineCounts;
 use super::output::Output;
-use super::parameters::{self, Parameters};
-use super::run::{Reply, Run};
+use super::parameters::Parameters;
+use super::pin_run::PinRun;
+use super::pins::{PinHardware, Pins};
+use super::run::{Reply, Run, Source};
 use super::safety::Violation;
 use super::subscription::Subscription;
 use super::torque_answer::torque_answer;
+use crate::control::ParameterError;
 use crate::law::{LawSet, Signal};
 use crate::laws::Laws;
 
@@ -26,13 +29,15 @@ use crate::laws::Laws;
 pub struct Drive<L: LawSet = Laws> {
     board: &'static str,
     decoder: Decoder,
-    output: Output,
-    parameters: Parameters<L>,
-    subscription: Subscription,
-    lifecycle: Lifecycle<L>,
+    pub(super) output: Output,
+    pub(super) parameters: Parameters<L>,
+    pub(super) subscription: Subscription,
+    pub(super) lifecycle: Lifecycle<L>,
     line_counts: LineCounts,
     /// Number of the last sample taken, for fault reports after the run too; 0 before the first sample of a run.
-    last_sequence: u16,
+    pub(super) last_sequence: u16,
+    /// `None` for a drive without encoders and power stage of its own: it has no bench mode.
+    pub(super) pins: Option<Pins>,
 }
 
 impl Drive {
@@ -48,15 +53,26 @@ impl<L: LawSet> Drive<L> {
     /// most 16 bytes.
     #[must_use]
     pub fn with_laws(board: &'static str) -> Self {
+        Self::of(board, None)
+    }
+
+    /// As [`Self::with_laws`], with encoders and a power stage of its own: bench mode is offered.
+    #[must_use]
+    pub fn with_pins(board: &'static str, hardware: PinHardware) -> Self {
+        Self::of(board, Some(hardware))
+    }
+
+    fn of(board: &'static str, hardware: Option<PinHardware>) -> Self {
         Self {
             board,
             decoder: Decoder::new(),
             output: Output::default(),
-            parameters: Parameters::default(),
+            parameters: Parameters::new(hardware.is_some()),
             subscription: Subscription::default(),
             lifecycle: Lifecycle::Boot,
             line_counts: LineCounts::default(),
             last_sequence: 0,
+            pins: hardware.map(Pins::new),
         }
     }
 
@@ -76,9 +92,9 @@ impl<L: LawSet> Drive<L> {
         bytes.len() - rest.len()
     }
 
-    /// Checks the watchdog at device time `now`.
+    /// Checks the watchdog at device time `now`; in bench mode the ticks too.
     pub fn tick(&mut self, now: Duration) {
-        if let Err(violation) = self.lifecycle.check_watchdog(now) {
+        if let Err(violation) = self.lifecycle.check_time(now) {
             let fault = self.latch(violation);
             self.output.send(fault);
         }
@@ -135,9 +151,10 @@ impl<L: LawSet> Drive<L> {
         let state = self.state();
         let (request, outcome) = match message {
             HostMessage::EncoderSample(sample) => return self.answer_sample(sample, clock),
+            HostMessage::Reference(reference) => return self.take_reference(reference, clock.now()),
             HostMessage::Hello(hello) => return self.answer_hello(hello),
             HostMessage::DescribeParameter(request) => {
-                return self.output.send(parameters::describe(L::PARAMETERS, request.index, state));
+                return self.output.send(self.parameters.describe(request.index, state));
             }
             HostMessage::GetParameter(request) => {
                 return self.output.send(self.parameters.get(request.index, state));
@@ -155,8 +172,7 @@ impl<L: LawSet> Drive<L> {
                 return self.send_description(message::DescribeSignal::LAYOUT.kind, description);
             }
             HostMessage::DescribeChoice(request) => {
-                let description =
-                    parameters::describe_choice(L::PARAMETERS, request.parameter, request.choice);
+                let description = self.parameters.describe_choice(request.parameter, request.choice);
                 return self.send_description(message::DescribeChoice::LAYOUT.kind, description);
             }
             HostMessage::Subscribe(request) => (message::Subscribe::LAYOUT.kind, self.subscribe(request)),
@@ -170,16 +186,19 @@ impl<L: LawSet> Drive<L> {
             }
             HostMessage::EmergencyStop(_) => {
                 let code = FaultCode::EmergencyStop;
-                let fault = self.latch(Violation { code, value: 0.0, limit: 0.0 });
+                let fault = self.latch(Violation::of(code));
                 self.output.send(fault);
                 (message::EmergencyStop::LAYOUT.kind, Outcome::Accepted)
             }
             HostMessage::ClearFault(_) => (message::ClearFault::LAYOUT.kind, self.lifecycle.clear_fault()),
             HostMessage::Reset(_) => {
                 self.lifecycle = Lifecycle::Boot;
-                self.parameters = Parameters::default();
+                self.parameters = Parameters::new(self.pins.is_some());
                 self.subscription = Subscription::default();
                 self.last_sequence = 0;
+                if let Some(pins) = &mut self.pins {
+                    pins.reset();
+                }
                 (message::Reset::LAYOUT.kind, Outcome::Accepted)
             }
         };
@@ -193,7 +212,13 @@ impl<L: LawSet> Drive<L> {
         }
         // A host of another version gets the identity too: it carries the version of the drive.
         let parameters = self.parameters.drive();
-        self.output.send(identity::<L>(self.board, hello.session, self.state(), &parameters));
+        self.output.send(identity::<L>(
+            self.board,
+            hello.session,
+            self.state(),
+            &parameters,
+            self.parameters.count(),
+        ));
         if let Some(fault) = self.lifecycle.fault() {
             self.output.send(fault);
         }
@@ -212,16 +237,27 @@ impl<L: LawSet> Drive<L> {
         if let Err(signal) = self.subscription.check(self.parameters.law(), L::SIGNALS) {
             return self.refuse_signal(signal);
         }
-        match ControlLoop::new(&self.parameters) {
-            Ok(control) => {
-                self.lifecycle = Lifecycle::Armed { session, control };
-                Outcome::Accepted
-            }
+        match self.control() {
+            Ok(control) => match self.check_pins() {
+                Ok(()) => {
+                    self.lifecycle = Lifecycle::Armed { session, control };
+                    Outcome::Accepted
+                }
+                Err(outcome) => outcome,
+            },
             Err(error) => {
                 self.log(LogLevel::Error, &[error.name, " does not go with the others"]);
                 Outcome::Inconsistent
             }
         }
+    }
+
+    fn control(&self) -> Result<ControlLoop<L>, ParameterError> {
+        let bench_mode = self.parameters.bench_mode();
+        if let Some(parameters) = &bench_mode {
+            parameters.duty_scale().check(self.parameters.drive().torque_limit_nm)?;
+        }
+        ControlLoop::new(&self.parameters, bench_mode.and(self.pins.as_ref()).map(Pins::hardware))
     }
 
     /// A signal that the law in force doesn't have.
@@ -254,7 +290,18 @@ impl<L: LawSet> Drive<L> {
         if self.lifecycle.session() != Some(session) {
             return Outcome::WrongSession;
         }
-        let outcome = self.lifecycle.start(&self.parameters.drive(), now);
+        // What was plausible at `Arm` may no longer be.
+        if self.state() == State::Armed
+            && let Err(outcome) = self.check_pins()
+        {
+            return outcome;
+        }
+        let drive = self.parameters.drive();
+        let source = match self.parameters.bench_mode() {
+            None => Source::Link { last_answer: None },
+            Some(parameters) => Source::Pins(PinRun::new(parameters, &drive, now)),
+        };
+        let outcome = self.lifecycle.start(&drive, source, now);
         if outcome == Outcome::Accepted {
             self.line_counts = LineCounts::starting_at(self.decoder.counters());
             self.last_sequence = 0;
@@ -266,7 +313,7 @@ impl<L: LawSet> Drive<L> {
         let arrived = clock.now();
         // A sample after the watchdog's deadline is too late, even if `tick` was not called in between. Its torque
         // precedes the fault report.
-        let late = self.lifecycle.check_watchdog(arrived).err().map(|violation| self.latch(violation));
+        let late = self.lifecycle.check_time(arrived).err().map(|violation| self.latch(violation));
         match &mut self.lifecycle {
             Lifecycle::Boot => self.send_result(EncoderSample::LAYOUT.kind, Outcome::WrongState),
             Lifecycle::Idle { .. } | Lifecycle::Armed { .. } | Lifecycle::Faulted { .. } => {
@@ -284,6 +331,7 @@ impl<L: LawSet> Drive<L> {
                 }
                 Reply::Repeated(answer) => self.output.send(answer),
                 Reply::OutOfSequence => self.send_result(EncoderSample::LAYOUT.kind, Outcome::OutOfSequence),
+                Reply::OfPins => self.send_result(EncoderSample::LAYOUT.kind, Outcome::WrongState),
                 Reply::Violation(violation, flags) => {
                     self.last_sequence = sample.sequence;
                     let fault = self.latch(violation);
@@ -298,9 +346,9 @@ impl<L: LawSet> Drive<L> {
     }
 
     /// The torque is zero from here on; the caller sends the report after the answer that is due.
-    fn latch(&mut self, violation: Violation) -> FaultReport {
-        let Violation { code, value, limit } = violation;
-        let report = FaultReport { code, sequence: self.last_sequence, value, limit, detail: 0 };
+    pub(super) fn latch(&mut self, violation: Violation) -> FaultReport {
+        let Violation { code, value, limit, detail } = violation;
+        let report = FaultReport { code, sequence: self.last_sequence, value, limit, detail };
         self.lifecycle.latch(report);
         report
     }
@@ -319,7 +367,7 @@ impl<L: LawSet> Drive<L> {
     }
 
     /// Sends the result of a request of this kind, which has no answer of its own.
-    fn send_result(&mut self, request: u8, outcome: Outcome) {
+    pub(super) fn send_result(&mut self, request: u8, outcome: Outcome) {
         self.output.send(CommandResult { request, outcome, state: self.state() });
     }
 }

@@ -13,25 +13,31 @@
 //!                             Faulted ◀──────────────────── EmergencyStop (from anywhere)
 //! ```
 //!
-//! Only `Running` gives torque. In HIL the encoder sample is the tick of the control loop: no timer is in its path, so
-//! the torque depends on the frames only.
+//! Only `Running` gives torque. In HIL mode the encoder sample is the tick of the control loop: no timer is in its path,
+//! so the torque depends on the frames only. A drive with encoders and a power stage of its own has bench mode too: its
+//! owner calls [`Drive::sample`] once in every period, and applies [`Drive::stage_command`] to the power stage.
 //!
 //! | module | concept |
 //! |---|---|
 //! | `machine` | [`Drive`]: bytes in, one handler per request, bytes out |
 //! | `lifecycle` | the states above; each owns what only it has |
+//! | `bench_mode` | the tick and the power stage of a drive with pins |
 //! | `run` | one run, from `Start` to its end: sequence, held torque |
+//! | `pin_run`, `pins` | a run on the pins; what they must show before |
 //! | `watchdog` | the limit on time without a new sample |
 //! | `safety` | limits between controller and motor |
 //! | `control_loop` | encoder sample to requested torque |
 //! | `parameters` | the values of the parameters, and the requests for them |
+//! | `pin_parameters` | the parameters of bench mode |
 //! | `descriptions` | names of laws and signals |
 //! | `subscription` | signals and rate of telemetry |
 //! | `identity` | versions, and the answer to `Hello` |
-//! | `torque_answer`, `line_counts`, `output` | messages sent, and the transmit buffer |
+//! | `torque_answer`, `bench_sample`, `line_counts`, `output` | messages sent, and the transmit buffer |
 //!
 //! The laws of a drive, and with them the tables of its parameters and signals, are a [`LawSet`](crate::law::LawSet).
 
+mod bench_mode;
+mod bench_sample;
 mod clock;
 mod control_loop;
 mod descriptions;
@@ -41,6 +47,9 @@ mod line_counts;
 mod machine;
 mod output;
 mod parameters;
+mod pin_parameters;
+mod pin_run;
+mod pins;
 mod run;
 mod safety;
 mod subscription;
@@ -51,3 +60,5 @@ pub use clock::{Clock, ManualClock};
 pub use identity::{BUILD_ID, BUILD_IS_DIRTY, FIRMWARE_VERSION};
 pub use machine::Drive;
 pub use output::fault_frame;
+pub use pin_parameters::{PinParameters, SampleSource};
+pub use pins::{EncoderReading, PinHardware, PinReadings};

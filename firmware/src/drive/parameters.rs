@@ -1,13 +1,15 @@
 //! The values of the drive's parameters, and the requests for them: describe, get and set.
 //!
-//! The values are 32-bit words in the order of the set's table; the index on the wire is the index in both.
+//! The values are 32-bit words in the order of the set's table; the index on the wire is the index in both. A drive with
+//! pins has the parameters of bench mode after them.
 
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, ParameterFlags, ParameterValue, State};
 use lashloop_protocol::message::{ChoiceDescription, ParameterDescription, ParameterReport, SetParameter};
 use lashloop_protocol::text::Text;
 
-use crate::law::{DriveParameters, LawSet, Parameter, ParameterGroup, Words};
+use super::pin_parameters::{PinParameters, SampleSource};
+use crate::law::{DriveParameters, LawSet, Parameter, ParameterGroup, Words, table};
 
 /// Indices of the drive's own parameters: every table begins with `controller`, then has these.
 static OF_DRIVE: [u8; DriveParameters::TABLE.len()] = {
@@ -20,18 +22,41 @@ static OF_DRIVE: [u8; DriveParameters::TABLE.len()] = {
     indices
 };
 
+/// Indices of the parameters of bench mode among their own words.
+static OF_PINS: [u8; PIN_COUNT] = {
+    let mut indices = [0; PIN_COUNT];
+    let mut at = 0;
+    while at < PIN_COUNT {
+        indices[at] = at as u8;
+        at += 1;
+    }
+    indices
+};
+
+const PIN_COUNT: usize = PinParameters::TABLE.len();
+const PIN_DEFAULTS: [u32; PIN_COUNT] = table::defaults(PinParameters::TABLE);
+
 /// The values in force.
 pub(super) struct Parameters<L: LawSet> {
     words: L::Words,
-}
-
-impl<L: LawSet> Default for Parameters<L> {
-    fn default() -> Self {
-        Self { words: L::DEFAULTS }
-    }
+    /// Words of the parameters of bench mode; `None` for a drive without pins.
+    pins: Option<[u32; PIN_COUNT]>,
 }
 
 impl<L: LawSet> Parameters<L> {
+    /// Two parameters of one name, or more than an index can number, don't compile.
+    const CHECKED: () = table::check_appended(L::PARAMETERS, PinParameters::TABLE);
+
+    /// The defaults. A drive with pins has the parameters of bench mode after all others.
+    pub(super) fn new(has_pins: bool) -> Self {
+        let () = Self::CHECKED;
+        Self { words: L::DEFAULTS, pins: has_pins.then_some(PIN_DEFAULTS) }
+    }
+
+    pub(super) fn count(&self) -> u8 {
+        (L::PARAMETERS.len() + self.pins.map_or(0, |words| words.len())) as u8
+    }
+
     pub(super) fn words(&self) -> &L::Words {
         &self.words
     }
@@ -46,55 +71,82 @@ impl<L: LawSet> Parameters<L> {
         DriveParameters::read(&mut Words::new(self.words.as_ref(), &OF_DRIVE))
     }
 
+    /// The parameters of bench mode, if that mode is selected.
+    pub(super) fn bench_mode(&self) -> Option<PinParameters> {
+        let parameters =
+            <PinParameters as ParameterGroup>::read(&mut Words::new(self.pins.as_ref()?, &OF_PINS));
+        (parameters.sample_source == SampleSource::Pins).then_some(parameters)
+    }
+
     pub(super) fn get(&self, index: u8, state: State) -> ParameterReport {
-        report(L::PARAMETERS, self.words.as_ref(), index, Outcome::Accepted, state)
+        self.report(index, Outcome::Accepted, state)
     }
 
     /// Sets a value. The report carries the value in force, whether it was set or not.
     pub(super) fn set(&mut self, request: &SetParameter, state: State) -> ParameterReport {
         let outcome = match state {
-            State::Idle => put(L::PARAMETERS, self.words.as_mut(), request),
+            State::Idle => self.put(request),
             State::Boot | State::Armed | State::Running | State::Faulted => Outcome::WrongState,
         };
-        report(L::PARAMETERS, self.words.as_ref(), request.index, outcome, state)
+        self.report(request.index, outcome, state)
+    }
+
+    /// The description of a parameter.
+    pub(super) fn describe(&self, index: u8, state: State) -> DriveMessage {
+        match self.entry(index) {
+            Some((parameter, _)) => description(index, &parameter),
+            None => self.report(index, Outcome::UnknownIndex, state).into(),
+        }
+    }
+
+    /// The name of a value; `None` if no parameter has this index, or no choice of it this value.
+    pub(super) fn describe_choice(&self, parameter: u8, choice: u8) -> Option<DriveMessage> {
+        let names = self.entry(parameter)?.0.range.choices()?;
+        let name = Text::new(names.get(usize::from(choice))?);
+        Some(ChoiceDescription { parameter, choice, name }.into())
+    }
+
+    /// The parameter with this index and its word.
+    fn entry(&self, index: u8) -> Option<(Parameter, u32)> {
+        let at = usize::from(index);
+        if let (Some(parameter), Some(word)) = (L::PARAMETERS.get(at), self.words.as_ref().get(at)) {
+            return Some((*parameter, *word));
+        }
+        let at = at.checked_sub(L::PARAMETERS.len())?;
+        let (parameter, word) = (PinParameters::TABLE.get(at)?, self.pins?.get(at).copied()?);
+        // As the parameters of the drive itself, `controller` for one, these are of all laws.
+        let laws = L::PARAMETERS.first().map_or(0, |controller| controller.laws);
+        Some((Parameter { laws, ..*parameter }, word))
+    }
+
+    fn put(&mut self, request: &SetParameter) -> Outcome {
+        let Some((parameter, _)) = self.entry(request.index) else { return Outcome::UnknownIndex };
+        let word = match parameter.range.word(request.value) {
+            Ok(word) => word,
+            Err(outcome) => return outcome,
+        };
+        let words = self.words.as_mut().iter_mut().chain(self.pins.iter_mut().flatten());
+        if let Some(place) = words.skip(request.index.into()).next() {
+            *place = word;
+        }
+        Outcome::Accepted
+    }
+
+    /// The value in force; zero and `UnknownIndex` if no parameter has this index.
+    fn report(&self, index: u8, outcome: Outcome, state: State) -> ParameterReport {
+        match self.entry(index) {
+            Some((parameter, word)) => {
+                ParameterReport { index, outcome, value: parameter.range.value(word), state }
+            }
+            None => {
+                let (outcome, value) = (Outcome::UnknownIndex, ParameterValue::U32(0));
+                ParameterReport { index, outcome, value, state }
+            }
+        }
     }
 }
 
-// Functions over any table, so that the image holds each once.
-
-fn put(table: &[Parameter], words: &mut [u32], request: &SetParameter) -> Outcome {
-    let index = usize::from(request.index);
-    let (Some(parameter), Some(word)) = (table.get(index), words.get_mut(index)) else {
-        return Outcome::UnknownIndex;
-    };
-    match parameter.range.word(request.value) {
-        Ok(value) => {
-            *word = value;
-            Outcome::Accepted
-        }
-        Err(outcome) => outcome,
-    }
-}
-
-/// The value in force; zero and `UnknownIndex` if no parameter has this index.
-fn report(table: &[Parameter], words: &[u32], index: u8, outcome: Outcome, state: State) -> ParameterReport {
-    let at = usize::from(index);
-    match (table.get(at), words.get(at)) {
-        (Some(parameter), Some(word)) => {
-            ParameterReport { index, outcome, value: parameter.range.value(*word), state }
-        }
-        _ => {
-            let (outcome, value) = (Outcome::UnknownIndex, ParameterValue::U32(0));
-            ParameterReport { index, outcome, value, state }
-        }
-    }
-}
-
-/// The description of a parameter.
-pub(super) fn describe(table: &[Parameter], index: u8, state: State) -> DriveMessage {
-    let Some(parameter) = table.get(usize::from(index)) else {
-        return report(table, &[], index, Outcome::UnknownIndex, state).into();
-    };
+fn description(index: u8, parameter: &Parameter) -> DriveMessage {
     let range = parameter.range;
     let flags = if range.choices().is_some() { ParameterFlags::CHOICES } else { ParameterFlags::empty() };
     ParameterDescription {
@@ -108,11 +160,4 @@ pub(super) fn describe(table: &[Parameter], index: u8, state: State) -> DriveMes
         unit: Text::new(parameter.unit),
     }
     .into()
-}
-
-/// The name of a value; `None` if no parameter has this index, or no choice of it this value.
-pub(super) fn describe_choice(table: &[Parameter], parameter: u8, choice: u8) -> Option<DriveMessage> {
-    let names = table.get(usize::from(parameter))?.range.choices()?;
-    let name = Text::new(names.get(usize::from(choice))?);
-    Some(ChoiceDescription { parameter, choice, name }.into())
 }

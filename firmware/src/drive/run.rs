@@ -2,12 +2,15 @@
 
 use core::time::Duration;
 
-use lashloop_protocol::enums::{State, TorqueFlags};
+use lashloop_protocol::enums::{State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::limits::MAX_SIGNALS;
-use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
+use lashloop_protocol::message::{BenchSample, EncoderSample, Reference, TorqueAnswer};
 
+use super::bench_sample::bench_sample;
 use super::clock::Clock;
 use super::control_loop::ControlLoop;
+use super::pin_run::PinRun;
+use super::pins::PinReadings;
 use super::safety::{Limits, Violation};
 use super::torque_answer::{repeated, torque_answer};
 use super::watchdog::Watchdog;
@@ -17,8 +20,20 @@ pub(super) struct Run<L: LawSet> {
     control: ControlLoop<L>,
     limits: Limits,
     watchdog: Watchdog,
-    /// The answer to the last sample; its torque is the held torque.
-    last_answer: Option<TorqueAnswer>,
+    /// The held torque in N m.
+    torque_nm: f32,
+    source: Source,
+}
+
+/// Where the samples come from.
+pub(super) enum Source {
+    /// From the host, each with an answer.
+    Link {
+        /// The answer to the last sample.
+        last_answer: Option<TorqueAnswer>,
+    },
+    /// From the encoders of the drive, one for each tick.
+    Pins(PinRun),
 }
 
 /// What a running drive replies to a sample.
@@ -31,17 +46,33 @@ pub(super) enum Reply {
     OutOfSequence,
     /// The sample breaks a rule. The flags belong to the answer with zero torque.
     Violation(Violation, TorqueFlags),
+    /// The samples of this run come from the pins.
+    OfPins,
+}
+
+/// What a tick of a running drive gives.
+pub(super) struct PinStep {
+    /// The step, unless the fault came before it; zero torque with a fault.
+    pub(super) sample: Option<BenchSample>,
+    /// Whether the host receives the sample without a fault.
+    pub(super) is_reported: bool,
+    pub(super) fault: Option<Violation>,
 }
 
 impl<L: LawSet> Run<L> {
-    pub(super) fn new(control: ControlLoop<L>, parameters: &DriveParameters, now: Duration) -> Self {
+    pub(super) fn new(
+        control: ControlLoop<L>,
+        parameters: &DriveParameters,
+        source: Source,
+        now: Duration,
+    ) -> Self {
         let watchdog = Watchdog::start(parameters.watchdog_us, now);
-        Self { control, limits: Limits::new(parameters), watchdog, last_answer: None }
+        Self { control, limits: Limits::new(parameters), watchdog, torque_nm: 0.0, source }
     }
 
     /// The held torque in N m.
     pub(super) fn torque_nm(&self) -> f32 {
-        self.last_answer.map_or(0.0, |answer| answer.torque_nm)
+        self.torque_nm
     }
 
     /// The values of all signals at the last step, by their indices.
@@ -53,9 +84,73 @@ impl<L: LawSet> Run<L> {
         &self.watchdog
     }
 
+    /// The pins of a run in bench mode.
+    pub(super) fn pins(&self) -> Option<&PinRun> {
+        match &self.source {
+            Source::Link { .. } => None,
+            Source::Pins(pins) => Some(pins),
+        }
+    }
+
+    pub(super) fn check_watchdog(&self, now: Duration) -> Result<(), Violation> {
+        self.watchdog.check(now)
+    }
+
+    /// Checks what has to come in time: samples or references, and the ticks of bench mode.
+    pub(super) fn check_time(&self, now: Duration) -> Result<(), Violation> {
+        self.check_watchdog(now)?;
+        self.pins().map_or(Ok(()), |pins| pins.check_silence(now))
+    }
+
+    /// Takes a reference and restarts the watchdog; `false` if the samples come from the host.
+    pub(super) fn take_reference(&mut self, reference: Reference, arrived: Duration) -> bool {
+        let Source::Pins(pins) = &mut self.source else { return false };
+        pins.take_reference(reference);
+        self.watchdog.restart(arrived);
+        true
+    }
+
+    /// Takes the readings of the tick that was due at `due`; `None` if no step is to be made.
+    pub(super) fn tick(
+        &mut self,
+        readings: &PinReadings,
+        due: Duration,
+        clock: &impl Clock,
+    ) -> Option<PinStep> {
+        let started = clock.now();
+        let Source::Pins(pins) = &mut self.source else { return None };
+        let sample = match pins.sample(readings, due) {
+            Ok(sample) => sample?,
+            Err(violation) => {
+                return Some(PinStep { sample: None, is_reported: false, fault: Some(violation) });
+            }
+        };
+        let torque = self.step(&sample, 1);
+        let Source::Pins(pins) = &mut self.source else { return None };
+        let now = clock.now();
+        let torque = torque.and_then(|torque| {
+            pins.check_twist(&sample, self.control.twist_rad())?;
+            pins.check_end(due, now)?;
+            Ok(torque)
+        });
+        let (torque_nm, flags, fault) = match torque {
+            Ok((torque_nm, requested_nm)) if torque_nm != requested_nm => {
+                (torque_nm, TorqueFlags::SATURATED, None)
+            }
+            Ok((torque_nm, _)) => (torque_nm, TorqueFlags::empty(), None),
+            Err(violation) => (0.0, TorqueFlags::empty(), Some(violation)),
+        };
+        let state = if fault.is_some() { State::Faulted } else { State::Running };
+        let status = TorqueStatus { state, flags };
+        let times = (due, started, now);
+        let report = bench_sample(&sample, pins.reference_number(), torque_nm, status, times);
+        Some(PinStep { sample: Some(report), is_reported: pins.is_reported(sample.sequence), fault })
+    }
+
     /// Answers a sample; a new one makes a control step and restarts the watchdog.
     pub(super) fn answer(&mut self, sample: &EncoderSample, arrived: Duration, clock: &impl Clock) -> Reply {
-        let periods = match self.periods_since_last(sample.sequence) {
+        let &Source::Link { last_answer } = &self.source else { return Reply::OfPins };
+        let periods = match self.periods_since(last_answer, sample.sequence) {
             Ok(periods) => periods,
             Err(reply) => return reply,
         };
@@ -67,7 +162,7 @@ impl<L: LawSet> Run<L> {
                 flags.set(TorqueFlags::SATURATED, torque_nm != requested_nm);
                 let elapsed = clock.now().saturating_sub(arrived);
                 let answer = torque_answer(sample.sequence, torque_nm, State::Running, flags, elapsed);
-                self.last_answer = Some(answer);
+                self.source = Source::Link { last_answer: Some(answer) };
                 Reply::Torque(answer)
             }
             Err(violation) => Reply::Violation(violation, flags),
@@ -75,8 +170,8 @@ impl<L: LawSet> Run<L> {
     }
 
     /// Periods from the last sample to this one, 1 for the first sample; the reply to a sample that isn't new.
-    fn periods_since_last(&self, sequence: u16) -> Result<u32, Reply> {
-        match self.last_answer {
+    fn periods_since(&self, last_answer: Option<TorqueAnswer>, sequence: u16) -> Result<u32, Reply> {
+        match last_answer {
             None if sequence == 0 => Ok(1),
             None => Err(Reply::OutOfSequence),
             Some(answer) => match sequence.wrapping_sub(answer.sequence) {
@@ -92,7 +187,8 @@ impl<L: LawSet> Run<L> {
         Limits::check_reference(sample.reference_rad)?;
         let (motor_rad_s, load_rad_s) = self.control.speeds(sample, periods);
         self.limits.check_speeds(motor_rad_s, load_rad_s)?;
-        let requested_nm = self.control.step(sample, periods, self.torque_nm());
-        Ok((self.limits.clamp_torque(requested_nm)?, requested_nm))
+        let requested_nm = self.control.step(sample, periods, self.torque_nm);
+        self.torque_nm = self.limits.clamp_torque(requested_nm)?;
+        Ok((self.torque_nm, requested_nm))
     }
 }

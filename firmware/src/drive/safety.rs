@@ -8,6 +8,8 @@
 //! | reference or torque not finite | fault |
 //! | torque beyond `torque_limit_nm` | clamped and flagged |
 //! | `EmergencyStop` | fault |
+//! | bench mode: fault of the power stage, lost encoder, missing or late tick | fault, see `pin_run` |
+//! | bench mode: implausible encoder or fault of the power stage before the start | not armed, see `pins` |
 //!
 //! A fault sets the torque to zero at once and stays latched until `ClearFault`. Time is device time.
 
@@ -22,6 +24,14 @@ pub(super) struct Violation {
     pub(super) code: FaultCode,
     pub(super) value: f32,
     pub(super) limit: f32,
+    pub(super) detail: u32,
+}
+
+impl Violation {
+    /// A violation without value, limit and detail.
+    pub(super) fn of(code: FaultCode) -> Self {
+        Self { code, value: 0.0, limit: 0.0, detail: 0 }
+    }
 }
 
 /// Limits of one run, fixed at its start.
@@ -61,5 +71,5 @@ impl Limits {
 }
 
 fn holds(rule: bool, code: FaultCode, value: f32, limit: f32) -> Result<(), Violation> {
-    if rule { Ok(()) } else { Err(Violation { code, value, limit }) }
+    if rule { Ok(()) } else { Err(Violation { value, limit, ..Violation::of(code) }) }
 }

@@ -1,7 +1,7 @@
 //! The watchdog: no torque outlives the samples it was computed from.
 //!
-//! While the drive runs, a new sample must arrive within `watchdog_us` of the last one, or of the start. A repeated or
-//! out-of-sequence sample doesn't restart the watchdog. Time is device time.
+//! While the drive runs, a new sample must arrive within `watchdog_us` of the last one, or of the start; in bench mode a
+//! reference. A repeated or out-of-sequence sample doesn't restart the watchdog. Time is device time.
 
 use core::time::Duration;
 
@@ -36,6 +36,6 @@ impl Watchdog {
         }
         // Only for a fault: a microcontroller converts 64 bits to a float in software.
         let (value, limit) = (silence.as_secs_f32(), self.timeout.as_secs_f32());
-        Err(Violation { code: FaultCode::Watchdog, value, limit })
+        Err(Violation { value, limit, ..Violation::of(FaultCode::Watchdog) })
     }
 }

@@ -232,6 +232,25 @@ pub const fn total<T>(groups: &[&[T]]) -> usize {
     total
 }
 
+/// Checks that parameters may follow those of a table.
+pub const fn check_appended(table: &[Parameter], appended: &[Parameter]) {
+    let mut at = 0;
+    while at < appended.len() {
+        appended[at].check();
+        let mut earlier = 0;
+        while earlier < table.len() {
+            if same_text(table[earlier].name, appended[at].name) {
+                fail(appended[at].name, "is a parameter of bench mode, and one of a law");
+            }
+            earlier += 1;
+        }
+        if table.len() + at == MAX_PARAMETERS {
+            fail(appended[at].name, "is one parameter too many: a drive has at most 255");
+        }
+        at += 1;
+    }
+}
+
 /// The words of the defaults.
 #[must_use]
 pub const fn defaults<const N: usize>(table: &[Parameter]) -> [u32; N] {

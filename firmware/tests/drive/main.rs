@@ -1,7 +1,10 @@
 //! The drive from the host's side: bytes in, bytes out, manual device time.
 
+mod bench;
+mod bench_faults;
 mod host;
 mod parameters;
+mod pin_host;
 mod pinned_torques;
 mod running;
 mod safety;

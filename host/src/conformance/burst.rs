@@ -105,6 +105,7 @@ pub(super) fn described(request: &HostMessage) -> String {
         HostMessage::DescribeChoice(it) => format!("{name} {} of parameter {}", it.choice, it.parameter),
         HostMessage::Subscribe(it) => format!("{name} to {:#x}, every {}", it.signals, it.every),
         HostMessage::EncoderSample(it) => format!("{name} {}", it.sequence),
+        HostMessage::Reference(it) => format!("{name} {}", it.number),
         HostMessage::Stop(_)
         | HostMessage::EmergencyStop(_)
         | HostMessage::ClearFault(_)

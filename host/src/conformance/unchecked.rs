@@ -46,6 +46,8 @@ const fn test(rule: &'static str, file: &'static str, name: &'static str) -> Unc
 }
 
 const HOST_RULES: &str = "tests/tests/document/host_rules.rs";
+const BENCH_MODE: &str = "firmware/tests/drive/bench.rs";
+const BENCH_FAULTS: &str = "firmware/tests/drive/bench_faults.rs";
 const RETRIES: &str = "tests/tests/looped/retries.rs";
 const LINK_FAULTS: &str = "tests/tests/looped/link_faults.rs";
 const PINNED: &str = "protocol/tests/wire/pinned_v1.rs";
@@ -56,6 +58,23 @@ pub const UNCHECKED: &[Unchecked] = &[
     nothing("R4.14", "no request makes a drive log while a torque is due"),
     nothing("R8.11", "no request halts a firmware"),
     nothing("R10.11", "an example: each of its sentences follows from another rule"),
+    test("R18.1", BENCH_MODE, "the_same_counts_through_link_and_pins_give_the_same_torques"),
+    test("R18.2", BENCH_MODE, "a_drive_with_pins_describes_its_further_parameters"),
+    test("R18.3", BENCH_MODE, "a_sample_of_the_other_mode_is_refused_and_changes_nothing"),
+    test("R18.4", BENCH_MODE, "arming_needs_plausible_pins_and_names_what_is_not"),
+    test("R18.5", BENCH_MODE, "the_stage_is_on_while_running_only"),
+    test("R18.6", BENCH_MODE, "no_step_is_made_before_the_first_reference"),
+    test("R18.7", BENCH_MODE, "telemetry_of_a_step_follows_its_report"),
+    test("R18.8", BENCH_MODE, "a_line_that_is_full_omits_reports_and_no_answer"),
+    test("R18.9", BENCH_MODE, "a_reference_is_refused_unless_running"),
+    test("R18.10", BENCH_FAULTS, "references_alone_feed_the_watchdog"),
+    test("R18.11", BENCH_FAULTS, "a_late_reference_is_refused_and_reveals_the_watchdog"),
+    test(
+        "R18.12",
+        "tests/tests/document/bench_mode.rs",
+        "every_event_of_bench_mode_latches_the_documented_fault",
+    ),
+    test("R18.13", BENCH_FAULTS, "a_host_without_references_trips_the_watchdog_within_a_period"),
     test("H1.1", RETRIES, "a_run_survives_the_loss_of_each_first_request"),
     test("H1.2", HOST_RULES, "one_request_is_pending_at_a_time"),
     test("H2.1", PINNED, "every_message_of_the_host_is_pinned"),

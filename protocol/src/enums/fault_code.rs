@@ -20,5 +20,15 @@ wire_enum! {
         /// The processor took a fault exception, `detail` is the program counter; or an unexpected interrupt, `detail` is
         /// its number.
         ProcessorFault = 8,
+        /// Bench mode: the power stage reported a fault. `detail` is 1 for the break input and 2 for the fault line.
+        PowerStage = 9,
+        /// Bench mode: the motor encoder stands still while the load moves, `value` and `limit` in rad; or its channels changed
+        /// at once, `detail` is the number of times.
+        MotorEncoderLost = 10,
+        /// Bench mode: the load encoder stands still while the motor moves, `value` and `limit` in rad at the motor; or its
+        /// channels changed at once, `detail` is the number of times.
+        LoadEncoderLost = 11,
+        /// Bench mode: a control step ended after its period, or was missing. `value` and `limit` in seconds.
+        TickOverrun = 12,
     }
 }

@@ -22,5 +22,9 @@ wire_enum! {
         /// The parameters, each within its range, contradict each other, or the law in force lacks a subscribed signal; a log
         /// text names the cause.
         Inconsistent = 9,
+        /// Bench mode: the power stage reports a fault.
+        PowerStageFault = 10,
+        /// Bench mode: an encoder gave no reading, moved faster than is plausible, or changed both channels at once.
+        EncoderImplausible = 11,
     }
 }

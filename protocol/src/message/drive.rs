@@ -14,7 +14,9 @@
 //! | `0x92` | [`FaultReport`] | 22 | when the drive latches a fault, and after an `Identity` while a fault is latched |
 //! | `0x93` | [`Log`] | 60 | any time |
 //! | `0x94` | [`LineReport`] | 23 | answers `Stop`, before its `CommandResult` |
+//! | `0x95` | [`BenchSample`] | 26 | after every n-th control step of bench mode |
 
+use crate::counts::EncoderCounts;
 use crate::enums::{
     FaultCode, LogLevel, Outcome, ParameterFlags, ParameterValue, State, TorqueStatus, Version,
 };
@@ -181,5 +183,25 @@ messages! {
         refused: u32,
         /// Bytes lost in the receiver before framing.
         overruns: u32,
+    }
+
+    /// Bench mode: what the drive measured and applied in one control period.
+    0x95 BenchSample {
+        /// Number of the control step since the start, from 0; wraps around.
+        sequence: u16,
+        /// Motor encoder of the drive, in counts; wraps around.
+        motor_counts: EncoderCounts,
+        /// Load encoder of the drive, in counts; wraps around.
+        load_counts: EncoderCounts,
+        /// Number of the reference of this step.
+        reference_number: u16,
+        /// Torque from this step to the next one, in N m; zero unless running.
+        torque_nm: f32,
+        /// State after the step, and flags of this torque.
+        status: TorqueStatus,
+        /// Time from the start of the step to this message, in us; saturates.
+        compute_time_us: u16,
+        /// Time from the due time of the step to its start, in us; saturates.
+        tick_lateness_us: u16,
     }
 }

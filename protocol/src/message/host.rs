@@ -16,7 +16,8 @@
 //! | `0x0c` | [`DescribeSignal`] | 8 | any time |
 //! | `0x0d` | [`DescribeChoice`] | 9 | any time |
 //! | `0x0e` | [`Subscribe`] | 13 | in `Idle`, `Armed` and `Running` |
-//! | `0x10` | [`EncoderSample`] | 19 | once in a control period |
+//! | `0x10` | [`EncoderSample`] | 19 | once in a control period of HIL mode |
+//! | `0x11` | [`Reference`] | 13 | once in a control period of bench mode |
 
 use crate::counts::EncoderCounts;
 use crate::enums::ParameterValue;
@@ -114,6 +115,14 @@ messages! {
         motor_counts: EncoderCounts,
         /// Load encoder, in counts; wraps around.
         load_counts: EncoderCounts,
+        /// Reference position of the load, in rad.
+        reference_rad: f32,
+    }
+
+    /// Bench mode: the reference for the control steps from its arrival on. Restarts the watchdog.
+    0x11 Reference {
+        /// Number of the message, chosen by the host; `BenchSample` repeats it.
+        number: u16,
         /// Reference position of the load, in rad.
         reference_rad: f32,
     }

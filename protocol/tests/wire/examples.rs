@@ -4,10 +4,10 @@ use lashloop_protocol::enums::{
     FaultCode, LogLevel, Outcome, ParameterFlags, ParameterValue, State, TorqueFlags, TorqueStatus, Version,
 };
 use lashloop_protocol::message::{
-    Arm, ChoiceDescription, ClearFault, CommandResult, DescribeChoice, DescribeLaw, DescribeParameter,
-    DescribeSignal, EmergencyStop, EncoderSample, FaultReport, GetParameter, Hello, Identity, LawDescription,
-    LineReport, Log, ParameterDescription, ParameterReport, Reset, SetParameter, SignalDescription, Start,
-    Stop, Subscribe, Telemetry, TorqueAnswer,
+    Arm, BenchSample, ChoiceDescription, ClearFault, CommandResult, DescribeChoice, DescribeLaw,
+    DescribeParameter, DescribeSignal, EmergencyStop, EncoderSample, FaultReport, GetParameter, Hello,
+    Identity, LawDescription, LineReport, Log, ParameterDescription, ParameterReport, Reference, Reset,
+    SetParameter, SignalDescription, Start, Stop, Subscribe, Telemetry, TorqueAnswer,
 };
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION, TelemetryValues};
@@ -51,6 +51,7 @@ pub fn from_host() -> Vec<HostMessage> {
         DescribeChoice { parameter: 20, choice: 1 }.into(),
         Subscribe { signals: 0b10_0001_0111, every: 10 }.into(),
         SAMPLE.into(),
+        Reference { number: 513, reference_rad: -0.25 }.into(),
     ]
 }
 
@@ -112,5 +113,16 @@ pub fn from_drive() -> Vec<DriveMessage> {
         .into(),
         Log { level: LogLevel::Warning, text: Text::new("crystal does not start, running from HSI") }.into(),
         LineReport { messages: 25_003, damaged: 2, refused: 0, overruns: 1 }.into(),
+        BenchSample {
+            sequence: 258,
+            motor_counts: EncoderCounts::wrapping(98304),
+            load_counts: EncoderCounts::wrapping(-2),
+            reference_number: 513,
+            torque_nm: -7.5,
+            status: TorqueStatus { state: State::Running, flags: TorqueFlags::SATURATED },
+            compute_time_us: 12,
+            tick_lateness_us: 3,
+        }
+        .into(),
     ]
 }

@@ -5,6 +5,7 @@
 mod markdown;
 
 mod answers;
+mod bench_mode;
 mod conversation;
 mod faults;
 mod host;
@@ -12,6 +13,9 @@ mod host_rules;
 mod laws;
 mod links;
 mod parameters;
+#[allow(dead_code, reason = "the tests of the firmware use more of it")]
+#[path = "../../../firmware/tests/drive/pin_host.rs"]
+mod pin_host;
 mod rules;
 mod sequence;
 mod states;

@@ -65,6 +65,10 @@ class FaultCode(WireEnum):
     LOAD_ENCODER_JUMP = 6
     PANIC = 7
     PROCESSOR_FAULT = 8
+    POWER_STAGE = 9
+    MOTOR_ENCODER_LOST = 10
+    LOAD_ENCODER_LOST = 11
+    TICK_OVERRUN = 12
 
     @property
     def is_firmware_stop(self) -> bool:
@@ -84,6 +88,8 @@ class Outcome(WireEnum):
     OUT_OF_RANGE = 7
     OUT_OF_SEQUENCE = 8
     INCONSISTENT = 9
+    POWER_STAGE_FAULT = 10
+    ENCODER_IMPLAUSIBLE = 11
 
 
 class LogLevel(WireEnum):

@@ -175,6 +175,15 @@ class EncoderSample(HostMessage):
 
 
 @dataclass(frozen=True, slots=True)
+class Reference(HostMessage):
+    """Reference of bench mode, section 18; restarts the watchdog."""
+
+    KIND: ClassVar[int] = 0x11
+    number: U16
+    reference_rad: F32
+
+
+@dataclass(frozen=True, slots=True)
 class Identity(DriveMessage):
     """Identity of the drive."""
 
@@ -312,6 +321,21 @@ class LineReport(DriveMessage):
     overruns: U32
 
 
+@dataclass(frozen=True, slots=True)
+class BenchSample(DriveMessage):
+    """Counts, torque and times of one control step of bench mode, section 18."""
+
+    KIND: ClassVar[int] = 0x95
+    sequence: U16
+    motor_counts: I24
+    load_counts: I24
+    reference_number: U16
+    torque_nm: F32
+    status: StatusField
+    compute_time_us: U16
+    tick_lateness_us: U16
+
+
 HOST_MESSAGES: tuple[type[HostMessage], ...] = (
     Hello,
     DescribeParameter,
@@ -328,6 +352,7 @@ HOST_MESSAGES: tuple[type[HostMessage], ...] = (
     DescribeChoice,
     Subscribe,
     EncoderSample,
+    Reference,
 )
 DRIVE_MESSAGES: tuple[type[DriveMessage], ...] = (
     Identity,
@@ -342,5 +367,6 @@ DRIVE_MESSAGES: tuple[type[DriveMessage], ...] = (
     FaultReport,
     Log,
     LineReport,
+    BenchSample,
 )
 LAYOUTS: dict[type[Message], Layout] = {it: Layout(it) for it in (*HOST_MESSAGES, *DRIVE_MESSAGES)}

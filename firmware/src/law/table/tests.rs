@@ -17,6 +17,12 @@ fn one_name_is_one_parameter_of_all_laws_that_declare_it() {
 }
 
 #[test]
+#[should_panic(expected = "gain is a parameter of bench mode, and one of a law")]
+fn a_law_has_no_parameter_of_bench_mode() {
+    check_appended(&[LIMIT, GAIN], &[GAIN]);
+}
+
+#[test]
 #[should_panic(expected = "gain is declared twice, with different units, defaults or ranges")]
 fn a_parameter_with_two_ranges_is_refused() {
     let wider = Parameter { range: Range::F32 { default: 1.0, min: 0.0, max: 3.0 }, ..GAIN };

@@ -129,12 +129,14 @@ impl Drive {
     /// The request in a whole body, unless it is refused.
     fn request_of(&mut self, body: &mut Vec<u8>) -> Option<HostMessage> {
         let kind = *body.first()?;
-        let layout = HostMessage::LAYOUTS.iter().find(|it| it.kind == kind);
+        // The specimen has no pins: it refuses the message of bench mode as one of an unknown kind.
+        let known = || HostMessage::LAYOUTS.iter().filter(|it| it.name != "Reference");
+        let layout = known().find(|it| it.kind == kind);
         // A mistaken drive looks at the low bits of a kind alone.
         if layout.is_none() && self.at.flag("receiver", "a kind of the other direction is refused", true) {
             return None;
         }
-        let layout = layout.or_else(|| HostMessage::LAYOUTS.iter().find(|it| it.kind == kind & 0x7f))?;
+        let layout = layout.or_else(|| known().find(|it| it.kind == kind & 0x7f))?;
         body[0] = layout.kind;
         if self.at.flag("receiver", "a body too long is refused", body.len() > layout.body_len) {
             return None;

@@ -46,6 +46,7 @@ from lashloop.messages import (
     Hello,
     HostMessage,
     ParameterReport,
+    Reference,
     Reset,
     SetParameter,
     Start,
@@ -187,6 +188,9 @@ class Drive:
             case ClearFault():
                 has_session = self._session is not None
                 self._conclude(message, self._safety.clear_fault(has_session=has_session))
+            case Reference():
+                # This drive has no pins, so there is no bench mode.
+                self._conclude(message, Outcome.WRONG_STATE)
             case Reset():
                 self._safety = Safety()
                 self.parameters.restore_defaults()

@@ -154,7 +154,7 @@ impl Collector {
     fn is_requested(&self, message: &DriveMessage) -> bool {
         use message::{
             DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EncoderSample, GetParameter,
-            Hello, SetParameter, Stop,
+            Hello, SetParameter, Start, Stop,
         };
         let bit = |kind: u8| 1_u32.checked_shl(kind.into()).unwrap_or(0);
         let causes = match message {
@@ -171,6 +171,7 @@ impl Collector {
             DriveMessage::ChoiceDescription(_) => bit(DescribeChoice::LAYOUT.kind),
             DriveMessage::TorqueAnswer(_) => bit(EncoderSample::LAYOUT.kind),
             DriveMessage::LineReport(_) => bit(Stop::LAYOUT.kind),
+            DriveMessage::BenchSample(_) => bit(Start::LAYOUT.kind),
             DriveMessage::Telemetry(_) | DriveMessage::FaultReport(_) | DriveMessage::Log(_) => return true,
         };
         self.sent_kinds & causes != 0

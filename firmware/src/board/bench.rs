@@ -1,0 +1,69 @@
+//! The pins of bench mode and their tick.
+
+use core::time::Duration;
+
+use stm32f4xx_hal::pac::TIM6;
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::timer::{CounterUs, Event, Flag};
+
+use super::device_clock::DeviceClock;
+use super::f405_bare::{LoadEncoder, MotorEncoder};
+use super::pwm_stage::PwmStage;
+use crate::drive::{Clock, Drive, PinHardware, PinReadings};
+use crate::law::LawSet;
+use crate::power_stage::Actuator;
+use crate::quadrature::LARGEST_MOVE_COUNTS;
+
+/// The power stage as the drive commands it.
+pub type Stage = Actuator<PwmStage>;
+
+/// Limits of 16-bit encoder counters, and of a 16-bit timer of 1 MHz.
+pub(super) const HARDWARE: PinHardware =
+    PinHardware { largest_move_counts: LARGEST_MOVE_COUNTS, longest_period_us: 1 << 16 };
+
+/// The tick and the encoders, for the task of TIM6.
+pub struct Tick {
+    timer: CounterUs<TIM6>,
+    period: Duration,
+    motor: MotorEncoder,
+    load: LoadEncoder,
+    clock: DeviceClock,
+}
+
+impl Tick {
+    /// Starts ticking with this period.
+    pub(super) fn start(
+        mut timer: CounterUs<TIM6>,
+        encoders: (MotorEncoder, LoadEncoder),
+        clock: DeviceClock,
+        period: Duration,
+    ) -> Self {
+        timer.listen(Event::Update);
+        let (motor, load) = encoders;
+        let mut tick = Self { timer, period: Duration::ZERO, motor, load, clock };
+        tick.set_period(period);
+        tick
+    }
+
+    /// Makes the control step that is due. To be called once per interrupt.
+    pub fn step<L: LawSet>(&mut self, drive: &mut Drive<L>, stage: &mut Stage) {
+        self.timer.clear_flags(Flag::Update);
+        let since_due = Duration::from_micros(self.timer.now().ticks().into());
+        let due = self.clock.now().saturating_sub(since_due);
+        let readings =
+            PinReadings { motor: self.motor.read(), load: self.load.read(), stage_fault: stage.fault() };
+        drive.sample(&readings, due, &self.clock);
+        stage.follow(drive.stage_command());
+        if drive.period() != self.period {
+            self.set_period(drive.period());
+        }
+    }
+
+    /// Sets the period of the tick; one that the timer can't count leaves it unchanged, and the drive doesn't arm.
+    fn set_period(&mut self, period: Duration) {
+        self.period = period;
+        if let Ok(micros) = u32::try_from(period.as_micros()) {
+            let _ = self.timer.start(micros.micros());
+        }
+    }
+}

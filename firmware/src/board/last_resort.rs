@@ -1,0 +1,35 @@
+//! The independent watchdog: resets the chip, and with it every output, if the tasks stop without a fault.
+
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use stm32f4xx_hal::pac::{DBGMCU, IWDG};
+use stm32f4xx_hal::prelude::*;
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
+
+/// Longest time between two calls of [`feed`] at the nominal 32 kHz of the oscillator, which is 17 to 47 kHz: 34 to 94 ms.
+const TIMEOUT_MS: u32 = 50;
+
+static IS_RUNNING: AtomicBool = AtomicBool::new(false);
+
+/// Starts the watchdog. Only a reset stops it.
+pub(super) fn start(watchdog: IWDG, debug: &DBGMCU) {
+    let mut watchdog = IndependentWatchdog::new(watchdog);
+    watchdog.stop_on_debug(debug, true);
+    watchdog.start(TIMEOUT_MS.millis());
+    IS_RUNNING.store(true, Ordering::Relaxed);
+}
+
+/// Whether a halt has to feed the watchdog.
+pub(super) fn is_running() -> bool {
+    IS_RUNNING.load(Ordering::Relaxed)
+}
+
+/// Restarts the timeout; without effect before [`start`].
+pub(super) fn feed() {
+    if is_running() {
+        // SAFETY: after the start this store is the only access to the registers.
+        #[allow(unsafe_code)]
+        let watchdog = unsafe { IWDG::steal() };
+        watchdog.kr().write(|w| w.key().feed());
+    }
+}

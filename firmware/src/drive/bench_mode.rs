@@ -1,0 +1,100 @@
+//! Bench mode: the tick of the drive in place of the host's samples, and a power stage in place of its answers.
+
+use core::time::Duration;
+
+use lashloop_protocol::enums::{LogLevel, Outcome};
+use lashloop_protocol::message::Reference;
+use lashloop_protocol::wire::Payload;
+
+use super::clock::Clock;
+use super::lifecycle::Lifecycle;
+use super::machine::Drive;
+use super::pins::PinReadings;
+use super::run::PinStep;
+use crate::law::LawSet;
+use crate::power_stage::StageCommand;
+
+impl<L: LawSet> Drive<L> {
+    /// Takes what the pins read at the tick that was due at device time `due`. While the drive runs in bench mode this is a
+    /// control step. To be called once in every [`Self::period`], in every state: arming requires plausible readings.
+    pub fn sample(&mut self, readings: &PinReadings, due: Duration, clock: &impl Clock) {
+        let Some(pins) = &mut self.pins else { return };
+        pins.note(readings, due);
+        let Lifecycle::Running { run, .. } = &mut self.lifecycle else { return };
+        let late = run.pins().and_then(|_| run.check_watchdog(clock.now()).err());
+        let step = match late {
+            Some(violation) => PinStep { sample: None, is_reported: false, fault: Some(violation) },
+            None => match run.tick(readings, due, clock) {
+                Some(step) => step,
+                None => return,
+            },
+        };
+        let PinStep { sample, is_reported, fault } = step;
+        let is_due = |sequence| fault.is_none() && self.subscription.is_due(sequence);
+        let signals = sample.filter(|sample| is_due(sample.sequence)).map(|_| run.signals());
+        if let Some(sample) = sample {
+            self.last_sequence = sample.sequence;
+        }
+        // Before the report of the step, whose torque is zero.
+        let fault = fault.map(|violation| self.latch(violation));
+        // A report of a step never displaces an answer or a fault report.
+        if let Some(sample) = sample
+            && self.output.fits_an_answer()
+        {
+            if is_reported || fault.is_some() {
+                self.output.send(sample);
+            }
+            if let Some(signals) = signals
+                && let Some(telemetry) = self.subscription.telemetry(sample.sequence, &signals)
+            {
+                self.output.send(telemetry);
+            }
+        }
+        if let Some(fault) = fault {
+            self.output.send(fault);
+        }
+    }
+
+    /// The control period: the interval of [`Self::sample`].
+    #[must_use]
+    pub fn period(&self) -> Duration {
+        Duration::from_micros(self.parameters.drive().period_us.into())
+    }
+
+    /// What the power stage has to do.
+    #[must_use]
+    pub fn stage_command(&self) -> StageCommand {
+        let run = self.lifecycle.run();
+        run.and_then(|run| Some((run, run.pins()?))).map_or(StageCommand::Off, |(run, pins)| {
+            StageCommand::Torque { torque_nm: run.torque_nm(), scale: pins.parameters().duty_scale() }
+        })
+    }
+
+    /// Takes a reference of the host. Only one that is refused is answered.
+    pub(super) fn take_reference(&mut self, reference: &Reference, arrived: Duration) {
+        // As a late sample: refused, then the fault that it revealed.
+        let late = self.lifecycle.check_time(arrived).err().map(|violation| self.latch(violation));
+        let taken = match &mut self.lifecycle {
+            Lifecycle::Running { run, .. } => run.take_reference(*reference, arrived),
+            Lifecycle::Boot
+            | Lifecycle::Idle { .. }
+            | Lifecycle::Armed { .. }
+            | Lifecycle::Faulted { .. } => false,
+        };
+        if !taken {
+            self.send_result(Reference::LAYOUT.kind, Outcome::WrongState);
+        }
+        if let Some(fault) = late {
+            self.output.send(fault);
+        }
+    }
+
+    /// Whether the pins allow torque; `Ok` in HIL mode. A log names the cause of a refusal.
+    pub(super) fn check_pins(&mut self) -> Result<(), Outcome> {
+        let (Some(pins), Some(_)) = (&self.pins, self.parameters.bench_mode()) else { return Ok(()) };
+        pins.check(&self.parameters.drive()).map_err(|(outcome, cause)| {
+            self.log(LogLevel::Error, &[cause]);
+            outcome
+        })
+    }
+}

@@ -1,0 +1,55 @@
+//! The parameters of bench mode. Only a drive with encoders and a power stage of its own offers them, after all others.
+
+use crate::direction::Direction;
+use crate::power_stage::DutyScale;
+
+crate::choices! {
+    /// Source of the samples, and with it the destination of the torque.
+    pub enum SampleSource {
+        /// HIL mode: encoder samples from the host, torque to the host.
+        Link = "link",
+        /// Bench mode: the encoders and the power stage of the drive.
+        Pins = "pins",
+    }
+}
+
+crate::parameters! {
+    /// The parameters of bench mode.
+    pub struct PinParameters {
+        /// Source of the samples.
+        sample_source: SampleSource = Link;
+        /// Control steps for each `BenchSample`.
+        bench_sample_every: U32 = 1 in 1..=1000, "";
+        /// Direction of the motor encoder.
+        motor_direction: Direction = Forward;
+        /// Direction of the load encoder.
+        load_direction: Direction = Forward;
+        /// Direction of the power stage.
+        torque_direction: Direction = Forward;
+        /// Torque for a duty of 1 more than `duty_offset`. At the default no torque limit of a usual motor has a duty, so a
+        /// host has to set it.
+        torque_per_duty_nm: F32 = 1.0 in 1e-3..=1e5, "N m";
+        /// Duty of no torque.
+        duty_offset: F32 = 0.5 in 0.0..=1.0, "";
+        /// Smallest duty of the amplifier.
+        duty_min: F32 = 0.1 in 0.0..=1.0, "";
+        /// Largest duty of the amplifier.
+        duty_max: F32 = 0.9 in 0.0..=1.0, "";
+        /// Largest plausible change of the twist since the start, at the motor. Beyond it an encoder is lost.
+        twist_limit_rad: F32 = 10.0 in 1e-3..=1e5, "rad";
+    }
+}
+
+impl PinParameters {
+    /// From torque to duty.
+    #[must_use]
+    pub fn duty_scale(&self) -> DutyScale {
+        DutyScale {
+            nm_per_full_duty: self.torque_per_duty_nm,
+            offset: self.duty_offset,
+            min: self.duty_min,
+            max: self.duty_max,
+            direction: self.torque_direction,
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! A run of bench mode: the pins in place of the host's samples.
+
+use core::f32::consts::TAU;
+use core::time::Duration;
+
+use lashloop_protocol::EncoderCounts;
+use lashloop_protocol::enums::FaultCode;
+use lashloop_protocol::message::{EncoderSample, Reference};
+
+use super::pin_parameters::PinParameters;
+use super::pins::PinReadings;
+use super::safety::Violation;
+use crate::control::Real;
+use crate::law::DriveParameters;
+
+/// Longest time from the start to the first tick: longer than any period that was in force before.
+const FIRST_TICK: Duration = Duration::from_millis(150);
+
+/// Configuration and state of a run on the pins.
+pub(super) struct PinRun {
+    parameters: PinParameters,
+    period: Duration,
+    /// A tick is missing if the next one is due later than this, or hasn't come until then: 1.5 periods.
+    missing_after: Duration,
+    motor_rad: f32,
+    /// One count of the load encoder in rad at the motor.
+    load_rad: f32,
+    started_at: Duration,
+    /// Readings at the first tick of the run.
+    first: Option<PinReadings>,
+    last_due: Option<Duration>,
+    /// `None` until the host sends one: a law without a reference is not stepped.
+    reference: Option<Reference>,
+    next_sequence: u16,
+    twist: Option<TwistCheck>,
+}
+
+/// The twist at the first step, and where the encoders were when it was last near to it.
+#[derive(Clone, Copy)]
+struct TwistCheck {
+    first_rad: f32,
+    near: (EncoderCounts, EncoderCounts),
+}
+
+impl PinRun {
+    pub(super) fn new(parameters: PinParameters, drive: &DriveParameters, now: Duration) -> Self {
+        let period = Duration::from_micros(drive.period_us.into());
+        Self {
+            parameters,
+            period,
+            missing_after: period + period / 2,
+            motor_rad: TAU / drive.motor_counts_per_rev as f32,
+            load_rad: TAU / drive.load_counts_per_rev as f32 * drive.reduction_ratio,
+            started_at: now,
+            first: None,
+            last_due: None,
+            reference: None,
+            next_sequence: 0,
+            twist: None,
+        }
+    }
+
+    pub(super) fn parameters(&self) -> &PinParameters {
+        &self.parameters
+    }
+
+    pub(super) fn take_reference(&mut self, reference: Reference) {
+        self.reference = Some(reference);
+    }
+
+    /// Number of the reference in force.
+    pub(super) fn reference_number(&self) -> u16 {
+        self.reference.map_or(0, |reference| reference.number)
+    }
+
+    /// Whether a `BenchSample` follows the step of this number.
+    pub(super) fn is_reported(&self, sequence: u16) -> bool {
+        u32::from(sequence).is_multiple_of(self.parameters.bench_sample_every)
+    }
+
+    /// The sample of a period, in the directions and with the reference in force; `None` before the first reference.
+    ///
+    /// # Errors
+    /// A fault of the power stage, a missing tick, or an illegal transition.
+    pub(super) fn sample(
+        &mut self,
+        readings: &PinReadings,
+        due: Duration,
+    ) -> Result<Option<EncoderSample>, Violation> {
+        if let Some(fault) = readings.stage_fault {
+            let detail = fault as u32;
+            return Err(Violation { detail, ..Violation::of(FaultCode::PowerStage) });
+        }
+        let since = self.last_due.replace(due).map_or(Duration::ZERO, |last| due.saturating_sub(last));
+        in_time(since, self.missing_after)?;
+        let first = *self.first.get_or_insert(*readings);
+        for (code, now, then) in [
+            (FaultCode::MotorEncoderLost, readings.motor, first.motor),
+            (FaultCode::LoadEncoderLost, readings.load, first.load),
+        ] {
+            let detail = now.illegal_transitions.wrapping_sub(then.illegal_transitions);
+            if detail > 0 {
+                return Err(Violation { detail, ..Violation::of(code) });
+            }
+        }
+        let Some(Reference { reference_rad, .. }) = self.reference else { return Ok(None) };
+        let sequence = self.next_sequence;
+        self.next_sequence = sequence.wrapping_add(1);
+        Ok(Some(EncoderSample {
+            sequence,
+            motor_counts: self.parameters.motor_direction.of_counts(readings.motor.counts),
+            load_counts: self.parameters.load_direction.of_counts(readings.load.counts),
+            reference_rad,
+        }))
+    }
+
+    /// Checks that the twist is near to that of the first step. Gap and elastic twist are bounded; the twist of an encoder
+    /// that stands still while the other one moves is not.
+    ///
+    /// # Errors
+    /// The encoder that has moved less since the twist was near.
+    pub(super) fn check_twist(&mut self, sample: &EncoderSample, twist_rad: f32) -> Result<(), Violation> {
+        let here = (sample.motor_counts, sample.load_counts);
+        let check = self.twist.get_or_insert(TwistCheck { first_rad: twist_rad, near: here });
+        let (change, limit) = (Real::abs(twist_rad - check.first_rad), self.parameters.twist_limit_rad);
+        if change <= limit / 2.0 {
+            check.near = here;
+        }
+        if change <= limit {
+            return Ok(());
+        }
+        let moved = |now: EncoderCounts, then, rad: f32| now.wrapping_sub(then).unsigned_abs() as f32 * rad;
+        let motor_moved_less =
+            moved(here.0, check.near.0, self.motor_rad) < moved(here.1, check.near.1, self.load_rad);
+        let code = if motor_moved_less { FaultCode::MotorEncoderLost } else { FaultCode::LoadEncoderLost };
+        Err(Violation { code, value: change, limit, detail: 0 })
+    }
+
+    /// Checks that the step due at `due` ended within its period.
+    pub(super) fn check_end(&self, due: Duration, now: Duration) -> Result<(), Violation> {
+        in_time(now.saturating_sub(due), self.period)
+    }
+
+    /// Checks that ticks come at all.
+    pub(super) fn check_silence(&self, now: Duration) -> Result<(), Violation> {
+        let (since, limit) = match self.last_due {
+            None => (self.started_at, FIRST_TICK),
+            Some(due) => (due, self.missing_after),
+        };
+        in_time(now.saturating_sub(since), limit)
+    }
+}
+
+fn in_time(time: Duration, limit: Duration) -> Result<(), Violation> {
+    if time <= limit {
+        return Ok(());
+    }
+    let (value, limit) = (time.as_secs_f32(), limit.as_secs_f32());
+    Err(Violation { code: FaultCode::TickOverrun, value, limit, detail: 0 })
+}

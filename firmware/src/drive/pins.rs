@@ -1,0 +1,134 @@
+//! What a drive reads from its own pins, and whether that is plausible enough to arm.
+
+use core::f32::consts::TAU;
+use core::time::Duration;
+
+use lashloop_protocol::EncoderCounts;
+use lashloop_protocol::enums::Outcome;
+
+use crate::law::DriveParameters;
+use crate::power_stage::PowerStageFault;
+
+/// Limits of the hardware of bench mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PinHardware {
+    /// Largest motion of an encoder in one period that its counter shows without ambiguity, in counts.
+    pub largest_move_counts: u16,
+    /// Longest period of the tick, in us.
+    pub longest_period_us: u32,
+}
+
+/// The reading of one encoder.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EncoderReading {
+    /// Counts of the hardware; wraps around.
+    pub counts: EncoderCounts,
+    /// Number of times that both channels changed at once, since power-up. A quadrature encoder never does that.
+    pub illegal_transitions: u32,
+}
+
+/// The inputs of bench mode at the start of a period.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PinReadings {
+    /// Motor encoder.
+    pub motor: EncoderReading,
+    /// Load encoder.
+    pub load: EncoderReading,
+    /// Fault of the power stage.
+    pub stage_fault: Option<PowerStageFault>,
+}
+
+/// One encoder since power-up or reset.
+#[derive(Clone, Copy, Default)]
+struct Observed {
+    illegal_at_reset: u32,
+    /// Largest speed in counts per second. One count of each difference is subtracted, as in the check of a run.
+    fastest_counts_per_s: f32,
+}
+
+/// The pins since power-up or reset: a history that arming requires to be plausible.
+pub(super) struct Pins {
+    hardware: PinHardware,
+    /// The latest readings and their due time.
+    latest: Option<(PinReadings, Duration)>,
+    motor: Observed,
+    load: Observed,
+}
+
+impl Pins {
+    pub(super) fn new(hardware: PinHardware) -> Self {
+        Self { hardware, latest: None, motor: Observed::default(), load: Observed::default() }
+    }
+
+    pub(super) fn hardware(&self) -> &PinHardware {
+        &self.hardware
+    }
+
+    /// Forgets everything before this instant.
+    pub(super) fn reset(&mut self) {
+        let illegal =
+            self.latest.map_or((0, 0), |(it, _)| (it.motor.illegal_transitions, it.load.illegal_transitions));
+        let [motor, load] = [illegal.0, illegal.1]
+            .map(|illegal_at_reset| Observed { illegal_at_reset, fastest_counts_per_s: 0.0 });
+        *self = Self { hardware: self.hardware, latest: None, motor, load };
+    }
+
+    /// Takes the readings of a period.
+    pub(super) fn note(&mut self, readings: &PinReadings, due: Duration) {
+        if let Some((before, then)) = self.latest {
+            let elapsed = due.saturating_sub(then);
+            self.motor.note(before.motor, readings.motor, elapsed);
+            self.load.note(before.load, readings.load, elapsed);
+        }
+        self.latest = Some((*readings, due));
+    }
+
+    /// Whether the pins allow torque. The text names the cause of a refusal.
+    ///
+    /// # Errors
+    /// [`Outcome::PowerStageFault`] or [`Outcome::EncoderImplausible`].
+    pub(super) fn check(&self, drive: &DriveParameters) -> Result<(), (Outcome, &'static str)> {
+        let implausible = |cause| Err((Outcome::EncoderImplausible, cause));
+        let Some((readings, _)) = self.latest else { return implausible("no reading of the encoders") };
+        match readings.stage_fault {
+            None => {}
+            Some(PowerStageFault::BreakInput) => {
+                return Err((Outcome::PowerStageFault, "the break input is active"));
+            }
+            Some(PowerStageFault::FaultLine) => {
+                return Err((Outcome::PowerStageFault, "the fault line is active"));
+            }
+        }
+        if readings.motor.illegal_transitions != self.motor.illegal_at_reset {
+            return implausible("motor encoder: both channels changed at once");
+        }
+        if readings.load.illegal_transitions != self.load.illegal_at_reset {
+            return implausible("load encoder: both channels changed at once");
+        }
+        if self.motor.fastest_rad_s(drive.motor_counts_per_rev) > drive.motor_speed_limit_rad_s {
+            return implausible("motor encoder: faster than its limit");
+        }
+        if self.load.fastest_rad_s(drive.load_counts_per_rev) > drive.load_speed_limit_rad_s {
+            return implausible("load encoder: faster than its limit");
+        }
+        Ok(())
+    }
+}
+
+impl Observed {
+    fn note(&mut self, before: EncoderReading, now: EncoderReading, elapsed: Duration) {
+        let moved = now.counts.wrapping_sub(before.counts).unsigned_abs().saturating_sub(1);
+        // Over a second or more no speed is implausible.
+        if moved == 0 || elapsed.as_secs() > 0 || elapsed.is_zero() {
+            return;
+        }
+        let speed = moved as f32 / (elapsed.subsec_nanos() as f32 * 1e-9);
+        if speed > self.fastest_counts_per_s {
+            self.fastest_counts_per_s = speed;
+        }
+    }
+
+    fn fastest_rad_s(&self, counts_per_rev: u32) -> f32 {
+        self.fastest_counts_per_s * (TAU / counts_per_rev as f32)
+    }
+}
