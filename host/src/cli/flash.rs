@@ -108,8 +108,12 @@ fn print_image(image: &Image) {
 
 fn print_drive(drive: &Device) {
     let identity = &drive.session.identity;
-    let (board, firmware, build) = (printable(identity.board.as_str()), identity.firmware, Build::of(identity));
-    outln!("flashed    the drive on {} reports {board}, firmware {firmware}, {build}", drive.connection.choice);
+    let (board, firmware, build) =
+        (printable(identity.board.as_str()), identity.firmware, Build::of(identity));
+    outln!(
+        "flashed    the drive on {} reports {board}, firmware {firmware}, {build}",
+        drive.connection.choice
+    );
 }
 
 /// The drive's port: the only one on USB, or the first one that appears after flashing.
@@ -124,8 +128,10 @@ fn new_port(bench: &Bench, known: &[PathBuf], supervisor: &Supervisor) -> Result
         });
         if let Some(port) = new {
             let name = port.display().to_string();
-            return DeviceChoice::parse(&name, &bench.devices())
-                .map_err(|problem| CliError::System { what: "name the drive's port", source: io::Error::other(problem) });
+            return DeviceChoice::parse(&name, &bench.devices()).map_err(|problem| CliError::System {
+                what: "name the drive's port",
+                source: io::Error::other(problem),
+            });
         }
         if Instant::now() >= deadline || supervisor.interrupted() {
             return Err(FlashError::Ports(present.len()).into());

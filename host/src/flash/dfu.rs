@@ -23,7 +23,9 @@ const WRITE_LIMIT: Duration = Duration::from_secs(120);
 /// What is missing, as a sentence.
 pub(super) fn look(runner: &Runner<'_>) -> Result<(), String> {
     let output = runner.run(Way::Dfu, ["-l", "-d", DEVICE], LOOK_LIMIT).map_err(|error| error.to_string())?;
-    let found = |line: &&str| line.contains(&format!("[{DEVICE}]")) && line.contains(&format!("alt={FLASH_SETTING},"));
+    let found = |line: &&str| {
+        line.contains(&format!("[{DEVICE}]")) && line.contains(&format!("alt={FLASH_SETTING},"))
+    };
     match output.lines().filter(found).count() {
         0 => Err("no chip on USB is in its boot loader: hold BOOT0 high during a reset, with the USB port of the chip connected"
             .to_owned()),
@@ -69,7 +71,9 @@ fn compare(want: &[u8], have: &[u8]) -> Result<(), FlashError> {
     let have = have.iter().copied().chain(std::iter::repeat(0));
     let different = want.iter().zip(have).enumerate().find(|(_, (want, have))| *want != have);
     match different {
-        Some((offset, (want, have))) => Err(FlashError::Different { way: Way::Dfu, offset, have, want: *want }),
+        Some((offset, (want, have))) => {
+            Err(FlashError::Different { way: Way::Dfu, offset, have, want: *want })
+        }
         None => Ok(()),
     }
 }

@@ -53,7 +53,9 @@ pub enum FlashError {
     )]
     NoBuild { drive: Build, image: PathBuf },
     /// Which port the drive is at, is not clear.
-    #[error("{0} serial ports on USB: name that of the drive by --device, or the rig by --rig; `lashloop ports` lists them")]
+    #[error(
+        "{0} serial ports on USB: name that of the drive by --device, or the rig by --rig; `lashloop ports` lists them"
+    )]
     Ports(usize),
 }
 

@@ -45,8 +45,11 @@ pub enum ImageProblem {
         FLASH.end
     )]
     Outside { address: u32, size: u64 },
-    #[error("begins at {0:#010x}, and the chip starts at {:#010x}: it is linked for a boot loader of its own", FLASH.start)]
-    Begin(u32),
+    #[error(
+        "begins at {address:#010x}, and the chip starts at {:#010x}: it is linked for a boot loader of its own",
+        FLASH.start
+    )]
+    Begin { address: u32 },
     #[error(
         "has no vector table: the first words are {stack:#010x} and {reset:#010x}, a stack in RAM and a reset vector in the \
          image were expected"
@@ -121,7 +124,7 @@ fn flatten(mut segments: Vec<(u32, &[u8])>) -> Result<Vec<u8>, ImageProblem> {
         }
         bytes[offset..offset + data.len()].copy_from_slice(data);
     }
-    if first == FLASH.start { Ok(bytes) } else { Err(ImageProblem::Begin(first)) }
+    if first == FLASH.start { Ok(bytes) } else { Err(ImageProblem::Begin { address: first }) }
 }
 
 /// A chip without a valid vector table locks up after its reset, and answers no more than a dead one.

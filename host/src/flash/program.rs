@@ -73,7 +73,11 @@ impl Runner<'_> {
         loop {
             if let Some(status) = child.try_wait().map_err(start)? {
                 let output = read(&mut transcript).map_err(start)?;
-                return if status.success() { Ok(output) } else { Err(ProgramError::Failed { program, status, output }) };
+                return if status.success() {
+                    Ok(output)
+                } else {
+                    Err(ProgramError::Failed { program, status, output })
+                };
             }
             if (self.interrupted)() {
                 stop(&mut child);

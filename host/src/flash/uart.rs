@@ -46,18 +46,30 @@ pub(super) fn write(
     let way = Way::Uart;
     let port = port(target).map_err(|problem| FlashError::NoWay(vec![(way, problem)]))?;
     let source = folder.join("image.bin");
-    fs::write(&source, &image.bytes).map_err(|error| FlashError::File { path: source.clone(), source: error })?;
+    fs::write(&source, &image.bytes)
+        .map_err(|error| FlashError::File { path: source.clone(), source: error })?;
     let start = format!("{:#010x}", FLASH.start);
     // With a length, because the whole chip is erased without one.
     let range = format!("{start}:{}", image.bytes.len());
-    let options = ["-v".into(), "-w".into(), source.into_os_string(), "-S".into(), range.into(), "-g".into(), start.into()];
-    runner.run(way, arguments(&options, port), WRITE_LIMIT).map_err(|source| FlashError::Writing { way, source })?;
+    let options = [
+        "-v".into(),
+        "-w".into(),
+        source.into_os_string(),
+        "-S".into(),
+        range.into(),
+        "-g".into(),
+        start.into(),
+    ];
+    runner
+        .run(way, arguments(&options, port), WRITE_LIMIT)
+        .map_err(|source| FlashError::Writing { way, source })?;
     Ok(())
 }
 
 fn port(target: &Target) -> Result<&Path, String> {
     target.loader_port.as_deref().ok_or_else(|| {
-        "no port of the boot loader is given: name the terminal at USART1 or USART3 by --loader-port".to_owned()
+        "no port of the boot loader is given: name the terminal at USART1 or USART3 by --loader-port"
+            .to_owned()
     })
 }
 

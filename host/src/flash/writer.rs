@@ -32,8 +32,8 @@ pub fn find(only: Option<Way>, target: &Target, runner: &Runner<'_>) -> Result<W
 /// # Errors
 /// The program of the way fails or is interrupted, or the flash differs; the error has how to go on.
 pub fn write(way: Way, image: &Image, target: &Target, runner: &Runner<'_>) -> Result<(), FlashError> {
-    let folder = tempfile::tempdir()
-        .map_err(|source| FlashError::File { path: std::env::temp_dir(), source })?;
+    let folder =
+        tempfile::tempdir().map_err(|source| FlashError::File { path: std::env::temp_dir(), source })?;
     match way {
         Way::Probe => {
             probe::write(image, target, runner).map_err(|source| FlashError::Writing { way, source })

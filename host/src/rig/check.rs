@@ -1,9 +1,9 @@
 //! Everything that can be found out about a rig without moving it: lock, port, line, drive, board, pins, limits, loader.
 
 use lashloop_bench::device::{Build, Device, DeviceError};
+use lashloop_bench::scenario::controller::ParameterValue;
 use lashloop_bench::session::{Parameter, Session, WrittenValue, printable};
 use lashloop_bench::supervisor::Supervisor;
-use lashloop_bench::scenario::controller::ParameterValue;
 
 use super::file::Rig;
 use crate::doctor;
@@ -94,7 +94,10 @@ fn drive(rig: &Rig, device: &Device) -> Vec<Finding> {
     let build = if drive == bench {
         Finding::fine("build", format!("{drive}, that of the bench"))
     } else {
-        Finding::wrong("build", format!("{drive}, this bench {bench}: `lashloop flash` writes the image of this bench"))
+        Finding::wrong(
+            "build",
+            format!("{drive}, this bench {bench}: `lashloop flash` writes the image of this bench"),
+        )
     };
     let mut findings = vec![board, build, pins(rig, session)];
     findings.extend(rig.limits.of_drive().into_iter().map(|limit| {
@@ -120,23 +123,35 @@ fn pins(rig: &Rig, session: &Session) -> Finding {
         pins.iter().map(|(name, _)| *name).filter(|name| session.parameter(name).is_none()).collect();
     if !missing.is_empty() {
         let missing = missing.join(", ");
-        return Finding::wrong(subject, format!("the drive has no {missing}: remove the keys, or flash firmware that has them"));
+        return Finding::wrong(
+            subject,
+            format!("the drive has no {missing}: remove the keys, or flash firmware that has them"),
+        );
     }
     let wrong = offered.iter().map(|(name, parameter, setting)| {
-        value(subject, name, parameter, match setting {
-            ParameterValue::Number(number) => WrittenValue::Number(*number),
-            ParameterValue::Boolean(on) => WrittenValue::Number(f64::from(u8::from(*on))),
-            ParameterValue::Text(text) => WrittenValue::Name(text),
-        })
+        value(
+            subject,
+            name,
+            parameter,
+            match setting {
+                ParameterValue::Number(number) => WrittenValue::Number(*number),
+                ParameterValue::Boolean(on) => WrittenValue::Number(f64::from(u8::from(*on))),
+                ParameterValue::Text(text) => WrittenValue::Name(text),
+            },
+        )
     });
     let wrong = wrong.filter(Finding::is_wrong).next();
-    wrong.unwrap_or_else(|| Finding::fine(subject, format!("{} settings within the drive's ranges", pins.len())))
+    wrong.unwrap_or_else(|| {
+        Finding::fine(subject, format!("{} settings within the drive's ranges", pins.len()))
+    })
 }
 
 /// Whether a parameter of the drive takes a value.
 fn value(subject: &'static str, key: &str, parameter: &Parameter, written: WrittenValue<'_>) -> Finding {
     match parameter.value(written) {
-        Ok(value) => Finding::fine(subject, format!("{key} = {value} {}", parameter.unit).trim_end().to_owned()),
+        Ok(value) => {
+            Finding::fine(subject, format!("{key} = {value} {}", parameter.unit).trim_end().to_owned())
+        }
         Err(error) => Finding::wrong(subject, format!("{key}: {error}")),
     }
 }
@@ -145,9 +160,10 @@ fn value(subject: &'static str, key: &str, parameter: &Parameter, written: Writt
 fn loader(rig: &Rig) -> Finding {
     let installed = way::installed(rig.loader.via);
     match (&installed[..], rig.loader.via) {
-        ([], Some(chosen)) => {
-            Finding::wrong("loader", format!("{} is not installed: install {}", chosen.program(), chosen.package()))
-        },
+        ([], Some(chosen)) => Finding::wrong(
+            "loader",
+            format!("{} is not installed: install {}", chosen.program(), chosen.package()),
+        ),
         ([], None) => Finding::wrong("loader", format!("none of {} is installed", way::programs())),
         (ways, _) => {
             let ways: Vec<_> = ways.iter().map(|installed| installed.program()).collect();

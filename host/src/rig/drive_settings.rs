@@ -137,7 +137,8 @@ mod tests {
     fn an_absent_limit_becomes_the_smaller_of_default_and_rig() {
         let limit = |default| {
             let parameters = completed(&[], &[parameter("torque_limit_nm", default)]);
-            parameters[..] == [("torque_limit_nm".to_owned(), ParameterValue::Number(f64::from(default.min(5.0))))]
+            parameters[..]
+                == [("torque_limit_nm".to_owned(), ParameterValue::Number(f64::from(default.min(5.0))))]
         };
         assert!(limit(20.0) && limit(3.0));
         let own = ["controller.parameters.torque_limit_nm=4"];
@@ -159,6 +160,9 @@ mod tests {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/smooth-after.toml");
         let mut scenario = crate::Bench::new().scenario(path, &[]).expect("a scenario");
         let error = rig().complete(&mut scenario, &[]).expect_err("no limit").to_string();
-        assert!(error.contains("no parameter torque_limit_nm") && error.contains("limits.torque_nm"), "{error}");
+        assert!(
+            error.contains("no parameter torque_limit_nm") && error.contains("limits.torque_nm"),
+            "{error}"
+        );
     }
 }

@@ -160,13 +160,15 @@ impl Rig {
 }
 
 fn read(root: &mut Section<'_>, file: &Path, parse: ParseDevice<'_>) -> Rig {
-    let mut text = |key, doc, purpose| {
-        root.doc(doc).text(key, Some(purpose)).unwrap_or_default().to_owned()
-    };
+    let mut text = |key, doc, purpose| root.doc(doc).text(key, Some(purpose)).unwrap_or_default().to_owned();
     Rig {
         file: file.to_owned(),
         title: text("title", "One line for reports.", "a text in quotes"),
-        contact: text("contact", "Who is responsible for the rig. Messages that need this person name it.", "a name in quotes"),
+        contact: text(
+            "contact",
+            "Who is responsible for the rig. Messages that need this person name it.",
+            "a name in quotes",
+        ),
         board: text(
             "board",
             "Name of the board, as the drive reports it in the handshake. A drive on another board is rejected.",
@@ -199,7 +201,11 @@ fn read_port(port: &mut Section<'_>, parse: ParseDevice<'_>) -> Port {
     Port {
         // The stand-in of a faulty key; the file is rejected.
         device: device.unwrap_or_else(|| NativeTwin.into()),
-        baud: port.doc("Speed of a serial port. Other lines ignore it.").integer("baud", BAUD, 1200..=12_000_000),
+        baud: port.doc("Speed of a serial port. Other lines ignore it.").integer(
+            "baud",
+            BAUD,
+            1200..=12_000_000,
+        ),
     }
 }
 
@@ -208,7 +214,10 @@ fn read_encoders(encoders: &mut Section<'_>) -> Encoders {
     let directions = [("normal", Direction::Normal), ("reversed", Direction::Reversed)];
     let meanings = || {
         let choice = |name, doc| Choice { name, doc };
-        vec![choice("normal", "counts rise with the position"), choice("reversed", "counts fall with the position")]
+        vec![
+            choice("normal", "counts rise with the position"),
+            choice("reversed", "counts fall with the position"),
+        ]
     };
     Encoders {
         motor_counts_per_rev: encoders
@@ -234,9 +243,18 @@ fn read_power_stage(stage: &mut Section<'_>) -> PowerStage {
     let settings = PowerStage {
         torque_per_duty_nm: number(
             "Torque at the motor from the centre of the duty to full duty; negative if the amplifier turns the other way.",
-            "torque_per_duty_nm", "N m", -1000.0, 1000.0,
+            "torque_per_duty_nm",
+            "N m",
+            -1000.0,
+            1000.0,
         ),
-        duty_offset: number("Duty that the centre is displaced by at zero torque.", "duty_offset", "", -0.5, 0.5),
+        duty_offset: number(
+            "Duty that the centre is displaced by at zero torque.",
+            "duty_offset",
+            "",
+            -0.5,
+            0.5,
+        ),
         duty_min: number("Smallest duty that the amplifier takes.", "duty_min", "", 0.0, 0.5),
         duty_max: number("Largest duty that the amplifier takes.", "duty_max", "", 0.5, 1.0),
         enable_level: stage

@@ -58,7 +58,10 @@ impl Limits {
         let speeds = speeds
             .into_iter()
             .filter_map(|(key, parameter, largest)| Some(limit(key, parameter, largest?, "rad/s")));
-        [limit("limits.torque_nm", TORQUE_LIMIT_NM, self.torque_nm, "N m")].into_iter().chain(speeds).collect()
+        [limit("limits.torque_nm", TORQUE_LIMIT_NM, self.torque_nm, "N m")]
+            .into_iter()
+            .chain(speeds)
+            .collect()
     }
 
     /// Checks the parameters and the reference of a scenario. `rig` is the rig file, for messages.
@@ -155,12 +158,7 @@ mod tests {
     }
 
     fn limits() -> Limits {
-        Limits {
-            torque_nm: 1000.0,
-            motor_speed_rad_s: None,
-            load_speed_rad_s: None,
-            load_travel_rad: 10.0,
-        }
+        Limits { torque_nm: 1000.0, motor_speed_rad_s: None, load_speed_rad_s: None, load_travel_rad: 10.0 }
     }
 
     fn check(limits: &Limits, settings: &[&str]) -> Result<(), String> {
@@ -170,21 +168,29 @@ mod tests {
     #[test]
     fn a_limit_of_the_scenario_above_the_rig_is_named_with_both() {
         let limits = Limits { torque_nm: 5.0, motor_speed_rad_s: Some(90.0), ..limits() };
-        let set = ["controller.parameters.torque_limit_nm=5", "controller.parameters.motor_speed_limit_rad_s=90"];
+        let set =
+            ["controller.parameters.torque_limit_nm=5", "controller.parameters.motor_speed_limit_rad_s=90"];
         assert_eq!(check(&limits, &set), Ok(()));
-        let set = ["controller.parameters.torque_limit_nm=5.01", "controller.parameters.motor_speed_limit_rad_s=91"];
+        let set = [
+            "controller.parameters.torque_limit_nm=5.01",
+            "controller.parameters.motor_speed_limit_rad_s=91",
+        ];
         let errors = check(&limits, &set).expect_err("beyond both limits");
         assert!(errors.contains("rig.toml allows limits.torque_nm = 5 N m"), "{errors}");
         assert!(errors.contains("rig.toml allows limits.motor_speed_rad_s = 90 rad/s"), "{errors}");
     }
 
-    const SINE: [&str; 3] = ["reference.profile=sine", "reference.amplitude_rad=0.5", "reference.frequency_hz=0.5"];
+    const SINE: [&str; 3] =
+        ["reference.profile=sine", "reference.amplitude_rad=0.5", "reference.frequency_hz=0.5"];
 
     #[test]
     fn a_reference_beyond_the_travel_is_rejected() {
         assert_eq!(check(&Limits { load_travel_rad: 0.51, ..limits() }, &SINE), Ok(()));
         let error = check(&Limits { load_travel_rad: 0.49, ..limits() }, &SINE).expect_err("0.5 rad");
-        assert!(error.contains("reaches 0.500000 rad; rig.toml allows limits.load_travel_rad = 0.49 rad"), "{error}");
+        assert!(
+            error.contains("reaches 0.500000 rad; rig.toml allows limits.load_travel_rad = 0.49 rad"),
+            "{error}"
+        );
     }
 
     #[test]
@@ -195,10 +201,8 @@ mod tests {
         let error = check(&fast(1.56), &SINE).expect_err("1.57 rad/s");
         assert!(error.contains("allows limits.load_speed_rad_s = 1.56 rad/s"), "{error}");
         let step = scenario(&[]);
-        let step = Scenario {
-            reference: Reference::Step { before_rad: 0.0, after_rad: 1.0, at_s: 0.5 },
-            ..step
-        };
+        let step =
+            Scenario { reference: Reference::Step { before_rad: 0.0, after_rad: 1.0, at_s: 0.5 }, ..step };
         assert!(fast(0.1).check(&step, Path::new("rig.toml")).is_ok());
     }
 }

@@ -4,7 +4,7 @@
 //! second program should learn who uses the rig. The kernel releases the lock with the process, however it ends.
 
 use std::fs::{self, File, Permissions};
-use std::io::{self, ErrorKind, Read, Seek, Write};
+use std::io::{self, Read, Seek, Write};
 use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::process;
@@ -121,7 +121,8 @@ fn is_at(file: &File, path: &Path) -> bool {
 }
 
 fn write(file: &mut File, purpose: &str) -> io::Result<()> {
-    let user = std::env::var("USER").unwrap_or_else(|_| format!("user {}", rustix::process::getuid().as_raw()));
+    let user =
+        std::env::var("USER").unwrap_or_else(|_| format!("user {}", rustix::process::getuid().as_raw()));
     file.set_len(0)?;
     file.rewind()?;
     write!(file, "process {} of {user}: {purpose}", process::id())
@@ -148,7 +149,10 @@ mod tests {
         let first = RigLock::take_in(folder.path(), DEVICE, "run a.toml").expect("a free rig");
         let error = RigLock::take_in(folder.path(), DEVICE, "flash").expect_err("a rig in use").to_string();
         let process = format!("process {} of ", process::id());
-        assert!(error.starts_with(DEVICE) && error.contains(&process) && error.contains("run a.toml"), "{error}");
+        assert!(
+            error.starts_with(DEVICE) && error.contains(&process) && error.contains("run a.toml"),
+            "{error}"
+        );
         let other = RigLock::take_in(folder.path(), "tcp:rack:4000", "run b.toml").expect("another rig");
         drop((first, other));
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "released locks leave files");
