@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use std::{io, thread};
 
 use clap::Args;
-use lashloop_bench::device::{Build, Device, DeviceChoice, find_image};
+use lashloop_bench::device::{Build, Device, DeviceChoice, find_image, open_terminal};
 use lashloop_bench::session::printable;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
@@ -81,6 +81,9 @@ impl Arguments {
         print_image(&image);
         let way = writer::find(self.via.or(via), &target, &runner)?;
         outln!("way        {}: {}", way.name(), way.meaning());
+        if let Some(device) = &device {
+            quiet(way, device, baud, &supervisor)?;
+        }
         let began = Instant::now();
         writer::write(way, &image, &target, &runner)?;
         let took_s = began.elapsed().as_secs_f64();
@@ -97,6 +100,24 @@ impl Arguments {
         print_drive(&confirmed);
         Ok(Exit::Pass)
     }
+}
+
+/// Leaves no motion and no other program on the drive before its firmware stops. A probe halts the core, and a halted core
+/// leaves the power stage at its last duty; the handshake disarms. A chip in its boot loader drives nothing, and bytes of a
+/// handshake would spoil its measurement of the speed.
+///
+/// # Errors
+/// Another program holds the port, or it can't be opened.
+fn quiet(way: Way, device: &DeviceChoice, baud: u32, supervisor: &Supervisor) -> Result<(), CliError> {
+    let Some(terminal) = device.terminal().filter(|terminal| terminal.exists()) else { return Ok(()) };
+    drop(open_terminal(terminal, baud)?);
+    if way == Way::Probe {
+        match Device::open(device, baud, supervisor) {
+            Ok(drive) => outln!("before     {}, disarmed", drive.description()),
+            Err(_) => outln!("before     no drive answers on {device}"),
+        }
+    }
+    Ok(())
 }
 
 fn print_image(image: &Image) {

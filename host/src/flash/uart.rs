@@ -52,6 +52,7 @@ pub(super) fn write(
     // With a length, because the whole chip is erased without one.
     let range = format!("{start}:{}", image.bytes.len());
     let options = [
+        "-f".into(),
         "-v".into(),
         "-w".into(),
         source.into_os_string(),

@@ -333,7 +333,10 @@ mod tests {
 
     #[test]
     fn page_and_schema_list_the_keys_of_the_reader() {
-        assert!(document("rig.md").trim_end() == Rig::page().trim_end(), "stale: lashloop rig keys > docs/rig.md");
+        assert!(
+            document("rig.md").trim_end() == Rig::page().trim_end(),
+            "stale: lashloop rig keys > docs/rig.md"
+        );
         let schema: serde_json::Value = serde_json::from_str(&document("rig.schema.json")).unwrap();
         assert!(schema == Rig::json_schema(), "stale: lashloop rig keys --schema > docs/rig.schema.json");
     }
@@ -341,7 +344,8 @@ mod tests {
     #[test]
     fn the_example_of_the_documents_is_a_rig() {
         let page = document("bench-drive.md");
-        let example = page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
+        let example =
+            page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
         let rig = Rig::from_str("rig.toml", example).unwrap_or_else(|errors| panic!("{errors}"));
         assert_eq!(rig.encoders.load_direction, Some(Direction::Reversed));
         assert_eq!(rig.loader.via, Some(Way::Dfu));

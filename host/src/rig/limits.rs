@@ -200,9 +200,8 @@ mod tests {
         assert_eq!(check(&fast(1.58), &SINE), Ok(()));
         let error = check(&fast(1.56), &SINE).expect_err("1.57 rad/s");
         assert!(error.contains("allows limits.load_speed_rad_s = 1.56 rad/s"), "{error}");
-        let step = scenario(&[]);
-        let step =
-            Scenario { reference: Reference::Step { before_rad: 0.0, after_rad: 1.0, at_s: 0.5 }, ..step };
+        let mut step = scenario(&[]);
+        step.reference = Reference::Step { before_rad: 0.0, after_rad: 1.0, at_s: 0.5 };
         assert!(fast(0.1).check(&step, Path::new("rig.toml")).is_ok());
     }
 }

@@ -8,6 +8,7 @@ mod conforming;
 mod drive_loss;
 mod equipment;
 mod faults;
+mod flash;
 mod instructions;
 mod own_law;
 mod runs;
@@ -21,7 +22,7 @@ use tests::{fault_table, optional, own_core};
 type Check = fn();
 
 /// Trials that need image and emulator.
-const TRIALS: [(&str, Check); 14] = [
+const TRIALS: [(&str, Check); 15] = [
     ("codec::encoding_and_decoding_take_few_instructions", codec::every_message),
     ("conforming::the_image_passes_every_check_it_can_show", conforming::every_check),
     ("faults::the_run_without_faults_passes", || fault_table::check_healthy_on("qemu")),
@@ -29,6 +30,7 @@ const TRIALS: [(&str, Check); 14] = [
         fault_table::check_watchdog_on("qemu");
     }),
     ("faults::a_pause_in_lockstep_trips_no_watchdog", || fault_table::check_pause_on("qemu")),
+    ("flash::the_bytes_for_the_flash_boot_and_report_the_build_of_the_elf", flash::bytes_boot),
     ("instructions::a_control_step_of_every_law_keeps_its_budget", instructions::of_every_law),
     ("drive_loss::a_killed_emulator_is_reported_with_its_process_and_signal", drive_loss::killed),
     ("drive_loss::a_hung_emulator_is_reported_as_silent_and_killed", drive_loss::stopped),

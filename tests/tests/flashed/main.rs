@@ -30,13 +30,14 @@ fn main() -> ExitCode {
         ("uart::a_silent_drive_is_not_confirmed", uart::silent),
         ("uart::a_running_drive_is_no_boot_loader", uart::no_loader),
     ];
-    let alone: [(&str, Check); 13] = [
+    let alone: [(&str, Check); 14] = [
         ("image::segments_are_one_piece_with_erased_gaps", image::gaps),
         ("image::an_image_beyond_the_flash_is_rejected", image::beyond),
         ("image::an_image_for_another_address_is_rejected", image::elsewhere),
         ("image::an_image_without_vectors_is_rejected", image::no_vectors),
         ("image::files_that_are_no_image_are_rejected", image::no_elf),
         ("stand_ins::a_probe_writes_compares_and_resets", stand_ins::probe),
+        ("stand_ins::a_drive_in_a_run_is_not_halted", stand_ins::run_in_progress),
         ("stand_ins::the_rig_file_chooses_probe_and_chip", stand_ins::probe_of_rig),
         ("stand_ins::two_probes_need_a_choice", stand_ins::two_probes),
         ("stand_ins::dfu_writes_reads_back_and_leaves", stand_ins::dfu),

@@ -47,6 +47,11 @@ pub(crate) fn probe() {
         "probe-rs list\nprobe-rs download --chip STM32F405RGTx --verify BENCH/image.elf\nprobe-rs reset --chip STM32F405RGTx\n"
     );
     assert!(claims_success(&ended) && ended.stdout.contains("native-twin"), "{}", ended.stdout);
+    assert!(
+        ended.stdout.contains("\nbefore     ") && ended.stdout.contains(", disarmed\n"),
+        "{}",
+        ended.stdout
+    );
     assert!(!ended.stdout.contains("STLink"), "{}", ended.stdout);
 }
 
@@ -149,4 +154,15 @@ pub(crate) fn rig_in_use() {
     assert!(ended.stderr.contains(&holder) && ended.stderr.contains("lashloop flash"), "{}", ended.stderr);
     first.signal(rustix::process::Signal::INT);
     let _ = first.wait();
+}
+
+pub(crate) fn run_in_progress() {
+    let (bench, twin) = (Workbench::new(), Twin::start());
+    bench.program("probe-rs", PROBE_RS);
+    let (run, _records) = tests::loss::run_in_progress(&twin.device());
+    let message = flash(&bench, &twin).with_code(4).stderr;
+    assert!(message.contains("another program holds it"), "{message}");
+    assert_eq!(bench.calls(), "probe-rs list\n", "the core of a running drive was halted");
+    run.signal(rustix::process::Signal::INT);
+    let _ = run.wait().with_code(3);
 }

@@ -70,7 +70,13 @@ fn a_port_without_a_drive_is_no_rig() {
 #[test]
 fn a_name_that_another_adapter_can_take_is_an_error() {
     let ended = check(&RigFile::new("/dev/ttyUSB0")).with_code(2);
-    assert!(ended.stderr.contains("rig.toml:5: port.device: \"/dev/ttyUSB0\" is a name that another adapter can take"), "{}", ended.stderr);
+    assert!(
+        ended
+            .stderr
+            .contains("rig.toml:5: port.device: \"/dev/ttyUSB0\" is a name that another adapter can take"),
+        "{}",
+        ended.stderr
+    );
 }
 
 #[test]
@@ -79,5 +85,8 @@ fn the_keys_are_printed_as_page_and_schema() {
     assert!(page.starts_with("# Rig files") && page.contains("`torque_per_duty_nm`"), "{page}");
     let schema = program::run(["rig", "keys", "--schema"]).with_code(0).stdout;
     let schema: serde_json::Value = serde_json::from_str(&schema).expect("JSON");
-    assert_eq!(schema["properties"]["limits"]["required"], serde_json::json!(["torque_nm", "load_travel_rad"]));
+    assert_eq!(
+        schema["properties"]["limits"]["required"],
+        serde_json::json!(["torque_nm", "load_travel_rad"])
+    );
 }

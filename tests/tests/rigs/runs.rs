@@ -36,7 +36,8 @@ fn the_torque_limit_of_the_rig_holds_where_the_scenario_has_none() {
     fs::write(&scenario, text.replace("torque_limit_nm = 25.0\n", "")).expect("a scenario without a limit");
     let (scenario, out) = (scenario.display().to_string(), records.out());
     let settings = ["--set", "run.duration_s=1", "--set", "expect=[]", "--out", &out];
-    let _ = program::run([&["run", &scenario, "--rig", &rig.path()], &PATIENCE[..], &settings].concat()).with_code(0);
+    let _ = program::run([&["run", &scenario, "--rig", &rig.path()], &PATIENCE[..], &settings].concat())
+        .with_code(0);
     let trace = records.trace();
     let peak_nm = trace.column("torque_nm").iter().fold(0.0_f64, |peak, torque| peak.max(torque.abs()));
     assert!((peak_nm - 1.5).abs() < 1e-6, "the law saturates at {peak_nm} N m");
@@ -49,14 +50,19 @@ fn a_scenario_beyond_the_limits_reaches_no_drive() {
     let torque = run(&rig, &["--set", "controller.parameters.torque_limit_nm=6"]).with_code(2).stderr;
     let want = format!("exceeds the rig; {} allows limits.torque_nm = 5 N m", rig.path());
     assert!(torque.contains("torque_limit_nm=6") && torque.contains(&want), "{torque}");
-    let travel = run(&rig, &["--set", "reference.position_rad=0.6", "--set", "meant=start"]).with_code(2).stderr;
+    let travel =
+        run(&rig, &["--set", "reference.position_rad=0.6", "--set", "meant=start"]).with_code(2).stderr;
     assert!(travel.contains("the reference reaches 0.600000 rad"), "{travel}");
 }
 
 #[test]
 fn absent_hardware_is_no_verdict() {
     let ended = run(&RigFile::new(NOWHERE), &[]).with_code(5);
-    assert!(ended.stderr.contains("hardware absent: there is no /dev/serial/by-id/usb-none"), "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains("hardware absent: there is no /dev/serial/by-id/usb-none"),
+        "{}",
+        ended.stderr
+    );
     assert!(ended.stderr.contains("ask A. Engineer"), "{}", ended.stderr);
     assert_eq!(ended.stdout, "", "a verdict without a run");
 }
@@ -71,7 +77,10 @@ fn a_second_run_names_the_holder_and_the_first_one_continues() {
     records.wait_for_rows();
     let message = run(&rig, &[]).with_code(4).stderr;
     let holder = format!("{}: the rig is in use by process {} of ", twin.device(), first.id());
-    assert!(message.contains(&holder) && message.contains("lashloop run scenarios/smooth-after.toml"), "{message}");
+    assert!(
+        message.contains(&holder) && message.contains("lashloop run scenarios/smooth-after.toml"),
+        "{message}"
+    );
     first.signal(Signal::KILL);
     let _ = first.wait();
     // The kernel has released the lock of the killed run.
