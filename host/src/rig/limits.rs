@@ -180,8 +180,12 @@ mod tests {
         assert!(errors.contains("rig.toml allows limits.motor_speed_rad_s = 90 rad/s"), "{errors}");
     }
 
-    const SINE: [&str; 3] =
-        ["reference.profile=sine", "reference.amplitude_rad=0.5", "reference.frequency_hz=0.5"];
+    const SINE: [&str; 4] = [
+        "reference.profile=sine",
+        "reference.amplitude_rad=0.5",
+        "reference.offset_rad=0",
+        "reference.frequency_hz=0.5",
+    ];
 
     #[test]
     fn a_reference_beyond_the_travel_is_rejected() {
