@@ -18,7 +18,8 @@ const PROGRAMS: [(&str, &str); 5] = [
 const DEBIAN_RUST: [&str; 3] = ["rustc-web", "rust-web-src", "rust-web-clippy"];
 const DEBIAN_PYTHON: [&str; 2] = ["python3", "python3-venv"];
 
-/// Installs the emulator, a reader of captures, a C++ compiler, a server of serial ports, a program for the boot loader of the chip, a core library for Arm and the Python package.
+/// Installs the emulator, a reader of captures, a C++ compiler, a server of serial ports, a program for the boot loader of the
+/// chip, a core library for Arm and the Python package.
 ///
 /// # Errors
 /// What could not be installed, and what to do.

@@ -38,7 +38,7 @@ pub(super) fn look(runner: &Runner<'_>) -> Result<(), String> {
 pub(super) fn write(image: &Image, folder: &Path, runner: &Runner<'_>) -> Result<(), FlashError> {
     let way = Way::Dfu;
     let writing = |source| FlashError::Writing { way, source };
-    let [source, copy] = ["image.bin", "flash.bin"].map(|name| folder.join(name));
+    let [source, copied] = ["image.bin", "flash.bin"].map(|name| folder.join(name));
     let file = |path: &Path| {
         let path = path.to_owned();
         move |source: io::Error| FlashError::File { path, source }
@@ -53,18 +53,14 @@ pub(super) fn write(image: &Image, folder: &Path, runner: &Runner<'_>) -> Result
     };
     call(&start, "-D", &source).map_err(writing)?;
     let length = image.bytes.len();
-    let read = call(&format!("{start}:{length}:leave"), "-U", &copy);
+    let read = call(&format!("{start}:{length}:leave"), "-U", &copied);
     // The chip leaves the bus with the last request, which some versions report as an error. The copy decides.
-    let copy = match (fs::read(&copy), read) {
+    let copy = match (fs::read(&copied), read) {
         (Ok(copy), _) if copy.len() >= length => copy,
         (_, Err(source)) => return Err(writing(source)),
-        (copy, Ok(_)) => copy.map_err(file(&copy_path(folder)))?,
+        (copy, Ok(_)) => copy.map_err(file(&copied))?,
     };
     compare(&image.bytes, &copy)
-}
-
-fn copy_path(folder: &Path) -> std::path::PathBuf {
-    folder.join("flash.bin")
 }
 
 fn compare(want: &[u8], have: &[u8]) -> Result<(), FlashError> {

@@ -4,6 +4,7 @@ use lashloop_bench::device::{Build, Device, DeviceError};
 use lashloop_bench::scenario::controller::ParameterValue;
 use lashloop_bench::session::{Parameter, Session, WrittenValue, printable};
 use lashloop_bench::supervisor::Supervisor;
+use lashloop_protocol::parameter_names::{LOAD_COUNTS_PER_REV, MOTOR_COUNTS_PER_REV};
 
 use super::file::Rig;
 use crate::doctor;
@@ -113,36 +114,34 @@ fn drive(rig: &Rig, device: &Device) -> Vec<Finding> {
 /// The settings of pins against the drive's description.
 fn pins(rig: &Rig, session: &Session) -> Finding {
     let subject = "pins";
-    let pins = rig.pins();
-    let offered: Vec<_> =
-        pins.iter().filter_map(|(name, value)| Some((*name, session.parameter(name)?, value))).collect();
     if session.parameter("sample_source").is_none() {
         return Finding::not_applicable(subject, "the drive offers none: it runs hardware in the loop only");
     }
-    let missing: Vec<_> =
-        pins.iter().map(|(name, _)| *name).filter(|name| session.parameter(name).is_none()).collect();
-    if !missing.is_empty() {
-        let missing = missing.join(", ");
-        return Finding::wrong(
+    let counts = [
+        (MOTOR_COUNTS_PER_REV, rig.encoders.motor_counts_per_rev),
+        (LOAD_COUNTS_PER_REV, rig.encoders.load_counts_per_rev),
+    ];
+    let counts =
+        counts.into_iter().filter_map(|(name, counts)| Some((name, ParameterValue::Number(counts?.into()))));
+    let settings: Vec<_> = rig.pins().into_iter().chain(counts).collect();
+    let findings = settings.iter().map(|(name, setting)| match (session.parameter(name), setting) {
+        (None, _) => Finding::wrong(
             subject,
-            format!("the drive has no {missing}: remove the keys, or flash firmware that has them"),
-        );
-    }
-    let wrong = offered.iter().map(|(name, parameter, setting)| {
-        value(
-            subject,
-            name,
-            parameter,
-            match setting {
-                ParameterValue::Number(number) => WrittenValue::Number(*number),
-                ParameterValue::Boolean(on) => WrittenValue::Number(f64::from(u8::from(*on))),
-                ParameterValue::Text(text) => WrittenValue::Name(text),
-            },
-        )
+            format!("the drive has no {name}: remove the key, or flash firmware that has the parameter"),
+        ),
+        (Some(parameter), ParameterValue::Number(number)) => {
+            value(subject, name, parameter, WrittenValue::Number(*number))
+        }
+        (Some(parameter), ParameterValue::Boolean(on)) => {
+            value(subject, name, parameter, WrittenValue::Number(f64::from(u8::from(*on))))
+        }
+        (Some(parameter), ParameterValue::Text(text)) => {
+            value(subject, name, parameter, WrittenValue::Name(text))
+        }
     });
-    let wrong = wrong.filter(Finding::is_wrong).next();
-    wrong.unwrap_or_else(|| {
-        Finding::fine(subject, format!("{} settings within the drive's ranges", pins.len()))
+    let mut findings = findings.filter(Finding::is_wrong);
+    findings.next().unwrap_or_else(|| {
+        Finding::fine(subject, format!("{} settings within the ranges of the drive", settings.len()))
     })
 }
 
