@@ -2,20 +2,23 @@
 //!
 //! The linker arguments are not in `.cargo/config.toml` because `RUSTFLAGS` would silently replace them there.
 
-use std::env;
 use std::path::Path;
 use std::process::Command;
+use std::{env, fs};
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    println!("cargo::rustc-env=LASHLOOP_BUILD_ID={}", build_id());
-    println!("cargo::rustc-env=LASHLOOP_BUILD_DIRTY={}", u8::from(is_dirty()));
+    let (build_id, is_dirty) = (build_id(), u8::from(is_dirty()));
+    println!("cargo::rustc-env=LASHLOOP_BUILD_ID={build_id}");
+    println!("cargo::rustc-env=LASHLOOP_BUILD_DIRTY={is_dirty}");
     if env::var("CARGO_CFG_TARGET_OS").as_deref() == Ok("none") {
         println!("cargo::rerun-if-changed=memory.x");
-        println!(
-            "cargo::rustc-link-search={}",
-            env::var("CARGO_MANIFEST_DIR").expect("cargo sets CARGO_MANIFEST_DIR")
-        );
+        let folder = env::var("OUT_DIR").expect("cargo sets OUT_DIR");
+        // Absolute symbols take no flash. `lashloop flash` compares them with what the drive reports.
+        let symbols = format!("_lashloop_build_id = 0x{build_id};\n_lashloop_build_is_dirty = {is_dirty};\n");
+        let memory = fs::read_to_string("memory.x").expect("the memory map") + &symbols;
+        fs::write(Path::new(&folder).join("memory.x"), memory).expect("cargo makes OUT_DIR writable");
+        println!("cargo::rustc-link-search={folder}");
         println!("cargo::rustc-link-arg-bins=-Tlink.x");
     }
 }

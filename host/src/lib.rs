@@ -67,6 +67,7 @@
 //! | [`decode`] | the frames of a capture or of a raw stream as text |
 //! | [`parameter_set`] | the parameters of a drive as a file and as a fingerprint |
 //! | [`ports`], [`doctor`] | the serial ports of this machine, and the examination of a line |
+//! | [`flash`], [`rig`] | firmware onto a drive; benches with hardware: rig file, limits, lock |
 //! | [`soak`] | a scenario repeated under rising faults |
 
 #![forbid(unsafe_code)]
@@ -79,9 +80,11 @@ pub mod conformance;
 pub mod decode;
 pub mod doctor;
 mod error;
+pub mod flash;
 mod outcome;
 pub mod parameter_set;
 pub mod ports;
+pub mod rig;
 mod run;
 pub mod soak;
 

@@ -25,6 +25,14 @@ pub fn list() -> io::Result<Vec<Port>> {
     Ok(known(serialport::available_ports()?, &stable_names(Path::new(BY_ID))))
 }
 
+/// The ports on USB, by their stable names where they have one. Empty where the system can't list them.
+#[must_use]
+pub fn on_usb() -> Vec<PathBuf> {
+    let ports = list().unwrap_or_default().into_iter();
+    let on_usb = ports.filter(|port| matches!(port.bus, SerialPortType::UsbPort(_)));
+    on_usb.map(|port| port.stable_names.into_iter().next().unwrap_or(port.path)).collect()
+}
+
 /// Pairs of a stable name and its target. Empty without udev or without ports, when the folder is missing.
 fn stable_names(folder: &Path) -> Vec<(PathBuf, PathBuf)> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();

@@ -10,6 +10,8 @@
 //! | [`python`] | the drive of the Python package |
 //! | [`terminal`] | pseudo-terminals |
 //! | [`fault_table`] | the table of `docs/faults.md` and its runs |
+//! | [`elf`] | small ELF files for the Cortex-M |
+//! | [`rom_loader`] | the boot loader of the chip on a pseudo-terminal |
 //! | [`relay`] | a line that can drop, damage, duplicate and disconnect |
 //! | [`records`] | `summary.json` and `trace.csv` |
 //! | [`processes`] | other processes: children, processor time, signals |
@@ -26,6 +28,7 @@
 
 pub mod battery;
 pub mod c_drive;
+pub mod elf;
 pub mod fault_table;
 pub mod loss;
 pub mod optional;
@@ -36,6 +39,7 @@ pub mod program;
 pub mod python;
 pub mod records;
 pub mod relay;
+pub mod rom_loader;
 pub mod terminal;
 pub mod twin;
 pub mod wait;

@@ -48,7 +48,8 @@ fn ring_of(program: &str) -> Option<Ring> {
     match program {
         // A part of `cargo xtask check`.
         "tests tree" => None,
-        "tests looped" | "tests conforming" | "tests network" | "host tools" => Some(Ring::Loop),
+        "tests looped" | "tests conforming" | "tests flashed" | "tests network" | "tests rigs"
+        | "host tools" => Some(Ring::Loop),
         "tests emulated" => Some(Ring::Image),
         PYTHON => Some(Ring::Python),
         _ => Some(Ring::Unit),

@@ -5,7 +5,11 @@ use std::io;
 use std::path::PathBuf;
 
 use crate::campaign::CampaignError;
+use crate::flash::FlashError;
 use crate::parameter_set::SettingsError;
+use crate::rig::drive_settings::MissingParameter;
+use crate::rig::limits::LimitError;
+use crate::rig::lock::LockError;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceError;
 use lashloop_bench::record::reader::ReadError;
@@ -39,6 +43,16 @@ pub(crate) enum CliError {
     Draw(#[from] DrawError),
     #[error("--from {from} --until {until} is an empty range; --until must be later than --from")]
     Nothing { from: f64, until: f64 },
+    #[error(transparent)]
+    Flash(#[from] FlashError),
+    #[error("{problem}")]
+    HardwareAbsent { problem: String },
+    #[error(transparent)]
+    RigLock(#[from] LockError),
+    #[error(transparent)]
+    RigLimit(#[from] LimitError),
+    #[error(transparent)]
+    RigParameter(#[from] MissingParameter),
     #[error("can't {what}: {source}")]
     System { what: &'static str, source: io::Error },
 }
@@ -58,7 +72,11 @@ impl CliError {
             }
             Self::Run(RunError::Device(_))
             | Self::Settings(SettingsError::Refused { .. } | SettingsError::Session(_))
+            | Self::RigLock(_)
+            | Self::RigParameter(_)
             | Self::System { .. } => Exit::DeviceOrLink,
+            Self::HardwareAbsent { .. } => Exit::HardwareAbsent,
+            Self::Flash(error) => flash_exit(error),
             Self::RealTimeAlone { .. }
             | Self::Scenario(_)
             | Self::Run(_)
@@ -69,8 +87,22 @@ impl CliError {
             | Self::Input { .. }
             | Self::Record(_)
             | Self::Draw(_)
+            | Self::RigLimit(_)
             | Self::Nothing { .. } => Exit::UsageOrScenario,
         }
+    }
+}
+
+fn flash_exit(error: &FlashError) -> Exit {
+    match error {
+        error if error.is_interruption() => Exit::Invalid,
+        FlashError::OtherBuild { .. } | FlashError::NoBuild { .. } => Exit::Fail,
+        FlashError::Image(_) | FlashError::NoImage(_) | FlashError::Ports(_) => Exit::UsageOrScenario,
+        FlashError::NoWay(_)
+        | FlashError::Writing { .. }
+        | FlashError::Different { .. }
+        | FlashError::File { .. }
+        | FlashError::Silent { .. } => Exit::DeviceOrLink,
     }
 }
 

@@ -11,6 +11,7 @@ mod demo;
 mod device;
 mod doctor;
 mod error;
+mod flash;
 mod history;
 mod options;
 mod output;
@@ -22,6 +23,7 @@ mod plot;
 mod ports;
 mod progress;
 mod registry;
+mod rig;
 mod run;
 mod run_child;
 mod run_report;
@@ -41,6 +43,7 @@ registry::commands! {
     "Inspect scenarios, records and lines":
         Show(show), Plot(plot), Decode(decode), Parameters(parameters), Ports(ports), Budget(budget);
     "Qualify a drive, a line or this machine": Conformance(conformance), Doctor(doctor), Compare(compare);
+    "Work on a bench with hardware": Flash(flash), Rig(rig);
 }
 
 /// Hardware-in-the-loop bench for drives with gear backlash.
@@ -55,7 +58,7 @@ struct Lashloop {
 }
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 PASS, 1 FAIL, 2 bad usage, scenario or output folder, 3 INVALID, 4 device or link.";
+Exit codes: 0 PASS, 1 FAIL, 2 bad usage, scenario or output folder, 3 INVALID, 4 device or link, 5 hardware absent.";
 
 const LONG_HELP: &str = "\
 Exit codes:
@@ -64,6 +67,7 @@ Exit codes:
   2           bad usage, a bad scenario, or an output folder that can't be written
   3  INVALID  link or timing exceeded what the scenario allows, or the run was interrupted
   4           the device or the link failed; there is no verdict
+  5           the hardware of a rig is absent; nothing was run, there is no verdict
 
 First steps:
   lashloop demo                               the paper's four runs, as a table and a figure

@@ -1,6 +1,6 @@
 //! Options that several commands share: the drive, its line, the scenario.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Command};
 use lashloop_bench::device::DeviceChoice;
@@ -10,6 +10,9 @@ use lashloop_plant::Plants;
 
 use super::error::CliError;
 use crate::bench::Bench;
+use crate::rig::Rig;
+use crate::rig::check::absent;
+use crate::rig::lock::RigLock;
 
 /// Speed of a serial port without a scenario, in bit/s.
 pub(super) const DEFAULT_BAUD: u32 = 921_600;
@@ -62,5 +65,40 @@ impl ScenarioOptions {
     pub(super) fn read(self, more: Option<Override>, bench: &Bench) -> Result<Scenario, CliError> {
         let overrides: Vec<_> = self.set.into_iter().map(Override::Set).chain(more).collect();
         Ok(Scenario::from_file_with(&self.scenario, &overrides, &plants(bench))?)
+    }
+}
+
+#[derive(Args)]
+pub(super) struct RigOption {
+    /// Rig file in TOML: device, limits and loader of a bench with hardware; no second program gets the rig meanwhile
+    #[arg(long, value_name = "RIG.toml")]
+    rig: Option<PathBuf>,
+}
+
+impl RigOption {
+    /// Reads and locks the rig; `None` without one. `purpose` is what the program does, for the message of a second program.
+    pub(super) fn take(&self, bench: &Bench, purpose: &str) -> Result<Option<TakenRig>, CliError> {
+        self.rig.as_deref().map(|file| TakenRig::take(file, bench, purpose)).transpose()
+    }
+}
+
+/// A rig that this program uses alone.
+pub(super) struct TakenRig {
+    pub(super) rig: Rig,
+    _lock: RigLock,
+}
+
+impl TakenRig {
+    pub(super) fn take(file: &Path, bench: &Bench, purpose: &str) -> Result<Self, CliError> {
+        let devices = bench.devices();
+        let rig = Rig::from_file(file, &|text| DeviceChoice::parse(text, &devices))?;
+        let lock = RigLock::take(&rig.port.device.to_string(), &format!("lashloop {purpose}"))?;
+        Ok(Self { rig, _lock: lock })
+    }
+
+    /// # Errors
+    /// The port of the rig doesn't exist.
+    pub(super) fn check_present(&self) -> Result<(), CliError> {
+        absent(&self.rig).map_or(Ok(()), |problem| Err(CliError::HardwareAbsent { problem }))
     }
 }

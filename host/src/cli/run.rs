@@ -22,11 +22,12 @@ use lashloop_plant::metrics::SignalTable;
 
 use super::clock_options::ClockOptions;
 use super::error::CliError;
-use super::options::ScenarioOptions;
+use super::options::{RigOption, ScenarioOptions};
 use super::output::{error_line, prepare_folder};
 use super::progress::Progress;
 use super::run_report;
 use super::supervision::start_supervisor;
+use crate::rig::check::check_board;
 
 /// Run a scenario on a drive and print its verdict
 #[derive(Args)]
@@ -36,8 +37,11 @@ pub(crate) struct Arguments {
     /// output or, with `{tty}` among the arguments, on a pseudo-terminal, `tcp:HOST:PORT` a port of raw bytes,
     /// `rfc2217:HOST:PORT` a serial port of another machine, and a path such as /dev/ttyACM0 or /dev/pts/3 a terminal with
     /// a drive at its far end
-    #[arg(long, default_value = "native", value_name = "DEVICE")]
+    #[arg(long, default_value = "native", value_name = "DEVICE", conflicts_with = "rig")]
     device: DeviceChoice,
+
+    #[command(flatten)]
+    rig: RigOption,
 
     /// Law in place of the scenario's: any that the drive has, see `lashloop parameters list`
     #[arg(long, value_name = "NAME")]
@@ -60,11 +64,21 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
-        let scenario = self.scenario.read(self.controller.map(Override::Controller), bench)?;
+        let mut scenario = self.scenario.read(self.controller.map(Override::Controller), bench)?;
         let clock = self.clock.clock()?;
         let when_full = match clock.name() {
             ClockName::Lockstep => WhenFull::Wait,
             ClockName::RealTime => WhenFull::Fail,
+        };
+        let rig = self.rig.take(bench, &format!("run {}", scenario.name))?;
+        let choice = match &rig {
+            Some(taken) => {
+                taken.rig.limits.check(&scenario, &taken.rig.file)?;
+                taken.check_present()?;
+                scenario.link.baud = taken.rig.port.baud;
+                &taken.rig.port.device
+            }
+            None => &self.device,
         };
         let capture = self.capture.as_deref().map(|path| capture::create(path, when_full)).transpose()?;
         let (recorder, capture) = capture.unzip();
@@ -73,7 +87,11 @@ impl Arguments {
             Some(recorder) => Box::new(Captured::new(link, recorder)) as Box<dyn Link>,
             None => link,
         };
-        let mut device = DeviceUnderTest::open(&scenario, &self.device, &supervisor, listen)?;
+        let mut device = DeviceUnderTest::open(&scenario, choice, &supervisor, listen)?;
+        if let Some(taken) = &rig {
+            check_board(&taken.rig, &device.device)?;
+            taken.rig.complete(&mut scenario, &device.device.session.parameters)?;
+        }
         for warning in device.device.warnings() {
             error_line(format_args!("lashloop: warning: {warning}"));
         }

@@ -20,15 +20,15 @@ pub enum Health {
 }
 
 impl Finding {
-    pub(super) fn wrong(subject: &'static str, text: impl Into<String>) -> Self {
+    pub(crate) fn wrong(subject: &'static str, text: impl Into<String>) -> Self {
         Self { subject, health: Health::Wrong, text: text.into() }
     }
 
-    pub(super) fn fine(subject: &'static str, text: impl Into<String>) -> Self {
+    pub(crate) fn fine(subject: &'static str, text: impl Into<String>) -> Self {
         Self { subject, health: Health::Fine, text: text.into() }
     }
 
-    pub(super) fn not_applicable(subject: &'static str, text: impl Into<String>) -> Self {
+    pub(crate) fn not_applicable(subject: &'static str, text: impl Into<String>) -> Self {
         Self { subject, health: Health::NotApplicable, text: text.into() }
     }
 

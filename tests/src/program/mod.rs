@@ -51,14 +51,24 @@ impl Running {
     /// # Panics
     /// The process can't be started.
     pub fn start_program(program: &Path, arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Self {
-        let mut child = Command::new(program)
-            .args(arguments)
+        let mut command = Command::new(program);
+        command.args(arguments);
+        Self::start_command(command)
+    }
+
+    /// Starts a command in the workspace.
+    ///
+    /// # Panics
+    /// The process can't be started.
+    #[must_use]
+    pub fn start_command(mut command: Command) -> Self {
+        let mut child = command
             .current_dir(workspace())
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
-            .unwrap_or_else(|error| panic!("{} does not start: {error}", program.display()));
+            .unwrap_or_else(|error| panic!("{command:?} does not start: {error}"));
         let stdout = child.stdout.take().map(read_to_end).expect("a pipe for standard output");
         let stderr = child.stderr.take().map(read_to_end).expect("a pipe for standard error");
         Self { child, output: Some([stdout, stderr]) }

@@ -8,6 +8,7 @@ mod conforming;
 mod drive_loss;
 mod equipment;
 mod faults;
+mod flash;
 mod instructions;
 mod own_law;
 mod runs;
@@ -29,6 +30,7 @@ const TRIALS: [(&str, Check); 15] = [
         fault_table::check_watchdog_on("qemu");
     }),
     ("faults::a_pause_in_lockstep_trips_no_watchdog", || fault_table::check_pause_on("qemu")),
+    ("flash::the_bytes_for_the_flash_boot_and_report_the_build_of_the_elf", flash::bytes_boot),
     ("instructions::a_control_step_of_every_law_keeps_its_budget", instructions::of_every_law),
     (
         "instructions::a_control_step_of_every_published_law_keeps_its_budget",

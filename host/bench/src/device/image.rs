@@ -17,7 +17,7 @@ const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 ///
 /// # Errors
 /// No image is there; the error lists the places.
-pub(super) fn find(given: Option<&Path>) -> Result<PathBuf, DeviceError> {
+pub fn find(given: Option<&Path>) -> Result<PathBuf, DeviceError> {
     let places = match given {
         Some(image) => vec![image.to_owned()],
         None => places(env::var_os(VARIABLE), env::current_exe().ok().as_deref()),

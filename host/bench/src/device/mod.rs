@@ -29,5 +29,6 @@ pub use drive_host::DriveHost;
 pub use error::DeviceError;
 pub use evidence::{Build, DriveFiles, Evidence, FileHash};
 pub use handle::{Device, session_number};
+pub use image::find as find_image;
 pub use kind::{DeviceKind, Opened, ParsedKind, Syntax};
 pub use kinds::terminal::open_terminal;

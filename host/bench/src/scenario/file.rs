@@ -1,4 +1,4 @@
-//! A scenario's file as text.
+//! A file of settings as text.
 //!
 //! Only a regular file is read: a pipe or a terminal would make the program wait for a writer that may not exist.
 
@@ -12,16 +12,16 @@ use super::error::ScenarioError;
 /// Largest file in bytes. A long reference is a table in a file of its own, and a scenario of this size has 10,000 faults.
 const LARGEST: u64 = 1 << 20;
 
-/// Reads a file in UTF-8.
-pub(super) fn read(path: &Path) -> Result<String, ScenarioError> {
+/// Reads a file in UTF-8. `kind` is what it is in messages, such as `scenario`.
+pub(super) fn read(path: &Path, kind: &str) -> Result<String, ScenarioError> {
     let cannot_read = |source| ScenarioError::Read { path: path.to_owned(), source };
     let unusable = |reason: String| ScenarioError::Unusable { path: path.to_owned(), reason };
-    let kind = std::fs::metadata(path).map_err(cannot_read)?.file_type();
+    let file_type = std::fs::metadata(path).map_err(cannot_read)?.file_type();
     let other = match () {
-        () if kind.is_file() => None,
-        () if kind.is_dir() => Some("a folder; name a file in it"),
-        () if kind.is_fifo() => Some("a pipe; write the scenario to a file first"),
-        () => Some("a device; name a file"),
+        () if file_type.is_file() => None,
+        () if file_type.is_dir() => Some("a folder; name a file in it".to_owned()),
+        () if file_type.is_fifo() => Some(format!("a pipe; write the {kind} to a file first")),
+        () => Some("a device; name a file".to_owned()),
     };
     if let Some(other) = other {
         return Err(unusable(format!("is {other}")));
@@ -30,7 +30,7 @@ pub(super) fn read(path: &Path) -> Result<String, ScenarioError> {
     let file = File::open(path).map_err(cannot_read)?;
     file.take(LARGEST + 1).read_to_end(&mut bytes).map_err(cannot_read)?;
     if bytes.len() as u64 > LARGEST {
-        return Err(unusable("is larger than 1 MiB, so it is no scenario; name a TOML file".to_owned()));
+        return Err(unusable(format!("is larger than 1 MiB, so it is no {kind}; name a TOML file")));
     }
     decode(bytes).map_err(unusable)
 }

@@ -37,6 +37,7 @@ pub mod range;
 mod reader;
 mod reference;
 pub mod sections;
+pub mod settings_file;
 mod spelling;
 mod traps;
 mod tree;
@@ -129,7 +130,7 @@ impl Scenario {
         overrides: &[Override],
         plants: &Plants,
     ) -> Result<Self, ScenarioErrors> {
-        let text = file::read(path)?;
+        let text = file::read(path, "scenario")?;
         Self::from_str_with(&path.to_string_lossy(), &text, overrides, plants)
     }
 

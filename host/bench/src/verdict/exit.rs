@@ -41,6 +41,8 @@ pub enum Exit {
     Invalid = 3,
     /// Device or link failed; the run has no verdict.
     DeviceOrLink = 4,
+    /// The hardware of a rig is absent; nothing was run.
+    HardwareAbsent = 5,
 }
 
 impl From<Verdict> for Exit {

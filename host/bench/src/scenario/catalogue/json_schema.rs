@@ -14,9 +14,15 @@ impl Keys {
     /// The schema `docs/scenario.schema.json`.
     #[must_use]
     pub fn to_json_schema(&self) -> Value {
+        self.to_json_schema_of("Lashloop scenario")
+    }
+
+    /// The schema of files of this kind.
+    #[must_use]
+    pub fn to_json_schema_of(&self, title: &str) -> Value {
         let mut schema = section(self);
         schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
-        schema["title"] = json!("Lashloop scenario");
+        schema["title"] = json!(title);
         schema
     }
 }

@@ -25,7 +25,13 @@ impl Keys {
     /// The page `docs/scenarios.md`.
     #[must_use]
     pub fn to_markdown(&self) -> String {
-        let mut page = BEGINNING.to_owned();
+        self.to_page(BEGINNING)
+    }
+
+    /// A page that begins with this text.
+    #[must_use]
+    pub fn to_page(&self, beginning: &str) -> String {
+        let mut page = beginning.to_owned();
         page.push_str("\n## Without a section\n");
         section(&mut page, self, "", &[]);
         page

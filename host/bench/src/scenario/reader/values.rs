@@ -187,6 +187,25 @@ impl<'a> Section<'a> {
         choices: &[(&'static str, T)],
     ) -> Option<T> {
         let default = default.into();
+        self.read_choice(key, default, default.is_none(), choices)
+    }
+
+    /// One of several names, or none. `None` if absent or faulty.
+    pub fn optional_choice<T: Copy + PartialEq>(
+        &mut self,
+        key: &'static str,
+        choices: &[(&'static str, T)],
+    ) -> Option<T> {
+        self.read_choice(key, None, false, choices)
+    }
+
+    fn read_choice<T: Copy + PartialEq>(
+        &mut self,
+        key: &'static str,
+        default: Option<T>,
+        is_required: bool,
+        choices: &[(&'static str, T)],
+    ) -> Option<T> {
         let allowed = either(choices.iter().map(|(word, _)| *word));
         let kind = KeyKind::Choice {
             choices: self.documented(choices.iter().map(|(word, _)| *word)),
@@ -194,7 +213,7 @@ impl<'a> Section<'a> {
                 .and_then(|default| choices.iter().find(|(_, choice)| *choice == default))
                 .map(|(word, _)| *word),
         };
-        let Some(node) = self.look_up(key, "", kind, default.is_none().then(|| allowed.clone())) else {
+        let Some(node) = self.look_up(key, "", kind, is_required.then(|| allowed.clone())) else {
             return default;
         };
         let Value::Text(found) = &node.value else {

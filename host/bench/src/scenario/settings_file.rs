@@ -1,0 +1,44 @@
+//! Files of settings that are no scenarios, such as a rig file: the reader of scenarios reads them, so their errors, their
+//! page of keys and their JSON Schema are of the same kind.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::error::ScenarioErrors;
+use super::key::Keys;
+use super::origin::Origin;
+use super::reader::{Section, read_document};
+use super::{catalogue, file, tree};
+
+/// Reads a TOML file with the keys that `read` declares. `kind` is what the file is in messages, such as `rig file`.
+///
+/// # Errors
+/// The file can't be read, isn't TOML, or has keys that are unknown, missing or out of range; all errors at once.
+pub fn read<T>(
+    path: &Path,
+    kind: &str,
+    read: impl FnOnce(&mut Section<'_>) -> T,
+) -> Result<T, ScenarioErrors> {
+    let text = file::read(path, kind)?;
+    from_str(&path.to_string_lossy(), &text, read)
+}
+
+/// Reads a text; `name` is the file's name in errors.
+///
+/// # Errors
+/// As [`read`], except for reading the file.
+pub fn from_str<T>(
+    name: &str,
+    text: &str,
+    read: impl FnOnce(&mut Section<'_>) -> T,
+) -> Result<T, ScenarioErrors> {
+    let file: Arc<str> = name.into();
+    let tree = tree::parse_file(&file, file::without_mark(text))?;
+    let document = read_document(&tree, Origin::File { file, line: 1 }, read);
+    if document.errors.is_empty() { Ok(document.result) } else { Err(document.errors.into()) }
+}
+
+/// Every key that `read` declares, under any choice.
+pub fn keys(read: impl Fn(&mut Section<'_>)) -> Keys {
+    catalogue::collect(read)
+}

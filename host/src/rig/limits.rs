@@ -1,0 +1,211 @@
+//! The limits of a rig, held against a scenario before anything is opened.
+
+use std::path::PathBuf;
+
+use lashloop_bench::scenario::controller::{ParameterSetting, ParameterValue};
+use lashloop_bench::scenario::{Scenario, ScenarioError, ScenarioErrors};
+use lashloop_plant::reference::Reference;
+use lashloop_protocol::parameter_names::TORQUE_LIMIT_NM;
+
+use super::file::Limits;
+
+/// A limit of the rig that is a parameter of the drive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriveLimit {
+    /// Key in the rig file.
+    pub key: &'static str,
+    /// Parameter of the drive.
+    pub parameter: &'static str,
+    /// Largest value of the parameter.
+    pub largest: f64,
+    pub unit: &'static str,
+}
+
+/// A scenario that exceeds the limits of a rig.
+#[derive(Debug, thiserror::Error)]
+pub enum LimitError {
+    /// Parameters of the drive beyond the limits, each at its place in the scenario.
+    #[error(transparent)]
+    Parameters(#[from] ScenarioErrors),
+    /// The reference leaves the travel, or moves too fast.
+    #[error(
+        "{scenario}: the reference reaches {reached:.6} {unit}; {} allows limits.{key} = {largest} {unit}: change [reference], \
+         or the rig file if the bench bears more",
+        rig.display()
+    )]
+    Reference {
+        /// The scenario as the user named it.
+        scenario: String,
+        /// The rig file.
+        rig: PathBuf,
+        /// Key of the limit.
+        key: &'static str,
+        reached: f64,
+        largest: f64,
+        unit: &'static str,
+    },
+}
+
+impl Limits {
+    /// The limits that are parameters of the drive.
+    #[must_use]
+    pub fn of_drive(&self) -> Vec<DriveLimit> {
+        let limit = |key, parameter, largest, unit| DriveLimit { key, parameter, largest, unit };
+        let speeds = [
+            ("limits.motor_speed_rad_s", "motor_speed_limit_rad_s", self.motor_speed_rad_s),
+            ("limits.load_speed_rad_s", "load_speed_limit_rad_s", self.load_speed_rad_s),
+        ];
+        let speeds = speeds
+            .into_iter()
+            .filter_map(|(key, parameter, largest)| Some(limit(key, parameter, largest?, "rad/s")));
+        [limit("limits.torque_nm", TORQUE_LIMIT_NM, self.torque_nm, "N m")]
+            .into_iter()
+            .chain(speeds)
+            .collect()
+    }
+
+    /// Checks the parameters and the reference of a scenario. `rig` is the rig file, for messages.
+    ///
+    /// # Errors
+    /// Every parameter beyond its limit; else the first limit that the reference exceeds.
+    pub fn check(&self, scenario: &Scenario, rig: &std::path::Path) -> Result<(), LimitError> {
+        let limits = self.of_drive();
+        let exceeded: Vec<_> = scenario
+            .controller
+            .parameters
+            .iter()
+            .filter_map(|setting| {
+                let limit = limits.iter().find(|limit| limit.parameter == setting.name)?;
+                limit.exceeded_by(setting, rig)
+            })
+            .collect();
+        if !exceeded.is_empty() {
+            return Err(ScenarioErrors::from(exceeded).into());
+        }
+        let extremes = Extremes::of(scenario);
+        let error = |key, reached, largest, unit| LimitError::Reference {
+            scenario: scenario.name.clone(),
+            rig: rig.to_owned(),
+            key,
+            reached,
+            largest,
+            unit,
+        };
+        if extremes.distance_rad > self.load_travel_rad {
+            return Err(error("load_travel_rad", extremes.distance_rad, self.load_travel_rad, "rad"));
+        }
+        match self.load_speed_rad_s {
+            Some(largest) if extremes.speed_rad_s > largest => {
+                Err(error("load_speed_rad_s", extremes.speed_rad_s, largest, "rad/s"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl DriveLimit {
+    fn exceeded_by(&self, setting: &ParameterSetting, rig: &std::path::Path) -> Option<ScenarioError> {
+        let Self { key, largest, unit, .. } = self;
+        match setting.value {
+            ParameterValue::Number(number) if number > *largest => Some(ScenarioError::parameter(
+                setting,
+                format!("exceeds the rig; {} allows {key} = {largest} {unit}", rig.display()),
+            )),
+            _ => None,
+        }
+    }
+}
+
+/// The extremes of a reference during a run.
+struct Extremes {
+    /// Distance from zero.
+    distance_rad: f64,
+    /// Speed between two control periods. A step has none: torque limit and law decide how fast the load follows.
+    speed_rad_s: f64,
+}
+
+impl Extremes {
+    fn of(scenario: &Scenario) -> Self {
+        let Scenario { reference, run, .. } = scenario;
+        let is_step = match reference {
+            Reference::Step { .. } | Reference::Constant { .. } => true,
+            Reference::Sine { .. } | Reference::Trapezoid(_) | Reference::Table(_) => false,
+        };
+        let period_s = run.control_period_s();
+        let mut extremes = Self { distance_rad: 0.0, speed_rad_s: 0.0 };
+        let mut before_rad = None;
+        for step in 0..run.steps() {
+            let position_rad = reference.position_rad(f64::from(step) * period_s);
+            extremes.distance_rad = extremes.distance_rad.max(position_rad.abs());
+            if let Some(before_rad) = before_rad.replace(position_rad).filter(|_| !is_step) {
+                let speed_rad_s = (position_rad - before_rad).abs() / period_s;
+                extremes.speed_rad_s = extremes.speed_rad_s.max(speed_rad_s);
+            }
+        }
+        extremes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    fn scenario(settings: &[&str]) -> Scenario {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/shaft-pd-sine.toml");
+        crate::Bench::new().scenario(path, settings).expect("a scenario")
+    }
+
+    fn limits() -> Limits {
+        Limits { torque_nm: 1000.0, motor_speed_rad_s: None, load_speed_rad_s: None, load_travel_rad: 10.0 }
+    }
+
+    fn check(limits: &Limits, settings: &[&str]) -> Result<(), String> {
+        limits.check(&scenario(settings), Path::new("rig.toml")).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_limit_of_the_scenario_above_the_rig_is_named_with_both() {
+        let limits = Limits { torque_nm: 5.0, motor_speed_rad_s: Some(90.0), ..limits() };
+        let set =
+            ["controller.parameters.torque_limit_nm=5", "controller.parameters.motor_speed_limit_rad_s=90"];
+        assert_eq!(check(&limits, &set), Ok(()));
+        let set = [
+            "controller.parameters.torque_limit_nm=5.01",
+            "controller.parameters.motor_speed_limit_rad_s=91",
+        ];
+        let errors = check(&limits, &set).expect_err("beyond both limits");
+        assert!(errors.contains("rig.toml allows limits.torque_nm = 5 N m"), "{errors}");
+        assert!(errors.contains("rig.toml allows limits.motor_speed_rad_s = 90 rad/s"), "{errors}");
+    }
+
+    const SINE: [&str; 4] = [
+        "reference.profile=sine",
+        "reference.amplitude_rad=0.5",
+        "reference.offset_rad=0",
+        "reference.frequency_hz=0.5",
+    ];
+
+    #[test]
+    fn a_reference_beyond_the_travel_is_rejected() {
+        assert_eq!(check(&Limits { load_travel_rad: 0.51, ..limits() }, &SINE), Ok(()));
+        let error = check(&Limits { load_travel_rad: 0.49, ..limits() }, &SINE).expect_err("0.5 rad");
+        assert!(
+            error.contains("reaches 0.500000 rad; rig.toml allows limits.load_travel_rad = 0.49 rad"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn a_reference_beyond_the_speed_is_rejected_and_a_step_is_not() {
+        // The peak is 2 pi f A = 1.5708 rad/s.
+        let fast = |limit| Limits { load_speed_rad_s: Some(limit), ..limits() };
+        assert_eq!(check(&fast(1.58), &SINE), Ok(()));
+        let error = check(&fast(1.56), &SINE).expect_err("1.57 rad/s");
+        assert!(error.contains("allows limits.load_speed_rad_s = 1.56 rad/s"), "{error}");
+        let mut step = scenario(&[]);
+        step.reference = Reference::Step { before_rad: 0.0, after_rad: 1.0, at_s: 0.5 };
+        assert!(fast(0.1).check(&step, Path::new("rig.toml")).is_ok());
+    }
+}

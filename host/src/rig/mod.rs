@@ -1,0 +1,17 @@
+//! Rigs: benches with hardware, each described by a file, and what keeps runs on them safe.
+//!
+//! | module | is |
+//! |---|---|
+//! | [`file`](mod@file) | [`Rig`]: the rig file, its keys, its page and its JSON Schema |
+//! | [`limits`] | the limits that a scenario can't exceed |
+//! | [`drive_settings`] | the parameters that a rig sets on its drive |
+//! | [`lock`] | one program at a time on a rig |
+//! | [`check`] | everything that can be found out about a rig without moving it |
+
+pub mod check;
+pub mod drive_settings;
+pub mod file;
+pub mod limits;
+pub mod lock;
+
+pub use file::Rig;

@@ -1,0 +1,53 @@
+//! `lashloop flash` against software loaders: the ROM loader on a pseudo-terminal with the real stm32flash, and programs that
+//! stand for probe-rs and dfu-util and check their command lines.
+//!
+//! No chip is in these tests. The loader is made from ST's documents; the command lines of probe-rs and dfu-util are those of
+//! their manuals.
+
+mod bench;
+mod image;
+mod stand_ins;
+mod uart;
+
+use std::process::ExitCode;
+
+use libtest_mimic::Arguments;
+use tests::optional::{self, trial};
+
+type Check = fn();
+
+fn main() -> ExitCode {
+    let arguments = Arguments::from_args();
+    let stm32flash = uart::missing();
+    let with_stm32flash: [(&str, Check); 9] = [
+        ("uart::an_image_is_flashed_once_the_drive_reports_its_build", uart::flashed),
+        ("uart::the_only_way_that_is_there_is_found", uart::found),
+        ("uart::another_build_of_the_drive_is_not_flashed", uart::other_build),
+        ("uart::an_image_without_a_build_is_not_confirmed", uart::no_build),
+        ("uart::a_protected_flash_is_reported_with_the_recovery", uart::protected),
+        ("uart::a_stuck_bit_is_found_by_the_comparison", uart::stuck_bit),
+        ("uart::an_interruption_ends_stm32flash_and_names_the_recovery", uart::interrupted),
+        ("uart::a_silent_drive_is_not_confirmed", uart::silent),
+        ("uart::a_running_drive_is_no_boot_loader", uart::no_loader),
+    ];
+    let alone: [(&str, Check); 14] = [
+        ("image::segments_are_one_piece_with_erased_gaps", image::gaps),
+        ("image::an_image_beyond_the_flash_is_rejected", image::beyond),
+        ("image::an_image_for_another_address_is_rejected", image::elsewhere),
+        ("image::an_image_without_vectors_is_rejected", image::no_vectors),
+        ("image::files_that_are_no_image_are_rejected", image::no_elf),
+        ("stand_ins::a_probe_writes_compares_and_resets", stand_ins::probe),
+        ("stand_ins::a_drive_in_a_run_is_not_halted", stand_ins::run_in_progress),
+        ("stand_ins::the_rig_file_chooses_probe_and_chip", stand_ins::probe_of_rig),
+        ("stand_ins::two_probes_need_a_choice", stand_ins::two_probes),
+        ("stand_ins::dfu_writes_reads_back_and_leaves", stand_ins::dfu),
+        ("stand_ins::dfu_with_a_different_copy_is_not_flashed", stand_ins::dfu_different),
+        ("stand_ins::the_output_of_a_failed_program_is_quoted_escaped", stand_ins::failed),
+        ("stand_ins::without_a_way_each_has_its_reason", stand_ins::no_way),
+        ("stand_ins::a_rig_in_use_is_not_flashed", stand_ins::rig_in_use),
+    ];
+    let mut trials: Vec<_> =
+        with_stm32flash.into_iter().map(|(name, check)| trial(name, stm32flash.clone(), check)).collect();
+    trials.extend(alone.into_iter().map(|(name, check)| trial(name, None, check)));
+    optional::run(&arguments, "flashing by stm32flash", stm32flash.as_deref(), trials)
+}

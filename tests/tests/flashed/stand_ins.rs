@@ -1,0 +1,168 @@
+//! Programs that stand for probe-rs and dfu-util: they check nothing but record their command lines, and answer as the real
+//! ones do according to their manuals.
+
+use std::fs;
+
+use tests::elf::Elf;
+use tests::program::Ended;
+use tests::twin::Twin;
+
+use crate::bench::{SIZE, Workbench, claims_success};
+
+/// probe-rs with one probe.
+const PROBE_RS: &str = r#"
+echo "probe-rs $*" >> "$BENCH/calls"
+case "$1" in
+list) echo "The following debug probes were found:"; echo "[0]: STLink V2-1 -- 0483:374b:0670FF (ST-LINK)";;
+esac"#;
+
+/// dfu-util with one chip in its boot loader. An upload yields what was downloaded; its end is an error, as of a chip that
+/// leaves the bus.
+const DFU_UTIL: &str = r#"
+echo "dfu-util $*" >> "$BENCH/calls"
+case "$*" in
+*-l*) echo 'Found DFU: [0483:df11] ver=2200, devnum=9, cfg=1, intf=0, path="1-2", alt=1, name="@Option Bytes  /0x1FFFC000/01*016 e", serial="3276365D3336"'
+      echo 'Found DFU: [0483:df11] ver=2200, devnum=9, cfg=1, intf=0, path="1-2", alt=0, name="@Internal Flash  /0x08000000/04*016Kg,01*064Kg,07*128Kg", serial="3276365D3336"';;
+*-D*) for file; do :; done; cp "$file" "$BENCH/flash";;
+*-U*) for file; do :; done; cp "$BENCH/flash" "$file"; echo "dfu-util: Error during download get_status" >&2; exit 74;;
+esac"#;
+
+fn with_dfu(script: &str) -> Workbench {
+    let bench = Workbench::new();
+    bench.program("dfu-util", script);
+    bench.system_program("/bin/cp");
+    bench
+}
+
+fn flash(bench: &Workbench, twin: &Twin) -> Ended {
+    bench.flash_with(&["--device", &twin.device()])
+}
+
+pub(crate) fn probe() {
+    let (bench, twin) = (Workbench::new(), Twin::start());
+    bench.program("probe-rs", PROBE_RS);
+    let ended = flash(&bench, &twin).with_code(0);
+    assert_eq!(
+        bench.calls(),
+        "probe-rs list\nprobe-rs download --chip STM32F405RGTx --verify BENCH/image.elf\nprobe-rs reset --chip STM32F405RGTx\n"
+    );
+    assert!(claims_success(&ended) && ended.stdout.contains("native-twin"), "{}", ended.stdout);
+    assert!(
+        ended.stdout.contains("\nbefore     ") && ended.stdout.contains(", disarmed\n"),
+        "{}",
+        ended.stdout
+    );
+    assert!(!ended.stdout.contains("STLink"), "{}", ended.stdout);
+}
+
+/// A rig file with a native twin as the drive.
+fn rig(bench: &Workbench, twin: &Twin, loader: &str) -> String {
+    let rig = bench.path("rig.toml");
+    let device = twin.device();
+    let text = format!(
+        "title = \"twin\"\ncontact = \"the tester\"\nboard = \"native-twin\"\n[port]\ndevice = \"{device}\"\n\
+         [limits]\ntorque_nm = 20\nload_travel_rad = 4\n[loader]\n{loader}\n"
+    );
+    fs::write(&rig, text).expect("a rig file");
+    rig.display().to_string()
+}
+
+pub(crate) fn probe_of_rig() {
+    let (bench, twin) = (Workbench::new(), Twin::start());
+    bench.program("probe-rs", PROBE_RS);
+    let rig = rig(&bench, &twin, "via = \"probe\"\nchip = \"STM32F407VG\"\nprobe = \"0483:374b:0670FF\"");
+    let ended = bench.flash_with(&["--rig", &rig]).with_code(0);
+    assert!(claims_success(&ended), "{}", ended.stdout);
+    let calls = bench.calls();
+    let want = "probe-rs download --chip STM32F407VG --probe 0483:374b:0670FF --verify BENCH/image.elf\n";
+    assert!(calls.contains(want), "{calls}");
+}
+
+pub(crate) fn two_probes() {
+    let (bench, twin) = (Workbench::new(), Twin::start());
+    bench.program("probe-rs", "echo \"[0]: A\"; echo \"[1]: B\"; echo \"probe-rs $*\" >> \"$BENCH/calls\"");
+    let ended = bench.flash_with(&["--via", "probe", "--device", &twin.device()]).with_code(4);
+    assert!(ended.stderr.contains("finds 2 debug probes"), "{}", ended.stderr);
+    assert_eq!(bench.calls(), "probe-rs list\n", "something was written");
+}
+
+pub(crate) fn dfu() {
+    let (bench, twin) = (with_dfu(DFU_UTIL), Twin::start());
+    let ended = flash(&bench, &twin).with_code(0);
+    assert!(claims_success(&ended), "{}", ended.stdout);
+    assert!(
+        fs::read(bench.path("flash")).expect("a flash") == bench.flash(),
+        "the flash differs from the image"
+    );
+    let calls = bench.calls();
+    let calls: Vec<_> = calls.lines().map(|call| call.rsplit_once(' ').expect("arguments").0).collect();
+    let read = format!("dfu-util -a 0 -d 0483:df11 -s 0x08000000:{SIZE}:leave -U");
+    assert_eq!(calls, ["dfu-util -l -d", "dfu-util -a 0 -d 0483:df11 -s 0x08000000 -D", &read]);
+}
+
+pub(crate) fn dfu_different() {
+    let damaged = DFU_UTIL.replace(r#"cp "$file" "$BENCH/flash""#, r#"cp "$BENCH/image.elf" "$BENCH/flash""#);
+    let (bench, twin) = (with_dfu(&damaged), Twin::start());
+    let ended = flash(&bench, &twin).with_code(4);
+    // The ELF begins with 0x7f, the image with the low byte of its stack.
+    assert!(
+        ended.stderr.contains("the byte at 0x08000000 reads back as 0x7f, 0x00 was written"),
+        "{}",
+        ended.stderr
+    );
+    assert!(ended.stderr.contains("hold BOOT0 high") && !claims_success(&ended), "{}", ended.stderr);
+}
+
+pub(crate) fn failed() {
+    let (bench, twin) = (Workbench::new(), Twin::start());
+    let script =
+        PROBE_RS.replace("esac", "download) printf '\\033[31mError\\033[0m\\nno ACK\\n' >&2; exit 1;;\nesac");
+    bench.program("probe-rs", &script);
+    let ended = flash(&bench, &twin).with_code(4);
+    let message = &ended.stderr;
+    assert!(
+        message.contains(r"\u{1b}[31mError\u{1b}[0m; no ACK") && !message.contains('\u{1b}'),
+        "{message}"
+    );
+    assert!(message.contains("connect the probe and call again") && !claims_success(&ended), "{message}");
+}
+
+pub(crate) fn no_way() {
+    let (bench, twin) = (Workbench::new(), Twin::start());
+    bench.program("dfu-util", "echo 'dfu-util 0.11'");
+    let message = flash(&bench, &twin).with_code(4).stderr;
+    for reason in [
+        "probe  probe-rs is not installed: install it from https://probe.rs",
+        "dfu    no chip on USB is in its boot loader: hold BOOT0 high during a reset",
+        "uart   ",
+        "stm32flash is not installed: install the package stm32flash",
+    ] {
+        assert!(message.contains(reason), "{reason}: {message}");
+    }
+}
+
+pub(crate) fn rig_in_use() {
+    let (bench, twin) = (Workbench::with(Elf::image(SIZE, 1, false)), Twin::start());
+    let rig = rig(&bench, &twin, "");
+    bench.program("probe-rs", "echo $$ > \"$BENCH/started\"; exec /bin/sleep 60");
+    let first = bench.start(&["--rig", &rig]);
+    tests::wait::until("the first program looks for a probe", || {
+        bench.path("started").exists().then_some(())
+    });
+    let ended = bench.flash_with(&["--rig", &rig]).with_code(4);
+    let holder = format!("the rig is in use by process {} of ", first.id());
+    assert!(ended.stderr.contains(&holder) && ended.stderr.contains("lashloop flash"), "{}", ended.stderr);
+    first.signal(rustix::process::Signal::INT);
+    let _ = first.wait();
+}
+
+pub(crate) fn run_in_progress() {
+    let (bench, twin) = (Workbench::new(), Twin::start());
+    bench.program("probe-rs", PROBE_RS);
+    let (run, _records) = tests::loss::run_in_progress(&twin.device());
+    let message = flash(&bench, &twin).with_code(4).stderr;
+    assert!(message.contains("another program holds it"), "{message}");
+    assert_eq!(bench.calls(), "probe-rs list\n", "the core of a running drive was halted");
+    run.signal(rustix::process::Signal::INT);
+    let _ = run.wait().with_code(3);
+}

@@ -1,0 +1,127 @@
+//! The real stm32flash against a chip in its boot loader on a pseudo-terminal.
+
+use std::env;
+
+use lashloop_firmware::drive::{BUILD_ID, BUILD_IS_DIRTY};
+use rustix::process::Signal;
+use tests::elf::Elf;
+use tests::program::Ended;
+use tests::rom_loader::{Defect, RomLoader};
+use tests::twin::Twin;
+use tests::{processes, wait};
+
+use crate::bench::{SIZE, Workbench, claims_success};
+
+const PROGRAM: &str = "stm32flash";
+
+fn program() -> Option<String> {
+    let path = env::var_os("PATH").unwrap_or_default();
+    let found = env::split_paths(&path).map(|folder| folder.join(PROGRAM)).find(|path| path.is_file());
+    found.map(|path| path.display().to_string())
+}
+
+/// Names missing equipment and the command that installs it.
+pub(crate) fn missing() -> Option<String> {
+    program().is_none().then(|| format!("{PROGRAM} is not installed: run `cargo xtask setup`"))
+}
+
+fn with(elf: Elf) -> Workbench {
+    let bench = Workbench::with(elf);
+    bench.system_program(&program().expect("stm32flash"));
+    bench
+}
+
+fn right() -> Workbench {
+    with(Elf::image(SIZE, BUILD_ID, BUILD_IS_DIRTY))
+}
+
+fn flash(bench: &Workbench, loader: &RomLoader) -> Ended {
+    bench.flash_with(&["--via", "uart", "--device", &loader.device])
+}
+
+pub(crate) fn flashed() {
+    let (bench, loader) = (right(), RomLoader::start(Defect::None));
+    let ended = flash(&bench, &loader).with_code(0);
+    assert!(loader.flash(SIZE) == bench.flash(), "the flash differs from the image");
+    assert_eq!(loader.flash(SIZE + 1)[SIZE], 0xff, "a byte after the image is written");
+    let last = ended.stdout.lines().last().unwrap_or_default();
+    let report = format!("flashed    the drive on {} reports native-twin, firmware ", loader.device);
+    assert!(last.starts_with(&report) && last.contains(&format!("{BUILD_ID:08x}")), "{}", ended.stdout);
+    assert_eq!(ended.stderr, "", "output of stm32flash on the terminal");
+}
+
+pub(crate) fn found() {
+    let (bench, loader) = (right(), RomLoader::start(Defect::None));
+    let ended = bench.flash_with(&["--device", &loader.device]).with_code(0);
+    assert!(ended.stdout.contains("\nway        uart: "), "{}", ended.stdout);
+}
+
+pub(crate) fn other_build() {
+    let (bench, loader) =
+        (with(Elf::image(SIZE, BUILD_ID ^ 1, BUILD_IS_DIRTY)), RomLoader::start(Defect::None));
+    let ended = flash(&bench, &loader).with_code(1);
+    assert!(loader.flash(SIZE) == bench.flash(), "the flash differs from the image");
+    let [drive, image] = [BUILD_ID, BUILD_ID ^ 1].map(|build| format!("build {build:08x}"));
+    assert!(ended.stderr.contains(&drive) && ended.stderr.contains(&image), "{}", ended.stderr);
+    assert!(!claims_success(&ended), "{}", ended.stdout);
+}
+
+pub(crate) fn no_build() {
+    let bench = with(Elf { symbols: Vec::new(), ..Elf::image(SIZE, 0, false) });
+    let ended = flash(&bench, &RomLoader::start(Defect::None)).with_code(1);
+    assert!(ended.stderr.contains("has no build to compare with"), "{}", ended.stderr);
+    assert!(!claims_success(&ended), "{}", ended.stdout);
+}
+
+fn failed(defect: Defect) -> String {
+    let (bench, loader) = (right(), RomLoader::start(defect));
+    let ended = flash(&bench, &loader).with_code(4);
+    assert!(!claims_success(&ended), "{}", ended.stdout);
+    assert!(ended.stderr.contains("hold BOOT0 high during a reset and call again"), "{}", ended.stderr);
+    ended.stderr
+}
+
+pub(crate) fn protected() {
+    let message = failed(Defect::Protected);
+    assert!(message.contains("not flashed: stm32flash failed"), "{message}");
+}
+
+pub(crate) fn stuck_bit() {
+    // A byte whose lowest bit is 1 in the image.
+    let bench = right();
+    let at = bench.flash().iter().rposition(|byte| byte & 1 == 1).expect("an odd byte");
+    let message = failed(Defect::StuckBit(at));
+    assert!(message.contains("not flashed: stm32flash failed"), "{message}");
+}
+
+pub(crate) fn interrupted() {
+    let (bench, loader) = (right(), RomLoader::start(Defect::Hangs));
+    let running = bench.start(&["--via", "uart", "--device", &loader.device]);
+    wait::until("the first write", || loader.hangs().then_some(()));
+    let [stm32flash] = processes::children(running.id())[..] else { panic!("one child was expected") };
+    assert_eq!(processes::name(stm32flash), PROGRAM);
+    running.signal(Signal::INT);
+    let ended = running.wait().with_code(3);
+    assert!(!processes::runs(stm32flash), "stm32flash still runs");
+    assert!(
+        ended.stderr.contains("interrupted; the flash may be incomplete; hold BOOT0"),
+        "{}",
+        ended.stderr
+    );
+    assert!(!claims_success(&ended), "{}", ended.stdout);
+}
+
+pub(crate) fn silent() {
+    let message = failed(Defect::Silent);
+    assert!(message.contains("written and compared, but not confirmed"), "{message}");
+}
+
+pub(crate) fn no_loader() {
+    let (bench, twin) = (right(), Twin::start());
+    let ended = bench.flash_with(&["--via", "uart", "--device", &twin.device()]).with_code(4);
+    assert!(
+        ended.stderr.contains("no boot loader answers") && ended.stderr.contains("BOOT0"),
+        "{}",
+        ended.stderr
+    );
+}

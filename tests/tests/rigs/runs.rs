@@ -1,0 +1,113 @@
+//! `lashloop run --rig`.
+
+use std::fs;
+
+use rustix::process::Signal;
+use tests::loss::run_in_progress;
+use tests::paper::{PATIENCE, RUNS};
+use tests::program::{self, Ended, Running};
+use tests::records::Records;
+use tests::twin::Twin;
+
+use crate::bench::RigFile;
+
+fn run(rig: &RigFile, more: &[&str]) -> Ended {
+    program::run([&["run", &RUNS[1].scenario(), "--rig", &rig.path()], more].concat())
+}
+
+/// A rig whose run would be a connection to a twin that doesn't exist.
+const NOWHERE: &str = "/dev/serial/by-id/usb-none";
+
+#[test]
+fn a_run_on_a_rig_has_the_torques_of_its_device() {
+    let (twin, records) = (Twin::start(), Records::new());
+    let out = records.out();
+    let ended = run(&RigFile::new(&twin.device()), &[&PATIENCE[..], &["--out", &out]].concat()).with_code(0);
+    assert!(ended.stdout.ends_with("PASS\n"), "{}", ended.stdout);
+    assert_eq!(records.summary()["torque_sha256"], RUNS[1].torque_sha256);
+}
+
+#[test]
+fn the_torque_limit_of_the_rig_holds_where_the_scenario_has_none() {
+    let (twin, records) = (Twin::start(), Records::new());
+    let rig = RigFile::with(&twin.device(), "native-twin", "torque_nm = 1.5\nload_travel_rad = 2.0");
+    let text = fs::read_to_string(tests::workspace().join(RUNS[1].scenario())).expect("a scenario");
+    let scenario = records.path("scenario.toml");
+    fs::write(&scenario, text.replace("torque_limit_nm = 25.0\n", "")).expect("a scenario without a limit");
+    let (scenario, out) = (scenario.display().to_string(), records.out());
+    let settings = ["--set", "run.duration_s=1", "--set", "expect=[]", "--out", &out];
+    let _ = program::run([&["run", &scenario, "--rig", &rig.path()], &PATIENCE[..], &settings].concat())
+        .with_code(0);
+    let trace = records.trace();
+    let peak_nm = trace.column("torque_nm").iter().fold(0.0_f64, |peak, torque| peak.max(torque.abs()));
+    assert!((peak_nm - 1.5).abs() < 1e-6, "the law saturates at {peak_nm} N m");
+}
+
+#[test]
+fn a_scenario_beyond_the_limits_reaches_no_drive() {
+    // The port doesn't exist: opening it would be another error.
+    let rig = RigFile::with(NOWHERE, "native-twin", "torque_nm = 5.0\nload_travel_rad = 0.5");
+    let torque = run(&rig, &["--set", "controller.parameters.torque_limit_nm=6"]).with_code(2).stderr;
+    let want = format!("exceeds the rig; {} allows limits.torque_nm = 5 N m", rig.path());
+    assert!(torque.contains("torque_limit_nm=6") && torque.contains(&want), "{torque}");
+    let travel =
+        run(&rig, &["--set", "reference.position_rad=0.6", "--set", "meant=start"]).with_code(2).stderr;
+    assert!(travel.contains("the reference reaches 0.600000 rad"), "{travel}");
+}
+
+#[test]
+fn absent_hardware_is_no_verdict() {
+    let ended = run(&RigFile::new(NOWHERE), &[]).with_code(5);
+    assert!(
+        ended.stderr.contains("hardware absent: there is no /dev/serial/by-id/usb-none"),
+        "{}",
+        ended.stderr
+    );
+    assert!(ended.stderr.contains("ask A. Engineer"), "{}", ended.stderr);
+    assert_eq!(ended.stdout, "", "a verdict without a run");
+}
+
+#[test]
+fn a_second_run_names_the_holder_and_the_first_one_continues() {
+    let twin = Twin::start();
+    let (rig, records) = (RigFile::new(&twin.device()), Records::new());
+    let (path, out) = (rig.path(), records.out());
+    let endless = ["--set", "run.duration_s=100000", "--set", "record.flush_rows=10", "--out", &out];
+    let first = Running::start([&["run", &RUNS[1].scenario(), "--rig", &path], &endless[..]].concat());
+    records.wait_for_rows();
+    let message = run(&rig, &[]).with_code(4).stderr;
+    let holder = format!("{}: the rig is in use by process {} of ", twin.device(), first.id());
+    assert!(
+        message.contains(&holder) && message.contains("lashloop run scenarios/smooth-after.toml"),
+        "{message}"
+    );
+    first.signal(Signal::KILL);
+    let _ = first.wait();
+    // The kernel has released the lock of the killed run.
+    let after = run(&rig, &["--set", "run.duration_s=0.1", "--set", "expect=[]"]);
+    let _ = after.with_code(0);
+}
+
+#[test]
+fn a_device_in_use_without_a_rig_is_in_use_for_a_rig_too() {
+    let twin = Twin::start();
+    let (first, _records) = run_in_progress(&twin.device());
+    let message = run(&RigFile::new(&twin.device()), &[]).with_code(4).stderr;
+    assert!(message.contains("another program holds it"), "{message}");
+    first.signal(Signal::INT);
+    let _ = first.wait().with_code(3);
+}
+
+#[test]
+fn a_drive_on_another_board_is_rejected() {
+    let twin = Twin::start();
+    let rig = RigFile::with(&twin.device(), "odrive-v3", "torque_nm = 5.0\nload_travel_rad = 2.0");
+    let message = run(&rig, &[]).with_code(4).stderr;
+    assert!(message.contains("its board is native-twin") && message.contains("is odrive-v3"), "{message}");
+}
+
+#[test]
+fn a_rig_and_a_device_exclude_each_other() {
+    let ended = run(&RigFile::new(NOWHERE), &["--device", "inproc"]).with_code(2);
+    assert!(ended.stderr.contains("cannot be used with"), "{}", ended.stderr);
+}
