@@ -9,6 +9,7 @@
 //! | [`control`] | control laws, from encoder counts to a torque |
 //! | [`Laws`] | the laws of Lashloop's own drive |
 //! | [`drive`] | session, parameters and safety: a state machine with bytes and device time in, bytes and a torque out |
+//! | [`usb`] | the drive's own USB port, on any bus |
 //! | `board` (feature `image`, Arm only) | the drive on the microcontroller, and `image!` |
 //!
 //! `no_std`, no allocation, no unsafe code. Floating-point functions come from `libm` only, so that every machine
@@ -28,5 +29,6 @@ pub mod control;
 pub mod drive;
 pub mod law;
 mod laws;
+pub mod usb;
 
 pub use laws::Laws;
