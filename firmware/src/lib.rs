@@ -12,6 +12,7 @@
 //! | [`power_stage`] | from a torque to a duty; what switches the bridge |
 //! | [`quadrature`] | hardware counters to the counts of the drive |
 //! | [`drive`] | session, parameters and safety: a state machine with bytes and device time in, bytes and a torque out |
+//! | [`usb`] | the drive's own USB port, on any bus |
 //! | `board` (feature `image`, Arm only) | the drive on the microcontroller, and `image!` |
 //!
 //! `no_std`, no allocation, no unsafe code. Floating-point functions come from `libm` only, so that every machine
@@ -34,5 +35,6 @@ pub mod law;
 mod laws;
 pub mod power_stage;
 pub mod quadrature;
+pub mod usb;
 
 pub use laws::Laws;

@@ -19,6 +19,8 @@
 //! | [`paper`] | the paper's four runs and their pinned torque digests |
 //! | [`walk`] | a page of `docs/extend`, command by command |
 //! | [`wait`] | conditions with deadlines |
+//! | [`usb`] | USB devices in software |
+//! | [`usb_guest`] | a Linux guest with real USB drivers |
 //! | [`optional`] | tests that need equipment which a checkout does not include |
 //! | [`own_core`] | a core for each worker thread and its children |
 //!
@@ -42,6 +44,8 @@ pub mod relay;
 pub mod rom_loader;
 pub mod terminal;
 pub mod twin;
+pub mod usb;
+pub mod usb_guest;
 pub mod wait;
 pub mod walk;
 

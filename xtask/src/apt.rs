@@ -17,10 +17,18 @@ pub(crate) fn install(packages: &[&str]) -> Result<()> {
     let needed = || format!("{} could not be installed", packages.join(", "));
     ensure!(is_installed("apt-get"), "{}: apt-get is missing", needed());
     // The lists of a fresh machine are empty; without a network old lists may still do.
-    if let Err(error) = run(&mut apt_get("update")) {
+    if let Err(error) = update() {
         println!("setup: {error:#}; trying with the package lists of this machine");
     }
     run(apt_get("install --yes --no-install-recommends").args(packages)).with_context(needed)
+}
+
+/// Updates the lists of packages.
+///
+/// # Errors
+/// `apt-get` failed.
+pub(crate) fn update() -> Result<()> {
+    run(&mut apt_get("update"))
 }
 
 pub(crate) fn is_root() -> bool {

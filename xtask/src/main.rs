@@ -18,6 +18,7 @@ mod schedule;
 mod setup;
 mod size;
 mod test_programs;
+mod usb_guest;
 
 use std::process::ExitCode;
 

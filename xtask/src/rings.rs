@@ -33,6 +33,8 @@ pub(crate) enum Ring {
     Image,
     /// The Python package: lint, its own tests, and its drive on the bench
     Python,
+    /// The bench in a Linux guest with the kernel's USB serial drivers
+    Usb,
     /// Every fuzzer for a bounded time
     Fuzz,
 }
@@ -51,6 +53,7 @@ fn ring_of(program: &str) -> Option<Ring> {
         "tests looped" | "tests conforming" | "tests flashed" | "tests network" | "tests rigs"
         | "host tools" => Some(Ring::Loop),
         "tests emulated" => Some(Ring::Image),
+        "tests usb" => Some(Ring::Usb),
         PYTHON => Some(Ring::Python),
         _ => Some(Ring::Unit),
     }
@@ -132,7 +135,7 @@ impl Selection {
                 counts.step("fuzz", || fuzz::run_all(self.seconds));
                 return counts;
             }
-            Ring::Unit | Ring::Loop | Ring::Python => {}
+            Ring::Unit | Ring::Loop | Ring::Python | Ring::Usb => {}
         }
         let mut programs = Vec::new();
         counts.step("test programs", || {

@@ -4,22 +4,23 @@ use anyhow::{Context, Result, anyhow, ensure};
 
 use crate::arm_toolchain::{ArmToolchain, TARGET};
 use crate::command::{command, is_installed, run};
-use crate::{apt, python};
+use crate::{apt, python, usb_guest};
 
 /// Programs that the tests call, each with the Debian package that has it.
-const PROGRAMS: [(&str, &str); 5] = [
+const PROGRAMS: [(&str, &str); 6] = [
     ("qemu-system-arm", "qemu-system-arm"),
     ("tshark", "tshark"),
     ("c++", "g++"),
     ("ser2net", "ser2net"),
     ("stm32flash", "stm32flash"),
+    usb_guest::EMULATOR,
 ];
 /// A compiler with the sources of `core`, for a rustup without a network.
 const DEBIAN_RUST: [&str; 3] = ["rustc-web", "rust-web-src", "rust-web-clippy"];
 const DEBIAN_PYTHON: [&str; 2] = ["python3", "python3-venv"];
 
-/// Installs the emulator, a reader of captures, a C++ compiler, a server of serial ports, a program for the boot loader of the
-/// chip, a core library for Arm and the Python package.
+/// Installs the emulators, a reader of captures, a C++ compiler, a server of serial ports, a program for the boot loader of the
+/// chip, a core library for Arm and the Python package, and unpacks the parts of the guest.
 ///
 /// # Errors
 /// What could not be installed, and what to do.
@@ -27,6 +28,7 @@ pub(crate) fn install_missing() -> Result<()> {
     let missing_programs = || PROGRAMS.into_iter().filter(|(program, _)| !is_installed(program));
     let needs_arm_core = ArmToolchain::find().is_err();
     let needs_python_package = !python::is_set_up();
+    let needs_usb_guest = usb_guest::is_possible() && !usb_guest::is_set_up();
     let mut packages: Vec<_> = missing_programs().map(|(_, package)| package).collect();
     if needs_python_package && python::find().is_none() {
         packages.extend(DEBIAN_PYTHON);
@@ -41,6 +43,7 @@ pub(crate) fn install_missing() -> Result<()> {
         }),
         needs_python_package
             .then(|| "\n  the Python package with its test tools: by pip, into target/python".to_owned()),
+        needs_usb_guest.then(|| format!("\n  {}", usb_guest::PLAN)),
     ]
     .into_iter()
     .flatten()
@@ -57,6 +60,9 @@ pub(crate) fn install_missing() -> Result<()> {
     }
     if needs_python_package {
         outcomes.push(python::set_up());
+    }
+    if needs_usb_guest {
+        outcomes.push(usb_guest::set_up());
     }
     let failures: Vec<_> =
         outcomes.into_iter().filter_map(Result::err).map(|error| format!("{error:#}")).collect();

@@ -3,6 +3,8 @@
 use std::io;
 use std::time::Duration;
 
+use super::usb_adapter::UsbAdapter;
+
 /// A write that takes longer goes to a line that takes no bytes any more.
 pub(super) const WRITE_LIMIT: Duration = Duration::from_secs(1);
 
@@ -21,19 +23,20 @@ pub enum LinkError {
     /// The line took no byte for as long as a write may take, or too few.
     #[error("the line took no bytes for {} s: the drive does not read", WRITE_LIMIT.as_secs())]
     Stuck,
+    /// The adapter was unplugged, and its name now is that of another one.
+    #[error(
+        "another adapter has taken the name: expected {expected}, found {found}; plug in the former one, and name it by its \
+         path under /dev/serial/by-id, which `lashloop ports` lists"
+    )]
+    OtherAdapter {
+        /// The adapter that the link was opened on.
+        expected: Box<UsbAdapter>,
+        /// The one that has its name now.
+        found: Box<UsbAdapter>,
+    },
     /// The operating system refused.
     #[error("{0}")]
     Io(io::Error),
-}
-
-impl LinkError {
-    /// The error of a write with a time limit.
-    pub(super) fn of_write(error: io::Error) -> Self {
-        match error.kind() {
-            io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock => Self::Stuck,
-            _ => error.into(),
-        }
-    }
 }
 
 impl From<io::Error> for LinkError {

@@ -12,7 +12,8 @@
 //! | [`reopening`] | a terminal or TCP port that is opened again after it was disconnected |
 //! | [`uart_model`] | any of these but a serial port, as slow as a UART |
 //!
-//! [`terminal`] makes the pseudo-terminal that a drive serves.
+//! [`terminal`] makes the pseudo-terminal that a drive serves. [`usb_adapter`] identifies a USB serial adapter, and
+//! [`latency_timer`] shortens the time for which it holds received bytes.
 //!
 //! Every wait has a deadline, and the end of a line is an error of its own: a terminal whose far end is closed otherwise
 //! reads as silence for ever.
@@ -25,6 +26,7 @@ mod contract;
 mod deadline;
 mod error;
 pub mod in_process;
+pub mod latency_timer;
 pub mod pty;
 pub mod reopening;
 pub mod rfc2217;
@@ -33,6 +35,7 @@ pub mod socket;
 pub mod tcp;
 pub mod terminal;
 pub mod uart_model;
+pub mod usb_adapter;
 
 pub use contract::{Link, TimeBase};
 pub use error::LinkError;

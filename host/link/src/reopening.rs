@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::{Link, LinkError};
 
-type Open = Box<dyn FnMut() -> Option<Box<dyn Link>> + Send>;
+type Open = Box<dyn FnMut() -> Result<Box<dyn Link>, LinkError> + Send>;
 
 /// A link that is opened again, by the same name, when it is disconnected and its input is to be discarded: every session
 /// begins with that. Until then it stays disconnected, so that no request reaches another drive unnoticed.
@@ -15,13 +15,26 @@ pub struct Reopening {
 }
 
 impl Reopening {
-    /// Opens the link for the first time.
+    /// Opens the link for the first time. Later failures of `open` leave the link disconnected.
     ///
     /// # Errors
     /// `open` fails.
-    pub fn new<E>(mut open: impl FnMut() -> Result<Box<dyn Link>, E> + Send + 'static) -> Result<Self, E> {
+    pub fn new<E: 'static>(
+        open: impl FnMut() -> Result<Box<dyn Link>, E> + Send + 'static,
+    ) -> Result<Self, E> {
+        Self::explaining(open, |_| LinkError::Disconnected)
+    }
+
+    /// As [`Self::new`], with the error that a later failure of `open` is for the session.
+    ///
+    /// # Errors
+    /// `open` fails.
+    pub fn explaining<E: 'static>(
+        mut open: impl FnMut() -> Result<Box<dyn Link>, E> + Send + 'static,
+        explain: fn(E) -> LinkError,
+    ) -> Result<Self, E> {
         let link = Some(open()?);
-        Ok(Self { open: Box::new(move || open().ok()), link })
+        Ok(Self { open: Box::new(move || open().map_err(explain)), link })
     }
 
     fn with<T>(&mut self, act: impl FnOnce(&mut dyn Link) -> Result<T, LinkError>) -> Result<T, LinkError> {
@@ -49,7 +62,7 @@ impl Link for Reopening {
 
     fn discard_input(&mut self) -> Result<(), LinkError> {
         if self.link.is_none() {
-            self.link = (self.open)();
+            self.link = Some((self.open)()?);
         }
         self.with(|link| link.discard_input())
     }

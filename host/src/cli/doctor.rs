@@ -2,6 +2,7 @@
 
 use crate::bench::Bench;
 use crate::doctor;
+use crate::doctor::finding::Finding;
 use clap::Args;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::verdict::Exit;
@@ -32,10 +33,8 @@ pub(crate) struct Arguments {
 impl Arguments {
     pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
         let supervisor = start_supervisor()?;
-        let examination = doctor::examine(&self.device, self.line.baud, self.rounds, &supervisor);
-        for finding in &examination.findings {
-            outln!("{finding}");
-        }
+        let print = |finding: &Finding| outln!("{finding}");
+        let examination = doctor::examine(&self.device, self.line.baud, self.rounds, &supervisor, print);
         Ok(match (examination.reached, examination.is_healthy()) {
             (false, _) => Exit::DeviceOrLink,
             (true, false) => Exit::Fail,

@@ -106,6 +106,11 @@ impl Arguments {
             trace.finish()?;
             timing.finish()?;
         }
+        // The warnings at the start have it for an adapter that was not reconnected.
+        let reconnected = (outcome.link.resumes > 0).then(|| device.device.connection.long_latency_timer());
+        if let Some(warning) = reconnected.flatten() {
+            error_line(format_args!("lashloop: warning: since the reconnect {warning}"));
+        }
         let summary = summary(&scenario, &device.device, &outcome);
         // Closes the link, and with it the sending end of the capture.
         drop(device);

@@ -6,10 +6,10 @@ use lashloop_protocol::enums::State;
 use lashloop_protocol::message::Identity;
 
 use super::finding::Finding;
-use super::latency_timer::LatencyTimer;
 use super::line_under_test::LineUnderTest;
 use super::round_trip::{BYTES, Timing};
 use lashloop_bench::device::DeviceError;
+use lashloop_bench::link::latency_timer::LatencyTimer;
 use lashloop_bench::session::printable;
 
 /// Excess over the time on the wire that indicates buffering. USB at full speed costs up to 1 ms in each direction, and the
@@ -53,20 +53,17 @@ pub(super) fn latency_timer(line: LineUnderTest<'_>, timer: Option<&LatencyTimer
     match timer {
         None => Finding::not_applicable(about, format!("{} does not buffer by time", line.name())),
         Some(LatencyTimer::None) => Finding::not_applicable(about, "this driver has none"),
-        Some(LatencyTimer::Short) => Finding::fine(about, "1 ms, the shortest"),
+        Some(LatencyTimer::Short { ms: 0 }) => {
+            Finding::fine(about, "0 ms as the driver reports it; the shortest that FTDI specifies is 1 ms")
+        }
+        Some(LatencyTimer::Short { ms }) => Finding::fine(about, format!("{ms} ms, the shortest")),
         Some(LatencyTimer::Shortened { from_ms }) => Finding::fine(
             about,
             format!(
                 "was {from_ms} ms, set to 1 ms until the adapter is unplugged; a udev rule makes it last"
             ),
         ),
-        Some(LatencyTimer::Long { ms, file, reason }) => Finding::wrong(
-            about,
-            format!(
-                "{ms} ms and can't be shortened ({reason}): echo 1 | sudo tee {}, or add a udev rule that does it",
-                file.display()
-            ),
-        ),
+        Some(long @ LatencyTimer::Long { .. }) => Finding::wrong(about, long.remedy().unwrap_or_default()),
     }
 }
 
@@ -210,6 +207,13 @@ mod tests {
         WRONG  latency timer  16 ms and can't be shortened (permission denied): echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer, or add a udev rule that does it
         WRONG  speed          p50 is 16020.2 us above the 379.8 us that 35 bytes take on the wire at 10 bits each: the adapter's latency timer of 16 ms
         ");
+    }
+
+    #[test]
+    fn a_timer_of_zero_is_not_called_1_ms() {
+        let text = |ms| latency_timer(serial_port(), Some(&LatencyTimer::Short { ms })).text;
+        assert_eq!(text(1), "1 ms, the shortest");
+        assert!(text(0).starts_with("0 ms"), "{}", text(0));
     }
 
     #[test]

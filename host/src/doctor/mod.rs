@@ -3,7 +3,6 @@
 //! | module | is |
 //! |---|---|
 //! | [`tty_users`] | processes that have the terminal open |
-//! | [`latency_timer`] | delay of received bytes in a USB adapter |
 //! | [`round_trip`] | time from sample to torque |
 //! | `assessment` | judges each of these |
 //! | [`finding`] | the result for one property |
@@ -15,13 +14,13 @@
 
 mod assessment;
 pub mod finding;
-pub mod latency_timer;
 mod line_under_test;
 pub mod round_trip;
 pub mod tty_users;
 
 use finding::Finding;
 use lashloop_bench::device::{Connection, DeviceChoice, session_number};
+use lashloop_bench::link::latency_timer::LatencyTimer;
 use lashloop_bench::session::Session;
 use lashloop_bench::supervisor::Supervisor;
 use line_under_test::LineUnderTest;
@@ -44,13 +43,23 @@ impl Examination {
 
 /// Opens the line to a drive as a run does, opens a session and measures. The drive stays disarmed in `Idle`. A shortened
 /// latency timer stays short until the adapter is unplugged. `baud` is the speed of a serial port, in bit/s, and `rounds` the
-/// number of samples of the round-trip measurement.
-#[must_use]
-pub fn examine(choice: &DeviceChoice, baud: u32, rounds: u32, supervisor: &Supervisor) -> Examination {
+/// number of samples of the round-trip measurement. `report` receives each finding at once, because the measurement may take
+/// many seconds.
+pub fn examine(
+    choice: &DeviceChoice,
+    baud: u32,
+    rounds: u32,
+    supervisor: &Supervisor,
+    mut report: impl FnMut(&Finding),
+) -> Examination {
     let mut findings = Vec::new();
-    let ended = examine_steps(choice, baud, rounds, supervisor, &mut findings);
+    let mut keep = |finding: Finding| {
+        report(&finding);
+        findings.push(finding);
+    };
+    let ended = examine_steps(choice, baud, rounds, supervisor, &mut keep);
     let reached = ended.is_ok();
-    findings.extend(ended.err());
+    ended.err().into_iter().for_each(keep);
     Examination { findings, reached }
 }
 
@@ -60,28 +69,29 @@ fn examine_steps(
     baud: u32,
     rounds: u32,
     supervisor: &Supervisor,
-    findings: &mut Vec<Finding>,
+    report: &mut impl FnMut(Finding),
 ) -> Result<(), Finding> {
     let line = LineUnderTest::new(choice, baud);
+    let timer_before_ms = line.terminal().and_then(LatencyTimer::read_ms);
     let (link, connection) = Connection::open(choice, baud, supervisor).map_err(|error| {
         let users = choice.terminal().map(tty_users::of).unwrap_or_default();
         assessment::not_opened(&error, &users)
     })?;
-    findings.push(assessment::opened(line));
-    findings.push(assessment::dtr(line));
-    let timer = line.terminal().map(latency_timer::LatencyTimer::shorten);
-    findings.push(assessment::latency_timer(line, timer.as_ref()));
-    findings.push(assessment::drained());
+    report(assessment::opened(line));
+    report(assessment::dtr(line));
+    let timer = line.terminal().map(|terminal| LatencyTimer::shorten(terminal).since(timer_before_ms));
+    report(assessment::latency_timer(line, timer.as_ref()));
+    report(assessment::drained());
     let failed = |subject| {
         let connection = &connection;
         move |source| Finding::wrong(subject, connection.explain(source).to_string())
     };
     let mut session = Session::open(link, session_number()).map_err(failed("handshake"))?;
-    findings.push(assessment::handshake(&session.identity));
+    report(assessment::handshake(&session.identity));
     let timing = round_trip::measure(&mut session, rounds).map_err(failed("round trip"))?;
-    findings.push(assessment::round_trip(&timing));
-    findings.extend(assessment::losses(&timing, session.traffic().damaged));
-    findings.extend(assessment::surplus(&timing));
-    findings.push(assessment::speed(&timing, line.wire_time(), timer.as_ref()));
+    report(assessment::round_trip(&timing));
+    assessment::losses(&timing, session.traffic().damaged).into_iter().for_each(&mut *report);
+    assessment::surplus(&timing).into_iter().for_each(&mut *report);
+    report(assessment::speed(&timing, line.wire_time(), timer.as_ref()));
     Ok(())
 }

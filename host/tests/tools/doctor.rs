@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{Read, Write};
 use std::path::Path;
 use std::thread;
+use std::time::{Duration, Instant};
 
 use lashloop::doctor::finding::Health;
 use lashloop::doctor::{Examination, examine};
@@ -20,7 +21,7 @@ use crate::support::{lashloop, text};
 fn examination(device: &str) -> Examination {
     let device: DeviceChoice = device.parse().expect("a device");
     let supervisor = Supervisor::without_signals(None).expect("a thread");
-    examine(&device, 921_600, 100, &supervisor)
+    examine(&device, 921_600, 100, &supervisor, |_| ())
 }
 
 fn name(path: &Path) -> String {
@@ -80,6 +81,18 @@ fn silent_far_end_is_reported() {
     assert!(!examination.reached);
     let report = wrong(&examination);
     assert!(report.contains("silent for 2.5 s after Hello") && report.contains("baud rate"), "{report}");
+}
+
+#[test]
+fn findings_are_reported_while_the_examination_goes_on() {
+    let twin = Twin::open().unwrap();
+    let device: DeviceChoice = name(&twin.terminal.path).parse().expect("a device");
+    let supervisor = Supervisor::without_signals(None).expect("a thread");
+    let mut reported = Vec::new();
+    examine(&device, 921_600, 100, &supervisor, |finding| reported.push((finding.subject, Instant::now())));
+    let [(first, opened), .., (last, silent)] = reported[..] else { panic!("{reported:?}") };
+    assert_eq!((first, last), ("open", "handshake"));
+    assert!(silent - opened > Duration::from_secs(2), "{:?} from open to silence", silent - opened);
 }
 
 #[test]

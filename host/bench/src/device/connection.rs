@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use lashloop_link::latency_timer::LatencyTimer;
 use lashloop_link::uart_model::UartModel;
 use lashloop_link::{Link, LinkError};
 use lashloop_protocol::message::Identity;
@@ -87,11 +88,18 @@ impl Connection {
         )
     }
 
-    /// What casts doubt on the drive's origin, each in a sentence: an image or twin that is older than its sources, or of
-    /// another build than the bench.
+    /// What casts doubt on a run, each in a sentence: an image or twin that is older than its sources, or of another build
+    /// than the bench; an adapter that holds received bytes for long.
     #[must_use]
     pub fn warnings(&self, identity: &Identity) -> Vec<String> {
-        self.files.warnings(identity)
+        self.files.warnings(identity).into_iter().chain(self.long_latency_timer()).collect()
+    }
+
+    /// The remedy for an adapter whose latency timer stays long, in a sentence. A reconnect brings its default back.
+    #[must_use]
+    pub fn long_latency_timer(&self) -> Option<String> {
+        let remedy = LatencyTimer::shorten(self.choice.terminal()?).remedy()?;
+        Some(format!("the latency timer of {} is {remedy}", self.choice))
     }
 
     /// The drive's origin, for the record. Reads and hashes the files that run as the drive.

@@ -54,7 +54,7 @@ impl Device {
         self.connection.description(&self.session.identity)
     }
 
-    /// What casts doubt on the drive's origin, see [`Connection::warnings`].
+    /// What casts doubt on a run, see [`Connection::warnings`].
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         self.connection.warnings(&self.session.identity)

@@ -3,10 +3,12 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use lashloop_link::Link;
+use lashloop_link::latency_timer::LatencyTimer;
 use lashloop_link::pty::{self, Pty};
 use lashloop_link::reopening::Reopening;
 use lashloop_link::serial::Serial;
+use lashloop_link::usb_adapter::UsbAdapter;
+use lashloop_link::{Link, LinkError};
 
 use crate::device::drive_host::DriveHost;
 use crate::device::error::DeviceError;
@@ -53,24 +55,61 @@ impl DeviceKind for TerminalDrive {
     }
 }
 
-/// Opens and locks a pseudo-terminal or a serial port. `baud` is in bits per second and is for serial ports alone.
+/// Opens and locks a pseudo-terminal or a serial port. `baud` is in bits per second and is for serial ports alone. The latency
+/// timer of a USB adapter is shortened whenever the port is opened: after a reconnect it has its default again.
 ///
 /// # Errors
 /// `path` is missing, is no terminal, or another program holds it.
 pub fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, DeviceError> {
     let name = path.to_owned();
-    let open = move || -> io::Result<Box<dyn Link>> {
+    let mut adapter = None;
+    let open = move || -> Result<Box<dyn Link>, OpenError> {
         // Resolved on every opening: a name under /dev/serial/by-id may point to another file after a reconnect.
         let path = name.canonicalize()?;
         if is_pseudo_terminal(&path) {
-            Ok(Box::new(Pty::open(&path)?))
-        } else {
-            Ok(Box::new(Serial::open(&path, baud)?))
+            return Ok(Box::new(Pty::open(&path)?));
         }
+        // Before the port is opened, because DTR resets many boards.
+        adapter = UsbAdapter::same_as(adapter.as_ref(), UsbAdapter::at(&path))?;
+        let port = Serial::open(&path, baud)?;
+        let _ = LatencyTimer::shorten(&path);
+        Ok(Box::new(port))
     };
-    match Reopening::new(open) {
+    match Reopening::explaining(open, OpenError::into_link_error) {
         Ok(link) => Ok(Box::new(link)),
-        Err(source) => Err(DeviceError::Open { path: path.to_owned(), source }),
+        Err(OpenError::System(source)) => Err(DeviceError::Open { path: path.to_owned(), source }),
+        Err(OpenError::Adapter(error)) => {
+            Err(DeviceError::Open { path: path.to_owned(), source: io::Error::other(error) })
+        }
+    }
+}
+
+/// Why a terminal can't be opened.
+enum OpenError {
+    System(io::Error),
+    /// [`LinkError::OtherAdapter`] after a reconnect.
+    Adapter(LinkError),
+}
+
+impl OpenError {
+    /// The error of a reconnect. A port that the system doesn't open yet is still disconnected.
+    fn into_link_error(self) -> LinkError {
+        match self {
+            Self::System(_) => LinkError::Disconnected,
+            Self::Adapter(error) => error,
+        }
+    }
+}
+
+impl From<io::Error> for OpenError {
+    fn from(error: io::Error) -> Self {
+        Self::System(error)
+    }
+}
+
+impl From<LinkError> for OpenError {
+    fn from(error: LinkError) -> Self {
+        Self::Adapter(error)
     }
 }
 

@@ -1,0 +1,217 @@
+//! The one guest of all trials, and what they do with it.
+
+use std::ops::{Deref, DerefMut};
+use std::path::Path;
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+
+use regex_lite::Regex;
+use serde_json::Value;
+use tests::program;
+use tests::usb_guest::guest::{Ended, Guest};
+use tests::usb_guest::request::User;
+
+/// The run of most trials: a move and a rest, with expectations that only an undisturbed drive meets.
+pub(crate) const SCENARIO: &str = "scenarios/faults.toml";
+/// Where a run in the guest leaves its record.
+const OUT: &str = "/tmp/out";
+
+/// The guest, until it is switched off.
+enum Power {
+    Off,
+    On(Box<Guest>),
+    /// Why it did not come up. No trial boots it again.
+    Failed(String),
+}
+
+static POWER: OnceLock<Mutex<Power>> = OnceLock::new();
+
+/// The guest, for one trial at a time.
+pub(crate) struct Machine(MutexGuard<'static, Power>);
+
+/// Waits for the guest to be free, and boots it for the first trial.
+///
+/// # Panics
+/// It did not come up.
+pub(crate) fn lock() -> Machine {
+    let mut power =
+        POWER.get_or_init(|| Mutex::new(Power::Off)).lock().unwrap_or_else(PoisonError::into_inner);
+    if matches!(*power, Power::Off) {
+        *power = match Guest::boot(Path::new(env!("CARGO_BIN_EXE_usb-guest"))) {
+            Ok(guest) => Power::On(Box::new(guest)),
+            Err(error) => Power::Failed(format!("{error:#}")),
+        };
+    }
+    match &*power {
+        Power::Failed(reason) => panic!("{reason}"),
+        Power::On(_) | Power::Off => Machine(power),
+    }
+}
+
+/// Ends the guest: a static value is never dropped.
+pub(crate) fn switch_off() {
+    if let Some(power) = POWER.get() {
+        *power.lock().unwrap_or_else(PoisonError::into_inner) = Power::Off;
+    }
+}
+
+impl Deref for Machine {
+    type Target = Guest;
+
+    fn deref(&self) -> &Guest {
+        match &*self.0 {
+            Power::On(guest) => guest,
+            Power::Off | Power::Failed(_) => unreachable!("a locked machine is on"),
+        }
+    }
+}
+
+impl DerefMut for Machine {
+    fn deref_mut(&mut self) -> &mut Guest {
+        match &mut *self.0 {
+            Power::On(guest) => guest,
+            Power::Off | Power::Failed(_) => unreachable!("a locked machine is on"),
+        }
+    }
+}
+
+/// A device in a port of the guest. Unplugged when the trial ends, also by a failure.
+pub(crate) struct Device<'a> {
+    pub(crate) machine: &'a mut Machine,
+    kind: Kind,
+    command: Option<u32>,
+    terminal: &'static str,
+}
+
+/// What is plugged in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// A drive behind a serial adapter.
+    Adapter,
+    /// A drive with the USB port of the firmware.
+    DrivePort,
+}
+
+impl Kind {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Adapter => "ftdi",
+            Self::DrivePort => "cdc",
+        }
+    }
+
+    fn terminal(self) -> &'static str {
+        match self {
+            Self::Adapter => "/dev/ttyUSB0",
+            Self::DrivePort => "/dev/ttyACM0",
+        }
+    }
+
+    /// udev's name for a device with this serial number.
+    pub(crate) fn stable_name(self, serial_number: &str) -> String {
+        match self {
+            Self::Adapter => format!("/dev/serial/by-id/usb-FTDI_FT232R_USB_UART_{serial_number}-if00-port0"),
+            Self::DrivePort => format!("/dev/serial/by-id/usb-Lashloop_Lashloop_drive_{serial_number}-if00"),
+        }
+    }
+}
+
+impl<'a> Device<'a> {
+    /// Plugs a device in and waits for its terminal.
+    pub(crate) fn plug(machine: &'a mut Machine, kind: Kind, serial_number: &str) -> Self {
+        let mut device = Self { machine, kind, command: None, terminal: kind.terminal() };
+        device.replug(serial_number);
+        device
+    }
+
+    pub(crate) fn unplug(&mut self) {
+        if let Some(command) = self.command.take() {
+            self.machine.kill(command);
+        }
+    }
+
+    /// Plugs another one into the same port.
+    pub(crate) fn replug(&mut self, serial_number: &str) {
+        self.unplug();
+        self.machine.await_removal(self.terminal);
+        self.command = Some(self.machine.plug(self.kind.word(), 0, serial_number));
+        self.machine.await_file(self.terminal);
+        self.machine.await_file(&self.kind.stable_name(serial_number));
+    }
+
+    pub(crate) fn terminal(&self) -> &'static str {
+        self.terminal
+    }
+}
+
+impl Drop for Device<'_> {
+    fn drop(&mut self) {
+        // A guest that no longer answers has failed the trial already.
+        if !std::thread::panicking() {
+            self.unplug();
+        } else if let Some(command) = self.command.take() {
+            let _ = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| self.machine.kill(command)));
+        }
+    }
+}
+
+/// Runs the scenario on a device of the guest, and returns the end and the record's summary.
+pub(crate) fn run(machine: &mut Machine, device: &str, settings: &[&str]) -> (Ended, Value) {
+    let command = start_run(machine, device, settings);
+    finish_run(machine, command)
+}
+
+/// Starts a run and waits until it has begun.
+pub(crate) fn start_run(machine: &mut Machine, device: &str, settings: &[&str]) -> u32 {
+    machine.remove_folder(OUT);
+    let mut words = vec!["run", SCENARIO, "--device", device, "--out", OUT];
+    words.extend(settings.iter().flat_map(|setting| ["--set", setting]));
+    machine.start_lashloop(User::Root, &words)
+}
+
+/// Waits until a run has begun: its record is there.
+pub(crate) fn await_run(machine: &mut Machine) {
+    machine.await_file(&format!("{OUT}/trace.csv"));
+}
+
+/// Waits for the end of a run.
+pub(crate) fn finish_run(machine: &mut Machine, command: u32) -> (Ended, Value) {
+    let ended = machine.wait(command);
+    let summary = machine.read_if_present(&format!("{OUT}/summary.json")).unwrap_or_default();
+    (ended, serde_json::from_str(&summary).unwrap_or_default())
+}
+
+/// The torque digest of the scenario on the drive in process, on this machine.
+pub(crate) fn digest_in_process() -> String {
+    let ended = program::run(["run", SCENARIO, "--device", "inproc"]).with_code(0);
+    digest(&ended.stdout)
+}
+
+fn digest(report: &str) -> String {
+    let pattern = Regex::new(r"sha256 ([0-9a-f]{64})").expect("a pattern");
+    pattern.captures(report).unwrap_or_else(|| panic!("no digest in {report}"))[1].to_owned()
+}
+
+/// Checks that a run on a device has the torques of the drive in process.
+pub(crate) fn check_torques(machine: &mut Machine, device: &str) {
+    let (ended, summary) = run(machine, device, &[]);
+    let ended = ended.with_code(0);
+    assert_eq!(summary["torque_sha256"], digest_in_process(), "{}", ended.stdout);
+    let link = &summary["link"];
+    assert_eq!((&link["lost"], &link["crc_errors"]), (&0.into(), &0.into()), "{}", ended.stdout);
+}
+
+/// Settings of a run that resumes once. The law starts anew, so the expectations don't count.
+pub(crate) const RESUMING: [&str; 5] = [
+    "link.on_loss=\"resume\"",
+    "link.resume_limit_ms=60000",
+    "allow.resumes=1",
+    "allow.lost=20",
+    "record.flush_rows=10",
+];
+
+/// Checks that a run went on to its end after one loss.
+pub(crate) fn check_resumed((ended, summary): &(Ended, Value)) {
+    let text = || format!("{}\n{}", ended.stdout, ended.stderr);
+    assert!(matches!(ended.code, Some(0 | 1)), "{:?}\n{}", ended.code, text());
+    assert_eq!((&summary["end"], &summary["link"]["resumes"]), (&"complete".into(), &1.into()), "{}", text());
+}

@@ -1,0 +1,133 @@
+//! The agent: does in the guest what a test requests.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
+use std::os::unix::process::CommandExt;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use anyhow::{Context, Result, bail};
+use tests::usb_guest::request::{Answer, Line, PORT, Request, User, WORKSPACE};
+use tests::wait;
+
+use crate::boot::settle;
+
+/// Owner and group of [`User::Member`], as `/etc/passwd` has them.
+const MEMBER: (u32, u32) = (1000, 20);
+
+/// A command, and what it prints.
+struct Running {
+    child: Child,
+    output: [JoinHandle<String>; 2],
+}
+
+/// Serves requests until the test closes the channel or switches the guest off.
+///
+/// # Errors
+/// The channel is missing or fails.
+pub(crate) fn serve() -> Result<()> {
+    let opened = wait::look(wait::SOON, || File::options().read(true).write(true).open(PORT).ok());
+    let mut channel = opened.with_context(|| format!("{PORT} is missing"))?;
+    let mut requests = BufReader::new(channel.try_clone()?);
+    let mut commands = Commands::default();
+    send(&mut channel, &Answer::Up)?;
+    loop {
+        let mut line = String::new();
+        if requests.read_line(&mut line)? == 0 {
+            return Ok(());
+        }
+        let request: Request = serde_json::from_str(&line).with_context(|| line.clone())?;
+        if request == Request::PowerOff {
+            return Ok(());
+        }
+        let answer = commands.serve(request).unwrap_or_else(|error| Answer::Failed(format!("{error:#}")));
+        send(&mut channel, &answer)?;
+    }
+}
+
+fn send(channel: &mut File, answer: &Answer) -> Result<()> {
+    let mut line = serde_json::to_vec(answer)?;
+    line.push(b'\n');
+    Ok(channel.write_all(&line)?)
+}
+
+#[derive(Default)]
+struct Commands {
+    running: BTreeMap<u32, Running>,
+    started: u32,
+}
+
+impl Commands {
+    fn serve(&mut self, request: Request) -> Result<Answer> {
+        match request {
+            Request::Start(line) => {
+                let running = start(&line)?;
+                self.started += 1;
+                self.running.insert(self.started, running);
+                Ok(Answer::Started(self.started))
+            }
+            Request::Wait { command, limit_s } => {
+                let mut running = self.take(command)?;
+                let limit = Duration::from_secs(limit_s.into());
+                let ended = wait::look(limit, || running.child.try_wait().transpose()).transpose()?;
+                if ended.is_none() {
+                    running.child.kill()?;
+                }
+                let status = running.child.wait()?;
+                let [stdout, stderr] = running.output.map(|it| it.join().unwrap_or_default());
+                Ok(Answer::Ended { code: status.code(), stdout, stderr })
+            }
+            Request::Kill { command } => {
+                let mut running = self.take(command)?;
+                running.child.kill()?;
+                running.child.wait()?;
+                Ok(Answer::Done)
+            }
+            Request::Read { path } => Ok(Answer::Text(fs::read_to_string(path)?)),
+            Request::Write { path, text } => Ok(fs::write(path, text).map(|()| Answer::Done)?),
+            Request::RemoveFolder { path } => match fs::remove_dir_all(path) {
+                Err(error) if error.kind() != ErrorKind::NotFound => Err(error.into()),
+                _ => Ok(Answer::Done),
+            },
+            Request::Await { path, exists } => {
+                let reached = || (Path::new(&path).exists() == exists).then_some(());
+                if wait::look(wait::SOON, reached).is_none() {
+                    bail!("{path} {}", if exists { "does not appear" } else { "stays" });
+                }
+                settle().map(|()| Answer::Done)
+            }
+            Request::PowerOff => Ok(Answer::Done),
+        }
+    }
+
+    fn take(&mut self, command: u32) -> Result<Running> {
+        self.running.remove(&command).with_context(|| format!("no command {command} is running"))
+    }
+}
+
+fn start(line: &Line) -> Result<Running> {
+    let (program, arguments) = line.words.split_first().context("an empty command")?;
+    let mut command = Command::new(program);
+    command.args(arguments).current_dir(WORKSPACE).env("HOME", "/tmp");
+    if line.user == User::Member {
+        let (user, group) = MEMBER;
+        command.uid(user).gid(group);
+    }
+    let mut child = command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+    let output = [
+        read_to_end(child.stdout.take().context("a pipe")?),
+        read_to_end(child.stderr.take().context("a pipe")?),
+    ];
+    Ok(Running { child, output })
+}
+
+fn read_to_end(mut pipe: impl Read + Send + 'static) -> JoinHandle<String> {
+    thread::spawn(move || {
+        let mut bytes = Vec::new();
+        let _ = pipe.read_to_end(&mut bytes);
+        String::from_utf8_lossy(&bytes).into_owned()
+    })
+}
