@@ -1,1 +1,72 @@
-fn main() {}
+//! `lashloop-silicon`: an image on virtual silicon, its USART2 on standard input and output or on a socket.
+//!
+//! It ends when the host disconnects, or at the first access of the image that the chip would not have served. The latter is a
+//! report on standard error and the exit code 1; an image that can't run is 2.
+
+use std::io;
+use std::ops::ControlFlow;
+use std::os::linux::net::SocketAddrExt;
+use std::os::unix::net::{SocketAddr, UnixStream};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use clap::Parser;
+use lashloop_silicon::host_link::HostLink;
+use lashloop_silicon::machine;
+use lashloop_silicon::pins::Pins;
+use lashloop_silicon::surroundings::{End, Surroundings};
+use lashloop_silicon::symbols::Symbols;
+use lashloop_silicon::wiring::Wiring;
+
+/// Run an image of the drive on register-level models of its chip
+#[derive(Parser)]
+struct Arguments {
+    /// The image
+    image: PathBuf,
+
+    /// Abstract socket to connect USART2 to, in place of standard input and output
+    #[arg(long, value_name = "NAME")]
+    socket: Option<String>,
+}
+
+/// A host and nothing at the pins.
+struct HostOnly(HostLink);
+
+impl Surroundings for HostOnly {
+    fn turn(&mut self, chip: &mut Pins<'_>) -> ControlFlow<End, Duration> {
+        self.0.turn(chip)
+    }
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("lashloop-silicon: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Runs the image, and returns whether the chip has served all its accesses.
+fn run(Arguments { image, socket }: &Arguments) -> Result<bool> {
+    let link = match socket {
+        Some(name) => {
+            let address = SocketAddr::from_abstract_name(name)?;
+            let stream = UnixStream::connect_addr(&address).with_context(|| format!("no socket {name}"))?;
+            HostLink::new(stream.try_clone()?, stream)
+        }
+        None => HostLink::new(io::stdin(), io::stdout()),
+    };
+    let image = Symbols::read(image)?.image()?;
+    let ended = machine::run(image, Wiring::F405_BARE, HostOnly(link))?;
+    if !ended.violations.is_empty() {
+        let milliseconds = ended.device_time.as_millis();
+        eprintln!("lashloop-silicon: after {milliseconds} ms the image made an access that the chip doesn't serve");
+        eprintln!("{}", ended.violations);
+    }
+    Ok(ended.violations.is_empty())
+}
