@@ -81,7 +81,7 @@ impl<S: Surroundings> Driver<Chip> for Machine<S> {
         let at = match settled {
             Settled::Access { access, .. } => access.virtual_time,
             Settled::Stop(stop) => stop.at,
-            Settled::Hit(_) => return,
+            _ => return,
         };
         let wiring = self.wiring;
         self.watch_bridge(&mut Pins::new(session, host, at, &wiring));

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use lashloop_plant::{Plant, Plants, Release, Start};
 use lashloop_silicon::drive_train::{DriveTrain, Scales};
@@ -141,7 +141,7 @@ fn a_cut_channel_counts_to_and_fro() {
 fn the_duty_follows_the_effort_and_stays_within_its_limits() {
     let reference = variable("REFERENCE");
     let mut cases = [(0, 0.5), (840, 0.55), (-1680, 0.4), (100_000, 0.5 + 4_000.0 / 8_400.0)].into_iter();
-    let mut want = None;
+    let mut want: Option<f64> = None;
     let ended = run(&probe(), move |chip| {
         if chip.now() < 20 * MS {
             return Some(MS);
@@ -215,7 +215,7 @@ fn handlers_that_leave_the_bridge_on_are_noticed() {
 
 #[test]
 fn an_access_that_the_chip_does_not_serve_ends_the_run() {
-    for (code, want) in [(4, "unmapped at=0x40029000"), (5, "TIM6")] {
+    for (code, want) in [(4, "unmapped at=0x40030000"), (5, "TIM6")] {
         let mut ask = request(code);
         let ended = run(&probe(), move |chip| {
             if chip.now() > 20 * MS {
@@ -229,11 +229,14 @@ fn an_access_that_the_chip_does_not_serve_ends_the_run() {
     }
 }
 
-/// A plant of the project behind the pins.
+/// A plant of the project behind the pins, and what the probe has counted of it.
 struct Positioning {
     train: DriveTrain,
     reference: u64,
-    counts: Vec<(i64, i64)>,
+    motor: u64,
+    load: u64,
+    /// Counts of motor and load: those of the encoders, then those of the probe.
+    counts: [(i64, i64); 2],
 }
 
 impl Surroundings for Positioning {
@@ -241,8 +244,9 @@ impl Surroundings for Positioning {
         if chip.now() > 20 * MS {
             chip.set_word(self.reference, 2_000).expect("memory");
         }
-        self.counts.push((self.train.count(Encoder::Motor), self.train.count(Encoder::Load)));
-        if chip.now() > 1_500 * MS {
+        if chip.now() > 2_000 * MS {
+            let counted = (signed(chip, self.motor).into(), signed(chip, self.load).into());
+            self.counts = [(self.train.count(Encoder::Motor), self.train.count(Encoder::Load)), counted];
             return ControlFlow::Break(End::Done);
         }
         ControlFlow::Continue(self.train.turn(chip).expect("the plant"))
@@ -251,7 +255,8 @@ impl Surroundings for Positioning {
 
 #[test]
 fn a_plant_between_bridge_and_encoders_is_positioned() {
-    let model = Plants::standard().find("smooth").expect("the plant model").clone();
+    let plants = Plants::standard();
+    let model = plants.get("smooth").expect("the plant model");
     let release = Release {
         values: &model.defaults(),
         start: Start::at_rest(0.0, 0.0),
@@ -263,14 +268,18 @@ fn a_plant_between_bridge_and_encoders_is_positioned() {
     let surroundings = Positioning {
         train: DriveTrain::new(plant, scales),
         reference: variable("REFERENCE"),
-        counts: Vec::new(),
+        motor: variable("MOTOR"),
+        load: variable("LOAD"),
+        counts: [(0, 0); 2],
     };
-    let image = probe().image().expect("an image");
-    let motor_at = variable("MOTOR");
-    let ended = machine::run(image, Wiring::F405_BARE, surroundings).expect("a run");
+    let started = Instant::now();
+    let ended = machine::run(probe().image().expect("an image"), Wiring::F405_BARE, surroundings).expect("a run");
+    println!("{:?} of device time in {:?}", ended.device_time, started.elapsed());
     assert_eq!((ended.end, ended.violations.to_string()), (Some(End::Done), String::new()));
-    let (motor, load) = *ended.surroundings.counts.last().expect("turns");
-    println!("motor {motor}, load {load} counts, {motor_at:#x}");
-    assert!((1_500..=2_500).contains(&motor), "motor at {motor} of 2000 counts");
-    assert!(load > 300, "the load follows: {load}");
+    let [of_encoders, of_probe] = ended.surroundings.counts;
+    println!("motor and load at {of_encoders:?} counts, the probe has counted {of_probe:?}");
+    assert!((of_encoders.0 - 2_000).abs() < 300, "motor at {} of 2000 counts", of_encoders.0);
+    assert!(of_encoders.1 > 100, "the load follows: {}", of_encoders.1);
+    // The probe's counts are those of its last tick.
+    assert!((of_encoders.0 - of_probe.0).abs() <= 5 && (of_encoders.1 - of_probe.1).abs() <= 5);
 }

@@ -125,16 +125,19 @@ fn obey(request: u32) {
         1 => panic!("as requested"),
         // SAFETY: none, and that is the point: an undefined instruction, and addresses where nothing is.
         2 => unsafe { core::arch::asm!("udf #0") },
-        3 => NVIC::pend(Interrupt::TIM5),
+        3 => {
+            NVIC::pend(Interrupt::TIM5);
+            // SAFETY: nothing handles it, so the default handler runs.
+            unsafe { NVIC::unmask(Interrupt::TIM5) };
+        }
         // SAFETY: as above.
-        4 => drop(unsafe { core::ptr::read_volatile(0x4002_9000 as *const u32) }),
-        // SAFETY: the basic timer TIM6 is part of the chip, and its clock is off.
-        5 => unsafe { pac::TIM6::steal() }.cr1().write(|w| w.cen().enabled()),
+        4 => drop(unsafe { core::ptr::read_volatile(0x4003_0000 as *const u32) }),
+        5 => {
+            // SAFETY: nothing else uses the basic timer TIM6. It is part of the chip, and its clock is off.
+            let timer = unsafe { pac::TIM6::steal() };
+            timer.cr1().write(|w| w.cen().enabled());
+        }
         _ => {}
-    }
-    if request == 3 {
-        // SAFETY: nothing handles it, so the default handler runs.
-        unsafe { NVIC::unmask(Interrupt::TIM5) };
     }
 }
 
