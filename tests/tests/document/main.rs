@@ -12,6 +12,7 @@ mod host_rules;
 mod links;
 mod parameters;
 mod rules;
+mod script;
 mod sequence;
 mod states;
 mod subscriptions;
