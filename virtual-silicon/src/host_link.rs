@@ -17,25 +17,38 @@ const BUSY_TURN: Duration = Duration::from_micros(50);
 const IDLE_TURN: Duration = Duration::from_millis(1);
 /// Bytes that are passed on without a pause in the transmission.
 const PIECE_BYTES: usize = 256;
+/// Device time after which a chip that has sent nothing waits for its host in lockstep. It has finished its answers by then.
+const HOSTS_TURN_AFTER: Duration = Duration::from_millis(5);
 /// Device time after which a silent line counts as idle.
 const IDLE_AFTER: Duration = Duration::from_micros(500);
+
+/// What device time does while the line is silent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Clock {
+    /// It goes on with the wall clock, and a silent host trips the drive's watchdog.
+    Wall,
+    /// It stands still until the host sends, and no host is too slow.
+    Lockstep,
+}
 
 /// A program at the far end.
 pub struct HostLink {
     to_host: Box<dyn Write + Send>,
     from_host: Receiver<Vec<u8>>,
     pacer: Pacer,
+    clock: Clock,
 }
 
 impl HostLink {
     /// Starts to read. The end of `from_host` ends the run.
-    pub fn new(from_host: impl Read + Send + 'static, to_host: impl Write + Send + 'static) -> Self {
+    pub fn new(from_host: impl Read + Send + 'static, to_host: impl Write + Send + 'static, clock: Clock) -> Self {
         let (sender, receiver) = mpsc::channel();
         thread::spawn(move || pass_on(from_host, &sender));
         Self {
             to_host: Box::new(to_host),
             from_host: receiver,
             pacer: Pacer::new(Instant::now(), Duration::ZERO),
+            clock,
         }
     }
 
@@ -50,17 +63,20 @@ impl HostLink {
                 return ControlFlow::Break(End::Disconnected);
             }
         }
-        let Ok(bytes) = self.wait(now) else { return ControlFlow::Break(End::Disconnected) };
+        let is_hosts_turn = line.unsent() == 0 && pause > HOSTS_TURN_AFTER;
+        let Ok(bytes) = self.wait(now, is_hosts_turn) else { return ControlFlow::Break(End::Disconnected) };
         let is_idle = bytes.is_empty() && line.unsent() == 0 && pause > IDLE_AFTER;
         line.send(&bytes);
         ControlFlow::Continue(now + if is_idle { IDLE_TURN } else { BUSY_TURN })
     }
 
     /// Waits until device time is no longer ahead of the wall clock, or until the host sends.
-    fn wait(&mut self, now: Duration) -> Result<Vec<u8>, Disconnected> {
+    fn wait(&mut self, now: Duration, is_hosts_turn: bool) -> Result<Vec<u8>, Disconnected> {
         let due = self.pacer.due(Instant::now(), now);
         let wait = due.saturating_duration_since(Instant::now());
-        let bytes = if wait.is_zero() {
+        let bytes = if self.clock == Clock::Lockstep && is_hosts_turn {
+            self.from_host.recv().map_err(|_| Disconnected)?
+        } else if wait.is_zero() {
             match self.from_host.try_recv() {
                 Ok(bytes) => bytes,
                 Err(TryRecvError::Empty) => Vec::new(),

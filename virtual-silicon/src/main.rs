@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 use clap::Parser;
-use lashloop_silicon::host_link::HostLink;
+use lashloop_silicon::host_link::{Clock, HostLink};
 use lashloop_silicon::machine;
 use lashloop_silicon::pins::Pins;
 use lashloop_silicon::surroundings::{End, Surroundings};
@@ -29,6 +29,10 @@ struct Arguments {
     /// Abstract socket to connect USART2 to, in place of standard input and output
     #[arg(long, value_name = "NAME")]
     socket: Option<String>,
+
+    /// Let device time stand still while the drive waits for its host, instead of following the wall clock
+    #[arg(long)]
+    lockstep: bool,
 }
 
 /// A host and nothing at the pins.
@@ -52,14 +56,15 @@ fn main() -> ExitCode {
 }
 
 /// Runs the image, and returns whether the chip has served all its accesses.
-fn run(Arguments { image, socket }: &Arguments) -> Result<bool> {
+fn run(Arguments { image, socket, lockstep }: &Arguments) -> Result<bool> {
+    let clock = if *lockstep { Clock::Lockstep } else { Clock::Wall };
     let link = match socket {
         Some(name) => {
             let address = SocketAddr::from_abstract_name(name)?;
             let stream = UnixStream::connect_addr(&address).with_context(|| format!("no socket {name}"))?;
-            HostLink::new(stream.try_clone()?, stream)
+            HostLink::new(stream.try_clone()?, stream, clock)
         }
-        None => HostLink::new(io::stdin(), io::stdout()),
+        None => HostLink::new(io::stdin(), io::stdout(), clock),
     };
     let image = Symbols::read(image)?.image()?;
     let ended = machine::run(image, Wiring::F405_BARE, HostOnly(link))?;

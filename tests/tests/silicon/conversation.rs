@@ -14,7 +14,7 @@ use crate::script::{Side, script};
 /// Time that an answer may take on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(20);
 /// Longest time that a control step of `pd` may take, as the drive reports it.
-const LONGEST_STEP_US: u16 = 50;
+const LONGEST_STEP_US: u16 = 100;
 
 /// The image's end of the line. Dropping it ends the process.
 struct Line {
@@ -26,6 +26,7 @@ impl Line {
     fn start() -> Self {
         let mut silicon = Command::new(equipment::program())
             .arg(equipment::image())
+            .arg("--lockstep")
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
