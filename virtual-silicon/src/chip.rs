@@ -21,6 +21,8 @@ const CORE_HZ: u64 = 168_000_000;
 const INSTRUCTIONS_PER_SECOND: u64 = CORE_HZ;
 /// USART2 among the serial ports of the part.
 const USART2: usize = 1;
+/// TIM1 among the advanced timers of the part.
+pub(crate) const TIM1: usize = 0;
 const NAME: &str = "stm32f427";
 
 /// The part with crystal and supply.

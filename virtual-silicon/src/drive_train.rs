@@ -12,7 +12,7 @@ use anyhow::{Context, Result};
 use lashloop_plant::Plant;
 
 use crate::pins::Pins;
-use crate::quadrature::{Edge, Quadrature};
+use crate::quadrature::{Channel, Edge, Quadrature};
 use crate::wiring::Encoder;
 
 /// Step of the plant: the period of a PWM of 20 kHz.
@@ -39,6 +39,7 @@ pub struct DriveTrain {
     edges: VecDeque<(Duration, Encoder, Edge)>,
     next_step: Option<Duration>,
     torque_nm: f64,
+    cut: Vec<(Encoder, Channel)>,
 }
 
 impl DriveTrain {
@@ -54,6 +55,7 @@ impl DriveTrain {
             edges: VecDeque::new(),
             next_step: None,
             torque_nm: 0.0,
+            cut: Vec::new(),
         }
     }
 
@@ -78,6 +80,12 @@ impl DriveTrain {
         }
     }
 
+    /// Cuts the wire of one channel of an encoder for good.
+    pub fn cut(&mut self, chip: &mut Pins<'_>, encoder: Encoder, channel: Channel) {
+        self.cut.push((encoder, channel));
+        chip.open_encoder(encoder, channel);
+    }
+
     /// Drives the edges that are due and steps the plant if its step is due. Returns the device time of the next turn.
     ///
     /// # Errors
@@ -85,7 +93,9 @@ impl DriveTrain {
     pub fn turn(&mut self, chip: &mut Pins<'_>) -> Result<Duration> {
         let now = chip.now();
         while let Some((_, encoder, edge)) = self.edges.pop_front_if(|(at, ..)| *at <= now) {
-            chip.drive_encoder(encoder, edge);
+            if !self.cut.contains(&(encoder, edge.channel)) {
+                chip.drive_encoder(encoder, edge);
+            }
         }
         let due = *self.next_step.get_or_insert_with(|| {
             chip.set_encoder(Encoder::Motor, self.motor);

@@ -12,6 +12,7 @@
 //! | [`serial_line`] | [`SerialLine`](serial_line::SerialLine): the far end of USART2, in device time |
 //! | [`host_link`] | [`HostLink`](host_link::HostLink): a program at the far end, paced by the wall clock |
 //! | [`pacer`] | [`Pacer`](pacer::Pacer): keeps device time from running ahead of the wall clock |
+//! | `inputs` | from the wires to the timers: pin functions, pull resistors |
 //! | [`pins`] | [`Pins`](pins::Pins): encoder inputs, bridge outputs, break input |
 //! | [`quadrature`] | [`Quadrature`](quadrature::Quadrature): the two channels of an incremental encoder |
 //! | [`drive_train`] | [`DriveTrain`](drive_train::DriveTrain): a plant between bridge and encoders |
@@ -24,6 +25,7 @@ pub mod access;
 pub mod chip;
 pub mod drive_train;
 pub mod host_link;
+mod inputs;
 pub mod machine;
 pub mod pacer;
 pub mod pins;

@@ -11,6 +11,7 @@ use rigless::time::VirtualNanos;
 
 use crate::access::Violations;
 use crate::chip::Chip;
+use crate::inputs::Inputs;
 use crate::pins::{Bridge, Pins};
 use crate::surroundings::{End, Surroundings};
 use crate::wiring::Wiring;
@@ -41,7 +42,7 @@ pub struct Ended<S> {
 /// The image can't be placed, or the processor locked up.
 pub fn run<S: Surroundings + 'static>(image: Image, wiring: Wiring, surroundings: S) -> Result<Ended<S>> {
     let session = Session::new(Box::new(Chip::new()?), 0, FIRST_TURN).context("the chip can't be set up")?;
-    let machine = Machine { surroundings, wiring, end: None, bridge: None };
+    let machine = Machine { surroundings, wiring, inputs: Inputs::default(), resets: 0, end: None, bridge: None };
     let images = [image];
     let finished = emulator::run(session, &Start::new(&images), machine).context("the image can't run")?;
     let stop = finished.stop.context("the image ended the emulation itself")?;
@@ -59,6 +60,9 @@ pub fn run<S: Surroundings + 'static>(image: Image, wiring: Wiring, surroundings
 struct Machine<S> {
     surroundings: S,
     wiring: Wiring,
+    inputs: Inputs,
+    /// Resets of the chip that the inputs have followed.
+    resets: usize,
     end: Option<End>,
     /// The bridge as last reported.
     bridge: Option<Bridge>,
@@ -83,20 +87,26 @@ impl<S: Surroundings> Driver<Chip> for Machine<S> {
             Settled::Stop(stop) => stop.at,
             _ => return,
         };
-        let wiring = self.wiring;
-        self.watch_bridge(&mut Pins::new(session, host, at, &wiring));
+        let (wiring, mut inputs) = (self.wiring, self.inputs);
+        self.watch_bridge(&mut Pins::new(session, host, at, &wiring, &mut inputs));
     }
 
     fn on_stop(&mut self, session: &mut Session<Chip>, stop: Stop, host: &mut dyn Host) -> Option<VirtualNanos> {
         if Violations::are_in(session) {
             return None;
         }
-        let wiring = self.wiring;
-        let mut chip = Pins::new(session, host, stop.at, &wiring);
+        if session.resets().len() != self.resets {
+            self.resets = session.resets().len();
+            self.inputs = Inputs::default();
+        }
+        let (wiring, mut inputs) = (self.wiring, self.inputs);
+        inputs.settle(session.board_mut(), &wiring, stop.at);
+        let mut chip = Pins::new(session, host, stop.at, &wiring, &mut inputs);
         let next = self.surroundings.turn(&mut chip);
         if self.surroundings.watches_bridge() {
             self.watch_bridge(&mut chip);
         }
+        self.inputs = inputs;
         match next {
             ControlFlow::Continue(next) => {
                 let nanoseconds = u64::try_from(next.as_nanos()).unwrap_or(u64::MAX);

@@ -11,17 +11,14 @@ use rigless::emulator::Host;
 use rigless::session::Session;
 use rigless::soc::Width;
 use rigless::soc::stm32f427::generated::tim1;
-use rigless::soc::stm32f427::peripherals::gpio::{Gpio, Pin as PortPin};
 use rigless::soc::stm32f427::peripherals::tim::Channel as TimerChannel;
 use rigless::time::VirtualNanos;
 
-use crate::chip::Chip;
+use crate::chip::{Chip, TIM1};
+use crate::inputs::{Inputs, is_connected, port_pin};
 use crate::quadrature::{Channel, Edge, Quadrature};
 use crate::serial_line::SerialLine;
 use crate::wiring::{Encoder, Pin, Wiring};
-
-/// TIM1 among the advanced timers of the part.
-const TIM1: usize = 0;
 
 /// What the chip drives at the bridge.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +45,7 @@ pub struct Pins<'a> {
     host: &'a mut dyn Host,
     at: VirtualNanos,
     wiring: &'a Wiring,
+    inputs: &'a mut Inputs,
 }
 
 impl<'a> Pins<'a> {
@@ -56,8 +54,9 @@ impl<'a> Pins<'a> {
         host: &'a mut dyn Host,
         at: VirtualNanos,
         wiring: &'a Wiring,
+        inputs: &'a mut Inputs,
     ) -> Self {
-        Self { session, host, at, wiring }
+        Self { session, host, at, wiring, inputs }
     }
 
     /// Device time since reset.
@@ -80,40 +79,26 @@ impl<'a> Pins<'a> {
 
     /// Drives one channel of an encoder.
     pub fn drive_encoder(&mut self, encoder: Encoder, Edge { channel, is_high }: Edge) {
-        let inputs = self.wiring.encoder(encoder);
-        let (pin, number) = match channel {
-            Channel::A => (inputs.a, 1),
-            Channel::B => (inputs.b, 2),
-        };
-        let level = if is_high { Level::High } else { Level::Low };
-        self.drive_pin(pin, level);
-        if self.is_connected(pin) {
-            let channel = TimerChannel::new(number).expect("channel 1 or 2");
-            self.session.board_mut().mcu.drive_timer(self.at, inputs.timer, |timer, registers, context| {
-                timer.drive_input(channel, level, registers, context);
-            });
-        }
+        self.drive_pin(self.wiring.encoder(encoder).pin(channel), Some(is_high));
     }
 
-    /// Drives the break input: active is high.
-    pub fn set_break(&mut self, is_active: bool) {
-        let pin = self.wiring.break_input;
-        let level = if is_active { Level::High } else { Level::Low };
-        self.drive_pin(pin, level);
-        if self.is_connected(pin) {
-            self.session.board_mut().mcu.drive_advanced_timer(self.at, TIM1, |timer, registers, context| {
-                timer.drive_break(level, registers, context);
-            });
-        }
+    /// Cuts the wire of one channel of an encoder.
+    pub fn open_encoder(&mut self, encoder: Encoder, channel: Channel) {
+        self.drive_pin(self.wiring.encoder(encoder).pin(channel), None);
+    }
+
+    /// Drives the break input high or low, or cuts its wire with `None`.
+    pub fn drive_break(&mut self, is_high: Option<bool>) {
+        self.drive_pin(self.wiring.break_input, is_high);
     }
 
     /// What the chip drives at the bridge.
     pub fn bridge(&mut self) -> Bridge {
-        let is_connected = self.is_connected(self.wiring.pwm);
-        let Pin { port, pin, .. } = self.wiring.enable;
-        let mcu = &mut self.session.board_mut().mcu;
-        let (gpio, registers) = mcu.port(port);
-        let is_enabled = gpio.level(port_pin(pin), registers) == Level::High;
+        let chip = self.session.board_mut();
+        let is_connected = is_connected(chip, self.wiring.pwm);
+        let mcu = &mut chip.mcu;
+        let (gpio, registers) = mcu.port(self.wiring.enable.port);
+        let is_enabled = gpio.level(port_pin(self.wiring.enable), registers) == Level::High;
         let (timer, registers) = mcu.advanced_timer(TIM1);
         let channel = TimerChannel::new(1).expect("channel 1");
         let pulse = timer.pulse(channel, registers).filter(|_| is_connected);
@@ -126,8 +111,8 @@ impl<'a> Pins<'a> {
 
     /// Pins whose alternate function the image has not selected, one sentence each.
     pub fn unconnected(&mut self) -> Vec<String> {
-        let wiring = self.wiring;
-        let pins = wiring.alternate_pins().into_iter().filter(|pin| !self.is_connected(*pin));
+        let chip = self.session.board_mut();
+        let pins = self.wiring.alternate_pins().into_iter().filter(|pin| !is_connected(chip, *pin));
         pins.map(|pin| pin.to_string()).collect()
     }
 
@@ -149,18 +134,12 @@ impl<'a> Pins<'a> {
         written.with_context(|| format!("no memory at {address:#010x}"))
     }
 
-    fn drive_pin(&mut self, Pin { port, pin, .. }: Pin, level: Level) {
-        self.session.board_mut().mcu.drive_port(self.at, port, |gpio, registers, context| {
-            gpio.drive(port_pin(pin), Some(level), registers, context);
+    fn drive_pin(&mut self, pin: Pin, is_high: Option<bool>) {
+        let chip = self.session.board_mut();
+        let level = is_high.map(|is_high| if is_high { Level::High } else { Level::Low });
+        chip.mcu.drive_port(self.at, pin.port, |gpio, registers, context| {
+            gpio.drive(port_pin(pin), level, registers, context);
         });
+        self.inputs.settle(chip, self.wiring, self.at);
     }
-
-    fn is_connected(&mut self, Pin { port, pin, function }: Pin) -> bool {
-        let (_, registers) = self.session.board_mut().mcu.port(port);
-        function.is_none() || Gpio::function(port_pin(pin), registers) == function
-    }
-}
-
-fn port_pin(pin: u8) -> PortPin {
-    PortPin::new(pin).expect("a port has 16 pins")
 }

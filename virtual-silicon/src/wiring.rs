@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::quadrature::Channel;
+
 /// A pin, and the alternate function that connects it to its block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pin {
@@ -38,6 +40,20 @@ pub enum Encoder {
     Load,
 }
 
+/// An input of a timer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TimerInput {
+    /// A channel of a general-purpose timer.
+    Channel {
+        /// The timer, from 0 for TIM2.
+        timer: usize,
+        /// The channel, from 1.
+        channel: u8,
+    },
+    /// The break input of TIM1.
+    Break,
+}
+
 /// The inputs of an encoder: channels 1 and 2 of a timer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct EncoderInputs {
@@ -49,6 +65,17 @@ pub struct EncoderInputs {
     pub b: Pin,
 }
 
+impl EncoderInputs {
+    /// The pin of a channel.
+    #[must_use]
+    pub fn pin(&self, channel: Channel) -> Pin {
+        match channel {
+            Channel::A => self.a,
+            Channel::B => self.b,
+        }
+    }
+}
+
 /// The pin map of a board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Wiring {
@@ -58,7 +85,7 @@ pub struct Wiring {
     pub load: EncoderInputs,
     /// PWM output, channel 1 of TIM1.
     pub pwm: Pin,
-    /// Break input of TIM1, active high.
+    /// Break input of TIM1.
     pub break_input: Pin,
     /// Enable output of the bridge, active high.
     pub enable: Pin,
@@ -77,6 +104,21 @@ impl Wiring {
         break_input: Pin::alternate(B, 12, 1),
         enable: Pin { port: B, pin: 0, function: None },
     };
+
+    /// Number of inputs.
+    pub(crate) const INPUTS: usize = 5;
+
+    /// All inputs with their pins.
+    pub(crate) fn inputs(&self) -> [(Pin, TimerInput); Self::INPUTS] {
+        let channel = |timer, channel| TimerInput::Channel { timer, channel };
+        [
+            (self.motor.a, channel(self.motor.timer, 1)),
+            (self.motor.b, channel(self.motor.timer, 2)),
+            (self.load.a, channel(self.load.timer, 1)),
+            (self.load.b, channel(self.load.timer, 2)),
+            (self.break_input, TimerInput::Break),
+        ]
+    }
 
     /// The inputs of an encoder.
     #[must_use]

@@ -202,7 +202,7 @@ fn every_failure_turns_the_bridge_off_within_a_period() {
 
 #[test]
 fn the_break_input_turns_the_output_off_without_software() {
-    let off = time_to_off(&probe(), |chip| chip.set_break(true)).expect("the bridge off");
+    let off = time_to_off(&probe(), |chip| chip.drive_break(Some(true))).expect("the bridge off");
     assert_eq!(off, Duration::ZERO, "by hardware");
 }
 
@@ -213,7 +213,7 @@ fn handlers_that_leave_the_bridge_on_are_noticed() {
         assert_eq!(time_to_off(&careless, request(code)), None, "request {code}");
     }
     // The break is hardware and works all the same.
-    assert_eq!(time_to_off(&careless, |chip| chip.set_break(true)), Some(Duration::ZERO));
+    assert_eq!(time_to_off(&careless, |chip| chip.drive_break(Some(true))), Some(Duration::ZERO));
 }
 
 #[test]
