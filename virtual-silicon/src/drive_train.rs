@@ -19,7 +19,8 @@ use crate::wiring::Encoder;
 const STEP: Duration = Duration::from_micros(50);
 
 /// What lies between duty and torque, and between position and count.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Scales {
     /// Torque at duty 1, N m; at duty 0.5 the torque is 0, at duty 0 its negative.
     pub nm_per_full_duty: f64,
@@ -100,6 +101,8 @@ impl DriveTrain {
         let due = *self.next_step.get_or_insert_with(|| {
             chip.set_encoder(Encoder::Motor, self.motor);
             chip.set_encoder(Encoder::Load, self.load);
+            // The amplifier is ready.
+            chip.drive_break(Some(false));
             now
         });
         let due = if due <= now {

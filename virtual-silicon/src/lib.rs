@@ -17,6 +17,7 @@
 //! | [`quadrature`] | [`Quadrature`](quadrature::Quadrature): the two channels of an incremental encoder |
 //! | [`drive_train`] | [`DriveTrain`](drive_train::DriveTrain): a plant between bridge and encoders |
 //! | [`wiring`] | [`Wiring`](wiring::Wiring): the pin map of a board |
+//! | [`drive_train_file`] | [`read`](drive_train_file::read): a drive train from its description |
 //! | [`symbols`] | [`Symbols`](symbols::Symbols): addresses of an image, and mutants of it |
 
 #![warn(missing_docs)]
@@ -24,6 +25,7 @@
 pub mod access;
 pub mod chip;
 pub mod drive_train;
+pub mod drive_train_file;
 pub mod host_link;
 mod inputs;
 pub mod machine;

@@ -3,7 +3,7 @@
 //! It ends when the host disconnects, or at the first access of the image that the chip would not have served. The latter is a
 //! report on standard error and the exit code 1; an image that can't run is 2.
 
-use std::io;
+use std::{fs, io};
 use std::ops::ControlFlow;
 use std::os::linux::net::SocketAddrExt;
 use std::os::unix::net::{SocketAddr, UnixStream};
@@ -13,6 +13,8 @@ use std::time::Duration;
 
 use anyhow::{Context, Result};
 use clap::Parser;
+use lashloop_silicon::drive_train::DriveTrain;
+use lashloop_silicon::drive_train_file;
 use lashloop_silicon::host_link::{Clock, HostLink};
 use lashloop_silicon::machine;
 use lashloop_silicon::pins::Pins;
@@ -33,14 +35,32 @@ struct Arguments {
     /// Let device time stand still while the drive waits for its host, instead of following the wall clock
     #[arg(long)]
     lockstep: bool,
+
+    /// Description in JSON of the drive train between bridge and encoders; without one their wires are open
+    #[arg(long, value_name = "FILE")]
+    drive_train: Option<PathBuf>,
 }
 
-/// A host and nothing at the pins.
-struct HostOnly(HostLink);
+/// A host, and a drive train or open wires at the pins.
+struct Bench {
+    host: HostLink,
+    host_turn: Duration,
+    train: Option<DriveTrain>,
+}
 
-impl Surroundings for HostOnly {
+impl Surroundings for Bench {
     fn turn(&mut self, chip: &mut Pins<'_>) -> ControlFlow<End, Duration> {
-        self.0.turn(chip)
+        let train_turn = match self.train.as_mut().map(|train| train.turn(chip)).transpose() {
+            Ok(turn) => turn.unwrap_or(Duration::MAX),
+            Err(error) => {
+                eprintln!("lashloop-silicon: {error:#}");
+                return ControlFlow::Break(End::PlantFailed);
+            }
+        };
+        if self.host_turn <= chip.now() {
+            self.host_turn = self.host.turn(chip)?;
+        }
+        ControlFlow::Continue(self.host_turn.min(train_turn))
     }
 }
 
@@ -56,7 +76,7 @@ fn main() -> ExitCode {
 }
 
 /// Runs the image, and returns whether the chip has served all its accesses.
-fn run(Arguments { image, socket, lockstep }: &Arguments) -> Result<bool> {
+fn run(Arguments { image, socket, lockstep, drive_train }: &Arguments) -> Result<bool> {
     let clock = if *lockstep { Clock::Lockstep } else { Clock::Wall };
     let link = match socket {
         Some(name) => {
@@ -66,12 +86,17 @@ fn run(Arguments { image, socket, lockstep }: &Arguments) -> Result<bool> {
         }
         None => HostLink::new(io::stdin(), io::stdout(), clock),
     };
+    let train = drive_train.as_ref().map(|path| {
+        let text = fs::read_to_string(path).with_context(|| format!("{} can't be read", path.display()))?;
+        drive_train_file::read(&text).with_context(|| path.display().to_string())
+    });
+    let train = train.transpose()?;
     let image = Symbols::read(image)?.image()?;
-    let ended = machine::run(image, Wiring::F405_BARE, HostOnly(link))?;
+    let ended = machine::run(image, Wiring::F405_BARE, Bench { host: link, host_turn: Duration::ZERO, train })?;
     if !ended.violations.is_empty() {
         let milliseconds = ended.device_time.as_millis();
         eprintln!("lashloop-silicon: after {milliseconds} ms the image made an access that the chip doesn't serve");
         eprintln!("{}", ended.violations);
     }
-    Ok(ended.violations.is_empty())
+    Ok(ended.violations.is_empty() && ended.end != Some(End::PlantFailed))
 }

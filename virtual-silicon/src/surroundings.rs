@@ -28,4 +28,6 @@ pub enum End {
     Done,
     /// The host disconnected.
     Disconnected,
+    /// The plant left the range of finite numbers.
+    PlantFailed,
 }
