@@ -35,7 +35,8 @@ pub enum Clock {
 pub struct HostLink {
     to_host: Box<dyn Write + Send>,
     from_host: Receiver<Vec<u8>>,
-    pacer: Pacer,
+    /// From the first turn on.
+    pacer: Option<Pacer>,
     clock: Clock,
 }
 
@@ -47,7 +48,7 @@ impl HostLink {
         Self {
             to_host: Box::new(to_host),
             from_host: receiver,
-            pacer: Pacer::new(Instant::now(), Duration::ZERO),
+            pacer: None,
             clock,
         }
     }
@@ -72,7 +73,8 @@ impl HostLink {
 
     /// Waits until device time is no longer ahead of the wall clock, or until the host sends.
     fn wait(&mut self, now: Duration, is_hosts_turn: bool) -> Result<Vec<u8>, Disconnected> {
-        let due = self.pacer.due(Instant::now(), now);
+        let pacer = self.pacer.get_or_insert_with(|| Pacer::new(Instant::now(), now));
+        let due = pacer.due(Instant::now(), now);
         let wait = due.saturating_duration_since(Instant::now());
         let bytes = if self.clock == Clock::Lockstep && is_hosts_turn {
             self.from_host.recv().map_err(|_| Disconnected)?
@@ -89,7 +91,7 @@ impl HostLink {
                 Err(RecvTimeoutError::Disconnected) => return Err(Disconnected),
             }
         };
-        self.pacer.resume(Instant::now(), now);
+        pacer.resume(Instant::now(), now);
         Ok(bytes)
     }
 }

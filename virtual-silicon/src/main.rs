@@ -41,26 +41,45 @@ struct Arguments {
     drive_train: Option<PathBuf>,
 }
 
+/// Device time at which the host is connected. The image has configured its USART by then, and what the emulation takes for the
+/// start of it is no part of a handshake.
+const BOOTED_AT: Duration = Duration::from_millis(20);
+
+/// Connects the host.
+type Connect = Box<dyn FnOnce() -> Result<HostLink> + Send>;
+
 /// A host, and a drive train or open wires at the pins.
 struct Bench {
-    host: HostLink,
+    connect: Option<Connect>,
+    host: Option<HostLink>,
+    /// Device time of the host's next turn.
     host_turn: Duration,
     train: Option<DriveTrain>,
 }
 
+impl Bench {
+    fn take_turns(&mut self, chip: &mut Pins<'_>) -> Result<ControlFlow<End, Duration>> {
+        let train_turn = self.train.as_mut().map(|train| train.turn(chip)).transpose()?;
+        if self.host_turn <= chip.now() {
+            if let Some(connect) = self.connect.take() {
+                self.host = Some(connect()?);
+            }
+            match self.host.as_mut().map(|host| host.turn(chip)) {
+                Some(ControlFlow::Continue(turn)) => self.host_turn = turn,
+                Some(ControlFlow::Break(end)) => return Ok(ControlFlow::Break(end)),
+                None => self.host_turn = Duration::MAX,
+            }
+        }
+        Ok(ControlFlow::Continue(self.host_turn.min(train_turn.unwrap_or(Duration::MAX))))
+    }
+}
+
 impl Surroundings for Bench {
     fn turn(&mut self, chip: &mut Pins<'_>) -> ControlFlow<End, Duration> {
-        let train_turn = match self.train.as_mut().map(|train| train.turn(chip)).transpose() {
-            Ok(turn) => turn.unwrap_or(Duration::MAX),
-            Err(error) => {
-                eprintln!("lashloop-silicon: {error:#}");
-                return ControlFlow::Break(End::PlantFailed);
-            }
-        };
-        if self.host_turn <= chip.now() {
-            self.host_turn = self.host.turn(chip)?;
-        }
-        ControlFlow::Continue(self.host_turn.min(train_turn))
+        self.take_turns(chip).unwrap_or_else(|error| {
+            eprintln!("lashloop-silicon: {error:#}");
+            ControlFlow::Break(End::Failed)
+        })
     }
 }
 
@@ -78,13 +97,13 @@ fn main() -> ExitCode {
 /// Runs the image, and returns whether the chip has served all its accesses.
 fn run(Arguments { image, socket, lockstep, drive_train }: &Arguments) -> Result<bool> {
     let clock = if *lockstep { Clock::Lockstep } else { Clock::Wall };
-    let link = match socket {
-        Some(name) => {
-            let address = SocketAddr::from_abstract_name(name)?;
-            let stream = UnixStream::connect_addr(&address).with_context(|| format!("no socket {name}"))?;
-            HostLink::new(stream.try_clone()?, stream, clock)
-        }
-        None => HostLink::new(io::stdin(), io::stdout(), clock),
+    let connect: Connect = match socket.clone() {
+        Some(name) => Box::new(move || {
+            let stream = UnixStream::connect_addr(&SocketAddr::from_abstract_name(&name)?);
+            let stream = stream.with_context(|| format!("no socket {name}"))?;
+            Ok(HostLink::new(stream.try_clone()?, stream, clock))
+        }),
+        None => Box::new(move || Ok(HostLink::new(io::stdin(), io::stdout(), clock))),
     };
     let train = drive_train.as_ref().map(|path| {
         let text = fs::read_to_string(path).with_context(|| format!("{} can't be read", path.display()))?;
@@ -92,11 +111,12 @@ fn run(Arguments { image, socket, lockstep, drive_train }: &Arguments) -> Result
     });
     let train = train.transpose()?;
     let image = Symbols::read(image)?.image()?;
-    let ended = machine::run(image, Wiring::F405_BARE, Bench { host: link, host_turn: Duration::ZERO, train })?;
+    let surroundings = Bench { connect: Some(connect), host: None, host_turn: BOOTED_AT, train };
+    let ended = machine::run(image, Wiring::F405_BARE, surroundings)?;
     if !ended.violations.is_empty() {
         let milliseconds = ended.device_time.as_millis();
         eprintln!("lashloop-silicon: after {milliseconds} ms the image made an access that the chip doesn't serve");
         eprintln!("{}", ended.violations);
     }
-    Ok(ended.violations.is_empty() && ended.end != Some(End::PlantFailed))
+    Ok(ended.violations.is_empty() && ended.end != Some(End::Failed))
 }

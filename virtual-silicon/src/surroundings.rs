@@ -28,6 +28,6 @@ pub enum End {
     Done,
     /// The host disconnected.
     Disconnected,
-    /// The plant left the range of finite numbers.
-    PlantFailed,
+    /// The surroundings failed: a plant that left the range of finite numbers, a host that is not there.
+    Failed,
 }
