@@ -42,15 +42,14 @@ pub struct HostLink {
 
 impl HostLink {
     /// Starts to read. The end of `from_host` ends the run.
-    pub fn new(from_host: impl Read + Send + 'static, to_host: impl Write + Send + 'static, clock: Clock) -> Self {
+    pub fn new(
+        from_host: impl Read + Send + 'static,
+        to_host: impl Write + Send + 'static,
+        clock: Clock,
+    ) -> Self {
         let (sender, receiver) = mpsc::channel();
         thread::spawn(move || pass_on(from_host, &sender));
-        Self {
-            to_host: Box::new(to_host),
-            from_host: receiver,
-            pacer: None,
-            clock,
-        }
+        Self { to_host: Box::new(to_host), from_host: receiver, pacer: None, clock }
     }
 
     /// Exchanges bytes, and returns the device time of the next exchange.

@@ -42,7 +42,8 @@ pub struct Ended<S> {
 /// The image can't be placed, or the processor locked up.
 pub fn run<S: Surroundings + 'static>(image: Image, wiring: Wiring, surroundings: S) -> Result<Ended<S>> {
     let session = Session::new(Box::new(Chip::new()?), 0, FIRST_TURN).context("the chip can't be set up")?;
-    let machine = Machine { surroundings, wiring, inputs: Inputs::default(), resets: 0, end: None, bridge: None };
+    let machine =
+        Machine { surroundings, wiring, inputs: Inputs::default(), resets: 0, end: None, bridge: None };
     let images = [image];
     let finished = emulator::run(session, &Start::new(&images), machine).context("the image can't run")?;
     let stop = finished.stop.context("the image ended the emulation itself")?;
@@ -91,7 +92,12 @@ impl<S: Surroundings> Driver<Chip> for Machine<S> {
         self.watch_bridge(&mut Pins::new(session, host, at, &wiring, &mut inputs));
     }
 
-    fn on_stop(&mut self, session: &mut Session<Chip>, stop: Stop, host: &mut dyn Host) -> Option<VirtualNanos> {
+    fn on_stop(
+        &mut self,
+        session: &mut Session<Chip>,
+        stop: Stop,
+        host: &mut dyn Host,
+    ) -> Option<VirtualNanos> {
         if Violations::are_in(session) {
             return None;
         }

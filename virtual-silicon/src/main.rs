@@ -3,13 +3,13 @@
 //! It ends when the host disconnects, or at the first access of the image that the chip would not have served. The latter is a
 //! report on standard error and the exit code 1; an image that can't run is 2.
 
-use std::{fs, io};
 use std::ops::ControlFlow;
 use std::os::linux::net::SocketAddrExt;
 use std::os::unix::net::{SocketAddr, UnixStream};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
+use std::{fs, io};
 
 use anyhow::{Context, Result};
 use clap::Parser;
@@ -115,7 +115,9 @@ fn run(Arguments { image, socket, lockstep, drive_train }: &Arguments) -> Result
     let ended = machine::run(image, Wiring::F405_BARE, surroundings)?;
     if !ended.violations.is_empty() {
         let milliseconds = ended.device_time.as_millis();
-        eprintln!("lashloop-silicon: after {milliseconds} ms the image made an access that the chip doesn't serve");
+        eprintln!(
+            "lashloop-silicon: after {milliseconds} ms the image made an access that the chip doesn't serve"
+        );
         eprintln!("{}", ended.violations);
     }
     Ok(ended.violations.is_empty() && ended.end != Some(End::Failed))

@@ -121,7 +121,8 @@ impl<'a> Pins<'a> {
     /// # Errors
     /// No memory is there.
     pub fn word(&mut self, address: u64) -> Result<u32> {
-        let word = self.host.read(address, Width::W32).with_context(|| format!("no memory at {address:#010x}"))?;
+        let word =
+            self.host.read(address, Width::W32).with_context(|| format!("no memory at {address:#010x}"))?;
         Ok(word as u32)
     }
 

@@ -57,11 +57,13 @@ impl Symbols {
 
     /// Address of the only symbol of this name, and its offset in the file.
     fn find(&self, name: &str, kind: SymbolKind) -> Result<(u64, usize)> {
-        let file = File::parse(&self.bytes[..]).with_context(|| format!("{} is no ELF file", self.path.display()))?;
+        let file = File::parse(&self.bytes[..])
+            .with_context(|| format!("{} is no ELF file", self.path.display()))?;
         // Both ways of mangling put the length before the name.
         let mangled = format!("{}{name}", name.len());
         let is_wanted = |symbol: &object::Symbol<'_, '_>| {
-            symbol.name().is_ok_and(|found| found == name || found.contains(&mangled)) && symbol.kind() == kind
+            symbol.name().is_ok_and(|found| found == name || found.contains(&mangled))
+                && symbol.kind() == kind
         };
         let found: Vec<_> = file.symbols().filter(is_wanted).collect();
         let [symbol] = &found[..] else {

@@ -181,7 +181,10 @@ fn time_to_off(image: &Symbols, mut fail: impl FnMut(&mut Pins<'_>) + Send + 'st
     let before = changes.iter().rfind(|(at, _)| *at < FAILURE_AT).expect("a bridge");
     assert!(is_on(&before.1), "on before the failure");
     let off = changes.iter().find(|(at, bridge)| *at >= FAILURE_AT && !is_on(bridge))?;
-    assert!(changes.iter().skip_while(|change| *change != off).all(|(_, bridge)| !is_on(bridge)), "off for good");
+    assert!(
+        changes.iter().skip_while(|change| *change != off).all(|(_, bridge)| !is_on(bridge)),
+        "off for good"
+    );
     Some(off.0 - FAILURE_AT)
 }
 
@@ -193,7 +196,8 @@ fn request(code: u32) -> impl FnMut(&mut Pins<'_>) + Send + 'static {
 #[test]
 fn every_failure_turns_the_bridge_off_within_a_period() {
     for (name, code) in [("panic", 1), ("undefined instruction", 2), ("unexpected interrupt", 3)] {
-        let off = time_to_off(&probe(), request(code)).unwrap_or_else(|| panic!("{name}: the bridge stays on"));
+        let off =
+            time_to_off(&probe(), request(code)).unwrap_or_else(|| panic!("{name}: the bridge stays on"));
         println!("{name}: bridge off after {:.1} us", off.as_secs_f64() * 1e6);
         // The request waits for a tick, and the bridge goes off in it.
         assert!(off <= MS, "{name}: {off:?}");
@@ -267,7 +271,8 @@ fn a_plant_between_bridge_and_encoders_is_positioned() {
         folder: Path::new(""),
     };
     let plant: Box<dyn Plant> = model.release(&release).expect("a plant");
-    let scales = Scales { nm_per_full_duty: 100.0, motor_counts_per_rev: 4_096.0, load_counts_per_rev: 4_096.0 };
+    let scales =
+        Scales { nm_per_full_duty: 100.0, motor_counts_per_rev: 4_096.0, load_counts_per_rev: 4_096.0 };
     let surroundings = Positioning {
         train: DriveTrain::new(plant, scales),
         reference: variable("REFERENCE"),
@@ -276,7 +281,8 @@ fn a_plant_between_bridge_and_encoders_is_positioned() {
         counts: [(0, 0); 2],
     };
     let started = Instant::now();
-    let ended = machine::run(probe().image().expect("an image"), Wiring::F405_BARE, surroundings).expect("a run");
+    let ended =
+        machine::run(probe().image().expect("an image"), Wiring::F405_BARE, surroundings).expect("a run");
     println!("{:?} of device time in {:?}", ended.device_time, started.elapsed());
     assert_eq!((ended.end, ended.violations.to_string()), (Some(End::Done), String::new()));
     let [of_encoders, of_probe] = ended.surroundings.counts;

@@ -45,7 +45,8 @@ impl Line {
         let mut bytes = Vec::new();
         while bytes.len() < count {
             let left = deadline.saturating_duration_since(Instant::now());
-            let timeout = Timespec { tv_sec: left.as_secs().cast_signed(), tv_nsec: left.subsec_nanos().into() };
+            let timeout =
+                Timespec { tv_sec: left.as_secs().cast_signed(), tv_nsec: left.subsec_nanos().into() };
             let mut fds = [PollFd::new(&self.from_drive, PollFlags::IN)];
             let ready = poll(&mut fds, Some(&timeout)).expect("a pipe can be polled");
             assert!(ready > 0, "{} of {count} bytes came: {bytes:02x?}", bytes.len());

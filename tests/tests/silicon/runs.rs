@@ -45,7 +45,10 @@ pub(crate) fn identity() {
     assert!(device.starts_with("silicon (stm32f405, firmware "), "{device}");
     let files = summary["evidence"]["files"].as_array().expect("the files that ran as the drive");
     let paths: Vec<_> = files.iter().filter_map(|file| file["path"].as_str()).collect();
-    assert!(paths[0].ends_with("lashloop-firmware.elf") && paths[1].ends_with("lashloop-silicon"), "{paths:?}");
+    assert!(
+        paths[0].ends_with("lashloop-firmware.elf") && paths[1].ends_with("lashloop-silicon"),
+        "{paths:?}"
+    );
 }
 
 /// Steps per second, for the report.
@@ -68,7 +71,9 @@ pub(crate) fn killed() {
     let lost_at = std::time::Instant::now();
     processes::signal(silicon, Signal::KILL);
     let sentence = loss::assert_reported(bench, &records, lost_at);
-    let named = format!("the drive side ended during the session with silicon: the virtual silicon (process {silicon})");
+    let named = format!(
+        "the drive side ended during the session with silicon: the virtual silicon (process {silicon})"
+    );
     assert!(sentence.contains(&named), "{sentence}");
 }
 

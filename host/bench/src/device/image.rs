@@ -64,6 +64,8 @@ mod tests {
     #[test]
     fn a_missing_image_is_reported_with_its_place() {
         let error = find("qemu", Some(Path::new("none.elf"))).unwrap_err();
-        assert!(matches!(&error, DeviceError::NoImage { places, .. } if places == &[PathBuf::from("none.elf")]));
+        assert!(
+            matches!(&error, DeviceError::NoImage { places, .. } if places == &[PathBuf::from("none.elf")])
+        );
     }
 }
