@@ -90,9 +90,20 @@ impl ArmToolchain {
         Ok(clippy)
     }
 
+    /// `cargo build` of a package for the board that is no member of the workspace.
+    pub(crate) fn build_manifest(&self, manifest: &str) -> Command {
+        let mut build = cargo("build --locked --manifest-path");
+        build.arg(manifest);
+        self.for_target(build)
+    }
+
     fn for_board(&self, mut command: Command, program: &Program) -> Command {
         let Program { package, name, feature } = program;
         command.args(["--package", package, "--bin", name, "--features", feature]);
+        self.for_target(command)
+    }
+
+    fn for_target(&self, mut command: Command) -> Command {
         // The image has one well-known place, independent of CARGO_TARGET_DIR.
         command.args(["--target", TARGET, "--profile", "image", "--target-dir"]);
         command.arg(paths::root().join("target"));

@@ -12,16 +12,25 @@ pub(crate) fn build() -> Result<()> {
     let toolchain = ArmToolchain::find()?;
     for program in &PROGRAMS {
         command::run(&mut toolchain.build(program))?;
-        let built = paths::root().join("target").join(TARGET).join("image").join(program.name);
-        let image = paths::image(program.name);
-        // Renaming is atomic: an emulator that starts now reads either the old or the new image.
-        let copy = image.with_extension("elf.new");
-        fs::copy(&built, &copy).with_context(|| format!("{} cannot be copied", built.display()))?;
-        fs::rename(&copy, &image).with_context(|| format!("{} cannot be replaced", image.display()))?;
-        // Cargo's list of the sources: the bench warns of an image that is older than one of them.
-        let list = image.with_extension("d");
-        fs::copy(built.with_extension("d"), &list)
-            .with_context(|| format!("{} cannot be written", list.display()))?;
+        publish(program.name)?;
     }
+    Ok(())
+}
+
+/// Copies an image that was built to its well-known place.
+///
+/// # Errors
+/// It can't be copied.
+pub(crate) fn publish(program: &str) -> Result<()> {
+    let built = paths::root().join("target").join(TARGET).join("image").join(program);
+    let image = paths::image(program);
+    // Renaming is atomic: an emulator that starts now reads either the old or the new image.
+    let copy = image.with_extension("elf.new");
+    fs::copy(&built, &copy).with_context(|| format!("{} cannot be copied", built.display()))?;
+    fs::rename(&copy, &image).with_context(|| format!("{} cannot be replaced", image.display()))?;
+    // Cargo's list of the sources: the bench warns of an image that is older than one of them.
+    let list = image.with_extension("d");
+    fs::copy(built.with_extension("d"), &list)
+        .with_context(|| format!("{} cannot be written", list.display()))?;
     Ok(())
 }

@@ -16,6 +16,7 @@ mod reports;
 mod rings;
 mod schedule;
 mod setup;
+mod silicon;
 mod size;
 mod test_programs;
 mod usb_guest;
@@ -36,6 +37,8 @@ enum Chore {
     Setup,
     /// Build the Arm images, copy them to target/*.elf and print the size of the drive's
     Image,
+    /// Build virtual silicon, the program behind `--device silicon`, into target/virtual-silicon
+    Silicon,
     /// Print the size of the Arm image and fail if it exceeds its limits
     Size,
     /// Write the C header of the wire contract, protocol/include/lashloop.h, and the tables of the Wireshark dissector, from the
@@ -55,6 +58,7 @@ fn main() -> Result<ExitCode> {
             image::build()?;
             size::print()?;
         }
+        Chore::Silicon => silicon::build()?,
         Chore::Size => size::check()?,
         Chore::Header => {
             header::write()?;

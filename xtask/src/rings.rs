@@ -9,7 +9,7 @@ use crate::arm_toolchain::ArmToolchain;
 use crate::command::{cargo, run};
 use crate::counts::Counts;
 use crate::test_programs::{self, TestProgram};
-use crate::{fuzz, image, python, size};
+use crate::{fuzz, image, python, silicon, size};
 
 #[derive(Args)]
 pub(crate) struct Selection {
@@ -31,6 +31,8 @@ pub(crate) enum Ring {
     Loop,
     /// The Cortex-M image: build, size, clippy, and tests in the emulator
     Image,
+    /// The Cortex-M image on virtual silicon: the program that models the chip, its own tests, and runs of the bench
+    Silicon,
     /// The Python package: lint, its own tests, and its drive on the bench
     Python,
     /// The bench in a Linux guest with the kernel's USB serial drivers
@@ -54,6 +56,7 @@ fn ring_of(program: &str) -> Option<Ring> {
         | "host tools" => Some(Ring::Loop),
         "tests emulated" => Some(Ring::Image),
         "tests usb" => Some(Ring::Usb),
+        "tests silicon" => Some(Ring::Silicon),
         PYTHON => Some(Ring::Python),
         _ => Some(Ring::Unit),
     }
@@ -130,6 +133,11 @@ impl Selection {
                 if self.timing == Some(Timing::Untimed) {
                     return counts;
                 }
+            }
+            Ring::Silicon => {
+                counts.step("image", image::build);
+                counts.step("virtual silicon", silicon::build);
+                counts.step("virtual silicon, its own tests", silicon::test);
             }
             Ring::Fuzz => {
                 counts.step("fuzz", || fuzz::run_all(self.seconds));

@@ -19,8 +19,8 @@ pub(super) const DEFAULT_BAUD: u32 = 921_600;
 
 #[derive(Args)]
 pub(super) struct DeviceOption {
-    /// Drive: inproc, native, qemu, qemu:ELF, exec:CMD ARGS, tcp:HOST:PORT, rfc2217:HOST:PORT, or the path of a terminal;
-    /// see `lashloop run --help`
+    /// Drive: inproc, native, qemu, qemu:ELF, silicon, silicon:ELF, exec:CMD ARGS, tcp:HOST:PORT, rfc2217:HOST:PORT, or the
+    /// path of a terminal; see `lashloop run --help`
     #[arg(long, global = true, default_value = "native", value_name = "DEVICE")]
     pub(super) device: DeviceChoice,
 }

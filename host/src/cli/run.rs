@@ -33,10 +33,10 @@ use crate::rig::check::check_board;
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Drive: `inproc` is a call in this process, `native` a process on a pseudo-terminal, `qemu` the Cortex-M image of
-    /// `cargo xtask image` in QEMU (`qemu:ELF` another image), `exec:CMD ARGS` a program of yours on its standard input and
-    /// output or, with `{tty}` among the arguments, on a pseudo-terminal, `tcp:HOST:PORT` a port of raw bytes,
-    /// `rfc2217:HOST:PORT` a serial port of another machine, and a path such as /dev/ttyACM0 or /dev/pts/3 a terminal with
-    /// a drive at its far end
+    /// `cargo xtask image` in QEMU (`qemu:ELF` another image), `silicon` the same image on virtual silicon (`silicon:ELF`
+    /// another), `exec:CMD ARGS` a program of yours on its standard input and output or, with `{tty}` among the arguments,
+    /// on a pseudo-terminal, `tcp:HOST:PORT` a port of raw bytes, `rfc2217:HOST:PORT` a serial port of another machine, and
+    /// a path such as /dev/ttyACM0 or /dev/pts/3 a terminal with a drive at its far end
     #[arg(long, default_value = "native", value_name = "DEVICE", conflicts_with = "rig")]
     device: DeviceChoice,
 

@@ -7,7 +7,7 @@ use lashloop_firmware::drive::{BUILD_ID, BUILD_IS_DIRTY, Clock, Drive, FIRMWARE_
 use lashloop_protocol::message::Identity;
 use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 
-use crate::markdown::{fences, section};
+use crate::script::{Side, script};
 
 /// Advance of the clock at each reading.
 const STEP: Duration = Duration::from_nanos(5_700);
@@ -18,24 +18,6 @@ impl Clock for Stepping {
     fn now(&self) -> Duration {
         self.0.replace(self.0.get() + STEP)
     }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Side {
-    Host,
-    Drive,
-}
-
-/// Sender and bytes of every frame of the document.
-fn script() -> Vec<(Side, Vec<u8>)> {
-    let sheets = fences(section("## 15. A conversation, byte by byte"));
-    let frame = |sheet: &str| {
-        let side = if sheet.contains("host -> drive") { Side::Host } else { Side::Drive };
-        let (_, digits) = sheet.rsplit_once("frame: ").expect("every piece ends with its frame");
-        let byte = |digits| u8::from_str_radix(digits, 16).expect("two hexadecimal digits");
-        (side, digits.split_whitespace().map(byte).collect())
-    };
-    sheets.into_iter().map(frame).collect()
 }
 
 /// The document shows one build; everything else of the identity must match.

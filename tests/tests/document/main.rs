@@ -17,6 +17,7 @@ mod parameters;
 #[path = "../../../firmware/tests/drive/pin_host.rs"]
 mod pin_host;
 mod rules;
+mod script;
 mod sequence;
 mod states;
 mod subscriptions;

@@ -69,6 +69,8 @@ mod tests {
             "native",
             "qemu",
             "qemu:a.elf",
+            "silicon",
+            "silicon:a.elf",
             "exec:./drive --name 'a b' {tty}",
             "tcp:localhost:4000",
             "tcp:[::1]:4000",
@@ -82,12 +84,13 @@ mod tests {
 
     #[test]
     fn an_unknown_name_is_refused_with_those_that_are_known() {
-        let known = "inproc, native, qemu, qemu:ELF, exec:CMD ARGS, tcp:HOST:PORT, rfc2217:HOST:PORT or the path \
-                     of a terminal like /dev/ttyACM0";
+        let known = "inproc, native, qemu, qemu:ELF, silicon, silicon:ELF, exec:CMD ARGS, tcp:HOST:PORT, \
+                     rfc2217:HOST:PORT or the path of a terminal like /dev/ttyACM0";
         assert_eq!("board".parse::<DeviceChoice>().map(drop), Err(format!("expected {known}")));
         let incomplete = "qemu:".parse::<DeviceChoice>().map(drop);
         assert_eq!(incomplete, Err("qemu: needs the path of an image after the colon".to_owned()));
         for (name, problem) in [
+            ("silicon:", "needs the path of an image"),
             ("tcp:here", "the port is missing"),
             ("rfc2217:a:0", "a port is a number"),
             ("exec:", "needs a command"),

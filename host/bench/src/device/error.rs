@@ -33,10 +33,12 @@ pub enum DeviceError {
     },
     /// The firmware image is missing.
     #[error(
-        "no image of the firmware at {}: build it with `cargo xtask image`, or name it by qemu:PATH or LASHLOOP_IMAGE",
+        "no image of the firmware at {}: build it with `cargo xtask image`, or name it by {kind}:PATH or LASHLOOP_IMAGE",
         listed(places)
     )]
     NoImage {
+        /// The kind of device that runs it, as given to `--device`.
+        kind: &'static str,
         /// The paths that were tried, in this order.
         places: Vec<PathBuf>,
     },
@@ -69,6 +71,12 @@ pub enum DeviceError {
         "qemu-system-arm is not installed: `cargo xtask setup` installs it, or on Debian `apt-get install qemu-system-arm`"
     )]
     NoEmulator,
+    /// The program of the virtual silicon is not built.
+    #[error("no virtual silicon at {}: build it with `cargo xtask silicon`", listed(places))]
+    NoSilicon {
+        /// The paths that were tried, in this order.
+        places: Vec<PathBuf>,
+    },
     /// A program can't be started.
     #[error("the {name} can't be started: {source}; is the machine out of processes, memory or terminals?")]
     Spawn {

@@ -13,17 +13,18 @@ pub(super) const VARIABLE: &str = "LASHLOOP_IMAGE";
 /// The workspace that this program was built in. The build puts the image into its target folder.
 const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
-/// The image to run: the one given, else the first that exists.
+/// The image to run: the one given, else the first that exists. `kind` is the kind of device that an error suggests to
+/// name an image by.
 ///
 /// # Errors
 /// No image is there; the error lists the places.
-pub fn find(given: Option<&Path>) -> Result<PathBuf, DeviceError> {
+pub fn find(kind: &'static str, given: Option<&Path>) -> Result<PathBuf, DeviceError> {
     let places = match given {
         Some(image) => vec![image.to_owned()],
         None => places(env::var_os(VARIABLE), env::current_exe().ok().as_deref()),
     };
     let found = places.iter().find(|image| image.is_file()).cloned();
-    found.ok_or(DeviceError::NoImage { places })
+    found.ok_or(DeviceError::NoImage { kind, places })
 }
 
 /// Where an image is looked for, in this order. One that the environment names is the only one.
@@ -62,7 +63,9 @@ mod tests {
 
     #[test]
     fn a_missing_image_is_reported_with_its_place() {
-        let error = find(Some(Path::new("none.elf"))).unwrap_err();
-        assert!(matches!(&error, DeviceError::NoImage { places } if places == &[PathBuf::from("none.elf")]));
+        let error = find("qemu", Some(Path::new("none.elf"))).unwrap_err();
+        assert!(
+            matches!(&error, DeviceError::NoImage { places, .. } if places == &[PathBuf::from("none.elf")])
+        );
     }
 }

@@ -10,6 +10,7 @@
 //! | `image` | where the image of the firmware is |
 //! | `evidence` | [`Evidence`]: the files that run as the drive, for the record |
 //! | `drive_host` | [`DriveHost`]: what runs the drive, and can suspend it |
+//! | `uart_socket` | the socket that the UART of an emulated board connects to |
 //! | [`twin`] | the native twin's own side: a drive served on a pseudo-terminal |
 
 mod choice;
@@ -22,6 +23,7 @@ mod image;
 mod kind;
 pub mod kinds;
 pub mod twin;
+mod uart_socket;
 
 pub use choice::DeviceChoice;
 pub use connection::{Connection, LineSpeed};

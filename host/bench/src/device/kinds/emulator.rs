@@ -1,26 +1,17 @@
 //! `qemu`: the Cortex-M image in QEMU's model of an STM32F405 board.
 
-use std::os::linux::net::SocketAddrExt;
-use std::os::unix::net::{SocketAddr, UnixListener};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU32, Ordering};
-use std::time::{Duration, Instant};
-use std::{io, thread};
 
-use lashloop_link::socket::Socket;
-
-use crate::device::drive_host::{DriveHost, START_LIMIT, not_up, spawn};
+use crate::device::drive_host::{DriveHost, spawn};
 use crate::device::error::DeviceError;
 use crate::device::evidence::DriveFiles;
 use crate::device::image;
 use crate::device::kind::{DeviceKind, Opened, ParsedKind, Syntax};
-use crate::supervisor::{Process, Program, Supervisor, find_program};
+use crate::device::uart_socket::UartSocket;
+use crate::supervisor::{Program, Supervisor, find_program};
 
 /// The emulator.
 const PROGRAM: &str = "qemu-system-arm";
-
-/// Makes the names of this bench's sockets unique.
-static SOCKETS: AtomicU32 = AtomicU32::new(0);
 
 const NAME: &str = "qemu";
 
@@ -53,7 +44,7 @@ impl DeviceKind for Emulator {
     }
 
     fn files(&self, _supervisor: &Supervisor) -> DriveFiles {
-        let paths = image::find(self.image.as_deref()).into_iter().collect();
+        let paths = image::find(NAME, self.image.as_deref()).into_iter().collect();
         DriveFiles { paths, rebuilt_by: Some("cargo xtask image") }
     }
 }
@@ -63,16 +54,11 @@ impl DeviceKind for Emulator {
 /// A socket, because QEMU polls a pseudo-terminal only once a second. One core, because the emulated processor and the
 /// emulator's event loop alternate: on two cores each change is a wake-up, and a round trip takes about twice as long.
 fn start(image: Option<&Path>, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
-    let image = image::find(image)?;
+    let image = image::find(NAME, image)?;
     let emulator = find_program(PROGRAM).map_err(|_| DeviceError::NoEmulator)?;
-    let failed = |source| DeviceError::Spawn { name: "emulator", source };
-    // In the abstract namespace, because a killed bench would leave a file behind.
-    let socket = format!("lashloop-{}-{}", std::process::id(), SOCKETS.fetch_add(1, Ordering::Relaxed));
-    let address = SocketAddr::from_abstract_name(&socket).map_err(failed)?;
-    let listener = UnixListener::bind_addr(&address).map_err(failed)?;
-    listener.set_nonblocking(true).map_err(failed)?;
-    let process = spawn(supervisor, &program(emulator, &image, &socket))?;
-    let link = accept(&listener, &process)?;
+    let socket = UartSocket::listen().map_err(|source| DeviceError::Spawn { name: "emulator", source })?;
+    let process = spawn(supervisor, &program(emulator, &image, &socket.name))?;
+    let link = socket.accept(&process)?;
     Ok(Opened { link: Box::new(link), host: DriveHost::Process(process) })
 }
 
@@ -89,19 +75,4 @@ fn program(emulator: PathBuf, image: &Path, socket: &str) -> Program {
 fn last_core() -> Option<usize> {
     let allowed = rustix::thread::sched_getaffinity(None).ok()?;
     (0..rustix::thread::CpuSet::MAX_CPU).rev().find(|&core| allowed.is_set(core))
-}
-
-fn accept(listener: &UnixListener, process: &Process) -> Result<Socket, DeviceError> {
-    let deadline = Instant::now() + START_LIMIT;
-    let failed = |source| DeviceError::Spawn { name: process.name, source };
-    loop {
-        match listener.accept() {
-            Ok((stream, _)) => return Socket::new(stream).map_err(failed),
-            Err(error) if error.kind() != io::ErrorKind::WouldBlock => return Err(failed(error)),
-            Err(_) if Instant::now() > deadline || process.ended_within(Duration::ZERO).is_some() => {
-                return Err(not_up(process));
-            }
-            Err(_) => thread::sleep(Duration::from_millis(2)),
-        }
-    }
 }

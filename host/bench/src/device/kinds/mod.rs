@@ -5,6 +5,7 @@ pub mod emulator;
 pub mod in_process;
 pub mod native;
 pub mod rfc2217;
+pub mod silicon;
 pub mod tcp;
 pub mod terminal;
 
@@ -13,7 +14,7 @@ use lashloop_firmware::law::LawSet;
 use super::kind::Syntax;
 
 /// Number of kinds.
-pub const COUNT: usize = 7;
+pub const COUNT: usize = 8;
 
 /// All kinds, in the order in which a name is tried on them. The drive in this process has the laws `L`.
 #[must_use]
@@ -22,6 +23,7 @@ pub const fn all<L: LawSet>() -> [Syntax; COUNT] {
         in_process::syntax::<L>(),
         native::SYNTAX,
         emulator::SYNTAX,
+        silicon::SYNTAX,
         command::SYNTAX,
         tcp::SYNTAX,
         rfc2217::SYNTAX,

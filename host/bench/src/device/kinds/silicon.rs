@@ -1,0 +1,109 @@
+//! `silicon`: the Cortex-M image on virtual silicon, a process of its own with register-level models of the chip.
+//!
+//! QEMU's board has no clock tree, encoder timers or PWM. Virtual silicon has, and ends with a report at the first access
+//! of the image that the chip would not serve.
+
+use std::env;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use crate::device::drive_host::{DriveHost, spawn};
+use crate::device::error::DeviceError;
+use crate::device::evidence::DriveFiles;
+use crate::device::image;
+use crate::device::kind::{DeviceKind, Opened, ParsedKind, Syntax};
+use crate::device::uart_socket::UartSocket;
+use crate::supervisor::{Program, Supervisor};
+
+/// Name of the program that `cargo xtask silicon` builds.
+const PROGRAM: &str = "lashloop-silicon";
+/// Variable of the environment with the path of the program.
+const VARIABLE: &str = "LASHLOOP_SILICON";
+/// Where the build puts the program.
+const BUILT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/virtual-silicon/release");
+/// The part of the process in messages.
+const PROCESS: &str = "virtual silicon";
+
+const NAME: &str = "silicon";
+
+pub(in crate::device) const SYNTAX: Syntax = Syntax { form: "silicon, silicon:ELF", parse };
+
+fn parse(text: &str) -> Option<ParsedKind> {
+    let kind = |image| Ok(Box::new(Silicon { image }) as Box<dyn DeviceKind>);
+    match text.split_once(':') {
+        None if text == NAME => Some(kind(None)),
+        Some((NAME, "")) => Some(Err("silicon: needs the path of an image after the colon".to_owned())),
+        Some((NAME, image)) => Some(kind(Some(image.into()))),
+        _ => None,
+    }
+}
+
+/// Virtual silicon, started by the bench.
+#[derive(Debug, Clone)]
+pub struct Silicon {
+    /// The image to run; `None` for the one that is found.
+    pub image: Option<PathBuf>,
+}
+
+impl DeviceKind for Silicon {
+    fn name(&self) -> String {
+        self.image.as_ref().map_or_else(|| NAME.to_owned(), |image| format!("{NAME}:{}", image.display()))
+    }
+
+    fn open(&self, _baud: u32, supervisor: &Supervisor) -> Result<Opened, DeviceError> {
+        let image = image::find(NAME, self.image.as_deref())?;
+        let program = find_program(env::var_os(VARIABLE), env::current_exe().ok().as_deref())?;
+        let socket = UartSocket::listen().map_err(|source| DeviceError::Spawn { name: PROCESS, source })?;
+        let arguments = vec![image.into(), "--socket".into(), socket.name.clone().into()];
+        let program = Program { name: PROCESS, program: program.into(), arguments, core: None };
+        let process = spawn(supervisor, &program)?;
+        let link = socket.accept(&process)?;
+        Ok(Opened { link: Box::new(link), host: DriveHost::Process(process) })
+    }
+
+    fn files(&self, _supervisor: &Supervisor) -> DriveFiles {
+        let image = image::find(NAME, self.image.as_deref()).into_iter();
+        let program = find_program(env::var_os(VARIABLE), env::current_exe().ok().as_deref());
+        DriveFiles { paths: image.chain(program).collect(), rebuilt_by: Some("cargo xtask image") }
+    }
+}
+
+/// The program: the one that the environment names, else the one that was built, else the one next to this program.
+///
+/// # Errors
+/// No program is there; the error lists the places.
+fn find_program(variable: Option<OsString>, this: Option<&Path>) -> Result<PathBuf, DeviceError> {
+    let places = match variable.filter(|program| !program.is_empty()) {
+        Some(program) => vec![program.into()],
+        None => [Path::new(BUILT)].into_iter().chain(this.and_then(Path::parent)).map(place).collect(),
+    };
+    let found = places.iter().find(|program| program.is_file()).cloned();
+    found.ok_or(DeviceError::NoSilicon { places })
+}
+
+/// The program in a folder, without the `..` of its path if the folder exists.
+fn place(folder: &Path) -> PathBuf {
+    folder.canonicalize().unwrap_or_else(|_| folder.to_owned()).join(PROGRAM)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_missing_program_is_reported_with_its_places() {
+        let missing = find_program(Some("no/such/program".into()), None).unwrap_err();
+        let want = "no virtual silicon at no/such/program: build it with `cargo xtask silicon`";
+        assert_eq!(missing.to_string(), want);
+    }
+
+    #[test]
+    fn the_program_next_to_this_one_is_found_after_the_built_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let program = folder.path().canonicalize().unwrap().join(PROGRAM);
+        std::fs::write(&program, "").unwrap();
+        let this = folder.path().join("lashloop");
+        let found = find_program(Some(OsString::new()), Some(&this)).unwrap();
+        assert!(found == program || found.starts_with(Path::new(BUILT).canonicalize().unwrap()), "{found:?}");
+    }
+}

@@ -1,0 +1,52 @@
+//! The unmodified Cortex-M image on virtual silicon: register-level models of its chip, with an 8 MHz crystal.
+//!
+//! Every run here also shows that the chip serves all accesses of the image: virtual silicon ends at the first that it
+//! doesn't. The models are made from the manual and are no hardware.
+
+#[path = "../../../protocol/tests/wire/markdown.rs"]
+mod markdown;
+#[path = "../document/script.rs"]
+mod script;
+
+mod conversation;
+mod equipment;
+mod runs;
+
+use std::process::ExitCode;
+
+use libtest_mimic::{Arguments, Trial};
+use tests::paper::{BACKLASH_INVERSE, RUNS};
+use tests::{fault_table, optional, own_core};
+
+type Check = fn();
+
+/// Trials that need the image and the program.
+const TRIALS: [(&str, Check); 7] = [
+    ("conversation::the_documented_frames_come_back_byte_by_byte", conversation::byte_by_byte),
+    ("runs::the_image_identifies_itself_as_the_board", runs::identity),
+    ("runs::the_rate_of_steps_is_reported", runs::speed),
+    ("runs::a_killed_process_is_reported_with_its_signal", runs::killed),
+    ("runs::a_file_that_is_no_image_is_named", runs::stranger),
+    ("runs::an_image_without_the_protocol_is_reported_as_silent", runs::silent),
+    ("faults::the_watchdog_removes_the_torque_in_time", || fault_table::check_watchdog_on("silicon")),
+];
+
+fn main() -> ExitCode {
+    let arguments = Arguments::from_args();
+    let missing = equipment::missing();
+    let mut trials: Vec<_> =
+        TRIALS.into_iter().map(|(name, check)| trial(name, missing.clone(), check)).collect();
+    for run in RUNS.into_iter().chain([BACKLASH_INVERSE]) {
+        let name = format!("runs::{}_has_the_torques_of_the_run_in_process", run.name.replace('-', "_"));
+        trials.push(trial(&name, missing.clone(), move || runs::same_as_in_process(run)));
+    }
+    trials.push(trial("runs::a_missing_image_is_named_with_its_build_command", None, runs::no_image));
+    optional::run(&arguments, "virtual silicon", missing.as_deref(), trials)
+}
+
+fn trial(name: &str, missing: Option<String>, check: impl FnOnce() + Send + 'static) -> Trial {
+    optional::trial(name, missing, || {
+        own_core::keep();
+        check();
+    })
+}

@@ -1,0 +1,104 @@
+//! Runs of the bench with the image on virtual silicon.
+
+use std::fs;
+
+use rustix::process::Signal;
+use tests::paper::{PATIENCE, PaperRun};
+use tests::program;
+use tests::records::Records;
+use tests::{loss, processes};
+
+use crate::equipment;
+
+/// Length of a compared run. A step takes about 3 ms, most of it for the polling of the transmitter.
+const DURATION: &str = "run.duration_s=3";
+const STEPS: u64 = 3_000;
+
+/// The same torques as in process, bit for bit, and no damaged, lost or late frame.
+pub(crate) fn same_as_in_process(run: PaperRun) {
+    let on = |device: &str| {
+        let records = Records::new();
+        let scenario = run.scenario();
+        let arguments = ["run", &scenario, "--device", device, "--out", &records.out(), "--set", DURATION];
+        // Too short for the paper's numbers, so the verdict is FAIL, or PASS for a scenario without a bound at its end.
+        let ended = program::run(arguments.into_iter().chain(PATIENCE));
+        assert!(matches!(ended.code, Some(0 | 1)), "{}: {}", run.name, ended.stderr);
+        records.summary()
+    };
+    let (silicon, in_process) = (on("silicon"), on("inproc"));
+    for key in ["torque_sha256", "metrics", "steps", "expectations"] {
+        assert_eq!(silicon[key], in_process[key], "{}: {key}", run.name);
+    }
+    assert_eq!(silicon["steps"], STEPS);
+    for key in ["crc_errors", "lost", "late", "damaged_at_drive", "overruns_at_drive"] {
+        assert_eq!(silicon["link"][key], 0, "{}: {key}", run.name);
+    }
+}
+
+pub(crate) fn identity() {
+    let records = Records::new();
+    let arguments = ["run", "scenarios/smooth-after.toml", "--device", "silicon", "--out", &records.out()];
+    let _ = program::run(arguments.into_iter().chain(["--set", "run.duration_s=0.01"])).with_code(1);
+    let summary = records.summary();
+    let device = summary["device"].as_str().expect("the device");
+    // The name of the board itself: the image does not take the models for QEMU.
+    assert!(device.starts_with("silicon (stm32f405, firmware "), "{device}");
+    let files = summary["evidence"]["files"].as_array().expect("the files that ran as the drive");
+    let paths: Vec<_> = files.iter().filter_map(|file| file["path"].as_str()).collect();
+    assert!(
+        paths[0].ends_with("lashloop-firmware.elf") && paths[1].ends_with("lashloop-silicon"),
+        "{paths:?}"
+    );
+}
+
+/// Steps per second, for the report.
+pub(crate) fn speed() {
+    let records = Records::new();
+    let arguments = ["run", "scenarios/smooth-after.toml", "--device", "silicon", "--out", &records.out()];
+    let _ = program::run(arguments.into_iter().chain(["--set", DURATION]).chain(PATIENCE));
+    let wall_s = records.summary()["wall_s"].as_f64().expect("a time");
+    let line = format!("virtual silicon: {:.0} steps/s in lockstep with the bench", STEPS as f64 / wall_s);
+    println!("{line}");
+    let reports = tests::workspace().join("target/reports");
+    fs::create_dir_all(&reports).expect("the folder of the reports");
+    fs::write(reports.join("silicon.txt"), line + "\n").expect("a report");
+}
+
+pub(crate) fn killed() {
+    let (bench, records) = loss::run_in_progress("silicon");
+    let [silicon] = processes::children(bench.id())[..] else { panic!("the bench has one child") };
+    assert_eq!(processes::name(silicon), "lashloop-silicon");
+    let lost_at = std::time::Instant::now();
+    processes::signal(silicon, Signal::KILL);
+    let sentence = loss::assert_reported(bench, &records, lost_at);
+    let named = format!(
+        "the drive side ended during the session with silicon: the virtual silicon (process {silicon})"
+    );
+    assert!(sentence.contains(&named), "{sentence}");
+}
+
+/// An image that no drive is.
+pub(crate) fn stranger() {
+    let records = Records::new();
+    let image = records.path("text.elf");
+    fs::write(&image, "no image").expect("a file of the test");
+    let device = format!("silicon:{}", image.display());
+    let ended = program::run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(4);
+    assert_eq!(ended.stderr.lines().count(), 1, "{}", ended.stderr);
+    assert!(ended.stderr.contains("text.elf is no image"), "{}", ended.stderr);
+}
+
+/// An image that boots and speaks no protocol.
+pub(crate) fn silent() {
+    let device = format!("silicon:{}", equipment::probe().display());
+    let ended = program::run(["run", "scenarios/smooth-after.toml", "--device", &device]).with_code(4);
+    assert!(ended.stderr.contains("silent"), "{}", ended.stderr);
+}
+
+pub(crate) fn no_image() {
+    let ended =
+        program::run(["run", "scenarios/smooth-after.toml", "--device", "silicon:no/such.elf"]).with_code(4);
+    let want = "lashloop: no image of the firmware at no/such.elf: build it with `cargo xtask image`, or name it by \
+                silicon:PATH or LASHLOOP_IMAGE\n";
+    assert_eq!((ended.stderr.as_str(), ended.stdout.as_str()), (want, ""));
+}

@@ -1,0 +1,88 @@
+//! The chip on its board: crystal, supply and the far end of USART2.
+
+use std::num::{NonZeroU32, NonZeroU64};
+
+use anyhow::{Context, Result};
+use rigless::cpu;
+use rigless::machine::{Board, Target, armv7m};
+use rigless::mcu::{Mcu, Operate};
+use rigless::snapshot::Store;
+use rigless::soc::stm32f427::Stm32f427;
+
+use crate::serial_line::SerialLine;
+
+/// Crystal on OSC_IN and OSC_OUT, Hz. The low-speed crystal is absent.
+pub const CRYSTAL_HZ: u64 = 8_000_000;
+/// Supply voltage, mV.
+const SUPPLY_MV: u32 = 3_300;
+/// Core clock that the image configures, Hz.
+const CORE_HZ: u64 = 168_000_000;
+/// One instruction per cycle. The model has a constant rate; on silicon, branches and loads take longer.
+const INSTRUCTIONS_PER_SECOND: u64 = CORE_HZ;
+/// USART2 among the serial ports of the part.
+const USART2: usize = 1;
+/// TIM1 among the advanced timers of the part.
+pub(crate) const TIM1: usize = 0;
+const NAME: &str = "stm32f427";
+
+/// The part with crystal and supply.
+#[derive(Debug)]
+pub struct Chip {
+    /// The models of the part.
+    pub mcu: Stm32f427,
+}
+
+impl Chip {
+    /// The part before its first instruction, with an idle line at USART2.
+    ///
+    /// # Errors
+    /// The tables of the part contradict each other.
+    pub fn new() -> Result<Self> {
+        let mut mcu = Stm32f427::new().context("the models of the part don't fit together")?;
+        mcu.rcc.attach_crystals(CRYSTAL_HZ, 0);
+        mcu.set_supply(SUPPLY_MV);
+        mcu.usart[USART2].attach(SerialLine::default());
+        Ok(Self { mcu })
+    }
+
+    /// The far end of USART2.
+    ///
+    /// # Panics
+    /// Never: [`Self::new`] attaches it.
+    pub fn serial_line(&mut self) -> &mut SerialLine {
+        self.mcu.usart[USART2].chip_mut().expect("the line of the constructor")
+    }
+}
+
+// Snapshots are not used.
+impl Store for Chip {}
+
+impl Board for Chip {
+    fn name(&self) -> &'static str {
+        "lashloop drive"
+    }
+
+    fn target_names(&self) -> Vec<&'static str> {
+        vec![NAME]
+    }
+
+    fn mcu(&mut self, target: usize) -> Option<&mut dyn Mcu> {
+        (target == 0).then_some(&mut self.mcu)
+    }
+
+    fn targets(&mut self) -> Vec<Target<'_>> {
+        let lines = u32::from(Operate::cpu(&self.mcu).interrupt_lines);
+        let core = armv7m::Core {
+            variant: armv7m::Variant::M4,
+            clock_hz: NonZeroU64::new(CORE_HZ).expect("a rate"),
+            interrupt_lines: NonZeroU32::new(lines).expect("a part has interrupts"),
+            priority_bits: 4,
+            refclk_divider: NonZeroU32::new(8).expect("a divider"),
+            instructions_per_second: NonZeroU64::new(INSTRUCTIONS_PER_SECOND).expect("a rate"),
+            boot: "flash",
+        };
+        let windows = cpu::armv7m::windows(Mcu::bus(&self.mcu));
+        let core = core.spec_with_parts(&windows, armv7m::Fpu::FpV4Sp, armv7m::MpuRegions::Eight);
+        vec![Target::new(NAME, &mut self.mcu, core)]
+    }
+}

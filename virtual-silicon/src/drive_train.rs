@@ -1,0 +1,148 @@
+//! A plant between bridge and encoders.
+//!
+//! Each PWM period the plant takes a step under the torque of the duty that the bridge carries at its start. The edges of both
+//! encoders occur at their own instants within the period, as positions pass the counts on a straight line. A timer
+//! therefore counts at most one edge at a time, as on a board.
+
+use std::collections::VecDeque;
+use std::f64::consts::TAU;
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use lashloop_plant::Plant;
+
+use crate::pins::Pins;
+use crate::quadrature::{Channel, Edge, Quadrature};
+use crate::wiring::Encoder;
+
+/// Step of the plant: the period of a PWM of 20 kHz.
+const STEP: Duration = Duration::from_micros(50);
+
+/// What lies between duty and torque, and between position and count.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scales {
+    /// Torque at duty 1, N m; at duty 0.5 the torque is 0, at duty 0 its negative.
+    pub nm_per_full_duty: f64,
+    /// Counts per revolution of the encoder at the motor.
+    pub motor_counts_per_rev: f64,
+    /// Counts per revolution of the encoder at the load.
+    pub load_counts_per_rev: f64,
+}
+
+/// A plant at the pins. A bridge that is off leaves its motor without torque.
+pub struct DriveTrain {
+    plant: Box<dyn Plant>,
+    scales: Scales,
+    motor: Quadrature,
+    load: Quadrature,
+    /// Edges until the plant's next step, in their order.
+    edges: VecDeque<(Duration, Encoder, Edge)>,
+    next_step: Option<Duration>,
+    torque_nm: f64,
+    cut: Vec<(Encoder, Channel)>,
+}
+
+impl DriveTrain {
+    /// A plant with its encoders at the counts of its positions.
+    #[must_use]
+    pub fn new(plant: Box<dyn Plant>, scales: Scales) -> Self {
+        let (motor, load) = counts(&*plant, &scales);
+        Self {
+            plant,
+            scales,
+            motor: Quadrature::at(motor.floor() as i64),
+            load: Quadrature::at(load.floor() as i64),
+            edges: VecDeque::new(),
+            next_step: None,
+            torque_nm: 0.0,
+            cut: Vec::new(),
+        }
+    }
+
+    /// The plant.
+    #[must_use]
+    pub fn plant(&self) -> &dyn Plant {
+        &*self.plant
+    }
+
+    /// Torque at the motor in this period, N m.
+    #[must_use]
+    pub fn torque_nm(&self) -> f64 {
+        self.torque_nm
+    }
+
+    /// Count of an encoder.
+    #[must_use]
+    pub fn count(&self, encoder: Encoder) -> i64 {
+        match encoder {
+            Encoder::Motor => self.motor.count(),
+            Encoder::Load => self.load.count(),
+        }
+    }
+
+    /// Cuts the wire of one channel of an encoder for good.
+    pub fn cut(&mut self, chip: &mut Pins<'_>, encoder: Encoder, channel: Channel) {
+        self.cut.push((encoder, channel));
+        chip.open_encoder(encoder, channel);
+    }
+
+    /// Drives the edges that are due and steps the plant if its step is due. Returns the device time of the next turn.
+    ///
+    /// # Errors
+    /// The plant can't be followed.
+    pub fn turn(&mut self, chip: &mut Pins<'_>) -> Result<Duration> {
+        let now = chip.now();
+        while let Some((_, encoder, edge)) = self.edges.pop_front_if(|(at, ..)| *at <= now) {
+            if !self.cut.contains(&(encoder, edge.channel)) {
+                chip.drive_encoder(encoder, edge);
+            }
+        }
+        let due = *self.next_step.get_or_insert_with(|| {
+            chip.set_encoder(Encoder::Motor, self.motor);
+            chip.set_encoder(Encoder::Load, self.load);
+            // The amplifier is ready.
+            chip.drive_break(Some(false));
+            now
+        });
+        let due = if due <= now {
+            self.step(now, chip)?;
+            *self.next_step.insert(now + STEP)
+        } else {
+            due
+        };
+        Ok(self.edges.front().map_or(due, |(at, ..)| due.min(*at)))
+    }
+
+    fn step(&mut self, now: Duration, chip: &mut Pins<'_>) -> Result<()> {
+        self.torque_nm =
+            chip.bridge().driving().map_or(0.0, |duty| (2.0 * duty - 1.0) * self.scales.nm_per_full_duty);
+        let before = counts(&*self.plant, &self.scales);
+        self.plant.step(self.torque_nm, STEP.as_secs_f64()).context("the plant can't be followed")?;
+        let after = counts(&*self.plant, &self.scales);
+        let ways = [
+            (Encoder::Motor, &mut self.motor, before.0, after.0),
+            (Encoder::Load, &mut self.load, before.1, after.1),
+        ];
+        for (encoder, quadrature, from, to) in ways {
+            let target = to.floor() as i64;
+            loop {
+                let count = quadrature.count();
+                let Some(edge) = quadrature.step_towards(target) else { break };
+                // The count changes where the position passes the greater of its two sides.
+                let passed = count.max(quadrature.count()) as f64;
+                let fraction = ((passed - from) / (to - from)).clamp(0.0, 1.0);
+                self.edges.push_back((now + STEP.mul_f64(fraction), encoder, edge));
+            }
+        }
+        self.edges.make_contiguous().sort_by_key(|(at, ..)| *at);
+        Ok(())
+    }
+}
+
+/// Positions of motor and load in counts.
+fn counts(plant: &dyn Plant, scales: &Scales) -> (f64, f64) {
+    let positions = plant.positions();
+    let motor = positions.motor_position_rad / TAU * scales.motor_counts_per_rev;
+    (motor, positions.load_position_rad / TAU * scales.load_counts_per_rev)
+}

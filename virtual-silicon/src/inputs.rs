@@ -1,0 +1,62 @@
+//! From the wires to the timers: which level each timer input has.
+//!
+//! The models take the level of a timer's input from outside, whatever the pin is configured for. Here a timer sees its pin
+//! only while the image has selected the alternate function, and an open pin has the level of its pull resistor.
+
+use rigless::device::Level;
+use rigless::soc::stm32f427::peripherals::gpio::{Gpio, Pin as PortPin};
+use rigless::soc::stm32f427::peripherals::tim::Channel as TimerChannel;
+use rigless::time::VirtualNanos;
+
+use crate::chip::{Chip, TIM1};
+use crate::wiring::{Pin, TimerInput, Wiring};
+
+/// The levels that the timers have been given.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Inputs([Level; Wiring::INPUTS]);
+
+impl Default for Inputs {
+    /// After a reset every input of the models rests low.
+    fn default() -> Self {
+        Self([Level::Low; Wiring::INPUTS])
+    }
+}
+
+impl Inputs {
+    /// Gives the timers the levels of their pins at an instant.
+    pub(crate) fn settle(&mut self, chip: &mut Chip, wiring: &Wiring, at: VirtualNanos) {
+        for ((pin, input), known) in wiring.inputs().into_iter().zip(&mut self.0) {
+            if !is_connected(chip, pin) {
+                continue;
+            }
+            let (gpio, registers) = chip.mcu.port(pin.port);
+            let level = gpio.level(port_pin(pin), registers);
+            if std::mem::replace(known, level) == level {
+                continue;
+            }
+            match input {
+                TimerInput::Channel { timer, channel } => {
+                    let channel = TimerChannel::new(channel).expect("a timer has channels 1 to 4");
+                    chip.mcu.drive_timer(at, timer, |timer, registers, context| {
+                        timer.drive_input(channel, level, registers, context);
+                    });
+                }
+                TimerInput::Break => {
+                    chip.mcu.drive_advanced_timer(at, TIM1, |timer, registers, context| {
+                        timer.drive_break(level, registers, context);
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// Whether the image has selected the alternate function of a pin; true for a pin without one.
+pub(crate) fn is_connected(chip: &mut Chip, pin: Pin) -> bool {
+    let (_, registers) = chip.mcu.port(pin.port);
+    pin.function.is_none() || Gpio::function(port_pin(pin), registers) == pin.function
+}
+
+pub(crate) fn port_pin(pin: Pin) -> PortPin {
+    PortPin::new(pin.pin).expect("a port has 16 pins")
+}

@@ -1,0 +1,38 @@
+//! Virtual silicon: the drive's unmodified image on register-level models of its chip.
+//!
+//! The models are those of the crate `rigless`: an STM32F427, which has every block of the STM32F405 that the image uses.
+//! They are made from the reference manual RM0090, not from hardware; `docs/bench-drive.md` has what only a board can show.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`chip`] | [`Chip`](chip::Chip): the part with crystal and supply, as the emulator runs it |
+//! | [`machine`] | [`run`](machine::run): an image from reset until its surroundings end it |
+//! | [`surroundings`] | [`Surroundings`](surroundings::Surroundings): what is connected to the chip |
+//! | [`access`] | [`Violations`](access::Violations): accesses of the image that the chip would not have served |
+//! | [`serial_line`] | [`SerialLine`](serial_line::SerialLine): the far end of USART2, in device time |
+//! | [`host_link`] | [`HostLink`](host_link::HostLink): a program at the far end, paced by the wall clock |
+//! | [`pacer`] | [`Pacer`](pacer::Pacer): keeps device time from running ahead of the wall clock |
+//! | `inputs` | from the wires to the timers: pin functions, pull resistors |
+//! | [`pins`] | [`Pins`](pins::Pins): encoder inputs, bridge outputs, break input |
+//! | [`quadrature`] | [`Quadrature`](quadrature::Quadrature): the two channels of an incremental encoder |
+//! | [`drive_train`] | [`DriveTrain`](drive_train::DriveTrain): a plant between bridge and encoders |
+//! | [`wiring`] | [`Wiring`](wiring::Wiring): the pin map of a board |
+//! | [`drive_train_file`] | [`read`](drive_train_file::read): a drive train from its description |
+//! | [`symbols`] | [`Symbols`](symbols::Symbols): addresses of an image, and mutants of it |
+
+#![warn(missing_docs)]
+
+pub mod access;
+pub mod chip;
+pub mod drive_train;
+pub mod drive_train_file;
+pub mod host_link;
+mod inputs;
+pub mod machine;
+pub mod pacer;
+pub mod pins;
+pub mod quadrature;
+pub mod serial_line;
+pub mod surroundings;
+pub mod symbols;
+pub mod wiring;

@@ -1,0 +1,127 @@
+//! Running an image from reset until its surroundings end it.
+
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use rigless::emulator::{self, Driver, Host, Settled, Start, Stop};
+use rigless::image::Image;
+use rigless::session::Session;
+use rigless::time::VirtualNanos;
+
+use crate::access::Violations;
+use crate::chip::Chip;
+use crate::inputs::Inputs;
+use crate::pins::{Bridge, Pins};
+use crate::surroundings::{End, Surroundings};
+use crate::wiring::Wiring;
+
+/// Device time of the surroundings' first turn.
+const FIRST_TURN: VirtualNanos = VirtualNanos(50_000);
+
+/// A run that has ended.
+pub struct Ended<S> {
+    /// The surroundings as the run left them.
+    pub surroundings: S,
+    /// Why the run ended; `None` after a violation.
+    pub end: Option<End>,
+    /// Accesses that the chip would not have served.
+    pub violations: Violations,
+    /// Device time since reset.
+    pub device_time: Duration,
+    /// Instructions since reset.
+    pub instructions: u64,
+    /// Resets of the chip after the first.
+    pub resets: usize,
+}
+
+/// Boots an image from reset and runs it until its surroundings end it, or until an access that the chip would not have
+/// served.
+///
+/// # Errors
+/// The image can't be placed, or the processor locked up.
+pub fn run<S: Surroundings + 'static>(image: Image, wiring: Wiring, surroundings: S) -> Result<Ended<S>> {
+    let session = Session::new(Box::new(Chip::new()?), 0, FIRST_TURN).context("the chip can't be set up")?;
+    let machine =
+        Machine { surroundings, wiring, inputs: Inputs::default(), resets: 0, end: None, bridge: None };
+    let images = [image];
+    let finished = emulator::run(session, &Start::new(&images), machine).context("the image can't run")?;
+    let stop = finished.stop.context("the image ended the emulation itself")?;
+    Ok(Ended {
+        surroundings: finished.driver.surroundings,
+        end: finished.driver.end,
+        violations: Violations::of(&finished.session),
+        device_time: Duration::from_nanos(stop.at.0),
+        instructions: stop.instruction_count,
+        resets: finished.session.resets().len(),
+    })
+}
+
+/// The surroundings as the emulator calls them.
+struct Machine<S> {
+    surroundings: S,
+    wiring: Wiring,
+    inputs: Inputs,
+    /// Resets of the chip that the inputs have followed.
+    resets: usize,
+    end: Option<End>,
+    /// The bridge as last reported.
+    bridge: Option<Bridge>,
+}
+
+impl<S: Surroundings> Machine<S> {
+    fn watch_bridge(&mut self, chip: &mut Pins<'_>) {
+        let bridge = chip.bridge();
+        if self.bridge.replace(bridge) != Some(bridge) {
+            self.surroundings.bridge_changed(chip.now(), bridge);
+        }
+    }
+}
+
+impl<S: Surroundings> Driver<Chip> for Machine<S> {
+    fn on_settled(&mut self, session: &mut Session<Chip>, host: &mut dyn Host, settled: Settled) {
+        if !self.surroundings.watches_bridge() {
+            return;
+        }
+        let at = match settled {
+            Settled::Access { access, .. } => access.virtual_time,
+            Settled::Stop(stop) => stop.at,
+            _ => return,
+        };
+        let (wiring, mut inputs) = (self.wiring, self.inputs);
+        self.watch_bridge(&mut Pins::new(session, host, at, &wiring, &mut inputs));
+    }
+
+    fn on_stop(
+        &mut self,
+        session: &mut Session<Chip>,
+        stop: Stop,
+        host: &mut dyn Host,
+    ) -> Option<VirtualNanos> {
+        if Violations::are_in(session) {
+            return None;
+        }
+        if session.resets().len() != self.resets {
+            self.resets = session.resets().len();
+            self.inputs = Inputs::default();
+        }
+        let (wiring, mut inputs) = (self.wiring, self.inputs);
+        inputs.settle(session.board_mut(), &wiring, stop.at);
+        let mut chip = Pins::new(session, host, stop.at, &wiring, &mut inputs);
+        let next = self.surroundings.turn(&mut chip);
+        if self.surroundings.watches_bridge() {
+            self.watch_bridge(&mut chip);
+        }
+        self.inputs = inputs;
+        match next {
+            ControlFlow::Continue(next) => {
+                let nanoseconds = u64::try_from(next.as_nanos()).unwrap_or(u64::MAX);
+                Some(VirtualNanos(nanoseconds.max(stop.at.0 + 1)))
+            }
+            ControlFlow::Break(end) => {
+                self.end = Some(end);
+                None
+            }
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! The pins of the chip, as wires soldered to them.
+//!
+//! A timer is connected to its pins only while the image has selected its alternate function there: an image that forgets
+//! one counts nothing and drives nothing, as on a board.
+
+use std::time::Duration;
+
+use anyhow::{Context, Result};
+use rigless::device::Level;
+use rigless::emulator::Host;
+use rigless::session::Session;
+use rigless::soc::Width;
+use rigless::soc::stm32f427::generated::tim1;
+use rigless::soc::stm32f427::peripherals::tim::Channel as TimerChannel;
+use rigless::time::VirtualNanos;
+
+use crate::chip::{Chip, TIM1};
+use crate::inputs::{Inputs, is_connected, port_pin};
+use crate::quadrature::{Channel, Edge, Quadrature};
+use crate::serial_line::SerialLine;
+use crate::wiring::{Encoder, Pin, Wiring};
+
+/// What the chip drives at the bridge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bridge {
+    /// High time of the PWM output as a fraction of its period; `None` if the output carries no pulse.
+    pub duty: Option<f64>,
+    /// Level of the enable output.
+    pub is_enabled: bool,
+    /// Main output enable, MOE: hardware and software clear it, only software sets it.
+    pub has_main_output: bool,
+}
+
+impl Bridge {
+    /// Duty of a bridge that drives its motor; `None` for one that is off.
+    #[must_use]
+    pub fn driving(&self) -> Option<f64> {
+        self.duty.filter(|_| self.is_enabled)
+    }
+}
+
+/// The chip at an instant between two instructions.
+pub struct Pins<'a> {
+    session: &'a mut Session<Chip>,
+    host: &'a mut dyn Host,
+    at: VirtualNanos,
+    wiring: &'a Wiring,
+    inputs: &'a mut Inputs,
+}
+
+impl<'a> Pins<'a> {
+    pub(crate) fn new(
+        session: &'a mut Session<Chip>,
+        host: &'a mut dyn Host,
+        at: VirtualNanos,
+        wiring: &'a Wiring,
+        inputs: &'a mut Inputs,
+    ) -> Self {
+        Self { session, host, at, wiring, inputs }
+    }
+
+    /// Device time since reset.
+    #[must_use]
+    pub fn now(&self) -> Duration {
+        Duration::from_nanos(self.at.0)
+    }
+
+    /// The far end of USART2.
+    pub fn serial_line(&mut self) -> &mut SerialLine {
+        self.session.board_mut().serial_line()
+    }
+
+    /// Drives both channels of an encoder to the levels of its count.
+    pub fn set_encoder(&mut self, encoder: Encoder, quadrature: Quadrature) {
+        for channel in [Channel::A, Channel::B] {
+            self.drive_encoder(encoder, Edge { channel, is_high: quadrature.is_high(channel) });
+        }
+    }
+
+    /// Drives one channel of an encoder.
+    pub fn drive_encoder(&mut self, encoder: Encoder, Edge { channel, is_high }: Edge) {
+        self.drive_pin(self.wiring.encoder(encoder).pin(channel), Some(is_high));
+    }
+
+    /// Cuts the wire of one channel of an encoder.
+    pub fn open_encoder(&mut self, encoder: Encoder, channel: Channel) {
+        self.drive_pin(self.wiring.encoder(encoder).pin(channel), None);
+    }
+
+    /// Drives the break input high or low, or cuts its wire with `None`.
+    pub fn drive_break(&mut self, is_high: Option<bool>) {
+        self.drive_pin(self.wiring.break_input, is_high);
+    }
+
+    /// What the chip drives at the bridge.
+    pub fn bridge(&mut self) -> Bridge {
+        let chip = self.session.board_mut();
+        let is_connected = is_connected(chip, self.wiring.pwm);
+        let mcu = &mut chip.mcu;
+        let (gpio, registers) = mcu.port(self.wiring.enable.port);
+        let is_enabled = gpio.level(port_pin(self.wiring.enable), registers) == Level::High;
+        let (timer, registers) = mcu.advanced_timer(TIM1);
+        let channel = TimerChannel::new(1).expect("channel 1");
+        let pulse = timer.pulse(channel, registers).filter(|_| is_connected);
+        Bridge {
+            duty: pulse.map(|pulse| pulse.width.0 as f64 / pulse.period.0 as f64),
+            is_enabled,
+            has_main_output: tim1::bdtr::MOE.is_set(registers.get(tim1::Register::Bdtr)),
+        }
+    }
+
+    /// Pins whose alternate function the image has not selected, one sentence each.
+    pub fn unconnected(&mut self) -> Vec<String> {
+        let chip = self.session.board_mut();
+        let pins = self.wiring.alternate_pins().into_iter().filter(|pin| !is_connected(chip, *pin));
+        pins.map(|pin| pin.to_string()).collect()
+    }
+
+    /// A word of the chip's memory.
+    ///
+    /// # Errors
+    /// No memory is there.
+    pub fn word(&mut self, address: u64) -> Result<u32> {
+        let word =
+            self.host.read(address, Width::W32).with_context(|| format!("no memory at {address:#010x}"))?;
+        Ok(word as u32)
+    }
+
+    /// Writes a word of the chip's memory.
+    ///
+    /// # Errors
+    /// No memory is there.
+    pub fn set_word(&mut self, address: u64, word: u32) -> Result<()> {
+        let written = self.host.write(address, Width::W32, word.into());
+        written.with_context(|| format!("no memory at {address:#010x}"))
+    }
+
+    fn drive_pin(&mut self, pin: Pin, is_high: Option<bool>) {
+        let chip = self.session.board_mut();
+        let level = is_high.map(|is_high| if is_high { Level::High } else { Level::Low });
+        chip.mcu.drive_port(self.at, pin.port, |gpio, registers, context| {
+            gpio.drive(port_pin(pin), level, registers, context);
+        });
+        self.inputs.settle(chip, self.wiring, self.at);
+    }
+}

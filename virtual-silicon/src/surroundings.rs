@@ -1,0 +1,33 @@
+//! What is connected to the chip.
+
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use crate::pins::Pins;
+
+/// What is connected to the chip. Between two instants of its choice the chip runs undisturbed.
+pub trait Surroundings: Send {
+    /// Acts on the chip at `chip.now()`, and returns the device time of its next turn, or why the run ends.
+    ///
+    /// The next turn has to be later than this one.
+    fn turn(&mut self, chip: &mut Pins<'_>) -> ControlFlow<End, Duration>;
+
+    /// Whether [`Self::bridge_changed`] is to be called. Watching costs a reading of the bridge for each access to it.
+    fn watches_bridge(&self) -> bool {
+        false
+    }
+
+    /// The bridge changed at this device time.
+    fn bridge_changed(&mut self, _at: Duration, _bridge: crate::pins::Bridge) {}
+}
+
+/// Why surroundings end a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// All is done that was to be done.
+    Done,
+    /// The host disconnected.
+    Disconnected,
+    /// The surroundings failed: a plant that left the range of finite numbers, a host that is not there.
+    Failed,
+}
