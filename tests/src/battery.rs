@@ -9,8 +9,8 @@ pub const LASHLOOP_SKIPS: &[&str] = &[
     "the drive has no live parameter besides reserved ones",
 ];
 
-/// What the description of the Python package's drive excludes, whose laws have equal signals.
-pub const PYTHON_SKIPS: &[&str] = &[
+/// What the description of a drive excludes whose single law is `pd`.
+pub const PD_ALONE_SKIPS: &[&str] = &[
     "every law has every signal",
     "no law has 13 signals",
     "the drive has no 14 signals",
