@@ -11,7 +11,7 @@ encoders and unknown parameters; here all is known and U may change at any time.
 with other contacts is not excluded.
 
 Every solution is computed on two meshes and simulated by an integrator of its own, simulation.py. The table has the
-minimum on the finer mesh, its difference to the coarser one, and the largest difference of the load's position between
+minimum on the finer mesh, its difference to the coarser one (empty where the finer mesh has no solution), and the largest difference of the load's position between
 solution and simulation.
 
     pip install -r requirements.txt

@@ -9,6 +9,14 @@ pub const LASHLOOP_SKIPS: &[&str] = &[
     "the drive has no live parameter besides reserved ones",
 ];
 
+/// What the description of a drive excludes whose single law is `pd`.
+pub const PD_ALONE_SKIPS: &[&str] = &[
+    "every law has every signal",
+    "no law has 13 signals",
+    "the drive has no 14 signals",
+    "the drive has no live parameter besides reserved ones",
+];
+
 /// What the description of a drive with a single law excludes, which is not `pd`.
 pub const ONE_LAW_SKIPS: &[&str] = &[
     "every law has every signal",

@@ -72,6 +72,7 @@ fn timed_modules(program: &str) -> &'static [&'static str] {
             "capture::a_bench_killed_in_real_time",
             "capture::a_real_time",
             "compared::",
+            "fault_table::every_row_of_the_table_holds_on_the_native_twin",
             "idle::",
             "real_time::",
             "reconnect::",
@@ -95,7 +96,7 @@ fn run_untimed(program: &TestProgram, timed: &[&str]) -> Result<Counts> {
         // More threads than cores: tests of drives in other processes mostly wait for them.
         name if name == WAITING.0 => at_once(
             || program.run(WAITING.1),
-            || program.run(&format!("--test-threads 4 --skip {}{skip}", WAITING.1)),
+            || program.run(&format!("--test-threads 3 --skip {}{skip}", WAITING.1)),
         ),
         _ => program.run(&skip),
     }

@@ -1,7 +1,8 @@
 //! The control laws: numbers in, a torque out.
 //!
-//! Everything here but [`backlash_inverse`] and [`braking_curve`] follows R. Merzouki, J.C. Cadiou, "Estimation of backlash phenomenon in the
-//! electromechanical actuator", Control Engineering Practice 13 (2005) 973-983, doi:10.1016/j.conengprac.2004.10.016.
+//! Everything here but [`backlash_inverse`] and [`braking_curve`] follows R. Merzouki, J.C. Cadiou, "Estimation of backlash
+//! phenomenon in the electromechanical actuator", Control Engineering Practice 13 (2005) 973-983,
+//! doi:10.1016/j.conengprac.2004.10.016.
 //! Equation numbers are those of the paper. `theta_e` is the motor position, `theta_s` the load position, both in
 //! radians at their own shafts; `z = theta_e - N0 theta_s` is the twist.
 //!
@@ -17,7 +18,7 @@
 //! | [`pd`], [`merzouki`] | the cascade before compensation, and after it |
 //! | [`merzouki_as_printed`] | the compensation without lead and free control |
 //! | [`backlash_inverse`] | the gap inverted in the torque domain and identified by least squares; not from the paper |
-//! | [`braking_curve`] | that inverse, led along the braking curve that every plant in a tolerance can follow; not from the paper |
+//! | [`braking_curve`] | that inverse, led along a braking curve with margin for plants within a tolerance; not from the paper |
 //! | `load_observer` | load velocity from counts |
 //! | `motor_friction` | direction of the motor's dry friction |
 //! | `gap_identification` | compliance and half gap by recursive least squares |

@@ -85,6 +85,7 @@ mod tests {
                 MissingReason::Never,
                 MissingReason::CutShort,
                 MissingReason::NotFinite,
+                MissingReason::NotLearnt,
             ] {
                 assert!(!judged(Score::Missing(reason)), "{limit:?}: {reason}");
             }

@@ -25,7 +25,8 @@ use super::supervision::start_supervisor;
 /// Run control laws on random and varied plants, in process and in parallel
 ///
 /// First random plants (parameters within 30 % of their nominal values; gap, stiction and encoders over ranges of their
-/// own), then the nominal plant with one quantity varied at a time. Exit code 1 if a law misses one of its limits on the random plants.
+/// own), then the nominal plant with one quantity varied at a time. Exit code 1 if a law misses one of its limits on the
+/// random plants.
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Number of random plants

@@ -26,8 +26,8 @@ pub(super) struct Curve<F> {
 }
 
 impl<F: Real> Curve<F> {
-    /// Velocity in rad/s at this distance in rad, not negative, and its slope in 1/s. `weight` divides the deceleration.
-    pub(super) fn at(&self, distance_rad: F, weight: F) -> (F, F) {
+    /// Velocity in rad/s at this distance in rad, not negative, and its slope in 1/s. `inertia_factor` divides the deceleration.
+    pub(super) fn at(&self, distance_rad: F, inertia_factor: F) -> (F, F) {
         let half = F::from_f64(0.5);
         let (rate, landing) = (self.rate_1_s, self.landing_rate_1_s);
         let (velocity, slope) = if distance_rad < self.landing_rad {
@@ -35,7 +35,7 @@ impl<F: Real> Curve<F> {
             ((landing + half * bend) * distance_rad, landing + bend)
         } else {
             let beyond = distance_rad - half * self.landing_rad * (rate - landing) / rate;
-            let d = self.deceleration_rad_s2 / weight;
+            let d = self.deceleration_rad_s2 / inertia_factor;
             let linear_rad = d / (rate * rate);
             if beyond < linear_rad {
                 (rate * beyond, rate)

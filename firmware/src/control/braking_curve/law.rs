@@ -1,4 +1,4 @@
-//! The law: load loop, winding, inverse of the gap, and what it learns of the gap.
+//! The law: load loop, winding, inverse of the gap, and identification of the gap.
 
 use super::gains::BrakingCurveGains;
 use super::load_loop::{LoadLoop, LoadLoopState};
@@ -20,7 +20,7 @@ const BALANCED_PERIODS: u32 = 19;
 const BALANCE_NM: f64 = 0.6;
 const BALANCE_RAD_S: f64 = 4.0;
 
-/// Largest `dead_zone_deviation_rad` in rad with which the law claims to have learnt the gap.
+/// Largest `dead_zone_deviation_rad` in rad with which the gap counts as learnt.
 pub const LEARNT_DEVIATION_RAD: f64 = 0.015;
 
 /// What the law needs of the drive.

@@ -9,7 +9,7 @@
 
 use super::curve::Curve;
 use super::gains::BrakingCurveGains;
-use super::load_weight::{LoadWeight, LoadWeightState};
+use super::inertia_factor::{InertiaFactor, InertiaFactorState};
 use crate::control::load_observer::ObservedLoad;
 use crate::control::nominal_model::NominalModel;
 use crate::control::{Measurement, Real};
@@ -37,7 +37,7 @@ const STICTION_RATIO: f64 = 1.4;
 pub(super) struct LoadLoop<F> {
     gains: BrakingCurveGains<F>,
     curve: Curve<F>,
-    weight: LoadWeight<F>,
+    inertia_factor: InertiaFactor<F>,
     inertia_kg_m2: F,
     friction_nm_s_rad: F,
     per_ratio: F,
@@ -55,7 +55,7 @@ pub(super) struct LoadLoopState<F> {
     integral_nm: F,
     /// Growth of the integral's limit in N m.
     reach_nm: F,
-    weight: LoadWeightState<F>,
+    inertia_factor: InertiaFactorState<F>,
     pub(super) holding: bool,
 }
 
@@ -88,7 +88,7 @@ impl<F: Real> LoadLoop<F> {
                 landing_rad: gains.landing_rad,
                 top_speed_rad_s: gains.top_speed_rad_s,
             },
-            weight: LoadWeight::new(model, gains.load_coulomb_nm, period_s),
+            inertia_factor: InertiaFactor::new(model, gains.load_coulomb_nm, period_s),
             inertia_kg_m2: model.load_inertia_kg_m2,
             friction_nm_s_rad: model.load_friction_nm_s_rad,
             per_ratio: F::ONE / model.reduction_ratio,
@@ -107,7 +107,7 @@ impl<F: Real> LoadLoop<F> {
         LoadLoopState {
             integral_nm: F::ZERO,
             reach_nm: F::ZERO,
-            weight: LoadWeight::initial_state(),
+            inertia_factor: InertiaFactor::initial_state(),
             holding: false,
         }
     }
@@ -115,7 +115,7 @@ impl<F: Real> LoadLoop<F> {
     /// The commanded transmitted torque at the motor in N m.
     pub(super) fn step(&self, state: &mut LoadLoopState<F>, m: &Measurement<F>, load: &ObservedLoad<F>) -> F {
         let load_velocity_rad_s = load.velocity_rad_s;
-        let weight = self.weight.step(&mut state.weight, load);
+        let inertia_factor = self.inertia_factor.step(&mut state.inertia_factor, load);
         let gains = &self.gains;
         let error = m.load_position_rad - m.reference_position_rad;
         let reference_velocity = m.reference_velocity_rad_s;
@@ -137,7 +137,7 @@ impl<F: Real> LoadLoop<F> {
         } else if arrived {
             (reference_velocity, F::ZERO)
         } else {
-            let (velocity, slope) = self.curve.at(distance, weight);
+            let (velocity, slope) = self.curve.at(distance, inertia_factor);
             (reference_velocity - led_error.sign() * velocity, -(slope * excess_velocity))
         };
         let velocity_error = commanded - load_velocity_rad_s;
@@ -146,7 +146,7 @@ impl<F: Real> LoadLoop<F> {
         let fade = (distance / F::from_f64(FRICTION_FADE_RAD)).clamp(F::ZERO, F::ONE);
         let wanted_nm = self.per_ratio
             * (self.friction_nm_s_rad * commanded
-                + self.inertia_kg_m2 * weight * acceleration
+                + self.inertia_kg_m2 * inertia_factor * acceleration
                 + gains.load_coulomb_nm * moving * fade
                 + gains.speed_gain_nm_s_rad * velocity_error
                 + state.integral_nm);

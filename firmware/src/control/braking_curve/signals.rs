@@ -1,7 +1,7 @@
 //! The signals of the law.
 
 crate::signals! {
-    /// The signals of the cascaded laws, and how well the gap is known.
+    /// The signals of the cascaded laws, and the standard deviation of the gap.
     pub struct BrakingCurveSignals<F> {
         /// Dead-zone amplitude j_hat, as used in this torque.
         dead_zone_estimate_rad: "rad",

@@ -19,7 +19,7 @@ const TOLERATED: f64 = 1.35;
 const HEAVIEST: f64 = 3.0;
 /// Load velocity in rad/s from which the momentum is much larger than its error.
 const MOVING_RAD_S: f64 = 0.6;
-/// Load velocity in rad/s beyond which viscous friction, which is not known well, outweighs the momentum.
+/// Load velocity in rad/s beyond which the uncertain viscous friction outweighs the momentum.
 const FAST_RAD_S: f64 = 1.3;
 /// Load velocity in rad/s below which the momentum starts anew.
 const RESTING_RAD_S: f64 = 0.05;
@@ -28,7 +28,7 @@ const FOLLOW_RAD_S: f64 = 50.0;
 
 /// The estimate with its constants.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct LoadWeight<F> {
+pub(super) struct InertiaFactor<F> {
     ratio: F,
     friction_nm_s_rad: F,
     coulomb_nm: F,
@@ -38,14 +38,14 @@ pub(super) struct LoadWeight<F> {
 
 /// State of the estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct LoadWeightState<F> {
+pub(super) struct InertiaFactorState<F> {
     impulse_nm_s: F,
     factor: F,
     /// Whether the load was fast since its standstill.
     fast: bool,
 }
 
-impl<F: Real> LoadWeight<F> {
+impl<F: Real> InertiaFactor<F> {
     pub(super) fn new(model: &NominalModel<F>, coulomb_nm: F, period_s: F) -> Self {
         Self {
             ratio: model.reduction_ratio,
@@ -57,12 +57,12 @@ impl<F: Real> LoadWeight<F> {
     }
 
     /// No momentum, and a factor of 1.
-    pub(super) fn initial_state() -> LoadWeightState<F> {
-        LoadWeightState { impulse_nm_s: F::ZERO, factor: F::ONE, fast: false }
+    pub(super) fn initial_state() -> InertiaFactorState<F> {
+        InertiaFactorState { impulse_nm_s: F::ZERO, factor: F::ONE, fast: false }
     }
 
     /// The inertia in tolerated inertias after this sample, from 1 on.
-    pub(super) fn step(&self, state: &mut LoadWeightState<F>, load: &ObservedLoad<F>) -> F {
+    pub(super) fn step(&self, state: &mut InertiaFactorState<F>, load: &ObservedLoad<F>) -> F {
         let velocity = load.velocity_rad_s;
         if velocity.abs() < F::from_f64(RESTING_RAD_S) {
             *state = Self::initial_state();
@@ -89,16 +89,16 @@ mod tests {
     const NOMINAL_KG_M2: f64 = 7.5;
 
     /// The factor after a load with this inertia and dry friction has accelerated with 3 rad/s^2 to 1.2 rad/s.
-    fn factor_of(inertia_kg_m2: f64, coulomb_nm: f64) -> (LoadWeight<f64>, LoadWeightState<f64>) {
-        let weight = LoadWeight::new(&NominalModel::default(), 3.4, 1e-3);
-        let mut state = LoadWeight::initial_state();
+    fn factor_of(inertia_kg_m2: f64, coulomb_nm: f64) -> (InertiaFactor<f64>, InertiaFactorState<f64>) {
+        let inertia_factor = InertiaFactor::new(&NominalModel::default(), 3.4, 1e-3);
+        let mut state = InertiaFactor::initial_state();
         for k in 0..400 {
             let velocity_rad_s = 3.0 * 1e-3 * f64::from(k);
             let driving_nm = inertia_kg_m2 * 3.0 + 16.0 * velocity_rad_s + coulomb_nm;
             let load = ObservedLoad { velocity_rad_s, disturbance_nm: 0.0, transmitted_nm: driving_nm / 3.0 };
-            weight.step(&mut state, &load);
+            inertia_factor.step(&mut state, &load);
         }
-        (weight, state)
+        (inertia_factor, state)
     }
 
     #[test]
@@ -121,9 +121,9 @@ mod tests {
 
     #[test]
     fn standstill_forgets_the_load() {
-        let (weight, mut state) = factor_of(2.0 * NOMINAL_KG_M2, 3.4);
+        let (inertia_factor, mut state) = factor_of(2.0 * NOMINAL_KG_M2, 3.4);
         let load = ObservedLoad { velocity_rad_s: 0.04, disturbance_nm: 0.0, transmitted_nm: 5.0 };
-        assert_eq!(weight.step(&mut state, &load), 1.0);
-        assert_eq!(state, LoadWeight::initial_state());
+        assert_eq!(inertia_factor.step(&mut state, &load), 1.0);
+        assert_eq!(state, InertiaFactor::initial_state());
     }
 }
