@@ -19,7 +19,7 @@
 /// |---|---|---|---|
 /// | `receive` | USART2 | 3 | 11 us from one byte to the next |
 /// | `tick` | SysTick | 2 | the watchdog counts while `serve` is sending |
-/// | `step` | TIM6 | 2 | a control step waits for one request at most |
+/// | `step` | TIM5 | 2 | a control step waits for one request at most |
 /// | `serve` | EXTI0, pended by the others | 1 | a pended interrupt is never lost, however often it is pended |
 /// | `idle` | | 0 | sleeps |
 #[macro_export]
@@ -89,7 +89,7 @@ macro_rules! image {
                 }
             }
 
-            #[task(binds = TIM6_DAC, priority = 2, local = [steps], shared = [drive, stage])]
+            #[task(binds = TIM5, priority = 2, local = [steps], shared = [drive, stage])]
             fn step(cx: step::Context) {
                 let to_send = (cx.shared.drive, cx.shared.stage).lock(|drive, stage| {
                     if let (Some(steps), Some(stage)) = (cx.local.steps, stage) {

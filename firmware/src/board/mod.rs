@@ -40,7 +40,7 @@ use stm32f4xx_hal::timer::TimerExt;
 pub struct Board<L: LawSet> {
     /// The drive, as after power-up.
     pub drive: Drive<L>,
-    /// The power stage, and the tick for the task of TIM6; `None` in the emulator.
+    /// The power stage, and the tick for the task of TIM5; `None` in the emulator.
     pub bench: Option<(Stage, Tick)>,
     /// The clock, for the task that serves the drive.
     pub clock: DeviceClock,
@@ -75,7 +75,7 @@ pub fn start<L: LawSet>(
             let ports = (gpioa.pa8, device.GPIOB.split(&mut rcc), device.GPIOC.split(&mut rcc));
             let timers = (device.TIM1, device.TIM3, device.TIM4);
             let (motor, load, stage) = f405_bare::start(ports, timers, &mut rcc);
-            let timer = device.TIM6.counter(&mut rcc);
+            let timer = device.TIM5.counter(&mut rcc);
             let tick = Tick::start(timer, (motor, load), clock, drive.period());
             last_resort::start(device.IWDG, &device.DBGMCU);
             (drive, Some((Stage::new(stage), tick)))
