@@ -102,7 +102,7 @@ impl Host {
     pub(crate) fn serve(&mut self) {
         loop {
             self.line.poll();
-            self.line.serve(&mut self.drive, &self.clock);
+            while self.line.receive(&mut self.drive, &self.clock) | self.line.transmit(&mut self.drive) {}
             let completed = self.bus.completed();
             let is_quiet = completed.is_empty() && !self.bus.is_interrupting();
             self.completed.extend(completed);
