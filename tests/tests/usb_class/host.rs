@@ -1,7 +1,7 @@
 //! A host on the bus: enumeration, port, bulk transfers.
 
 use lashloop_firmware::drive::{Drive, ManualClock};
-use lashloop_firmware::usb::{Identification, UsbLine};
+use lashloop_firmware::usb::{ByteLine, Identification, Lines, UsbLine};
 use tests::usb::bus::{Bus, BusEvent};
 use tests::usb::urb::{Completion, Urb};
 use usb_device::UsbDirection;
@@ -12,8 +12,40 @@ const TO_DEVICE: u8 = 1;
 const TO_HOST: u8 = 2;
 const SET_CONFIGURATION: [u8; 8] = [0x00, 9, 1, 0, 0, 0, 0, 0];
 
-pub(crate) struct Host {
-    pub(crate) line: UsbLine<'static, Bus>,
+/// What the drive is served by.
+pub(crate) trait Port {
+    fn poll(&mut self);
+    /// Moves bytes until none moves.
+    fn serve(&mut self, drive: &mut Drive, clock: &ManualClock);
+}
+
+impl Port for UsbLine<'static, Bus> {
+    fn poll(&mut self) {
+        self.poll();
+    }
+
+    fn serve(&mut self, drive: &mut Drive, clock: &ManualClock) {
+        while self.receive(drive, clock) | self.transmit(drive) {}
+    }
+}
+
+impl<U: ByteLine> Port for Lines<'static, U, Bus> {
+    fn poll(&mut self) {
+        self.poll();
+    }
+
+    fn serve(&mut self, drive: &mut Drive, clock: &ManualClock) {
+        while self.exchange(drive, clock) {
+            self.send();
+        }
+    }
+}
+
+/// A host of a drive with a USB port alone.
+pub(crate) type UsbHost = Host<UsbLine<'static, Bus>>;
+
+pub(crate) struct Host<P> {
+    pub(crate) port: P,
     pub(crate) drive: Drive,
     pub(crate) clock: ManualClock,
     bus: Bus,
@@ -23,14 +55,27 @@ pub(crate) struct Host {
     completed: Vec<Completion>,
 }
 
-impl Host {
+impl UsbHost {
     pub(crate) fn new() -> Self {
+        Self::of(|line| line)
+    }
+}
+
+impl<U: ByteLine> Host<Lines<'static, U, Bus>> {
+    /// A host of a drive with a UART too.
+    pub(crate) fn next_to(uart: U) -> Self {
+        Self::of(|line| Lines::new(uart, Some(line)))
+    }
+}
+
+impl<P: Port> Host<P> {
+    fn of(port: impl FnOnce(UsbLine<'static, Bus>) -> P) -> Self {
         let bus = Bus::default();
         // A line borrows its bus for as long as the firmware runs.
         let allocator: &'static _ = Box::leak(Box::new(UsbBusAllocator::new(bus.clone())));
         let line = UsbLine::new(allocator, Identification::of_bench_drive("1")).expect("a port");
         Self {
-            line,
+            port: port(line),
             drive: Drive::new("test"),
             clock: ManualClock::default(),
             bus,
@@ -101,8 +146,8 @@ impl Host {
     /// Serves the bus until it is quiet, as the interrupt of a board does.
     pub(crate) fn serve(&mut self) {
         loop {
-            self.line.poll();
-            while self.line.receive(&mut self.drive, &self.clock) | self.line.transmit(&mut self.drive) {}
+            self.port.poll();
+            self.port.serve(&mut self.drive, &self.clock);
             let completed = self.bus.completed();
             let is_quiet = completed.is_empty() && !self.bus.is_interrupting();
             self.completed.extend(completed);

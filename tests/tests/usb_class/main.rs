@@ -1,11 +1,13 @@
-//! The drive's USB port, packet by packet, on a bus in software.
+//! The drive's USB port, packet by packet, on a bus in software, alone and next to a UART.
 
 mod host;
+mod lines;
 
-use host::Host;
+use host::{Host, UsbHost};
 use lashloop_firmware::usb::{HostSide, PACKET_BYTES};
-use lashloop_protocol::enums::{LogLevel, State};
-use lashloop_protocol::message::{Hello, Reset};
+use lashloop_protocol::counts::EncoderCounts;
+use lashloop_protocol::enums::State;
+use lashloop_protocol::message::{ClearFault, EncoderSample, Hello, Reset};
 use lashloop_protocol::{HostMessage, Message, PROTOCOL_VERSION};
 use tests::usb::bus::BusEvent;
 
@@ -16,27 +18,36 @@ fn hello() -> Vec<u8> {
     HostMessage::from(Hello { protocol_version: PROTOCOL_VERSION, session: 7 }).frame().to_vec()
 }
 
-/// A host with an open port and a drive whose output is a log frame of `length` bytes.
-fn with_output(length: usize) -> Host {
-    let text = |count| "x".repeat(count);
-    for count in 0..length {
-        let mut host = Host::new();
-        host.open_port();
-        host.drive.log(LogLevel::Info, &[&text(count)]);
-        // A second frame for lengths beyond that of one.
-        if length > PACKET_BYTES {
-            host.drive.log(LogLevel::Info, &[&text(40)]);
-        }
-        if host.drive.output().len() == length {
-            return host;
-        }
+/// Frames of a drive: the answer to a sample, and the result of a request.
+const TORQUE_ANSWER: usize = 16;
+const COMMAND_RESULT: usize = 10;
+
+fn sample() -> HostMessage {
+    let [motor_counts, load_counts] = [EncoderCounts::wrapping(0); 2];
+    EncoderSample { sequence: 1, motor_counts, load_counts, reference_rad: 0.0 }.into()
+}
+
+/// A host with an open port and a drive whose output has `length` bytes.
+fn with_output(length: usize) -> UsbHost {
+    let mut host = Host::new();
+    host.open_port();
+    host.drive.receive(&hello(), &host.clock);
+    host.drive.clear_output();
+    let (frame, request) = if length.is_multiple_of(TORQUE_ANSWER) {
+        (TORQUE_ANSWER, sample())
+    } else {
+        (COMMAND_RESULT, HostMessage::from(ClearFault {}))
+    };
+    for _ in 0..length / frame {
+        host.drive.receive(&request.frame(), &host.clock);
     }
-    panic!("no output of {length} bytes");
+    assert_eq!(host.drive.output().len(), length);
+    host
 }
 
 #[test]
 fn an_empty_packet_ends_output_of_whole_packets() {
-    for length in [PACKET_BYTES, 2 * PACKET_BYTES - 30] {
+    for length in [PACKET_BYTES, 2 * PACKET_BYTES] {
         let mut host = with_output(length);
         let output = host.drive.output().to_vec();
         assert_eq!(host.receive(TRANSFER), Some(output), "the transfer of {length} bytes ends");
@@ -67,7 +78,7 @@ fn the_drive_answers_as_on_any_other_line() {
 fn output_of_a_closed_port_is_discarded() {
     let mut host = with_output(50);
     host.set_dtr(false);
-    assert_eq!(host.line.host_side(), HostSide::Closed);
+    assert_eq!(host.port.host_side(), HostSide::Closed);
     assert_eq!(host.drive.output(), [0; 0]);
     host.set_dtr(true);
     assert_eq!(host.receive(TRANSFER), None, "the next program starts without old frames");
@@ -87,10 +98,10 @@ fn bytes_sent_just_ahead_of_closing_are_served() {
 fn a_suspended_bus_discards_output_and_resumes_open() {
     let mut host = with_output(50);
     host.signal(BusEvent::Suspend);
-    assert_eq!(host.line.host_side(), HostSide::Suspended);
+    assert_eq!(host.port.host_side(), HostSide::Suspended);
     assert_eq!(host.drive.output(), [0; 0]);
     host.signal(BusEvent::Resume);
-    assert_eq!(host.line.host_side(), HostSide::Open);
+    assert_eq!(host.port.host_side(), HostSide::Open);
     host.send(&hello());
     assert!(host.receive(TRANSFER).is_some_and(|answer| answer.ends_with(&[0])));
 }
@@ -100,7 +111,7 @@ fn a_reset_detaches_and_drops_a_partial_frame() {
     let mut host = Host::new();
     host.open_port();
     host.signal(BusEvent::Reset);
-    assert_eq!(host.line.host_side(), HostSide::Detached);
+    assert_eq!(host.port.host_side(), HostSide::Detached);
     host.open_port();
     host.send(&hello());
     assert!(host.receive(TRANSFER).is_some(), "the port works after a replug");
