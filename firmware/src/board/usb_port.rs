@@ -1,7 +1,8 @@
 //! The USB port of the chip: OTG_FS as a device of full speed on PA11 (D-) and PA12 (D+).
 //!
-//! The driver knows the cores of some chips, each by its id, and serves another as none of them. So the id is read first,
-//! and nothing else of an unknown core is touched. Its clock needs 0.25 % (USB 2.0, 7.1.11), which only a crystal has.
+//! The driver sets VBUS sensing and re-enables endpoints by the id of the core, so it doesn't work on a core whose id it
+//! doesn't have. The id is read first, and nothing else of such a core is touched. The clock needs 0.25 % (USB 2.0, 7.1.11),
+//! which only a crystal has.
 //!
 //! The core doesn't watch VBUS: boards connect PA9 to it or not. The pull-up at D+ is on from the start, and an unplugged
 //! device is a suspended one until the next reset of the bus.
@@ -19,8 +20,8 @@ use crate::usb::{Identification, PACKET_BYTES, SerialNumber, UsbLine, serial_num
 /// The bus of the chip.
 pub type Bus = UsbBus<USB>;
 
-/// Ids of the cores whose driver this is: OTG_HS and OTG_FS of the STM32F405 and F407 (the manual gives the reset value of
-/// its first revision).
+/// Ids of the cores that the driver treats as one of an STM32F405. Chips of the family report 0x1200 for OTG_FS (TinyUSB's table
+/// of cores); RM0090 34.16.2 prints 0x1000.
 const CORES: [u32; 2] = [0x1100, 0x1200];
 
 /// Address of the unique id (RM0090 39.1).
