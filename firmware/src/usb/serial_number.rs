@@ -8,9 +8,13 @@ pub type SerialNumber = String<24>;
 /// The serial number of a chip: the three words of its unique id (RM0090 39.1), the most significant first.
 #[must_use]
 pub fn serial_number(unique_id: [u32; 3]) -> SerialNumber {
-    let nibbles = unique_id.into_iter().rev().flat_map(|word| (0..8).rev().map(move |at| word >> (4 * at) & 0xf));
+    let nibbles =
+        unique_id.into_iter().rev().flat_map(|word| (0..8).rev().map(move |at| word >> (4 * at) & 0xf));
     // No formatting: it would cost the image kilobytes.
-    nibbles.filter_map(|nibble| char::from_digit(nibble, 16)).map(|digit| digit.to_ascii_uppercase()).collect()
+    nibbles
+        .filter_map(|nibble| char::from_digit(nibble, 16))
+        .map(|digit| digit.to_ascii_uppercase())
+        .collect()
 }
 
 #[cfg(test)]

@@ -3,10 +3,10 @@
 use std::collections::VecDeque;
 
 use lashloop_firmware::usb::{ByteLine, CHUNK_BYTES, Chunk, HostSide, Lines};
-use lashloop_protocol::{HostMessage, Message};
 use lashloop_protocol::enums::State;
 use lashloop_protocol::frame::DELIMITER;
 use lashloop_protocol::message::{Arm, Hello, Reset, Start};
+use lashloop_protocol::{HostMessage, Message};
 use tests::usb::bus::{Bus, BusEvent};
 
 use crate::host::Host;
