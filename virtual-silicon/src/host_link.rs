@@ -95,7 +95,7 @@ impl HostLink {
     }
 }
 
-/// The host is gone.
+/// The host has disconnected.
 struct Disconnected;
 
 fn pass_on(mut from_host: impl Read, receiver: &mpsc::Sender<Vec<u8>>) {
