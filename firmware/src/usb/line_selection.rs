@@ -1,7 +1,7 @@
 //! Which of two lines a drive serves: USART2 or its USB port.
 //!
 //! A drive has one session. Its answers go to the line of the last bytes that it took. During a run the other line is
-//! ignored: noise on an open USART, or a second host, can't disturb it. The watchdog ends a run whose host is gone, so no
+//! ignored: noise on an open USART, or a second host, can't disturb it. The watchdog ends a run whose host sends nothing, so no
 //! line stays bound.
 
 use lashloop_protocol::enums::State;

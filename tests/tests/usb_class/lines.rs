@@ -105,7 +105,7 @@ fn the_other_line_is_ignored_during_a_run_and_served_after_the_watchdog() {
     let intruder = HostMessage::from(Hello { protocol_version: 1, session: 8 }).frame();
     assert_eq!(by_uart(&mut host, &intruder), [0; 0]);
     assert_eq!(host.drive.state(), State::Running);
-    // The host is gone.
+    // The host sends nothing more.
     host.signal(BusEvent::Suspend);
     host.drive.tick(std::time::Duration::from_secs(60));
     assert_eq!(host.drive.state(), State::Faulted);
