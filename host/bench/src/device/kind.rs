@@ -9,6 +9,7 @@ use super::drive_host::DriveHost;
 use super::error::DeviceError;
 use super::evidence::DriveFiles;
 use super::pin_plant::PinPlant;
+use super::session_number::session_number;
 use crate::supervisor::Supervisor;
 use crate::timing::ClockName;
 
@@ -41,6 +42,11 @@ pub trait DeviceKind: fmt::Debug + Send + Sync {
     /// Whether the device runs in bench mode under this clock. By default its drive has a time of its own.
     fn keeps_bench_clock(&self, clock: ClockName) -> bool {
         clock == ClockName::RealTime
+    }
+
+    /// Number of the first session. The default is unlike any earlier one, of which frames may still be on the line.
+    fn session_number(&self) -> u32 {
+        session_number()
     }
 
     /// Checks that a UART may be modelled on this link: that it has none of its own. `baud` is the speed it has otherwise.

@@ -17,6 +17,8 @@ use crate::device::evidence::DriveFiles;
 use crate::device::image;
 use crate::device::kind::{DeviceKind, Opened, ParsedKind, Syntax};
 use crate::device::pin_plant::PinPlant;
+use crate::device::session_number::session_number;
+use crate::device::slow_time::SlowTime;
 use crate::device::uart_socket::UartSocket;
 use crate::supervisor::{Program, Supervisor};
 use crate::timing::ClockName;
@@ -56,6 +58,12 @@ pub struct Silicon {
     pub pins: Option<PinPlant>,
 }
 
+impl Silicon {
+    fn is_lockstep(&self) -> bool {
+        self.pins.as_ref().is_some_and(|pins| pins.clock == ClockName::Lockstep)
+    }
+}
+
 impl DeviceKind for Silicon {
     fn name(&self) -> String {
         self.image.as_ref().map_or_else(|| NAME.to_owned(), |image| format!("{NAME}:{}", image.display()))
@@ -71,7 +79,7 @@ impl DeviceKind for Silicon {
         if let Some(pins) = &self.pins {
             let file = description.insert(write_description(pins, NAME)?);
             arguments.extend(["--drive-train".into(), file.path().into()]);
-            if pins.clock == ClockName::Lockstep {
+            if self.is_lockstep() {
                 arguments.push("--lockstep".into());
             }
         }
@@ -79,11 +87,20 @@ impl DeviceKind for Silicon {
         let process = spawn(supervisor, &program)?;
         let link = socket.accept(&process, CONNECT_LIMIT)?;
         drop(description);
-        Ok(Opened { link: Box::new(link), host: DriveHost::Process(process) })
+        let host = DriveHost::Process(process);
+        if self.is_lockstep() {
+            return Ok(Opened { link: Box::new(SlowTime::new(link)), host });
+        }
+        Ok(Opened { link: Box::new(link), host })
     }
 
     fn with_plant(&self, pins: &PinPlant) -> Result<Option<Box<dyn DeviceKind>>, DeviceError> {
         Ok(Some(Box::new(Self { image: self.image.clone(), pins: Some(pins.clone()) })))
+    }
+
+    /// In lockstep the same in every run: it is in frames, and their bytes decide how long the chip works on them.
+    fn session_number(&self) -> u32 {
+        if self.is_lockstep() { 1 } else { session_number() }
     }
 
     fn keeps_bench_clock(&self, clock: ClockName) -> bool {
