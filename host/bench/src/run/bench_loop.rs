@@ -235,13 +235,13 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
             motor_position_rad,
             torque_nm: sample.torque_nm.into(),
         };
-        let microseconds = |count: u16| Duration::from_micros(count.into());
+        let tenths_us = |count: u16| Duration::from_nanos(100 * u64::from(count));
         self.record(
             StepTiming {
-                lateness: microseconds(sample.tick_lateness_us),
+                lateness: tenths_us(sample.lateness_tenths_us),
                 outcome: StepOutcome::Answered,
                 round_trip: None,
-                tick_compute: Some(microseconds(sample.compute_time_us)),
+                tick_compute: Some(tenths_us(sample.compute_tenths_us)),
             },
             device,
         )
