@@ -123,7 +123,7 @@ fn wait(
     Ok(bytes)
 }
 
-/// The host is gone.
+/// The host has disconnected.
 pub(crate) struct Disconnected;
 
 fn pass_on(mut from_host: impl Read, receiver: &mpsc::Sender<Vec<u8>>) {

@@ -161,6 +161,7 @@ pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -
         scenario: scenario.name.clone(),
         device: device.description(),
         evidence: device.evidence(),
+        mode: scenario.run.mode,
         controller: scenario.controller.name.clone(),
         telemetry: Telemetry::from(device.session.subscription()),
         seed: scenario.run.seed,

@@ -1,12 +1,12 @@
 //! `run.mode`: where the samples of a run come from, and where its torques go.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::key::Choice;
 use super::reader::Section;
 
 /// Where the samples of a run come from, and where its torques go.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RunMode {
     /// The bench simulates the plant: samples to the drive, torques from it.
