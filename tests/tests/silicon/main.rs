@@ -28,7 +28,9 @@ const TRIALS: [(&str, Check); 7] = [
     ("runs::a_killed_process_is_reported_with_its_signal", runs::killed),
     ("runs::a_file_that_is_no_image_is_named", runs::stranger),
     ("runs::an_image_without_the_protocol_is_reported_as_silent", runs::silent),
-    ("faults::the_watchdog_removes_the_torque_in_time", || fault_table::check_watchdog_on("silicon")),
+    ("faults::the_watchdog_removes_the_torque_in_time", || {
+        fault_table::check_watchdog_on("silicon");
+    }),
 ];
 
 fn main() -> ExitCode {
