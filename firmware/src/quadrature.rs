@@ -46,7 +46,8 @@ impl QuadratureCounter {
     /// Takes a reading.
     pub fn read(&mut self, sampled: &Sampled) -> EncoderReading {
         let hardware = sampled.counter;
-        let first = Last { hardware, counts: EncoderCounts::wrapping(i64::from(hardware as i16)), offset: None };
+        let first =
+            Last { hardware, counts: EncoderCounts::wrapping(i64::from(hardware as i16)), offset: None };
         let last = self.last.unwrap_or(first);
         let moved = i32::from(hardware.wrapping_sub(last.hardware) as i16);
         let counts = last.counts.wrapping_add(moved);
@@ -127,8 +128,7 @@ mod tests {
         // The channels are up to 5 counts ahead of the counter, which has caught up by the second reading of it.
         for (position, lag) in (0..100).zip([1, 2, 3, 4, 5].into_iter().cycle()) {
             let (a, b) = channels(position);
-            let sampled =
-                Sampled { counter: (position - lag) as u16, a, b, counter_after: position as u16 };
+            let sampled = Sampled { counter: (position - lag) as u16, a, b, counter_after: position as u16 };
             assert_eq!(counter.read(&sampled).illegal_transitions, 0, "at {position}");
         }
         assert_eq!(read(&mut counter, 100, 0).illegal_transitions, 0);
@@ -141,8 +141,12 @@ mod tests {
         for position in (10..1_000).step_by(10) {
             let (a, b) = channels(position);
             let lost = 2;
-            let sampled =
-                Sampled { counter: (position - lost - 3) as u16, a, b, counter_after: (position - lost) as u16 };
+            let sampled = Sampled {
+                counter: (position - lost - 3) as u16,
+                a,
+                b,
+                counter_after: (position - lost) as u16,
+            };
             assert_eq!(counter.read(&sampled).illegal_transitions, 0);
         }
         assert_eq!(read(&mut counter, 1_000, 2).illegal_transitions, 1);

@@ -5,9 +5,9 @@
 
 use std::time::Duration;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use rigless::device::Level;
-use rigless::emulator::Host;
+use rigless::emulator::{Host, Watch};
 use rigless::session::Session;
 use rigless::soc::Width;
 use rigless::soc::stm32f427::generated::tim1;
@@ -133,6 +133,17 @@ impl<'a> Pins<'a> {
     pub fn set_word(&mut self, address: u64, word: u32) -> Result<()> {
         let written = self.host.write(address, Width::W32, word.into());
         written.with_context(|| format!("no memory at {address:#010x}"))
+    }
+
+    /// Reports every arrival of the core at this instruction to [`Surroundings::arrived`].
+    ///
+    /// # Errors
+    /// The core can't watch a further instruction.
+    ///
+    /// [`Surroundings::arrived`]: crate::surroundings::Surroundings::arrived
+    pub fn watch(&mut self, address: u64) -> Result<()> {
+        ensure!(self.host.watch(Watch::Instruction(address)), "{address:#010x} can't be watched");
+        Ok(())
     }
 
     fn drive_pin(&mut self, pin: Pin, is_high: Option<bool>) {

@@ -19,6 +19,23 @@ pub trait Surroundings: Send {
 
     /// The bridge changed at this device time.
     fn bridge_changed(&mut self, _at: Duration, _bridge: crate::pins::Bridge) {}
+
+    /// The core arrived at an instruction that [`Pins::watch`] watches.
+    fn arrived(&mut self, _arrival: Arrival) {}
+
+    /// The image read or wrote the register at this address.
+    fn accessed(&mut self, _at: Duration, _register: u64) {}
+}
+
+/// An arrival of the core at a watched instruction, which it executes next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Arrival {
+    /// Address of the instruction.
+    pub address: u64,
+    /// Device time.
+    pub at: Duration,
+    /// Instructions since reset.
+    pub instructions: u64,
 }
 
 /// Why surroundings end a run.

@@ -82,7 +82,10 @@ fn as_came(documented: &[u8], came: &[u8]) -> Vec<u8> {
         }
         (Some(Ok(DriveMessage::TorqueAnswer(answer))), Some(Ok(DriveMessage::TorqueAnswer(came)))) => {
             let compute_tenths_us = came.compute_tenths_us;
-            assert!(compute_tenths_us <= LONGEST_STEP_TENTHS_US, "a step took {compute_tenths_us} tenths of a us");
+            assert!(
+                compute_tenths_us <= LONGEST_STEP_TENTHS_US,
+                "a step took {compute_tenths_us} tenths of a us"
+            );
             DriveMessage::from(TorqueAnswer { compute_tenths_us, ..answer })
         }
         _ => return documented.to_vec(),
