@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 use anyhow::{Context, Result};
-use rigless::emulator::{self, Driver, Hit, Host, Settled, Start, Stop};
+use rigless::emulator::{self, AccessKind, Driver, Hit, Host, Settled, Start, Stop};
 use rigless::image::Image;
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
@@ -84,6 +84,10 @@ impl<S: Surroundings> Driver<Chip> for Machine<S> {
             Settled::Access { access, .. } => {
                 let at = Duration::from_nanos(access.virtual_time.0);
                 self.surroundings.accessed(at, access.address);
+                // No reading changes the bridge, and an image polls.
+                if access.kind == AccessKind::Read {
+                    return;
+                }
                 access.virtual_time
             }
             Settled::Hit(Hit { address, at, instruction_count: instructions, .. }) => {

@@ -109,6 +109,14 @@ impl<'a> Pins<'a> {
         }
     }
 
+    /// Levels of PWM output and enable output; `None` for a PWM output that the timer doesn't drive.
+    pub fn output_levels(&mut self) -> (Option<bool>, bool) {
+        let is_enabled = self.bridge().is_enabled;
+        let (timer, registers) = self.session.board_mut().mcu.advanced_timer(TIM1);
+        let level = timer.output(TimerChannel::new(1).expect("channel 1"), registers);
+        (level.map(|level| level == Level::High), is_enabled)
+    }
+
     /// Pins whose alternate function the image has not selected, one sentence each.
     pub fn unconnected(&mut self) -> Vec<String> {
         let chip = self.session.board_mut();

@@ -12,7 +12,8 @@ pub trait Surroundings: Send {
     /// The next turn has to be later than this one.
     fn turn(&mut self, chip: &mut Pins<'_>) -> ControlFlow<End, Duration>;
 
-    /// Whether [`Self::bridge_changed`] is to be called. Watching costs a reading of the bridge for each access to it.
+    /// Whether [`Self::bridge_changed`] is to be called. Watching costs a reading of the bridge for each
+    /// write of the image.
     fn watches_bridge(&self) -> bool {
         false
     }

@@ -5,7 +5,7 @@ use object::{File, Object, ObjectSection, ObjectSymbol, SymbolKind};
 use rigless::image::Image;
 use std::path::{Path, PathBuf};
 
-use crate::thumb::{Code, RETURN};
+use crate::thumb::{Code, NOTHING, RETURN};
 
 /// An image as its file.
 #[derive(Debug, Clone)]
@@ -49,6 +49,18 @@ impl Symbols {
         self.find(name, SymbolKind::Text).map(|found| found.address)
     }
 
+    /// Address of the first halfword of a function that is this one.
+    ///
+    /// # Errors
+    /// The image has no such function or several, or the function has no such halfword.
+    pub fn first_in(&self, function: &str, halfword: u16) -> Result<u64> {
+        let Found { address, size, offset } = self.find(function, SymbolKind::Text)?;
+        let mut halfwords = self.bytes[offset..][..size].chunks(2);
+        let place = halfwords.position(|it| it == halfword.to_le_bytes());
+        let place = place.with_context(|| format!("{function} has no halfword {halfword:#06x}"))?;
+        Ok(address + 2 * place as u64)
+    }
+
     /// The same image with a function that returns at once.
     ///
     /// # Errors
@@ -85,6 +97,27 @@ impl Symbols {
         };
         let mut mutant = self.clone();
         mutant.bytes[offset + place..][..length].copy_from_slice(&other.0);
+        Ok(mutant)
+    }
+
+    /// The same image with a function that no longer calls another one.
+    ///
+    /// # Errors
+    /// The image has no such functions or several, or there is no call.
+    pub fn without_calls(&self, function: &str, called: &str) -> Result<Self> {
+        let Found { address, size, offset } = self.find(function, SymbolKind::Text)?;
+        let target = self.function(called)?;
+        let mut mutant = self.clone();
+        let mut calls = 0;
+        for place in (0..size.saturating_sub(3)).step_by(2) {
+            let call = Code::default().call(address + place as u64, target);
+            let bytes = &mut mutant.bytes[offset + place..][..4];
+            if *bytes == call.0 {
+                bytes.copy_from_slice(&Code::default().halfwords(&[NOTHING, NOTHING]).0);
+                calls += 1;
+            }
+        }
+        ensure!(calls > 0, "{function} doesn't call {called}");
         Ok(mutant)
     }
 

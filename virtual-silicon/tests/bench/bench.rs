@@ -6,6 +6,7 @@ use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
+use lashloop_protocol::frame::DELIMITER;
 use lashloop_silicon::drive_train::DriveTrain;
 use lashloop_silicon::machine::{self, Ended};
 use lashloop_silicon::pins::{Bridge, Pins};
@@ -44,7 +45,8 @@ type Act = Box<dyn FnOnce(&mut Pins<'_>, &mut Site) + Send>;
 
 enum Command {
     Act(Act),
-    Until(Duration),
+    /// Runs the chip until a device time, or until it has sent a frame, and answers with the device time.
+    Until(Duration, Option<Sender<Duration>>),
 }
 
 /// The surroundings: the drive train turns by itself, everything else is an act of the test.
@@ -53,15 +55,24 @@ pub struct Site {
     pub log: Log,
     commands: Receiver<Command>,
     until: Duration,
+    /// Takes the device time of a frame of the chip.
+    on_frame: Option<Sender<Duration>>,
 }
 
 impl Surroundings for Site {
     fn turn(&mut self, chip: &mut Pins<'_>) -> ControlFlow<End, Duration> {
         let due = self.train.turn(chip).expect("the turntable turns");
+        let mut has_frame = || chip.serial_line().received().contains(&DELIMITER);
+        if self.on_frame.is_some() && (has_frame() || self.until <= chip.now()) {
+            self.until = chip.now();
+            let _ = self.on_frame.take().map(|answer| answer.send(chip.now()));
+        }
         while self.until <= chip.now() {
             match self.commands.recv() {
                 Ok(Command::Act(act)) => act(chip, self),
-                Ok(Command::Until(instant)) => self.until = instant,
+                Ok(Command::Until(instant, on_frame)) => {
+                    (self.until, self.on_frame) = (instant, on_frame);
+                }
                 Err(_) => return ControlFlow::Break(End::Done),
             }
         }
@@ -99,8 +110,7 @@ impl Surroundings for Site {
 pub struct Bench {
     commands: Option<Sender<Command>>,
     machine: Option<JoinHandle<Ended<Site>>>,
-    /// Speeds of the encoders.
-    pub speeds: Speeds,
+    speeds: Speeds,
     now: Duration,
     resets_allowed: bool,
 }
@@ -113,16 +123,23 @@ impl Bench {
 
     /// Boots an image on a board with this wiring.
     pub fn boot_on(image: &Symbols, counts: (i64, i64), wiring: Wiring) -> Self {
-        let (commands, receiver) = mpsc::channel();
         let speeds = Speeds::default();
         let train = turntable::drive_train(&speeds, counts);
-        let site = Site { train, log: Log::default(), commands: receiver, until: Duration::ZERO };
+        let mut bench = Self::boot_with(image, train, wiring);
+        bench.speeds = speeds;
+        bench
+    }
+
+    /// Boots an image with this drive train, which takes no speeds.
+    pub fn boot_with(image: &Symbols, train: DriveTrain, wiring: Wiring) -> Self {
+        let (commands, receiver) = mpsc::channel();
+        let site = Site { train, log: Log::default(), commands: receiver, until: Duration::ZERO, on_frame: None };
         let image = image.image().expect("an image");
         let machine = thread::spawn(move || machine::run(image, wiring, site).expect("the image runs"));
         Self {
             commands: Some(commands),
             machine: Some(machine),
-            speeds,
+            speeds: Speeds::default(),
             now: Duration::from_micros(50),
             resets_allowed: false,
         }
@@ -147,8 +164,15 @@ impl Bench {
     pub fn advance_to(&mut self, instant: Duration) {
         if instant > self.now {
             self.now = instant;
-            self.command(Command::Until(instant));
+            self.command(Command::Until(instant, None));
         }
+    }
+
+    /// Runs the chip until it has sent a frame, at most until a device time later than now.
+    pub fn advance_to_frame(&mut self, latest: Duration) {
+        let (answer, answers) = mpsc::channel();
+        self.command(Command::Until(latest, Some(answer)));
+        self.now = answers.recv().unwrap_or_else(|_| self.ended_early());
     }
 
     /// Acts on the chip, now.
@@ -164,6 +188,12 @@ impl Bench {
             Ok(it) => it,
             Err(_) => self.ended_early(),
         }
+    }
+
+    /// Turns the encoders at these speeds in counts per second, from now on.
+    pub fn turn(&mut self, motor: f64, load: f64) {
+        let speeds = self.speeds.clone();
+        self.act(move |_, _| speeds.set(motor, load));
     }
 
     /// The bridge, now.

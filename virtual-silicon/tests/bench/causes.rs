@@ -15,6 +15,7 @@ use crate::host::{Host, SESSION};
 pub const PERIOD: Duration = Duration::from_millis(1);
 /// The default of `watchdog_us`.
 const WATCHDOG: Duration = Duration::from_millis(20);
+const DRIVE_TRAIN_STEP: Duration = Duration::from_micros(50);
 /// The function that gets the code of a failure.
 const SITE: &str = "send_description";
 /// A function that one law calls in every step, and the index of the law. In place of it, the argument is the value.
@@ -127,13 +128,17 @@ pub const CAUSES: [Cause; 17] = [
     },
     Cause {
         name: "encoder faster than its limit",
-        from: "first edge",
-        by: "the next tick but one",
-        limit: Duration::from_micros(2_010),
+        from: "the count that exceeds it",
+        by: "the next tick",
         happen: |host| {
-            // 20.9 million counts per second are the limit.
-            host.bench.speeds.set(22e6, 0.0);
-            host.bench.now()
+            host.command(Stop {});
+            // 209 counts of 131,072 in a period.
+            let limit = ParameterValue::F32(10.0);
+            assert_eq!(host.set("motor_speed_limit_rad_s", limit), Outcome::Accepted);
+            host.run_under_torque();
+            host.bench.turn(16e6, 0.0);
+            // The drive train takes the speed at its next step, and 210 counts take 14 us.
+            host.bench.now() + DRIVE_TRAIN_STEP + Duration::from_micros(14)
         },
         fault: Some(FaultCode::MotorEncoderJump),
         ..ON_REQUEST
@@ -201,10 +206,7 @@ pub const CAUSES: [Cause; 17] = [
         from: "the edge",
         by: "the timer, without software",
         limit: Duration::ZERO,
-        happen: |host| {
-            host.bench.act(|chip, _| chip.drive_break(Some(true)));
-            host.bench.now()
-        },
+        happen: |host| switch_break(host, Some(true)),
         fault: Some(FaultCode::PowerStage),
         ..ON_REQUEST
     },
@@ -213,10 +215,7 @@ pub const CAUSES: [Cause; 17] = [
         from: "the cut",
         by: "the timer, without software",
         limit: Duration::ZERO,
-        happen: |host| {
-            host.bench.act(|chip, _| chip.drive_break(None));
-            host.bench.now()
-        },
+        happen: |host| switch_break(host, None),
         fault: Some(FaultCode::PowerStage),
         ..ON_REQUEST
     },
@@ -249,8 +248,13 @@ impl Cause {
                 host.bench.advance(PERIOD);
             }
             let off = host.bench.time_to_off(instant);
-            let faults: Vec<_> = host.faults().iter().map(|report| report.code).collect();
-            assert_eq!(faults, Vec::from_iter(self.fault), "{}", self.name);
+            if off.is_some_and(|off| off <= self.limit) {
+                let faults: Vec<_> = host.faults().iter().map(|report| report.code).collect();
+                assert_eq!(faults, Vec::from_iter(self.fault), "{}", self.name);
+            } else {
+                // The test fails, or the image is a mutant whose watchdog resets it.
+                host.bench.allow_resets();
+            }
             assert!(off.is_some() || k == 0, "{}: off and on again", self.name);
             times.push(off);
             if off.is_none() {
@@ -263,7 +267,7 @@ impl Cause {
 
 /// From any state of a drive that is not halted to a run under torque.
 fn recover(host: &mut Host) {
-    host.bench.speeds.set(0.0, 0.0);
+    host.bench.turn(0.0, 0.0);
     host.bench.act(|chip, _| chip.drive_break(Some(false)));
     host.bench.advance(2 * PERIOD);
     host.greet(SESSION);
@@ -286,6 +290,14 @@ fn fail(host: &mut Host) -> Duration {
     host.bench.act(|_, site| site.log.arrivals.last().map(|it| it.at)).expect("the failure happened")
 }
 
+/// Drives the break input, or cuts its wire. Returns the instant.
+fn switch_break(host: &mut Host, level: Option<bool>) -> Duration {
+    host.bench.act(move |chip, _| {
+        chip.drive_break(level);
+        chip.now()
+    })
+}
+
 /// Changes to the law that calls [`FUNCTION`].
 fn run_law_of_function(host: &mut Host) {
     host.command(Stop {});
@@ -303,7 +315,7 @@ fn last_tick(host: &mut Host) -> Duration {
     let last = *ticks.last().expect("a tick");
     let (period, half) = (PERIOD.as_nanos() as i64, PERIOD.as_nanos() as i64 / 2);
     let later_than = |tick: &Duration| ((last - *tick).as_nanos() as i64 + half) % period - half;
-    let late = ticks.iter().rev().take(50).map(later_than).max().expect("ticks");
+    let late = ticks.iter().rev().take(8).map(later_than).max().expect("ticks");
     last - Duration::from_nanos(late as u64)
 }
 

@@ -1,6 +1,6 @@
 //! A host in device time.
 
-use std::collections::HashMap;
+use std::sync::OnceLock;
 use std::time::Duration;
 
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
@@ -19,11 +19,13 @@ pub const BOOTED_AT: Duration = Duration::from_millis(20);
 pub const BYTE: Duration = Duration::from_nanos(10_953);
 /// Most that an answer takes.
 const ANSWER: Duration = Duration::from_millis(10);
-const POLL: Duration = Duration::from_micros(50);
 
 /// The parameters of the tests: a torque scale that leaves the default torque limit a duty.
 pub const BENCH: [(&str, ParameterValue); 2] =
     [("sample_source", ParameterValue::U32(1)), ("torque_per_duty_nm", ParameterValue::F32(100.0))];
+
+/// Names of the parameters, by their indices: all images of these tests have the same.
+static PARAMETERS: OnceLock<Vec<String>> = OnceLock::new();
 
 /// A host of a drive on virtual silicon.
 pub struct Host {
@@ -31,7 +33,7 @@ pub struct Host {
     decoder: Decoder,
     /// Messages that nobody has taken.
     inbox: Vec<DriveMessage>,
-    parameters: HashMap<String, u8>,
+    parameters: &'static [String],
     number: u16,
 }
 
@@ -45,15 +47,17 @@ impl Host {
     pub fn of(mut bench: Bench) -> Self {
         bench.advance_to(BOOTED_AT);
         let mut host =
-            Self { bench, decoder: Decoder::new(), inbox: Vec::new(), parameters: HashMap::new(), number: 0 };
-        for index in 0..host.greet(SESSION).parameter_count {
-            let description = host.exchange(DescribeParameter { index }, |message| match message {
-                DriveMessage::ParameterDescription(it) => Some(*it),
-                _ => None,
-            });
-            host.parameters.insert(description.name.as_str().to_owned(), index);
-        }
+            Self { bench, decoder: Decoder::new(), inbox: Vec::new(), parameters: &[], number: 0 };
+        let count = host.greet(SESSION).parameter_count;
+        host.parameters = PARAMETERS.get_or_init(|| (0..count).map(|index| host.name_of(index)).collect());
         host
+    }
+
+    fn name_of(&mut self, index: u8) -> String {
+        self.exchange(DescribeParameter { index }, |message| match message {
+            DriveMessage::ParameterDescription(it) => Some(it.name.as_str().to_owned()),
+            _ => None,
+        })
     }
 
     /// A host of an idle drive with the parameters of the tests and then these.
@@ -112,7 +116,8 @@ impl Host {
     }
 
     pub fn set(&mut self, name: &str, value: ParameterValue) -> Outcome {
-        let index = *self.parameters.get(name).unwrap_or_else(|| panic!("no parameter {name}"));
+        let index = self.parameters.iter().position(|it| it == name);
+        let index = index.unwrap_or_else(|| panic!("no parameter {name}")) as u8;
         self.exchange(SetParameter { index, value }, |message| match message {
             DriveMessage::ParameterReport(report) if report.index == index => Some(report.outcome),
             _ => None,
@@ -143,7 +148,7 @@ impl Host {
                 return wanted(&self.inbox.remove(place)).expect("as before");
             }
             assert!(self.bench.now() < due, "no answer to {message:?}, but {:?}", self.inbox);
-            self.bench.advance(POLL);
+            self.bench.advance_to_frame(due);
         }
     }
 
