@@ -154,6 +154,9 @@ local MESSAGES = {
         { "number", u16 },
         { "reference_rad", f32 },
     } },
+    [0x12] = { "EnterLoader", {
+        { "session", u32 },
+    } },
     [0x81] = { "Identity", {
         { "protocol_version", u8 },
         { "session", u32 },
