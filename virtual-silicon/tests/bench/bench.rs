@@ -133,7 +133,8 @@ impl Bench {
     /// Boots an image with this drive train, which takes no speeds.
     pub fn boot_with(image: &Symbols, train: DriveTrain, wiring: Wiring) -> Self {
         let (commands, receiver) = mpsc::channel();
-        let site = Site { train, log: Log::default(), commands: receiver, until: Duration::ZERO, on_frame: None };
+        let site =
+            Site { train, log: Log::default(), commands: receiver, until: Duration::ZERO, on_frame: None };
         let image = image.image().expect("an image");
         let machine = thread::spawn(move || machine::run(image, wiring, site).expect("the image runs"));
         Self {

@@ -46,8 +46,7 @@ impl Host {
     /// A host of this board, in a session.
     pub fn of(mut bench: Bench) -> Self {
         bench.advance_to(BOOTED_AT);
-        let mut host =
-            Self { bench, decoder: Decoder::new(), inbox: Vec::new(), parameters: &[], number: 0 };
+        let mut host = Self { bench, decoder: Decoder::new(), inbox: Vec::new(), parameters: &[], number: 0 };
         let count = host.greet(SESSION).parameter_count;
         host.parameters = PARAMETERS.get_or_init(|| (0..count).map(|index| host.name_of(index)).collect());
         host
