@@ -3,6 +3,7 @@
 //! Every run here also shows that the chip serves all accesses of the image: virtual silicon ends at the first that it
 //! doesn't. The models are made from the manual and are no hardware.
 
+#[allow(dead_code, reason = "the script of the document needs sections alone")]
 #[path = "../../../protocol/tests/wire/markdown.rs"]
 mod markdown;
 #[path = "../document/script.rs"]
