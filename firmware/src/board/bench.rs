@@ -7,7 +7,7 @@ use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::timer::{CounterUs, Event, Flag};
 
 use super::device_clock::DeviceClock;
-use super::f405_bare::{LoadEncoder, MotorEncoder};
+use super::fitted::{Lines, LoadEncoder, MotorEncoder};
 use super::pwm_stage::PwmStage;
 use crate::drive::{Clock, Drive, PinHardware, PinReadings};
 use crate::law::LawSet;
@@ -15,7 +15,7 @@ use crate::power_stage::Actuator;
 use crate::quadrature::LARGEST_MOVE_COUNTS;
 
 /// The power stage as the drive commands it.
-pub type Stage = Actuator<PwmStage>;
+pub type Stage = Actuator<PwmStage<Lines>>;
 
 /// Limits of 16-bit encoder counters, and of the period that the tick counts in microseconds.
 pub(super) const HARDWARE: PinHardware =

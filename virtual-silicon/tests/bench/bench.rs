@@ -23,7 +23,12 @@ pub const TICK_STATUS: u64 = 0x4000_0c10;
 
 /// The drive's image, as `cargo xtask image` builds it.
 pub fn image() -> Symbols {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/lashloop-firmware.elf");
+    image_of("lashloop-firmware")
+}
+
+/// The image of this name.
+pub fn image_of(name: &str) -> Symbols {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target").join(name).with_extension("elf");
     Symbols::read(&path).expect("`cargo xtask image` builds the image")
 }
 
