@@ -66,11 +66,10 @@ impl StageLines for Lines {
 
 /// Configures the pins, starts the counters, and the power stage with its output off.
 pub(super) fn start(
-    ports: Ports,
+    ((_, pulse, ..), b, c, _): Ports,
     (pwm, motor, load): (TIM1, TIM3, TIM4),
     rcc: &mut Rcc,
 ) -> (MotorEncoder, LoadEncoder, PwmStage<Lines>) {
-    let Ports { pa8: pulse, b, c, .. } = ports;
     let motor_pins = (
         c.pc6.into_alternate().internal_resistor(Pull::Up),
         c.pc7.into_alternate().internal_resistor(Pull::Up),

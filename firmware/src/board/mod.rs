@@ -110,15 +110,12 @@ pub fn start<L: LawSet>(
             if let Source::InternalOscillator = source {
                 drive.log(LogLevel::Warning, &["no crystal, clock is 1% RC"]);
             }
-            let ports = Ports {
-                pa7: gpioa.pa7,
-                pa8: gpioa.pa8,
-                pa9: gpioa.pa9,
-                pa10: gpioa.pa10,
-                b: device.GPIOB.split(&mut rcc),
-                c: device.GPIOC.split(&mut rcc),
-                d: device.GPIOD.split(&mut rcc),
-            };
+            let ports: Ports = (
+                (gpioa.pa7, gpioa.pa8, gpioa.pa9, gpioa.pa10),
+                device.GPIOB.split(&mut rcc),
+                device.GPIOC.split(&mut rcc),
+                device.GPIOD.split(&mut rcc),
+            );
             let timers = (device.TIM1, device.TIM3, device.TIM4);
             let (motor, load, stage) = fitted::start(ports, timers, &mut rcc);
             let timer = device.TIM5.counter(&mut rcc);

@@ -17,9 +17,7 @@
 //! read at every tick. EN_GATE stays high from the start, because the gate driver takes up to 10 ms to follow it, and reports
 //! a fault until then. The bridge is off while TIM1 holds all gates low.
 
-use stm32f4xx_hal::gpio::{
-    Alternate, Input, Output, PA8, PA9, PB4, PB5, PB6, PB7, PB12, PB13, PB14, PC13, PC14, PD2, PinState, Pull,
-};
+use stm32f4xx_hal::gpio::{Alternate, Input, PA8, PA9, PB4, PB5, PB6, PB7, PB13, PB14, PD2, PinState, Pull};
 use stm32f4xx_hal::pac::{TIM1, TIM3, TIM4};
 use stm32f4xx_hal::rcc::Rcc;
 
@@ -40,8 +38,6 @@ pub(super) type LoadEncoder = Encoder<TIM4, PB6<Alternate<2>>, PB7<Alternate<2>>
 /// The lines of the gate drivers.
 pub struct Lines {
     not_fault: PD2<Input>,
-    gate_enable: PB12<Output>,
-    _not_selected: (PC13<Output>, PC14<Output>),
 }
 
 impl StageLines for Lines {
@@ -63,16 +59,19 @@ impl StageLines for Lines {
 
 /// Configures the pins, starts the counters, and the power stage with its output off.
 pub(super) fn start(
-    ports: Ports,
+    ((pa7, pa8, pa9, pa10), b, c, d): Ports,
     (pwm, motor, load): (TIM1, TIM3, TIM4),
     rcc: &mut Rcc,
 ) -> (MotorEncoder, LoadEncoder, PwmStage<Lines>) {
-    let Ports { pa7, pa8, pa9, pa10, b, c, d } = ports;
     // The gates of phase C and of M1 stay off.
     pa10.into_pull_down_input();
     b.pb15.into_pull_down_input();
-    (pa7.into_pull_down_input(), b.pb0.into_pull_down_input(), b.pb1.into_pull_down_input());
-    (c.pc6.into_pull_down_input(), c.pc7.into_pull_down_input(), c.pc8.into_pull_down_input());
+    pa7.into_pull_down_input();
+    b.pb0.into_pull_down_input();
+    b.pb1.into_pull_down_input();
+    c.pc6.into_pull_down_input();
+    c.pc7.into_pull_down_input();
+    c.pc8.into_pull_down_input();
     let motor_pins = (
         b.pb4.into_alternate().internal_resistor(Pull::Up),
         b.pb5.into_alternate().internal_resistor(Pull::Up),
@@ -81,18 +80,14 @@ pub(super) fn start(
         b.pb6.into_alternate().internal_resistor(Pull::Up),
         b.pb7.into_alternate().internal_resistor(Pull::Up),
     );
-    let not_selected = (
-        c.pc13.into_push_pull_output_in_state(PinState::High),
-        c.pc14.into_push_pull_output_in_state(PinState::High),
-    );
-    let not_fault = d.pd2.into_pull_up_input();
+    c.pc13.into_push_pull_output_in_state(PinState::High);
+    c.pc14.into_push_pull_output_in_state(PinState::High);
     // The timer's outputs are open until then, and the gate drivers disabled by their pull-downs.
-    let gate_enable = b.pb12.into_push_pull_output();
-    let lines = Lines { not_fault, gate_enable, _not_selected: not_selected };
-    let mut stage = PwmStage::new(pwm, lines, rcc);
+    let mut gate_enable = b.pb12.into_push_pull_output();
+    let stage = PwmStage::new(pwm, Lines { not_fault: d.pd2.into_pull_up_input() }, rcc);
     // After the timer has its outputs off.
     let _: (PA8<Alternate<1>>, PB13<Alternate<1>>) = (pa8.into_alternate(), b.pb13.into_alternate());
     let _: (PA9<Alternate<1>>, PB14<Alternate<1>>) = (pa9.into_alternate(), b.pb14.into_alternate());
-    stage.lines_mut().gate_enable.set_high();
+    gate_enable.set_high();
     (Encoder::new(motor, motor_pins, rcc), Encoder::new(load, load_pins, rcc), stage)
 }

@@ -63,10 +63,6 @@ impl<S: StageLines> PwmStage<S> {
         Self { timer, lines, scale: None }
     }
 
-    pub(super) fn lines_mut(&mut self) -> &mut S {
-        &mut self.lines
-    }
-
     fn set_duty(&self, duty: f32) {
         let cycles = (duty * f32::from(PERIOD_CYCLES) + 0.5) as u16;
         self.timer.ccr1().write(|w| w.ccr().set(cycles));

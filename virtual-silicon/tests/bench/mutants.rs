@@ -57,7 +57,7 @@ fn a_watchdog_that_never_times_out_is_noticed() {
 #[test]
 fn a_request_that_is_not_applied_to_the_stage_is_noticed() {
     // The image without the call of `Actuator::follow` in the task that serves requests: later tasks switch off.
-    let careless = image().without_calls("EXTI0", "follow").expect("a call");
+    let careless = image().without_calls("OTG_FS", "follow").expect("a call");
     let off = cause("Stop").times_to_off(&careless, &[Duration::from_micros(170)])[0];
     let careful = cause("Stop").times_to_off(&image(), &[Duration::from_micros(170)])[0];
     assert!(off > careful, "{off:?} {careful:?}");

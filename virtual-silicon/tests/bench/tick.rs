@@ -51,7 +51,7 @@ fn instructions(host: &mut Host, tick: u64, idle: u64) -> Vec<u64> {
 fn a_tick_of_every_law_takes_at_most_3000_instructions() {
     let image = image();
     let mut host = with_plant(&image);
-    let addresses = ["TIM5", "USART2", "EXTI0", "SysTick"].map(|task| image.function(task).expect("a task"));
+    let addresses = ["TIM5", "USART2", "OTG_FS", "SysTick"].map(|task| image.function(task).expect("a task"));
     let idle =
         image.first_in("main", lashloop_silicon::thumb::WAIT_FOR_INTERRUPT).expect("the idle task") + 2;
     host.bench.act(move |chip, _| {
