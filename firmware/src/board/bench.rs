@@ -2,6 +2,7 @@
 
 use core::time::Duration;
 
+use lashloop_protocol::enums::State;
 use stm32f4xx_hal::pac::TIM5;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::timer::{CounterUs, Event, Flag};
@@ -54,7 +55,8 @@ impl Tick {
             PinReadings { motor: self.motor.read(), load: self.load.read(), stage_fault: stage.fault() };
         drive.sample(&readings, due, &self.clock);
         stage.follow(drive.stage_command());
-        if drive.period() != self.period {
+        // The period is no live parameter, and reading it is a tenth of a step.
+        if drive.state() != State::Running && drive.period() != self.period {
             self.set_period(drive.period());
         }
     }
