@@ -13,13 +13,15 @@ mod bench;
 mod clock_tree;
 mod device_clock;
 mod encoder;
+#[cfg(not(feature = "board-odrive-v3"))]
+mod f405_bare;
 mod fault_handlers;
-#[cfg_attr(feature = "board-odrive-v3", path = "odrive_v3.rs")]
-#[cfg_attr(not(feature = "board-odrive-v3"), path = "f405_bare.rs")]
 mod fitted;
 mod image;
 mod last_resort;
 mod link;
+#[cfg(feature = "board-odrive-v3")]
+mod odrive_v3;
 mod ports;
 mod pwm_stage;
 mod usb_port;

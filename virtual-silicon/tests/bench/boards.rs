@@ -29,7 +29,7 @@ fn idle() -> Host {
 #[test]
 fn an_odrive_boots_with_its_gates_off_and_reports_its_board() {
     let mut host = idle();
-    assert_eq!(host.greet(SESSION).board.as_str(), "odrive-v3");
+    assert_eq!(host.shake_hands(SESSION).board.as_str(), "odrive-v3");
     assert_eq!(host.bench.act(|chip, _| chip.unconnected()), [""; 0]);
     let (bridge, levels) = host.bench.act(|chip, _| (chip.bridge(), chip.output_levels()));
     assert_eq!((bridge.duty, bridge.has_main_output, levels.0), (None, false, Some(false)));

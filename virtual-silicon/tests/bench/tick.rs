@@ -57,7 +57,7 @@ fn a_tick_of_every_law_takes_at_most_3000_instructions() {
     host.bench.act(move |chip, _| {
         addresses.into_iter().chain([idle]).for_each(|address| chip.watch(address).expect("a watch"));
     });
-    let laws = host.greet(SESSION).law_count;
+    let laws = host.shake_hands(SESSION).law_count;
     let mut lines = Vec::new();
     for index in 0..laws {
         let name = host.exchange(DescribeLaw { index }, |message| match message {
