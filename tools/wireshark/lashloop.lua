@@ -486,7 +486,7 @@ local IN_INFO = {
     ParameterReport = { "index", "outcome", "value" }, CommandResult = { "request", "outcome", "state" },
     FaultReport = { "code", "sequence", "value", "limit" }, Log = { "level", "text" },
     LineReport = { "messages", "damaged" },
-    Reference = { "number", "reference_rad" },
+    Reference = { "number", "reference_rad" }, EnterLoader = { "session" },
     BenchSample = { "sequence", "reference_number", "torque_nm", "status" },
 }
 -- Labels of numbers that are ambiguous without one

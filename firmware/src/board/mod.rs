@@ -17,6 +17,7 @@ mod fault_handlers;
 mod image;
 mod last_resort;
 mod link;
+pub mod loader;
 mod pwm_stage;
 mod usb_port;
 
@@ -84,6 +85,9 @@ pub fn start<L: LawSet>(
     memory: &'static mut Memory,
 ) -> Board<L> {
     let emulated = is_emulated(&device.RCC, &device.DBGMCU);
+    if !emulated {
+        loader::follow_request(&device.RCC, &device.SYSCFG);
+    }
     let (mut rcc, source) = clock_tree::start(device.RCC, emulated);
     let gpioa = device.GPIOA.split(&mut rcc);
     let Memory { queues, usb } = memory;
@@ -101,7 +105,7 @@ pub fn start<L: LawSet>(
     let (drive, bench) = match source {
         Source::Emulator => (Drive::with_laws("stm32f405-qemu"), None),
         Source::Crystal | Source::InternalOscillator => {
-            let mut drive = Drive::with_pins("stm32f405", bench::HARDWARE);
+            let mut drive = Drive::with_pins("stm32f405", bench::HARDWARE).with_loader();
             if let Source::InternalOscillator = source {
                 drive.log(LogLevel::Warning, &["no crystal, clock is 1% RC"]);
             }
