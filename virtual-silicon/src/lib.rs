@@ -20,6 +20,7 @@
 //! | [`wiring`] | [`Wiring`](wiring::Wiring): the pin map of a board |
 //! | [`drive_train_file`] | [`read`](drive_train_file::read): a drive train from its description |
 //! | [`symbols`] | [`Symbols`](symbols::Symbols): addresses of an image, and mutants of it |
+//! | [`thumb`] | [`Code`](thumb::Code): instructions for a mutant |
 
 #![warn(missing_docs)]
 
@@ -37,4 +38,5 @@ pub mod quadrature;
 pub mod serial_line;
 pub mod surroundings;
 pub mod symbols;
+pub mod thumb;
 pub mod wiring;

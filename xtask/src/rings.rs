@@ -55,7 +55,7 @@ fn ring_of(program: &str) -> Option<Ring> {
         "tests looped" | "tests conforming" | "tests flashed" | "tests network" | "tests rigs"
         | "host tools" => Some(Ring::Loop),
         "tests emulated" => Some(Ring::Image),
-        "tests usb" => Some(Ring::Usb),
+        test_programs::USB => Some(Ring::Usb),
         "tests silicon" => Some(Ring::Silicon),
         PYTHON => Some(Ring::Python),
         _ => Some(Ring::Unit),

@@ -255,7 +255,7 @@ fn a_report_has_the_times_of_its_step() {
     host.refer(0.0);
     match host.tick_after(Duration::from_micros(37))[..] {
         [DriveMessage::BenchSample(it)] => {
-            assert_eq!((it.lateness_tenths_us, it.compute_tenths_us), (370, 0))
+            assert_eq!((it.lateness_tenths_us, it.compute_tenths_us), (370, 0));
         }
         ref other => panic!("{other:?}"),
     }
