@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use roxmltree::Document;
 
 use super::hysteresis::thickness;
-use super::{Laws, Run, Runs, Table, figures, page, tables};
+use super::{Laws, PAPER, Run, Runs, Table, figures, page, tables};
 use lashloop_bench::record::columns::Columns;
 use lashloop_bench::record::trace::columns;
 use lashloop_plant::Signal;
