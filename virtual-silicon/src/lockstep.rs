@@ -108,6 +108,6 @@ mod tests {
         let mut lockstep = Lockstep::default();
         assert_eq!(lockstep.next_frame(&receiver).ok(), Some(vec![3, 1]));
         drop(sender);
-        assert!(lockstep.next_frame(&receiver).is_err(), "the host is gone");
+        assert!(lockstep.next_frame(&receiver).is_err(), "the host has disconnected");
     }
 }
