@@ -1,6 +1,7 @@
 //! Runs in bench mode: a drive with encoders, power stage and plant in this process.
 
 mod line;
+mod real_time;
 mod run;
 
 use lashloop_bench::run::{End, RunError};
