@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use crate::bench::Bench;
 use clap::Args;
 use lashloop_bench::device::Device;
+use lashloop_bench::run::Clock;
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::verdict::{Exit, Verdict};
 use lashloop_plant::metrics::{Measured, Metric};
@@ -53,7 +54,7 @@ impl Arguments {
         let mut runs = Vec::new();
         let mut dead_zone_rad = f64::NAN;
         for (scenario, (what, metric, paper)) in scenarios.into_iter().zip(PAPER) {
-            let (run, verdict) = run_for_figure(&scenario, 0.0, &mut device, &supervisor)?;
+            let (run, verdict) = run_for_figure(&scenario, 0.0, &mut device, Clock::Lockstep, &supervisor)?;
             let here = here(run.metrics.get(metric), metric);
             dead_zone_rad = scenario.plant.number("dead_zone_rad").unwrap_or(f64::NAN);
             runs.push(run);

@@ -53,6 +53,8 @@ pub(crate) enum CliError {
     RigLimit(#[from] LimitError),
     #[error(transparent)]
     RigParameter(#[from] MissingParameter),
+    #[error("the load at its start is not confirmed: press Enter at a terminal once it is there")]
+    Unconfirmed,
     #[error("can't {what}: {source}")]
     System { what: &'static str, source: io::Error },
 }
@@ -78,6 +80,7 @@ impl CliError {
             Self::HardwareAbsent { .. } => Exit::HardwareAbsent,
             Self::Flash(error) => flash_exit(error),
             Self::RealTimeAlone { .. }
+            | Self::Unconfirmed
             | Self::Scenario(_)
             | Self::Run(_)
             | Self::Campaign(_)

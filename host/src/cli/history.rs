@@ -39,16 +39,17 @@ impl StepObserver for History<'_> {
     }
 }
 
-/// Runs a scenario in lockstep and keeps its trace from `shown_from_s` on.
+/// Runs a scenario and keeps its trace from `shown_from_s` on.
 pub(super) fn run_for_figure(
     scenario: &Scenario,
     shown_from_s: f64,
     device: &mut DeviceUnderTest,
+    clock: Clock,
     supervisor: &Supervisor,
 ) -> Result<(Run, Verdict), CliError> {
     let progress = Progress::of(scenario);
     let mut history = History { trace: Columns::default(), shown_from_s, progress, supervisor };
     let _signals = supervisor.guard_signals();
-    let outcome = run::run(scenario, device, Clock::Lockstep, &mut history)?;
+    let outcome = run::run(scenario, device, clock, &mut history)?;
     Ok((Run { trace: history.trace, metrics: outcome.metrics }, outcome.judgement.verdict))
 }

@@ -11,6 +11,7 @@ mod demo;
 mod device;
 mod doctor;
 mod error;
+mod experiment;
 mod flash;
 mod history;
 mod options;
@@ -39,7 +40,7 @@ use lashloop_bench::verdict::Exit;
 use crate::bench::Bench;
 
 registry::commands! {
-    "Run a drive on the bench": Run(run), Demo(demo), Paper(paper), Device(device), Battery(battery), Soak(soak);
+    "Run a drive on the bench": Run(run), Demo(demo), Paper(paper), Experiment(experiment), Device(device), Battery(battery), Soak(soak);
     "Inspect scenarios, records and lines":
         Show(show), Plot(plot), Decode(decode), Parameters(parameters), Ports(ports), Budget(budget);
     "Qualify a drive, a line or this machine": Conformance(conformance), Doctor(doctor), Compare(compare);

@@ -10,11 +10,11 @@ use lashloop_bench::record::columns::Columns;
 use lashloop_bench::record::row::Row;
 use lashloop_bench::record::trace::columns;
 use lashloop_bench::run::simulator::Simulator;
-use lashloop_bench::run::{DeviceUnderTest, Observation, RunError};
+use lashloop_bench::run::{Clock, DeviceUnderTest, Observation, RunError};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::verdict::{Exit, Verdict};
 use lashloop_plant::metrics::SignalTable;
-use lashloop_report::paper::{Laws, Run, Runs, figures, file_name, page, tables};
+use lashloop_report::paper::{Laws, PAPER, Run, Runs, figures, file_name, page, tables};
 
 use super::error::CliError;
 use super::history::run_for_figure;
@@ -88,8 +88,13 @@ impl Arguments {
             let mut laws = Vec::new();
             for (file, law) in plan {
                 let scenario = scenario(file, law)?;
-                let (run, verdict) =
-                    run_for_figure(&scenario, shown_from_s(&scenario), &mut device, &supervisor)?;
+                let (run, verdict) = run_for_figure(
+                    &scenario,
+                    shown_from_s(&scenario),
+                    &mut device,
+                    Clock::Lockstep,
+                    &supervisor,
+                )?;
                 outln!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name);
                 laws.push(run);
                 worst = worst.max(verdict);
@@ -122,7 +127,7 @@ impl Arguments {
         let version = env!("CARGO_PKG_VERSION");
         let index = self.out.join(INDEX);
         let source = format!("Drawn by lashloop {version} from runs on {device}.");
-        write_file(&index, &page(&figures, &tables, &source))?;
+        write_file(&index, &page(&PAPER, &figures, &tables, &source))?;
         outln!("\nfigures: {}", index.display());
         Ok(())
     }

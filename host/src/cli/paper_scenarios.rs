@@ -10,3 +10,11 @@ pub(super) const SCENARIOS: [Source; 4] = [
     ("scenarios/friction-before.toml", include_str!("../../../scenarios/friction-before.toml")),
     ("scenarios/friction-after.toml", include_str!("../../../scenarios/friction-after.toml")),
 ];
+
+/// The same plants and laws in bench mode.
+pub(super) const BENCH_SCENARIOS: [Source; 4] = [
+    ("scenarios/bench-smooth-before.toml", include_str!("../../../scenarios/bench-smooth-before.toml")),
+    ("scenarios/bench-smooth-after.toml", include_str!("../../../scenarios/bench-smooth-after.toml")),
+    ("scenarios/bench-friction-before.toml", include_str!("../../../scenarios/bench-friction-before.toml")),
+    ("scenarios/bench-friction-after.toml", include_str!("../../../scenarios/bench-friction-after.toml")),
+];

@@ -13,6 +13,7 @@ mod drive_loss;
 mod estimates;
 mod exec_drives;
 mod exit_codes;
+mod experiment;
 mod fault_table;
 mod hostile;
 mod idle;

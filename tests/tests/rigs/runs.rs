@@ -118,3 +118,15 @@ fn a_rig_and_a_device_exclude_each_other() {
     let ended = run(&RigFile::new(NOWHERE), &["--device", "inproc"]).with_code(2);
     assert!(ended.stderr.contains("cannot be used with"), "{}", ended.stderr);
 }
+
+#[test]
+fn bench_mode_on_a_drive_without_pins_names_the_missing_parameter() {
+    let twin = Twin::start();
+    let rig = RigFile::new(&twin.device());
+    let bench = |clock: &str| run(&rig, &["--mode", "bench", "--clock", clock, "--set", "run.duration_s=1"]);
+    let refused = bench("real-time").with_code(4).stderr;
+    assert!(refused.contains("no parameter sample_source, so it has no bench mode"), "{refused}");
+    // A drive with a time of its own can't wait for its host.
+    let lockstep = bench("lockstep").with_code(2).stderr;
+    assert!(lockstep.contains("needs --clock real-time"), "{lockstep}");
+}

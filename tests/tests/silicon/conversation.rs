@@ -16,6 +16,9 @@ const PATIENCE: Duration = Duration::from_secs(20);
 /// Longest time that a control step of `pd` may take, as the drive reports it.
 const LONGEST_STEP_TENTHS_US: u16 = 1000;
 
+/// Parameters of bench mode, which the board offers after all others.
+const OF_BENCH_MODE: u8 = 10;
+
 /// The image's end of the line. Dropping it ends the process.
 struct Line {
     silicon: Child,
@@ -78,7 +81,9 @@ fn as_came(documented: &[u8], came: &[u8]) -> Vec<u8> {
     let message = match (decode(documented), decode(came)) {
         (Some(Ok(DriveMessage::Identity(identity))), Some(Ok(DriveMessage::Identity(came)))) => {
             let Identity { firmware, build_id, dirty, .. } = came;
-            DriveMessage::from(Identity { firmware, build_id, dirty, ..identity })
+            // The page has the conversation of a drive without pins.
+            let parameter_count = identity.parameter_count + OF_BENCH_MODE;
+            DriveMessage::from(Identity { firmware, build_id, dirty, parameter_count, ..identity })
         }
         (Some(Ok(DriveMessage::TorqueAnswer(answer))), Some(Ok(DriveMessage::TorqueAnswer(came)))) => {
             let compute_tenths_us = came.compute_tenths_us;

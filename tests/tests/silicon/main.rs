@@ -9,6 +9,8 @@ mod markdown;
 #[path = "../document/script.rs"]
 mod script;
 
+mod against_hil;
+mod bench_mode;
 mod conversation;
 mod equipment;
 mod runs;
@@ -22,13 +24,20 @@ use tests::{fault_table, optional, own_core};
 type Check = fn();
 
 /// Trials that need the image and the program.
-const TRIALS: [(&str, Check); 7] = [
+const TRIALS: [(&str, Check); 14] = [
     ("conversation::the_documented_frames_come_back_byte_by_byte", conversation::byte_by_byte),
     ("runs::the_image_identifies_itself_as_the_board", runs::identity),
     ("runs::the_rate_of_steps_is_reported", runs::speed),
     ("runs::a_killed_process_is_reported_with_its_signal", runs::killed),
     ("runs::a_file_that_is_no_image_is_named", runs::stranger),
     ("runs::an_image_without_the_protocol_is_reported_as_silent", runs::silent),
+    ("bench_mode::a_run_repeats_bit_for_bit", bench_mode::repeats),
+    ("bench_mode::a_missed_expectation_fails_the_run", bench_mode::fails),
+    ("bench_mode::a_silent_host_trips_the_watchdog", bench_mode::unplugged_for_a_while),
+    ("bench_mode::a_disconnected_host_has_no_verdict", bench_mode::unplugged_for_good),
+    ("against_hil::smooth_before_differs_as_explained", || against_hil::check(bench_mode::SMOOTH_BEFORE)),
+    ("against_hil::smooth_after_differs_as_explained", || against_hil::check(bench_mode::SMOOTH_AFTER)),
+    ("against_hil::friction_after_differs_as_explained", || against_hil::check(bench_mode::FRICTION_AFTER)),
     ("faults::the_watchdog_removes_the_torque_in_time", || {
         fault_table::check_watchdog_on("silicon");
     }),

@@ -10,7 +10,7 @@ use tests::{loss, processes};
 
 use crate::equipment;
 
-/// Length of a compared run. A step takes about 3 ms, most of it for the polling of the transmitter.
+/// Length of a compared run. A step takes about 0.7 ms.
 const DURATION: &str = "run.duration_s=3";
 const STEPS: u64 = 3_000;
 
@@ -20,9 +20,9 @@ pub(crate) fn same_as_in_process(run: PaperRun) {
         let records = Records::new();
         let scenario = run.scenario();
         let arguments = ["run", &scenario, "--device", device, "--out", &records.out(), "--set", DURATION];
-        // Too short for the paper's numbers, so the verdict is FAIL, or PASS for a scenario without a bound at its end.
-        let ended = program::run(arguments.into_iter().chain(PATIENCE));
-        assert!(matches!(ended.code, Some(0 | 1)), "{}: {}", run.name, ended.stderr);
+        // Too short for the paper's numbers.
+        let arguments = arguments.into_iter().chain(["--set", "expect=[]"]).chain(PATIENCE);
+        let _ = program::run(arguments).with_code(0);
         records.summary()
     };
     let (silicon, in_process) = (on("silicon"), on("inproc"));
@@ -67,7 +67,8 @@ pub(crate) fn speed() {
 pub(crate) fn killed() {
     let (bench, records) = loss::run_in_progress("silicon");
     let [silicon] = processes::children(bench.id())[..] else { panic!("the bench has one child") };
-    assert_eq!(processes::name(silicon), "lashloop-silicon");
+    // Linux keeps 15 characters of a name.
+    assert_eq!(processes::name(silicon), "lashloop-silico");
     let lost_at = std::time::Instant::now();
     processes::signal(silicon, Signal::KILL);
     let sentence = loss::assert_reported(bench, &records, lost_at);

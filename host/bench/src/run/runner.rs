@@ -87,7 +87,9 @@ pub fn run(
         Clock::Lockstep => {
             let control = RunLoop::new(scenario, source, timeline, settings, &mut recorder);
             (
-                run_to_end(control, device, |control, device| lockstep::close(control, scenario, device))?,
+                run_to_end(control, device, scenario.run.mode, |control, device| {
+                    lockstep::close(control, scenario, device)
+                })?,
                 Vec::new(),
             )
         }
@@ -176,7 +178,7 @@ fn in_real_time(
     let work = || {
         let refused = real_time::obtain(options);
         let control = RunLoop::new(scenario, source, timeline, settings, ring);
-        let closed = run_to_end(control, device, |control, device| {
+        let closed = run_to_end(control, device, scenario.run.mode, |control, device| {
             real_time::close(control, scenario, device, options.spin)
         });
         (closed, refused)
@@ -196,10 +198,11 @@ fn in_real_time(
 fn run_to_end<'a, S: StepSink>(
     mut control: RunLoop<'a, S>,
     device: &mut Device,
+    mode: RunMode,
     close: impl FnOnce(&mut RunLoop<'a, S>, &mut Device) -> Result<End, RunError>,
 ) -> Result<Closed, RunError> {
     // Last of all, because the drive's watchdog runs from here on.
-    if let Err(source) = device.session.start() {
+    if let Err(source) = setup::start(device, mode) {
         // The drive may be armed, or even running if only its answer was lost.
         device.session.abandon();
         return Err(setup::refused_start(device, source));

@@ -12,9 +12,14 @@ use lashloop_protocol::parameter_names::{SAMPLE_SOURCE, TORQUE_LIMIT_NM, WATCHDO
 use super::drive_settings::{DriveSettings, written};
 use super::error::RunError;
 use crate::device::{Device, DeviceError};
-use crate::scenario::{Scenario, ScenarioError};
+use crate::scenario::{RunMode, Scenario, ScenarioError};
 use crate::session::{SessionError, SetError, SubscribeError};
 use crate::timing::ClockName;
+
+/// Time for the first reading after a reset: two of the longest control periods, of 100 ms.
+const FIRST_READING_LIMIT: Duration = Duration::from_millis(200);
+/// Time between two attempts.
+const FIRST_READING_INTERVAL: Duration = Duration::from_millis(10);
 
 /// Resets the drive and applies all settings of the scenario. Returns the signals that its telemetry carries.
 ///
@@ -119,6 +124,22 @@ pub(super) fn resume(
     }
     configure(device, scenario, clock)?;
     torque_limit_nm(device)
+}
+
+/// Starts the drive. In bench mode it needs a reading of its encoders since the reset, which comes with its next tick.
+pub(super) fn start(device: &mut Device, mode: RunMode) -> Result<(), SessionError> {
+    let give_up = device.session.line.now() + FIRST_READING_LIMIT;
+    loop {
+        match device.session.start() {
+            Err(SessionError::Refused { outcome: Outcome::EncoderImplausible, .. })
+                if mode == RunMode::Bench && device.session.line.now() < give_up =>
+            {
+                let next = device.session.line.now() + FIRST_READING_INTERVAL;
+                device.session.line.wait_until(next)?;
+            }
+            started => return started,
+        }
+    }
 }
 
 /// The error for a drive that does not start. Parameters that contradict each other are the scenario's error.

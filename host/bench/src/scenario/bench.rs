@@ -7,7 +7,6 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::controller::{ParameterSetting, ParameterValue};
 use super::error::ScenarioError;
-use super::fault::{FaultKind, FrameFault, LinkFault};
 use super::key::Choice;
 use super::key_error::KeyError;
 use super::plant::PlantSettings;
@@ -103,21 +102,6 @@ impl ScenarioError {
             key: format!("bench.{}", setting.name),
             error: Box::new(KeyError::Rejected { found: setting.value.to_string(), reason: reason.into() }),
         }
-    }
-}
-
-/// Why a fault can't strike in bench mode; `None` for a fault that can.
-pub(super) fn obstacle_to_fault(kind: FaultKind) -> Option<&'static str> {
-    match kind {
-        FaultKind::Frame { fault: FrameFault::Stall {}, .. }
-        | FaultKind::Link(LinkFault::Cut {})
-        | FaultKind::Device(_) => None,
-        FaultKind::Frame { .. } => Some(
-            "strikes frames with samples and torques, which bench mode doesn't send; take link-stall or link-cut, or run.mode = \"hil\"",
-        ),
-        FaultKind::Encoder { .. } | FaultKind::Motor(_) | FaultKind::Plant(_) => Some(
-            "strikes the simulated side of the loop, which bench mode doesn't have; take run.mode = \"hil\"",
-        ),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Runs in bench mode: a drive with encoders, power stage and plant in this process.
 
 mod line;
+mod real_time;
 mod run;
 
 use lashloop_bench::run::{End, RunError};
@@ -159,7 +160,8 @@ fn a_lost_report_repeats_the_last_measurement() {
 
 #[test]
 fn a_report_that_breaks_a_rule_fails_the_run() {
-    let actions: [(Action, fn(&AnswerRule) -> bool); 3] = [
+    type IsBroken = fn(&AnswerRule) -> bool;
+    let actions: [(Action, IsBroken); 3] = [
         (Action::Torque(26.0), |rule| matches!(rule, AnswerRule::WithinLimit { .. })),
         (Action::Torque(f32::NAN), |rule| matches!(rule, AnswerRule::Finite { .. })),
         (Action::Reference(4000), |rule| matches!(rule, AnswerRule::ReferenceSent { number: 4000 })),

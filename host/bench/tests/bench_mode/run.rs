@@ -67,11 +67,29 @@ pub(crate) fn without_pins(scenario: &Scenario) -> Result<Recorded, RunError> {
 }
 
 fn on(scenario: &Scenario, choice: &DeviceChoice, line: Line) -> Result<Recorded, RunError> {
+    through(scenario, choice, Clock::Lockstep, line)
+}
+
+/// Runs on a device under a clock.
+pub(crate) fn on_with(
+    scenario: &Scenario,
+    choice: &DeviceChoice,
+    clock: Clock,
+) -> Result<Recorded, RunError> {
+    through(scenario, choice, clock, Line::default())
+}
+
+fn through(
+    scenario: &Scenario,
+    choice: &DeviceChoice,
+    clock: Clock,
+    line: Line,
+) -> Result<Recorded, RunError> {
     let supervisor = Supervisor::without_signals(None::<PathBuf>).expect("a supervisor");
     let mut device =
-        DeviceUnderTest::open(scenario, choice, ClockName::Lockstep, &supervisor, |link| line.around(link))?;
+        DeviceUnderTest::open(scenario, choice, clock.name(), &supervisor, |link| line.around(link))?;
     let mut steps = Steps(Vec::new());
-    let outcome = run(scenario, &mut device, Clock::Lockstep, &mut steps)?;
+    let outcome = run(scenario, &mut device, clock, &mut steps)?;
     Ok(Recorded { outcome, steps: steps.0 })
 }
 

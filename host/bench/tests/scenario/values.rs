@@ -154,6 +154,7 @@ fn a_scenario_that_was_read_can_be_printed_and_read_again() {
     description = "long"
 
     [run]
+    mode = "hil"
     duration_s = 2.0
     control_period_us = 1000
     seed = 1

@@ -11,8 +11,10 @@
 //! | 13 | `hysteresis` | motor against load |
 //! | 15 to 17 | `experiment` | load and torque with friction |
 //! | | `table` | the numbers, the paper's next to ours |
+//! | | `comparison` | figures 7 and 15 to 17 and the numbers, simulation next to experiment |
 //! | | `page` | figures and tables as one HTML page |
 
+mod comparison;
 pub(crate) mod curves;
 mod dead_zone;
 mod experiment;
@@ -26,8 +28,9 @@ mod tests;
 
 use crate::plot::Figure;
 
+pub use comparison::{BeforeAfter, Compared, Experiment, comparison_figures, comparison_table};
 pub use laws::{Laws, Run, Runs};
-pub use page::{file_name, page};
+pub use page::{COMPARISON, PAPER, file_name, page};
 pub use table::{Table, tables};
 
 /// The figures, each with its number in the paper.

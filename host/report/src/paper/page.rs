@@ -8,9 +8,30 @@ use crate::xml::Escaped;
 
 const HEAD: &str = include_str!("page_head.html");
 
+/// Title and introduction of a page.
+#[derive(Debug, Clone, Copy)]
+pub struct Head {
+    title: &'static str,
+    introduction: &'static str,
+}
+
+/// Of the figures of three laws.
+pub const PAPER: Head = Head {
+    title: "The paper's figures, paper and here",
+    introduction: "\"Before\" is the cascaded PD law, \"after\" adds the paper's compensation, \"beyond\" is a law that inverts the gap in the torque
+domain. Each caption states the paper's result and ours, also where they differ.",
+};
+
+/// Of simulation and experiment.
+pub const COMPARISON: Head = Head {
+    title: "Simulation and experiment",
+    introduction: "\"Before\" is the cascaded PD law, \"after\" adds the paper's compensation. The simulation is the run in HIL mode, the
+experiment the run of the same scenario in bench mode, in which the drive reads its own encoders and commands its power stage.",
+};
+
 /// The page. `drawn_from` names the program and the device of the runs.
-pub fn page(figures: &[(u8, Figure)], tables: &[Table], drawn_from: &str) -> String {
-    let mut page = HEAD.to_owned();
+pub fn page(head: &Head, figures: &[(u8, Figure)], tables: &[Table], drawn_from: &str) -> String {
+    let mut page = HEAD.replace("{title}", head.title).replace("{introduction}", head.introduction);
     let links = figures.iter().map(|(number, _)| format!("<a href=\"#figure-{number:02}\">{number}</a>"));
     push(&mut page, format_args!("<nav>Figures: {}</nav>\n", links.collect::<String>()));
     for table in tables {

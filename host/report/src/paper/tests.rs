@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use roxmltree::Document;
 
 use super::hysteresis::thickness;
-use super::{Laws, Run, Runs, Table, figures, page, tables};
+use super::{Laws, PAPER, Run, Runs, Table, figures, page, tables};
 use lashloop_bench::record::columns::Columns;
 use lashloop_bench::record::trace::columns;
 use lashloop_plant::Signal;
@@ -154,7 +154,7 @@ fn table_columns_are_aligned() {
 fn page_holds_every_figure_once_and_is_self_contained() {
     let runs = runs(1.0);
     let figures = figures(&runs);
-    let page = page(&figures, &tables(&runs), "drawn on <dev> & more");
+    let page = page(&PAPER, &figures, &tables(&runs), "drawn on <dev> & more");
     assert!(page.contains("drawn on &lt;dev&gt; &amp; more"));
     for (number, figure) in &figures {
         assert_eq!(page.matches(&figure.to_svg()).count(), 1, "figure {number}");

@@ -9,7 +9,6 @@ use super::link::{FrameFault, LinkFault, Way};
 use super::motor::MotorFault;
 use super::plant::PlantFault;
 use crate::scenario::RunMode;
-use crate::scenario::bench::obstacle_to_fault;
 use crate::scenario::range::positive;
 use crate::scenario::reader::Section;
 use crate::scenario::sections::RunSettings;
@@ -77,6 +76,22 @@ impl FaultKind {
         match self {
             Self::Frame { .. } | Self::Link(_) => true,
             Self::Encoder { .. } | Self::Motor(_) | Self::Plant(_) | Self::Device(_) => false,
+        }
+    }
+
+    /// Why faults of this kind can't strike in bench mode; `None` if they can.
+    const fn obstacle_in_bench_mode(&self) -> Option<&'static str> {
+        match self {
+            Self::Frame { fault: FrameFault::Stall {}, .. }
+            | Self::Link(LinkFault::Cut {})
+            | Self::Device(_) => None,
+            Self::Frame { .. } => Some(
+                "strikes frames with samples and torques, which bench mode doesn't send; take link-stall or link-cut, or \
+                 run.mode = \"hil\"",
+            ),
+            Self::Encoder { .. } | Self::Motor(_) | Self::Plant(_) => Some(
+                "strikes the simulated side of the loop, which bench mode doesn't have; take run.mode = \"hil\"",
+            ),
         }
     }
 
@@ -152,7 +167,7 @@ pub(in crate::scenario) fn read(
         let takers = either(plants.iter().filter(|it| change.is_taken_by(it)).map(|it| it.name()));
         fault.reject("kind", format!("needs plant.model = {takers}: {} takes no such change", model.name()));
     }
-    if let (RunMode::Bench, Some(reason)) = (run.mode, obstacle_to_fault(kind)) {
+    if let (RunMode::Bench, Some(reason)) = (run.mode, kind.obstacle_in_bench_mode()) {
         fault.reject("kind", reason.to_owned());
     }
     match (kind.duration(), for_s) {

@@ -1,0 +1,151 @@
+//! `lashloop experiment`: the paper's experiment on a drive in bench mode, next to its simulation.
+
+use std::io::{self, BufRead, Write};
+use std::path::PathBuf;
+
+use crate::bench::Bench;
+use clap::Args;
+use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::run::real_time::RealTime;
+use lashloop_bench::run::{Clock, DeviceUnderTest};
+use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::timing::ClockName;
+use lashloop_bench::verdict::{Exit, Verdict};
+use lashloop_report::paper::{
+    BeforeAfter, COMPARISON, Compared, Experiment, Run, comparison_figures, comparison_table, file_name, page,
+};
+
+use super::error::{CliError, system};
+use super::history::run_for_figure;
+use super::options::{RigOption, TakenRig};
+use super::output::{error_line, outln, prepare_folder, write_file};
+use super::paper_scenarios::BENCH_SCENARIOS;
+use super::supervision::start_supervisor;
+use crate::rig::check::check_board;
+
+const INDEX: &str = "index.html";
+
+/// Run the paper's experiment in bench mode next to its simulation, as a table and figures
+///
+/// Runs sections 6 and 7 of the paper, before and after compensation, on a drive that reads its own encoders and commands
+/// its power stage, and each scenario in HIL mode in this process. Writes figure-07.svg, figure-15.svg to figure-17.svg,
+/// and index.html with all of them.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Drive: silicon, inproc, or one on hardware; see `lashloop run --help`
+    #[arg(long, default_value = "silicon", value_name = "DEVICE", conflicts_with = "rig")]
+    device: DeviceChoice,
+
+    #[command(flatten)]
+    rig: RigOption,
+
+    /// Folder for the figures and index.html
+    #[arg(long, default_value = "out/experiment", value_name = "DIR")]
+    out: PathBuf,
+}
+
+impl Arguments {
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let rig = self.rig.take(bench, "experiment")?;
+        let choice = match &rig {
+            Some(taken) => {
+                taken.check_present()?;
+                &taken.rig.port.device
+            }
+            None => &self.device,
+        };
+        let supervisor = start_supervisor()?;
+        prepare_folder(&self.out, &[INDEX])?;
+        let (mut worst, mut compared, mut drive) = (Verdict::Pass, Vec::new(), String::new());
+        for (name, text) in BENCH_SCENARIOS {
+            let of_bench = Scenario::from_str(name, text, &[])?;
+            let of_hil = Scenario::from_str(name, text, &[Override::Mode("hil".to_owned())])?;
+            let (simulation, simulated) = simulate(&of_hil, &supervisor)?;
+            let (experiment, judged, description) = experiment(of_bench, choice, rig.as_ref(), &supervisor)?;
+            outln!("{name:<40} simulation {simulated}, experiment {judged}");
+            (worst, drive) = (worst.max(simulated).max(judged), description);
+            compared.push(Compared { simulation, experiment });
+            if supervisor.interrupted() {
+                return Ok(worst.into());
+            }
+        }
+        let [smooth_before, smooth_after, friction_before, friction_after] =
+            <[Compared; 4]>::try_from(compared).expect("a comparison for each scenario");
+        self.report(
+            &Experiment {
+                smooth: BeforeAfter { before: smooth_before, after: smooth_after },
+                friction: BeforeAfter { before: friction_before, after: friction_after },
+            },
+            &drive,
+        )?;
+        Ok(worst.into())
+    }
+
+    /// Prints the table and writes the figures, the page that shows them last.
+    fn report(&self, runs: &Experiment, drive: &str) -> Result<(), CliError> {
+        let table = comparison_table(runs);
+        outln!("\n{table}");
+        let figures = comparison_figures(runs);
+        for (number, figure) in &figures {
+            write_file(&self.out.join(file_name(*number)), &figure.to_svg())?;
+        }
+        let version = env!("CARGO_PKG_VERSION");
+        let source = format!("Drawn by lashloop {version}; experiment on {drive}, simulation in process.");
+        let index = self.out.join(INDEX);
+        write_file(&index, &page(&COMPARISON, &figures, &[table], &source))?;
+        outln!("\nfigures: {}", index.display());
+        Ok(())
+    }
+}
+
+fn simulate(scenario: &Scenario, supervisor: &Supervisor) -> Result<(Run, Verdict), CliError> {
+    let choice: DeviceChoice = "inproc".parse().expect("a kind of device");
+    let mut device = DeviceUnderTest::open(scenario, &choice, ClockName::Lockstep, supervisor, |link| link)?;
+    run_for_figure(scenario, 0.0, &mut device, Clock::Lockstep, supervisor)
+}
+
+/// Runs a scenario in bench mode. Also returns what the drive is.
+fn experiment(
+    mut scenario: Scenario,
+    choice: &DeviceChoice,
+    rig: Option<&TakenRig>,
+    supervisor: &Supervisor,
+) -> Result<(Run, Verdict, String), CliError> {
+    let has_plant = choice.for_run(&scenario, ClockName::Lockstep)?.keeps_bench_clock(ClockName::Lockstep);
+    let clock = if has_plant { Clock::Lockstep } else { Clock::RealTime(RealTime::default()) };
+    if let Some(taken) = rig {
+        taken.rig.limits.check(&scenario, &taken.rig.file)?;
+        scenario.link.baud = taken.rig.port.baud;
+    }
+    if !has_plant {
+        wait_for_start(&scenario)?;
+    }
+    let mut device = DeviceUnderTest::open(&scenario, choice, clock.name(), supervisor, |link| link)?;
+    if let Some(taken) = rig {
+        check_board(&taken.rig, &device.device)?;
+        taken.rig.complete(&mut scenario, &device.device.session.parameters)?;
+    }
+    for warning in device.device.warnings() {
+        error_line(format_args!("lashloop: warning: {warning}"));
+    }
+    let (run, verdict) = run_for_figure(&scenario, 0.0, &mut device, clock, supervisor)?;
+    Ok((run, verdict, device.device.description()))
+}
+
+/// Waits until a person has brought the load to its start.
+fn wait_for_start(scenario: &Scenario) -> Result<(), CliError> {
+    let start_rad = scenario.plant.initial.load_position_rad;
+    let mut stdout = io::stdout();
+    let prompt = write!(
+        stdout,
+        "{}: bring the load to {start_rad:.4} rad, power the drive off and on, and press Enter: ",
+        scenario.title
+    );
+    prompt.and_then(|()| stdout.flush()).map_err(system("print the prompt"))?;
+    match io::stdin().lock().read_line(&mut String::new()) {
+        Ok(0) => Err(CliError::Unconfirmed),
+        Ok(_) => Ok(()),
+        Err(source) => Err(CliError::System { what: "read the confirmation", source }),
+    }
+}
