@@ -1,4 +1,4 @@
-use lashloop_identify::*;
+use lashloop_identify::{Instruments, Series, SeriesError, identify};
 use lashloop_plant::backlash_shaft::*;
 use lashloop_plant::random::*;
 use lashloop_plant::{Mechanics, RunningPlant, Start, Plant, TransportDelay, encoder::Encoder};
@@ -49,53 +49,70 @@ fn make(h: &Hidden, torque: &[f64]) -> Series {
     Series::new(1000, torque.to_vec(), a, b).unwrap()
 }
 
-fn ramp(points: &[(f64, f64)]) -> Vec<f64> {
-    // (duration s, torque at end)
-    let mut out = vec![]; let mut last = 0.0;
-    for &(d, t) in points { let n = (d * 1000.0).round() as usize; for k in 0..n { out.push(last + (t - last) * (k + 1) as f64 / n as f64); } last = t; }
-    out
-}
-fn steps(points: &[(f64, f64)]) -> Vec<f64> {
-    points.iter().flat_map(|&(d, t)| std::iter::repeat_n(t, (d * 1000.0).round() as usize)).collect()
+use lashloop_identify::excitation::*;
+struct Machine<'a>(&'a Hidden);
+impl DriveTrain for Machine<'_> {
+    type Error = SeriesError;
+    fn make(&mut self, m: &PlannedMotion, mut guard: Guard) -> Result<Made, SeriesError> {
+        let s = make(self.0, &m.torque_nm);
+        let mut halt = None;
+        let mut n = 0;
+        for k in 0..m.torque_nm.len() { n = k + 1; halt = guard.check(s.motor_counts()[k], s.load_counts()[k]); if halt.is_some() { break; } }
+        let series = Series::new(1000, m.torque_nm[..n].to_vec(), s.motor_counts()[..n].to_vec(), s.load_counts()[..n].to_vec())?;
+        Ok(Made { series, halt, peaks: guard.peaks() })
+    }
 }
 
 fn main() {
     let args: Vec<u64> = std::env::args().skip(1).map(|a| a.parse().unwrap()).collect();
-    let mut covered = vec![(0, 0, Vec::new()); 17];
-    let dbg = std::env::var("DBG").is_ok();
+    let dbg = std::env::var("DBG9").is_ok();
+    let limits = Limits { torque_nm: 20.0, motor_speed_rad_s: 400.0, load_speed_rad_s: 10.0, load_travel_rad: 1.5 };
+    let mut stat: std::collections::BTreeMap<String, (u32, u32, u32, Vec<(f64, f64)>)> = Default::default();
+    let mut secs = 0.0;
     for seed in args[0]..args[1] {
         let h = draw(seed);
-        // breakaway by ramp
-        let mut ub = 0.0;
-        let r: Vec<f64> = (0..4000).map(|k| 20.0 * 10f64.powf(-3.0 + 3.0 * k as f64 / 4000.0)).collect();
-        let s = make(&h, &r);
-        for k in 0..4000 { if (s.load_counts()[k] - s.load_counts()[0]).abs() >= 6 { ub = r[k]; break; } }
-        let rev = make(&h, &ramp(&[(0.35, 0.7 * ub), (0.7, -0.7 * ub), (0.9, 1.1 * ub), (1.1, -1.2 * ub), (0.6, 0.0)]));
-        let st = make(&h, &steps(&[(0.02, 0.0), (0.3, 0.5 * ub), (0.3, -0.5 * ub), (0.3, 0.5 * ub), (0.3, 0.0)]));
-        let p = 4.0 * ub;
-        let pu = make(&h, &steps(&[(0.02, 0.0), (0.15, 0.3*ub), (0.15, -0.3*ub), (0.3, p), (0.4, 0.3*ub), (0.3, -p), (0.4, -0.3*ub), (0.3, -p), (0.4, -0.3*ub), (0.3, p), (0.4, 0.3*ub), (0.1, 0.0)]));
-        let series = [rev, st, pu];
-        let trav = |s: &Series, e: usize| { let c = if e == 0 { s.motor_counts() } else { s.load_counts() }; (c.iter().max().unwrap() - c.iter().min().unwrap()) as f64 / h.cpr[e] as f64 * 6.283 };
         let ins = Instruments { motor_counts_per_rev: h.cpr[0], load_counts_per_rev: h.cpr[1], torque_delay_us: 1000 };
-        let truth = truth_of(&h.m, &h.s);
-        if dbg { eprintln!("seed {seed} ub {ub:.2} travel load {:.2} {:.2} {:.2}", trav(&series[0], 1), trav(&series[1], 1), trav(&series[2], 1)); }
-        let d = directions(&series); if d.motor.map(|x| x.sign()) != Some(h.sign[0]) || d.load.map(|x| x.sign()) != Some(h.sign[1]) { println!("signs {:?} {d:?}", h.sign); }
-        let Some(out) = try_it(&series, &ins) else { println!("seed {seed}: none"); continue };
-        let mut line = format!("seed {seed} res {:.2} {:.2}: ", out[0].1, out[0].2);
-        for (k, (name, v, sd)) in out[1..].iter().enumerate() {
-            let z = (v - truth[k]) / sd;
-            if *sd < 0.35 { covered[k].0 += (z.abs() < 1.96) as u32; covered[k].1 += 1; covered[k].2.push((*sd, z)); }
-            if z.abs() > 1.96 { line += &format!("{name} {:.3} sd {:.4} z {z:.1}; ", v - truth[k], sd); }
+        let c = match commission(&mut Machine(&h), &ins, &limits, 1000) { Ok(c) => c, Err(e) => { println!("seed {seed}: {e}"); continue } };
+        let t = std::time::Instant::now();
+        if dbg { let s: Vec<_> = c.records.iter().map(|r| r.1.clone()).collect(); identify(&s, &ins, &lashloop_identify::Start::default()).unwrap(); }
+        secs += t.elapsed().as_secs_f64();
+        let i = &c.identified;
+        let sg = [i.directions.motor, i.directions.load].map(|d| d.map(|d| d.sign()));
+        if sg != h.sign.map(Some) { println!("seed {seed}: signs"); }
+        let mut line = format!("seed {seed} {} res {:.2} {:.2} n {}: ", c.records[2].0, i.residual_counts[0], i.residual_counts[1], c.records.iter().map(|r| r.1.torque_nm().len()).sum::<usize>());
+        let truths = truths(&h);
+        for q in &i.quantities {
+            let truth = truths.iter().find(|t| t.0 == q.name).unwrap().1;
+            let st = stat.entry(q.name.to_string()).or_default();
+            st.2 += 1;
+            if let Some(e) = q.estimate {
+                let inside = e.low <= truth && truth <= e.high;
+                st.0 += inside as u32; st.1 += 1;
+                let (half, z) = if q.name == "load_friction_asymmetry" { ((e.high - e.low) / 2.0, (e.value - truth) / (e.high - e.low) * 6.0) } else { ((e.high / e.low).ln() / 2.0, (e.value / truth).ln() / (e.high / e.low).ln() * 6.0) };
+                st.3.push((half, z));
+                if !inside { line += &format!("{} {:.4} z {z:.1}; ", q.name, (e.value / truth).ln()); }
+            }
         }
         println!("{line}");
-        if dbg { for (k, (name, v, sd)) in out[1..].iter().enumerate() { eprintln!("     {name:14} {:.4} true {:.4} sd {sd:.4}", v, truth[k]); } }
     }
-    let names = ["Jm","fm","Fcm","rm","vm","Js","fs","Fc","rl","vl","a","N0","K","j0","c","Ti"];
-    for (k, n) in names.iter().enumerate() {
-        let (c, t, v) = &mut covered[k];
+    println!("seconds {secs:.1}");
+    for (n, (c, t, a, v)) in &mut stat {
         v.sort_by(|a, b| a.0.total_cmp(&b.0));
         let med = v.get(v.len() / 2).map_or(0.0, |x| x.0);
-        let rms = (v.iter().map(|x| x.1 * x.1).sum::<f64>() / v.len().max(1) as f64).sqrt();
-        println!("{n:4} covered {c}/{t} median sd {med:.4} rms z {rms:.2}");
+        let mut z: Vec<f64> = v.iter().map(|x| x.1.abs()).collect(); z.sort_by(f64::total_cmp);
+        println!("{n:28} {c}/{t} of {a}, median half width {:.3} %, z95 {:.2}", med * 100.0, z.get(z.len() * 95 / 100).copied().unwrap_or(0.0));
     }
+}
+
+fn truths(h: &Hidden) -> Vec<(&'static str, f64)> {
+    let (m, s) = (&h.m, &h.s);
+    let a = s.load_asymmetry;
+    vec![("reduction_ratio", m.ratio), ("gap_width_rad", 2.0 * m.dead_zone_rad), ("dead_zone_rad", m.dead_zone_rad), ("stiffness_nm_rad", m.stiffness_nm_rad),
+    ("shaft_damping_nm_s_rad", s.shaft_damping_nm_s_rad), ("motor_inertia_kg_m2", m.motor_inertia_kg_m2), ("motor_friction_nm_s_rad", m.motor_friction_nm_s_rad),
+    ("motor_coulomb_nm", s.motor.coulomb_nm), ("motor_stiction_nm", s.motor.stiction_nm), ("motor_stribeck_rad_s", s.motor.velocity_rad_s),
+    ("load_inertia_kg_m2", m.load_inertia_kg_m2), ("load_friction_nm_s_rad", m.load_friction_nm_s_rad), ("load_coulomb_nm", s.load.coulomb_nm),
+    ("load_coulomb_forward_nm", s.load.coulomb_nm * (1.0 + a)), ("load_coulomb_backward_nm", s.load.coulomb_nm * (1.0 - a)),
+    ("load_stiction_nm", s.load.stiction_nm), ("load_stiction_forward_nm", s.load.stiction_nm * (1.0 + a)), ("load_stiction_backward_nm", s.load.stiction_nm * (1.0 - a)),
+    ("load_stribeck_rad_s", s.load.velocity_rad_s), ("load_friction_asymmetry", a), ("current_lag_ms", s.current_lag_s * 1e3),
+    ("inertia_at_motor_kg_m2", m.motor_inertia_kg_m2 + m.load_inertia_kg_m2 / m.ratio / m.ratio)]
 }

@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::parameters::{COUNT, Parameter, Vector};
-use crate::replay::{Motion, Prediction};
+use crate::replay::{Motion, Prediction, Substeps};
 
 /// Parameters of one motion: twist at the start, offsets of both encoders.
 const OWN: usize = 3;
@@ -48,6 +48,7 @@ pub(crate) struct Problem<'a> {
     /// The parameters that the fit may move.
     pub(crate) is_free: [bool; COUNT],
     pub(crate) start: Vector,
+    pub(crate) substeps: Substeps,
 }
 
 /// Normal equations at a point.
@@ -73,7 +74,7 @@ impl Problem<'_> {
     }
 
     fn predict(&self, point: &Point) -> Option<Vec<Prediction>> {
-        let predict = |&at: &usize| self.motions[at].predict(&point.vector, point.own[at].twist_rad);
+        let predict = |&at: &usize| self.motions[at].predict(&point.vector, point.own[at].twist_rad, self.substeps);
         self.used.iter().map(predict).collect()
     }
 
@@ -109,9 +110,9 @@ impl Problem<'_> {
                 }
                 let mut moved = point.vector;
                 moved.set(parameter, moved.get(parameter) + STEP);
-                columns.push((STEP, motion.predict(&moved, own.twist_rad)?));
+                columns.push((STEP, motion.predict(&moved, own.twist_rad, self.substeps)?));
             }
-            columns.push((STEP, motion.predict(&point.vector, own.twist_rad + STEP)?));
+            columns.push((STEP, motion.predict(&point.vector, own.twist_rad + STEP, self.substeps)?));
             let cluster = (0.02 / motion.period_s).ceil().max(1.0) as usize;
             let first = COUNT + OWN * index;
             let places: Vec<usize> = (0..COUNT).chain(first..first + OWN).collect();
@@ -251,13 +252,11 @@ impl Problem<'_> {
             let mut gained = 0.0;
             for _ in 0..8 {
                 let step = self.step(&point, &normal, damping);
-                if std::env::var("DBG3").is_ok() && let Some(step) = &step { eprintln!("      try {damping:.0e} {:.4?}", &step.as_slice()[..COUNT]); }
                 let next = step.map(|step| self.moved(&point, &step));
                 let tried = next.and_then(|next| Some((self.predict(&next)?, next)));
                 if let Some((tried, next)) = tried {
                     let less = cost - self.cost(&next, &tried, &noise);
-                    if std::env::var("DBG3").is_ok() { eprintln!("      less {less:.2}"); }
-                    if less > 0.0 {
+                        if less > 0.0 {
                         gained = less / cost;
                         (point, predictions) = (next, tried);
                         damping = (damping * 0.1).max(1e-9);
@@ -271,16 +270,6 @@ impl Problem<'_> {
             }
             if gained < 1e-5 {
                 break;
-            }
-        }
-        if std::env::var("DBG2").is_ok() {
-            for (k, (motion, own, prediction)) in self.parts(&point, &predictions).enumerate() {
-                for from in (0..motion.samples()).step_by(50) {
-                    let until = (from + 50).min(motion.samples());
-                    let r: Vec<f64> = (from..until).filter(|&at| motion.is_used[0][at]).map(|at| residual(motion, prediction, own, 0, at)).collect();
-                    let rms = (r.iter().map(|x| x * x).sum::<f64>() / r.len().max(1) as f64).sqrt();
-                    if rms > 0.35 { eprintln!("    motion {k} at {from}: rms {rms:.2} mean {:.2}", r.iter().sum::<f64>() / r.len() as f64); }
-                }
             }
         }
         let noise = self.noise(&point, &predictions);
@@ -304,16 +293,16 @@ impl Problem<'_> {
     }
 
     fn noise(&self, point: &Point, predictions: &[Prediction]) -> Noise {
-        let median = |encoder: usize| {
+        let high = |encoder: usize| {
             let mut residuals = Vec::new();
             for (motion, own, prediction) in self.parts(point, predictions) {
                 let used = (0..motion.samples()).filter(|&at| motion.is_used[encoder][at]);
                 residuals.extend(used.map(|at| residual(motion, prediction, own, encoder, at).abs()));
             }
             residuals.sort_by(f64::total_cmp);
-            residuals.get(residuals.len() / 2).copied().unwrap_or(0.0)
+            residuals.get(residuals.len() * 9 / 10).copied().unwrap_or(0.0)
         };
-        Noise { counts: [0, 1].map(|encoder| (1.2 * median(encoder)).max(QUANTISATION)) }
+        Noise { counts: [0, 1].map(|encoder| (high(encoder) / NINE_TENTHS).max(QUANTISATION)) }
     }
 }
 
@@ -325,7 +314,9 @@ struct Noise {
     counts: [f64; 2],
 }
 
-/// Residuals count less beyond so many standard deviations.
+/// Standard deviations within which nine tenths of normal residuals are.
+const NINE_TENTHS: f64 = 1.645;
+/// Standard deviations beyond which a residual counts less.
 const OUTLIER: f64 = 4.0;
 
 impl Noise {

@@ -1,41 +1,43 @@
-//! Identification of a drive train with backlash.
-#![forbid(unsafe_code)]
+//! Identification of a drive train with backlash from periods, torques and counts alone.
+//!
+//! [`identify`] estimates; [`excitation`] has the motions that show all there is to see, within limits that a user
+//! confirms. Neither reads a file, a port or a clock.
+//!
+//! The estimates are those under which the plant model `backlash-shaft` repeats the recorded counts best: nonlinear least
+//! squares over whole simulations, started from estimates in stages. An encoder that counts exactly leaves residuals of
+//! 0.29 counts, so the intervals are narrow where the plant is like the model, and wide where it isn't.
+//!
+//! | module | is |
+//! |---|---|
+//! | `series` | torques and counts of a motion; what is given of the instruments |
+//! | `signs` | directions of the encoders, by the work of the torque |
+//! | `parameters` | the parameters as the fit varies them |
+//! | `replay` | the torques of a motion on the plant model |
+//! | `staged` | first estimates |
+//! | `fit` | nonlinear least squares, covariance |
+//! | `identified` | quantities with intervals |
+//! | `identify` | all of it in order |
+//! | [`excitation`] | motions, limits, guard, and the order of a commissioning |
+//!
+//! # What counts can't show
+//!
+//! Counts per revolution of both encoders, the scale of the torque, and the delay of the torque are given, not estimated.
+//! From counts alone only the ratio of the two resolutions times the reduction ratio is observable.
 
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+pub mod excitation;
 mod fit;
+mod identified;
+mod identify;
 mod parameters;
 mod replay;
 mod series;
 mod signs;
 mod staged;
 
+pub use identified::{CONFIDENCE, Estimate, Identified, Quantity};
+pub use identify::{IdentifyError, Start, identify};
 pub use series::{Instruments, Series, SeriesError};
 pub use signs::{Direction, Directions, directions};
-
-/// temporary
-pub fn try_it(series: &[Series], instruments: &Instruments) -> Option<Vec<(String, f64, f64)>> {
-    use lashloop_plant::Mechanics;
-    use lashloop_plant::backlash_shaft::ShaftParameters;
-    let d = directions(series);
-    let (Some(m), Some(l)) = (d.motor, d.load) else { return None };
-    let motions: Vec<_> = series.iter().map(|s| replay::Motion::new(s, instruments, [m, l])).collect();
-    let fallback = parameters::Vector::of(&Mechanics::paper(), &ShaftParameters::paper());
-    let t = std::time::Instant::now();
-    let point = staged::start(&motions, &fallback);
-    let t1 = t.elapsed();
-    let problem = fit::Problem { motions: &motions, start: point.vector, used: (0..motions.len()).collect(), is_free: [true; parameters::COUNT] };
-    let fit = problem.fit(point, 25)?;
-    let t2 = t.elapsed();
-    if std::env::var("DBG").is_ok() {
-        eprintln!("   start {t1:?} fit {:?} residual {:?}", t2 - t1, fit.residual_counts);
-    }
-    let mut out = vec![("residual".to_string(), fit.residual_counts[0], fit.residual_counts[1])];
-    for p in parameters::Parameter::ALL {
-        out.push((format!("{p:?}"), fit.point.vector.get(p), fit.covariance[(p as usize, p as usize)].sqrt()));
-    }
-    Some(out)
-}
-
-/// temporary
-pub fn truth_of(m: &lashloop_plant::Mechanics, s: &lashloop_plant::backlash_shaft::ShaftParameters) -> Vec<f64> {
-    parameters::Vector::of(m, s).0.to_vec()
-}

@@ -6,8 +6,15 @@ use crate::parameters::Vector;
 use crate::series::{Instruments, Series};
 use crate::signs::Direction;
 
-/// Integration steps per control period: the error stays far below a count.
-const SUBSTEPS: u32 = 4;
+/// Integration steps per control period.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Substeps {
+    /// On the way to an estimate.
+    Coarse = 2,
+    /// For the estimate: the error stays far below a count.
+    Fine = 4,
+}
+
 /// Time in which samples of an encoder at rest still count. Later ones repeat what the first ones show.
 const REST_S: f64 = 0.02;
 
@@ -63,8 +70,9 @@ impl Motion {
 
     /// The counts of the plant model under the recorded torques, released at rest with a twist of `twist_rad` against
     /// the middle of its gap. `None` if the model can't be followed.
-    pub(crate) fn predict(&self, vector: &Vector, twist_rad: f64) -> Option<Prediction> {
-        let mut plant = RunningPlant::released(vector.plant(SUBSTEPS).ok()?, Start::at_rest(0.0, twist_rad));
+    pub(crate) fn predict(&self, vector: &Vector, twist_rad: f64, substeps: Substeps) -> Option<Prediction> {
+        let plant = vector.plant(substeps as u32).ok()?;
+        let mut plant = RunningPlant::released(plant, Start::at_rest(0.0, twist_rad));
         let mut predicted = [0, 1].map(|_| Vec::with_capacity(self.samples()));
         for held in &self.held {
             let positions = lashloop_plant::Plant::positions(&plant);

@@ -11,9 +11,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::fit::{OwnParameters, Point, Problem};
+use crate::fit::{Fit, OwnParameters, Point, Problem};
 use crate::parameters::{COUNT, Parameter, Vector};
-use crate::replay::Motion;
+use crate::replay::{Motion, Substeps};
 
 /// Fraction of the breakaway torque above which the transmission counts as in contact.
 const CONTACT: f64 = 0.2;
@@ -50,15 +50,7 @@ pub(crate) fn start(motions: &[Motion], fallback: &Vector) -> Point {
     let longest = motions.iter().map(travel).fold(0.0, f64::max);
     let is_still: Vec<bool> = motions.iter().map(|it| travel(it) < STILL * longest).collect();
     let some = |wanted: bool| (0..motions.len()).filter(|&at| is_still[at] == wanted).collect::<Vec<_>>();
-    let mut point = Point { vector, own };
-    let still = some(true);
-    search(motions, &still, &mut point);
-    if !still.is_empty() {
-        let problem = Problem { motions, used: still, start: point.vector, is_free: MOTOR };
-        if let Some(fit) = problem.fit(point.clone(), 8) {
-            point = fit.point;
-        }
-    }
+    let mut point = motor(motions, &some(true), Point { vector, own });
     let moving = some(false);
     for &index in &moving {
         if let Some(twist_rad) = twist_rad(&motions[index], &point.vector, contact_nm) {
@@ -69,17 +61,11 @@ pub(crate) fn start(motions: &[Motion], fallback: &Vector) -> Point {
         point.vector.set(Parameter::Ratio, ratio.ln());
     }
     balance(motions, &mut point.vector);
-    if std::env::var("DBG").is_ok() {
-        eprintln!("   staged {:.3?}", point.vector.0);
-    }
     if !moving.is_empty() {
-        let problem = Problem { motions, used: moving, start: point.vector, is_free: LOAD };
+        let problem = Problem { motions, used: moving, start: point.vector, is_free: LOAD, substeps: Substeps::Coarse };
         if let Some(fit) = problem.fit(point.clone(), 6) {
             point = fit.point;
         }
-    }
-    if std::env::var("DBG").is_ok() {
-        eprintln!("   staged {:.3?}", point.vector.0);
     }
     point
 }
@@ -287,15 +273,12 @@ fn contact_line(motions: &[Motion], contact_nm: f64) -> Option<Line> {
         }
     }
     let [compliance, friction, half_gap_rad] = [0, 1, 2].map(|at| solution[at]);
-    if std::env::var("DBG").is_ok() {
-        eprintln!("   line: 1/K {compliance} F/K {friction} j0 {half_gap_rad} of {} rows", rows.len());
-    }
     if !(compliance > 0.0) {
         return None;
     }
     Some(Line {
         compliance,
-        friction: (friction / compliance).max(1e-3 / compliance * 1e-2),
+        friction: (friction / compliance).clamp(1e-3 * contact_nm, contact_nm),
         half_gap_rad: half_gap_rad.max(2e-3),
         middles: solution.iter().skip(COMMON).copied().collect(),
     })
@@ -324,10 +307,15 @@ fn breakaway_nm(motions: &[Motion]) -> Option<f64> {
 
 /// Range of the search for the motor's inertia around the start, as a logarithm, and its steps.
 const SEARCH: f64 = 4.2;
-const SEARCH_STEPS: i32 = 6;
+const SEARCH_STEPS: i32 = 9;
+/// Inertias that a fit is started from, at most.
+const CANDIDATES: usize = 4;
+/// Residual of a fit that needs no other candidate, as a fraction of the motor's range.
+const GOOD: f64 = 0.01;
 
-/// Finds the motor's inertia among powers of 2, with a shaft damped by 5 % of critical.
-fn search(motions: &[Motion], used: &[usize], point: &mut Point) {
+/// Fits the motor to the motions of the motor alone. The inertia is first searched for, with a shaft damped by 5 % of
+/// critical.
+fn motor(motions: &[Motion], still: &[usize], point: Point) -> Point {
     let start = point.vector.get(Parameter::MotorInertia);
     let tried = (-SEARCH_STEPS..=SEARCH_STEPS).map(|step| {
         let mut next = point.clone();
@@ -335,11 +323,32 @@ fn search(motions: &[Motion], used: &[usize], point: &mut Point) {
         next.vector.set(Parameter::MotorInertia, inertia);
         let damping = 0.1_f64.ln() + 0.5 * (inertia + next.vector.get(Parameter::Stiffness));
         next.vector.set(Parameter::ShaftDamping, damping);
-        (distance(motions, used, &next), next)
+        (distance(motions, still, &next), step, next)
     });
-    if let Some((_, best)) = tried.min_by(|a, b| a.0.total_cmp(&b.0)) {
-        *point = best;
+    let mut tried: Vec<_> = tried.collect();
+    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut candidates: Vec<(i32, Point)> = Vec::new();
+    for (_, step, next) in tried {
+        if candidates.len() < CANDIDATES && candidates.iter().all(|(other, _)| (other - step).abs() > 1) {
+            candidates.push((step, next));
+        }
     }
+    let ranges = still.iter().map(|&at| range(&motions[at].counts[0]));
+    let good = GOOD * ranges.fold(1.0, f64::max);
+    let mut best: Option<Fit> = None;
+    let first = candidates.first().map(|(_, point)| point.clone());
+    for (_, candidate) in candidates {
+        let problem =
+            Problem { motions, used: still.to_vec(), start: candidate.vector, is_free: MOTOR, substeps: Substeps::Coarse };
+        let Some(fit) = problem.fit(candidate, 8).filter(|_| !still.is_empty()) else { continue };
+        if best.as_ref().is_none_or(|best| fit.residual_counts[0] < best.residual_counts[0]) {
+            best = Some(fit);
+        }
+        if best.as_ref().is_some_and(|best| best.residual_counts[0] < good) {
+            break;
+        }
+    }
+    best.map(|fit| fit.point).or(first).unwrap_or(point)
 }
 
 /// Sum of the logarithm of the motor's residuals against its range: a few samples far away don't decide. The load's
@@ -348,7 +357,7 @@ fn distance(motions: &[Motion], used: &[usize], point: &Point) -> f64 {
     let mut sum = 0.0;
     for &index in used {
         let (motion, own) = (&motions[index], &point.own[index]);
-        let Some(predicted) = motion.predict(&point.vector, own.twist_rad) else { return f64::INFINITY };
+        let Some(predicted) = motion.predict(&point.vector, own.twist_rad, Substeps::Coarse) else { return f64::INFINITY };
         let scale = 0.02 * range(&motion.counts[0]).max(1.0);
         for at in (0..motion.samples()).filter(|&at| motion.is_used[0][at]) {
             let residual = motion.counts[0][at] - predicted[0][at];

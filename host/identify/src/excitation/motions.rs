@@ -37,17 +37,17 @@ pub(super) fn ramp(limit_nm: f64, sign: f64, period_s: f64) -> PlannedMotion {
     PlannedMotion { name: name.to_owned(), torque_nm: (0..samples).map(torque).collect() }
 }
 
-/// A triangle, first within breakaway, then beyond it, at a rate of `RATE` breakaway torques per second.
+/// A reversal within breakaway, then one beyond it. Half cosines leave the motor's swing on the shaft small.
 pub(super) fn slow_reversal(breakaway: &Breakaway, period_s: f64) -> PlannedMotion {
-    const RATE_1_S: f64 = 2.0;
+    const RATE_1_S: f64 = 1.6;
     const CORNERS: [f64; 5] = [0.7, -0.7, 1.15, -1.15, 0.0];
     let mut torque_nm = Vec::new();
     let mut from = 0.0_f64;
     for to in CORNERS {
         let samples = ((to - from).abs() / RATE_1_S / period_s).ceil() as usize;
         torque_nm.extend((1..=samples).map(|at| {
-            let fraction = from + (to - from) * at as f64 / samples as f64;
-            breakaway.along(fraction)
+            let turn = core::f64::consts::PI * at as f64 / samples as f64;
+            breakaway.along(from + (to - from) * 0.5 * (1.0 - turn.cos()))
         }));
         from = to;
     }
@@ -64,12 +64,21 @@ pub(super) fn steps(breakaway: &Breakaway, period_s: f64) -> PlannedMotion {
 /// Pulses beyond breakaway, there and back: the load accelerates and friction stops it.
 pub(super) fn pulses(breakaway: &Breakaway, pulse: &Pulse, index: usize, period_s: f64) -> PlannedMotion {
     const REST_S: f64 = 0.4;
-    let mut held = vec![(0.0, 0.02)];
+    const FLANK_S: f64 = 0.15;
+    const HOLD: f64 = 0.3;
+    const EDGE_S: f64 = 0.1;
+    // Both flanks first: they show where in the gap the motion begins. Between pulses a torque within breakaway keeps the
+    // flank closed, so that the rests show the reduction ratio.
+    let hold_nm = |sign: f64| breakaway.along(HOLD * sign);
+    let mut held = vec![(0.0, 0.02), (hold_nm(1.0), FLANK_S), (hold_nm(-1.0), FLANK_S)];
     for sign in [1.0, -1.0, -1.0, 1.0] {
         let torque_nm = breakaway.along(sign * pulse.breakaways).clamp(-pulse.limit_nm, pulse.limit_nm);
-        held.extend([(torque_nm, pulse.duration_s), (0.0, REST_S)]);
+        held.extend([(torque_nm, pulse.duration_s), (hold_nm(sign), REST_S)]);
     }
-    PlannedMotion { name: format!("pulses-{index}"), torque_nm: hold(&held, period_s) }
+    held.push((0.0, 0.1));
+    let mut torque_nm = hold(&held, period_s);
+    smooth(&mut torque_nm, (EDGE_S / period_s).round() as usize);
+    PlannedMotion { name: format!("pulses-{index}"), torque_nm }
 }
 
 /// Height and duration of a pulse.
@@ -94,4 +103,14 @@ impl Pulse {
 fn hold(held: &[(f64, f64)], period_s: f64) -> Vec<f64> {
     let samples = |duration_s: f64| (duration_s / period_s).round().max(1.0) as usize;
     held.iter().flat_map(|&(torque_nm, duration_s)| std::iter::repeat_n(torque_nm, samples(duration_s))).collect()
+}
+
+/// Makes every edge a straight one of so many samples: the motor swings less on the shaft.
+fn smooth(torque_nm: &mut [f64], samples: usize) {
+    let steep = torque_nm.to_vec();
+    let mut sum = 0.0;
+    for (at, smooth) in torque_nm.iter_mut().enumerate() {
+        sum += steep[at] - if at >= samples { steep[at - samples] } else { 0.0 };
+        *smooth = sum / samples.max(1) as f64;
+    }
 }

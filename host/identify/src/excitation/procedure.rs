@@ -166,7 +166,7 @@ impl<T: DriveTrain> Bench<'_, T> {
 
     /// Pulses, each larger than the one before, until the load travels far enough. Returns the last one.
     fn pulses(&mut self, breakaway: &Breakaway) -> Result<(String, Series), CommissioningError<T::Error>> {
-        let mut pulse = Pulse { breakaways: 2.0, duration_s: 0.1, limit_nm: self.limits.torque_nm };
+        let mut pulse = Pulse { breakaways: 1.3, duration_s: 0.1, limit_nm: self.limits.torque_nm };
         let mut index = 1;
         loop {
             let motion = motions::pulses(breakaway, &pulse, index, self.period_s);
