@@ -15,6 +15,11 @@ const OFFSET_DEVIATION: f64 = 0.4;
 /// Standard deviation of the quantisation in counts, 1 / sqrt(12).
 pub(crate) const QUANTISATION: f64 = 0.288_675;
 const STEP: f64 = 1e-4;
+/// Dampings that are tried in an iteration.
+const TRIES: usize = 8;
+/// Gain of an iteration, as a fraction of the cost, from which the fit has converged, and from which its equations stay.
+const CONVERGED: f64 = 1e-4;
+const SETTLED: f64 = 1e-2;
 /// Largest step of an element of the vector.
 const STEP_MAX: f64 = 0.7;
 
@@ -245,18 +250,18 @@ impl Problem<'_> {
     pub(crate) fn fit(&self, mut point: Point, iterations: usize) -> Option<Fit> {
         let mut predictions = self.predict(&point)?;
         let mut damping = 1e-3;
+        let mut last = None;
         for _ in 0..iterations {
             let noise = self.noise(&point, &predictions);
             let cost = self.cost(&point, &predictions, &noise);
             let normal = self.normal(&point, &predictions, &noise)?;
             let mut gained = 0.0;
-            for _ in 0..8 {
-                let step = self.step(&point, &normal, damping);
-                let next = step.map(|step| self.moved(&point, &step));
+            for _ in 0..TRIES {
+                let next = self.step(&point, &normal, damping).map(|step| self.moved(&point, &step));
                 let tried = next.and_then(|next| Some((self.predict(&next)?, next)));
                 if let Some((tried, next)) = tried {
                     let less = cost - self.cost(&next, &tried, &noise);
-                        if less > 0.0 {
+                    if less > 0.0 {
                         gained = less / cost;
                         (point, predictions) = (next, tried);
                         damping = (damping * 0.1).max(1e-9);
@@ -265,15 +270,16 @@ impl Problem<'_> {
                 }
                 damping *= 10.0;
             }
-            if std::env::var("DBG").is_ok() {
-                eprintln!("   cost {cost:.1} {noise:.2?} gained {gained:.2e} damping {damping:.0e}");
-            }
-            if gained < 1e-5 {
+            // The normal equations hardly change any more over such a step, and they are most of the work.
+            last = (gained < SETTLED).then_some(normal);
+            if gained < CONVERGED {
                 break;
             }
         }
-        let noise = self.noise(&point, &predictions);
-        let normal = self.normal(&point, &predictions, &noise)?;
+        let normal = match last {
+            Some(normal) => normal,
+            None => self.normal(&point, &predictions, &self.noise(&point, &predictions))?,
+        };
         let inverse = normal.matrix.try_inverse()?;
         let covariance = &inverse * &normal.scatter * &inverse;
         let residual_counts = [0, 1].map(|encoder| self.root_mean_square(&point, &predictions, encoder));

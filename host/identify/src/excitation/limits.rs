@@ -92,6 +92,15 @@ impl Guard {
         Self { limits, counts_per_rad, period_s, load_counts, origin, recent, first_load, peaks }
     }
 
+    /// A guard that never halts, for records and models.
+    #[must_use]
+    pub fn unlimited(instruments: &Instruments, period_s: f64) -> Self {
+        let none = f64::INFINITY;
+        let limits =
+            Limits { torque_nm: none, motor_speed_rad_s: none, load_speed_rad_s: none, load_travel_rad: none };
+        Self::new(limits, instruments, period_s, None, None)
+    }
+
     /// Takes the counts of a sample. After a halt no torque may be commanded any more.
     pub fn check(&mut self, motor_counts: i64, load_counts: i64) -> Option<Halt> {
         let window = ((SPEED_WINDOW_S / self.period_s).round() as usize).max(1);

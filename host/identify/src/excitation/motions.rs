@@ -72,8 +72,7 @@ pub(super) fn pulses(breakaway: &Breakaway, pulse: &Pulse, index: usize, period_
     let hold_nm = |sign: f64| breakaway.along(HOLD * sign);
     let mut held = vec![(0.0, 0.02), (hold_nm(1.0), FLANK_S), (hold_nm(-1.0), FLANK_S)];
     for sign in [1.0, -1.0, -1.0, 1.0] {
-        let torque_nm = breakaway.along(sign * pulse.breakaways).clamp(-pulse.limit_nm, pulse.limit_nm);
-        held.extend([(torque_nm, pulse.duration_s), (hold_nm(sign), REST_S)]);
+        held.extend([(breakaway.along(sign * pulse.breakaways), pulse.duration_s), (hold_nm(sign), REST_S)]);
     }
     held.push((0.0, 0.1));
     let mut torque_nm = hold(&held, period_s);
@@ -87,7 +86,6 @@ pub(super) struct Pulse {
     /// Torque in breakaway torques.
     pub(super) breakaways: f64,
     pub(super) duration_s: f64,
-    pub(super) limit_nm: f64,
 }
 
 impl Pulse {
@@ -96,7 +94,7 @@ impl Pulse {
         const FACTOR: f64 = 1.25;
         const LONGEST_S: f64 = 0.4;
         let duration_s = (self.duration_s * FACTOR).min(LONGEST_S);
-        Self { breakaways: self.breakaways * FACTOR, duration_s, ..self }
+        Self { breakaways: self.breakaways * FACTOR, duration_s }
     }
 }
 

@@ -139,7 +139,10 @@ impl<T: DriveTrain> Bench<'_, T> {
         load_counts: Option<i64>,
     ) -> Result<Made, CommissioningError<T::Error>> {
         let guard = Guard::new(*self.limits, self.instruments, self.period_s, self.origin, load_counts);
-        let made = self.drive_train.make(motion, guard).map_err(CommissioningError::Motion)?;
+        let limit_nm = self.limits.torque_nm;
+        let torque_nm = motion.torque_nm.iter().map(|it| it.clamp(-limit_nm, limit_nm)).collect();
+        let limited = PlannedMotion { name: motion.name.clone(), torque_nm };
+        let made = self.drive_train.make(&limited, guard).map_err(CommissioningError::Motion)?;
         self.origin.get_or_insert(made.series.load_counts()[0]);
         match made.halt {
             Some(Halt::Exceeded(exceeded)) => {
@@ -166,7 +169,7 @@ impl<T: DriveTrain> Bench<'_, T> {
 
     /// Pulses, each larger than the one before, until the load travels far enough. Returns the last one.
     fn pulses(&mut self, breakaway: &Breakaway) -> Result<(String, Series), CommissioningError<T::Error>> {
-        let mut pulse = Pulse { breakaways: 1.3, duration_s: 0.1, limit_nm: self.limits.torque_nm };
+        let mut pulse = Pulse { breakaways: 1.3, duration_s: 0.1 };
         let mut index = 1;
         loop {
             let motion = motions::pulses(breakaway, &pulse, index, self.period_s);
