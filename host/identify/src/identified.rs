@@ -86,6 +86,13 @@ impl Identified {
         self.quantities.iter().find(|it| it.name == name)
     }
 
+    /// The most likely value of a quantity, whether the motions show it or not.
+    #[must_use]
+    pub fn likely(&self, name: &str) -> Option<f64> {
+        let vector = Vector::of(&self.mechanics, &self.shaft);
+        DEFINITIONS.iter().find(|it| it.name == name).map(|it| (it.of)(&vector))
+    }
+
     pub(crate) fn new(fit: &Fit, directions: Directions, instruments: &Instruments) -> Self {
         let vector = &fit.point.vector;
         let quantities = DEFINITIONS.iter().map(|it| it.quantity(fit)).collect();

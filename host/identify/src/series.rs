@@ -125,11 +125,6 @@ impl Series {
         &self.load_counts
     }
 
-    /// Number of samples.
-    pub(crate) fn samples(&self) -> usize {
-        self.torque_nm.len()
-    }
-
     /// Largest torque in N m, without its sign.
     pub(crate) fn peak_nm(&self) -> f64 {
         self.torque_nm.iter().fold(0.0, |peak: f64, torque_nm| peak.max(torque_nm.abs()))

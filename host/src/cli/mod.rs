@@ -4,6 +4,7 @@
 mod battery;
 mod budget;
 mod clock_options;
+mod commission;
 mod compare;
 mod conformance;
 mod decode;
@@ -13,6 +14,7 @@ mod doctor;
 mod error;
 mod flash;
 mod history;
+mod identify;
 mod options;
 mod output;
 mod paper;
@@ -43,7 +45,7 @@ registry::commands! {
     "Inspect scenarios, records and lines":
         Show(show), Plot(plot), Decode(decode), Parameters(parameters), Ports(ports), Budget(budget);
     "Qualify a drive, a line or this machine": Conformance(conformance), Doctor(doctor), Compare(compare);
-    "Work on a bench with hardware": Flash(flash), Rig(rig);
+    "Work on a bench with hardware": Flash(flash), Rig(rig), Commission(commission), Identify(identify);
 }
 
 /// Hardware-in-the-loop bench for drives with gear backlash.

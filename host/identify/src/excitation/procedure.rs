@@ -102,6 +102,7 @@ pub fn commission<T: DriveTrain>(
     instruments: &Instruments,
     limits: &Limits,
     period_us: u32,
+    start: &Start,
 ) -> Result<Commissioned, CommissioningError<T::Error>> {
     let period_s = f64::from(period_us) / 1e6;
     let mut bench = Bench { drive_train, instruments, limits, period_s, origin: None };
@@ -119,7 +120,7 @@ pub fn commission<T: DriveTrain>(
     }
     records.push(bench.pulses(&breakaway)?);
     let series: Vec<_> = records.iter().map(|(_, series)| series.clone()).collect();
-    let identified = identify(&series, instruments, &Start::default())?;
+    let identified = identify(&series, instruments, start)?;
     Ok(Commissioned { directions: shown[0], breakaway, records, identified })
 }
 

@@ -7,6 +7,8 @@ use std::path::Path;
 
 use lashloop_identify::excitation::{Commissioned, Limits, commission};
 
+use lashloop_identify::Start;
+
 use crate::hidden::{HiddenPlant, PERIOD_US};
 
 /// The constants of the estimator were chosen on seeds 0 to 149.
@@ -31,7 +33,7 @@ fn truth_is_within_the_interval_on_nine_of_ten_hidden_plants() {
     for seed in SEEDS {
         let mut plant = HiddenPlant::draw(seed);
         let instruments = plant.instruments();
-        let commissioned = commission(&mut plant, &instruments, &LIMITS, PERIOD_US);
+        let commissioned = commission(&mut plant, &instruments, &LIMITS, PERIOD_US, &Start::default());
         let Commissioned { identified, .. } = commissioned.unwrap_or_else(|error| panic!("seed {seed}: {error}"));
         let shown = [identified.directions.motor, identified.directions.load];
         assert_eq!(shown.map(|it| it.map(|it| it.sign())), plant.signs.map(Some), "directions of seed {seed}");
