@@ -2,8 +2,10 @@
 //!
 //! A counter that counts every edge of both channels is in step with them: of its two lowest bits and of the channels'
 //! phase, each follows from the other, but for a constant. If both channels change at once, the counter can't know the
-//! direction; from then on the constant differs by two. An edge between the reading of the counter and that of the channels
-//! makes a difference of one, which we ignore.
+//! direction; from then on the constant differs by two.
+//!
+//! The counter follows its channels with the delay of its input filter. They are compared only if the counter stood still
+//! from before the reading of the channels until that delay after it; otherwise the comparison waits for a later reading.
 
 use lashloop_protocol::EncoderCounts;
 
@@ -23,26 +25,40 @@ pub struct QuadratureCounter {
 struct Last {
     hardware: u16,
     counts: EncoderCounts,
-    /// Phase of the channels less the count, modulo 4.
-    offset: u16,
+    /// Phase of the channels less the count, modulo 4; `None` until the first comparison.
+    offset: Option<u16>,
+}
+
+/// One reading of the hardware.
+#[derive(Debug, Clone, Copy)]
+pub struct Sampled {
+    /// The counter.
+    pub counter: u16,
+    /// Level of channel A after the reading of the counter. A leads B while the count rises.
+    pub a: bool,
+    /// Level of channel B after the reading of the counter.
+    pub b: bool,
+    /// The counter, at least the delay of its input filter after the levels.
+    pub counter_after: u16,
 }
 
 impl QuadratureCounter {
-    /// Takes a reading of the counter and of the levels of both channels. A leads B while the count rises.
-    pub fn read(&mut self, hardware: u16, a: bool, b: bool) -> EncoderReading {
-        let offset = phase(a, b).wrapping_sub(hardware) & 3;
-        let last = self.last.unwrap_or(Last {
-            hardware,
-            counts: EncoderCounts::wrapping(i64::from(hardware as i16)),
-            offset,
-        });
+    /// Takes a reading.
+    pub fn read(&mut self, sampled: &Sampled) -> EncoderReading {
+        let hardware = sampled.counter;
+        let first =
+            Last { hardware, counts: EncoderCounts::wrapping(i64::from(hardware as i16)), offset: None };
+        let last = self.last.unwrap_or(first);
         let moved = i32::from(hardware.wrapping_sub(last.hardware) as i16);
         let counts = last.counts.wrapping_add(moved);
-        let slipped = offset.wrapping_sub(last.offset) & 3 == 2;
-        if slipped {
-            self.illegal_transitions = self.illegal_transitions.saturating_add(1);
+        let mut offset = last.offset;
+        if sampled.counter_after == hardware {
+            let present = phase(sampled.a, sampled.b).wrapping_sub(hardware) & 3;
+            if offset.is_some_and(|offset| present.wrapping_sub(offset) & 3 == 2) {
+                self.illegal_transitions = self.illegal_transitions.saturating_add(1);
+            }
+            offset = Some(present);
         }
-        let offset = if slipped { offset } else { last.offset };
         self.last = Some(Last { hardware, counts, offset });
         EncoderReading { counts, illegal_transitions: self.illegal_transitions }
     }
@@ -67,9 +83,11 @@ mod tests {
         [(false, false), (true, false), (true, true), (false, true)][position.rem_euclid(4) as usize]
     }
 
-    fn read(counter: &mut QuadratureCounter, position: i64, lag: i64) -> EncoderReading {
+    /// A counter that lacks `lost` counts, at rest.
+    fn read(counter: &mut QuadratureCounter, position: i64, lost: i64) -> EncoderReading {
         let (a, b) = channels(position);
-        counter.read((position - lag) as u16, a, b)
+        let hardware = (position - lost) as u16;
+        counter.read(&Sampled { counter: hardware, a, b, counter_after: hardware })
     }
 
     #[test]
@@ -104,10 +122,33 @@ mod tests {
     }
 
     #[test]
-    fn an_edge_between_the_two_readings_is_no_illegal_transition() {
+    fn a_counter_that_moves_during_the_reading_is_not_compared() {
         let mut counter = QuadratureCounter::default();
-        for (position, lag) in (0..100).zip([0, 1, -1, 0, 1].into_iter().cycle()) {
-            assert_eq!(read(&mut counter, position, lag).illegal_transitions, 0, "at {position}");
+        read(&mut counter, 0, 0);
+        // The channels are up to 5 counts ahead of the counter, which has caught up by the second reading of it.
+        for (position, lag) in (0..100).zip([1, 2, 3, 4, 5].into_iter().cycle()) {
+            let (a, b) = channels(position);
+            let sampled = Sampled { counter: (position - lag) as u16, a, b, counter_after: position as u16 };
+            assert_eq!(counter.read(&sampled).illegal_transitions, 0, "at {position}");
         }
+        assert_eq!(read(&mut counter, 100, 0).illegal_transitions, 0);
+    }
+
+    #[test]
+    fn counts_lost_in_fast_motion_are_noticed_at_the_next_comparison() {
+        let mut counter = QuadratureCounter::default();
+        read(&mut counter, 0, 0);
+        for position in (10..1_000).step_by(10) {
+            let (a, b) = channels(position);
+            let lost = 2;
+            let sampled = Sampled {
+                counter: (position - lost - 3) as u16,
+                a,
+                b,
+                counter_after: (position - lost) as u16,
+            };
+            assert_eq!(counter.read(&sampled).illegal_transitions, 0);
+        }
+        assert_eq!(read(&mut counter, 1_000, 2).illegal_transitions, 1);
     }
 }

@@ -7,6 +7,7 @@ use lashloop_bench::record::trace::columns;
 use lashloop_bench::run::{Clock, DeviceUnderTest, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::timing::ClockName;
 use lashloop_plant::metrics::SignalTable;
 
 use crate::error::Error;
@@ -21,7 +22,7 @@ use crate::outcome::Outcome;
 /// The scenario does not fit the drive, or drive, link or plant failed. A missed expectation is no error but a verdict.
 pub fn run(scenario: &Scenario, device: &DeviceChoice) -> Result<Outcome, Error> {
     let supervisor = Supervisor::without_signals(None).map_err(Error::Thread)?;
-    let opened = DeviceUnderTest::open(scenario, device, &supervisor, |link| link);
+    let opened = DeviceUnderTest::open(scenario, device, ClockName::Lockstep, &supervisor, |link| link);
     let mut device = opened.map_err(lashloop_bench::run::RunError::from)?;
     let mut signals = Memory::default();
     let run = lashloop_bench::run::run(scenario, &mut device, Clock::Lockstep, &mut signals)?;

@@ -497,12 +497,12 @@ enum lashloop_parameter_type {
 /* low four bits enum lashloop_state, high four bits LASHLOOP_TORQUE_FLAGS_*: State after the step, and flags of this torque. */
 #define LASHLOOP_BENCH_SAMPLE_STATUS_OFFSET 15
 #define LASHLOOP_BENCH_SAMPLE_STATUS_LEN 1
-/* uint16_t: Time from the start of the step to this message, in us; saturates. */
-#define LASHLOOP_BENCH_SAMPLE_COMPUTE_TIME_US_OFFSET 16
-#define LASHLOOP_BENCH_SAMPLE_COMPUTE_TIME_US_LEN 2
-/* uint16_t: Time from the due time of the step to its start, in us; saturates. */
-#define LASHLOOP_BENCH_SAMPLE_TICK_LATENESS_US_OFFSET 18
-#define LASHLOOP_BENCH_SAMPLE_TICK_LATENESS_US_LEN 2
+/* uint16_t: Time from the start of the step to this message, in 0.1 us; saturates. */
+#define LASHLOOP_BENCH_SAMPLE_COMPUTE_TENTHS_US_OFFSET 16
+#define LASHLOOP_BENCH_SAMPLE_COMPUTE_TENTHS_US_LEN 2
+/* uint16_t: Time from the due time of the step to its start, in 0.1 us; saturates. */
+#define LASHLOOP_BENCH_SAMPLE_LATENESS_TENTHS_US_OFFSET 18
+#define LASHLOOP_BENCH_SAMPLE_LATENESS_TENTHS_US_LEN 2
 
 /* X(name, kind, body length, element length) for every message that this side sends. The element length is 0 if every body
  * has the body length. Else the last field repeats: a body has at least one element and at most the body length. */

@@ -17,6 +17,11 @@ pub const MOTOR_SPEED_LIMIT_RAD_S: &str = "motor_speed_limit_rad_s";
 /// Largest plausible speed of the load, in rad/s.
 pub const LOAD_SPEED_LIMIT_RAD_S: &str = "load_speed_limit_rad_s";
 
+/// Source of the samples: `link` or `pins`, a `U32` with choices. A drive without bench mode omits it.
+pub const SAMPLE_SOURCE: &str = "sample_source";
+/// Control steps for each `BenchSample`. A drive without bench mode omits it.
+pub const BENCH_SAMPLE_EVERY: &str = "bench_sample_every";
+
 /// Names that every drive must have: every run or a safety rule depends on them.
 pub const REQUIRED: [&str; 7] = [
     PERIOD_US,

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::os::unix::process::CommandExt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
-use tests::usb_guest::request::{Answer, Line, PORT, Request, User, WORKSPACE};
+use tests::usb_guest::request::{Answer, Line, PORTS, Request, User, WORKSPACE};
 use tests::wait;
 
 use crate::boot::settle;
@@ -29,8 +29,8 @@ struct Running {
 /// # Errors
 /// The channel is missing or fails.
 pub(crate) fn serve() -> Result<()> {
-    let opened = wait::look(wait::SOON, || File::options().read(true).write(true).open(PORT).ok());
-    let mut channel = opened.with_context(|| format!("{PORT} is missing"))?;
+    let opened = wait::look(wait::SOON, || File::options().read(true).write(true).open(port()?).ok());
+    let mut channel = opened.with_context(|| format!("no port in {PORTS}"))?;
     let mut requests = BufReader::new(channel.try_clone()?);
     let mut commands = Commands::default();
     send(&mut channel, &Answer::Up)?;
@@ -46,6 +46,12 @@ pub(crate) fn serve() -> Result<()> {
         let answer = commands.serve(request).unwrap_or_else(|error| Answer::Failed(format!("{error:#}")));
         send(&mut channel, &answer)?;
     }
+}
+
+/// The channel's port. Its name has the number of the virtio device, which differs with the other devices.
+fn port() -> Option<PathBuf> {
+    let entry = fs::read_dir(PORTS).ok()?.next()?.ok()?;
+    Some(Path::new("/dev").join(entry.file_name()))
 }
 
 fn send(channel: &mut File, answer: &Answer) -> Result<()> {

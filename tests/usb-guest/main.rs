@@ -28,7 +28,8 @@ fn main() -> ExitCode {
 
 fn run(words: &[&str]) -> Result<()> {
     match words {
-        [] if std::process::id() == 1 => {
+        // The kernel passes words of its command line that it doesn't know.
+        _ if std::process::id() == 1 => {
             let result = boot::boot().and_then(|()| agent::serve());
             if let Err(error) = &result {
                 eprintln!("usb-guest: {error:#}");

@@ -29,7 +29,7 @@ pub(crate) fn cdc(port: u32, serial_number: &str) -> Result<()> {
         board.tick();
         loop {
             line.poll();
-            line.serve(&mut board.drive, &board.clock);
+            while line.receive(&mut board.drive, &board.clock) | line.transmit(&mut board.drive) {}
             for completion in bus.completed() {
                 plug.complete(&completion)?;
             }

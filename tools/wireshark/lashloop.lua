@@ -239,8 +239,8 @@ local MESSAGES = {
         { "reference_number", u16 },
         { "torque_nm", f32 },
         { "status", status(STATE, TORQUE_FLAGS) },
-        { "compute_time_us", u16 },
-        { "tick_lateness_us", u16 },
+        { "compute_tenths_us", u16 },
+        { "lateness_tenths_us", u16 },
     } },
 }
 -- END generated
@@ -486,6 +486,8 @@ local IN_INFO = {
     ParameterReport = { "index", "outcome", "value" }, CommandResult = { "request", "outcome", "state" },
     FaultReport = { "code", "sequence", "value", "limit" }, Log = { "level", "text" },
     LineReport = { "messages", "damaged" },
+    Reference = { "number", "reference_rad" },
+    BenchSample = { "sequence", "reference_number", "torque_nm", "status" },
 }
 -- Labels of numbers that are ambiguous without one
 local LABELS = {

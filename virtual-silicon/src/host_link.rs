@@ -1,4 +1,4 @@
-//! A program at the far end of USART2, paced by the wall clock.
+//! A program at the far end of USART2, paced by the wall clock or in lockstep with the chip.
 
 use std::io::{self, Read, Write};
 use std::ops::ControlFlow;
@@ -6,6 +6,7 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError, TryRecvError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use crate::lockstep::Lockstep;
 use crate::pacer::Pacer;
 use crate::pins::Pins;
 use crate::surroundings::End;
@@ -17,8 +18,6 @@ const BUSY_TURN: Duration = Duration::from_micros(50);
 const IDLE_TURN: Duration = Duration::from_millis(1);
 /// Bytes that are passed on without a pause in the transmission.
 const PIECE_BYTES: usize = 256;
-/// Device time after which a chip that has sent nothing waits for its host in lockstep. It has finished its answers by then.
-const HOSTS_TURN_AFTER: Duration = Duration::from_millis(5);
 /// Device time after which a silent line counts as idle.
 const IDLE_AFTER: Duration = Duration::from_micros(500);
 
@@ -27,7 +26,8 @@ const IDLE_AFTER: Duration = Duration::from_micros(500);
 pub enum Clock {
     /// It goes on with the wall clock, and a silent host trips the drive's watchdog.
     Wall,
-    /// It stands still until the host sends, and no host is too slow.
+    /// It stands still until the host sends, and no host is too slow. The chip takes one frame of the host at each of these
+    /// turns, so a run repeats bit for bit.
     Lockstep,
 }
 
@@ -35,9 +35,14 @@ pub enum Clock {
 pub struct HostLink {
     to_host: Box<dyn Write + Send>,
     from_host: Receiver<Vec<u8>>,
+    pace: Pace,
+}
+
+/// The clock with its state.
+enum Pace {
     /// From the first turn on.
-    pacer: Option<Pacer>,
-    clock: Clock,
+    Wall(Option<Pacer>),
+    Lockstep(Lockstep),
 }
 
 impl HostLink {
@@ -49,7 +54,11 @@ impl HostLink {
     ) -> Self {
         let (sender, receiver) = mpsc::channel();
         thread::spawn(move || pass_on(from_host, &sender));
-        Self { to_host: Box::new(to_host), from_host: receiver, pacer: None, clock }
+        let pace = match clock {
+            Clock::Wall => Pace::Wall(None),
+            Clock::Lockstep => Pace::Lockstep(Lockstep::default()),
+        };
+        Self { to_host: Box::new(to_host), from_host: receiver, pace }
     }
 
     /// Exchanges bytes, and returns the device time of the next exchange.
@@ -59,44 +68,63 @@ impl HostLink {
         let pause = now.saturating_sub(line.last_byte_at());
         if !line.received().is_empty() && (pause >= BUSY_TURN || line.received().len() >= PIECE_BYTES) {
             let bytes = line.take();
+            if let Pace::Lockstep(lockstep) = &mut self.pace {
+                lockstep.note_sent(&bytes);
+            }
             if self.to_host.write_all(&bytes).and_then(|()| self.to_host.flush()).is_err() {
                 return ControlFlow::Break(End::Disconnected);
             }
         }
-        let is_hosts_turn = line.unsent() == 0 && pause > HOSTS_TURN_AFTER;
-        let Ok(bytes) = self.wait(now, is_hosts_turn) else { return ControlFlow::Break(End::Disconnected) };
+        let is_silent = line.unsent() == 0 && line.received().is_empty();
+        let bytes = match &mut self.pace {
+            Pace::Wall(pacer) => wait(pacer, &self.from_host, now),
+            Pace::Lockstep(lockstep) if is_silent && lockstep.is_hosts_turn(pause) => {
+                lockstep.next_frame(&self.from_host)
+            }
+            Pace::Lockstep(_) => Ok(Vec::new()),
+        };
+        let Ok(bytes) = bytes else { return ControlFlow::Break(End::Disconnected) };
         let is_idle = bytes.is_empty() && line.unsent() == 0 && pause > IDLE_AFTER;
         line.send(&bytes);
-        ControlFlow::Continue(now + if is_idle { IDLE_TURN } else { BUSY_TURN })
-    }
-
-    /// Waits until device time is no longer ahead of the wall clock, or until the host sends.
-    fn wait(&mut self, now: Duration, is_hosts_turn: bool) -> Result<Vec<u8>, Disconnected> {
-        let pacer = self.pacer.get_or_insert_with(|| Pacer::new(Instant::now(), now));
-        let due = pacer.due(Instant::now(), now);
-        let wait = due.saturating_duration_since(Instant::now());
-        let bytes = if self.clock == Clock::Lockstep && is_hosts_turn {
-            self.from_host.recv().map_err(|_| Disconnected)?
-        } else if wait.is_zero() {
-            match self.from_host.try_recv() {
-                Ok(bytes) => bytes,
-                Err(TryRecvError::Empty) => Vec::new(),
-                Err(TryRecvError::Disconnected) => return Err(Disconnected),
-            }
-        } else {
-            match self.from_host.recv_timeout(wait) {
-                Ok(bytes) => bytes,
-                Err(RecvTimeoutError::Timeout) => Vec::new(),
-                Err(RecvTimeoutError::Disconnected) => return Err(Disconnected),
-            }
-        };
-        pacer.resume(Instant::now(), now);
-        Ok(bytes)
+        ControlFlow::Continue(next_turn(now, if is_idle { IDLE_TURN } else { BUSY_TURN }))
     }
 }
 
-/// The host is gone.
-struct Disconnected;
+/// The next multiple of an interval: an instruction more or less of the chip moves no turn.
+fn next_turn(now: Duration, interval: Duration) -> Duration {
+    let turns = now.as_nanos() / interval.as_nanos() + 1;
+    // 2^32 turns of 50 us are 59 hours.
+    interval * u32::try_from(turns).unwrap_or(u32::MAX)
+}
+
+/// Waits until device time is no longer ahead of the wall clock, or until the host sends.
+fn wait(
+    pacer: &mut Option<Pacer>,
+    from_host: &Receiver<Vec<u8>>,
+    now: Duration,
+) -> Result<Vec<u8>, Disconnected> {
+    let pacer = pacer.get_or_insert_with(|| Pacer::new(Instant::now(), now));
+    let due = pacer.due(Instant::now(), now);
+    let wait = due.saturating_duration_since(Instant::now());
+    let bytes = if wait.is_zero() {
+        match from_host.try_recv() {
+            Ok(bytes) => bytes,
+            Err(TryRecvError::Empty) => Vec::new(),
+            Err(TryRecvError::Disconnected) => return Err(Disconnected),
+        }
+    } else {
+        match from_host.recv_timeout(wait) {
+            Ok(bytes) => bytes,
+            Err(RecvTimeoutError::Timeout) => Vec::new(),
+            Err(RecvTimeoutError::Disconnected) => return Err(Disconnected),
+        }
+    };
+    pacer.resume(Instant::now(), now);
+    Ok(bytes)
+}
+
+/// The host has disconnected.
+pub(crate) struct Disconnected;
 
 fn pass_on(mut from_host: impl Read, receiver: &mpsc::Sender<Vec<u8>>) {
     let mut bytes = [0; 4096];

@@ -1,6 +1,6 @@
 //! From the wires to the timers: which level each timer input has.
 //!
-//! The models take the level of a timer's input from outside, whatever the pin is configured for. Here a timer sees its pin
+//! The models take the level of a timer's input from outside, independent of the configuration of the pin. Here a timer sees its pin
 //! only while the image has selected the alternate function, and an open pin has the level of its pull resistor.
 
 use rigless::device::Level;

@@ -10,7 +10,8 @@
 //! | [`surroundings`] | [`Surroundings`](surroundings::Surroundings): what is connected to the chip |
 //! | [`access`] | [`Violations`](access::Violations): accesses of the image that the chip would not have served |
 //! | [`serial_line`] | [`SerialLine`](serial_line::SerialLine): the far end of USART2, in device time |
-//! | [`host_link`] | [`HostLink`](host_link::HostLink): a program at the far end, paced by the wall clock |
+//! | [`host_link`] | [`HostLink`](host_link::HostLink): a program at the far end |
+//! | `lockstep` | turns of host and chip, with device time that stands still |
 //! | [`pacer`] | [`Pacer`](pacer::Pacer): keeps device time from running ahead of the wall clock |
 //! | `inputs` | from the wires to the timers: pin functions, pull resistors |
 //! | [`pins`] | [`Pins`](pins::Pins): encoder inputs, bridge outputs, break input |
@@ -19,6 +20,7 @@
 //! | [`wiring`] | [`Wiring`](wiring::Wiring): the pin map of a board |
 //! | [`drive_train_file`] | [`read`](drive_train_file::read): a drive train from its description |
 //! | [`symbols`] | [`Symbols`](symbols::Symbols): addresses of an image, and mutants of it |
+//! | [`thumb`] | [`Code`](thumb::Code): instructions for a mutant |
 
 #![warn(missing_docs)]
 
@@ -28,6 +30,7 @@ pub mod drive_train;
 pub mod drive_train_file;
 pub mod host_link;
 mod inputs;
+mod lockstep;
 pub mod machine;
 pub mod pacer;
 pub mod pins;
@@ -35,4 +38,5 @@ pub mod quadrature;
 pub mod serial_line;
 pub mod surroundings;
 pub mod symbols;
+pub mod thumb;
 pub mod wiring;

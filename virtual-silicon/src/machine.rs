@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 
 use anyhow::{Context, Result};
-use rigless::emulator::{self, Driver, Host, Settled, Start, Stop};
+use rigless::emulator::{self, AccessKind, Driver, Hit, Host, Settled, Start, Stop};
 use rigless::image::Image;
 use rigless::session::Session;
 use rigless::time::VirtualNanos;
@@ -13,7 +13,7 @@ use crate::access::Violations;
 use crate::chip::Chip;
 use crate::inputs::Inputs;
 use crate::pins::{Bridge, Pins};
-use crate::surroundings::{End, Surroundings};
+use crate::surroundings::{Arrival, End, Surroundings};
 use crate::wiring::Wiring;
 
 /// Device time of the surroundings' first turn.
@@ -80,16 +80,28 @@ impl<S: Surroundings> Machine<S> {
 
 impl<S: Surroundings> Driver<Chip> for Machine<S> {
     fn on_settled(&mut self, session: &mut Session<Chip>, host: &mut dyn Host, settled: Settled) {
-        if !self.surroundings.watches_bridge() {
-            return;
-        }
         let at = match settled {
-            Settled::Access { access, .. } => access.virtual_time,
+            Settled::Access { access, .. } => {
+                let at = Duration::from_nanos(access.virtual_time.0);
+                self.surroundings.accessed(at, access.address);
+                // No reading changes the bridge, and an image polls.
+                if access.kind == AccessKind::Read {
+                    return;
+                }
+                access.virtual_time
+            }
+            Settled::Hit(Hit { address, at, instruction_count: instructions, .. }) => {
+                let at = Duration::from_nanos(at.0);
+                self.surroundings.arrived(Arrival { address, at, instructions });
+                return;
+            }
             Settled::Stop(stop) => stop.at,
             _ => return,
         };
-        let (wiring, mut inputs) = (self.wiring, self.inputs);
-        self.watch_bridge(&mut Pins::new(session, host, at, &wiring, &mut inputs));
+        if self.surroundings.watches_bridge() {
+            let (wiring, mut inputs) = (self.wiring, self.inputs);
+            self.watch_bridge(&mut Pins::new(session, host, at, &wiring, &mut inputs));
+        }
     }
 
     fn on_stop(

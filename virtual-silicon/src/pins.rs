@@ -5,9 +5,9 @@
 
 use std::time::Duration;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use rigless::device::Level;
-use rigless::emulator::Host;
+use rigless::emulator::{Host, Watch};
 use rigless::session::Session;
 use rigless::soc::Width;
 use rigless::soc::stm32f427::generated::tim1;
@@ -109,6 +109,14 @@ impl<'a> Pins<'a> {
         }
     }
 
+    /// Levels of PWM output and enable output; `None` for a PWM output that the timer doesn't drive.
+    pub fn output_levels(&mut self) -> (Option<bool>, bool) {
+        let is_enabled = self.bridge().is_enabled;
+        let (timer, registers) = self.session.board_mut().mcu.advanced_timer(TIM1);
+        let level = timer.output(TimerChannel::new(1).expect("channel 1"), registers);
+        (level.map(|level| level == Level::High), is_enabled)
+    }
+
     /// Pins whose alternate function the image has not selected, one sentence each.
     pub fn unconnected(&mut self) -> Vec<String> {
         let chip = self.session.board_mut();
@@ -133,6 +141,17 @@ impl<'a> Pins<'a> {
     pub fn set_word(&mut self, address: u64, word: u32) -> Result<()> {
         let written = self.host.write(address, Width::W32, word.into());
         written.with_context(|| format!("no memory at {address:#010x}"))
+    }
+
+    /// Reports every arrival of the core at this instruction to [`Surroundings::arrived`].
+    ///
+    /// # Errors
+    /// The core can't watch a further instruction.
+    ///
+    /// [`Surroundings::arrived`]: crate::surroundings::Surroundings::arrived
+    pub fn watch(&mut self, address: u64) -> Result<()> {
+        ensure!(self.host.watch(Watch::Instruction(address)), "{address:#010x} can't be watched");
+        Ok(())
     }
 
     fn drive_pin(&mut self, pin: Pin, is_high: Option<bool>) {

@@ -28,7 +28,7 @@ impl SerialLine {
         self.to_chip.len()
     }
 
-    /// Bytes that the chip has sent and nobody has taken.
+    /// Bytes that the chip has sent and that were not taken.
     #[must_use]
     pub fn received(&self) -> &[u8] {
         &self.from_chip

@@ -12,13 +12,31 @@ pub trait Surroundings: Send {
     /// The next turn has to be later than this one.
     fn turn(&mut self, chip: &mut Pins<'_>) -> ControlFlow<End, Duration>;
 
-    /// Whether [`Self::bridge_changed`] is to be called. Watching costs a reading of the bridge for each access to it.
+    /// Whether [`Self::bridge_changed`] is to be called. Watching costs a reading of the bridge for each
+    /// write of the image.
     fn watches_bridge(&self) -> bool {
         false
     }
 
     /// The bridge changed at this device time.
     fn bridge_changed(&mut self, _at: Duration, _bridge: crate::pins::Bridge) {}
+
+    /// The core arrived at an instruction that [`Pins::watch`] watches.
+    fn arrived(&mut self, _arrival: Arrival) {}
+
+    /// The image read or wrote the register at this address.
+    fn accessed(&mut self, _at: Duration, _register: u64) {}
+}
+
+/// An arrival of the core at a watched instruction, which it executes next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Arrival {
+    /// Address of the instruction.
+    pub address: u64,
+    /// Device time.
+    pub at: Duration,
+    /// Instructions since reset.
+    pub instructions: u64,
 }
 
 /// Why surroundings end a run.

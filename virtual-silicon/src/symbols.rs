@@ -3,11 +3,9 @@
 use anyhow::{Context, Result, ensure};
 use object::{File, Object, ObjectSection, ObjectSymbol, SymbolKind};
 use rigless::image::Image;
-
 use std::path::{Path, PathBuf};
 
-/// The instruction `bx lr`: return to the caller.
-const RETURN: [u8; 2] = 0x4770_u16.to_le_bytes();
+use crate::thumb::{Code, NOTHING, RETURN};
 
 /// An image as its file.
 #[derive(Debug, Clone)]
@@ -40,7 +38,27 @@ impl Symbols {
     /// # Errors
     /// The image has none or several.
     pub fn variable(&self, name: &str) -> Result<u64> {
-        self.find(name, SymbolKind::Data).map(|(address, _)| address)
+        self.find(name, SymbolKind::Data).map(|found| found.address)
+    }
+
+    /// Address of the only function of this name. The name may have the last segments of its path before it.
+    ///
+    /// # Errors
+    /// The image has none or several.
+    pub fn function(&self, name: &str) -> Result<u64> {
+        self.find(name, SymbolKind::Text).map(|found| found.address)
+    }
+
+    /// Address of the first halfword of a function that is this one.
+    ///
+    /// # Errors
+    /// The image has no such function or several, or the function has no such halfword.
+    pub fn first_in(&self, function: &str, halfword: u16) -> Result<u64> {
+        let Found { address, size, offset } = self.find(function, SymbolKind::Text)?;
+        let mut halfwords = self.bytes[offset..][..size].chunks(2);
+        let place = halfwords.position(|it| it == halfword.to_le_bytes());
+        let place = place.with_context(|| format!("{function} has no halfword {halfword:#06x}"))?;
+        Ok(address + 2 * place as u64)
     }
 
     /// The same image with a function that returns at once.
@@ -48,19 +66,67 @@ impl Symbols {
     /// # Errors
     /// The image has no such function or several.
     pub fn without(&self, function: &str) -> Result<Self> {
-        // Bit 0 of a function's address marks Thumb code.
-        let (_, offset) = self.find(function, SymbolKind::Text)?;
+        self.with_code(function, |_| Code::default().halfword(RETURN))
+    }
+
+    /// The same image with other code at the start of a function, made for the address of the function.
+    ///
+    /// # Errors
+    /// The image has no such function or several, or the code is longer than the function.
+    pub fn with_code(&self, function: &str, code: impl FnOnce(u64) -> Code) -> Result<Self> {
+        let Found { address, size, offset } = self.find(function, SymbolKind::Text)?;
+        let code = code(address).0;
+        ensure!(code.len() <= size, "{function} has {size} bytes, its new code {}", code.len());
         let mut mutant = self.clone();
-        mutant.bytes[offset..][..RETURN.len()].copy_from_slice(&RETURN);
+        mutant.bytes[offset..][..code.len()].copy_from_slice(&code);
         Ok(mutant)
     }
 
-    /// Address of the only symbol of this name, and its offset in the file.
-    fn find(&self, name: &str, kind: SymbolKind) -> Result<(u64, usize)> {
+    /// The same image with a function in which one piece of code is another one of the same length.
+    ///
+    /// # Errors
+    /// The image has no such function or several, or the function doesn't have the piece exactly once.
+    pub fn with_piece(&self, function: &str, piece: &Code, other: &Code) -> Result<Self> {
+        let Found { size, offset, .. } = self.find(function, SymbolKind::Text)?;
+        let length = piece.0.len();
+        ensure!(length == other.0.len(), "a piece of {length} bytes for one of {}", other.0.len());
+        let mut windows = self.bytes[offset..][..size].windows(length).enumerate();
+        let places: Vec<_> = windows.by_ref().filter(|(_, window)| *window == piece.0).collect();
+        let [(place, _)] = places[..] else {
+            anyhow::bail!("{function} has the piece {} times, expected 1", places.len());
+        };
+        let mut mutant = self.clone();
+        mutant.bytes[offset + place..][..length].copy_from_slice(&other.0);
+        Ok(mutant)
+    }
+
+    /// The same image with a function that no longer calls another one.
+    ///
+    /// # Errors
+    /// The image has no such functions or several, or there is no call.
+    pub fn without_calls(&self, function: &str, called: &str) -> Result<Self> {
+        let Found { address, size, offset } = self.find(function, SymbolKind::Text)?;
+        let target = self.function(called)?;
+        let mut mutant = self.clone();
+        let mut calls = 0;
+        for place in (0..size.saturating_sub(3)).step_by(2) {
+            let call = Code::default().call(address + place as u64, target);
+            let bytes = &mut mutant.bytes[offset + place..][..4];
+            if *bytes == call.0 {
+                bytes.copy_from_slice(&Code::default().halfwords(&[NOTHING, NOTHING]).0);
+                calls += 1;
+            }
+        }
+        ensure!(calls > 0, "{function} doesn't call {called}");
+        Ok(mutant)
+    }
+
+    /// The only symbol of this name.
+    fn find(&self, name: &str, kind: SymbolKind) -> Result<Found> {
         let file = File::parse(&self.bytes[..])
             .with_context(|| format!("{} is no ELF file", self.path.display()))?;
         // Both ways of mangling put the length before the name.
-        let mangled = format!("{}{name}", name.len());
+        let mangled: String = name.split("::").map(|segment| format!("{}{segment}", segment.len())).collect();
         let is_wanted = |symbol: &object::Symbol<'_, '_>| {
             symbol.name().is_ok_and(|found| found == name || found.contains(&mangled))
                 && symbol.kind() == kind
@@ -77,6 +143,14 @@ impl Symbols {
         let start = section.file_range().map_or(0, |(start, _)| start);
         let offset = usize::try_from(start + address - section.address())?;
         ensure!(offset < self.bytes.len() || kind == SymbolKind::Data, "{name} is outside its file");
-        Ok((address, offset))
+        Ok(Found { address, size: usize::try_from(symbol.size())?, offset })
     }
+}
+
+/// A symbol.
+struct Found {
+    address: u64,
+    size: usize,
+    /// Offset in the file.
+    offset: usize,
 }

@@ -14,12 +14,14 @@ use crate::command;
 pub(crate) struct Counts {
     pub(crate) passed: u64,
     pub(crate) failed: u64,
+    /// Tests that this machine can't run, each named where it is left out.
+    pub(crate) left_out: u64,
 }
 
 /// A step that succeeds.
 impl From<()> for Counts {
     fn from((): ()) -> Self {
-        Self { passed: 1, failed: 0 }
+        Self::PASSED
     }
 }
 
@@ -27,23 +29,28 @@ impl AddAssign for Counts {
     fn add_assign(&mut self, other: Self) {
         self.passed += other.passed;
         self.failed += other.failed;
+        self.left_out += other.left_out;
     }
 }
 
 impl fmt::Display for Counts {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "{} passed, {} failed", self.passed, self.failed)
+        write!(out, "{} passed, {} failed", self.passed, self.failed)?;
+        if self.left_out > 0 { write!(out, ", {} left out", self.left_out) } else { Ok(()) }
     }
 }
 
 impl Counts {
+    pub(crate) const PASSED: Self = Self { passed: 1, failed: 0, left_out: 0 };
+    pub(crate) const FAILED: Self = Self { passed: 0, failed: 1, left_out: 0 };
+
     /// Adds the counts of a step. A step that fails doesn't keep later steps from running: one call reports every failure.
     pub(crate) fn step<C: Into<Self>>(&mut self, name: &str, run: impl FnOnce() -> Result<C>) {
         println!("== {name}");
         *self += run().map_or_else(
             |error| {
                 println!("{name} failed: {error:#}");
-                Self { passed: 0, failed: 1 }
+                Self::FAILED
             },
             Into::into,
         );
@@ -84,17 +91,18 @@ impl Counts {
 
     /// The line that a chore ends with, as [`fmt::Display`] writes it.
     pub(crate) fn of_sum(line: &str) -> Option<Self> {
-        Self::of_line(r"^(\d+) passed, (\d+) failed$", line)
+        Self::of_line(r"^(\d+) passed, (\d+) failed(?:, (\d+) left out)?$", line)
     }
 
-    /// `test result: ok. 3 passed; 0 failed; ...`
+    /// `test result: ok. 3 passed; 0 failed; 0 ignored; ...`
     pub(crate) fn of_libtest(line: &str) -> Option<Self> {
-        Self::of_line(r"^test result: \w+\. (\d+) passed; (\d+) failed;", line)
+        Self::of_line(r"^test result: \w+\. (\d+) passed; (\d+) failed; (\d+) ignored", line)
     }
 
     fn of_line(pattern: &str, line: &str) -> Option<Self> {
-        let (_, [passed, failed]) = Regex::new(pattern).ok()?.captures(line)?.extract();
-        Some(Self { passed: passed.parse().ok()?, failed: failed.parse().ok()? })
+        let captures = Regex::new(pattern).ok()?.captures(line)?;
+        let count = |group| captures.get(group).map_or(Some(0), |count| count.as_str().parse().ok());
+        Some(Self { passed: count(1)?, failed: count(2)?, left_out: count(3)? })
     }
 
     /// `===== 2 failed, 40 passed, 1 error in 1.35s =====`
@@ -143,7 +151,7 @@ mod tests {
             printf end; exit 101",
             Counts::of_libtest,
         );
-        assert_eq!(counts, Counts { passed: 42, failed: 3 });
+        assert_eq!(counts, Counts { passed: 42, failed: 3, left_out: 1 });
         assert_eq!(lines.len(), 6);
         assert_eq!(lines[2], "\u{fffd}");
         assert_eq!(lines[5], "end");
@@ -155,14 +163,14 @@ mod tests {
             "echo 'test result: ok. 2 passed; 0 failed; 0 ignored'; kill -9 $$",
             Counts::of_libtest,
         );
-        assert_eq!(counts, Counts { passed: 2, failed: 1 });
+        assert_eq!(counts, Counts { passed: 2, failed: 1, left_out: 0 });
     }
 
     #[test]
     fn a_skipped_test_of_pytest_counts_as_failed() {
         let line = "= 2 failed, 40 passed, 1 skipped, 3 warnings, 2 errors in 71.35s (0:01:11) =";
-        assert_eq!(Counts::of_pytest(line), Some(Counts { passed: 40, failed: 5 }));
-        assert_eq!(Counts::of_pytest("1 passed in 0.01s"), Some(Counts { passed: 1, failed: 0 }));
+        assert_eq!(Counts::of_pytest(line), Some(Counts { passed: 40, failed: 5, left_out: 0 }));
+        assert_eq!(Counts::of_pytest("1 passed in 0.01s"), Some(Counts::PASSED));
         for line in [
             "12 passed in 3.4s, prints a test",
             "collected 7 items in 1s",
@@ -175,9 +183,11 @@ mod tests {
 
     #[test]
     fn a_sum_is_read_as_it_is_written() {
-        let counts = Counts { passed: 1200, failed: 3 };
-        assert_eq!(counts.to_string(), "1200 passed, 3 failed");
-        assert_eq!(Counts::of_sum(&counts.to_string()), Some(counts));
+        for (left_out, text) in [(0, "1200 passed, 3 failed"), (15, "1200 passed, 3 failed, 15 left out")] {
+            let counts = Counts { passed: 1200, failed: 3, left_out };
+            assert_eq!(counts.to_string(), text);
+            assert_eq!(Counts::of_sum(text), Some(counts));
+        }
         for line in ["12 passed, no failed", "all: 1 passed, 0 failed", "1 passed, 0 failed."] {
             assert_eq!(Counts::of_sum(line), None, "{line}");
         }

@@ -10,6 +10,7 @@ mod dissector;
 mod fuzz;
 mod header;
 mod image;
+mod log;
 mod paths;
 mod python;
 mod reports;

@@ -55,7 +55,7 @@ fn ring_of(program: &str) -> Option<Ring> {
         "tests looped" | "tests conforming" | "tests flashed" | "tests network" | "tests rigs"
         | "host tools" => Some(Ring::Loop),
         "tests emulated" => Some(Ring::Image),
-        "tests usb" => Some(Ring::Usb),
+        test_programs::USB => Some(Ring::Usb),
         "tests silicon" => Some(Ring::Silicon),
         PYTHON => Some(Ring::Python),
         _ => Some(Ring::Unit),
@@ -95,10 +95,12 @@ fn run_untimed(program: &TestProgram, timed: &[&str]) -> Result<Counts> {
     match program.name.as_str() {
         // More threads than cores: tests of drives in other processes mostly wait for them.
         name if name == WAITING.0 => at_once(
-            || program.run(WAITING.1),
-            || program.run(&format!("--test-threads 3 --skip {}{skip}", WAITING.1)),
+            || program.run_on_shared_machine(WAITING.1),
+            || program.run_on_shared_machine(&format!("--test-threads 3 --skip {}{skip}", WAITING.1)),
         ),
-        _ => program.run(&skip),
+        // Its drives run in one process with it.
+        name if ring_of(name) == Some(Ring::Unit) => program.run(&skip),
+        _ => program.run_on_shared_machine(&skip),
     }
 }
 
@@ -154,7 +156,7 @@ impl Selection {
         for program in programs.iter().filter(|program| ring_of(&program.name) == Some(ring)) {
             if program.name == PYTHON {
                 // One after the other: bench and drive take turns on the cores.
-                counts.step(PYTHON, || program.run("--test-threads 1"));
+                counts.step(PYTHON, || program.run_on_shared_machine("--test-threads 1"));
                 continue;
             }
             let timed = timed_modules(&program.name);
@@ -162,7 +164,9 @@ impl Selection {
                 counts.step(&program.name, || run_untimed(program, timed));
             }
             if self.timing != Some(Timing::Untimed) && !timed.is_empty() {
-                counts.step(&format!("{}, timed", program.name), || program.run(&timed.join(" ")));
+                counts.step(&format!("{}, timed", program.name), || {
+                    program.run_on_shared_machine(&timed.join(" "))
+                });
             }
         }
         counts

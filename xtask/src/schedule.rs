@@ -4,14 +4,15 @@
 //! their own with their timeouts, run when nothing else does.
 
 use std::env;
-use std::sync::OnceLock;
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::thread;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::Result;
 
 use crate::command::command;
 use crate::counts::Counts;
+use crate::log::{self, Log};
 use crate::reports;
 
 /// Chores that run one after the other.
@@ -28,53 +29,84 @@ const IN_BACKGROUND: &str = "test python --timing untimed";
 
 /// The lanes of a stage run at the same time, the stages one after the other. Each chore is a call of this program.
 pub(crate) const STAGES: [&[Lane]; 2] = [
-    &[&[SETUP, "test image"], &["check", "test unit --timing untimed", "test fuzz"]],
+    &[
+        &[SETUP, "test image", "test usb"],
+        &["check", "test unit --timing untimed", "test fuzz", "test silicon"],
+    ],
     &[&["test python --timing timed", "test loop", "test unit --timing timed"], &[IN_BACKGROUND]],
 ];
 
-/// Runs the stages, and prints the reports of the tests.
+/// Runs the stages, and prints the reports of the tests, the time of each chore, and the names of what failed.
 ///
 /// # Errors
-/// The folder of the reports can't be cleared or read.
+/// The folder of the reports or of the logs can't be cleared or read.
 pub(crate) fn run() -> Result<Counts> {
     reports::clear(&reports::folder())?;
-    let (mut sum, started, set_up) = (Counts::default(), Instant::now(), OnceLock::new());
+    reports::clear(&log::folder())?;
+    let mut sum = Counts::default();
+    let gate = Gate { started: Instant::now(), set_up: OnceLock::new(), recap: Mutex::default() };
     for lanes in STAGES {
         thread::scope(|scope| {
-            let lanes: Vec<_> =
-                lanes.iter().map(|lane| scope.spawn(|| run_lane(lane, started, &set_up))).collect();
+            let lanes: Vec<_> = lanes.iter().map(|lane| scope.spawn(|| gate.run_lane(lane))).collect();
             for lane in lanes {
-                sum += lane.join().unwrap_or(Counts { passed: 0, failed: 1 });
+                sum += lane.join().unwrap_or(Counts::FAILED);
             }
         });
     }
     for line in reports::lines(&reports::folder())? {
         println!("{line}");
     }
+    for line in gate.recap.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        println!("{line}");
+    }
     Ok(sum)
 }
 
-fn run_lane(chores: Lane, started: Instant, set_up: &OnceLock<()>) -> Counts {
-    let mut sum = Counts::default();
-    for &chore in chores {
-        if !WITHOUT_EQUIPMENT.contains(&chore) {
-            set_up.wait();
-        }
-        sum.step(chore, || run_chore(chore, started));
-        if chore == SETUP {
-            set_up.get_or_init(|| ());
-        }
-    }
-    sum
+/// One run of the whole gate.
+struct Gate {
+    started: Instant,
+    set_up: OnceLock<()>,
+    /// Lines to repeat at the end.
+    recap: Mutex<Vec<String>>,
 }
 
-/// Runs one chore and copies its lines, each with the time since the start and the chore's name.
-fn run_chore(chore: &str, started: Instant) -> Result<Counts> {
-    let print = |line: &str| {
-        let seconds = started.elapsed().as_secs();
-        println!("{:2}:{:02} {chore} | {line}", seconds / 60, seconds % 60);
-    };
-    let mut command = command("nice", if chore == IN_BACKGROUND { "-n 19" } else { "-n 0" });
-    command.arg(env::current_exe()?).args(chore.split(' '));
-    Counts::of_output(command, Counts::of_sum, print)
+impl Gate {
+    fn run_lane(&self, chores: Lane) -> Counts {
+        let mut sum = Counts::default();
+        for &chore in chores {
+            if !WITHOUT_EQUIPMENT.contains(&chore) {
+                self.set_up.wait();
+            }
+            sum.step(chore, || self.run_chore(chore));
+            if chore == SETUP {
+                self.set_up.get_or_init(|| ());
+            }
+        }
+        sum
+    }
+
+    /// Runs one chore. Its output goes to its log; what isn't mere progress is also printed, with the time since the start
+    /// and the chore's name.
+    fn run_chore(&self, chore: &str) -> Result<Counts> {
+        let started = Instant::now();
+        let log = Log::create(chore)?;
+        let print = |line: &str| {
+            log.write(line);
+            if !log::is_progress(line) {
+                println!("{} {chore} | {line}", minutes(self.started.elapsed()));
+            }
+        };
+        let mut command = command("nice", if chore == IN_BACKGROUND { "-n 19" } else { "-n 0" });
+        command.arg(env::current_exe()?).args(chore.split(' '));
+        let counts = Counts::of_output(command, Counts::of_sum, print);
+        let mut recap = self.recap.lock().unwrap_or_else(PoisonError::into_inner);
+        let result = counts.as_ref().map_or_else(|error| format!("{error:#}"), Counts::to_string);
+        recap.push(format!("{} {chore}: {result}", minutes(started.elapsed())));
+        recap.extend(log.failures().into_iter().map(|line| format!("      {line}")));
+        counts
+    }
+}
+
+fn minutes(time: Duration) -> String {
+    format!("{:2}:{:02}", time.as_secs() / 60, time.as_secs() % 60)
 }

@@ -61,8 +61,8 @@ pub(crate) fn install_missing() -> Result<()> {
     if needs_python_package {
         outcomes.push(python::set_up());
     }
-    if needs_usb_guest {
-        outcomes.push(usb_guest::set_up());
+    if needs_usb_guest && let Err(error) = usb_guest::set_up() {
+        println!("setup: NO LINUX GUEST, its tests are left out: {error:#}");
     }
     let failures: Vec<_> =
         outcomes.into_iter().filter_map(Result::err).map(|error| format!("{error:#}")).collect();

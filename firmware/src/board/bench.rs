@@ -2,7 +2,7 @@
 
 use core::time::Duration;
 
-use stm32f4xx_hal::pac::TIM6;
+use stm32f4xx_hal::pac::TIM5;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::timer::{CounterUs, Event, Flag};
 
@@ -17,13 +17,13 @@ use crate::quadrature::LARGEST_MOVE_COUNTS;
 /// The power stage as the drive commands it.
 pub type Stage = Actuator<PwmStage>;
 
-/// Limits of 16-bit encoder counters, and of a 16-bit timer of 1 MHz.
+/// Limits of 16-bit encoder counters, and of the period that the tick counts in microseconds.
 pub(super) const HARDWARE: PinHardware =
     PinHardware { largest_move_counts: LARGEST_MOVE_COUNTS, longest_period_us: 1 << 16 };
 
-/// The tick and the encoders, for the task of TIM6.
+/// The tick and the encoders, for the task of TIM5.
 pub struct Tick {
-    timer: CounterUs<TIM6>,
+    timer: CounterUs<TIM5>,
     period: Duration,
     motor: MotorEncoder,
     load: LoadEncoder,
@@ -33,7 +33,7 @@ pub struct Tick {
 impl Tick {
     /// Starts ticking with this period.
     pub(super) fn start(
-        mut timer: CounterUs<TIM6>,
+        mut timer: CounterUs<TIM5>,
         encoders: (MotorEncoder, LoadEncoder),
         clock: DeviceClock,
         period: Duration,

@@ -38,5 +38,5 @@ pub(crate) fn start(rcc: RCC, emulated: bool) -> (Rcc, Source) {
         rcc.cr().modify(|_, w| w.hseon().off());
         (Config::hsi(), Source::InternalOscillator)
     };
-    (rcc.freeze(config.sysclk(CORE_HZ.Hz())), source)
+    (rcc.freeze(config.sysclk(CORE_HZ.Hz()).require_pll48clk()), source)
 }

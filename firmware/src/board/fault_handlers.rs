@@ -3,7 +3,7 @@
 
 use core::panic::{Location, PanicInfo};
 
-use super::{f405_bare, last_resort};
+use super::{f405_bare, last_resort, usb_port};
 use crate::drive::fault_frame;
 use cortex_m::peripheral::{NVIC, Peripherals};
 use cortex_m_rt::{ExceptionFrame, exception};
@@ -42,9 +42,10 @@ fn stop(code: FaultCode, detail: u32) -> ! {
     // The delimiter ends a frame in transmission.
     send(&[DELIMITER]);
     send(&fault_frame(code, detail));
+    usb_port::disconnect();
     // An interrupt that stays enabled and pending would end every sleep at once.
     NVIC::mask(Interrupt::USART2);
-    NVIC::mask(Interrupt::EXTI0);
+    NVIC::mask(Interrupt::OTG_FS);
     // SAFETY: as in `send`: the owner of SysTick never runs again.
     #[allow(unsafe_code)]
     let mut syst = unsafe { Peripherals::steal() }.SYST;

@@ -10,17 +10,17 @@
 /// lashloop_firmware::image!(my_law::Laws);
 /// ```
 ///
-/// It has five tasks. `receive` queues every byte on arrival. `tick` counts the device clock and checks the watchdog
-/// every millisecond. `serve` feeds received bytes to the drive and transmits its output. In HIL mode the control law has
+/// It has five tasks. `usart` queues every byte on arrival, and sends queued ones. `tick` counts the device clock and checks the watchdog
+/// every millisecond. `serve` feeds received bytes of the USART and the USB port to the drive and passes its output on. In HIL mode the control law has
 /// no timer: the encoder frame is the tick. `step` is the tick of bench mode; the emulator has no timer for it. Each task
 /// that may change the state of the drive applies it to the power stage before it ends.
 ///
 /// | task | bound to | priority | why there |
 /// |---|---|---|---|
-/// | `receive` | USART2 | 3 | 11 us from one byte to the next |
+/// | `usart` | USART2 | 3 | 11 us from one byte to the next |
 /// | `tick` | SysTick | 2 | the watchdog counts while `serve` is sending |
-/// | `step` | TIM6 | 2 | a control step waits for one request at most |
-/// | `serve` | EXTI0, pended by the others | 1 | a pended interrupt is never lost, however often it is pended |
+/// | `step` | TIM5 | 2 | a control step waits for one request at most |
+/// | `serve` | OTG_FS, pended by the others too | 1 | a pended interrupt is never lost, however often it is pended |
 /// | `idle` | | 0 | sleeps |
 #[macro_export]
 macro_rules! image {
@@ -35,7 +35,7 @@ macro_rules! image {
 
             use $crate::drive::Drive;
             use $crate::board::pac::Interrupt;
-            use $crate::board::{self, Board, DeviceClock, Inbox, Outbox, Queue, Receiver, Stage, Tick, Ticker};
+            use $crate::board::{self, Board, DeviceClock, LineError, Lines, Memory, Stage, Tick, Ticker, UsartInterrupt};
             use $crate::board::{cortex_m, rtic};
 
             use super::LawsOfImage;
@@ -52,26 +52,28 @@ macro_rules! image {
                 clock: DeviceClock,
                 ticker: Ticker,
                 steps: Option<Tick>,
-                receiver: Receiver,
-                inbox: Inbox,
-                outbox: Outbox,
+                usart: UsartInterrupt,
+                lines: Lines,
             }
 
-            #[init(local = [queue: Queue = Queue::new()])]
+            #[init(local = [memory: Memory = Memory::new()])]
             fn init(cx: init::Context) -> (Shared, Local) {
-                let Board { drive, bench, clock, ticker, receiver, inbox, outbox } =
-                    board::start(cx.core.SYST, cx.device, cx.local.queue);
+                let Board { drive, bench, clock, ticker, usart, lines } =
+                    board::start(cx.core.SYST, cx.device, cx.local.memory);
                 let (stage, steps) = bench.unzip();
                 let shared = Shared { drive, stage, line_errors: AtomicU32::new(0) };
-                (shared, Local { clock, ticker, steps, receiver, inbox, outbox })
+                (shared, Local { clock, ticker, steps, usart, lines })
             }
 
-            #[task(binds = USART2, priority = 3, local = [receiver], shared = [&line_errors])]
-            fn receive(cx: receive::Context) {
-                if cx.local.receiver.take_byte().is_err() {
+            #[task(binds = USART2, priority = 3, local = [usart], shared = [&line_errors])]
+            fn usart(cx: usart::Context) {
+                let to_serve = cx.local.usart.serve().unwrap_or_else(|LineError| {
                     cx.shared.line_errors.fetch_add(1, Ordering::Relaxed);
+                    true
+                });
+                if to_serve {
+                    rtic::pend(Interrupt::OTG_FS);
                 }
-                rtic::pend(Interrupt::EXTI0);
             }
 
             #[task(binds = SysTick, priority = 2, local = [ticker], shared = [drive, stage])]
@@ -85,11 +87,11 @@ macro_rules! image {
                     !drive.output().is_empty()
                 });
                 if to_send {
-                    rtic::pend(Interrupt::EXTI0);
+                    rtic::pend(Interrupt::OTG_FS);
                 }
             }
 
-            #[task(binds = TIM6_DAC, priority = 2, local = [steps], shared = [drive, stage])]
+            #[task(binds = TIM5, priority = 2, local = [steps], shared = [drive, stage])]
             fn step(cx: step::Context) {
                 let to_send = (cx.shared.drive, cx.shared.stage).lock(|drive, stage| {
                     if let (Some(steps), Some(stage)) = (cx.local.steps, stage) {
@@ -98,38 +100,32 @@ macro_rules! image {
                     !drive.output().is_empty()
                 });
                 if to_send {
-                    rtic::pend(Interrupt::EXTI0);
+                    rtic::pend(Interrupt::OTG_FS);
                 }
             }
 
-            #[task(binds = EXTI0, priority = 1, local = [clock, inbox, outbox], shared = [drive, stage, &line_errors])]
+            #[task(binds = OTG_FS, priority = 1, local = [clock, lines], shared = [drive, stage, &line_errors])]
             fn serve(mut cx: serve::Context) {
                 let lost = cx.shared.line_errors.swap(0, Ordering::Relaxed);
                 if lost > 0 {
                     cx.shared.drive.lock(|drive| drive.note_overruns(lost));
                 }
-                let chunk = cx.local.inbox.take();
-                let mut rest = chunk.as_slice();
+                let lines = cx.local.lines;
+                lines.poll();
                 loop {
-                    let mut to_send = (&mut cx.shared.drive, &mut cx.shared.stage).lock(|drive, stage| {
-                        rest = &rest[drive.receive(rest, cx.local.clock)..];
+                    let has_moved = (&mut cx.shared.drive, &mut cx.shared.stage).lock(|drive, stage| {
+                        let has_moved = lines.exchange(drive, cx.local.clock);
                         if let Some(stage) = stage {
                             stage.follow(drive.stage_command());
                         }
-                        cx.local.outbox.load(drive)
+                        has_moved
                     });
-                    // Transmission takes longer than a control step, so it runs outside the lock, where `tick` can interrupt
-                    // it.
-                    while to_send {
-                        cx.local.outbox.send();
-                        to_send = cx.shared.drive.lock(|drive| cx.local.outbox.load(drive));
-                    }
-                    if rest.is_empty() {
+                    if !has_moved {
                         break;
                     }
-                }
-                if !cx.local.inbox.is_empty() {
-                    rtic::pend(Interrupt::EXTI0);
+                    // By polling it takes longer than a control step, so it runs outside the lock, where the others can
+                    // interrupt it.
+                    lines.send();
                 }
             }
 

@@ -1,60 +1,84 @@
 //! The link: USART2 on PA2 (out) and PA3 (in), 8N1.
 //!
-//! The receive interrupt queues bytes. Transmission polls: QEMU never raises the transmitter's interrupts, so an
-//! interrupt-driven path would run on silicon only and stay untested. Bytes and ticks interrupt the polling.
+//! The interrupt queues received bytes. Two ways lead out, and [`open`] chooses one:
+//!
+//! | machine | transmission |
+//! |---|---|
+//! | silicon | the interrupt writes a queued byte whenever the data register is empty: no task waits for the line |
+//! | QEMU | the task that serves the drive polls the data register: QEMU never raises the transmitter's interrupts. Bytes and ticks interrupt the polling |
 
-use crate::drive::Drive;
-use crate::law::LawSet;
+use crate::usb::{ByteLine, CHUNK_BYTES, Chunk};
+use cortex_m::peripheral::NVIC;
 use heapless::{Vec, spsc};
 use stm32f4xx_hal::gpio::{PA2, PA3, Pull};
 use stm32f4xx_hal::nb;
-use stm32f4xx_hal::pac::USART2;
+use stm32f4xx_hal::pac::{Interrupt, USART2};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
-use stm32f4xx_hal::serial::{Config, Rx, RxListen, Tx};
+use stm32f4xx_hal::serial::{Config, Rx, RxListen, Tx, TxISR, TxListen};
 
 /// Bits per second, the default of hosts. The divider gives 913,043 (42 MHz by 46), common USB adapters give 923,077
 /// (3 MHz by 3.25): the difference is 1.1 %, and the receiver tolerates 3.3 % (RM0090 30.3.5).
 const BAUD: u32 = 921_600;
 
 /// Capacity of the receive queue: 11 ms of line time, far more than the handling of one frame takes.
-const QUEUE_BYTES: usize = 1024;
+const RECEIVE_BYTES: usize = 1024;
 
-/// Bytes passed to or from the drive at once.
-const CHUNK_BYTES: usize = 64;
+/// Capacity of the transmit queue: the drive sends at most four frames of 63 bytes at once.
+const TRANSMIT_BYTES: usize = 256;
 
-/// The receive queue.
-pub type Queue = spsc::Queue<u8, QUEUE_BYTES>;
+/// How bytes leave.
+#[derive(Clone, Copy)]
+pub(super) enum Transmission {
+    /// By the interrupt.
+    Interrupt,
+    /// By polling.
+    Polling,
+}
+
+/// The queues between the interrupt and the task that serves the drive.
+pub struct Queues {
+    received: spsc::Queue<u8, RECEIVE_BYTES>,
+    to_transmit: spsc::Queue<u8, TRANSMIT_BYTES>,
+}
 
 /// A received byte was lost: overrun of the USART or the queue, framing error or noise.
 pub struct LineError;
 
-/// Owned by the receive interrupt.
-pub struct Receiver {
+/// Owned by the interrupt.
+pub struct UsartInterrupt {
     rx: Rx<USART2>,
-    queue: spsc::Producer<'static, u8>,
+    received: spsc::Producer<'static, u8>,
+    /// `None` where the task polls.
+    transmitter: Option<Transmitter>,
 }
 
-/// Owned by the task that reads.
-pub struct Inbox {
-    queue: spsc::Consumer<'static, u8>,
-}
-
-/// A piece of the drive's output, and the transmitter.
-pub struct Outbox {
+struct Transmitter {
     tx: Tx<USART2>,
-    piece: Vec<u8, CHUNK_BYTES>,
-    /// Bytes of the drive's output loaded since it was cleared.
-    loaded: usize,
+    queue: spsc::Consumer<'static, u8>,
+    /// Whether an empty data register raises the interrupt.
+    is_listening: bool,
+}
+
+/// Owned by the task that serves the drive.
+pub struct Usart {
+    received: spsc::Consumer<'static, u8>,
+    output: Output,
+}
+
+enum Output {
+    Interrupt { queue: spsc::Producer<'static, u8>, is_loaded: bool },
+    Polling { tx: Tx<USART2>, piece: Vec<u8, CHUNK_BYTES> },
 }
 
 /// Opens the link and enables the receive interrupt.
-pub(crate) fn open(
+pub(super) fn open(
     usart: USART2,
     (out_pin, in_pin): (PA2, PA3),
     rcc: &mut Rcc,
-    queue: &'static mut Queue,
-) -> (Receiver, Inbox, Outbox) {
+    queues: &'static mut Queues,
+    transmission: Transmission,
+) -> (UsartInterrupt, Usart) {
     // The pull-up holds an open input idle: without it noise is received as bytes.
     let pins = (out_pin, in_pin.internal_resistor(Pull::Up));
     let config = Config::default().baudrate(BAUD.bps());
@@ -62,56 +86,108 @@ pub(crate) fn open(
         usart.serial(pins, config, rcc).expect("the peripheral clock is at least 8 times the baud rate");
     let (tx, mut rx) = serial.split();
     rx.listen();
-    let (producer, consumer) = queue.split();
-    (Receiver { rx, queue: producer }, Inbox { queue: consumer }, Outbox { tx, piece: Vec::new(), loaded: 0 })
+    let (received, inbox) = queues.received.split();
+    let (transmitter, output) = match transmission {
+        Transmission::Interrupt => {
+            let (outbox, queue) = queues.to_transmit.split();
+            let transmitter = Transmitter { tx, queue, is_listening: false };
+            (Some(transmitter), Output::Interrupt { queue: outbox, is_loaded: false })
+        }
+        Transmission::Polling => (None, Output::Polling { tx, piece: Vec::new() }),
+    };
+    (UsartInterrupt { rx, received, transmitter }, Usart { received: inbox, output })
 }
 
-impl Receiver {
-    /// Puts the byte that raised the interrupt into the queue.
+impl Queues {
+    /// Empty queues.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { received: spsc::Queue::new(), to_transmit: spsc::Queue::new() }
+    }
+}
+
+impl Default for Queues {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl UsartInterrupt {
+    /// Moves the bytes that raised the interrupt. Returns whether the task that serves the drive is to run: a byte has arrived,
+    /// or the last queued byte has left.
     ///
     /// # Errors
-    /// The byte is lost.
-    pub fn take_byte(&mut self) -> Result<(), LineError> {
+    /// A received byte is lost.
+    pub fn serve(&mut self) -> Result<bool, LineError> {
+        let has_drained = self.transmitter.as_mut().is_some_and(Transmitter::serve);
         match self.rx.read() {
-            Ok(byte) => self.queue.enqueue(byte).map_err(|_| LineError),
-            Err(nb::Error::WouldBlock) => Ok(()),
+            Ok(byte) => self.received.enqueue(byte).map(|()| true).map_err(|_| LineError),
+            Err(nb::Error::WouldBlock) => Ok(has_drained),
             Err(nb::Error::Other(_)) => Err(LineError),
         }
     }
 }
 
-impl Inbox {
-    /// Takes received bytes, at most a chunk.
-    pub fn take(&mut self) -> Vec<u8, CHUNK_BYTES> {
-        core::iter::from_fn(|| self.queue.dequeue()).take(CHUNK_BYTES).collect()
-    }
-
-    /// Whether the queue is empty.
-    pub fn is_empty(&self) -> bool {
+impl Transmitter {
+    /// Writes a byte if the data register is empty. Returns whether it was the last of the queue: two byte times remain to
+    /// queue more without a gap on the line.
+    fn serve(&mut self) -> bool {
+        if !self.tx.is_tx_empty() {
+            return false;
+        }
+        let Some(byte) = self.queue.dequeue() else {
+            if self.is_listening {
+                self.tx.unlisten();
+                self.is_listening = false;
+            }
+            return false;
+        };
+        // The register is empty.
+        let _ = self.tx.write(byte);
+        if !self.is_listening {
+            self.tx.listen();
+            self.is_listening = true;
+        }
         !self.queue.ready()
     }
 }
 
-impl Outbox {
-    /// Copies the next piece of the drive's output. After the last piece it clears the output and returns `false`.
-    ///
-    /// Piece by piece: the drive is locked only during the copy and may append to its output during the transmission.
-    pub fn load<L: LawSet>(&mut self, drive: &mut Drive<L>) -> bool {
-        self.piece = drive.output().iter().skip(self.loaded).take(CHUNK_BYTES).copied().collect();
-        self.loaded += self.piece.len();
-        let more = !self.piece.is_empty();
-        if !more {
-            drive.clear_output();
-            self.loaded = 0;
-        }
-        more
+impl ByteLine for Usart {
+    fn take(&mut self) -> Chunk {
+        core::iter::from_fn(|| self.received.dequeue()).take(CHUNK_BYTES).collect()
     }
 
-    /// Transmits the piece, at 11 us per byte.
-    pub fn send(&mut self) {
-        for byte in &self.piece {
-            // A transmitter reports no error (RM0090 30.6.1), only that it is busy.
-            let _ = nb::block!(self.tx.write(*byte));
+    fn load(&mut self, bytes: &[u8]) -> usize {
+        match &mut self.output {
+            Output::Interrupt { queue, is_loaded } => {
+                let count = bytes.iter().take_while(|byte| queue.enqueue(**byte).is_ok()).count();
+                *is_loaded |= count > 0;
+                count
+            }
+            Output::Polling { piece, .. } => {
+                let count = bytes.len().min(piece.capacity() - piece.len());
+                // At most what is free.
+                let _ = piece.extend_from_slice(&bytes[..count]);
+                count
+            }
+        }
+    }
+
+    /// By polling, at 11 us per byte.
+    fn send(&mut self) {
+        match &mut self.output {
+            Output::Interrupt { is_loaded, .. } => {
+                if core::mem::take(is_loaded) {
+                    NVIC::pend(Interrupt::USART2);
+                }
+            }
+            Output::Polling { tx, piece } => {
+                for byte in piece.iter() {
+                    // A transmitter reports no error (RM0090 30.6.1), only that it is busy.
+                    let _ = nb::block!(tx.write(*byte));
+                }
+                piece.clear();
+            }
         }
     }
 }

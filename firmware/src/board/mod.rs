@@ -18,6 +18,7 @@ mod image;
 mod last_resort;
 mod link;
 mod pwm_stage;
+mod usb_port;
 
 pub use cortex_m;
 pub use rtic;
@@ -25,7 +26,7 @@ pub use stm32f4xx_hal::pac;
 
 pub use bench::{Stage, Tick};
 pub use device_clock::{DeviceClock, Ticker};
-pub use link::{Inbox, LineError, Outbox, Queue, Receiver};
+pub use link::{LineError, UsartInterrupt};
 
 use lashloop_protocol::enums::LogLevel;
 use stm32f4xx_hal::gpio::GpioExt;
@@ -34,36 +35,68 @@ use stm32f4xx_hal::pac::{DBGMCU, Peripherals, RCC};
 use crate::drive::Drive;
 use crate::law::LawSet;
 use clock_tree::Source;
+use link::Transmission;
 use stm32f4xx_hal::timer::TimerExt;
+
+/// The lines of the board.
+pub type Lines = crate::usb::Lines<'static, link::Usart, usb_port::Bus>;
+
+/// What the lines need for as long as the firmware runs.
+pub struct Memory {
+    queues: link::Queues,
+    usb: usb_port::UsbMemory,
+}
+
+impl Memory {
+    /// Before the start.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { queues: link::Queues::new(), usb: usb_port::UsbMemory::new() }
+    }
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self::new()
+    }
+}
 
 /// The started board: clocks run, the link receives.
 pub struct Board<L: LawSet> {
     /// The drive, as after power-up.
     pub drive: Drive<L>,
-    /// The power stage, and the tick for the task of TIM6; `None` in the emulator.
+    /// The power stage, and the tick for the task of TIM5; `None` in the emulator.
     pub bench: Option<(Stage, Tick)>,
     /// The clock, for the task that serves the drive.
     pub clock: DeviceClock,
     /// The counter of the clock, for the task of SysTick.
     pub ticker: Ticker,
-    /// The receiver, for the task of USART2.
-    pub receiver: Receiver,
-    /// The received bytes, for the task that serves the drive.
-    pub inbox: Inbox,
-    /// The transmitter, for the task that serves the drive.
-    pub outbox: Outbox,
+    /// The receiver and the transmitter, for the task of USART2.
+    pub usart: UsartInterrupt,
+    /// The lines, for the task that serves the drive.
+    pub lines: Lines,
 }
 
 /// Starts the board within 0.2 s, with or without a crystal.
 pub fn start<L: LawSet>(
     syst: cortex_m::peripheral::SYST,
     device: Peripherals,
-    queue: &'static mut Queue,
+    memory: &'static mut Memory,
 ) -> Board<L> {
     let emulated = is_emulated(&device.RCC, &device.DBGMCU);
     let (mut rcc, source) = clock_tree::start(device.RCC, emulated);
     let gpioa = device.GPIOA.split(&mut rcc);
-    let (receiver, inbox, outbox) = link::open(device.USART2, (gpioa.pa2, gpioa.pa3), &mut rcc, queue);
+    let Memory { queues, usb } = memory;
+    let transmission = if emulated { Transmission::Polling } else { Transmission::Interrupt };
+    let (usart, uart) = link::open(device.USART2, (gpioa.pa2, gpioa.pa3), &mut rcc, queues, transmission);
+    let usb = match source {
+        Source::Crystal => {
+            let core = (device.OTG_FS_GLOBAL, device.OTG_FS_DEVICE, device.OTG_FS_PWRCLK);
+            usb_port::open(core, (gpioa.pa11, gpioa.pa12), &mut rcc, usb)
+        }
+        Source::Emulator | Source::InternalOscillator => None,
+    };
+    let lines = Lines::new(uart, usb);
     let (clock, ticker) = device_clock::start(syst);
     let (drive, bench) = match source {
         Source::Emulator => (Drive::with_laws("stm32f405-qemu"), None),
@@ -75,13 +108,13 @@ pub fn start<L: LawSet>(
             let ports = (gpioa.pa8, device.GPIOB.split(&mut rcc), device.GPIOC.split(&mut rcc));
             let timers = (device.TIM1, device.TIM3, device.TIM4);
             let (motor, load, stage) = f405_bare::start(ports, timers, &mut rcc);
-            let timer = device.TIM6.counter(&mut rcc);
+            let timer = device.TIM5.counter(&mut rcc);
             let tick = Tick::start(timer, (motor, load), clock, drive.period());
             last_resort::start(device.IWDG, &device.DBGMCU);
             (drive, Some((Stage::new(stage), tick)))
         }
     };
-    Board { drive, bench, clock, ticker, receiver, inbox, outbox }
+    Board { drive, bench, clock, ticker, usart, lines }
 }
 
 /// Whether this is QEMU, where clock control and chip identity read 0. On silicon the first has the internal

@@ -125,8 +125,8 @@ impl<L: LawSet> Parameters<L> {
             Ok(word) => word,
             Err(outcome) => return outcome,
         };
-        let words = self.words.as_mut().iter_mut().chain(self.pins.iter_mut().flatten());
-        if let Some(place) = words.skip(request.index.into()).next() {
+        let mut words = self.words.as_mut().iter_mut().chain(self.pins.iter_mut().flatten());
+        if let Some(place) = words.nth(request.index.into()) {
             *place = word;
         }
         Outcome::Accepted

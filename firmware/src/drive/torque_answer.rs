@@ -23,8 +23,8 @@ pub(super) fn repeated(answer: TorqueAnswer) -> TorqueAnswer {
     TorqueAnswer { status: TorqueStatus { flags, ..answer.status }, ..answer }
 }
 
-/// In 32-bit arithmetic: a microcontroller divides 64 bits in software.
-fn tenths_us(time: Duration) -> u16 {
+/// A time in 0.1 us, saturated. In 32-bit arithmetic: a microcontroller divides 64 bits in software.
+pub(super) fn tenths_us(time: Duration) -> u16 {
     if time.as_secs() > 0 { u16::MAX } else { u16::try_from(time.subsec_nanos() / 100).unwrap_or(u16::MAX) }
 }
 

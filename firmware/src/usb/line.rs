@@ -18,6 +18,8 @@ use usb_device::device::{StringDescriptors, UsbDevice, UsbDeviceBuilder, UsbDevi
 use usb_device::prelude::BuilderError;
 use usbd_serial::{CdcAcmClass, USB_CLASS_CDC};
 
+use lashloop_protocol::frame::DELIMITER;
+
 use crate::drive::{Clock, Drive};
 use crate::law::LawSet;
 
@@ -78,6 +80,8 @@ pub struct UsbLine<'bus, B: UsbBus> {
     /// Bytes of the drive's output that were sent since it was cleared.
     sent: usize,
     transfer: Transfer,
+    /// A delimiter goes ahead of the output: it ends a frame that was cut when the drive turned to another line.
+    delimiter_due: bool,
 }
 
 impl<'bus, B: UsbBus> UsbLine<'bus, B> {
@@ -104,7 +108,7 @@ impl<'bus, B: UsbBus> UsbLine<'bus, B> {
             .max_packet_size_0(PACKET_BYTES as u8)?
             .build();
         let packet = heapless::Vec::new();
-        Ok(Self { device, class, packet, taken: 0, sent: 0, transfer: Transfer::Ended })
+        Ok(Self { device, class, packet, taken: 0, sent: 0, transfer: Transfer::Ended, delimiter_due: false })
     }
 
     /// The state in which the host leaves the port.
@@ -128,14 +132,9 @@ impl<'bus, B: UsbBus> UsbLine<'bus, B> {
         }
         if host != HostSide::Open {
             self.transfer = Transfer::Ended;
+            self.delimiter_due = false;
         }
         host
-    }
-
-    /// Passes received bytes to the drive and its output to the host, until neither moves. Call this after [`Self::poll`] and
-    /// whenever the drive has output.
-    pub fn serve<L: LawSet>(&mut self, drive: &mut Drive<L>, clock: &impl Clock) {
-        while self.receive(drive, clock) | self.transmit(drive) {}
     }
 
     /// Whether the host has sent bytes that the drive has not taken.
@@ -154,7 +153,8 @@ impl<'bus, B: UsbBus> UsbLine<'bus, B> {
         }
     }
 
-    fn receive<L: LawSet>(&mut self, drive: &mut Drive<L>, clock: &impl Clock) -> bool {
+    /// Passes received bytes to the drive, at most to the end of one frame. Returns whether the drive has taken any.
+    pub fn receive<L: LawSet>(&mut self, drive: &mut Drive<L>, clock: &impl Clock) -> bool {
         if !self.has_received() {
             return false;
         }
@@ -173,11 +173,22 @@ impl<'bus, B: UsbBus> UsbLine<'bus, B> {
         self.taken = 0;
     }
 
-    fn transmit<L: LawSet>(&mut self, drive: &mut Drive<L>) -> bool {
+    /// Starts the output anew, after output of the drive went to another line.
+    pub fn restart(&mut self) {
+        self.sent = 0;
+        self.delimiter_due = true;
+    }
+
+    /// Passes a packet of the drive's output to the bus. Returns whether the bus has taken it.
+    pub fn transmit<L: LawSet>(&mut self, drive: &mut Drive<L>) -> bool {
         if self.host_side() != HostSide::Open {
             self.sent = 0;
             drive.clear_output();
             return false;
+        }
+        if self.delimiter_due {
+            self.delimiter_due = self.class.write_packet(&[DELIMITER]).is_err();
+            return !self.delimiter_due;
         }
         let rest = drive.output().get(self.sent..).unwrap_or_default();
         if rest.is_empty() && self.transfer == Transfer::Ended {

@@ -254,7 +254,9 @@ fn a_report_has_the_times_of_its_step() {
     let mut host = PinHost::running(&[]);
     host.refer(0.0);
     match host.tick_after(Duration::from_micros(37))[..] {
-        [DriveMessage::BenchSample(it)] => assert_eq!((it.tick_lateness_us, it.compute_time_us), (37, 0)),
+        [DriveMessage::BenchSample(it)] => {
+            assert_eq!((it.lateness_tenths_us, it.compute_tenths_us), (370, 0));
+        }
         ref other => panic!("{other:?}"),
     }
 }
@@ -389,7 +391,7 @@ fn a_line_that_is_full_omits_reports_and_no_answer() {
         host.due += PERIOD;
         host.number += 1;
         // The references are taken while there is space for their answers; the watchdog needs one in 20 ms.
-        if host.number % 10 == 0 {
+        if host.number.is_multiple_of(10) {
             let sent = host.take_output().len();
             assert!((1..=10).contains(&sent));
             host.refer(0.5);

@@ -12,7 +12,8 @@
 //! | [`reopening`] | a terminal or TCP port that is opened again after it was disconnected |
 //! | [`uart_model`] | any of these but a serial port, as slow as a UART |
 //!
-//! [`terminal`] makes the pseudo-terminal that a drive serves. [`usb_adapter`] identifies a USB serial adapter, and
+//! [`terminal`] makes the pseudo-terminal that a drive serves. [`usb_adapter`] identifies a USB serial adapter,
+//! [`same_adapter`] compares it after a reconnect, and
 //! [`latency_timer`] shortens the time for which it holds received bytes.
 //!
 //! Every wait has a deadline, and the end of a line is an error of its own: a terminal whose far end is closed otherwise
@@ -30,6 +31,7 @@ pub mod latency_timer;
 pub mod pty;
 pub mod reopening;
 pub mod rfc2217;
+pub mod same_adapter;
 pub mod serial;
 pub mod socket;
 pub mod tcp;

@@ -7,8 +7,6 @@ use std::fmt;
 use std::fs;
 use std::path::Path;
 
-use super::LinkError;
-
 /// The terminals in sysfs.
 const TERMINALS: &str = "/sys/class/tty";
 
@@ -19,11 +17,11 @@ pub struct UsbAdapter {
     pub vendor: u16,
     /// Product number.
     pub product: u16,
-    /// What tells it from others of its kind.
+    /// What distinguishes it from others of its kind.
     pub unit: Unit,
 }
 
-/// What tells an adapter from others of its kind.
+/// What distinguishes an adapter from others of its kind.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Unit {
     /// Its serial number.
@@ -50,21 +48,6 @@ impl UsbAdapter {
             None => Unit::Place(device.file_name()?.to_str()?.to_owned()),
         };
         Some(Self { vendor: number("idVendor")?, product: number("idProduct")?, unit })
-    }
-
-    /// Checks that a terminal has the adapter that it had when it was opened `first`, and returns that one.
-    ///
-    /// # Errors
-    /// [`LinkError::OtherAdapter`] for another one, [`LinkError::Disconnected`] for none.
-    pub fn same_as(first: Option<&Self>, found: Option<Self>) -> Result<Option<Self>, LinkError> {
-        match (first, found) {
-            (None, found) => Ok(found),
-            (Some(_), None) => Err(LinkError::Disconnected),
-            (Some(expected), Some(found)) if *expected != found => {
-                Err(LinkError::OtherAdapter { expected: Box::new(expected.clone()), found: Box::new(found) })
-            }
-            (Some(_), found) => Ok(found),
-        }
     }
 }
 
@@ -107,38 +90,11 @@ mod tests {
     }
 
     #[test]
-    fn an_adapter_is_the_same_in_another_socket_by_its_serial_number() {
-        let first = adapter("1-2", Some("A50285BI"));
-        assert_eq!(first.to_string(), "USB 0403:6001 with serial number A50285BI");
-        let moved = adapter("1-4.1", Some("A50285BI"));
-        assert!(matches!(UsbAdapter::same_as(Some(&first), Some(moved)), Ok(Some(_))));
-    }
-
-    #[test]
-    fn another_adapter_under_the_old_name_is_rejected() {
-        let (first, other) = (adapter("1-2", Some("A50285BI")), adapter("1-2", Some("B1")));
-        let error = UsbAdapter::same_as(Some(&first), Some(other)).expect_err("another serial number");
-        assert!(matches!(error, LinkError::OtherAdapter { .. }), "{error:?}");
-        let text = error.to_string();
-        assert!(
-            text.contains("A50285BI") && text.contains("B1") && text.contains("/dev/serial/by-id"),
-            "{text}"
-        );
-    }
-
-    #[test]
-    fn adapters_without_serial_numbers_differ_by_their_place() {
-        let (first, same, other) = (adapter("1-2", None), adapter("1-2", None), adapter("1-3", None));
-        assert!(UsbAdapter::same_as(Some(&first), Some(same)).is_ok());
-        assert!(UsbAdapter::same_as(Some(&first), Some(other)).is_err());
-    }
-
-    #[test]
-    fn an_unplugged_adapter_is_disconnected_and_a_first_one_is_taken() {
-        let first = adapter("1-2", Some("A"));
-        assert!(matches!(UsbAdapter::same_as(Some(&first), None), Err(LinkError::Disconnected)));
-        assert!(matches!(UsbAdapter::same_as(None, None), Ok(None)));
-        assert_eq!(UsbAdapter::same_as(None, Some(first.clone())).unwrap(), Some(first));
+    fn a_serial_number_distinguishes_an_adapter_and_otherwise_its_place() {
+        let at = |place, serial| adapter(place, serial).to_string();
+        assert_eq!(at("1-2", Some("A50285BI")), "USB 0403:6001 with serial number A50285BI");
+        assert_eq!(at("1-2", None), "USB 0403:6001 at bus position 1-2, without a serial number");
+        assert_eq!(adapter("1-2", Some("A")), adapter("1-4.1", Some("A")));
     }
 
     #[test]

@@ -193,6 +193,9 @@ impl<'a> Run<'a> {
             }
             None => format!("{}: no summary, so the run ended without a verdict.", self.name),
         };
+        if summary.as_ref().is_some_and(|it| !it.mode.is_hil()) {
+            text += " Positions are those of the drive's encoders; a bench has no truth.";
+        }
         text += &format!(" {} steps", trace.len());
         match &self.timing {
             None => text += "; timing.csv is missing.",

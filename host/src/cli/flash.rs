@@ -56,7 +56,7 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
-        let image = find_image(self.elf.as_deref()).map_err(FlashError::NoImage)?;
+        let image = find_image("qemu", self.elf.as_deref()).map_err(FlashError::NoImage)?;
         let image = Image::read(&image).map_err(FlashError::Image)?;
         let rig = self.rig.take(bench, "flash")?;
         let rig = rig.as_ref().map(|taken| &taken.rig);

@@ -62,7 +62,11 @@ pub(super) struct ScenarioOptions {
 
 impl ScenarioOptions {
     /// `more` applies after the settings.
-    pub(super) fn read(self, more: Option<Override>, bench: &Bench) -> Result<Scenario, CliError> {
+    pub(super) fn read(
+        self,
+        more: impl IntoIterator<Item = Override>,
+        bench: &Bench,
+    ) -> Result<Scenario, CliError> {
         let overrides: Vec<_> = self.set.into_iter().map(Override::Set).chain(more).collect();
         Ok(Scenario::from_file_with(&self.scenario, &overrides, &plants(bench))?)
     }

@@ -43,6 +43,11 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     rig: RigOption,
 
+    /// Mode in place of the scenario's: in `hil` the bench simulates the plant, in `bench` the drive reads its own encoders
+    /// and commands its power stage
+    #[arg(long, value_name = "MODE", value_parser = ["hil", "bench"])]
+    mode: Option<String>,
+
     /// Law in place of the scenario's: any that the drive has, see `lashloop parameters list`
     #[arg(long, value_name = "NAME")]
     controller: Option<String>,
@@ -64,7 +69,10 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
-        let mut scenario = self.scenario.read(self.controller.map(Override::Controller), bench)?;
+        let mut scenario = {
+            let law = self.controller.map(Override::Controller);
+            self.scenario.read(law.into_iter().chain(self.mode.map(Override::Mode)), bench)?
+        };
         let clock = self.clock.clock()?;
         let when_full = match clock.name() {
             ClockName::Lockstep => WhenFull::Wait,
@@ -87,7 +95,7 @@ impl Arguments {
             Some(recorder) => Box::new(Captured::new(link, recorder)) as Box<dyn Link>,
             None => link,
         };
-        let mut device = DeviceUnderTest::open(&scenario, choice, &supervisor, listen)?;
+        let mut device = DeviceUnderTest::open(&scenario, choice, clock.name(), &supervisor, listen)?;
         if let Some(taken) = &rig {
             check_board(&taken.rig, &device.device)?;
             taken.rig.complete(&mut scenario, &device.device.session.parameters)?;
@@ -153,6 +161,7 @@ pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -
         scenario: scenario.name.clone(),
         device: device.description(),
         evidence: device.evidence(),
+        mode: scenario.run.mode,
         controller: scenario.controller.name.clone(),
         telemetry: Telemetry::from(device.session.subscription()),
         seed: scenario.run.seed,

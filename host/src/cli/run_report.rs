@@ -10,6 +10,9 @@ use super::output::outln;
 pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
     outln!("{}", scenario.title);
     outln!("device      {}", summary.device);
+    if !summary.mode.is_hil() {
+        outln!("mode        bench: positions from the drive's encoders, no truth");
+    }
     outln!("controller  {}", summary.controller);
     let Telemetry { every_steps, signals } = &summary.telemetry;
     match signals.len() {
@@ -17,7 +20,8 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
         count => outln!("telemetry   {count} signals every {every_steps} steps"),
     }
     let (steps, simulated_s, wall_s) = (summary.steps, summary.simulated_s, summary.wall_s);
-    outln!("run         {steps} steps, {simulated_s:.3} s of the plant in {wall_s:.3} s");
+    let what = if summary.mode.is_hil() { "the plant" } else { "the drive" };
+    outln!("run         {steps} steps, {simulated_s:.3} s of {what} in {wall_s:.3} s");
     let LinkCounts {
         frames_sent,
         frames_received,

@@ -16,6 +16,7 @@ use lashloop_bench::run::DeviceUnderTest;
 use lashloop_bench::run::{self, Clock, Outcome, RunError, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
 
 use super::error::{CliError, system};
@@ -98,7 +99,7 @@ fn one_run(
     supervisor: &Supervisor,
     watcher: &mut SoakWatcher<'_>,
 ) -> Result<Outcome, RunError> {
-    let mut device = DeviceUnderTest::open(scenario, choice, supervisor, |link| link)?;
+    let mut device = DeviceUnderTest::open(scenario, choice, ClockName::Lockstep, supervisor, |link| link)?;
     watcher.process = device.device.connection.host.process().map(|process| process.id);
     run::run(scenario, &mut device, Clock::Lockstep, watcher)
 }

@@ -41,7 +41,7 @@ pub fn check(rig: &Rig, supervisor: &Supervisor) -> RigCheck {
         findings.push(loader(rig));
         return RigCheck { findings, reached: Reached::NoHardware };
     }
-    let line = doctor::examine(&rig.port.device, rig.port.baud, ROUNDS, supervisor);
+    let line = doctor::examine(&rig.port.device, rig.port.baud, ROUNDS, supervisor, |_| {});
     findings.extend(line.findings);
     let mut reached = Reached::Port;
     if line.reached {

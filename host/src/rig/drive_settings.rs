@@ -3,7 +3,7 @@
 //! A drive offers the parameters that its pins need. A drive without pins lacks them, and then nothing is set.
 
 use lashloop_bench::scenario::controller::{ParameterSetting, ParameterValue};
-use lashloop_bench::scenario::{Origin, Scenario};
+use lashloop_bench::scenario::{Origin, RunMode, Scenario};
 use lashloop_bench::session::Parameter;
 use lashloop_protocol::enums::ParameterValue as WireValue;
 
@@ -30,8 +30,8 @@ impl Rig {
         let direction = |direction: Option<Direction>| {
             direction.map(|direction| {
                 ParameterValue::Text(match direction {
-                    Direction::Normal => "normal".to_owned(),
-                    Direction::Reversed => "reversed".to_owned(),
+                    Direction::Normal => "forward".to_owned(),
+                    Direction::Reversed => "reverse".to_owned(),
                 })
             })
         };
@@ -43,8 +43,12 @@ impl Rig {
                 })
             })
         };
+        let torque_direction = power_stage
+            .torque_per_duty_nm
+            .map(|scale| if scale < 0.0 { Direction::Reversed } else { Direction::Normal });
         let pins = [
-            ("torque_per_duty_nm", number(power_stage.torque_per_duty_nm)),
+            ("torque_per_duty_nm", number(power_stage.torque_per_duty_nm.map(f64::abs))),
+            ("torque_direction", direction(torque_direction)),
             ("duty_offset", number(power_stage.duty_offset)),
             ("duty_min", number(power_stage.duty_min)),
             ("duty_max", number(power_stage.duty_max)),
@@ -57,7 +61,8 @@ impl Rig {
     }
 
     /// Completes a scenario that keeps the limits: a limit that it leaves to the drive becomes the smaller of the drive's
-    /// default and the limit of the rig, and a drive with pins gets their settings. `parameters` are those of the drive.
+    /// default and the limit of the rig, and a drive with pins gets their settings. In bench mode the encoders are those of the
+    /// rig. `parameters` are those of the drive.
     ///
     /// # Errors
     /// The drive lacks the parameter of a limit.
@@ -77,6 +82,15 @@ impl Rig {
                 let value = ParameterValue::Number(limit.largest.min(default));
                 let (name, origin) = (limit.parameter.to_owned(), origin.clone());
                 settings.push(ParameterSetting { name, value, origin });
+            }
+        }
+        if scenario.run.mode == RunMode::Bench {
+            let encoders = &mut scenario.encoders;
+            for (counts, of_rig) in [
+                (&mut encoders.motor_counts_per_rev, self.encoders.motor_counts_per_rev),
+                (&mut encoders.load_counts_per_rev, self.encoders.load_counts_per_rev),
+            ] {
+                *counts = of_rig.unwrap_or(*counts);
             }
         }
         for (name, value) in self.pins() {
@@ -151,8 +165,32 @@ mod tests {
         let limit = parameter("torque_limit_nm", 3.0);
         assert_eq!(completed(&[], std::slice::from_ref(&limit)).len(), 1);
         let with_pins = completed(&[], &[limit, parameter("motor_direction", 0.0)]);
-        let direction = ParameterValue::Text("reversed".to_owned());
+        let direction = ParameterValue::Text("reverse".to_owned());
         assert_eq!(with_pins[1], ("motor_direction".to_owned(), direction));
+    }
+
+    #[test]
+    fn a_negative_scale_reverses_the_power_stage() {
+        let text = RIG.replace("[encoders]", "[power_stage]\ntorque_per_duty_nm = -6.4\n[encoders]");
+        let rig = Rig::from_str("rig.toml", &text).unwrap_or_else(|errors| panic!("{errors}"));
+        let pins = rig.pins();
+        assert!(pins.contains(&("torque_per_duty_nm", ParameterValue::Number(6.4))), "{pins:?}");
+        assert!(pins.contains(&("torque_direction", ParameterValue::Text("reverse".to_owned()))), "{pins:?}");
+    }
+
+    #[test]
+    fn encoders_of_the_rig_replace_those_of_the_scenario_in_bench_mode_only() {
+        let rig =
+            Rig::from_str("rig.toml", &RIG.replace("[encoders]", "[encoders]\nmotor_counts_per_rev = 8192"));
+        let rig = rig.unwrap_or_else(|errors| panic!("{errors}"));
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/smooth-after.toml");
+        for (mode, want) in [("hil", 131_072), ("bench", 8192)] {
+            let own = [format!("run.mode={mode}")];
+            let own: Vec<_> = own.iter().map(String::as_str).collect();
+            let mut scenario = crate::Bench::new().scenario(&path, &own).expect("a scenario");
+            rig.complete(&mut scenario, &[parameter("torque_limit_nm", 3.0)]).expect("a torque limit");
+            assert_eq!(scenario.encoders.motor_counts_per_rev, want, "{mode}");
+        }
     }
 
     #[test]

@@ -180,7 +180,9 @@ mod tests {
         assert!(errors.contains("rig.toml allows limits.motor_speed_rad_s = 90 rad/s"), "{errors}");
     }
 
-    const SINE: [&str; 4] = [
+    const SINE: [&str; 6] = [
+        "plant.initial.load_position_rad=0",
+        "plant.initial.motor_position_rad=0",
         "reference.profile=sine",
         "reference.amplitude_rad=0.5",
         "reference.offset_rad=0",

@@ -199,9 +199,9 @@ messages! {
         torque_nm: f32,
         /// State after the step, and flags of this torque.
         status: TorqueStatus,
-        /// Time from the start of the step to this message, in us; saturates.
-        compute_time_us: u16,
-        /// Time from the due time of the step to its start, in us; saturates.
-        tick_lateness_us: u16,
+        /// Time from the start of the step to this message, in 0.1 us; saturates.
+        compute_tenths_us: u16,
+        /// Time from the due time of the step to its start, in 0.1 us; saturates.
+        lateness_tenths_us: u16,
     }
 }

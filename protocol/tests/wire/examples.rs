@@ -120,8 +120,8 @@ pub fn from_drive() -> Vec<DriveMessage> {
             reference_number: 513,
             torque_nm: -7.5,
             status: TorqueStatus { state: State::Running, flags: TorqueFlags::SATURATED },
-            compute_time_us: 12,
-            tick_lateness_us: 3,
+            compute_tenths_us: 123,
+            lateness_tenths_us: 31,
         }
         .into(),
     ]

@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Name of the channel's port in the guest.
-pub const PORT: &str = "/dev/vport0p1";
+/// Where the guest lists the ports of virtio, of which it has one: the channel.
+pub const PORTS: &str = "/sys/class/virtio-ports";
 /// Where the guest has the workspace, and the folder of the programs under test.
 pub const WORKSPACE: &str = "/workspace";
 /// Where the guest has the folder of the programs under test.

@@ -22,7 +22,7 @@ use tests::{fault_table, optional, own_core};
 type Check = fn();
 
 /// Trials that need image and emulator.
-const TRIALS: [(&str, Check); 15] = [
+const TRIALS: [(&str, Check); 16] = [
     ("codec::encoding_and_decoding_take_few_instructions", codec::every_message),
     ("conforming::the_image_passes_every_check_it_can_show", conforming::every_check),
     ("faults::the_run_without_faults_passes", || fault_table::check_healthy_on("qemu")),

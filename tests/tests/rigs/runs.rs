@@ -50,8 +50,15 @@ fn a_scenario_beyond_the_limits_reaches_no_drive() {
     let torque = run(&rig, &["--set", "controller.parameters.torque_limit_nm=6"]).with_code(2).stderr;
     let want = format!("exceeds the rig; {} allows limits.torque_nm = 5 N m", rig.path());
     assert!(torque.contains("torque_limit_nm=6") && torque.contains(&want), "{torque}");
-    let travel =
-        run(&rig, &["--set", "reference.position_rad=0.6", "--set", "meant=start"]).with_code(2).stderr;
+    let far = [
+        "--set",
+        "reference.position_rad=0.6",
+        "--set",
+        "meant=start",
+        "--set",
+        "controller.parameters.torque_limit_nm=5",
+    ];
+    let travel = run(&rig, &far).with_code(2).stderr;
     assert!(travel.contains("the reference reaches 0.600000 rad"), "{travel}");
 }
 
@@ -101,7 +108,7 @@ fn a_device_in_use_without_a_rig_is_in_use_for_a_rig_too() {
 #[test]
 fn a_drive_on_another_board_is_rejected() {
     let twin = Twin::start();
-    let rig = RigFile::with(&twin.device(), "odrive-v3", "torque_nm = 5.0\nload_travel_rad = 2.0");
+    let rig = RigFile::with(&twin.device(), "odrive-v3", "torque_nm = 50.0\nload_travel_rad = 2.0");
     let message = run(&rig, &[]).with_code(4).stderr;
     assert!(message.contains("its board is native-twin") && message.contains("is odrive-v3"), "{message}");
 }

@@ -113,6 +113,8 @@ fn cells_of_the_page() -> BTreeSet<Cell> {
         cells.extend(with_index.map(|request| cell(request, before, "UnknownIndex")));
     }
     cells.extend(["Idle", "Armed", "Running"].map(|before| cell("Subscribe", before, "UnknownIndex")));
+    // Section 18: this drive has no pins.
+    cells.extend(states.iter().map(|before| cell("Reference", before, "WrongState")));
     cells.extend([
         cell("SetParameter", "Idle", "WrongType"),
         cell("SetParameter", "Idle", "OutOfRange"),

@@ -14,7 +14,7 @@ use crate::script::{Side, script};
 /// Time that an answer may take on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(20);
 /// Longest time that a control step of `pd` may take, as the drive reports it.
-const LONGEST_STEP_US: u16 = 100;
+const LONGEST_STEP_TENTHS_US: u16 = 1000;
 
 /// The image's end of the line. Dropping it ends the process.
 struct Line {
@@ -81,9 +81,12 @@ fn as_came(documented: &[u8], came: &[u8]) -> Vec<u8> {
             DriveMessage::from(Identity { firmware, build_id, dirty, ..identity })
         }
         (Some(Ok(DriveMessage::TorqueAnswer(answer))), Some(Ok(DriveMessage::TorqueAnswer(came)))) => {
-            let compute_time_us = came.compute_time_us;
-            assert!(compute_time_us <= LONGEST_STEP_US, "a step took {compute_time_us} us");
-            DriveMessage::from(TorqueAnswer { compute_time_us, ..answer })
+            let compute_tenths_us = came.compute_tenths_us;
+            assert!(
+                compute_tenths_us <= LONGEST_STEP_TENTHS_US,
+                "a step took {compute_tenths_us} tenths of a us"
+            );
+            DriveMessage::from(TorqueAnswer { compute_tenths_us, ..answer })
         }
         _ => return documented.to_vec(),
     };

@@ -3,6 +3,7 @@
 //! Every run here also shows that the chip serves all accesses of the image: virtual silicon ends at the first that it
 //! doesn't. The models are made from the manual and are no hardware.
 
+#[allow(dead_code, reason = "the script of the document needs sections alone")]
 #[path = "../../../protocol/tests/wire/markdown.rs"]
 mod markdown;
 #[path = "../document/script.rs"]
@@ -28,7 +29,9 @@ const TRIALS: [(&str, Check); 7] = [
     ("runs::a_killed_process_is_reported_with_its_signal", runs::killed),
     ("runs::a_file_that_is_no_image_is_named", runs::stranger),
     ("runs::an_image_without_the_protocol_is_reported_as_silent", runs::silent),
-    ("faults::the_watchdog_removes_the_torque_in_time", || fault_table::check_watchdog_on("silicon")),
+    ("faults::the_watchdog_removes_the_torque_in_time", || {
+        fault_table::check_watchdog_on("silicon");
+    }),
 ];
 
 fn main() -> ExitCode {

@@ -20,7 +20,7 @@ use crate::metadata::Root;
 use crate::{code_lines, metadata};
 
 /// Most code lines of all production code.
-const TOTAL: usize = 38_600;
+const TOTAL: usize = 42_000;
 /// Most code lines of the bench loop's crate.
 const BENCH: usize = 12_000;
 const BENCH_FOLDER: &str = "host/bench";

@@ -4,7 +4,7 @@ use lashloop_bench::link::latency_timer::UDEV_RULE;
 use tests::usb_guest::request::User;
 
 use crate::machine::{
-    Device, Kind, Machine, RESUMING, await_run, check_resumed, check_torques, finish_run, start_run,
+    Device, Kind, Machine, RESUMING, SCENARIO, await_run, check_resumed, check_torques, finish_run, start_run,
 };
 
 const TIMER: &str = "/sys/bus/usb-serial/devices/ttyUSB0/latency_timer";
@@ -43,8 +43,12 @@ pub(crate) fn warned(machine: &mut Machine) {
         doctor.stdout
     );
     assert!(p50_us(&doctor.stdout) > 12_000.0, "{}", doctor.stdout);
-    let short = ["run", crate::machine::SCENARIO, "--device", "/dev/ttyUSB0", "--set", "run.duration_s=0.1"];
-    let run = machine.lashloop_as(User::Member, &short);
+    let mut run = vec!["run", SCENARIO, "--device", "/dev/ttyUSB0"];
+    // Few samples again.
+    for setting in ["run.duration_s=2.0", "run.control_period_us=10000"] {
+        run.extend(["--set", setting]);
+    }
+    let run = machine.lashloop_as(User::Member, &run);
     let warning = "lashloop: warning: the latency timer of /dev/ttyUSB0 is 16 ms";
     assert!(run.stderr.contains(warning) && run.stderr.contains(UDEV_RULE), "{}", run.stderr);
 }

@@ -332,8 +332,8 @@ class BenchSample(DriveMessage):
     reference_number: U16
     torque_nm: F32
     status: StatusField
-    compute_time_us: U16
-    tick_lateness_us: U16
+    compute_tenths_us: U16
+    lateness_tenths_us: U16
 
 
 HOST_MESSAGES: tuple[type[HostMessage], ...] = (

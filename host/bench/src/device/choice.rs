@@ -7,8 +7,12 @@ use std::sync::Arc;
 
 use lashloop_firmware::Laws;
 
+use super::error::DeviceError;
 use super::kind::{DeviceKind, Syntax};
 use super::kinds;
+use super::pin_plant::PinPlant;
+use crate::scenario::Scenario;
+use crate::timing::ClockName;
 
 /// The drive of a session: parsed from the text after `--device`, and displayed as that text.
 #[derive(Debug, Clone)]
@@ -28,6 +32,24 @@ impl DeviceChoice {
     pub fn parse(text: &str, kinds: &[Syntax]) -> Result<Self, String> {
         let kind = kinds.iter().find_map(|syntax| (syntax.parse)(text));
         kind.unwrap_or_else(|| Err(expected(kinds))).map(|kind| Self(kind.into()))
+    }
+
+    /// This device for a run: in bench mode with the scenario's plant behind the pins, unless they are wired to hardware.
+    ///
+    /// # Errors
+    /// The plant can't be put behind the pins, and what to do.
+    pub fn for_run(&self, scenario: &Scenario, clock: ClockName) -> Result<Self, DeviceError> {
+        if scenario.run.mode.is_hil() {
+            return Ok(self.clone());
+        }
+        let with_plant = self.0.with_plant(&PinPlant::new(scenario, clock))?;
+        Ok(with_plant.map_or_else(|| self.clone(), |kind| Self(kind.into())))
+    }
+
+    /// Whether the device runs in bench mode under this clock.
+    #[must_use]
+    pub fn keeps_bench_clock(&self, clock: ClockName) -> bool {
+        self.0.keeps_bench_clock(clock)
     }
 
     /// Path of the terminal that the drive is at; `None` for a drive that is reached in another way.

@@ -1,7 +1,5 @@
 //! A drive with an open session.
 
-use std::time::{SystemTime, UNIX_EPOCH};
-
 use lashloop_link::Link;
 
 use super::choice::DeviceChoice;
@@ -43,8 +41,8 @@ impl Device {
         middleware: impl FnOnce(Box<dyn Link>) -> Box<dyn Link>,
     ) -> Result<Self, DeviceError> {
         let (link, connection) = Connection::open(choice, speed, supervisor)?;
-        let session =
-            Session::open(middleware(link), session_number()).map_err(|source| connection.explain(source))?;
+        let session = Session::open(middleware(link), choice.0.session_number())
+            .map_err(|source| connection.explain(source))?;
         Ok(Self { session, connection })
     }
 
@@ -77,11 +75,4 @@ impl Device {
     pub fn unfit(&self, problem: String) -> DeviceError {
         DeviceError::Unfit { device: self.connection.choice.to_string(), problem }
     }
-}
-
-/// A session number that no earlier session on this machine had, up to chance.
-#[must_use]
-pub fn session_number() -> u32 {
-    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    (now.as_nanos() as u32) ^ std::process::id().rotate_left(16)
 }

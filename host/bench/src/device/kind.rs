@@ -8,7 +8,10 @@ use lashloop_link::Link;
 use super::drive_host::DriveHost;
 use super::error::DeviceError;
 use super::evidence::DriveFiles;
+use super::pin_plant::PinPlant;
+use super::session_number::session_number;
 use crate::supervisor::Supervisor;
+use crate::timing::ClockName;
 
 /// One way to reach a drive.
 pub trait DeviceKind: fmt::Debug + Send + Sync {
@@ -25,6 +28,25 @@ pub trait DeviceKind: fmt::Debug + Send + Sync {
     /// Path of the terminal that the drive is at; `None` for a drive that is reached in another way.
     fn terminal(&self) -> Option<&Path> {
         None
+    }
+
+    /// This device with a plant behind the pins of its drive; `None` for a drive whose pins are wired to hardware.
+    ///
+    /// # Errors
+    /// What the device needs to know of the plant, and what to do.
+    fn with_plant(&self, pins: &PinPlant) -> Result<Option<Box<dyn DeviceKind>>, DeviceError> {
+        let _ = pins;
+        Ok(None)
+    }
+
+    /// Whether the device runs in bench mode under this clock. By default its drive has a time of its own.
+    fn keeps_bench_clock(&self, clock: ClockName) -> bool {
+        clock == ClockName::RealTime
+    }
+
+    /// Number of the first session. The default is unlike any earlier one, of which frames may still be on the line.
+    fn session_number(&self) -> u32 {
+        session_number()
     }
 
     /// Checks that a UART may be modelled on this link: that it has none of its own. `baud` is the speed it has otherwise.

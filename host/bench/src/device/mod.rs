@@ -7,6 +7,10 @@
 //! | `choice` | [`DeviceChoice`]: the drive that a user names |
 //! | `kind` | [`DeviceKind`]: one way to reach a drive |
 //! | [`kinds`] | all of them, each in a file of its own |
+//! | `pin_plant` | [`PinPlant`]: the plant behind the pins of a drive in bench mode |
+//! | `session_number` | numbers of sessions |
+//! | `slow_time` | the time of a device that is emulated in lockstep |
+//! | `in_process_bench` | the drive in this process with encoders, a power stage and a plant |
 //! | `image` | where the image of the firmware is |
 //! | `evidence` | [`Evidence`]: the files that run as the drive, for the record |
 //! | `drive_host` | [`DriveHost`]: what runs the drive, and can suspend it |
@@ -20,8 +24,12 @@ mod error;
 mod evidence;
 mod handle;
 mod image;
+mod in_process_bench;
 mod kind;
 pub mod kinds;
+mod pin_plant;
+mod session_number;
+mod slow_time;
 pub mod twin;
 mod uart_socket;
 
@@ -30,7 +38,9 @@ pub use connection::{Connection, LineSpeed};
 pub use drive_host::DriveHost;
 pub use error::DeviceError;
 pub use evidence::{Build, DriveFiles, Evidence, FileHash};
-pub use handle::{Device, session_number};
+pub use handle::Device;
 pub use image::find as find_image;
 pub use kind::{DeviceKind, Opened, ParsedKind, Syntax};
 pub use kinds::terminal::open_terminal;
+pub use pin_plant::PinPlant;
+pub use session_number::session_number;

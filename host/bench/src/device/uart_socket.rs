@@ -8,7 +8,7 @@ use std::{io, thread};
 
 use lashloop_link::socket::Socket;
 
-use super::drive_host::{START_LIMIT, not_up};
+use super::drive_host::not_up;
 use super::error::DeviceError;
 use crate::supervisor::Process;
 
@@ -37,9 +37,9 @@ impl UartSocket {
     /// Waits for the connection of the emulated board.
     ///
     /// # Errors
-    /// The process ended or did not connect within [`START_LIMIT`].
-    pub(super) fn accept(self, process: &Process) -> Result<Socket, DeviceError> {
-        let deadline = Instant::now() + START_LIMIT;
+    /// The process ended or did not connect within `limit`.
+    pub(super) fn accept(self, process: &Process, limit: Duration) -> Result<Socket, DeviceError> {
+        let deadline = Instant::now() + limit;
         let failed = |source| DeviceError::Spawn { name: process.name, source };
         loop {
             match self.listener.accept() {

@@ -11,6 +11,7 @@ use serde::de::DeserializeOwned;
 use super::columns::Columns;
 use super::file_names::{COLUMNS_FILE, TIMING_FILE, TRACE_FILE};
 use super::summary::SUMMARY_FILE;
+use crate::scenario::RunMode;
 
 /// A table of numbers from a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +43,9 @@ pub struct SummaryHead {
     pub scenario: String,
     /// The drive.
     pub device: String,
+    /// The mode; absent in HIL mode.
+    #[serde(default)]
+    pub mode: RunMode,
     /// The control law.
     pub controller: String,
     /// `complete`, or what interrupted the run.

@@ -12,6 +12,7 @@ use crate::atomic_file::WriteError;
 use crate::atomic_file::write_whole;
 use crate::device::Evidence;
 use crate::fault::log::FaultRecord;
+use crate::scenario::RunMode;
 use crate::session::Subscription;
 use crate::timing::TimingReport;
 use crate::verdict::{BrokenRule, JudgedExpectation, LinkCounts, Verdict};
@@ -28,6 +29,10 @@ pub struct Summary {
     pub device: String,
     /// The files that ran as the drive, with their hashes, and what casts doubt on their origin.
     pub evidence: Evidence,
+    /// The mode; left out in HIL mode. A run in bench mode has no truth: positions are those of the drive's encoders, the signals
+    /// of the plant are NaN, and metrics that need them have no value.
+    #[serde(skip_serializing_if = "RunMode::is_hil")]
+    pub mode: RunMode,
     /// The control law.
     pub controller: String,
     /// The telemetry subscribed.
@@ -150,6 +155,7 @@ mod tests {
 
     use super::{Summary, Telemetry, Versions};
     use crate::device::{Evidence, FileHash};
+    use crate::scenario::RunMode;
     use crate::scenario::expectation::Expectation;
     use crate::scenario::sections::Allowance;
     use crate::timing::{ClockName, Timings};
@@ -191,6 +197,7 @@ mod tests {
                 bench_build: "build 1234abcd".to_owned(),
                 warnings: Vec::new(),
             },
+            mode: RunMode::Hil,
             controller: "pd".to_owned(),
             telemetry: Telemetry { every_steps: 10, signals: vec!["dead_zone_estimate_rad".to_owned()] },
             seed: 1,

@@ -14,7 +14,7 @@ row! {
     pub struct TimingRow {
         /// Control step, from 0.
         step: "",
-        /// Wake-up of the bench after its deadline.
+        /// Wake-up of the bench after its deadline; in bench mode, start of the drive's step after its due time.
         lateness_us: "us",
         /// 1 if the drive has answered in time, else 0.
         answered: "",
@@ -45,7 +45,7 @@ impl TimingRow {
             missed: flag(timing.outcome == StepOutcome::Missed),
             send_us: part(trip.map(|trip| trip.send)),
             line_and_device_us: part(trip.map(|trip| trip.line_and_device)),
-            compute_us: part(trip.map(|trip| trip.compute)),
+            compute_us: part(trip.map(|trip| trip.compute).or(timing.tick_compute)),
             receive_us: part(trip.map(|trip| trip.receive)),
         }
     }

@@ -3,7 +3,7 @@
 //! | columns, in this order | content |
 //! |---|---|
 //! | those of [`TraceRow`] | what every run has |
-//! | the signals of the plant | its truth at `time_s` |
+//! | the signals of the plant | its truth at `time_s`; NaN in bench mode, which has no truth |
 //! | `drive.NAME` for each signal subscribed | the latest telemetry, repeated until the next; NaN before the first |
 //! | `telemetry_time_s` | time of the sample that the drive's signals belong to; NaN before the first telemetry |
 //!
@@ -24,7 +24,7 @@ use super::table::TableWriter;
 use crate::atomic_file::{WriteError, write_whole};
 
 row! {
-    /// The columns that every trace has. Positions are the true ones at `time_s`.
+    /// The columns that every trace has. Positions are the true ones at `time_s`, in bench mode those of the drive's encoders.
     pub struct TraceRow {
         /// Time of the run.
         time_s: "s",

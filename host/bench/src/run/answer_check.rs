@@ -4,7 +4,7 @@
 //! once an answer has arrived, that the drive has accepted it. A rule is broken only if no such line explains the answer.
 //! After a sample that was sent and not answered, for example, the flag `GAP` may be there or not.
 
-use lashloop_protocol::enums::{State, TorqueFlags};
+use lashloop_protocol::enums::{State, TorqueFlags, TorqueStatus};
 use lashloop_protocol::message::TorqueAnswer;
 use lashloop_protocol::sequence::nearest_step;
 
@@ -83,19 +83,10 @@ impl AnswerCheck {
     /// The rule that the answer to a sample breaks; a sample that is not known has been sent before the present start.
     fn broken_rule(&self, answer: &TorqueAnswer, sample: Option<Sent>) -> Option<AnswerRule> {
         let &TorqueAnswer { torque_nm, status, .. } = answer;
-        let (state, limit_nm) = (status.state, self.torque_limit_nm);
+        let state = status.state;
         let has = |flag| status.flags.contains(flag);
-        if !torque_nm.is_finite() {
-            return Some(AnswerRule::Finite { torque_nm });
-        }
-        if state != State::Running && torque_nm != 0.0 {
-            return Some(AnswerRule::ZeroUnlessRunning { torque_nm, state });
-        }
-        if torque_nm.abs() > limit_nm {
-            return Some(AnswerRule::WithinLimit { torque_nm, limit_nm });
-        }
-        if has(TorqueFlags::SATURATED) && torque_nm.abs() != limit_nm {
-            return Some(AnswerRule::SaturatedAtLimit { torque_nm, limit_nm });
+        if let Some(rule) = broken_torque_rule(torque_nm, status, self.torque_limit_nm) {
+            return Some(rule);
         }
         if let Some(sample) = sample {
             // Behind an answer, it is the line that has duplicated the sample.
@@ -123,6 +114,22 @@ impl AnswerCheck {
             None => Before::NotSent,
         }
     }
+}
+
+/// The rule that a torque breaks, in either mode.
+pub(super) fn broken_torque_rule(torque_nm: f32, status: TorqueStatus, limit_nm: f32) -> Option<AnswerRule> {
+    let TorqueStatus { state, flags } = status;
+    if !torque_nm.is_finite() {
+        return Some(AnswerRule::Finite { torque_nm });
+    }
+    if state != State::Running && torque_nm != 0.0 {
+        return Some(AnswerRule::ZeroUnlessRunning { torque_nm, state });
+    }
+    if torque_nm.abs() > limit_nm {
+        return Some(AnswerRule::WithinLimit { torque_nm, limit_nm });
+    }
+    (flags.contains(TorqueFlags::SATURATED) && torque_nm.abs() != limit_nm)
+        .then_some(AnswerRule::SaturatedAtLimit { torque_nm, limit_nm })
 }
 
 /// What the bench knows of the sample before another one.

@@ -6,12 +6,12 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use lashloop_protocol::DriveMessage;
-use lashloop_protocol::message::{FaultReport, GetParameter, TorqueAnswer};
+use lashloop_protocol::message::TorqueAnswer;
 
 use super::answer_check::AnswerCheck;
 use super::error::RunError;
 use super::held_torque::HeldTorque;
+use super::latched_fault::latched_fault;
 use super::outcome::End;
 use super::phase::{Phase, Request};
 use super::simulator::Simulator;
@@ -23,17 +23,13 @@ use crate::device::Device;
 use crate::fault::timeline::Timeline;
 use crate::scenario::Scenario;
 use crate::scenario::fault::{FaultKind, FrameFault, Way};
-use crate::session::handshake::shake_hands;
-use crate::session::{AtStep, Exchange, SessionError};
+use crate::session::{Exchange, SessionError};
 use crate::timing::{ClockName, RoundTrip, StepOutcome, StepTiming};
 use crate::verdict::AnswerRule;
 
-/// Requests for the report of a latched fault, of which the line may lose some.
-const FAULT_REQUESTS: usize = 3;
-
 /// The loop of one run.
 pub(super) struct ControlLoop<'a, S> {
-    scenario: &'a Scenario,
+    pub(super) scenario: &'a Scenario,
     simulator: Simulator,
     pub(super) sink: S,
     pub(super) timeline: Timeline,
@@ -58,6 +54,8 @@ pub(super) struct LoopSettings {
     pub(super) clock: ClockName,
     /// The drive's watchdog in real time; `None` in lockstep.
     pub(super) watchdog: Option<Duration>,
+    /// Signals of the plant in the record.
+    pub(super) plant_signals: usize,
     /// Signals that the drive sends in a telemetry.
     pub(super) drive_signals: usize,
     /// The drive's largest torque in N m, as read from it.
@@ -87,7 +85,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         settings: LoopSettings,
         sink: S,
     ) -> Self {
-        let LoopSettings { clock, watchdog, drive_signals, torque_limit_nm } = settings;
+        let LoopSettings { clock, watchdog, drive_signals, torque_limit_nm, .. } = settings;
         let period = Duration::from_micros(scenario.run.control_period_us.into());
         let waiting = || WaitingTime::new(scenario.link.mean_wait(), scenario.link.answer_timeout());
         Self {
@@ -133,14 +131,23 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
                 // The motor gets no torque of such a drive any more, and the record shows it.
                 self.torque.torque_nm = 0.0;
                 self.finish(device)?;
-                let timing = StepTiming { lateness, outcome: StepOutcome::Answered, round_trip: None };
+                let timing = StepTiming {
+                    lateness,
+                    outcome: StepOutcome::Answered,
+                    round_trip: None,
+                    tick_compute: None,
+                };
                 self.hold(step, observation, timing)?;
                 Ok(Some(end))
             }
             ControlFlow::Break(end) => Ok(Some(end)),
             ControlFlow::Continue((outcome, round_trip)) => {
                 self.finish(device)?;
-                self.hold(step, observation, StepTiming { lateness, outcome, round_trip })?;
+                self.hold(
+                    step,
+                    observation,
+                    StepTiming { lateness, outcome, round_trip, tick_compute: None },
+                )?;
                 Ok(None)
             }
         }
@@ -154,7 +161,12 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         self.hold(
             step,
             observation,
-            StepTiming { lateness: Duration::ZERO, outcome: StepOutcome::Missed, round_trip: None },
+            StepTiming {
+                lateness: Duration::ZERO,
+                outcome: StepOutcome::Missed,
+                round_trip: None,
+                tick_compute: None,
+            },
         )
     }
 
@@ -162,19 +174,7 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
     pub(super) fn finish(&mut self, device: &Device) -> Result<(), RunError> {
         let Some(mut step) = self.unfinished.take() else { return Ok(()) };
         if let Some((telemetry, origin)) = device.session.line.telemetry.zip(self.phase.origin()) {
-            let sent = telemetry.values.as_slice();
-            if sent.len() != step.drive.values.len() {
-                let (have, want) = (sent.len(), step.drive.values.len());
-                return Err(device
-                    .unfit(format!("its telemetry has {have} signals; {want} are subscribed"))
-                    .into());
-            }
-            for (value, sent) in step.drive.values.iter_mut().zip(sent) {
-                *value = f64::from(*sent);
-            }
-            // Not as integers: a drive may send any sequence number.
-            let sent_at = f64::from(origin) + f64::from(telemetry.step);
-            step.drive.time_s = Some(sent_at * self.scenario.run.control_period_s());
+            step.drive.take(&telemetry, origin, self.scenario.run.control_period_s(), device)?;
         }
         self.sink.take(step)
     }
@@ -311,24 +311,6 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         self.counts.steps += 1;
         Ok(self.simulator.step(step, torque_nm)?)
     }
-}
-
-/// The fault behind an answer of a drive that runs no more. Its report follows the answer, or is lost on the line; the drive
-/// sends it again after an identity. `None` if the drive has none.
-fn latched_fault(device: &mut Device) -> Result<Option<AtStep<FaultReport>>, SessionError> {
-    let session = &mut device.session;
-    for _ in 0..FAULT_REQUESTS {
-        if session.line.fault.is_none() {
-            let number = session.line.session;
-            shake_hands(&mut session.line, number)?;
-            // The report follows the identity; the answer to a request is behind both.
-            let _ = session.line.request(&GetParameter { index: 0 }.into(), |answer| match answer {
-                DriveMessage::ParameterReport(_) => Some(()),
-                _ => None,
-            })?;
-        }
-    }
-    Ok(session.line.fault)
 }
 
 /// Whether a fault of the scenario duplicates frames to the drive, which then answers a sample twice.

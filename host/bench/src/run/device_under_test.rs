@@ -6,6 +6,7 @@ use crate::device::{Device, DeviceChoice, DeviceError};
 use crate::fault::link::LinkFaults;
 use crate::scenario::Scenario;
 use crate::supervisor::Supervisor;
+use crate::timing::ClockName;
 
 /// A device and the faults on its link.
 pub struct DeviceUnderTest {
@@ -16,7 +17,8 @@ pub struct DeviceUnderTest {
 }
 
 impl DeviceUnderTest {
-    /// Opens a device for a scenario: at its line speed, and with its faults on the link. `middleware` wraps the link on the
+    /// Opens a device for a scenario: at its line speed, with its faults on the link, and in bench mode with its plant behind
+    /// the pins. `middleware` wraps the link on the
     /// bench's side of the faults.
     ///
     /// # Errors
@@ -24,6 +26,7 @@ impl DeviceUnderTest {
     pub fn open(
         scenario: &Scenario,
         choice: &DeviceChoice,
+        clock: ClockName,
         supervisor: &Supervisor,
         middleware: impl FnOnce(Box<dyn Link>) -> Box<dyn Link>,
     ) -> Result<Self, DeviceError> {
@@ -32,8 +35,9 @@ impl DeviceUnderTest {
             Some(faults) => faults.wrap(link, scenario),
             None => link,
         };
+        let choice = choice.for_run(scenario, clock)?;
         let device =
-            Device::open_through(choice, &scenario.link, supervisor, |link| middleware(inject(link)))?;
+            Device::open_through(&choice, &scenario.link, supervisor, |link| middleware(inject(link)))?;
         Ok(Self { device, link_faults })
     }
 }

@@ -3,19 +3,27 @@
 use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
 use lashloop_protocol::parameter_names::{
-    CONTROLLER, LOAD_COUNTS_PER_REV, MOTOR_COUNTS_PER_REV, PERIOD_US, WATCHDOG_US,
+    BENCH_SAMPLE_EVERY, CONTROLLER, LOAD_COUNTS_PER_REV, MOTOR_COUNTS_PER_REV, PERIOD_US, SAMPLE_SOURCE,
+    WATCHDOG_US,
 };
 
 use crate::names::UnknownName;
 use crate::scenario::controller::{self, ParameterSetting};
-use crate::scenario::{Origin, Scenario, ScenarioError, ScenarioErrors};
+use crate::scenario::{Origin, RunMode, Scenario, ScenarioError, ScenarioErrors};
 use crate::session::{Law, Parameter, Session, Subscription, WrittenValue};
 use crate::timing::ClockName;
+
+/// Parameters of bench mode that the bench sets itself, and the keys that they follow.
+const OF_BENCH_MODE: [(&str, &str); 2] = [(SAMPLE_SOURCE, "run.mode"), (BENCH_SAMPLE_EVERY, "run.mode")];
+/// Choice `pins` of [`SAMPLE_SOURCE`].
+const PINS: f64 = 1.0;
 
 /// What a scenario sets on a drive.
 pub(super) struct DriveSettings<'a> {
     /// Parameters that every drive must have, with their values.
     pub(super) required: Vec<(&'static str, f64)>,
+    /// Those of `[bench]`, in bench mode.
+    pub(super) bench: &'a [ParameterSetting],
     /// Those of `[controller.parameters]` that the law has.
     pub(super) parameters: Vec<&'a ParameterSetting>,
     pub(super) subscription: Subscription,
@@ -71,12 +79,18 @@ impl<'a> DriveSettings<'a> {
             |name| name == CONTROLLER && session.laws.len() == 1 && session.parameter(name).is_none();
         let mut required: Vec<_> = from_sections.into_iter().map(|(name, _, value)| (name, value)).collect();
         required.retain(|(name, _)| !is_optional(*name));
-        if clock == ClockName::Lockstep {
+        let bench = match scenario.run.mode {
+            RunMode::Hil => &[][..],
+            RunMode::Bench => &scenario.bench.parameters,
+        };
+        if !scenario.run.mode.is_hil() {
+            required.extend([(SAMPLE_SOURCE, PINS), (BENCH_SAMPLE_EVERY, 1.0)]);
+        } else if clock == ClockName::Lockstep {
             // The watchdog must tolerate a slow bench but not a dead one: it waits as long for the bench as the bench does
             // for the drive. In real time it stays as on a real bench.
             required.push((WATCHDOG_US, 1e3 * f64::from(scenario.link.silence_limit_ms)));
         }
-        Ok(Self { required, parameters, subscription, notes })
+        Ok(Self { required, bench, parameters, subscription, notes })
     }
 }
 
@@ -122,7 +136,8 @@ fn check(
     law: &Law,
     from_sections: &[(&str, &str, f64)],
 ) -> Result<Use, ScenarioError> {
-    if let Some((_, key, _)) = from_sections.iter().find(|(name, ..)| *name == setting.name) {
+    let of_sections = from_sections.iter().map(|(name, key, _)| (*name, *key)).chain(OF_BENCH_MODE);
+    if let Some((_, key)) = of_sections.into_iter().find(|(name, _)| *name == setting.name) {
         return Err(ScenarioError::parameter(setting, format!("is set by {key}; set it there")));
     }
     let parameter = session.parameter(&setting.name).ok_or_else(|| {

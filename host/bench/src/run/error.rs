@@ -6,6 +6,7 @@ use crate::atomic_file::WriteError;
 use crate::device::DeviceError;
 use crate::fault::timeline::UnsupportedFault;
 use crate::scenario::{ScenarioError, ScenarioErrors};
+use crate::timing::ClockName;
 
 /// Why a run could not be started or finished.
 #[derive(Debug, thiserror::Error)]
@@ -15,7 +16,7 @@ pub enum RunError {
     Scenario(#[from] ScenarioErrors),
     /// The drive's parameters contradict each other.
     #[error(
-        "the drive reports \"{log}\": change [controller.parameters], [encoders] or [run] in the scenario"
+        "the drive reports \"{log}\": change [controller.parameters], [encoders], [bench] or [run] in the scenario"
     )]
     Inconsistent {
         /// The drive's log texts.
@@ -48,6 +49,17 @@ pub enum RunError {
     /// A fault of the scenario is not supported on this device.
     #[error(transparent)]
     Fault(#[from] UnsupportedFault),
+    /// The device has another time in bench mode.
+    #[error(
+        "{device} can't run in bench mode in {clock}: a drive with a time of its own needs --clock real-time, and inproc needs \
+         --clock lockstep; silicon takes both"
+    )]
+    BenchClock {
+        /// The device.
+        device: String,
+        /// The clock of the run.
+        clock: ClockName,
+    },
     /// The record is slower than the run.
     #[error("{steps} steps wait to be recorded: write to a faster disk, or omit --out and --capture")]
     RecordBehind {

@@ -4,9 +4,9 @@
 
 use std::time::Duration;
 
-use super::control_loop::ControlLoop;
 use super::error::RunError;
 use super::outcome::End;
+use super::run_loop::RunLoop;
 use super::step_sink::StepSink;
 use crate::device::Device;
 use crate::scenario::Scenario;
@@ -16,13 +16,13 @@ use crate::scenario::Scenario;
 /// # Errors
 /// The device, its link or the record failed.
 pub(super) fn close<S: StepSink>(
-    control: &mut ControlLoop<'_, S>,
+    control: &mut RunLoop<'_, S>,
     scenario: &Scenario,
     device: &mut Device,
 ) -> Result<End, RunError> {
     let answer_timeout = scenario.link.answer_timeout();
-    for step in 0..scenario.run.steps() {
-        if control.sink.stop_asked() {
+    for step in 0..control.periods() {
+        if control.stop_asked() {
             return Ok(End::Interrupted);
         }
         let deadline = device.session.line.now() + answer_timeout;
@@ -30,5 +30,5 @@ pub(super) fn close<S: StepSink>(
             return Ok(end);
         }
     }
-    Ok(End::Complete)
+    control.complete(device)
 }

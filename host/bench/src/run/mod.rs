@@ -9,7 +9,11 @@
 //! | [`setup`] | applies the scenario's settings to the drive |
 //! | `lockstep` | paces the loop by the drive: the plant waits for it |
 //! | [`real_time`] | paces the loop by the wall clock |
-//! | `control_loop` | one step of the loop |
+//! | `run_loop` | what closes the loop: HIL mode or bench mode |
+//! | `control_loop` | one step of HIL mode |
+//! | `bench_loop` | one period of bench mode: a reference, and the reports of the drive's own steps |
+//! | `bench_positions` | positions from the counts of the drive's encoders |
+//! | `latched_fault` | the report of a fault that the drive has latched |
 //! | `answer_check` | holds every torque answer to the rules of the protocol |
 //! | `phase` | where the drive is in the run: started, running, restarting |
 //! | `held_torque` | the torque on the motor while answers stay out |
@@ -21,16 +25,20 @@
 //! | `error` | why a run fails |
 
 mod answer_check;
+mod bench_loop;
+mod bench_positions;
 mod control_loop;
 mod device_under_test;
 mod drive_settings;
 mod error;
 mod held_torque;
+mod latched_fault;
 mod lockstep;
 pub mod outcome;
 mod phase;
 pub mod real_time;
 mod reconnect;
+mod run_loop;
 mod runner;
 pub mod setup;
 pub mod simulator;

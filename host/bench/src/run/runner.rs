@@ -5,11 +5,12 @@ use std::time::Instant;
 
 use lashloop_link::TimeBase;
 
-use super::control_loop::{ControlLoop, Counts, LoopSettings};
+use super::control_loop::{Counts, LoopSettings};
 use super::device_under_test::DeviceUnderTest;
 use super::error::RunError;
 use super::outcome::{End, Outcome};
 use super::real_time::{self, RealTime, Ring};
+use super::run_loop::{RunLoop, StepSource};
 use super::simulator::Simulator;
 use super::step_recorder::StepRecorder;
 use super::step_sink::{StepObserver, StepSink};
@@ -17,12 +18,12 @@ use super::{lockstep, setup};
 use crate::device::Device;
 use crate::fault::log::FaultRecord;
 use crate::fault::timeline::Timeline;
-use crate::scenario::Scenario;
+use crate::scenario::{RunMode, Scenario};
 use crate::session::{Session, Traffic};
 use crate::timing::ClockName;
 use crate::verdict::{Judgement, LinkCounts};
-use lashloop_plant::PlantError;
 use lashloop_plant::metrics::SignalTable;
+use lashloop_plant::{PlantError, Signal};
 
 /// What paces a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -56,16 +57,17 @@ pub fn run(
     clock: Clock,
     observer: &mut dyn StepObserver,
 ) -> Result<Outcome, RunError> {
-    let simulator = Simulator::new(scenario)?;
     let DeviceUnderTest { device, link_faults } = under_test;
+    let (source, plant_signals) = source(scenario, device, clock)?;
     let timeline = Timeline::new(scenario, device, link_faults.clone())?;
     device.session.line.set_time_base(match clock {
         Clock::Lockstep => TimeBase::Virtual,
         Clock::RealTime(_) => TimeBase::WallClock,
     });
     let drive = setup::set_up(device, scenario, clock.name())?;
-    let signals = SignalTable { plant: simulator.signals().to_vec(), drive };
-    scenario.check_expectations(&signals)?;
+    let signals = SignalTable { plant: plant_signals, drive };
+    let measured = measured_signals(scenario.run.mode, &signals);
+    scenario.check_expectations(&measured)?;
     let watchdog = match clock {
         Clock::Lockstep => None,
         Clock::RealTime(_) => Some(setup::watchdog(device)?),
@@ -73,19 +75,24 @@ pub fn run(
     let torque_limit_nm = setup::torque_limit_nm(device)?;
     observer.begin(&signals)?;
     let before = device.session.traffic();
-    let settings =
-        LoopSettings { clock: clock.name(), watchdog, drive_signals: signals.drive.len(), torque_limit_nm };
-    let mut recorder = StepRecorder::new(scenario, &signals, clock.name(), observer);
+    let settings = LoopSettings {
+        clock: clock.name(),
+        watchdog,
+        plant_signals: signals.plant.len(),
+        drive_signals: signals.drive.len(),
+        torque_limit_nm,
+    };
+    let mut recorder = StepRecorder::new(scenario, &measured, clock.name(), observer);
     let (closed, refused) = match clock {
         Clock::Lockstep => {
-            let control = ControlLoop::new(scenario, simulator, timeline, settings, &mut recorder);
+            let control = RunLoop::new(scenario, source, timeline, settings, &mut recorder);
             (
                 run_to_end(control, device, |control, device| lockstep::close(control, scenario, device))?,
                 Vec::new(),
             )
         }
         Clock::RealTime(options) => {
-            in_real_time(scenario, simulator, timeline, settings, device, &options, &mut recorder)?
+            in_real_time(scenario, source, timeline, settings, device, &options, &mut recorder)?
         }
     };
     let Closed { end, counts: Counts { steps, unanswered, resumes }, wall_s, faults } = closed;
@@ -94,7 +101,7 @@ pub fn run(
     }
     let link = LinkCounts { resumes, ..link_counts(unanswered, before, &device.session, clock.name()) };
     let timing = recorder.timings.report(refused);
-    let metrics = recorder.measurement.metrics();
+    let metrics = recorder.metrics();
     let mut judgement = Judgement::new(&scenario.expectations, &metrics, &scenario.allow, &link, &timing);
     match &end {
         End::RuleBroken(_) => judgement.fail(),
@@ -116,6 +123,34 @@ pub fn run(
     })
 }
 
+/// Where the steps come from, and the signals of the plant in the record.
+fn source(scenario: &Scenario, device: &Device, clock: Clock) -> Result<(StepSource, Vec<Signal>), RunError> {
+    match scenario.run.mode {
+        RunMode::Hil => {
+            let simulator = Simulator::new(scenario)?;
+            let signals = simulator.signals().to_vec();
+            Ok((StepSource::Simulator(Box::new(simulator)), signals))
+        }
+        RunMode::Bench => {
+            let (choice, clock) = (&device.connection.choice, clock.name());
+            if !choice.keeps_bench_clock(clock) {
+                return Err(RunError::BenchClock { device: choice.to_string(), clock });
+            }
+            // The columns of HIL mode, without values.
+            let plant = scenario.plant.release(scenario.run.control_period_s())?;
+            Ok((StepSource::Pins, plant.signals().to_vec()))
+        }
+    }
+}
+
+/// The signals that a run measures. Those of the plant are the truth of a simulator.
+fn measured_signals(mode: RunMode, signals: &SignalTable) -> SignalTable {
+    match mode {
+        RunMode::Hil => signals.clone(),
+        RunMode::Bench => SignalTable { plant: Vec::new(), drive: signals.drive.clone() },
+    }
+}
+
 /// A loop that has ended, with its drive stopped.
 struct Closed {
     end: End,
@@ -127,7 +162,7 @@ struct Closed {
 /// Runs the loop on its own thread and the recorder on this one.
 fn in_real_time(
     scenario: &Scenario,
-    simulator: Simulator,
+    source: StepSource,
     timeline: Timeline,
     settings: LoopSettings,
     device: &mut Device,
@@ -140,7 +175,7 @@ fn in_real_time(
     let mut recorder = recorder;
     let work = || {
         let refused = real_time::obtain(options);
-        let control = ControlLoop::new(scenario, simulator, timeline, settings, ring);
+        let control = RunLoop::new(scenario, source, timeline, settings, ring);
         let closed = run_to_end(control, device, |control, device| {
             real_time::close(control, scenario, device, options.spin)
         });
@@ -159,9 +194,9 @@ fn in_real_time(
 
 /// Starts the drive, closes the loop and stops the drive.
 fn run_to_end<'a, S: StepSink>(
-    mut control: ControlLoop<'a, S>,
+    mut control: RunLoop<'a, S>,
     device: &mut Device,
-    close: impl FnOnce(&mut ControlLoop<'a, S>, &mut Device) -> Result<End, RunError>,
+    close: impl FnOnce(&mut RunLoop<'a, S>, &mut Device) -> Result<End, RunError>,
 ) -> Result<Closed, RunError> {
     // Last of all, because the drive's watchdog runs from here on.
     if let Err(source) = device.session.start() {
@@ -178,13 +213,13 @@ fn run_to_end<'a, S: StepSink>(
         end => end,
     };
     let wall_s = started.elapsed().as_secs_f64();
-    let faults = control.timeline.end(device);
+    let faults = control.timeline().end(device);
     // The last telemetry comes before the answer to the stop, and the last row waits for it.
     let stopped = match &end {
         Ok(end) if end.leaves_a_session() => {
             // On a line that lost samples a partial frame may precede the stop.
             let cleared =
-                if control.counts.unanswered > 0 { device.session.line.end_frame() } else { Ok(()) };
+                if control.counts().unanswered > 0 { device.session.line.end_frame() } else { Ok(()) };
             let stopped = cleared.and_then(|()| device.session.stop());
             stopped.map_err(|source| device.explain(source))
         }
@@ -202,7 +237,7 @@ fn run_to_end<'a, S: StepSink>(
     if end == End::Complete {
         stopped?;
     }
-    Ok(Closed { end, counts: control.counts, wall_s, faults })
+    Ok(Closed { end, counts: control.counts(), wall_s, faults })
 }
 
 fn link_counts(unanswered: u64, before: Traffic, session: &Session, clock: ClockName) -> LinkCounts {

@@ -3,9 +3,13 @@
 use heapless::Vec;
 use lashloop_plant::limits::MAX_SIGNALS;
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
+use lashloop_protocol::message::Telemetry;
 
+use super::error::RunError;
+use crate::device::Device;
 use crate::record::row::Row;
 use crate::record::trace::TraceRow;
+use crate::session::AtStep;
 use crate::timing::StepTiming;
 
 /// A finished step.
@@ -46,6 +50,30 @@ impl DriveValues {
     /// Before the first telemetry of `count` signals, [`MAX_TELEMETRY_VALUES`] at most.
     pub(super) fn unknown(count: usize) -> Self {
         Self { values: std::iter::repeat_n(f64::NAN, count).collect(), time_s: None }
+    }
+
+    /// Takes the values of a telemetry. `origin` is the step of the drive's first sample.
+    pub(super) fn take(
+        &mut self,
+        telemetry: &AtStep<Telemetry>,
+        origin: u32,
+        period_s: f64,
+        device: &Device,
+    ) -> Result<(), RunError> {
+        let sent = telemetry.values.as_slice();
+        if sent.len() != self.values.len() {
+            let (have, want) = (sent.len(), self.values.len());
+            return Err(device
+                .unfit(format!("its telemetry has {have} signals; {want} are subscribed"))
+                .into());
+        }
+        for (value, sent) in self.values.iter_mut().zip(sent) {
+            *value = f64::from(*sent);
+        }
+        // Not as integers: a drive may send any sequence number.
+        let sent_at = f64::from(origin) + f64::from(telemetry.step);
+        self.time_s = Some(sent_at * period_s);
+        Ok(())
     }
 }
 

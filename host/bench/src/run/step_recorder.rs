@@ -1,13 +1,13 @@
 //! What a run computes from its steps: metrics, digest and timing.
 
-use lashloop_plant::metrics::{Measurement, Plan, Sample, SignalTable};
+use lashloop_plant::metrics::{Measurement, Metrics, Plan, Sample, SignalTable};
 
 use super::error::RunError;
 use super::step::Step;
 use super::step_sink::{StepObserver, StepSink};
 use crate::record::digest::TorqueDigest;
-use crate::scenario::Scenario;
 use crate::scenario::expectation::Expectation;
+use crate::scenario::{RunMode, Scenario};
 use crate::timing::{ClockName, Timings};
 
 /// Measures, digests and times the steps of a run, and passes them on to its observer.
@@ -16,9 +16,11 @@ pub(super) struct StepRecorder<'a> {
     pub(super) measurement: Measurement,
     pub(super) digest: TorqueDigest,
     pub(super) timings: Timings,
+    mode: RunMode,
 }
 
 impl<'a> StepRecorder<'a> {
+    /// `signals` are those that the run measures.
     pub(super) fn new(
         scenario: &Scenario,
         signals: &SignalTable,
@@ -37,6 +39,16 @@ impl<'a> StepRecorder<'a> {
             measurement: Measurement::of_run(&plan, scenario.expectations.iter().map(Expectation::query)),
             digest: TorqueDigest::default(),
             timings: Timings::new(clock, run.control_period_us, run.warm_up_steps.into()),
+            mode: run.mode,
+        }
+    }
+
+    /// The metrics of the steps so far.
+    pub(super) fn metrics(&self) -> Metrics {
+        let metrics = self.measurement.metrics();
+        match self.mode {
+            RunMode::Hil => metrics,
+            RunMode::Bench => metrics.without_truth(),
         }
     }
 }
@@ -52,7 +64,10 @@ impl StepSink for &mut StepRecorder<'_> {
             load_position_rad: row.load_position_rad,
             motor_position_rad: row.motor_position_rad,
             torque_nm: row.torque_nm,
-            plant,
+            plant: match self.mode {
+                RunMode::Hil => plant,
+                RunMode::Bench => &[],
+            },
             drive: step.fresh_drive(),
         });
         Ok(self.observer.step(&step)?)

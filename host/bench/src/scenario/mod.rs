@@ -12,12 +12,14 @@
 //! | `title`, `description` | what the scenario shows | this one |
 //! | `meant` | traps that are meant | `traps` |
 //! | `[run]` `[encoders]` `[link]` `[allow]` `[telemetry]` `[record]` | settings of the bench | [`sections`] |
+//! | `[bench]` | what lies at the drive's pins in bench mode | [`mod@bench`] |
 //! | `[plant]` | a registered model, its keys and its initial state | [`plant`], [`environment`] |
 //! | `[controller]` | the law and the drive's parameters | [`controller`] |
 //! | `[reference]` | the commanded position | [`lashloop_plant::reference`] |
 //! | `[[fault]]` | faults to inject | [`fault`] |
 //! | `[[expect]]` | bounds on metrics | [`expectation`] |
 
+pub mod bench;
 mod catalogue;
 pub mod controller;
 pub mod environment;
@@ -36,6 +38,7 @@ mod plant_keys;
 pub mod range;
 mod reader;
 mod reference;
+mod run_mode;
 pub mod sections;
 pub mod settings_file;
 mod spelling;
@@ -54,8 +57,10 @@ pub use self::key_error::KeyError;
 pub use self::origin::Origin;
 pub use self::overrides::Override;
 pub use self::reader::Section;
+pub use self::run_mode::RunMode;
 pub use self::traps::Trap;
 
+use self::bench::BenchSettings;
 use self::controller::ControllerSettings;
 use self::expectation::{Expectation, PlannedRun};
 use self::fault::InjectedFault;
@@ -91,6 +96,9 @@ pub struct Scenario {
     pub encoders: EncoderSettings,
     /// The law and its parameters.
     pub controller: ControllerSettings,
+    /// Encoders and power stage at the drive's pins, in bench mode.
+    #[serde(skip_serializing_if = "BenchSettings::is_empty")]
+    pub bench: BenchSettings,
     /// The commanded position.
     pub reference: Reference,
     /// Timeouts and line speed.
@@ -241,17 +249,36 @@ fn read(root: &mut Section<'_>, name: &str, directory: &Path, plants: &Plants) -
     let description = root.doc("What the scenario shows, at any length.").text("description", None);
     let meant = traps::read_meant(root);
     let run = root.doc("Duration, control period and seed.").section("run", sections::read_run);
-    let plant = root
-        .doc("The mechanics: load, motor, and what is between them.")
-        .section("plant", |section| plant::read(section, plants, directory));
-    let encoders =
-        root.doc("Resolution and noise of the encoders.").section("encoders", EncoderSettings::read);
+    let plant =
+        root.doc("The mechanics: load, motor, and what is between them.").section("plant", |section| {
+            let plant = plant::read(section, plants, directory);
+            if !run.mode.is_hil() {
+                bench::check_plant(section, &plant);
+            }
+            plant
+        });
+    let encoders = root.doc("Resolution and noise of the encoders.").section("encoders", |section| {
+        let encoders = EncoderSettings::read(section);
+        if !run.mode.is_hil() {
+            bench::check_encoders(section, &encoders);
+        }
+        encoders
+    });
     let controller =
         root.doc("The drive's control law and parameters.").section("controller", controller::read);
+    let bench = root
+        .doc("Encoders and power stage at the drive's pins, as parameters of the drive. In HIL mode the section has no effect; an absent key keeps the drive's default.")
+        .section("bench", bench::read);
     let reference = root
         .doc("The commanded load position.")
         .section("reference", |section| reference::read(section, directory));
-    let link = root.doc("Timeouts and line speed.").section("link", sections::read_link);
+    let link = root.doc("Timeouts and line speed.").section("link", |section| {
+        let link = sections::read_link(section);
+        if !run.mode.is_hil() {
+            bench::check_link(section, &link);
+        }
+        link
+    });
     let allow = root
         .doc("Limits beyond which a run is INVALID, because it doesn't judge the drive.")
         .section("allow", Allowance::read);
@@ -271,6 +298,7 @@ fn read(root: &mut Section<'_>, name: &str, directory: &Path, plants: &Plants) -
         plant,
         encoders,
         controller,
+        bench,
         reference,
         link,
         allow,

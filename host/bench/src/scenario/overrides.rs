@@ -1,5 +1,5 @@
-//! Options of the command line that replace values of a scenario: `--set section.key=value` and
-//! `--controller NAME`.
+//! Options of the command line that replace values of a scenario: `--set section.key=value`, `--controller NAME` and
+//! `--mode MODE`.
 //!
 //! They replace values of the tree before the reader validates them, so that an overriding value is checked like any other,
 //! and its errors name the option.
@@ -23,6 +23,8 @@ pub enum Override {
     Set(String),
     /// `--controller NAME`, short for `--set controller.name=NAME`.
     Controller(String),
+    /// `--mode MODE`, short for `--set run.mode=MODE`.
+    Mode(String),
 }
 
 impl fmt::Display for Override {
@@ -30,6 +32,7 @@ impl fmt::Display for Override {
         match self {
             Self::Set(assignment) => write!(f, "--set {assignment}"),
             Self::Controller(name) => write!(f, "--controller {name}"),
+            Self::Mode(mode) => write!(f, "--mode {mode}"),
         }
     }
 }
@@ -41,6 +44,7 @@ impl Override {
         let origin = Origin::Option(option.clone());
         let (path, value) = match self {
             Self::Controller(name) => ("controller.name", Ok(Value::Text(name.clone()))),
+            Self::Mode(mode) => ("run.mode", Ok(Value::Text(mode.clone()))),
             Self::Set(assignment) => match assignment.split_once('=') {
                 Some((path, text)) => (path.trim(), read_value(text.trim(), &origin)),
                 None => ("", Err("it must be section.key=value".to_owned())),

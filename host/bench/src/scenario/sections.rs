@@ -9,6 +9,7 @@ use super::keys::{integer_or, number, number_or, optional_integer, settings};
 use super::origin::Origin;
 use super::range::positive;
 use super::reader::Section;
+use super::run_mode::{self, RunMode};
 
 /// Largest TOML integer.
 const LARGEST: u64 = i64::MAX as u64;
@@ -16,7 +17,9 @@ const LARGEST: u64 = i64::MAX as u64;
 settings! {
     /// `[run]`.
     pub struct RunSettings {
-        /// Simulated time.
+        /// What closes the loop: the bench with a simulated plant, or the drive with its own pins.
+        mode: RunMode = run_mode::read,
+        /// Time of the run; simulated in HIL mode.
         duration_s: f64 = number(positive(1e5)),
         /// Control period.
         control_period_us: u32 = integer_or(1000, 100..=100_000),

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use lashloop_link::LinkError;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::message::EncoderSample;
+use lashloop_protocol::message::{EncoderSample, Reference};
 use lashloop_protocol::sequence::nearest_step;
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, Message, PROTOCOL_VERSION};
@@ -15,7 +15,7 @@ use super::diagnosis::Diagnosis;
 /// How far a session got.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct LastSeen {
-    /// Control period of the last sample sent, from 0 at the start; `None` before the first.
+    /// Control period of the last sample sent, or reference in bench mode, from 0 at the start; `None` before the first.
     pub sample_sent: Option<u32>,
     /// Name of the last good frame received; `None` before the first.
     pub frame: Option<&'static str>,
@@ -26,11 +26,14 @@ pub struct LastSeen {
 impl LastSeen {
     pub(super) fn note(&mut self, message: &DriveMessage) {
         self.frame = Some(message.layout().name);
-        if let DriveMessage::TorqueAnswer(answer) = message
-            && answer.status.state == State::Running
-        {
+        let (sequence, state) = match message {
+            DriveMessage::TorqueAnswer(answer) => (answer.sequence, answer.status.state),
+            DriveMessage::BenchSample(sample) => (sample.sequence, sample.status.state),
+            _ => return,
+        };
+        if state == State::Running {
             // A line may duplicate or reorder answers, so the latest step counts.
-            self.torque = nearest_step(answer.sequence, self.sample_sent.unwrap_or(0)).max(self.torque);
+            self.torque = nearest_step(sequence, self.sample_sent.unwrap_or(0)).max(self.torque);
         }
     }
 }
@@ -198,7 +201,8 @@ impl SessionError {
             Self::Broken { source, .. } => matches!(source, LinkError::Disconnected | LinkError::Stuck),
             Self::Silent { .. } | Self::Slow { .. } | Self::TooLongAGap { .. } => true,
             Self::Refused { request, state, .. } => {
-                *request == EncoderSample::LAYOUT.name && *state == State::Boot
+                [EncoderSample::LAYOUT.name, Reference::LAYOUT.name].contains(request)
+                    && *state == State::Boot
             }
             _ => false,
         }

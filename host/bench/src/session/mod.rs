@@ -5,6 +5,7 @@
 //! | `client` | [`Session`] |
 //! | `commands` | reset, start, stop |
 //! | `exchange` | a sample for a torque: [`Exchange`] |
+//! | `bench_reports` | bench mode: a reference, and the reports of the drive's own steps: [`BenchReport`] |
 //! | `parameter_access` | a parameter by its name |
 //! | `subscribe` | the signals that telemetry carries |
 //! | [`description`] | the drive's description of itself, read |
@@ -20,6 +21,7 @@
 //! sample sent and the last good frame received. Deadlines are instants of the link's time, [`Link::now`](lashloop_link::Link::now).
 
 mod at_step;
+mod bench_reports;
 mod client;
 mod commands;
 pub mod description;
@@ -39,6 +41,7 @@ mod subscribe;
 mod text;
 
 pub use at_step::AtStep;
+pub use bench_reports::BenchReport;
 pub use client::{Session, Traffic};
 pub use description::Description;
 pub use diagnosis::Diagnosis;

@@ -27,6 +27,9 @@ impl fmt::Display for ClockName {
     }
 }
 
+/// Place of the compute time in [`Timings::round_trip`].
+const COMPUTE: usize = 3;
+
 /// Collects the timing of steps.
 #[derive(Debug, Clone)]
 pub struct Timings {
@@ -66,8 +69,12 @@ impl Timings {
             self.run_of_late += 1;
             report.longest_run_of_late = report.longest_run_of_late.max(self.run_of_late);
         }
-        if report.clock == ClockName::RealTime && step.outcome != StepOutcome::Missed {
+        let is_due = report.clock == ClockName::RealTime || step.tick_compute.is_some();
+        if is_due && step.outcome != StepOutcome::Missed {
             self.lateness.record(step.lateness);
+        }
+        if let Some(compute) = step.tick_compute {
+            self.round_trip[COMPUTE].record(compute);
         }
         if let Some(trip) = &step.round_trip {
             let times = [trip.total(), trip.send, trip.line_and_device, trip.compute, trip.receive];
@@ -112,7 +119,7 @@ pub struct TimingReport {
     pub missed: u64,
     /// Most unanswered or missed steps in a row.
     pub longest_run_of_late: u64,
-    /// From the due time of a step to its beginning; in real time only.
+    /// From the due time of a step to its beginning; in real time, and in bench mode by the drive's clock.
     pub lateness_us: Option<Quantiles>,
     /// From the sample to the torque.
     pub round_trip_us: Option<Quantiles>,
@@ -185,6 +192,7 @@ mod tests {
             lateness: 10 * US,
             outcome,
             round_trip: (outcome == StepOutcome::Answered).then_some(parts),
+            tick_compute: None,
         }
     }
 

@@ -72,4 +72,7 @@ pub struct StepTiming {
     pub outcome: StepOutcome,
     /// The parts of its round trip, if it was answered.
     pub round_trip: Option<RoundTrip>,
+    /// Bench mode: the drive's compute time of the step. The drive's own timer began the step, so the lateness is that of the
+    /// drive too, and there is no round trip.
+    pub tick_compute: Option<Duration>,
 }

@@ -41,6 +41,11 @@ pub enum AnswerRule {
     GapOnlyAfterGap,
     /// Only a sample that arrived twice has the flag `REPEATED`.
     RepeatedOnlyIfRetransmitted,
+    /// Bench mode: a step has a reference that was sent.
+    ReferenceSent {
+        /// Number of the reference in the report.
+        number: u16,
+    },
     /// From the start to the stop, the state is `Running` unless a fault is latched.
     Running {
         /// The state of the answer.
@@ -59,6 +64,7 @@ impl AnswerRule {
             Self::GapFlagged => "R7.2",
             Self::GapOnlyAfterGap => "R7.4",
             Self::RepeatedOnlyIfRetransmitted => "R7.3",
+            Self::ReferenceSent { .. } => "R18.7",
             Self::Running { .. } => "R6.2",
         }
     }
@@ -76,6 +82,7 @@ impl AnswerRule {
             Self::GapFlagged => "the answer to a sample after a gap has the flag GAP",
             Self::GapOnlyAfterGap => "only the answer to a sample after a gap has the flag GAP",
             Self::RepeatedOnlyIfRetransmitted => "only the answer to a repeated sample has the flag REPEATED",
+            Self::ReferenceSent { .. } => "the reference of a step is the last one that arrived before it",
             Self::Running { .. } => "a started drive is Running until a stop, a reset or a fault",
         }
     }
@@ -93,6 +100,7 @@ impl AnswerRule {
             Self::GapFlagged => "no flag GAP".to_owned(),
             Self::GapOnlyAfterGap => "flag GAP".to_owned(),
             Self::RepeatedOnlyIfRetransmitted => "flag REPEATED".to_owned(),
+            Self::ReferenceSent { number } => format!("reference {number}"),
             Self::Running { state } => format!("state {state:?} without a fault report"),
         }
     }
@@ -109,6 +117,7 @@ impl AnswerRule {
             Self::GapFlagged => "the sample before was not sent".to_owned(),
             Self::GapOnlyAfterGap => "the sample before was answered".to_owned(),
             Self::RepeatedOnlyIfRetransmitted => "the sample was sent once".to_owned(),
+            Self::ReferenceSent { .. } => "a reference that was sent".to_owned(),
             Self::Running { .. } => "state Running".to_owned(),
         }
     }

@@ -204,7 +204,7 @@ fn timing(outcomes: &[StepOutcome]) -> TimingReport {
     let mut timings = Timings::new(ClockName::RealTime, 1_000, 0);
     for outcome in outcomes {
         let round_trip = (*outcome == StepOutcome::Answered).then_some(parts);
-        timings.push(&StepTiming { lateness: 10 * US, outcome: *outcome, round_trip });
+        timings.push(&StepTiming { lateness: 10 * US, outcome: *outcome, round_trip, tick_compute: None });
     }
     timings.report(Vec::new())
 }

@@ -27,6 +27,8 @@ pub enum Measured {
     MissingSignal(&'static str),
     /// Neither plant nor telemetry has the signal of this statistic.
     UnknownSignal,
+    /// The metric compares with the truth of a simulated plant, and a bench of hardware has none.
+    NoTruth,
     /// No telemetry arrived, or none in the window.
     NoTelemetry,
     /// The run did not measure this quantity.
@@ -70,6 +72,7 @@ impl fmt::Display for Measured {
             Self::NoSteadyVelocity => f.pad("no steady velocity"),
             Self::MissingSignal(name) => f.pad(&format!("no signal {name}")),
             Self::UnknownSignal => f.pad("unknown signal"),
+            Self::NoTruth => f.pad("not measured on a bench"),
             Self::NoTelemetry => f.pad("no telemetry"),
             Self::NotMeasured => f.pad("not measured"),
             Self::NotFinite => f.pad("not finite"),

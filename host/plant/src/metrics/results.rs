@@ -5,6 +5,7 @@ use serde::ser::{Serialize, Serializer};
 use super::measured::Measured;
 use super::metric::Metric;
 use super::query::{Quantity, Query};
+use super::signal_table::DRIVE_PREFIX;
 
 /// All metrics of one run, and the answers to its queries. Serialised as a map from the metrics' names to number or null.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +20,17 @@ impl Metrics {
     #[must_use]
     pub const fn get(&self, metric: Metric) -> Measured {
         self.values[metric as usize]
+    }
+
+    /// The metrics of a run without a simulated plant: what needs a signal of the plant has no truth to be compared with.
+    #[must_use]
+    pub fn without_truth(mut self) -> Self {
+        for measured in &mut self.values {
+            if matches!(measured, Measured::MissingSignal(name) if !name.starts_with(DRIVE_PREFIX)) {
+                *measured = Measured::NoTruth;
+            }
+        }
+        self
     }
 
     /// The answer to a query: [`Measured::NotMeasured`] unless it is a metric over the whole run, or was given to the

@@ -46,11 +46,21 @@ pub(super) fn paced(
                 receive: Duration::ZERO,
             });
             let lateness = Duration::from_nanos(late_ns.unsigned_abs());
-            timings.push(&StepTiming { lateness, outcome: StepOutcome::Answered, round_trip: trip });
+            timings.push(&StepTiming {
+                lateness,
+                outcome: StepOutcome::Answered,
+                round_trip: trip,
+                tick_compute: None,
+            });
             // Missed periods are omitted, as in the loop.
             let missed = late_ns / PERIOD_NS;
             for _ in 0..missed {
-                timings.push(&StepTiming { lateness, outcome: StepOutcome::Missed, round_trip: None });
+                timings.push(&StepTiming {
+                    lateness,
+                    outcome: StepOutcome::Missed,
+                    round_trip: None,
+                    tick_compute: None,
+                });
             }
             step += 1 + missed;
         }

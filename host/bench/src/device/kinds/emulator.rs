@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::device::drive_host::{DriveHost, spawn};
+use crate::device::drive_host::{DriveHost, START_LIMIT, spawn};
 use crate::device::error::DeviceError;
 use crate::device::evidence::DriveFiles;
 use crate::device::image;
@@ -58,7 +58,7 @@ fn start(image: Option<&Path>, supervisor: &Supervisor) -> Result<Opened, Device
     let emulator = find_program(PROGRAM).map_err(|_| DeviceError::NoEmulator)?;
     let socket = UartSocket::listen().map_err(|source| DeviceError::Spawn { name: "emulator", source })?;
     let process = spawn(supervisor, &program(emulator, &image, &socket.name))?;
-    let link = socket.accept(&process)?;
+    let link = socket.accept(&process, START_LIMIT)?;
     Ok(Opened { link: Box::new(link), host: DriveHost::Process(process) })
 }
 

@@ -9,8 +9,11 @@ use lashloop_link::in_process::InProcess;
 
 use crate::device::drive_host::DriveHost;
 use crate::device::error::DeviceError;
+use crate::device::in_process_bench::InProcessBench;
 use crate::device::kind::{DeviceKind, Opened, Syntax};
+use crate::device::pin_plant::PinPlant;
 use crate::supervisor::Supervisor;
+use crate::timing::ClockName;
 
 const NAME: &str = "inproc";
 
@@ -49,5 +52,35 @@ impl<L: LawSet> DeviceKind for InProcessDrive<L> {
         let link = InProcess::<L>::default();
         let host = DriveHost::InProcess(link.suspension.clone());
         Ok(Opened { link: Box::new(link), host })
+    }
+
+    fn with_plant(&self, pins: &PinPlant) -> Result<Option<Box<dyn DeviceKind>>, DeviceError> {
+        Ok(Some(Box::new(BenchDrive::<L>(pins.clone(), PhantomData))))
+    }
+}
+
+/// The drive with these laws in this process, with a plant behind its pins.
+struct BenchDrive<L>(PinPlant, PhantomData<fn() -> L>);
+
+impl<L> fmt::Debug for BenchDrive<L> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str("BenchDrive")
+    }
+}
+
+impl<L: LawSet> DeviceKind for BenchDrive<L> {
+    fn name(&self) -> String {
+        NAME.to_owned()
+    }
+
+    fn open(&self, _baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
+        let Self(pins, _) = self;
+        let torque_per_duty_nm = pins.torque_per_duty_nm(NAME)?;
+        let link = InProcessBench::<L>::new(pins.release(NAME)?, pins.scales, torque_per_duty_nm);
+        Ok(Opened { link: Box::new(link), host: DriveHost::External })
+    }
+
+    fn keeps_bench_clock(&self, clock: ClockName) -> bool {
+        clock == ClockName::Lockstep
     }
 }

@@ -5,15 +5,23 @@
 
 use std::env;
 use std::ffi::OsString;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use tempfile::NamedTempFile;
 
 use crate::device::drive_host::{DriveHost, spawn};
 use crate::device::error::DeviceError;
 use crate::device::evidence::DriveFiles;
 use crate::device::image;
 use crate::device::kind::{DeviceKind, Opened, ParsedKind, Syntax};
+use crate::device::pin_plant::PinPlant;
+use crate::device::session_number::session_number;
+use crate::device::slow_time::SlowTime;
 use crate::device::uart_socket::UartSocket;
 use crate::supervisor::{Program, Supervisor};
+use crate::timing::ClockName;
 
 /// Name of the program that `cargo xtask silicon` builds.
 const PROGRAM: &str = "lashloop-silicon";
@@ -24,12 +32,15 @@ const BUILT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/virtual-s
 /// The part of the process in messages.
 const PROCESS: &str = "virtual silicon";
 
+/// Time until the program connects: it translates the image for the processor of this machine first.
+const CONNECT_LIMIT: Duration = Duration::from_secs(30);
+
 const NAME: &str = "silicon";
 
 pub(in crate::device) const SYNTAX: Syntax = Syntax { form: "silicon, silicon:ELF", parse };
 
 fn parse(text: &str) -> Option<ParsedKind> {
-    let kind = |image| Ok(Box::new(Silicon { image }) as Box<dyn DeviceKind>);
+    let kind = |image| Ok(Box::new(Silicon { image, pins: None }) as Box<dyn DeviceKind>);
     match text.split_once(':') {
         None if text == NAME => Some(kind(None)),
         Some((NAME, "")) => Some(Err("silicon: needs the path of an image after the colon".to_owned())),
@@ -43,6 +54,14 @@ fn parse(text: &str) -> Option<ParsedKind> {
 pub struct Silicon {
     /// The image to run; `None` for the one that is found.
     pub image: Option<PathBuf>,
+    /// The plant behind the pins; `None` for open wires, as in HIL mode.
+    pub pins: Option<PinPlant>,
+}
+
+impl Silicon {
+    fn is_lockstep(&self) -> bool {
+        self.pins.as_ref().is_some_and(|pins| pins.clock == ClockName::Lockstep)
+    }
 }
 
 impl DeviceKind for Silicon {
@@ -54,11 +73,38 @@ impl DeviceKind for Silicon {
         let image = image::find(NAME, self.image.as_deref())?;
         let program = find_program(env::var_os(VARIABLE), env::current_exe().ok().as_deref())?;
         let socket = UartSocket::listen().map_err(|source| DeviceError::Spawn { name: PROCESS, source })?;
-        let arguments = vec![image.into(), "--socket".into(), socket.name.clone().into()];
+        let mut arguments = vec![image.into(), "--socket".into(), socket.name.clone().into()];
+        // Until the program has connected: it has read the file then.
+        let mut description = None;
+        if let Some(pins) = &self.pins {
+            let file = description.insert(write_description(pins, NAME)?);
+            arguments.extend(["--drive-train".into(), file.path().into()]);
+            if self.is_lockstep() {
+                arguments.push("--lockstep".into());
+            }
+        }
         let program = Program { name: PROCESS, program: program.into(), arguments, core: None };
         let process = spawn(supervisor, &program)?;
-        let link = socket.accept(&process)?;
-        Ok(Opened { link: Box::new(link), host: DriveHost::Process(process) })
+        let link = socket.accept(&process, CONNECT_LIMIT)?;
+        drop(description);
+        let host = DriveHost::Process(process);
+        if self.is_lockstep() {
+            return Ok(Opened { link: Box::new(SlowTime::new(link)), host });
+        }
+        Ok(Opened { link: Box::new(link), host })
+    }
+
+    fn with_plant(&self, pins: &PinPlant) -> Result<Option<Box<dyn DeviceKind>>, DeviceError> {
+        Ok(Some(Box::new(Self { image: self.image.clone(), pins: Some(pins.clone()) })))
+    }
+
+    /// In lockstep the same in every run: it is in frames, and their bytes decide how long the chip works on them.
+    fn session_number(&self) -> u32 {
+        if self.is_lockstep() { 1 } else { session_number() }
+    }
+
+    fn keeps_bench_clock(&self, clock: ClockName) -> bool {
+        self.pins.as_ref().is_some_and(|pins| pins.clock == clock)
     }
 
     fn files(&self, _supervisor: &Supervisor) -> DriveFiles {
@@ -66,6 +112,17 @@ impl DeviceKind for Silicon {
         let program = find_program(env::var_os(VARIABLE), env::current_exe().ok().as_deref());
         DriveFiles { paths: image.chain(program).collect(), rebuilt_by: Some("cargo xtask image") }
     }
+}
+
+/// Writes the description of a plant to a temporary file, for the device of this name.
+fn write_description(pins: &PinPlant, device: &str) -> Result<NamedTempFile, DeviceError> {
+    let text = pins.description(pins.torque_per_duty_nm(device)?);
+    let written = text.map_err(io::Error::from).and_then(|text| {
+        let mut file = NamedTempFile::new()?;
+        file.write_all(&text)?;
+        Ok(file)
+    });
+    written.map_err(|source| DeviceError::Spawn { name: PROCESS, source })
 }
 
 /// The program: the one that the environment names, else the one that was built, else the one next to this program.

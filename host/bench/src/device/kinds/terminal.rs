@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use lashloop_link::latency_timer::LatencyTimer;
 use lashloop_link::pty::{self, Pty};
 use lashloop_link::reopening::Reopening;
+use lashloop_link::same_adapter::same_adapter;
 use lashloop_link::serial::Serial;
 use lashloop_link::usb_adapter::UsbAdapter;
 use lashloop_link::{Link, LinkError};
@@ -70,7 +71,7 @@ pub fn open_terminal(path: &Path, baud: u32) -> Result<Box<dyn Link>, DeviceErro
             return Ok(Box::new(Pty::open(&path)?));
         }
         // Before the port is opened, because DTR resets many boards.
-        adapter = UsbAdapter::same_as(adapter.as_ref(), UsbAdapter::at(&path))?;
+        adapter = same_adapter(adapter.as_ref(), UsbAdapter::at(&path))?;
         let port = Serial::open(&path, baud)?;
         let _ = LatencyTimer::shorten(&path);
         Ok(Box::new(port))

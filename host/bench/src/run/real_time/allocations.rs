@@ -16,7 +16,8 @@ use crate::capture::{WhenFull, create};
 use crate::device::kinds::terminal::TerminalDrive;
 use crate::device::{Device, DeviceChoice};
 use crate::fault::timeline::Timeline;
-use crate::run::control_loop::{ControlLoop, LoopSettings};
+use crate::run::control_loop::LoopSettings;
+use crate::run::run_loop::{RunLoop, StepSource};
 use crate::run::simulator::Simulator;
 use crate::run::step::Step;
 use crate::run::step_sink::StepSink;
@@ -106,7 +107,13 @@ fn counted(
         .len();
     let watchdog = Some(setup::watchdog(&mut device).expect("a watchdog"));
     let torque_limit_nm = setup::torque_limit_nm(&mut device).expect("a torque limit");
-    let settings = LoopSettings { clock: ClockName::RealTime, watchdog, drive_signals, torque_limit_nm };
+    let settings = LoopSettings {
+        clock: ClockName::RealTime,
+        watchdog,
+        plant_signals: 0,
+        drive_signals,
+        torque_limit_nm,
+    };
     device.session.start().expect("a drive that starts");
 
     let simulator = Simulator::new(&scenario).expect("a bench");
@@ -116,7 +123,8 @@ fn counted(
     let work = || {
         let _ = obtain(&RealTime::default());
         let sink = Counting { ring, wastes };
-        let mut control = ControlLoop::new(&scenario, simulator, timeline, settings, sink);
+        let source = StepSource::Simulator(Box::new(simulator));
+        let mut control = RunLoop::new(&scenario, source, timeline, settings, sink);
         let closing = || end = Some(close(&mut control, &scenario, &mut device, Duration::ZERO));
         info = allocation_counter::measure(closing);
     };

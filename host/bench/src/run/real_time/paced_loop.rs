@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use super::pacer::Pacer;
 use crate::device::Device;
-use crate::run::control_loop::ControlLoop;
 use crate::run::error::RunError;
 use crate::run::outcome::End;
+use crate::run::run_loop::RunLoop;
 use crate::run::step_sink::StepSink;
 use crate::scenario::Scenario;
 
@@ -18,16 +18,16 @@ pub const PERIOD_MARGIN: u32 = 20;
 /// # Errors
 /// The device, its link or the record failed.
 pub(in crate::run) fn close<S: StepSink>(
-    control: &mut ControlLoop<'_, S>,
+    control: &mut RunLoop<'_, S>,
     scenario: &Scenario,
     device: &mut Device,
     spin: Duration,
 ) -> Result<End, RunError> {
-    let steps = scenario.run.steps();
+    let steps = control.periods();
     let period = Duration::from_micros(scenario.run.control_period_us.into());
     let pacer = Pacer::start(period, spin);
     for step in 0..steps {
-        if control.sink.stop_asked() {
+        if control.stop_asked() {
             return Ok(End::Interrupted);
         }
         let due = pacer.due(step);
@@ -47,5 +47,5 @@ pub(in crate::run) fn close<S: StepSink>(
             }
         }
     }
-    Ok(End::Complete)
+    control.complete(device)
 }

@@ -18,6 +18,10 @@ use crate::scenario::plant::PlantSettings;
 use crate::scenario::sections::{RunSettings, TelemetrySettings};
 use crate::scenario::spelling::{spell_number, spell_text};
 
+/// Why bench mode has no signal of the plant, and what to do.
+const NO_TRUTH: &str = "is not measured on a bench, which has encoders only; take another metric, a signal of the drive, or \
+                        run.mode = \"hil\"";
+
 /// The expectations of a scenario, and what decides whether its run can measure them.
 pub(in crate::scenario) struct PlannedRun<'a> {
     pub(in crate::scenario) expectations: &'a [Expectation],
@@ -49,7 +53,11 @@ fn check(
     if let Some((key, origin, found, reason)) = outside_run(planned, expectation) {
         return Some(error(index, key, origin.unwrap_or(place), spell_number(found), reason));
     }
-    let assumed = assumed_signals(&expectation.quantity);
+    let mut assumed = assumed_signals(&expectation.quantity);
+    if !planned.run.mode.is_hil() {
+        // Nothing simulates a plant, so there is no truth.
+        assumed.plant.clear();
+    }
     let plan = Plan {
         period_s: planned.run.control_period_s(),
         steps: planned.run.steps(),
@@ -143,6 +151,9 @@ fn sentence(
             let Quantity::Statistic { signal, .. } = &expectation.quantity else {
                 return "is not known".to_owned();
             };
+            if !planned.run.mode.is_hil() && !signal.starts_with(DRIVE_PREFIX) {
+                return NO_TRUTH.to_owned();
+            }
             let of_drive = format!("{DRIVE_PREFIX}{signal}");
             if signals.unit(&of_drive).is_some() {
                 return format!("is a signal of the drive; write \"{of_drive}\"");
@@ -151,7 +162,7 @@ fn sentence(
             let known = names.iter().map(|name| &**name);
             format!("is not measured: {}", UnknownName::new("the run", "signal", signal, known))
         }
-        Measured::Value(_) | Measured::Never | Measured::NotMeasured | Measured::NotFinite => {
+        Measured::NoTruth | Measured::Value(_) | Measured::Never | Measured::NotMeasured | Measured::NotFinite => {
             format!("has no value: {obstacle}")
         }
     }
@@ -164,6 +175,9 @@ fn missing(planned: &PlannedRun<'_>, name: &'static str) -> String {
              or take a law that has it",
             planned.controller.name
         ),
+        None if !planned.run.mode.is_hil() => {
+            format!("needs the signal {name} of the plant, which {NO_TRUTH}")
+        }
         None => format!(
             "needs the signal {name} of the plant, which the model {} does not have; take another metric",
             planned.plant.model.name()

@@ -8,6 +8,8 @@ use super::kinds::FaultDuration;
 use super::link::{FrameFault, LinkFault, Way};
 use super::motor::MotorFault;
 use super::plant::PlantFault;
+use crate::scenario::RunMode;
+use crate::scenario::bench::obstacle_to_fault;
 use crate::scenario::range::positive;
 use crate::scenario::reader::Section;
 use crate::scenario::sections::RunSettings;
@@ -149,6 +151,9 @@ pub(in crate::scenario) fn read(
     {
         let takers = either(plants.iter().filter(|it| change.is_taken_by(it)).map(|it| it.name()));
         fault.reject("kind", format!("needs plant.model = {takers}: {} takes no such change", model.name()));
+    }
+    if let (RunMode::Bench, Some(reason)) = (run.mode, obstacle_to_fault(kind)) {
+        fault.reject("kind", reason.to_owned());
     }
     match (kind.duration(), for_s) {
         (FaultDuration::Momentary, Some(_)) => {

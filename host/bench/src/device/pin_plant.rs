@@ -1,0 +1,117 @@
+//! The plant behind the pins of a drive that has no hardware there: its model, its encoders and its amplifier.
+
+use lashloop_plant::Plant;
+use serde::Serialize;
+
+use super::error::DeviceError;
+use crate::scenario::Scenario;
+use crate::scenario::plant::PlantSettings;
+use crate::timing::ClockName;
+
+/// What lies between duty and torque, and between position and count.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PinScales {
+    /// Torque for a duty of 1 more than 0.5, in N m; 0.5 is no torque. `None` if the scenario lacks it.
+    pub torque_per_duty_nm: Option<f64>,
+    /// Counts per revolution of the encoder at the motor.
+    pub motor_counts_per_rev: u32,
+    /// Counts per revolution of the encoder at the load.
+    pub load_counts_per_rev: u32,
+}
+
+/// The plant behind the pins. It starts at the initial state of the scenario, and the encoders read 0 there.
+#[derive(Debug, Clone)]
+pub struct PinPlant {
+    settings: PlantSettings,
+    period_s: f64,
+    /// Scales of encoders and amplifier.
+    pub scales: PinScales,
+    /// What paces the run.
+    pub clock: ClockName,
+}
+
+impl PinPlant {
+    /// The plant of a scenario.
+    #[must_use]
+    pub fn new(scenario: &Scenario, clock: ClockName) -> Self {
+        let encoders = &scenario.encoders;
+        Self {
+            settings: scenario.plant.clone(),
+            period_s: scenario.run.control_period_s(),
+            scales: PinScales {
+                torque_per_duty_nm: scenario.bench.torque_per_duty_nm(),
+                motor_counts_per_rev: encoders.motor_counts_per_rev,
+                load_counts_per_rev: encoders.load_counts_per_rev,
+            },
+            clock,
+        }
+    }
+
+    /// The scale of the amplifier, for the device of this name.
+    ///
+    /// # Errors
+    /// The scenario lacks it.
+    pub(super) fn torque_per_duty_nm(&self, device: &str) -> Result<f64, DeviceError> {
+        self.scales.torque_per_duty_nm.ok_or_else(|| {
+            let problem =
+                "its amplifier has no scale: set bench.torque_per_duty_nm in the scenario".to_owned();
+            DeviceError::Unfit { device: device.to_owned(), problem }
+        })
+    }
+
+    /// The plant at its start, for the device of this name.
+    ///
+    /// # Errors
+    /// A value is outside its range.
+    pub(super) fn release(&self, device: &str) -> Result<Box<dyn Plant>, DeviceError> {
+        self.settings.release(self.period_s).map_err(|error| DeviceError::Unfit {
+            device: device.to_owned(),
+            problem: format!("it can't have this plant behind its pins: {error}"),
+        })
+    }
+
+    /// The description of the drive train that virtual silicon reads, with an amplifier of this scale.
+    ///
+    /// # Errors
+    /// A value can't be written as JSON.
+    pub fn description(&self, torque_per_duty_nm: f64) -> Result<Vec<u8>, serde_json::Error> {
+        let start = &self.settings.initial;
+        serde_json::to_vec_pretty(&Description {
+            model: self.settings.model.name(),
+            values: &self.settings.values,
+            start: Start {
+                motor_position_rad: start.motor_position_rad,
+                load_position_rad: start.load_position_rad,
+            },
+            period_s: self.period_s,
+            scales: Scales {
+                nm_per_full_duty: torque_per_duty_nm / 2.0,
+                motor_counts_per_rev: self.scales.motor_counts_per_rev,
+                load_counts_per_rev: self.scales.load_counts_per_rev,
+            },
+        })
+    }
+}
+
+#[derive(Serialize)]
+struct Description<'a> {
+    model: &'a str,
+    values: &'a lashloop_plant::PlantValues,
+    start: Start,
+    period_s: f64,
+    scales: Scales,
+}
+
+#[derive(Serialize)]
+struct Start {
+    motor_position_rad: f64,
+    load_position_rad: f64,
+}
+
+#[derive(Serialize)]
+struct Scales {
+    /// At duty 1; at 0.5 the torque is 0.
+    nm_per_full_duty: f64,
+    motor_counts_per_rev: u32,
+    load_counts_per_rev: u32,
+}

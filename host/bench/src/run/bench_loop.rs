@@ -1,0 +1,320 @@
+//! Bench mode: the drive makes the steps by its own tick; the bench sends references and takes the reports.
+//!
+//! Nothing is simulated, so there is no truth: positions are those of the drive's encoders, and the signals of the plant are
+//! NaN. A report that is lost on the line leaves a step without a measurement; the record repeats the last one, and the step
+//! counts as unanswered. Nothing here allocates, locks or logs.
+
+use std::time::{Duration, Instant};
+
+use lashloop_plant::limits::MAX_SIGNALS;
+use lashloop_protocol::enums::State;
+use lashloop_protocol::message::BenchSample;
+use lashloop_protocol::sequence::nearest_step;
+
+use super::answer_check::broken_torque_rule;
+use super::bench_positions::BenchPositions;
+use super::control_loop::{Counts, LoopSettings};
+use super::error::RunError;
+use super::latched_fault::latched_fault;
+use super::outcome::End;
+use super::reconnect;
+use super::step::{DriveValues, Step, TruthValues};
+use super::step_sink::StepSink;
+use super::waiting_time::WaitingTime;
+use crate::device::Device;
+use crate::fault::timeline::Timeline;
+use crate::record::trace::TraceRow;
+use crate::scenario::Scenario;
+use crate::session::{AtStep, BenchReport, SessionError};
+use crate::timing::{ClockName, StepOutcome, StepTiming};
+use crate::verdict::{AnswerRule, BrokenRule};
+
+/// Largest distance of the load from its start at the first step, in rad. An initial condition is part of the scenario.
+const START_TOLERANCE_RAD: f64 = 0.02;
+/// Periods after the run for a drive whose clock is slow: the internal oscillator of a chip is 8 % slow at worst.
+const SLOWEST_CLOCK: u32 = 10;
+/// Further periods, for the first tick and the last report.
+const MARGIN_PERIODS: u32 = 20;
+/// Time for the report of a fault after the step that caused it.
+const FAULT_REPORT_LIMIT: Duration = Duration::from_millis(100);
+
+/// The loop of a run in bench mode.
+pub(super) struct BenchLoop<'a, S> {
+    scenario: &'a Scenario,
+    pub(super) sink: S,
+    pub(super) timeline: Timeline,
+    clock: ClockName,
+    torque_limit_nm: f32,
+    positions: BenchPositions,
+    /// The last measurement.
+    latest: TraceRow,
+    /// The next step to be recorded.
+    next_step: u32,
+    /// When the last report arrived, or the first reference was sent, in the link's time.
+    last_report_at: Option<Instant>,
+    /// `None` in real time, where the clock bounds every wait.
+    waiting: Option<WaitingTime>,
+    pub(super) counts: Counts,
+    plant_signals: usize,
+    drive_signals: usize,
+    /// The last step. Its telemetry follows its report, so it is complete only with the next one.
+    unfinished: Option<Step>,
+}
+
+impl<'a, S: StepSink> BenchLoop<'a, S> {
+    /// The loop for a drive that is about to be started.
+    pub(super) fn new(scenario: &'a Scenario, timeline: Timeline, settings: LoopSettings, sink: S) -> Self {
+        let LoopSettings { clock, torque_limit_nm, plant_signals, drive_signals, .. } = settings;
+        let start = &scenario.plant.initial;
+        let waiting = || WaitingTime::new(scenario.link.mean_wait(), scenario.link.answer_timeout());
+        Self {
+            scenario,
+            sink,
+            timeline,
+            clock,
+            torque_limit_nm,
+            positions: BenchPositions::new(scenario),
+            latest: TraceRow {
+                time_s: 0.0,
+                reference_rad: scenario.reference.position_rad(0.0),
+                load_position_rad: start.load_position_rad,
+                motor_position_rad: start.motor_position_rad,
+                torque_nm: 0.0,
+            },
+            next_step: 0,
+            last_report_at: None,
+            waiting: (clock == ClockName::Lockstep).then(waiting),
+            counts: Counts::default(),
+            plant_signals,
+            drive_signals,
+            unfinished: None,
+        }
+    }
+
+    /// Periods of the bench at most.
+    pub(super) fn periods(&self) -> u32 {
+        let steps = self.scenario.run.steps();
+        match self.clock {
+            ClockName::Lockstep => steps,
+            ClockName::RealTime => steps.saturating_add(steps / SLOWEST_CLOCK + MARGIN_PERIODS),
+        }
+    }
+
+    /// Sends the reference of a period, and takes the reports that arrive by `deadline`.
+    pub(super) fn step(
+        &mut self,
+        period: u32,
+        deadline: Instant,
+        device: &mut Device,
+    ) -> Result<Option<End>, RunError> {
+        self.miss(period, device)?;
+        // A drive counts from its start on.
+        let reference_rad = self.reference_rad(period) - self.positions.load_zero_rad();
+        let asked = Instant::now();
+        let reports = device
+            .session
+            .send_reference(period, reference_rad as f32)
+            .and_then(|()| self.report(deadline, device));
+        let mut report = match reports {
+            Ok(report) => report,
+            Err(source) => return self.lose(source, device),
+        };
+        if let Some(waiting) = &mut self.waiting {
+            waiting.spend(asked.elapsed()).map_err(|source| device.explain(source))?;
+        }
+        while let Some(present) = report {
+            if let Some(end) = self.take(present, period, device)? {
+                return Ok(Some(end));
+            }
+            let is_last = self.clock == ClockName::Lockstep && self.next_step > period;
+            // Reports of a drive with a faster clock have gathered.
+            let now = device.session.line.now();
+            report = match if is_last { Ok(None) } else { self.report(now, device) } {
+                Ok(report) => report,
+                Err(source) => return self.lose(source, device),
+            };
+        }
+        if self.next_step >= self.scenario.run.steps() {
+            return Ok(Some(End::Complete));
+        }
+        self.check_silence(device)
+    }
+
+    /// Begins a period without sending a reference.
+    pub(super) fn miss(&mut self, period: u32, device: &mut Device) -> Result<(), RunError> {
+        match self.timeline.begin(period, device) {
+            // The exchange of the period finds the loss and handles it.
+            Err(source) if source.is_loss() => Ok(()),
+            result => Ok(result.map_err(|source| device.explain(source))?),
+        }
+    }
+
+    /// Completes the record of a drive that has reported fewer steps than the run has.
+    pub(super) fn complete(&mut self, device: &Device) -> Result<(), RunError> {
+        self.lose_steps_before(self.scenario.run.steps(), device)
+    }
+
+    /// Passes the last step on, with the drive's latest signals.
+    pub(super) fn finish(&mut self, device: &Device) -> Result<(), RunError> {
+        let Some(mut step) = self.unfinished.take() else { return Ok(()) };
+        if let Some(telemetry) = device.session.line.telemetry {
+            step.drive.take(&telemetry, 0, self.scenario.run.control_period_s(), device)?;
+        }
+        self.sink.take(step)
+    }
+
+    fn report(
+        &mut self,
+        deadline: Instant,
+        device: &mut Device,
+    ) -> Result<Option<BenchReport>, SessionError> {
+        let sent = device.session.line.now();
+        self.last_report_at.get_or_insert(sent);
+        let report = device.session.bench_report(deadline)?;
+        if report.is_some() {
+            self.last_report_at = Some(device.session.line.now());
+        }
+        Ok(report)
+    }
+
+    fn take(
+        &mut self,
+        report: BenchReport,
+        period: u32,
+        device: &mut Device,
+    ) -> Result<Option<End>, RunError> {
+        let sample = match report {
+            BenchReport::Faulted(fault) => return Ok(Some(End::DriveFault(fault))),
+            BenchReport::Refused(state) => return self.find_fault(state, None, period, device).map(Some),
+            BenchReport::Step(sample) => sample,
+        };
+        // A line may duplicate frames.
+        if sample.step < self.next_step || sample.step >= self.scenario.run.steps() {
+            return Ok(None);
+        }
+        let BenchSample { sequence, torque_nm, status, reference_number, .. } = sample.message;
+        let broken = |rule| Ok(Some(End::RuleBroken(BrokenRule { rule, step: sample.step, sequence })));
+        if let Some(rule) = broken_torque_rule(torque_nm, status, self.torque_limit_nm) {
+            return broken(rule);
+        }
+        if status.state != State::Running {
+            return self.find_fault(status.state, Some(sequence), sample.step, device).map(Some);
+        }
+        let Some(reference) = nearest_step(reference_number, period).filter(|it| *it <= period) else {
+            return broken(AnswerRule::ReferenceSent { number: reference_number });
+        };
+        self.lose_steps_before(sample.step, device)?;
+        self.measure(&sample, reference, device)?;
+        Ok(None)
+    }
+
+    /// Records a step that the drive has reported.
+    fn measure(
+        &mut self,
+        sample: &AtStep<BenchSample>,
+        reference: u32,
+        device: &Device,
+    ) -> Result<(), RunError> {
+        let (motor_position_rad, load_position_rad) = self.positions.take(sample);
+        let start_rad = self.positions.load_zero_rad();
+        if self.counts.steps == self.counts.unanswered
+            && (load_position_rad - start_rad).abs() > START_TOLERANCE_RAD
+        {
+            return Err(device
+                .unfit(format!(
+                    "its load stands {:.4} rad from where it was powered up, and the scenario starts there, within \
+                     {START_TOLERANCE_RAD} rad: bring the load to its start and power the drive off and on",
+                    load_position_rad - start_rad
+                ))
+                .into());
+        }
+        self.latest = TraceRow {
+            time_s: 0.0,
+            reference_rad: self.reference_rad(reference),
+            load_position_rad,
+            motor_position_rad,
+            torque_nm: sample.torque_nm.into(),
+        };
+        let tenths_us = |count: u16| Duration::from_nanos(100 * u64::from(count));
+        self.record(
+            StepTiming {
+                lateness: tenths_us(sample.lateness_tenths_us),
+                outcome: StepOutcome::Answered,
+                round_trip: None,
+                tick_compute: Some(tenths_us(sample.compute_tenths_us)),
+            },
+            device,
+        )
+    }
+
+    /// Records the steps before `step` whose reports are lost: the last measurement again.
+    fn lose_steps_before(&mut self, step: u32, device: &Device) -> Result<(), RunError> {
+        while self.next_step < step {
+            self.counts.unanswered += 1;
+            let outcome = StepOutcome::Unanswered;
+            let lost = StepTiming { lateness: Duration::ZERO, outcome, round_trip: None, tick_compute: None };
+            self.record(lost, device)?;
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, timing: StepTiming, device: &Device) -> Result<(), RunError> {
+        self.finish(device)?;
+        let time_s = f64::from(self.next_step) * self.scenario.run.control_period_s();
+        let plant: TruthValues = std::iter::repeat_n(f64::NAN, self.plant_signals.min(MAX_SIGNALS)).collect();
+        let row = TraceRow { time_s, ..self.latest };
+        self.unfinished = Some(Step { row, plant, drive: DriveValues::unknown(self.drive_signals), timing });
+        self.next_step += 1;
+        self.counts.steps += 1;
+        Ok(())
+    }
+
+    /// The end of the run with a drive that runs no more: the fault that it has latched, or the rule that it breaks.
+    fn find_fault(
+        &mut self,
+        state: State,
+        sequence: Option<u16>,
+        step: u32,
+        device: &mut Device,
+    ) -> Result<End, RunError> {
+        self.timeline.pause();
+        let deadline = device.session.line.now() + FAULT_REPORT_LIMIT;
+        let line = &mut device.session.line;
+        let fault = match line.fault {
+            None => line.wait(deadline, |message| match message {
+                lashloop_protocol::DriveMessage::FaultReport(_) => Some(()),
+                _ => None,
+            }),
+            Some(_) => Ok(None),
+        };
+        let fault = fault.and_then(|_| latched_fault(device)).map_err(|source| device.explain(source))?;
+        let rule = AnswerRule::Running { state };
+        let broken = BrokenRule { rule, step, sequence: sequence.unwrap_or_default() };
+        Ok(fault.map_or(End::RuleBroken(broken), End::DriveFault))
+    }
+
+    fn check_silence(&mut self, device: &mut Device) -> Result<Option<End>, RunError> {
+        let limit = self.scenario.link.silence_limit();
+        let Some(last_report_at) = self.last_report_at else { return Ok(None) };
+        if device.session.line.now().saturating_duration_since(last_report_at) < limit {
+            return Ok(None);
+        }
+        let silent = device.session.line.silent("Reference", limit);
+        self.lose(silent, device)
+    }
+
+    fn lose(&mut self, source: SessionError, device: &Device) -> Result<Option<End>, RunError> {
+        if !source.is_loss() {
+            return Err(device.explain(source).into());
+        }
+        match reconnect::end_of_loss(source, self.scenario, device) {
+            Some(end) => end.map(Some),
+            // The reader of scenarios rejects it.
+            None => Ok(Some(End::DriveRestarted)),
+        }
+    }
+
+    fn reference_rad(&self, period: u32) -> f64 {
+        self.scenario.reference.position_rad(f64::from(period) * self.scenario.run.control_period_s())
+    }
+}

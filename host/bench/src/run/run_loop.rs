@@ -1,0 +1,116 @@
+//! What closes the loop of a run. Pacing, start, stop and record are common to both modes.
+
+use std::time::{Duration, Instant};
+
+use super::bench_loop::BenchLoop;
+use super::control_loop::{ControlLoop, Counts, LoopSettings};
+use super::error::RunError;
+use super::outcome::End;
+use super::simulator::Simulator;
+use super::step_sink::StepSink;
+use crate::device::Device;
+use crate::fault::timeline::Timeline;
+use crate::scenario::Scenario;
+
+/// Where the steps of a run come from.
+pub(super) enum StepSource {
+    /// HIL mode: samples of this simulator.
+    Simulator(Box<Simulator>),
+    /// Bench mode: the drive's own encoders and tick.
+    Pins,
+}
+
+/// The loop of a run.
+pub(super) enum RunLoop<'a, S> {
+    /// A sample of the simulated plant for a torque, in every period.
+    Hil(Box<ControlLoop<'a, S>>),
+    /// A reference in every period, and the reports of the drive's own steps.
+    Bench(Box<BenchLoop<'a, S>>),
+}
+
+impl<'a, S: StepSink> RunLoop<'a, S> {
+    /// The loop for a drive that is about to be started.
+    pub(super) fn new(
+        scenario: &'a Scenario,
+        source: StepSource,
+        timeline: Timeline,
+        settings: LoopSettings,
+        sink: S,
+    ) -> Self {
+        match source {
+            StepSource::Simulator(simulator) => {
+                Self::Hil(Box::new(ControlLoop::new(scenario, *simulator, timeline, settings, sink)))
+            }
+            StepSource::Pins => Self::Bench(Box::new(BenchLoop::new(scenario, timeline, settings, sink))),
+        }
+    }
+
+    /// Periods of the bench at most. In bench mode the drive's clock decides, so there are more than the run has steps.
+    pub(super) fn periods(&self) -> u32 {
+        match self {
+            Self::Hil(control) => control.scenario.run.steps(),
+            Self::Bench(bench) => bench.periods(),
+        }
+    }
+
+    /// Makes the exchange of a period, at the latest by `deadline`. `lateness` is from the due time of the period to its
+    /// beginning.
+    pub(super) fn step(
+        &mut self,
+        step: u32,
+        deadline: Instant,
+        lateness: Duration,
+        device: &mut Device,
+    ) -> Result<Option<End>, RunError> {
+        match self {
+            Self::Hil(control) => control.step(step, deadline, lateness, device),
+            Self::Bench(bench) => bench.step(step, deadline, device),
+        }
+    }
+
+    /// Makes a period that the bench has overslept, without an exchange.
+    pub(super) fn miss(&mut self, step: u32, device: &mut Device) -> Result<(), RunError> {
+        match self {
+            Self::Hil(control) => control.miss(step, device),
+            Self::Bench(bench) => bench.miss(step, device),
+        }
+    }
+
+    /// Ends the run after its last period.
+    pub(super) fn complete(&mut self, device: &Device) -> Result<End, RunError> {
+        match self {
+            Self::Hil(_) => {}
+            Self::Bench(bench) => bench.complete(device)?,
+        }
+        Ok(End::Complete)
+    }
+
+    /// Passes the last step on, with the drive's latest signals.
+    pub(super) fn finish(&mut self, device: &Device) -> Result<(), RunError> {
+        match self {
+            Self::Hil(control) => control.finish(device),
+            Self::Bench(bench) => bench.finish(device),
+        }
+    }
+
+    pub(super) fn stop_asked(&self) -> bool {
+        match self {
+            Self::Hil(control) => control.sink.stop_asked(),
+            Self::Bench(bench) => bench.sink.stop_asked(),
+        }
+    }
+
+    pub(super) fn counts(&self) -> Counts {
+        match self {
+            Self::Hil(control) => control.counts,
+            Self::Bench(bench) => bench.counts,
+        }
+    }
+
+    pub(super) fn timeline(&mut self) -> &mut Timeline {
+        match self {
+            Self::Hil(control) => &mut control.timeline,
+            Self::Bench(bench) => &mut bench.timeline,
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! `[bench]`: what lies at the pins of the drive in bench mode, and what bench mode rules out.
+//!
+//! Bench mode has no simulator between drive and pins. A key that acts on samples, on torques or on the simulated plant
+//! has no effect there, so it is an error.
+
+use serde::ser::{Serialize, SerializeMap, Serializer};
+
+use super::controller::{ParameterSetting, ParameterValue};
+use super::error::ScenarioError;
+use super::fault::{FaultKind, FrameFault, LinkFault};
+use super::key::Choice;
+use super::key_error::KeyError;
+use super::plant::PlantSettings;
+use super::reader::Section;
+use super::sections::{EncoderSettings, LinkSettings, OnLoss};
+use crate::process_plant;
+use lashloop_plant::TORQUE_DELAY_US;
+
+/// Key of the scale of the power stage.
+const TORQUE_PER_DUTY_NM: &str = "torque_per_duty_nm";
+
+/// Numbers of `[bench]`: key, unit, range and meaning. Each is the drive's parameter of that name.
+const NUMBERS: [(&str, &str, f64, f64, &str); 5] = [
+    (TORQUE_PER_DUTY_NM, "N m", 1e-3, 1e5, "Torque at the motor for a duty of 1 more than `duty_offset`."),
+    ("duty_offset", "", 0.0, 1.0, "Duty of no torque."),
+    ("duty_min", "", 0.0, 1.0, "Smallest duty of the amplifier."),
+    ("duty_max", "", 0.0, 1.0, "Largest duty of the amplifier."),
+    (
+        "twist_limit_rad",
+        "rad",
+        1e-3,
+        1e5,
+        "Largest plausible change of the twist since the start, at the motor.",
+    ),
+];
+
+/// Directions of `[bench]`: key and meaning.
+const DIRECTIONS: [(&str, &str); 3] = [
+    ("motor_direction", "Direction of the motor encoder."),
+    ("load_direction", "Direction of the load encoder."),
+    ("torque_direction", "Direction of the power stage."),
+];
+
+/// `[bench]`: parameters of the drive that describe its pins. An absent one keeps the drive's default.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct BenchSettings {
+    /// The parameters that are given.
+    pub parameters: Vec<ParameterSetting>,
+}
+
+impl BenchSettings {
+    /// Torque for a duty of 1 more than that of no torque, in N m; `None` if the scenario leaves it to the drive.
+    #[must_use]
+    pub fn torque_per_duty_nm(&self) -> Option<f64> {
+        let setting = self.parameters.iter().find(|setting| setting.name == TORQUE_PER_DUTY_NM)?;
+        if let ParameterValue::Number(number) = setting.value { Some(number) } else { None }
+    }
+
+    /// Whether the section is absent or empty.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.parameters.is_empty()
+    }
+}
+
+impl Serialize for BenchSettings {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut keys = serializer.serialize_map(Some(self.parameters.len()))?;
+        for setting in &self.parameters {
+            keys.serialize_entry(&setting.name, &setting.value)?;
+        }
+        keys.end()
+    }
+}
+
+pub(super) fn read(bench: &mut Section<'_>) -> BenchSettings {
+    let mut parameters = Vec::new();
+    let mut add = |bench: &Section<'_>, key: &str, value| {
+        parameters.push(ParameterSetting { name: key.to_owned(), value, origin: bench.origin_of(key) });
+    };
+    for (key, unit, low, high, doc) in NUMBERS {
+        if let Some(number) = bench.doc(doc).optional_number(key, unit, low..=high) {
+            add(bench, key, ParameterValue::Number(number));
+        }
+    }
+    for (key, doc) in DIRECTIONS {
+        let choice = |name, doc| Choice { name, doc };
+        let meanings = vec![choice("forward", "as wired"), choice("reverse", "with the opposite sign")];
+        let names = [("forward", "forward"), ("reverse", "reverse")];
+        if let Some(name) = bench.doc(doc).choice_docs(meanings).optional_choice(key, &names) {
+            add(bench, key, ParameterValue::Text(name.to_owned()));
+        }
+    }
+    BenchSettings { parameters }
+}
+
+impl ScenarioError {
+    /// The error for a value of `[bench]` that the drive rejects, which shows only after connecting.
+    #[must_use]
+    pub fn of_bench(setting: &ParameterSetting, reason: impl Into<String>) -> Self {
+        Self::Key {
+            origin: setting.origin.clone(),
+            key: format!("bench.{}", setting.name),
+            error: Box::new(KeyError::Rejected { found: setting.value.to_string(), reason: reason.into() }),
+        }
+    }
+}
+
+/// Why a fault can't strike in bench mode; `None` for a fault that can.
+pub(super) fn obstacle_to_fault(kind: FaultKind) -> Option<&'static str> {
+    match kind {
+        FaultKind::Frame { fault: FrameFault::Stall {}, .. }
+        | FaultKind::Link(LinkFault::Cut {})
+        | FaultKind::Device(_) => None,
+        FaultKind::Frame { .. } => Some(
+            "strikes frames with samples and torques, which bench mode doesn't send; take link-stall or link-cut, or run.mode = \"hil\"",
+        ),
+        FaultKind::Encoder { .. } | FaultKind::Motor(_) | FaultKind::Plant(_) => Some(
+            "strikes the simulated side of the loop, which bench mode doesn't have; take run.mode = \"hil\"",
+        ),
+    }
+}
+
+/// Rejects noise: the encoders are those at the pins.
+pub(super) fn check_encoders(section: &Section<'_>, encoders: &EncoderSettings) {
+    if encoders.noise_counts > 0.0 {
+        section.reject(
+            "noise_counts",
+            "has no effect in bench mode, whose encoders are real; omit it".to_owned(),
+        );
+    }
+}
+
+/// Rejects what changes a plant while it runs.
+pub(super) fn check_plant(section: &Section<'_>, plant: &PlantSettings) {
+    let reason = || "has no effect in bench mode, whose plant is at the pins; omit it".to_owned();
+    for key in ["load_torque", "wear"] {
+        section.reject(key, reason());
+    }
+    if plant.torque_delay_us() > 0 {
+        section.reject(TORQUE_DELAY_US, reason());
+    }
+    if plant.model.name() == process_plant::NAME {
+        section.reject(
+            "model",
+            "belongs to a simulated loop, which bench mode doesn't have; take another model".to_owned(),
+        );
+    }
+    if plant.initial.load_velocity_rad_s != 0.0 || plant.initial.motor_velocity_rad_s != 0.0 {
+        section
+            .reject("initial", "has a velocity, but a bench starts at rest; omit the velocities".to_owned());
+    }
+}
+
+/// Rejects a start without a person at the bench.
+pub(super) fn check_link(section: &Section<'_>, link: &LinkSettings) {
+    if link.on_loss == OnLoss::Resume {
+        let reason = "is not available in bench mode: a real motor must not start again by itself; omit it";
+        section.reject("on_loss", reason.to_owned());
+    }
+}

@@ -1,0 +1,69 @@
+//! Refusals to arm that come from the pins.
+
+use std::time::Duration;
+
+use lashloop_protocol::DriveMessage;
+use lashloop_protocol::enums::{Outcome, State};
+use lashloop_protocol::message::{Arm, Reset};
+
+use crate::bench::image;
+use crate::host::{Host, SESSION};
+
+const MS: Duration = Duration::from_millis(1);
+
+/// The outcome of `Arm`, and the text of the log before it.
+fn refusal(host: &mut Host) -> (Outcome, String) {
+    let (outcome, state) = host.arm();
+    assert_eq!(state, State::Idle);
+    let logs = host.take(|message| match message {
+        DriveMessage::Log(log) => Some(log.text.as_str().to_owned()),
+        _ => None,
+    });
+    (outcome, logs.concat())
+}
+
+fn assert_off(host: &mut Host) {
+    host.bench.advance(3 * MS);
+    assert_eq!(host.bench.bridge().driving(), None);
+}
+
+#[test]
+fn a_break_input_that_is_active_or_open_refuses_to_arm() {
+    let mut host = Host::idle(&image(), &[]);
+    for level in [Some(true), None] {
+        host.bench.act(move |chip, _| chip.drive_break(level));
+        host.bench.advance(2 * MS);
+        assert_eq!(refusal(&mut host), (Outcome::PowerStageFault, "the break input is active".to_owned()));
+        assert_off(&mut host);
+    }
+    host.bench.act(|chip, _| chip.drive_break(Some(false)));
+    host.bench.advance(2 * MS);
+    host.run();
+}
+
+#[test]
+fn an_encoder_faster_than_its_limit_refuses_to_arm() {
+    let mut host = Host::idle(&image(), &[]);
+    // 2.1 million counts per second are the limit of the load.
+    host.bench.turn(0.0, 4e6);
+    host.bench.advance(3 * MS);
+    host.bench.turn(0.0, 0.0);
+    host.bench.advance(3 * MS);
+    let text = "load encoder: faster than its limit".to_owned();
+    assert_eq!(refusal(&mut host), (Outcome::EncoderImplausible, text));
+    assert_off(&mut host);
+    host.command(Reset {});
+    host.greet(SESSION);
+    host.set_all(&[]);
+    host.bench.advance(2 * MS);
+    host.run();
+}
+
+#[test]
+fn without_its_session_a_drive_does_not_arm() {
+    let mut host = Host::idle(&image(), &[]);
+    assert_eq!(host.command(Arm { session: SESSION + 1 }), (Outcome::WrongSession, State::Idle));
+    host.command(Reset {});
+    assert_eq!(host.arm(), (Outcome::WrongSession, State::Boot));
+    assert_off(&mut host);
+}

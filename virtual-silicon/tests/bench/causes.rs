@@ -1,0 +1,373 @@
+//! The causes for which the bridge turns off, and how a test brings them about in an image that is otherwise unmodified.
+//!
+//! A failure of the firmware itself is code in place of `Drive::send_description`, the answer to a request that no run needs.
+
+use std::time::Duration;
+
+use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue};
+use lashloop_protocol::message::{ClearFault, DescribeLaw, EmergencyStop, Hello, Reset, Stop};
+use lashloop_protocol::{HostMessage, PROTOCOL_VERSION};
+use lashloop_silicon::symbols::Symbols;
+use lashloop_silicon::thumb::{Code, FOREVER, MASK_INTERRUPTS, RETURN, UNDEFINED};
+
+use crate::host::{Host, SESSION};
+
+pub const PERIOD: Duration = Duration::from_millis(1);
+/// The default of `watchdog_us`.
+const WATCHDOG: Duration = Duration::from_millis(20);
+const DRIVE_TRAIN_STEP: Duration = Duration::from_micros(50);
+/// The function that gets the code of a failure.
+const SITE: &str = "send_description";
+/// A function that one law calls in every step, and the index of the law. In place of it, the argument is the value.
+const FUNCTION: &str = "tanhf";
+const LAW_OF_FUNCTION: u32 = 1;
+/// A word of RAM between variables and stack, by which a test controls the code in place of [`FUNCTION`].
+const FLAG: u32 = 0x2001_0000;
+/// Line of the source that a made panic reports.
+const PANIC_LINE: u32 = 4_711;
+
+/// A cause of turning the bridge off.
+pub struct Cause {
+    pub name: &'static str,
+    /// The instant from which the time counts.
+    pub from: &'static str,
+    /// What turns the bridge off.
+    pub by: &'static str,
+    /// Longest time from the instant to the bridge off.
+    pub limit: Duration,
+    /// Puts the failure into the image.
+    pub prepare: fn(Symbols) -> Symbols,
+    /// Brings the cause about in a running drive. Returns the instant.
+    pub happen: fn(&mut Host) -> Duration,
+    /// The fault that the drive reports; `None` if it reports none.
+    pub fault: Option<FaultCode>,
+    /// Whether references go on arriving afterwards.
+    pub is_referred: bool,
+    /// Whether only a reset restarts the drive.
+    pub halts: bool,
+}
+
+const ON_REQUEST: Cause = Cause {
+    name: "",
+    from: "last byte received",
+    by: "the task that receives it",
+    limit: PERIOD,
+    prepare: |image| image,
+    happen: |_| unreachable!("every cause has its own"),
+    fault: None,
+    is_referred: true,
+    halts: false,
+};
+const IN_HANDLER: Cause = Cause {
+    from: "the instruction",
+    by: "its handler",
+    limit: Duration::from_micros(1),
+    happen: fail,
+    halts: true,
+    ..ON_REQUEST
+};
+
+pub const CAUSES: [Cause; 17] = [
+    Cause {
+        name: "panic",
+        prepare: |image| with(&image, panicking(&image)),
+        fault: Some(FaultCode::Panic),
+        ..IN_HANDLER
+    },
+    Cause {
+        name: "HardFault",
+        prepare: |image| with(&image, |_| Code::default().halfword(UNDEFINED)),
+        fault: Some(FaultCode::ProcessorFault),
+        ..IN_HANDLER
+    },
+    Cause {
+        name: "unexpected interrupt",
+        prepare: |image| with(&image, |_| interrupting()),
+        fault: Some(FaultCode::ProcessorFault),
+        ..IN_HANDLER
+    },
+    Cause { name: "Stop", happen: |host| host.send(Stop {}), ..ON_REQUEST },
+    Cause {
+        name: "EmergencyStop",
+        happen: |host| host.send(EmergencyStop {}),
+        fault: Some(FaultCode::EmergencyStop),
+        ..ON_REQUEST
+    },
+    Cause { name: "Reset", happen: |host| host.send(Reset {}), ..ON_REQUEST },
+    Cause { name: "another session", happen: |host| host.send(ANOTHER_SESSION), ..ON_REQUEST },
+    Cause {
+        name: "host silent",
+        from: "end of watchdog_us",
+        by: "the next tick",
+        happen: |host| host.refer(1.0) + WATCHDOG,
+        is_referred: false,
+        fault: Some(FaultCode::Watchdog),
+        ..ON_REQUEST
+    },
+    Cause {
+        name: "requests no longer served",
+        from: "end of watchdog_us",
+        by: "the next tick",
+        prepare: |image| with(&image, |_| serving_no_more()),
+        happen: |host| {
+            let last = host.refer(1.0);
+            host.bench.advance(PERIOD / 2);
+            fail(host);
+            last + WATCHDOG
+        },
+        halts: true,
+        ..ON_REQUEST
+    },
+    Cause {
+        name: "reference not finite",
+        by: "the next tick",
+        happen: |host| host.refer(f32::NAN),
+        is_referred: false,
+        fault: Some(FaultCode::ReferenceNotFinite),
+        ..ON_REQUEST
+    },
+    Cause {
+        name: "encoder faster than its limit",
+        from: "the count that exceeds it",
+        by: "the next tick",
+        happen: |host| {
+            host.command(Stop {});
+            // 209 counts of 131,072 in a period.
+            let limit = ParameterValue::F32(10.0);
+            assert_eq!(host.set("motor_speed_limit_rad_s", limit), Outcome::Accepted);
+            host.run_under_torque();
+            host.bench.turn(16e6, 0.0);
+            // The drive train takes the speed at its next step, and 210 counts take 14 us.
+            host.bench.now() + DRIVE_TRAIN_STEP + Duration::from_micros(14)
+        },
+        fault: Some(FaultCode::MotorEncoderJump),
+        ..ON_REQUEST
+    },
+    Cause {
+        name: "torque not finite",
+        from: "the value",
+        by: "the next tick",
+        prepare: |image| image.with_code(FUNCTION, |_| returning_the_flag()).expect("a function of the law"),
+        happen: |host| {
+            set_flag(host, 0);
+            run_law_of_function(host);
+            set_flag(host, f32::NAN.to_bits());
+            host.bench.now()
+        },
+        fault: Some(FaultCode::TorqueNotFinite),
+        ..ON_REQUEST
+    },
+    Cause {
+        name: "step of 1.5 periods",
+        from: "end of its period",
+        by: "the step",
+        prepare: |image| image.with_code(FUNCTION, |_| taking_time()).expect("a function of the law"),
+        happen: |host| {
+            set_flag(host, 0);
+            run_law_of_function(host);
+            let due = last_tick(host) + PERIOD;
+            // Two instructions of 168 MHz each.
+            set_flag(host, 126_000);
+            due + PERIOD
+        },
+        fault: Some(FaultCode::TickOverrun),
+        ..ON_REQUEST
+    },
+    Cause {
+        name: "tick missing",
+        from: "its due time",
+        by: "the check every millisecond",
+        limit: Duration::from_micros(1_510),
+        prepare: |image| with(&image, |_| stopping_the_tick()),
+        happen: |host| {
+            fail(host);
+            last_tick(host) + PERIOD
+        },
+        halts: true,
+        fault: Some(FaultCode::TickOverrun),
+        ..ON_REQUEST
+    },
+    Cause {
+        name: "all tasks stopped",
+        from: "the instruction",
+        by: "the independent watchdog, at 32 kHz",
+        // 5 ms, and a count of the watchdog.
+        limit: Duration::from_micros(5_200),
+        prepare: |image| with(&image, |_| Code::default().halfwords(&[MASK_INTERRUPTS, FOREVER])),
+        happen: |host| {
+            host.bench.allow_resets();
+            fail(host)
+        },
+        is_referred: false,
+        ..IN_HANDLER
+    },
+    Cause {
+        name: "break input",
+        from: "the edge",
+        by: "the timer, without software",
+        limit: Duration::ZERO,
+        happen: |host| switch_break(host, Some(true)),
+        fault: Some(FaultCode::PowerStage),
+        ..ON_REQUEST
+    },
+    Cause {
+        name: "break wire open",
+        from: "the cut",
+        by: "the timer, without software",
+        limit: Duration::ZERO,
+        happen: |host| switch_break(host, None),
+        fault: Some(FaultCode::PowerStage),
+        ..ON_REQUEST
+    },
+];
+
+const ANOTHER_SESSION: Hello = Hello { protocol_version: PROTOCOL_VERSION, session: SESSION + 1 };
+
+/// The cause of this name.
+pub fn cause(name: &str) -> &'static Cause {
+    CAUSES.iter().find(|cause| cause.name == name).unwrap_or_else(|| panic!("no cause {name}"))
+}
+
+impl Cause {
+    /// Device time from the cause to the bridge off in this image, for instants of the cause in several phases of the period;
+    /// `None` if the bridge is on for 5 ms more than it may.
+    pub fn times_to_off(&self, image: &Symbols, phases: &[Duration]) -> Vec<Option<Duration>> {
+        let mut host = Host::under_torque(&(self.prepare)(image.clone()));
+        let mut times = Vec::new();
+        for (k, phase) in phases.iter().enumerate() {
+            if k > 0 {
+                recover(&mut host);
+            }
+            host.bench.advance(*phase);
+            let instant = (self.happen)(&mut host);
+            let end = instant + self.limit + 5 * PERIOD;
+            while host.bench.now() < end {
+                if self.is_referred {
+                    host.refer(1.0);
+                }
+                host.bench.advance(PERIOD);
+            }
+            let off = host.bench.time_to_off(instant);
+            if off.is_some_and(|off| off <= self.limit) {
+                let faults: Vec<_> = host.faults().iter().map(|report| report.code).collect();
+                assert_eq!(faults, Vec::from_iter(self.fault), "{}", self.name);
+            } else {
+                // The test fails, or the image is a mutant whose watchdog resets it.
+                host.bench.allow_resets();
+            }
+            assert!(off.is_some() || k == 0, "{}: off and on again", self.name);
+            times.push(off);
+            if off.is_none() {
+                break;
+            }
+        }
+        times
+    }
+}
+
+/// From any state of a drive that is not halted to a run under torque.
+fn recover(host: &mut Host) {
+    host.bench.turn(0.0, 0.0);
+    host.bench.act(|chip, _| chip.drive_break(Some(false)));
+    host.bench.advance(2 * PERIOD);
+    host.greet(SESSION);
+    host.command(ClearFault {});
+    // The identity repeats a latched fault.
+    host.faults();
+    host.command(Reset {});
+    host.greet(SESSION);
+    host.set_all(&[]);
+    host.bench.advance(2 * PERIOD);
+    host.run_under_torque();
+}
+
+/// Requests the failure that was put into the image. Returns its instant.
+fn fail(host: &mut Host) -> Duration {
+    let site = crate::bench::image().function(SITE).expect("the site of the failures");
+    host.bench.act(move |chip, _| chip.watch(site)).expect("a watch");
+    host.send(HostMessage::from(DescribeLaw { index: 0 }));
+    host.bench.advance(2 * PERIOD);
+    host.bench.act(|_, site| site.log.arrivals.last().map(|it| it.at)).expect("the failure happened")
+}
+
+/// Drives the break input, or cuts its wire. Returns the instant.
+fn switch_break(host: &mut Host, level: Option<bool>) -> Duration {
+    host.bench.act(move |chip, _| {
+        chip.drive_break(level);
+        chip.now()
+    })
+}
+
+/// Changes to the law that calls [`FUNCTION`].
+fn run_law_of_function(host: &mut Host) {
+    host.command(Stop {});
+    assert_eq!(host.set("controller", ParameterValue::U32(LAW_OF_FUNCTION)), Outcome::Accepted);
+    host.run_under_torque();
+}
+
+fn set_flag(host: &mut Host, value: u32) {
+    host.bench.act(move |chip, _| chip.set_word(FLAG.into(), value)).expect("memory");
+}
+
+/// Due time of the latest tick: the earliest start of a task among the ticks so far has no delay.
+fn last_tick(host: &mut Host) -> Duration {
+    let ticks = host.bench.act(|_, site| site.log.ticks.clone());
+    let last = *ticks.last().expect("a tick");
+    let (period, half) = (PERIOD.as_nanos() as i64, PERIOD.as_nanos() as i64 / 2);
+    let later_than = |tick: &Duration| ((last - *tick).as_nanos() as i64 + half) % period - half;
+    let late = ticks.iter().rev().take(8).map(later_than).max().expect("ticks");
+    last - Duration::from_nanos(late as u64)
+}
+
+fn with(image: &Symbols, code: impl FnOnce(u64) -> Code) -> Symbols {
+    image.with_code(SITE, code).expect("the site of the failures")
+}
+
+/// A panic of core with the location of a line of its own.
+fn panicking(image: &Symbols) -> impl FnOnce(u64) -> Code {
+    let panic = image.function("option::unwrap_failed").expect("a function of core");
+    move |address| {
+        // Four instructions to load two registers, one to jump, one to align.
+        let location = address as u32 + 20;
+        let jump = Code::default().load(0, location).jump(panic);
+        // File, its length, line, column.
+        jump.halfword(0).word(0x0800_0000).word(0).word(PANIC_LINE).word(1)
+    }
+}
+
+/// Pends the interrupt of TIM2, which no task handles.
+fn interrupting() -> Code {
+    const ENABLE: u32 = 0xe000_e100;
+    const PEND: u32 = 0xe000_e200;
+    const TIM2: u32 = 1 << 28;
+    // str r1, [r0]
+    let store = |code: Code| code.halfword(0x6001);
+    let enabled = store(Code::default().load(0, ENABLE).load(1, TIM2));
+    store(enabled.load(0, PEND)).halfword(RETURN)
+}
+
+/// An endless loop of the task that serves requests. The priority ceiling ends before it, so the other tasks go on.
+fn serving_no_more() -> Code {
+    // movs r0, #0; msr basepri, r0
+    Code::default().halfwords(&[0x2000, 0xf380, 0x8811, FOREVER])
+}
+
+/// Returns the flag in place of a value, unless it is 0.
+fn returning_the_flag() -> Code {
+    // ldr r1, [r0]; cbz r1, 1f; vmov s0, r1; 1:
+    Code::default().load(0, FLAG).halfwords(&[0x6801, 0xb109, 0xee00, 0x1a10, RETURN])
+}
+
+/// Clears the flag after as many loops as it says.
+fn taking_time() -> Code {
+    // ldr r1, [r0]; movs r2, #0; str r2, [r0]; cbz r1, 1f; 2: subs r1, #1; bne 2b; 1:
+    Code::default().load(0, FLAG).halfwords(&[0x6801, 0x2200, 0x6002, 0xb109, 0x3901, 0xd1fd, RETURN])
+}
+
+/// Clears the control register of the tick's timer.
+fn stopping_the_tick() -> Code {
+    // movs r1, #0; str r1, [r0]
+    Code::default().load(0, TIM5).halfwords(&[0x2100, 0x6001, RETURN])
+}
+
+const TIM5: u32 = 0x4000_0c00;

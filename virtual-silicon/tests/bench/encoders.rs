@@ -1,0 +1,171 @@
+//! Encoders at the pins against the counts of the drive.
+
+use std::time::Duration;
+
+use lashloop_protocol::EncoderCounts;
+use lashloop_protocol::enums::{FaultCode, ParameterValue};
+use lashloop_protocol::message::BenchSample;
+use lashloop_silicon::quadrature::Channel;
+use lashloop_silicon::wiring::Encoder;
+
+use crate::bench::image;
+use crate::host::Host;
+use crate::report;
+
+const MS: Duration = Duration::from_millis(1);
+
+/// Speeds that no speed limit and no twist limit stops.
+const UNLIMITED: [(&str, ParameterValue); 4] = [
+    ("motor_speed_limit_rad_s", ParameterValue::F32(1_500.0)),
+    ("load_speed_limit_rad_s", ParameterValue::F32(1_500.0)),
+    ("twist_limit_rad", ParameterValue::F32(1e5)),
+    ("bench_sample_every", ParameterValue::U32(1)),
+];
+
+/// A drive that runs with a reference of 0 on encoders at these counts.
+fn running_at(counts: (i64, i64), parameters: &[(&str, ParameterValue)]) -> Host {
+    let mut host = Host::at(&image(), counts);
+    host.set_all(&UNLIMITED);
+    host.set_all(parameters);
+    host.run();
+    host
+}
+
+/// Counts of the wires at the drive's last reading of the motor encoder.
+fn wires(host: &mut Host) -> (i64, i64) {
+    // A reading takes the counter twice.
+    host.bench.act(|_, site| {
+        let [.., (_, motor, load), _] = site.log.readings[..] else { panic!("no reading") };
+        (motor, load)
+    })
+}
+
+fn counts(sample: &BenchSample) -> (EncoderCounts, EncoderCounts) {
+    (sample.motor_counts, sample.load_counts)
+}
+
+fn wrapping((motor, load): (i64, i64)) -> (EncoderCounts, EncoderCounts) {
+    (EncoderCounts::wrapping(motor), EncoderCounts::wrapping(load))
+}
+
+#[test]
+fn counts_follow_both_ways_through_every_wrap_of_the_timers() {
+    let mut host = running_at((0, 0), &[]);
+    // 200,000 counts each way: three times the range of a 16-bit timer. The load turns the other way.
+    for (motor, load) in [(4e6, -2e6), (-8e6, 4e6), (4e6, -2e6)] {
+        host.bench.turn(motor, load);
+        for sample in host.steps(50, 0.0) {
+            assert_eq!(sample.status.state, lashloop_protocol::enums::State::Running);
+        }
+        host.bench.turn(0.0, 0.0);
+        let samples = host.steps(3, 0.0);
+        assert_eq!(counts(samples.last().expect("samples")), wrapping(wires(&mut host)));
+    }
+    assert_eq!(host.faults(), []);
+    let travelled = host.bench.act(|_, site| {
+        let motor = site.log.readings.iter().map(|reading| reading.1);
+        (motor.clone().min().expect("readings"), motor.max().expect("readings"))
+    });
+    assert!(travelled.0 < -150_000 && travelled.1 > 150_000, "{travelled:?}");
+}
+
+#[test]
+fn every_reading_of_a_moving_encoder_is_that_of_its_wires() {
+    let mut host = running_at((-30_000, 30_000), &[]);
+    host.bench.turn(777_000.0, -333_000.0);
+    host.steps(2, 0.0);
+    // From the middle between two ticks every step is reported before its end.
+    let tick = host.bench.act(|_, site| *site.log.ticks.last().expect("a tick"));
+    host.bench.advance_to(tick + MS + MS / 2);
+    host.samples();
+    for _ in 0..100 {
+        let samples = host.steps(1, 0.0);
+        let (motor, load) = wires(&mut host);
+        let [sample] = samples[..] else { panic!("one sample in a period: {samples:?}") };
+        // The filter delays the counter by 4 samples of 84 MHz, and the load is read after the motor: less than one count.
+        assert!(sample.motor_counts.wrapping_sub(EncoderCounts::wrapping(motor)).abs() <= 1);
+        assert!(sample.load_counts.wrapping_sub(EncoderCounts::wrapping(load)).abs() <= 1);
+    }
+}
+
+/// Counts that the timers lost at this speed in 20 ms.
+fn lost_at(counts_per_s: f64) -> (i32, i32) {
+    let mut host = running_at((0, 0), &[]);
+    host.bench.turn(counts_per_s, -counts_per_s);
+    host.steps(20, 0.0);
+    host.bench.turn(0.0, 0.0);
+    let sample = *host.steps(3, 0.0).last().expect("samples");
+    assert_eq!(host.faults(), [], "at {counts_per_s} counts/s");
+    let want = wrapping(wires(&mut host));
+    (sample.motor_counts.wrapping_sub(want.0), sample.load_counts.wrapping_sub(want.1))
+}
+
+#[test]
+fn no_count_is_lost_up_to_the_default_speed_limit() {
+    // 1000 rad/s of 131,072 counts per revolution are 20.9 million counts per second.
+    let speeds = [1e6, 5e6, 12e6, 20.8e6];
+    let lost: Vec<_> = std::thread::scope(|scope| {
+        let threads: Vec<_> = speeds.iter().map(|speed| scope.spawn(|| lost_at(*speed))).collect();
+        threads.into_iter().map(|thread| thread.join().expect("a count")).collect()
+    });
+    let lines: Vec<String> = speeds
+        .iter()
+        .zip(&lost)
+        .map(|(speed, lost)| format!("encoders, {:.1} million counts/s: {lost:?} counts lost", speed / 1e6))
+        .collect();
+    report::write("bench-encoders", &lines);
+    assert!(lost.iter().all(|lost| *lost == (0, 0)), "{lost:?}");
+}
+
+#[test]
+fn a_reversed_encoder_counts_the_other_way() {
+    let reversed = [("motor_direction", ParameterValue::U32(1)), ("load_direction", ParameterValue::U32(1))];
+    let mut host = running_at((0, 0), &reversed);
+    host.bench.turn(1e6, -5e5);
+    host.steps(5, 0.0);
+    host.bench.turn(0.0, 0.0);
+    let sample = *host.steps(3, 0.0).last().expect("samples");
+    let (motor, load) = wires(&mut host);
+    assert!(motor > 4_000 && load < -2_000, "{motor} {load}");
+    assert_eq!(counts(&sample), wrapping((-motor, -load)));
+}
+
+/// Cuts a channel while both encoders turn as at a gear of 3:1. Returns the fault, and the periods until the bridge was off.
+fn cut(encoder: Encoder, channel: Channel) -> (FaultCode, Duration) {
+    let mut host = Host::at(&image(), (0, 0));
+    host.set_all(&[("twist_limit_rad", ParameterValue::F32(0.5))]);
+    host.run();
+    // 30 rad/s of the motor.
+    let motor = 30.0 * 131_072.0 / std::f64::consts::TAU;
+    host.bench.turn(motor, motor / 3.0);
+    host.steps(10, 0.0);
+    let instant = host.bench.now();
+    host.bench.act(move |chip, site| site.train.cut(chip, encoder, channel));
+    host.steps(40, 0.0);
+    let off = host.bench.time_to_off(instant).expect("the bridge off");
+    let [fault] = host.faults()[..] else { panic!("one fault") };
+    (fault.code, off)
+}
+
+#[test]
+fn a_lost_channel_is_noticed_within_the_twist_limit() {
+    let channels = [Channel::A, Channel::B];
+    let cases = [Encoder::Motor, Encoder::Load].into_iter().flat_map(|encoder| channels.map(|it| (encoder, it)));
+    let mut lines = Vec::new();
+    for (encoder, channel) in cases {
+        let (fault, off) = cut(encoder, channel);
+        let want = match encoder {
+            Encoder::Motor => FaultCode::MotorEncoderLost,
+            Encoder::Load => FaultCode::LoadEncoderLost,
+        };
+        assert_eq!(fault, want, "{encoder:?} {channel:?}");
+        // 0.5 rad at 30 rad/s, a count, and a period.
+        assert!(off <= Duration::from_micros(16_700) + MS + MS / 10, "{encoder:?} {channel:?}: {off:?}");
+        let name = if encoder == Encoder::Motor { "motor" } else { "load" };
+        lines.push(format!(
+            "bridge off, channel {channel:?} of the {name} encoder cut at 30 rad/s, twist limit 0.5 rad: {:.1} ms",
+            off.as_secs_f64() * 1e3
+        ));
+    }
+    report::write("bridge-off-encoder", &lines);
+}

@@ -1,0 +1,14 @@
+//! The drive's image, unmodified, in bench mode on virtual silicon. A host speaks the protocol over USART2 in device time.
+
+mod arming;
+mod bench;
+mod boot;
+mod causes;
+mod duty;
+mod encoders;
+mod host;
+mod mutants;
+mod off;
+mod report;
+mod tick;
+mod turntable;

@@ -1,0 +1,143 @@
+//! The tick: instructions of a step for every law, and how late steps start.
+
+use std::path::Path;
+use std::time::Duration;
+
+use lashloop_plant::{Plants, Release, Start};
+use lashloop_protocol::DriveMessage;
+use lashloop_protocol::enums::{Outcome, ParameterValue, State};
+use lashloop_protocol::message::{DescribeLaw, Stop, Subscribe};
+use lashloop_silicon::drive_train::{DriveTrain, Scales};
+use lashloop_silicon::surroundings::Arrival;
+use lashloop_silicon::symbols::Symbols;
+use lashloop_silicon::wiring::Wiring;
+
+use crate::bench::{Bench, image};
+use crate::host::{Host, SESSION};
+use crate::report;
+
+/// Most instructions of a tick.
+const LIMIT: u64 = 3_000;
+/// Instruction rate of the model.
+const INSTRUCTIONS_PER_US: u64 = 168;
+
+/// A host of a drive with the smooth plant at its pins.
+fn with_plant(image: &Symbols) -> Host {
+    let plants = Plants::standard();
+    let model = plants.get("smooth").expect("the plant model");
+    let start = Start::at_rest(0.0, 0.0);
+    let release = Release { values: &model.defaults(), start, period_s: 1e-3, folder: Path::new("") };
+    let scales = Scales {
+        // The drive's scale: duty 0.5 and 1 are 0 and 50 N m.
+        nm_per_full_duty: 50.0,
+        motor_counts_per_rev: 131_072.0,
+        load_counts_per_rev: 131_072.0,
+    };
+    let train = DriveTrain::new(model.release(&release).expect("a plant"), scales);
+    let mut host = Host::of(Bench::boot_with(image, train, Wiring::F405_BARE));
+    host.set_all(&[]);
+    host
+}
+
+/// Instructions from each tick's first one to the first one of another task, without ticks that an interrupt of the line
+/// preempted.
+fn instructions(host: &mut Host, tick: u64, line: u64) -> Vec<u64> {
+    let arrivals = host.bench.act(|_, site| std::mem::take(&mut site.log.arrivals));
+    let pairs = arrivals.windows(2).filter_map(|pair| <&[Arrival; 2]>::try_from(pair).ok());
+    let whole = pairs.filter(|[from, to]| from.address == tick && to.address != line);
+    whole.map(|[from, to]| to.instructions - from.instructions).collect()
+}
+
+#[test]
+fn a_tick_of_every_law_takes_at_most_3000_instructions() {
+    let image = image();
+    let mut host = with_plant(&image);
+    let addresses = ["TIM5", "USART2", "EXTI0", "SysTick"].map(|task| image.function(task).expect("a task"));
+    let idle = image.first_in("main", lashloop_silicon::thumb::WAIT_FOR_INTERRUPT).expect("the idle task") + 2;
+    host.bench.act(move |chip, _| {
+        addresses.into_iter().chain([idle]).for_each(|address| chip.watch(address).expect("a watch"));
+    });
+    let laws = host.greet(SESSION).law_count;
+    let mut lines = Vec::new();
+    for index in 0..laws {
+        let name = host.exchange(DescribeLaw { index }, |message| match message {
+            DriveMessage::LawDescription(it) => Some(it.name.as_str().to_owned()),
+            _ => None,
+        });
+        assert_eq!(host.set("controller", ParameterValue::U32(index.into())), Outcome::Accepted);
+        host.run();
+        // Both signs, rest and motion. The line carries reference and sample of every step.
+        host.steps(60, 0.3);
+        host.steps(60, -0.3);
+        let counts = instructions(&mut host, addresses[0], addresses[1]);
+        assert_eq!(host.command(Stop {}), (Outcome::Accepted, State::Idle), "{name}");
+        assert!(counts.len() > 90, "{name}: {} ticks", counts.len());
+        let (largest, sum) = (*counts.iter().max().expect("ticks"), counts.iter().sum::<u64>());
+        lines.push(format!(
+            "bench tick, {name}: {} instructions on average, {largest} at most, limit {LIMIT}",
+            sum / counts.len() as u64
+        ));
+        assert!(largest <= LIMIT, "{name}: {largest} instructions");
+    }
+    report::write("bench-tick", &lines);
+}
+
+/// The distribution of times in nanoseconds.
+fn distribution(mut times: Vec<u64>) -> [u64; 4] {
+    times.sort_unstable();
+    let quantile = |share: f64| times[((times.len() - 1) as f64 * share) as usize];
+    [times[0], quantile(0.5), quantile(0.99), times[times.len() - 1]]
+}
+
+/// Lateness of the steps of a run against the grid of the earliest, and the differences of successive periods from the
+/// nominal one, in nanoseconds.
+fn jitter(host: &mut Host, period: Duration) -> (Vec<u64>, Vec<u64>) {
+    let ticks = host.bench.act(|_, site| std::mem::take(&mut site.log.ticks));
+    let period = period.as_nanos() as i64;
+    let phase = |at: &Duration| (*at - ticks[0]).as_nanos() as i64;
+    let late = |at: &Duration| (phase(at) + period / 2) % period - period / 2;
+    let earliest = ticks.iter().map(late).min().expect("ticks");
+    let lateness = ticks.iter().map(|at| (late(at) - earliest) as u64).collect();
+    let periods = ticks.windows(2).map(|pair| ((pair[1] - pair[0]).as_nanos() as i64 - period).unsigned_abs());
+    (lateness, periods.collect())
+}
+
+#[test]
+fn ticks_of_1_and_4_khz_are_in_time_with_a_busy_line() {
+    let mut lines = Vec::new();
+    for (khz, every) in [(1, 1), (4, 4)] {
+        let period = Duration::from_micros(1_000 / khz);
+        let mut host = with_plant(&image());
+        for (name, value) in [("period_us", 1_000 / khz as u32), ("bench_sample_every", every)] {
+            assert_eq!(host.set(name, ParameterValue::U32(value)), Outcome::Accepted);
+        }
+        // Two signals of the drive, 20 times a second.
+        let subscribe = Subscribe { signals: 0b11, every: 50 * khz as u16 };
+        assert_eq!(host.command(subscribe).0, Outcome::Accepted);
+        host.run();
+        host.bench.advance(Duration::from_millis(2));
+        host.bench.act(|_, site| site.log.ticks.clear());
+        let steps = 500 * khz as u32;
+        for _ in 0..steps {
+            host.refer(0.2);
+            host.bench.advance(period);
+        }
+        let (lateness, periods) = jitter(&mut host, period);
+        assert!(lateness.len() as u32 >= steps - 1, "{} ticks", lateness.len());
+        assert_eq!(host.faults(), []);
+        let samples = host.samples();
+        assert!(samples.len() as u32 >= steps / every - 2, "{} samples", samples.len());
+        assert!(samples.windows(2).all(|pair| pair[1].sequence.wrapping_sub(pair[0].sequence) == every as u16));
+        let compute = samples.iter().map(|sample| sample.compute_time_us).max().expect("samples");
+        let [least, median, p99, most] = distribution(lateness);
+        let [_, _, p99_period, most_period] = distribution(periods);
+        lines.push(format!(
+            "bench tick, {khz} kHz: a step starts {least} to {most} ns after the earliest, median {median}, p99 {p99}; \
+             period {most_period} ns off at most, p99 {p99_period}; step {compute} us at most"
+        ));
+        // A tick waits for one request or one SysTick at most, and for bytes.
+        assert!(most <= 60_000, "{khz} kHz: {most} ns");
+    }
+    report::write("bench-tick-jitter", &lines);
+    assert!(INSTRUCTIONS_PER_US * 250 > 10 * LIMIT, "a tick is less than a tenth of 4 kHz");
+}
