@@ -73,7 +73,7 @@ impl DriveTrain for OnDevice<'_> {
             .map_err(|source| MotionError::Table { path: table.clone(), source })?;
         let scenario = (self.scenario)(&settings)?;
         let mut device =
-            DeviceUnderTest::open(&scenario, self.device, self.supervisor, |link| link).map_err(RunError::from)?;
+            DeviceUnderTest::open(&scenario, self.device, self.clock.name(), self.supervisor, |link| link).map_err(RunError::from)?;
         let mut watch = Watch {
             columns: Columns::default(),
             guard,
