@@ -45,6 +45,20 @@ pub(crate) struct Fit {
     pub(crate) residual_counts: [f64; 2],
 }
 
+/// Residual of a model that follows, in counts: quantisation alone leaves 0.29.
+const FOLLOWS_COUNTS: f64 = 1.0;
+
+/// Whether residuals of motor and load are about those of the quantisation.
+pub(crate) fn follows(residual_counts: [f64; 2]) -> bool {
+    residual_counts.iter().all(|&counts| counts < FOLLOWS_COUNTS)
+}
+
+impl Fit {
+    pub(crate) fn is_followed(&self) -> bool {
+        follows(self.residual_counts)
+    }
+}
+
 /// What is fitted: motions, and the start that the prior is around.
 pub(crate) struct Problem<'a> {
     pub(crate) motions: &'a [Motion],

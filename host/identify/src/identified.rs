@@ -4,7 +4,7 @@ use lashloop_plant::Mechanics;
 use lashloop_plant::backlash_shaft::ShaftParameters;
 use serde::Serialize;
 
-use crate::fit::Fit;
+use crate::fit::{Fit, follows};
 use crate::parameters::{COUNT, Parameter, Vector};
 use crate::series::Instruments;
 use crate::signs::Directions;
@@ -18,8 +18,6 @@ const DEVIATIONS: f64 = 3.0;
 const WIDEST: f64 = 2.0;
 /// Widest interval of a quantity that has no scale of its own.
 const WIDEST_FRACTION: f64 = 0.3;
-/// Residual of a model that follows, in counts: quantisation alone leaves 0.29.
-pub(crate) const FOLLOWS_COUNTS: f64 = 1.0;
 
 /// A value with the ends of its interval of [`CONFIDENCE`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -77,7 +75,7 @@ impl Identified {
     /// one than the model: the intervals are those of the nearest model.
     #[must_use]
     pub fn is_followed(&self) -> bool {
-        self.residual_counts.iter().all(|&counts| counts < FOLLOWS_COUNTS)
+        follows(self.residual_counts)
     }
 
     /// A quantity by its name.

@@ -4,7 +4,7 @@ use lashloop_plant::Mechanics;
 use lashloop_plant::backlash_shaft::ShaftParameters;
 
 use crate::fit::{Fit, Point, Problem};
-use crate::identified::{FOLLOWS_COUNTS, Identified};
+use crate::identified::Identified;
 use crate::parameters::{COUNT, Parameter, Vector};
 use crate::replay::{Motion, Substeps};
 use crate::series::{Instruments, Series};
@@ -71,9 +71,20 @@ pub fn identify(
     let load = shown.load.unwrap_or(Direction::Forward);
     let motions: Vec<_> = series.iter().map(|it| Motion::new(it, instruments, [motor, load])).collect();
     let fallback = Vector::of(&start.mechanics, &start.shaft);
-    let point = staged::start(&motions, &fallback);
-    let fit = polished(&motions, point).ok_or(IdentifyError::NotFollowed)?;
+    let [likely, other] = staged::starts(&motions, &fallback);
+    let first = polished(&motions, likely);
+    let fit = match first {
+        Some(fit) if fit.is_followed() => Some(fit),
+        first => nearer(first, polished(&motions, other)),
+    };
+    let fit = fit.ok_or(IdentifyError::NotFollowed)?;
     Ok(Identified::new(&fit, shown, instruments))
+}
+
+/// The fit that leaves less of the motor's counts.
+fn nearer(first: Option<Fit>, second: Option<Fit>) -> Option<Fit> {
+    let motor = |fit: &Fit| fit.residual_counts[0];
+    first.into_iter().chain(second).min_by(|a, b| motor(a).total_cmp(&motor(b)))
 }
 
 /// Fits all parameters. A fit that ends away from the record is repeated from where it ended, with the quantities that it
@@ -90,7 +101,7 @@ fn polished(motions: &[Motion], point: Point) -> Option<Fit> {
     };
     let mut best = fit(point)?;
     for _ in 0..RESTARTS {
-        if best.residual_counts.iter().all(|&counts| counts < FOLLOWS_COUNTS) {
+        if best.is_followed() {
             break;
         }
         let mut kicked = best.point.clone();

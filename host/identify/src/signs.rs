@@ -43,6 +43,9 @@ pub struct Directions {
 /// Fewest counts of motion that show a direction: one count is the quantisation, the second one noise of an edge.
 const COUNTS_MIN: f64 = 3.0;
 
+/// Length of a block of the work, in s.
+const BLOCK_S: f64 = 0.02;
+
 /// Directions from one or more motions, each of which begins at rest.
 #[must_use]
 pub fn directions(series: &[Series]) -> Directions {
@@ -55,9 +58,14 @@ pub fn directions(series: &[Series]) -> Directions {
     Directions { motor: of(Series::motor_counts), load: of(Series::load_counts) }
 }
 
-/// Work of the torques in N m counts. A torque is held from its sample to the next one; a delay of a period or two
-/// changes little.
+/// Work of the torques in N m counts, by blocks: a loop answers the jitter of single counts with torques against it, a
+/// period or two late.
 fn work_nm_counts(series: &Series, counts: &[i64]) -> f64 {
-    let moved = counts.windows(2).map(|it| (it[1] - it[0]) as f64);
-    moved.zip(series.torque_nm()).map(|(counts, torque_nm)| counts * torque_nm).sum()
+    let block = ((BLOCK_S / series.period_s()).round() as usize).max(1);
+    let ends = (0..counts.len().saturating_sub(block)).step_by(block);
+    let work = ends.map(|from| {
+        let torque_nm = series.torque_nm()[from..from + block].iter().sum::<f64>() / block as f64;
+        torque_nm * (counts[from + block] - counts[from]) as f64
+    });
+    work.sum()
 }

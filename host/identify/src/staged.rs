@@ -24,8 +24,20 @@ const WINDOW_S: f64 = 0.02;
 const ROUNDS: usize = 5;
 const COMMON: usize = 3;
 
-/// The start of a fit, taken from the motions as far as they show it, from `fallback` else.
-pub(crate) fn start(motions: &[Motion], fallback: &Vector) -> Point {
+/// Starts of a fit, the likeliest first: taken from the motions as far as they show it, and the fallback as it is.
+pub(crate) fn starts(motions: &[Motion], fallback: &Vector) -> [Point; 2] {
+    let staged = staged(motions, fallback);
+    let own = vec![OwnParameters::default(); motions.len()];
+    let given = Point { vector: *fallback, own };
+    let all: Vec<_> = (0..motions.len()).collect();
+    if distance(motions, &all, &given) < distance(motions, &all, &staged) {
+        [given, staged]
+    } else {
+        [staged, given]
+    }
+}
+
+fn staged(motions: &[Motion], fallback: &Vector) -> Point {
     let mut vector = *fallback;
     let mut own = vec![OwnParameters::default(); motions.len()];
     let breakaway_nm = breakaway_nm(motions);

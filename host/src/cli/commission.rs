@@ -10,7 +10,7 @@ use lashloop_bench::record::trace::TraceWriter;
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
-use lashloop_identify::excitation::{Commissioned, CommissioningError, Limits, commission};
+use lashloop_identify::excitation::{Commissioned, CommissioningError, Halt, Limits, commission};
 use lashloop_plant::metrics::SignalTable;
 
 use super::clock_options::ClockOptions;
@@ -110,7 +110,12 @@ impl Arguments {
         }
         let temporary = tempfile::tempdir().map_err(system("create a temporary folder"))?;
         let mut record = |run: &RunRecord<'_>| {
-            outln!("{:<20} {} steps, {}", run.name, run.outcome.steps, run.outcome.end);
+            let end = match run.halt {
+                Some(Halt::Moved) => "until the load moved".to_owned(),
+                Some(Halt::Exceeded(exceeded)) => format!("halted: {exceeded}"),
+                None => run.outcome.end.to_string(),
+            };
+            outln!("{:<20} {} steps, {end}", run.name, run.outcome.steps);
             self.out.as_deref().map_or(Ok(()), |folder| write_record(&folder.join(run.name), run))
         };
         let mut drive_train = OnDevice {
@@ -120,6 +125,7 @@ impl Arguments {
             supervisor: &supervisor,
             instruments: instruments(&template),
             period_s: template.run.control_period_s(),
+            rig: rig.as_ref().map(|taken| &taken.rig),
             folder: temporary.path(),
             record: &mut record,
         };
@@ -234,6 +240,7 @@ fn failed(error: CommissioningError<MotionError>) -> CliError {
     match error {
         CommissioningError::Motion(MotionError::Run(error)) => CliError::Run(error),
         CommissioningError::Motion(MotionError::Scenario(errors)) => CliError::Scenario(errors),
+        CommissioningError::Motion(MotionError::Rig(error)) => CliError::RigParameter(error),
         CommissioningError::Identify(error) => CliError::Identify(error),
         other => CliError::Commission(Box::new(other)),
     }

@@ -42,7 +42,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     torque_delay_us: Option<u32>,
 
-    /// Scenario whose plant the estimation starts from, within a factor of 50 of the truth [default: the paper's bench]
+    /// Scenario whose plant the estimation starts from, within a factor of 50 of the truth [default: the
+    /// record's scenario, or the paper's bench]
     #[arg(long, value_name = "SCENARIO")]
     start: Option<PathBuf>,
 
@@ -58,13 +59,18 @@ impl Arguments {
             .iter()
             .map(|folder| Ok((folder, Record::read(folder)?)))
             .collect::<Result<Vec<_>, CliError>>()?;
-        let instruments = self.instruments(&records[0].1, bench)?;
+        let of_record = scenario(&records[0].1, bench);
+        let instruments = self.instruments(&of_record)?;
         let mut motions = Vec::new();
         for (folder, record) in &records {
             let unfit = |source| CliError::Motion { folder: folder.to_path_buf(), source };
             motions.push(series(&record.trace.columns, &instruments).map_err(unfit)?);
         }
-        let start = self.start.as_deref().map(|file| start(file, bench)).transpose()?.unwrap_or_default();
+        let start = match (&self.start, &of_record) {
+            (Some(file), _) => start(file, bench)?,
+            (None, Ok(scenario)) => start_of(scenario),
+            (None, Err(_)) => Start::default(),
+        };
         let identified = lashloop_identify::identify(&motions, &instruments, &start)?;
         outln!("{}", table(&identified).trim_end());
         if let Some(folder) = &self.out {
@@ -75,22 +81,27 @@ impl Arguments {
     }
 
     /// What the options give, the rest from the scenario of the record.
-    fn instruments(&self, record: &Record, bench: &Bench) -> Result<Instruments, CliError> {
+    fn instruments(&self, of_record: &Result<Scenario, String>) -> Result<Instruments, CliError> {
         let given = (self.motor_counts_per_rev, self.load_counts_per_rev, self.torque_delay_us);
         if let (Some(motor_counts_per_rev), Some(load_counts_per_rev), Some(torque_delay_us)) = given {
             return Ok(Instruments { motor_counts_per_rev, load_counts_per_rev, torque_delay_us });
         }
-        let name = record.summary.as_ref().map(|summary| summary.scenario.clone());
-        let name = name.ok_or_else(|| CliError::Instruments { reason: "the record has no summary".to_owned() })?;
-        let scenario = Scenario::from_file_with(Path::new(&name), &[], &plants(bench))
-            .map_err(|error| CliError::Instruments { reason: error.to_string() })?;
-        let known = instruments(&scenario);
+        let known = match of_record {
+            Ok(scenario) => instruments(scenario),
+            Err(reason) => return Err(CliError::Instruments { reason: reason.clone() }),
+        };
         Ok(Instruments {
             motor_counts_per_rev: self.motor_counts_per_rev.unwrap_or(known.motor_counts_per_rev),
             load_counts_per_rev: self.load_counts_per_rev.unwrap_or(known.load_counts_per_rev),
             torque_delay_us: self.torque_delay_us.unwrap_or(known.torque_delay_us),
         })
     }
+}
+
+/// The scenario of a record, or why there is none.
+fn scenario(record: &Record, bench: &Bench) -> Result<Scenario, String> {
+    let name = record.summary.as_ref().map(|summary| &summary.scenario).ok_or("the record has no summary")?;
+    Scenario::from_file_with(Path::new(name), &[], &plants(bench)).map_err(|error| error.to_string())
 }
 
 /// The instruments of a scenario.
@@ -123,7 +134,11 @@ pub(super) fn write_estimates(
 /// The start of the estimation: the numbers that the plant of a scenario has, the rest from the paper's bench.
 pub(super) fn start(file: &Path, bench: &Bench) -> Result<Start, CliError> {
     let meant = Override::Set(r#"meant=["start", "mismatch", "large-angle"]"#.to_owned());
-    let plant = Scenario::from_file_with(file, &[meant], &plants(bench))?.plant;
+    Ok(start_of(&Scenario::from_file_with(file, &[meant], &plants(bench))?))
+}
+
+fn start_of(scenario: &Scenario) -> Start {
+    let plant = &scenario.plant;
     let Start { mechanics, shaft } = Start::default();
     let number = |key: &str, default: f64| plant.number(key).filter(|value| *value > 0.0).unwrap_or(default);
     let stribeck = |[coulomb, stiction, velocity]: [&'static str; 3], default: StribeckParameters| StribeckParameters {
@@ -131,7 +146,7 @@ pub(super) fn start(file: &Path, bench: &Bench) -> Result<Start, CliError> {
         stiction_nm: number(stiction, default.stiction_nm),
         velocity_rad_s: number(velocity, default.velocity_rad_s),
     };
-    Ok(Start {
+    Start {
         mechanics: Mechanics {
             motor_inertia_kg_m2: number("motor_inertia_kg_m2", mechanics.motor_inertia_kg_m2),
             motor_friction_nm_s_rad: number("motor_friction_nm_s_rad", mechanics.motor_friction_nm_s_rad),
@@ -150,5 +165,5 @@ pub(super) fn start(file: &Path, bench: &Bench) -> Result<Start, CliError> {
             current_lag_s: number("current_lag_ms", 1e3 * shaft.current_lag_s) / 1e3,
             torque_saturation_nm: shaft.torque_saturation_nm,
         },
-    })
+    }
 }

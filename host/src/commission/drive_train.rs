@@ -16,6 +16,9 @@ use lashloop_plant::metrics::SignalTable;
 
 use super::scenario;
 use crate::identify::record::{NoSeries, counts, series};
+use crate::rig::Rig;
+use crate::rig::check::check_board;
+use crate::rig::drive_settings::MissingParameter;
 
 /// Why a motion could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -24,6 +27,8 @@ pub enum MotionError {
     Scenario(#[from] ScenarioErrors),
     #[error(transparent)]
     Run(#[from] RunError),
+    #[error(transparent)]
+    Rig(#[from] MissingParameter),
     /// The drive or the user ended it.
     #[error("{motion}: {end}; the torque is off")]
     Ended { motion: String, end: String },
@@ -47,6 +52,8 @@ pub struct RunRecord<'a> {
     pub device: &'a Device,
     pub outcome: &'a Outcome,
     pub columns: &'a Columns,
+    /// Why the guard ended it early.
+    pub halt: Option<Halt>,
 }
 
 /// Motions as runs on a device.
@@ -58,6 +65,8 @@ pub struct OnDevice<'a> {
     pub supervisor: &'a Supervisor,
     pub instruments: Instruments,
     pub period_s: f64,
+    /// The rig whose settings every motion has.
+    pub rig: Option<&'a Rig>,
     /// Folder for the tables of torques.
     pub folder: &'a Path,
     /// Called with every run, before the next motion.
@@ -71,9 +80,16 @@ impl DriveTrain for OnDevice<'_> {
         let table = self.folder.join(format!("{}.csv", motion.name));
         let settings = scenario::motion(&motion.torque_nm, self.period_s, &table)
             .map_err(|source| MotionError::Table { path: table.clone(), source })?;
-        let scenario = (self.scenario)(&settings)?;
+        let mut scenario = (self.scenario)(&settings)?;
+        if let Some(rig) = self.rig {
+            scenario.link.baud = rig.port.baud;
+        }
         let mut device =
             DeviceUnderTest::open(&scenario, self.device, self.clock.name(), self.supervisor, |link| link).map_err(RunError::from)?;
+        if let Some(rig) = self.rig {
+            check_board(rig, &device.device).map_err(RunError::from)?;
+            rig.complete(&mut scenario, &device.device.session.parameters)?;
+        }
         let mut watch = Watch {
             columns: Columns::default(),
             guard,
@@ -85,7 +101,7 @@ impl DriveTrain for OnDevice<'_> {
         let Watch { columns, guard, halt, .. } = watch;
         let name = &motion.name;
         let record =
-            RunRecord { name, scenario: &scenario, device: &device.device, outcome: &outcome, columns: &columns };
+            RunRecord { name, scenario: &scenario, device: &device.device, outcome: &outcome, columns: &columns, halt };
         (self.record)(&record).map_err(MotionError::Record)?;
         if halt.is_none() && outcome.end != End::Complete {
             return Err(MotionError::Ended { motion: name.clone(), end: outcome.end.to_string() });

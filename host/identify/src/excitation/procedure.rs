@@ -14,7 +14,8 @@ const BREAKAWAY_RAD: f64 = 0.004;
 const TRAVEL: f64 = 0.25;
 /// Fraction of a speed limit from which the pulses don't grow: the next would be up to twice as fast.
 const SPEED: f64 = 0.5;
-const PULSES_MAX: usize = 12;
+/// Height of a pulse in breakaway torques from which pulses don't grow: the shaft would wind far.
+const BREAKAWAYS_MAX: f64 = 5.0;
 
 /// A drive train that makes motions: a bench with hardware, or a model of one.
 pub trait DriveTrain {
@@ -164,24 +165,32 @@ impl<T: DriveTrain> Bench<'_, T> {
             let torque_nm = self.limits.torque_nm;
             return Err(CommissioningError::NoBreakaway { motion: motion.name, torque_nm, motor_counts });
         }
-        let torque_nm = made.series.peak_nm();
+        let load = made.series.load_counts();
+        let left = load.iter().rposition(|count| (count - load[0]).abs() <= 1).unwrap_or(0);
+        let torque_nm = made.series.torque_nm()[left].abs();
         Ok((made.series, torque_nm))
     }
 
     /// Pulses, each larger than the one before, until the load travels far enough. Returns the last one.
     fn pulses(&mut self, breakaway: &Breakaway) -> Result<(String, Series), CommissioningError<T::Error>> {
         let mut pulse = Pulse { breakaways: 1.3, duration_s: 0.1 };
-        let mut index = 1;
+        let (mut index, mut last) = (1, None);
         loop {
             let motion = motions::pulses(breakaway, &pulse, index, self.period_s);
-            let Made { series, peaks, .. } = self.make(&motion, None)?;
+            let Made { series, peaks, .. } = match (self.make(&motion, None), last) {
+                (Ok(made), _) => made,
+                // The pulse before was within the limits.
+                (Err(CommissioningError::Exceeded { .. }), Some(last)) => return Ok(last),
+                (Err(error), _) => return Err(error),
+            };
             let Limits { motor_speed_rad_s, load_speed_rad_s, load_travel_rad, .. } = *self.limits;
             let is_large = peaks.load_travel_rad > TRAVEL * load_travel_rad
                 || peaks.motor_speed_rad_s > SPEED * motor_speed_rad_s
                 || peaks.load_speed_rad_s > SPEED * load_speed_rad_s;
-            if is_large || index == PULSES_MAX {
+            if is_large || pulse.breakaways >= BREAKAWAYS_MAX {
                 return Ok((motion.name, series));
             }
+            last = Some((motion.name, series));
             pulse = pulse.grown();
             index += 1;
         }
