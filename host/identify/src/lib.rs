@@ -40,4 +40,4 @@ mod staged;
 pub use identified::{CONFIDENCE, Estimate, Identified, Quantity};
 pub use identify::{IdentifyError, Start, identify};
 pub use series::{Instruments, Series, SeriesError};
-pub use signs::{Direction, Directions, directions};
+pub use signs::{Direction, Directions, contradict, directions};

@@ -46,6 +46,13 @@ const COUNTS_MIN: f64 = 3.0;
 /// Length of a block of the work, in s.
 const BLOCK_S: f64 = 0.02;
 
+/// Whether two motions show different directions of an encoder.
+#[must_use]
+pub fn contradict(one: Directions, other: Directions) -> bool {
+    let differ = |pair: (Option<Direction>, Option<Direction>)| matches!(pair, (Some(one), Some(other)) if one != other);
+    differ((one.motor, other.motor)) || differ((one.load, other.load))
+}
+
 /// Directions from one or more motions, each of which begins at rest.
 #[must_use]
 pub fn directions(series: &[Series]) -> Directions {
@@ -62,10 +69,11 @@ pub fn directions(series: &[Series]) -> Directions {
 /// period or two late.
 fn work_nm_counts(series: &Series, counts: &[i64]) -> f64 {
     let block = ((BLOCK_S / series.period_s()).round() as usize).max(1);
-    let ends = (0..counts.len().saturating_sub(block)).step_by(block);
-    let work = ends.map(|from| {
-        let torque_nm = series.torque_nm()[from..from + block].iter().sum::<f64>() / block as f64;
-        torque_nm * (counts[from + block] - counts[from]) as f64
+    let last = counts.len() - 1;
+    let work = (0..last).step_by(block).map(|from| {
+        let until = (from + block).min(last);
+        let torque_nm = series.torque_nm()[from..until].iter().sum::<f64>() / (until - from) as f64;
+        torque_nm * (counts[until] - counts[from]) as f64
     });
     work.sum()
 }

@@ -5,7 +5,7 @@ use super::motions::{self, Breakaway, PlannedMotion, Pulse};
 use crate::identified::Identified;
 use crate::identify::{IdentifyError, Start, identify};
 use crate::series::{Instruments, Series};
-use crate::signs::{Directions, directions};
+use crate::signs::{Directions, contradict, directions};
 
 /// Load motion that shows breakaway, in counts, and in rad if that is more.
 const BREAKAWAY_COUNTS: f64 = 4.0;
@@ -110,7 +110,7 @@ pub fn commission<T: DriveTrain>(
     let (forward, forward_nm) = bench.breakaway(1.0)?;
     let (backward, backward_nm) = bench.breakaway(-1.0)?;
     let shown = [&forward, &backward].map(|it| directions(std::slice::from_ref(it)));
-    if shown[0] != shown[1] {
+    if contradict(shown[0], shown[1]) {
         return Err(CommissioningError::Directions { forward: shown[0], backward: shown[1] });
     }
     let breakaway = Breakaway { forward_nm, backward_nm };
@@ -122,7 +122,7 @@ pub fn commission<T: DriveTrain>(
     records.push(bench.pulses(&breakaway)?);
     let series: Vec<_> = records.iter().map(|(_, series)| series.clone()).collect();
     let identified = identify(&series, instruments, start)?;
-    Ok(Commissioned { directions: shown[0], breakaway, records, identified })
+    Ok(Commissioned { directions: identified.directions, breakaway, records, identified })
 }
 
 struct Bench<'a, T> {
