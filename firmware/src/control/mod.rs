@@ -1,7 +1,7 @@
 //! The control laws: numbers in, a torque out.
 //!
-//! Everything here but [`backlash_inverse`], [`braking_curve`] and [`open_loop`] follows R. Merzouki, J.C. Cadiou, "Estimation of backlash
-//! phenomenon in the electromechanical actuator", Control Engineering Practice 13 (2005) 973-983,
+//! Everything here but [`backlash_inverse`], [`braking_curve`] and [`open_loop`] follows R. Merzouki, J.C. Cadiou,
+//! "Estimation of backlash phenomenon in the electromechanical actuator", Control Engineering Practice 13 (2005) 973-983,
 //! doi:10.1016/j.conengprac.2004.10.016.
 //! Equation numbers are those of the paper. `theta_e` is the motor position, `theta_s` the load position, both in
 //! radians at their own shafts; `z = theta_e - N0 theta_s` is the twist.

@@ -11,7 +11,7 @@ use lashloop_identify::Start;
 
 use crate::hidden::{HiddenPlant, PERIOD_US};
 
-/// The constants of the estimator were chosen on seeds 0 to 149.
+/// The constants of the estimator were chosen on seeds 0 to 149, the width of the intervals with them.
 const SEEDS: std::ops::Range<u64> = 5000..5050;
 const LIMITS: Limits =
     Limits { torque_nm: 20.0, motor_speed_rad_s: 400.0, load_speed_rad_s: 10.0, load_travel_rad: 1.5 };
