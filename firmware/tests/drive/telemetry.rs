@@ -43,7 +43,10 @@ fn the_drive_describes_its_laws() {
             ref other => panic!("{other:?}"),
         })
         .collect();
-    assert_eq!(names, ["pd", "merzouki", "merzouki-as-printed", "backlash-inverse", "braking-curve", "open-loop"]);
+    assert_eq!(
+        names,
+        ["pd", "merzouki", "merzouki-as-printed", "backlash-inverse", "braking-curve", "open-loop"]
+    );
     assert_eq!(host.command(DescribeLaw { index: law_count }), (Outcome::UnknownIndex, State::Idle));
 }
 

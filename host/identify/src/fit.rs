@@ -93,7 +93,8 @@ impl Problem<'_> {
     }
 
     fn predict(&self, point: &Point) -> Option<Vec<Prediction>> {
-        let predict = |&at: &usize| self.motions[at].predict(&point.vector, point.own[at].twist_rad, self.substeps);
+        let predict =
+            |&at: &usize| self.motions[at].predict(&point.vector, point.own[at].twist_rad, self.substeps);
         self.used.iter().map(predict).collect()
     }
 
@@ -108,9 +109,8 @@ impl Problem<'_> {
             }
             sum += own.offsets.iter().map(|it| (it / OFFSET_DEVIATION).powi(2)).sum::<f64>();
         }
-        let prior = |it: Parameter| {
-            ((point.vector.get(it) - self.start.get(it)) / it.prior_deviation()).powi(2)
-        };
+        let prior =
+            |it: Parameter| ((point.vector.get(it) - self.start.get(it)) / it.prior_deviation()).powi(2);
         sum + Parameter::ALL.into_iter().map(prior).sum::<f64>()
     }
 
@@ -354,4 +354,3 @@ impl Noise {
 fn residual(motion: &Motion, prediction: &Prediction, own: &OwnParameters, encoder: usize, at: usize) -> f64 {
     motion.counts[encoder][at] - prediction[encoder][at] - own.offsets[encoder]
 }
-

@@ -230,14 +230,15 @@ const DEFINITIONS: [Definition; 22] = [
     definition("load_stiction_backward_nm", "N m", "breakaway torque of the load backward", |it| {
         it.shaft().load.stiction_nm * (1.0 - it.get(Parameter::LoadAsymmetry))
     }),
-    key("load_stribeck_rad_s", "rad/s", "Stribeck velocity of the load", |it| {
-        it.shaft().load.velocity_rad_s
-    }),
+    key("load_stribeck_rad_s", "rad/s", "Stribeck velocity of the load", |it| it.shaft().load.velocity_rad_s),
     Definition {
         is_fraction: true,
-        ..key("load_friction_asymmetry", "", "fraction by which the load's friction is larger forward", |it| {
-            it.get(Parameter::LoadAsymmetry)
-        })
+        ..key(
+            "load_friction_asymmetry",
+            "",
+            "fraction by which the load's friction is larger forward",
+            |it| it.get(Parameter::LoadAsymmetry),
+        )
     },
     Definition {
         plant_key: Some("current_lag_ms"),

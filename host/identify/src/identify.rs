@@ -46,7 +46,9 @@ pub enum IdentifyError {
     #[error("there is no motion to estimate from; give at least one record")]
     NoSeries,
     /// The motor encoder shows no motion.
-    #[error("the motor encoder moves by less than 3 counts under the torques of the record: nothing is observable")]
+    #[error(
+        "the motor encoder moves by less than 3 counts under the torques of the record: nothing is observable"
+    )]
     MotorAtRest,
     /// The model can't be integrated from any start.
     #[error("no plant model near the start follows the record; give another start with --start SCENARIO")]
@@ -94,8 +96,8 @@ fn polished(motions: &[Motion], point: Point) -> Option<Fit> {
     let fit = |point: Point| {
         let used = (0..motions.len()).collect();
         let all = [true; COUNT];
-        let coarse =
-            Problem { motions, used, is_free: all, start, substeps: Substeps::Coarse }.fit(point, ITERATIONS)?;
+        let coarse = Problem { motions, used, is_free: all, start, substeps: Substeps::Coarse }
+            .fit(point, ITERATIONS)?;
         let used = (0..motions.len()).collect();
         Problem { motions, used, is_free: all, start, substeps: Substeps::Fine }.fit(coarse.point, ITERATIONS)
     };

@@ -47,7 +47,8 @@ impl Motion {
         });
         let rest = (REST_S / series.period_s()).ceil() as usize;
         let is_used = [0, 1].map(|at| used(&counts[at], rest.max(2)));
-        let [low, high] = counts[0].iter().fold([0.0_f64; 2], |[low, high], it| [low.min(*it), high.max(*it)]);
+        let [low, high] =
+            counts[0].iter().fold([0.0_f64; 2], |[low, high], it| [low.min(*it), high.max(*it)]);
         Self {
             steady_counts: (5e-3 * (high - low)).max(2.0),
             period_s: series.period_s(),

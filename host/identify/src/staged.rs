@@ -74,7 +74,8 @@ fn staged(motions: &[Motion], fallback: &Vector) -> Point {
     }
     balance(motions, &mut point.vector);
     if !moving.is_empty() {
-        let problem = Problem { motions, used: moving, start: point.vector, is_free: LOAD, substeps: Substeps::Coarse };
+        let problem =
+            Problem { motions, used: moving, start: point.vector, is_free: LOAD, substeps: Substeps::Coarse };
         if let Some(fit) = problem.fit(point.clone(), 6) {
             point = fit.point;
         }
@@ -135,7 +136,8 @@ fn ratio(motions: &[Motion], point: &Point, contact_nm: f64) -> Option<f64> {
             }
             let Some(torque_nm) = steady_nm(motion, at, contact_nm, friction_nm) else { continue };
             let load_rad = motion.position_rad(1, at);
-            let motor_rad = motion.position_rad(0, at) + own.twist_rad - contact_rad(&point.vector, torque_nm);
+            let motor_rad =
+                motion.position_rad(0, at) + own.twist_rad - contact_rad(&point.vector, torque_nm);
             product += load_rad * motor_rad;
             square += load_rad * load_rad;
         }
@@ -275,7 +277,9 @@ fn contact_line(motions: &[Motion], contact_nm: f64) -> Option<Line> {
         solution = matrix.cholesky()?.solve(&right);
         let distances: Vec<f64> = rows
             .iter()
-            .map(|(row, value)| (value - row.iter().zip(solution.iter()).map(|(a, b)| a * b).sum::<f64>()).abs())
+            .map(|(row, value)| {
+                (value - row.iter().zip(solution.iter()).map(|(a, b)| a * b).sum::<f64>()).abs()
+            })
             .collect();
         let mut sorted = distances.clone();
         sorted.sort_by(f64::total_cmp);
@@ -350,8 +354,13 @@ fn motor(motions: &[Motion], still: &[usize], point: Point) -> Point {
     let mut best: Option<Fit> = None;
     let first = candidates.first().map(|(_, point)| point.clone());
     for (_, candidate) in candidates {
-        let problem =
-            Problem { motions, used: still.to_vec(), start: candidate.vector, is_free: MOTOR, substeps: Substeps::Coarse };
+        let problem = Problem {
+            motions,
+            used: still.to_vec(),
+            start: candidate.vector,
+            is_free: MOTOR,
+            substeps: Substeps::Coarse,
+        };
         let Some(fit) = problem.fit(candidate, 8).filter(|_| !still.is_empty()) else { continue };
         if best.as_ref().is_none_or(|best| fit.residual_counts[0] < best.residual_counts[0]) {
             best = Some(fit);
@@ -369,7 +378,9 @@ fn distance(motions: &[Motion], used: &[usize], point: &Point) -> f64 {
     let mut sum = 0.0;
     for &index in used {
         let (motion, own) = (&motions[index], &point.own[index]);
-        let Some(predicted) = motion.predict(&point.vector, own.twist_rad, Substeps::Coarse) else { return f64::INFINITY };
+        let Some(predicted) = motion.predict(&point.vector, own.twist_rad, Substeps::Coarse) else {
+            return f64::INFINITY;
+        };
         let scale = 0.02 * range(&motion.counts[0]).max(1.0);
         for at in (0..motion.samples()).filter(|&at| motion.is_used[0][at]) {
             let residual = motion.counts[0][at] - predicted[0][at];

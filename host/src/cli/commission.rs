@@ -131,11 +131,14 @@ impl Arguments {
         };
         let (known, period_us) = (instruments(&template), template.run.control_period_us);
         let signals = supervisor.guard_signals();
-        let commissioned = commission(&mut drive_train, &known, &limits, period_us, &start.unwrap_or_default());
+        let commissioned =
+            commission(&mut drive_train, &known, &limits, period_us, &start.unwrap_or_default());
         drop(signals);
         let Commissioned { identified, breakaway, .. } = commissioned.map_err(failed)?;
         let (forward_nm, backward_nm) = (breakaway.forward_nm, breakaway.backward_nm);
-        outln!("breakaway            {forward_nm:.4} N m forward, {backward_nm:.4} N m backward, at the motor\n");
+        outln!(
+            "breakaway            {forward_nm:.4} N m forward, {backward_nm:.4} N m backward, at the motor\n"
+        );
         outln!("{}", table(&identified).trim_end());
         if let Some(folder) = &self.out {
             write_estimates(folder, &identified, |name| offered.iter().any(|it| it == name))?;
@@ -147,11 +150,13 @@ impl Arguments {
     fn limits(&self, rig: Option<&TakenRig>) -> Result<Limits, CliError> {
         let of_rig = rig.map(|taken| &taken.rig.limits);
         let limit = |option: &'static str, given: Option<f64>, of_rig: Option<f64>| match (given, of_rig) {
-            (Some(given), Some(largest)) if given > largest => {
-                Err(CliError::CommissionLimit { option, problem: format!("{given} exceeds the rig's {largest}") })
-            }
-            (given, of_rig) => given.or(of_rig).ok_or_else(|| {
-                CliError::CommissionLimit { option, problem: "is missing, and no rig file has it".to_owned() }
+            (Some(given), Some(largest)) if given > largest => Err(CliError::CommissionLimit {
+                option,
+                problem: format!("{given} exceeds the rig's {largest}"),
+            }),
+            (given, of_rig) => given.or(of_rig).ok_or_else(|| CliError::CommissionLimit {
+                option,
+                problem: "is missing, and no rig file has it".to_owned(),
             }),
         };
         Ok(Limits {
@@ -225,8 +230,7 @@ fn write_record(folder: &Path, run: &RunRecord<'_>) -> Result<(), RecordError> {
     prepare_folder(folder, &[SUMMARY_FILE]).map_err(failed)?;
     let boxed = |error: lashloop_bench::atomic_file::WriteError| RecordError(Box::new(error));
     let signals: &SignalTable = &run.outcome.signals;
-    let mut trace =
-        TraceWriter::create(folder, signals, run.scenario.record.flush_rows).map_err(boxed)?;
+    let mut trace = TraceWriter::create(folder, signals, run.scenario.record.flush_rows).map_err(boxed)?;
     for row in 0..run.columns.len() {
         let names = run.columns.signals();
         let values = names.iter().filter_map(|signal| Some(run.columns.get(&signal.name)?[row]));

@@ -9,9 +9,9 @@ use lashloop_bench::record::reader::Record;
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::{Identified, Instruments, Start};
+use lashloop_plant::Mechanics;
 use lashloop_plant::backlash_shaft::{ShaftParameters, StribeckParameters};
 use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MIN_COUNTS_PER_REV};
-use lashloop_plant::Mechanics;
 
 use super::error::CliError;
 use super::options::plants;
@@ -141,11 +141,12 @@ fn start_of(scenario: &Scenario) -> Start {
     let plant = &scenario.plant;
     let Start { mechanics, shaft } = Start::default();
     let number = |key: &str, default: f64| plant.number(key).filter(|value| *value > 0.0).unwrap_or(default);
-    let stribeck = |[coulomb, stiction, velocity]: [&'static str; 3], default: StribeckParameters| StribeckParameters {
-        coulomb_nm: number(coulomb, default.coulomb_nm),
-        stiction_nm: number(stiction, default.stiction_nm),
-        velocity_rad_s: number(velocity, default.velocity_rad_s),
-    };
+    let stribeck =
+        |[coulomb, stiction, velocity]: [&'static str; 3], default: StribeckParameters| StribeckParameters {
+            coulomb_nm: number(coulomb, default.coulomb_nm),
+            stiction_nm: number(stiction, default.stiction_nm),
+            velocity_rad_s: number(velocity, default.velocity_rad_s),
+        };
     Start {
         mechanics: Mechanics {
             motor_inertia_kg_m2: number("motor_inertia_kg_m2", mechanics.motor_inertia_kg_m2),

@@ -112,7 +112,8 @@ impl Arguments {
         }
         let record = self.out.as_deref().map(|folder| Folder::prepare(folder, &scenario)).transpose()?;
         let progress = Progress::of(&scenario);
-        let mut watcher = RunWatcher { record, tables: None, capture, supervisor: &supervisor, progress, gate };
+        let mut watcher =
+            RunWatcher { record, tables: None, capture, supervisor: &supervisor, progress, gate };
         let signals = supervisor.guard_signals();
         let mut outcome = run::run(&scenario, &mut device, clock, &mut watcher)?;
         let RunWatcher { tables, capture, progress, gate, .. } = watcher;
@@ -126,7 +127,8 @@ impl Arguments {
         if let Some(warning) = reconnected.flatten() {
             error_line(format_args!("lashloop: warning: since the reconnect {warning}"));
         }
-        let departure = gate.map(|it| gate::check(&scenario, &it.recorded, &it.intervals)).transpose()?.flatten();
+        let departure =
+            gate.map(|it| gate::check(&scenario, &it.recorded, &it.intervals)).transpose()?.flatten();
         if departure.is_some() {
             outcome.judgement.cap(Some(Verdict::Invalid));
         }

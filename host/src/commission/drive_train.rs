@@ -85,7 +85,8 @@ impl DriveTrain for OnDevice<'_> {
             scenario.link.baud = rig.port.baud;
         }
         let mut device =
-            DeviceUnderTest::open(&scenario, self.device, self.clock.name(), self.supervisor, |link| link).map_err(RunError::from)?;
+            DeviceUnderTest::open(&scenario, self.device, self.clock.name(), self.supervisor, |link| link)
+                .map_err(RunError::from)?;
         if let Some(rig) = self.rig {
             check_board(rig, &device.device).map_err(RunError::from)?;
             rig.complete(&mut scenario, &device.device.session.parameters)?;
@@ -100,8 +101,14 @@ impl DriveTrain for OnDevice<'_> {
         let outcome = run::run(&scenario, &mut device, self.clock, &mut watch)?;
         let Watch { columns, guard, halt, .. } = watch;
         let name = &motion.name;
-        let record =
-            RunRecord { name, scenario: &scenario, device: &device.device, outcome: &outcome, columns: &columns, halt };
+        let record = RunRecord {
+            name,
+            scenario: &scenario,
+            device: &device.device,
+            outcome: &outcome,
+            columns: &columns,
+            halt,
+        };
         (self.record)(&record).map_err(MotionError::Record)?;
         if halt.is_none() && outcome.end != End::Complete {
             return Err(MotionError::Ended { motion: name.clone(), end: outcome.end.to_string() });

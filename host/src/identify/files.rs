@@ -110,10 +110,8 @@ pub fn drive_toml(identified: &Identified, offers: impl Fn(&str) -> bool) -> Str
         let [low, high] = [it.low, it.high].map(|value| digits(it, value));
         line(name, digits(it, it.value), format!("{low} to {high} {}", quantity.unit).trim_end());
     }
-    let directions = [
-        ("motor_direction", identified.directions.motor),
-        ("load_direction", identified.directions.load),
-    ];
+    let directions =
+        [("motor_direction", identified.directions.motor), ("load_direction", identified.directions.load)];
     for (name, direction) in directions {
         let word = match direction {
             Some(Direction::Forward) => "\"forward\"",

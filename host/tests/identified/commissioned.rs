@@ -75,7 +75,10 @@ fn runs_of_the_open_loop_law_show_the_plant_of_the_scenario() {
     }
     // Stiction of the load at the motor, and a little more: the load has to move by counts.
     let stiction_nm = 3.82 / 4.0;
-    assert!(breakaway.forward_nm > 1.1 * stiction_nm && breakaway.forward_nm < 2.0 * stiction_nm, "{breakaway:?}");
+    assert!(
+        breakaway.forward_nm > 1.1 * stiction_nm && breakaway.forward_nm < 2.0 * stiction_nm,
+        "{breakaway:?}"
+    );
     assert_eq!(records.len(), 3);
     assert!(table(&identified).contains("gap_width_rad"));
 

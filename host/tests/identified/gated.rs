@@ -41,7 +41,10 @@ fn a_record_of_another_plant_gives_no_verdict() {
         let departure = departure.unwrap_or_else(|| panic!("{setting} passes"));
         assert!(departure.distance_rad > departure.limit_rad, "{setting}: {departure}");
         let sentence = departure.to_string();
-        assert!(sentence.contains("does not follow the recorded motion") && sentence.contains(" rad"), "{sentence}");
+        assert!(
+            sentence.contains("does not follow the recorded motion") && sentence.contains(" rad"),
+            "{sentence}"
+        );
     }
 }
 

@@ -96,8 +96,12 @@ impl Guard {
     #[must_use]
     pub fn unlimited(instruments: &Instruments, period_s: f64) -> Self {
         let none = f64::INFINITY;
-        let limits =
-            Limits { torque_nm: none, motor_speed_rad_s: none, load_speed_rad_s: none, load_travel_rad: none };
+        let limits = Limits {
+            torque_nm: none,
+            motor_speed_rad_s: none,
+            load_speed_rad_s: none,
+            load_travel_rad: none,
+        };
         Self::new(limits, instruments, period_s, None, None)
     }
 

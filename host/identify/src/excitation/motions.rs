@@ -100,7 +100,9 @@ impl Pulse {
 
 fn hold(held: &[(f64, f64)], period_s: f64) -> Vec<f64> {
     let samples = |duration_s: f64| (duration_s / period_s).round().max(1.0) as usize;
-    held.iter().flat_map(|&(torque_nm, duration_s)| std::iter::repeat_n(torque_nm, samples(duration_s))).collect()
+    held.iter()
+        .flat_map(|&(torque_nm, duration_s)| std::iter::repeat_n(torque_nm, samples(duration_s)))
+        .collect()
 }
 
 /// Makes every edge a straight one of so many samples: the motor swings less on the shaft.

@@ -82,7 +82,9 @@ pub enum CommissioningError<E> {
         motor_counts: i64,
     },
     /// The two ramps contradict each other.
-    #[error("the ramps show different directions of the encoders, {forward:?} and {backward:?}; check the wiring of A and B")]
+    #[error(
+        "the ramps show different directions of the encoders, {forward:?} and {backward:?}; check the wiring of A and B"
+    )]
     Directions {
         /// Of the ramp forward.
         forward: Directions,

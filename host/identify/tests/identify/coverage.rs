@@ -34,9 +34,14 @@ fn truth_is_within_the_interval_on_nine_of_ten_hidden_plants() {
         let mut plant = HiddenPlant::draw(seed);
         let instruments = plant.instruments();
         let commissioned = commission(&mut plant, &instruments, &LIMITS, PERIOD_US, &Start::default());
-        let Commissioned { identified, .. } = commissioned.unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+        let Commissioned { identified, .. } =
+            commissioned.unwrap_or_else(|error| panic!("seed {seed}: {error}"));
         let shown = [identified.directions.motor, identified.directions.load];
-        assert_eq!(shown.map(|it| it.map(|it| it.sign())), plant.signs.map(Some), "directions of seed {seed}");
+        assert_eq!(
+            shown.map(|it| it.map(|it| it.sign())),
+            plant.signs.map(Some),
+            "directions of seed {seed}"
+        );
         followed += usize::from(identified.is_followed());
         for quantity in &identified.quantities {
             let tally = tallies.entry(quantity.name).or_default();
@@ -57,7 +62,11 @@ fn truth_is_within_the_interval_on_nine_of_ten_hidden_plants() {
         .filter(|(_, it)| 10 * it.covered < 9 * it.observed || 2 * it.observed < plants)
         .map(|(name, it)| format!("{name}: {} of {} intervals, {plants} plants", it.covered, it.observed))
         .collect();
-    assert!(missed.is_empty(), "truth outside the interval, or not observed, too often:\n{}", missed.join("\n"));
+    assert!(
+        missed.is_empty(),
+        "truth outside the interval, or not observed, too often:\n{}",
+        missed.join("\n")
+    );
     assert!(10 * followed >= 9 * plants, "the model follows {followed} of {plants} plants");
 }
 
@@ -75,6 +84,7 @@ fn report(tallies: &BTreeMap<&str, Tally>, plants: usize, followed: usize) {
     }
     print!("{text}");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("reports");
-    let written = fs::create_dir_all(&folder).and_then(|()| fs::write(folder.join("identification.txt"), text));
+    let written =
+        fs::create_dir_all(&folder).and_then(|()| fs::write(folder.join("identification.txt"), text));
     written.expect("a folder for reports");
 }

@@ -12,7 +12,8 @@ const WIDE: Limits =
 fn error(limits: Limits) -> CommissioningError<lashloop_identify::SeriesError> {
     let mut plant = HiddenPlant::draw(3);
     let instruments = plant.instruments();
-    commission(&mut plant, &instruments, &limits, PERIOD_US, &Start::default()).expect_err("a limit in the way")
+    commission(&mut plant, &instruments, &limits, PERIOD_US, &Start::default())
+        .expect_err("a limit in the way")
 }
 
 #[test]
@@ -64,6 +65,7 @@ fn no_planned_torque_exceeds_the_torque_limit() {
     let instruments = plant.instruments();
     let mut watched = Watched(plant, 0.0);
     let limits = Limits { torque_nm: 4.5, ..WIDE };
-    commission(&mut watched, &instruments, &limits, PERIOD_US, &Start::default()).expect("enough to move the load");
+    commission(&mut watched, &instruments, &limits, PERIOD_US, &Start::default())
+        .expect("enough to move the load");
     assert!(watched.1 <= 4.5, "largest torque {} N m", watched.1);
 }

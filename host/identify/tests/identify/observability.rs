@@ -45,7 +45,8 @@ fn reversed_wires_of_the_motor_encoder_are_its_direction_and_change_nothing_else
     let series = swing_of_the_motor(&mut plant);
     let wired = |sign: i64| {
         let motor = series.motor_counts().iter().map(|count| sign * plant.signs[0] * count).collect();
-        Series::new(1000, series.torque_nm().to_vec(), motor, series.load_counts().to_vec()).expect("a series")
+        Series::new(1000, series.torque_nm().to_vec(), motor, series.load_counts().to_vec())
+            .expect("a series")
     };
     let shown = [1, -1].map(|sign| directions(&[wired(sign)]).motor);
     assert_eq!(shown, [Some(Direction::Forward), Some(Direction::Reverse)]);
