@@ -3,9 +3,10 @@
 use lashloop_plant::Mechanics;
 use lashloop_plant::backlash_shaft::ShaftParameters;
 
-use crate::fit::{Fit, Point, Problem};
+use crate::fit::Fit;
 use crate::identified::Identified;
 use crate::parameters::{COUNT, Parameter, Vector};
+use crate::problem::{Point, Problem};
 use crate::replay::{Motion, Substeps};
 use crate::series::{Instruments, Series};
 use crate::signs::{Direction, directions};

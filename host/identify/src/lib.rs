@@ -13,8 +13,8 @@
 //! | `signs` | directions of the encoders, by the work of the torque |
 //! | `parameters` | the parameters as the fit varies them |
 //! | `replay` | the torques of a motion on the plant model |
-//! | `staged` | first estimates |
-//! | `fit` | nonlinear least squares, covariance |
+//! | `contact`, `motor`, `balance`, `staged` | first estimates: line of contact, motor, momentum of the load, all in order |
+//! | `problem`, `noise`, `normal`, `fit` | nonlinear least squares: cost, worth of a residual, normal equations, steps |
 //! | `identified` | quantities with intervals |
 //! | `identify` | all of it in order |
 //! | [`excitation`] | motions, limits, guard, and the order of a commissioning |
@@ -27,11 +27,17 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+mod balance;
+mod contact;
 pub mod excitation;
 mod fit;
 mod identified;
 mod identify;
+mod motor;
+mod noise;
+mod normal;
 mod parameters;
+mod problem;
 mod replay;
 mod series;
 mod signs;
