@@ -7,7 +7,7 @@ use std::path::Path;
 
 use lashloop_identify::excitation::{Commissioned, Limits, commission};
 
-use lashloop_identify::Start;
+use lashloop_identify::{Direction, Start};
 
 use crate::hidden::{HiddenPlant, PERIOD_US};
 
@@ -38,7 +38,7 @@ fn truth_is_within_the_interval_on_nine_of_ten_hidden_plants() {
             commissioned.unwrap_or_else(|error| panic!("seed {seed}: {error}"));
         let shown = [identified.directions.motor, identified.directions.load];
         assert_eq!(
-            shown.map(|it| it.map(|it| it.sign())),
+            shown.map(|it| it.map(Direction::sign)),
             plant.signs.map(Some),
             "directions of seed {seed}"
         );
