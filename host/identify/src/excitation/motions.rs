@@ -105,7 +105,7 @@ fn hold(held: &[(f64, f64)], period_s: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Makes every edge a straight one of so many samples: the motor swings less on the shaft.
+/// Makes every edge a straight one of this length: the motor swings less on the shaft.
 fn smooth(torque_nm: &mut [f64], samples: usize) {
     let steep = torque_nm.to_vec();
     let mut sum = 0.0;
