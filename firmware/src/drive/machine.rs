@@ -39,7 +39,7 @@ pub struct Drive<L: LawSet = Laws> {
     pub(super) last_sequence: u16,
     /// `None` for a drive without encoders and power stage of its own: it has no bench mode.
     pub(super) pins: Option<Pins>,
-    loader: Loader,
+    pub(super) loader: Loader,
 }
 
 impl Drive {
@@ -77,18 +77,6 @@ impl<L: LawSet> Drive<L> {
             pins: hardware.map(Pins::new),
             loader: Loader::Absent,
         }
-    }
-
-    /// The drive, on a chip with a boot loader: [`Self::enters_loader`] is to be called every millisecond.
-    #[must_use]
-    pub fn with_loader(self) -> Self {
-        Self { loader: Loader::Present, ..self }
-    }
-
-    /// Whether the firmware is to end at device time `now`, and the boot loader to start.
-    #[must_use]
-    pub fn enters_loader(&self, now: Duration) -> bool {
-        self.loader.is_due(now)
     }
 
     /// Takes received bytes, at most to the end of one frame, and returns their number.
@@ -271,13 +259,6 @@ impl<L: LawSet> Drive<L> {
                 Outcome::Inconsistent
             }
         }
-    }
-
-    fn enter_loader(&mut self, session: u32, now: Duration) -> Outcome {
-        if self.loader == Loader::Absent || self.lifecycle.session() == Some(session) {
-            return self.loader.request(self.state(), now);
-        }
-        Outcome::WrongSession
     }
 
     fn control(&self) -> Result<ControlLoop<L>, ParameterError> {

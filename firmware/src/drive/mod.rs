@@ -45,6 +45,7 @@ mod identity;
 mod lifecycle;
 mod line_counts;
 mod loader;
+mod loader_entry;
 mod machine;
 mod output;
 mod parameters;
