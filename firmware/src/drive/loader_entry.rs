@@ -11,8 +11,9 @@ use crate::law::LawSet;
 impl<L: LawSet> Drive<L> {
     /// The drive, on a chip with a boot loader: [`Self::enters_loader`] is to be called every millisecond.
     #[must_use]
-    pub fn with_loader(self) -> Self {
-        Self { loader: Loader::Present, ..self }
+    pub fn with_loader(mut self) -> Self {
+        self.loader = Loader::Present;
+        self
     }
 
     /// Whether the firmware is to end at device time `now`, and the boot loader to start.
