@@ -281,9 +281,10 @@ fn recover(host: &mut Host) {
     host.run_under_torque();
 }
 
-/// The fault report of a failure of the firmware.
+/// The fault report of a failure of the firmware, which comes while the report of a step is on the line.
 pub fn report_of(cause: &Cause) -> FaultReport {
     let mut host = Host::under_torque(&(cause.prepare)(crate::bench::image()));
+    host.expects_cut_frame = true;
     fail(&mut host);
     let [report] = host.faults()[..] else { panic!("{}: one report", cause.name) };
     report
