@@ -18,9 +18,9 @@ use crate::quadrature::LARGEST_MOVE_COUNTS;
 /// The power stage as the drive commands it.
 pub type Stage = Actuator<PwmStage<Lines>>;
 
-/// Limits of 16-bit encoder counters, and of the period that the tick counts in microseconds.
+/// Limits of 16-bit encoder counters, and of a tick whose timer counts microseconds in 32 bits.
 pub(super) const HARDWARE: PinHardware =
-    PinHardware { largest_move_counts: LARGEST_MOVE_COUNTS, longest_period_us: 1 << 16 };
+    PinHardware { largest_move_counts: LARGEST_MOVE_COUNTS, longest_period_us: u32::MAX };
 
 /// The tick and the encoders, for the task of TIM5.
 pub struct Tick {

@@ -5,7 +5,7 @@
 use std::time::Duration;
 
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue};
-use lashloop_protocol::message::{ClearFault, DescribeLaw, EmergencyStop, Hello, Reset, Stop};
+use lashloop_protocol::message::{ClearFault, DescribeLaw, EmergencyStop, FaultReport, Hello, Reset, Stop};
 use lashloop_protocol::{HostMessage, PROTOCOL_VERSION};
 use lashloop_silicon::symbols::Symbols;
 use lashloop_silicon::thumb::{Code, FOREVER, MASK_INTERRUPTS, RETURN, UNDEFINED};
@@ -17,14 +17,14 @@ pub const PERIOD: Duration = Duration::from_millis(1);
 const WATCHDOG: Duration = Duration::from_millis(20);
 const DRIVE_TRAIN_STEP: Duration = Duration::from_micros(50);
 /// The function that gets the code of a failure.
-const SITE: &str = "send_description";
+pub const SITE: &str = "send_description";
 /// A function that one law calls in every step, and the index of the law. In place of it, the argument is the value.
 const FUNCTION: &str = "tanhf";
 const LAW_OF_FUNCTION: u32 = 1;
 /// A word of RAM between variables and stack, by which a test controls the code in place of [`FUNCTION`].
 const FLAG: u32 = 0x2001_0000;
 /// Line of the source that a made panic reports.
-const PANIC_LINE: u32 = 4_711;
+pub const PANIC_LINE: u32 = 4_711;
 
 /// A cause of turning the bridge off.
 pub struct Cause {
@@ -279,6 +279,15 @@ fn recover(host: &mut Host) {
     host.set_all(&[]);
     host.bench.advance(2 * PERIOD);
     host.run_under_torque();
+}
+
+/// The fault report of a failure of the firmware, which comes while the report of a step is on the line.
+pub fn report_of(cause: &Cause) -> FaultReport {
+    let mut host = Host::under_torque(&(cause.prepare)(crate::bench::image()));
+    host.expects_cut_frame = true;
+    fail(&mut host);
+    let [report] = host.faults()[..] else { panic!("{}: one report", cause.name) };
+    report
 }
 
 /// Requests the failure that was put into the image. Returns its instant.

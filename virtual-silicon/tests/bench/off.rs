@@ -4,9 +4,11 @@ use std::path::Path;
 use std::time::Duration;
 
 use crate::bench::image;
-use crate::causes::{CAUSES, Cause, PERIOD};
+use crate::causes::{CAUSES, Cause, PANIC_LINE, PERIOD, SITE, cause, report_of};
 use crate::report;
 
+/// Number of the interrupt of TIM2.
+const TIM2: u32 = 28;
 /// Instants within the period at which a cause comes, the worst of which counts.
 const PHASES: [Duration; 5] = [
     Duration::ZERO,
@@ -50,6 +52,14 @@ fn every_cause_turns_the_bridge_off_within_its_time() {
     report::write("bridge-off", &lines);
     for (cause, off) in CAUSES.iter().zip(measured) {
         assert!(off <= cause.limit, "{}: off after {off:?}, limit {:?}", cause.name, cause.limit);
+    }
+}
+
+#[test]
+fn the_report_of_a_fatal_failure_has_its_place() {
+    let site = image().function(SITE).expect("the site of the failures") as u32;
+    for (name, detail) in [("panic", PANIC_LINE), ("HardFault", site), ("unexpected interrupt", TIM2)] {
+        assert_eq!(report_of(cause(name)).detail, detail, "{name}");
     }
 }
 
