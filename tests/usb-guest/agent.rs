@@ -10,10 +10,11 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
+use rustix::event::{PollFd, PollFlags, poll};
 use tests::usb_guest::request::{Answer, Line, PORTS, Request, User, WORKSPACE};
 use tests::wait;
 
-use crate::boot::settle;
+use crate::boot::{power_off, settle};
 
 /// Owner and group of [`User::Member`], as `/etc/passwd` has them.
 const MEMBER: (u32, u32) = (1000, 20);
@@ -32,6 +33,8 @@ pub(crate) fn serve() -> Result<()> {
     let opened = wait::look(wait::SOON, || File::options().read(true).write(true).open(port()?).ok());
     let mut channel = opened.with_context(|| format!("no port in {PORTS}"))?;
     let mut requests = BufReader::new(channel.try_clone()?);
+    let watched = channel.try_clone()?;
+    thread::spawn(move || power_off_without_test(&watched));
     let mut commands = Commands::default();
     send(&mut channel, &Answer::Up)?;
     loop {
@@ -46,6 +49,14 @@ pub(crate) fn serve() -> Result<()> {
         let answer = commands.serve(request).unwrap_or_else(|error| Answer::Failed(format!("{error:#}")));
         send(&mut channel, &answer)?;
     }
+}
+
+/// Ends the guest when a test ends without its request: a write to the channel would block for ever.
+fn power_off_without_test(channel: &File) {
+    let mut channel = [PollFd::new(channel, PollFlags::empty())];
+    // Without flags poll reports the end of the connection only.
+    while poll(&mut channel, None).is_err() {}
+    let _ = power_off();
 }
 
 /// The channel's port. Its name has the number of the virtio device, which differs with the other devices.
