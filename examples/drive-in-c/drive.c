@@ -188,6 +188,7 @@ static void handle(struct drive *drive, const uint8_t *body)
         take_sample(drive, body);
         break;
     case LASHLOOP_REFERENCE_KIND: /* this drive has no bench mode */
+    case LASHLOOP_ENTER_LOADER_KIND: /* nor a boot loader */
         send_result(drive, kind, LASHLOOP_OUTCOME_WRONG_STATE);
         break;
     }

@@ -233,6 +233,14 @@ enum lashloop_parameter_type {
 #define LASHLOOP_REFERENCE_REFERENCE_RAD_OFFSET 3
 #define LASHLOOP_REFERENCE_REFERENCE_RAD_LEN 4
 
+/* EnterLoader: Ends the firmware and starts the boot loader of the chip, which takes another firmware. */
+#define LASHLOOP_ENTER_LOADER_KIND 0x12
+#define LASHLOOP_ENTER_LOADER_BODY_LEN 5
+#define LASHLOOP_ENTER_LOADER_FRAME_LEN 11
+/* uint32_t: Session opened by Hello. */
+#define LASHLOOP_ENTER_LOADER_SESSION_OFFSET 1
+#define LASHLOOP_ENTER_LOADER_SESSION_LEN 4
+
 /* X(name, kind, body length, element length) for every message that this side sends. The element length is 0 if every body
  * has the body length. Else the last field repeats: a body has at least one element and at most the body length. */
 #define LASHLOOP_HOST_MESSAGES(X) \
@@ -251,7 +259,8 @@ enum lashloop_parameter_type {
     X(DESCRIBE_CHOICE, 0x0d, 3, 0) \
     X(SUBSCRIBE, 0x0e, 7, 0) \
     X(ENCODER_SAMPLE, 0x10, 13, 0) \
-    X(REFERENCE, 0x11, 7, 0)
+    X(REFERENCE, 0x11, 7, 0) \
+    X(ENTER_LOADER, 0x12, 5, 0)
 
 /* Identity: Identity of the drive. Same layout in every protocol version. */
 #define LASHLOOP_IDENTITY_KIND 0x81

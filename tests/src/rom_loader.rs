@@ -8,8 +8,11 @@ use std::io::{self, Read, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
+use std::time::{Duration, Instant};
 
 use lashloop_bench::device::twin::Twin;
+use lashloop_firmware::drive::{Clock, Drive};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use crate::terminal;
 
@@ -55,6 +58,19 @@ impl RomLoader {
     /// The system has no pseudo-terminal left.
     #[must_use]
     pub fn start(defect: Defect) -> Self {
+        Self::serving(defect, |_| Ok(()))
+    }
+
+    /// Starts a drive on this chip that enters the loader at the first request for it.
+    ///
+    /// # Panics
+    /// The system has no pseudo-terminal left.
+    #[must_use]
+    pub fn behind_a_drive() -> Self {
+        Self::serving(Defect::None, drive_until_left)
+    }
+
+    fn serving(defect: Defect, firmware: fn(&mut File) -> io::Result<()>) -> Self {
         let terminal = terminal::open();
         let device = terminal::device(&terminal);
         let flash = Arc::new(Mutex::new(vec![0xff; SIZE]));
@@ -62,8 +78,9 @@ impl RomLoader {
         let hangs = Arc::new(AtomicBool::new(false));
         let chip = Chip { line, flash: Arc::clone(&flash), hangs: Arc::clone(&hangs), defect };
         thread::spawn(move || {
+            let has_left = chip.line.try_clone().and_then(|mut line| firmware(&mut line));
             // Until `Go`; an error is the end of the test.
-            if chip.serve().is_ok() && defect != Defect::Silent {
+            if has_left.is_ok() && chip.serve().is_ok() && defect != Defect::Silent {
                 let _ = Twin { terminal }.serve();
             } else {
                 thread::park();
@@ -86,6 +103,32 @@ impl RomLoader {
     pub fn flash(&self, count: usize) -> Vec<u8> {
         self.flash.lock().unwrap_or_else(PoisonError::into_inner)[..count].to_vec()
     }
+}
+
+/// Serves a drive with a boot loader until it enters it.
+fn drive_until_left(line: &mut File) -> io::Result<()> {
+    struct SinceStart(Instant);
+    impl Clock for SinceStart {
+        fn now(&self) -> Duration {
+            self.0.elapsed()
+        }
+    }
+    let (mut drive, clock) = (Drive::new("with-loader").with_loader(), SinceStart(Instant::now()));
+    let mut bytes = [0; 256];
+    while !drive.enters_loader(clock.now()) {
+        let timeout = Timespec { tv_sec: 0, tv_nsec: 1_000_000 };
+        if poll(&mut [PollFd::new(&*line, PollFlags::IN)], Some(&timeout))? == 0 {
+            continue;
+        }
+        let count = line.read(&mut bytes)?;
+        let mut rest = &bytes[..count];
+        while !rest.is_empty() {
+            rest = &rest[drive.receive(rest, &clock)..];
+            line.write_all(drive.output())?;
+            drive.clear_output();
+        }
+    }
+    Ok(())
 }
 
 struct Chip {

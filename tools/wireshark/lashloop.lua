@@ -154,6 +154,9 @@ local MESSAGES = {
         { "number", u16 },
         { "reference_rad", f32 },
     } },
+    [0x12] = { "EnterLoader", {
+        { "session", u32 },
+    } },
     [0x81] = { "Identity", {
         { "protocol_version", u8 },
         { "session", u32 },
@@ -486,7 +489,7 @@ local IN_INFO = {
     ParameterReport = { "index", "outcome", "value" }, CommandResult = { "request", "outcome", "state" },
     FaultReport = { "code", "sequence", "value", "limit" }, Log = { "level", "text" },
     LineReport = { "messages", "damaged" },
-    Reference = { "number", "reference_rad" },
+    Reference = { "number", "reference_rad" }, EnterLoader = { "session" },
     BenchSample = { "sequence", "reference_number", "torque_nm", "status" },
 }
 -- Labels of numbers that are ambiguous without one

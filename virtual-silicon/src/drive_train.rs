@@ -36,8 +36,10 @@ pub struct DriveTrain {
     scales: Scales,
     motor: Quadrature,
     load: Quadrature,
-    /// Edges until the plant's next step, in their order.
-    edges: VecDeque<(Duration, Encoder, Edge)>,
+    /// Edges until the plant's next step, in their order, each with the count after it.
+    edges: VecDeque<(Duration, Encoder, Edge, i64)>,
+    /// Counts of motor and load at the last edges.
+    shown: [i64; 2],
     next_step: Option<Duration>,
     torque_nm: f64,
     cut: Vec<(Encoder, Channel)>,
@@ -48,12 +50,14 @@ impl DriveTrain {
     #[must_use]
     pub fn new(plant: Box<dyn Plant>, scales: Scales) -> Self {
         let (motor, load) = counts(&*plant, &scales);
+        let shown = [motor.floor() as i64, load.floor() as i64];
         Self {
             plant,
             scales,
-            motor: Quadrature::at(motor.floor() as i64),
-            load: Quadrature::at(load.floor() as i64),
+            motor: Quadrature::at(shown[0]),
+            load: Quadrature::at(shown[1]),
             edges: VecDeque::new(),
+            shown,
             next_step: None,
             torque_nm: 0.0,
             cut: Vec::new(),
@@ -72,12 +76,13 @@ impl DriveTrain {
         self.torque_nm
     }
 
-    /// Count of an encoder.
+    /// Count of an encoder, as its edges so far show it.
     #[must_use]
     pub fn count(&self, encoder: Encoder) -> i64 {
+        let [motor, load] = self.shown;
         match encoder {
-            Encoder::Motor => self.motor.count(),
-            Encoder::Load => self.load.count(),
+            Encoder::Motor => motor,
+            Encoder::Load => load,
         }
     }
 
@@ -93,7 +98,11 @@ impl DriveTrain {
     /// The plant can't be followed.
     pub fn turn(&mut self, chip: &mut Pins<'_>) -> Result<Duration> {
         let now = chip.now();
-        while let Some((_, encoder, edge)) = self.edges.pop_front_if(|(at, ..)| *at <= now) {
+        while let Some((_, encoder, edge, count)) = self.edges.pop_front_if(|(at, ..)| *at <= now) {
+            match encoder {
+                Encoder::Motor => self.shown[0] = count,
+                Encoder::Load => self.shown[1] = count,
+            }
             if !self.cut.contains(&(encoder, edge.channel)) {
                 chip.drive_encoder(encoder, edge);
             }
@@ -132,7 +141,7 @@ impl DriveTrain {
                 // The count changes where the position passes the greater of its two sides.
                 let passed = count.max(quadrature.count()) as f64;
                 let fraction = ((passed - from) / (to - from)).clamp(0.0, 1.0);
-                self.edges.push_back((now + STEP.mul_f64(fraction), encoder, edge));
+                self.edges.push_back((now + STEP.mul_f64(fraction), encoder, edge, quadrature.count()));
             }
         }
         self.edges.make_contiguous().sort_by_key(|(at, ..)| *at);

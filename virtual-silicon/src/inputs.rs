@@ -25,7 +25,7 @@ impl Default for Inputs {
 impl Inputs {
     /// Gives the timers the levels of their pins at an instant.
     pub(crate) fn settle(&mut self, chip: &mut Chip, wiring: &Wiring, at: VirtualNanos) {
-        for ((pin, input), known) in wiring.inputs().into_iter().zip(&mut self.0) {
+        for ((pin, input), known) in wiring.inputs().zip(&mut self.0) {
             if !is_connected(chip, pin) {
                 continue;
             }

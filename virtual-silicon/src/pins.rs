@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
 use rigless::device::Level;
+use rigless::edge::Pulse;
 use rigless::emulator::{Host, Watch};
 use rigless::session::Session;
 use rigless::soc::Width;
@@ -87,9 +88,27 @@ impl<'a> Pins<'a> {
         self.drive_pin(self.wiring.encoder(encoder).pin(channel), None);
     }
 
-    /// Drives the break input high or low, or cuts its wire with `None`.
+    /// Drives the break input high or low, or cuts its wire with `None`. A board may have none.
     pub fn drive_break(&mut self, is_high: Option<bool>) {
-        self.drive_pin(self.wiring.break_input, is_high);
+        if let Some(pin) = self.wiring.break_input {
+            self.drive_pin(pin, is_high);
+        }
+    }
+
+    /// Drives the fault line of the gate driver high or low. A board may have none.
+    pub fn drive_fault_line(&mut self, is_high: bool) {
+        if let Some(pin) = self.wiring.fault_line {
+            self.drive_pin(pin, Some(is_high));
+        }
+    }
+
+    /// High times of a channel of TIM1 and of its complement as fractions of the period; `None` without a pulse.
+    pub fn half_bridge(&mut self, channel: u8) -> (Option<f64>, Option<f64>) {
+        let (timer, registers) = self.session.board_mut().mcu.advanced_timer(TIM1);
+        let channel = TimerChannel::new(channel).expect("a timer has channels 1 to 4");
+        let pulses = (timer.pulse(channel, registers), timer.complementary_pulse(channel, registers));
+        let duty = |pulse: Pulse| pulse.width.0 as f64 / pulse.period.0 as f64;
+        (pulses.0.map(duty), pulses.1.map(duty))
     }
 
     /// What the chip drives at the bridge.

@@ -127,11 +127,15 @@ impl Symbols {
             .with_context(|| format!("{} is no ELF file", self.path.display()))?;
         // Both ways of mangling put the length before the name.
         let mangled: String = name.split("::").map(|segment| format!("{}{segment}", segment.len())).collect();
-        let is_wanted = |symbol: &object::Symbol<'_, '_>| {
-            symbol.name().is_ok_and(|found| found == name || found.contains(&mangled))
-                && symbol.kind() == kind
+        let named = |is_it: &dyn Fn(&str) -> bool| -> Vec<_> {
+            let symbols = file.symbols().filter(|symbol| symbol.kind() == kind);
+            symbols.filter(|symbol| symbol.name().is_ok_and(is_it)).collect()
         };
-        let found: Vec<_> = file.symbols().filter(is_wanted).collect();
+        // A name that is not mangled comes before one that is.
+        let mut found = named(&|found| found == name);
+        if found.is_empty() {
+            found = named(&|found| found.contains(&mangled));
+        }
         let [symbol] = &found[..] else {
             let count = found.len();
             anyhow::bail!("{} has {count} symbols {name}, expected 1", self.path.display());

@@ -19,6 +19,10 @@ impl Pin {
     const fn alternate(port: usize, pin: u8, function: u8) -> Self {
         Self { port, pin, function: Some(function) }
     }
+
+    const fn plain(port: usize, pin: u8) -> Self {
+        Self { port, pin, function: None }
+    }
 }
 
 impl fmt::Display for Pin {
@@ -85,8 +89,10 @@ pub struct Wiring {
     pub load: EncoderInputs,
     /// PWM output, channel 1 of TIM1.
     pub pwm: Pin,
-    /// Break input of TIM1.
-    pub break_input: Pin,
+    /// Break input of TIM1, if it is connected.
+    pub break_input: Option<Pin>,
+    /// Fault output of a gate driver, active low, at a plain input.
+    pub fault_line: Option<Pin>,
     /// Enable output of the bridge, active high.
     pub enable: Pin,
 }
@@ -94,6 +100,7 @@ pub struct Wiring {
 const A: usize = 0;
 const B: usize = 1;
 const C: usize = 2;
+const D: usize = 3;
 
 impl Wiring {
     /// The bare STM32F405 board of `docs/bench-drive.md`. Alternate functions are those of the data sheet, table 9.
@@ -101,23 +108,33 @@ impl Wiring {
         motor: EncoderInputs { timer: 1, a: Pin::alternate(C, 6, 2), b: Pin::alternate(C, 7, 2) },
         load: EncoderInputs { timer: 2, a: Pin::alternate(B, 6, 2), b: Pin::alternate(B, 7, 2) },
         pwm: Pin::alternate(A, 8, 1),
-        break_input: Pin::alternate(B, 12, 1),
-        enable: Pin { port: B, pin: 0, function: None },
+        break_input: Some(Pin::alternate(B, 12, 1)),
+        fault_line: None,
+        enable: Pin::plain(B, 0),
+    };
+    /// An ODrive v3.5 or v3.6, phase A of M0, after the pin names of the board's own firmware.
+    pub const ODRIVE_V3: Self = Self {
+        motor: EncoderInputs { timer: 1, a: Pin::alternate(B, 4, 2), b: Pin::alternate(B, 5, 2) },
+        load: EncoderInputs { timer: 2, a: Pin::alternate(B, 6, 2), b: Pin::alternate(B, 7, 2) },
+        pwm: Pin::alternate(A, 8, 1),
+        break_input: None,
+        fault_line: Some(Pin::plain(D, 2)),
+        enable: Pin::plain(B, 12),
     };
 
-    /// Number of inputs.
+    /// Most inputs.
     pub(crate) const INPUTS: usize = 5;
 
     /// All inputs with their pins.
-    pub(crate) fn inputs(&self) -> [(Pin, TimerInput); Self::INPUTS] {
+    pub(crate) fn inputs(&self) -> impl Iterator<Item = (Pin, TimerInput)> + use<> {
         let channel = |timer, channel| TimerInput::Channel { timer, channel };
-        [
+        let encoders: [_; Self::INPUTS - 1] = [
             (self.motor.a, channel(self.motor.timer, 1)),
             (self.motor.b, channel(self.motor.timer, 2)),
             (self.load.a, channel(self.load.timer, 1)),
             (self.load.b, channel(self.load.timer, 2)),
-            (self.break_input, TimerInput::Break),
-        ]
+        ];
+        encoders.into_iter().chain(self.break_input.map(|pin| (pin, TimerInput::Break)))
     }
 
     /// The inputs of an encoder.
@@ -131,7 +148,7 @@ impl Wiring {
 
     /// All pins that a timer uses.
     #[must_use]
-    pub fn alternate_pins(&self) -> [Pin; 6] {
-        [self.motor.a, self.motor.b, self.load.a, self.load.b, self.pwm, self.break_input]
+    pub fn alternate_pins(&self) -> Vec<Pin> {
+        self.inputs().map(|(pin, _)| pin).chain([self.pwm]).collect()
     }
 }

@@ -19,23 +19,39 @@ pub(crate) const TARGET: &str = "thumbv7em-none-eabihf";
 /// A program for the board. Its feature builds for Arm alone.
 pub(crate) struct Program {
     package: &'static str,
-    /// Name of the program, and of its image without the suffix.
+    /// Name of the program.
     pub(crate) name: &'static str,
-    feature: &'static str,
+    /// Name of its image without the suffix.
+    pub(crate) image: &'static str,
+    features: &'static str,
 }
 
 /// The drive.
-pub(crate) const DRIVE: Program =
-    Program { package: "lashloop-firmware", name: "lashloop-firmware", feature: "image" };
-/// Every program for the board.
-pub(crate) const PROGRAMS: [Program; 4] = [
+pub(crate) const DRIVE: Program = Program {
+    package: "lashloop-firmware",
+    name: "lashloop-firmware",
+    image: "lashloop-firmware",
+    features: "image",
+};
+/// The drive on an ODrive.
+pub(crate) const DRIVE_ON_ODRIVE: Program =
+    Program { image: "lashloop-firmware-odrive-v3", features: "image,board-odrive-v3", ..DRIVE };
+/// Every program for a board.
+pub(crate) const PROGRAMS: [Program; 5] = [
+    // Before the other drive: both builds have one place, and the last one stays there.
+    DRIVE_ON_ODRIVE,
     DRIVE,
     // Counts the codec's instructions.
-    Program { package: "lashloop-firmware", name: "codec-cost", feature: "codec-cost" },
+    Program { name: "codec-cost", image: "codec-cost", features: "codec-cost", ..DRIVE },
     // A drive with a law from a crate of its own.
-    Program { package: "own-law", name: "own-law-image", feature: "image" },
+    Program { package: "own-law", name: "own-law-image", image: "own-law-image", ..DRIVE },
     // A drive with published laws, whose instructions are counted.
-    Program { package: "published-laws", name: "published-laws-image", feature: "image" },
+    Program {
+        package: "published-laws",
+        name: "published-laws-image",
+        image: "published-laws-image",
+        ..DRIVE
+    },
 ];
 
 const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
@@ -69,11 +85,11 @@ impl ArmToolchain {
         self.for_board(cargo("build"), program)
     }
 
-    /// `cargo clippy` of the drive for the board.
+    /// `cargo clippy` of a program for its board.
     ///
     /// # Errors
     /// This compiler has no clippy.
-    pub(crate) fn clippy(&self) -> Result<Command> {
+    pub(crate) fn clippy(&self, program: &Program) -> Result<Command> {
         let clippy = match self {
             Self::WithCore => cargo("clippy"),
             Self::CoreFromSource { .. } => {
@@ -85,7 +101,7 @@ impl ArmToolchain {
                 command(DEBIAN_CARGO_CLIPPY, "clippy")
             }
         };
-        let mut clippy = self.for_board(clippy, &DRIVE);
+        let mut clippy = self.for_board(clippy, program);
         clippy.args(["--", "-D", "warnings"]);
         Ok(clippy)
     }
@@ -98,8 +114,8 @@ impl ArmToolchain {
     }
 
     fn for_board(&self, mut command: Command, program: &Program) -> Command {
-        let Program { package, name, feature } = program;
-        command.args(["--package", package, "--bin", name, "--features", feature]);
+        let Program { package, name, features, .. } = program;
+        command.args(["--package", package, "--bin", name, "--features", features]);
         self.for_target(command)
     }
 

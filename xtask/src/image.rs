@@ -12,18 +12,18 @@ pub(crate) fn build() -> Result<()> {
     let toolchain = ArmToolchain::find()?;
     for program in &PROGRAMS {
         command::run(&mut toolchain.build(program))?;
-        publish(program.name)?;
+        publish(program.name, program.image)?;
     }
     Ok(())
 }
 
-/// Copies an image that was built to its well-known place.
+/// Copies a program that was built to the well-known place of its image.
 ///
 /// # Errors
 /// It can't be copied.
-pub(crate) fn publish(program: &str) -> Result<()> {
+pub(crate) fn publish(program: &str, image: &str) -> Result<()> {
     let built = paths::root().join("target").join(TARGET).join("image").join(program);
-    let image = paths::image(program);
+    let image = paths::image(image);
     // Renaming is atomic: an emulator that starts now reads either the old or the new image.
     let copy = image.with_extension("elf.new");
     fs::copy(&built, &copy).with_context(|| format!("{} cannot be copied", built.display()))?;

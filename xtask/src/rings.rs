@@ -5,7 +5,7 @@ use std::thread;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 
-use crate::arm_toolchain::ArmToolchain;
+use crate::arm_toolchain::{ArmToolchain, DRIVE, DRIVE_ON_ODRIVE};
 use crate::command::{cargo, run};
 use crate::counts::Counts;
 use crate::test_programs::{self, TestProgram};
@@ -128,7 +128,9 @@ impl Selection {
             Ring::Image => {
                 counts.step("image", image::build);
                 counts.step("image size", size::check);
-                counts.step("image clippy", || run(&mut ArmToolchain::find()?.clippy()?));
+                for program in [DRIVE, DRIVE_ON_ODRIVE] {
+                    counts.step("image clippy", || run(&mut ArmToolchain::find()?.clippy(&program)?));
+                }
             }
             Ring::Python if self.timing != Some(Timing::Timed) => {
                 counts.step("python lint", python::lint);

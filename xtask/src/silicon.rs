@@ -29,7 +29,7 @@ pub(crate) fn build() -> Result<()> {
 pub(crate) fn test() -> Result<Counts> {
     let (program, manifest) = PROBE;
     run(&mut ArmToolchain::find()?.build_manifest(manifest))?;
-    image::publish(program)?;
+    image::publish(program, program)?;
     Counts::of_output(in_workspace("test --no-fail-fast"), Counts::of_libtest, |line| println!("{line}"))
 }
 

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use object::elf::{self, SHF_ALLOC, SHF_WRITE};
 use object::{Object, ObjectSection, ObjectSymbol, SectionFlags};
 
-use crate::arm_toolchain::DRIVE;
+use crate::arm_toolchain::{DRIVE, DRIVE_ON_ODRIVE, Program};
 use crate::codec_size::CodecSize;
 use crate::paths;
 
@@ -23,15 +23,22 @@ pub(crate) struct Size {
     stack: u64,
 }
 
-/// Prints the sizes.
-pub(crate) fn print() -> Result<Size> {
-    let path = paths::image(DRIVE.name);
+/// Prints the sizes of both boards' images.
+pub(crate) fn print() -> Result<()> {
+    for program in [DRIVE, DRIVE_ON_ODRIVE] {
+        print_one(&program)?;
+    }
+    Ok(())
+}
+
+fn print_one(program: &Program) -> Result<Size> {
+    let path = paths::image(program.image);
     let elf =
         fs::read(&path).with_context(|| format!("{}: run `cargo xtask image` first", path.display()))?;
     let size = Size::of(&elf).with_context(|| path.display().to_string())?;
     println!(
-        "image: text {} B of {TEXT_LIMIT} B; static RAM {} B of {STATIC_RAM_LIMIT} B; stack {} B",
-        size.text, size.static_ram, size.stack
+        "{}: text {} B of {TEXT_LIMIT} B; static RAM {} B of {STATIC_RAM_LIMIT} B; stack {} B",
+        program.image, size.text, size.static_ram, size.stack
     );
     println!("{}", CodecSize::of(&path, &elf).with_context(|| path.display().to_string())?);
     Ok(size)
@@ -42,17 +49,21 @@ pub(crate) fn print() -> Result<Size> {
 /// # Errors
 /// A size exceeds its limit, or there is no image.
 pub(crate) fn check() -> Result<()> {
-    let size = print()?;
-    ensure!(
-        size.text <= TEXT_LIMIT,
-        "the image has {} B of text, at most {TEXT_LIMIT} B are allowed",
-        size.text
-    );
-    ensure!(
-        size.static_ram <= STATIC_RAM_LIMIT,
-        "the image has {} B of static RAM, at most {STATIC_RAM_LIMIT} B are allowed",
-        size.static_ram
-    );
+    for program in [DRIVE, DRIVE_ON_ODRIVE] {
+        let size = print_one(&program)?;
+        ensure!(
+            size.text <= TEXT_LIMIT,
+            "{} has {} B of text, at most {TEXT_LIMIT} B are allowed",
+            program.image,
+            size.text
+        );
+        ensure!(
+            size.static_ram <= STATIC_RAM_LIMIT,
+            "{} has {} B of static RAM, at most {STATIC_RAM_LIMIT} B are allowed",
+            program.image,
+            size.static_ram
+        );
+    }
     Ok(())
 }
 

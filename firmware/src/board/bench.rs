@@ -2,12 +2,13 @@
 
 use core::time::Duration;
 
+use lashloop_protocol::enums::State;
 use stm32f4xx_hal::pac::TIM5;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::timer::{CounterUs, Event, Flag};
 
 use super::device_clock::DeviceClock;
-use super::f405_bare::{LoadEncoder, MotorEncoder};
+use super::fitted::{Lines, LoadEncoder, MotorEncoder};
 use super::pwm_stage::PwmStage;
 use crate::drive::{Clock, Drive, PinHardware, PinReadings};
 use crate::law::LawSet;
@@ -15,7 +16,7 @@ use crate::power_stage::Actuator;
 use crate::quadrature::LARGEST_MOVE_COUNTS;
 
 /// The power stage as the drive commands it.
-pub type Stage = Actuator<PwmStage>;
+pub type Stage = Actuator<PwmStage<Lines>>;
 
 /// Limits of 16-bit encoder counters, and of the period that the tick counts in microseconds.
 pub(super) const HARDWARE: PinHardware =
@@ -54,7 +55,8 @@ impl Tick {
             PinReadings { motor: self.motor.read(), load: self.load.read(), stage_fault: stage.fault() };
         drive.sample(&readings, due, &self.clock);
         stage.follow(drive.stage_command());
-        if drive.period() != self.period {
+        // The period is no live parameter, and reading it is a tenth of a step.
+        if drive.state() != State::Running && drive.period() != self.period {
             self.set_period(drive.period());
         }
     }

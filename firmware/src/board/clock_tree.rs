@@ -1,6 +1,6 @@
 //! 168 MHz from the crystal, or from the internal oscillator when there is none.
 
-use super::f405_bare::CRYSTAL_HZ;
+use super::fitted::CRYSTAL_HZ;
 use stm32f4xx_hal::pac::RCC;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::{Config, Rcc};

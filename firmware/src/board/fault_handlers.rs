@@ -3,7 +3,8 @@
 
 use core::panic::{Location, PanicInfo};
 
-use super::{f405_bare, last_resort, usb_port};
+use super::pwm_stage::StageLines;
+use super::{fitted, last_resort, usb_port};
 use crate::drive::fault_frame;
 use cortex_m::peripheral::{NVIC, Peripherals};
 use cortex_m_rt::{ExceptionFrame, exception};
@@ -38,7 +39,7 @@ unsafe fn DefaultHandler(interrupt: i16) {
 fn stop(code: FaultCode, detail: u32) -> ! {
     cortex_m::interrupt::disable();
     // First of all: no torque outlives the code that computed it.
-    f405_bare::switch_off();
+    fitted::Lines::switch_off();
     // The delimiter ends a frame in transmission.
     send(&[DELIMITER]);
     send(&fault_frame(code, detail));

@@ -84,6 +84,9 @@ macro_rules! image {
                     if let Some(stage) = stage {
                         stage.follow(drive.stage_command());
                     }
+                    if drive.enters_loader(now) {
+                        board::loader::enter();
+                    }
                     !drive.output().is_empty()
                 });
                 if to_send {

@@ -4,7 +4,8 @@
 //! the clock tree nor the timers. [`start`] alone distinguishes the two, at run time.
 //!
 //! On silicon the drive has pins too: encoders, a power stage, and a timer as tick. The emulator has none of them, so the
-//! drive doesn't offer bench mode there. The pins of a board are in a file of its own, such as `f405_bare`.
+//! drive doesn't offer bench mode there. Each board has a file with its pins; the feature `board-odrive-v3`
+//! selects `odrive_v3`, otherwise it is `f405_bare`.
 //!
 //! [`image!`](crate::image) makes a program of the board and a set of laws.
 
@@ -12,11 +13,17 @@ mod bench;
 mod clock_tree;
 mod device_clock;
 mod encoder;
+#[cfg(not(feature = "board-odrive-v3"))]
 mod f405_bare;
 mod fault_handlers;
+mod fitted;
 mod image;
 mod last_resort;
 mod link;
+pub mod loader;
+#[cfg(feature = "board-odrive-v3")]
+mod odrive_v3;
+mod ports;
 mod pwm_stage;
 mod usb_port;
 
@@ -36,6 +43,7 @@ use crate::drive::Drive;
 use crate::law::LawSet;
 use clock_tree::Source;
 use link::Transmission;
+use ports::Ports;
 use stm32f4xx_hal::timer::TimerExt;
 
 /// The lines of the board.
@@ -84,6 +92,9 @@ pub fn start<L: LawSet>(
     memory: &'static mut Memory,
 ) -> Board<L> {
     let emulated = is_emulated(&device.RCC, &device.DBGMCU);
+    if !emulated {
+        loader::follow_request(&device.RCC, &device.SYSCFG);
+    }
     let (mut rcc, source) = clock_tree::start(device.RCC, emulated);
     let gpioa = device.GPIOA.split(&mut rcc);
     let Memory { queues, usb } = memory;
@@ -101,13 +112,18 @@ pub fn start<L: LawSet>(
     let (drive, bench) = match source {
         Source::Emulator => (Drive::with_laws("stm32f405-qemu"), None),
         Source::Crystal | Source::InternalOscillator => {
-            let mut drive = Drive::with_pins("stm32f405", bench::HARDWARE);
+            let mut drive = Drive::with_pins(fitted::NAME, bench::HARDWARE).with_loader();
             if let Source::InternalOscillator = source {
                 drive.log(LogLevel::Warning, &["no crystal, clock is 1% RC"]);
             }
-            let ports = (gpioa.pa8, device.GPIOB.split(&mut rcc), device.GPIOC.split(&mut rcc));
+            let ports: Ports = (
+                (gpioa.pa7, gpioa.pa8, gpioa.pa9, gpioa.pa10),
+                device.GPIOB.split(&mut rcc),
+                device.GPIOC.split(&mut rcc),
+                device.GPIOD.split(&mut rcc),
+            );
             let timers = (device.TIM1, device.TIM3, device.TIM4);
-            let (motor, load, stage) = f405_bare::start(ports, timers, &mut rcc);
+            let (motor, load, stage) = fitted::start(ports, timers, &mut rcc);
             let timer = device.TIM5.counter(&mut rcc);
             let tick = Tick::start(timer, (motor, load), clock, drive.period());
             last_resort::start(device.IWDG, &device.DBGMCU);

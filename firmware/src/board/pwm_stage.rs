@@ -1,9 +1,5 @@
-//! The power stage: pulse-width modulation on TIM1, with break input and enable line.
-//!
-//! While the outputs are off the pulse output is low and the enable line is low: a duty of 0, which an amplifier for 10 to
-//! 90 % takes for a broken wire.
+//! The power stage: pulse-width modulation on TIM1. A board has its lines to amplifier or bridge.
 
-use stm32f4xx_hal::gpio::{Alternate, Output, PB0, PB12};
 use stm32f4xx_hal::pac::TIM1;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
@@ -12,56 +8,76 @@ use crate::power_stage::{DutyScale, PowerStage, PowerStageFault};
 /// Cycles of the timer's 168 MHz in a period of the modulation: 20 kHz.
 const PERIOD_CYCLES: u16 = 8_400;
 
-/// The pins of the stage, apart from its pulse output.
-pub(super) struct StagePins {
-    /// Break input, high while the amplifier isn't ready.
-    pub(super) not_ready: PB12<Alternate<1>>,
-    /// Enable line, high while the amplifier may drive.
-    pub(super) enable: PB0<Output>,
+/// What a board has between timer and motor.
+pub trait StageLines {
+    /// Time in which both switches of a half-bridge are off, in cycles of the timer, up to 127: channels 1 and 2 with their
+    /// complements drive a half-bridge at the duty, and one at 1 less the duty. `None` for a pulse output on channel 1, and a
+    /// break input that switches it off without software while it is high.
+    const DEAD_TIME_CYCLES: Option<u8>;
+
+    /// Lets the amplifier or the bridge drive.
+    fn enable(&mut self);
+
+    /// The fault that the lines show.
+    fn fault(&self) -> Option<PowerStageFault>;
+
+    /// Switches the stage off, from any code: [`clear_main_output`], and the board's own lines. Not inlined: tests on virtual
+    /// silicon remove this function from the image, and then every cause has to fail.
+    fn switch_off();
 }
 
-/// The power stage of the board.
-pub struct PwmStage {
+/// The power stage of a board.
+pub struct PwmStage<S> {
     timer: TIM1,
-    pins: StagePins,
+    lines: S,
     scale: Option<DutyScale>,
 }
 
-impl PwmStage {
+impl<S: StageLines> PwmStage<S> {
     /// Starts the modulation with its output off.
-    pub(super) fn new(timer: TIM1, pins: StagePins, rcc: &mut Rcc) -> Self {
+    pub(super) fn new(timer: TIM1, lines: S, rcc: &mut Rcc) -> Self {
         TIM1::enable(rcc);
         TIM1::reset(rcc);
         timer.arr().write(|w| w.arr().set(PERIOD_CYCLES - 1));
-        timer.ccmr1_output().write(|w| w.oc1m().pwm_mode1().oc1pe().enabled());
-        timer.ccer().write(|w| w.cc1e().set_bit());
+        timer.ccmr1_output().write(|w| {
+            w.oc1m().pwm_mode1().oc1pe().enabled();
+            w.oc2m().pwm_mode1().oc2pe().enabled()
+        });
+        timer.ccer().write(|w| match S::DEAD_TIME_CYCLES {
+            None => w.cc1e().set_bit(),
+            Some(_) => w.cc1e().set_bit().cc1ne().set_bit().cc2e().set_bit().cc2ne().set_bit(),
+        });
         // Off is the idle level of the output, low, and not an open pin. A break turns off without a clock, and only
         // software turns on again.
         timer.bdtr().write(|w| {
-            w.bke().enabled().bkp().active_high();
-            // No later store disables the break or changes the idle level.
+            match S::DEAD_TIME_CYCLES {
+                None => w.bke().enabled().bkp().active_high(),
+                Some(cycles) => w.dtg().set(cycles),
+            };
+            // No later store disables the break, or changes dead time or idle level.
             w.lock().level1();
             w.ossi().idle_level().aoe().manual().moe().disabled_idle()
         });
         timer.egr().write(|w| w.ug().update());
         timer.cr1().write(|w| w.arpe().enabled().cen().enabled());
-        Self { timer, pins, scale: None }
+        Self { timer, lines, scale: None }
     }
 
     fn set_duty(&self, duty: f32) {
-        let cycles = duty * f32::from(PERIOD_CYCLES) + 0.5;
-        self.timer.ccr1().write(|w| w.ccr().set(cycles as u16));
+        let cycles = (duty * f32::from(PERIOD_CYCLES) + 0.5) as u16;
+        self.timer.ccr1().write(|w| w.ccr().set(cycles));
+        self.timer.ccr2().write(|w| w.ccr().set(PERIOD_CYCLES - cycles));
     }
 }
 
-impl PowerStage for PwmStage {
+impl<S: StageLines> PowerStage for PwmStage<S> {
     fn enable(&mut self, scale: &DutyScale) {
         self.scale = Some(*scale);
         self.set_duty(scale.duty(0.0));
         // From the preload to the comparator before the output is on.
         self.timer.egr().write(|w| w.ug().update());
         self.timer.bdtr().modify(|_, w| w.moe().enabled());
-        self.pins.enable.set_high();
+        self.lines.enable();
     }
 
     fn apply(&mut self, torque_nm: f32) {
@@ -71,7 +87,7 @@ impl PowerStage for PwmStage {
     }
 
     fn disable(&mut self) {
-        switch_off();
+        S::switch_off();
         self.scale = None;
     }
 
@@ -81,19 +97,14 @@ impl PowerStage for PwmStage {
         if had_break {
             self.timer.sr().modify(|_, w| w.bif().clear_bit());
         }
-        (had_break || self.pins.not_ready.is_high()).then_some(PowerStageFault::BreakInput)
+        if had_break { Some(PowerStageFault::BreakInput) } else { self.lines.fault() }
     }
 }
 
-/// Switches the outputs off, from any code. Before the start of the stage they are off, and this has no effect.
-///
-/// A function of its own in the image: tests on virtual silicon remove it, and every cause has to fail then.
-#[inline(never)]
-pub(super) fn switch_off() {
-    use stm32f4xx_hal::pac::GPIOB;
-    // SAFETY: two stores that only turn off; the owners never run again, or turn on again as they would have.
+/// Clears the main output enable, from any code. Before the start of the stage it is clear, and this has no effect.
+pub(super) fn clear_main_output() {
+    // SAFETY: a store that only turns off; the owner never runs again, or turns on again as it would have.
     #[allow(unsafe_code)]
-    let (timer, port) = unsafe { (TIM1::steal(), GPIOB::steal()) };
+    let timer = unsafe { TIM1::steal() };
     timer.bdtr().modify(|_, w| w.moe().disabled_idle());
-    port.bsrr().write(|w| w.br0().set_bit());
 }

@@ -13,6 +13,7 @@ use super::descriptions;
 use super::identity::identity;
 use super::lifecycle::Lifecycle;
 use super::line_counts::LineCounts;
+use super::loader::Loader;
 use super::output::Output;
 use super::parameters::Parameters;
 use super::pin_run::PinRun;
@@ -38,6 +39,7 @@ pub struct Drive<L: LawSet = Laws> {
     pub(super) last_sequence: u16,
     /// `None` for a drive without encoders and power stage of its own: it has no bench mode.
     pub(super) pins: Option<Pins>,
+    loader: Loader,
 }
 
 impl Drive {
@@ -73,7 +75,20 @@ impl<L: LawSet> Drive<L> {
             line_counts: LineCounts::default(),
             last_sequence: 0,
             pins: hardware.map(Pins::new),
+            loader: Loader::Absent,
         }
+    }
+
+    /// The drive, on a chip with a boot loader: [`Self::enters_loader`] is to be called every millisecond.
+    #[must_use]
+    pub fn with_loader(self) -> Self {
+        Self { loader: Loader::Present, ..self }
+    }
+
+    /// Whether the firmware is to end at device time `now`, and the boot loader to start.
+    #[must_use]
+    pub fn enters_loader(&self, now: Duration) -> bool {
+        self.loader.is_due(now)
     }
 
     /// Takes received bytes, at most to the end of one frame, and returns their number.
@@ -81,6 +96,9 @@ impl<L: LawSet> Drive<L> {
     /// Zero for a non-empty input means that the output buffer is full: transmit [`Drive::output`], clear it, and call
     /// again with the remaining bytes.
     pub fn receive(&mut self, bytes: &[u8], clock: &impl Clock) -> usize {
+        if self.loader.is_requested() {
+            return bytes.len();
+        }
         if !self.output.fits_an_answer() {
             return 0;
         }
@@ -180,6 +198,9 @@ impl<L: LawSet> Drive<L> {
             HostMessage::Start(request) => {
                 (message::Start::LAYOUT.kind, self.start(request.session, clock.now()))
             }
+            HostMessage::EnterLoader(request) => {
+                (message::EnterLoader::LAYOUT.kind, self.enter_loader(request.session, clock.now()))
+            }
             HostMessage::Stop(_) => {
                 self.output.send(self.line_counts.report(self.decoder.counters()));
                 (message::Stop::LAYOUT.kind, self.lifecycle.stop())
@@ -250,6 +271,13 @@ impl<L: LawSet> Drive<L> {
                 Outcome::Inconsistent
             }
         }
+    }
+
+    fn enter_loader(&mut self, session: u32, now: Duration) -> Outcome {
+        if self.loader == Loader::Absent || self.lifecycle.session() == Some(session) {
+            return self.loader.request(self.state(), now);
+        }
+        Outcome::WrongSession
     }
 
     fn control(&self) -> Result<ControlLoop<L>, ParameterError> {

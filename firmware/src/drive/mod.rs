@@ -44,6 +44,7 @@ mod descriptions;
 mod identity;
 mod lifecycle;
 mod line_counts;
+mod loader;
 mod machine;
 mod output;
 mod parameters;

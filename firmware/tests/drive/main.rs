@@ -3,6 +3,7 @@
 mod bench;
 mod bench_faults;
 mod host;
+mod loader;
 mod parameters;
 mod pin_host;
 mod pinned_torques;

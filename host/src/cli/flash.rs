@@ -79,7 +79,15 @@ impl Arguments {
         let interrupted = || supervisor.interrupted();
         let runner = Runner { interrupted: &interrupted };
         print_image(&image);
-        let way = writer::find(self.via.or(via), &target, &runner)?;
+        let via = self.via.or(via);
+        let way = writer::find(via, &target, &runner).or_else(|none| {
+            let drive = device.as_ref().filter(|_| via != Some(Way::Probe));
+            if drive.is_some_and(|drive| enter_loader(drive, baud, &supervisor)) {
+                find_loader(via, &target, &runner)
+            } else {
+                Err(none)
+            }
+        })?;
         outln!("way        {}: {}", way.name(), way.meaning());
         if let Some(device) = &device {
             quiet(way, device, baud, &supervisor)?;
@@ -99,6 +107,36 @@ impl Arguments {
         }
         print_drive(&confirmed);
         Ok(Exit::Pass)
+    }
+}
+
+/// Requests a running drive to enter its boot loader. Returns whether it does.
+fn enter_loader(device: &DeviceChoice, baud: u32, supervisor: &Supervisor) -> bool {
+    let Ok(mut drive) = Device::open(device, baud, supervisor) else { return false };
+    let description = drive.description();
+    let entered = drive.session.enter_loader();
+    match &entered {
+        Ok(()) => outln!("before     {description} enters its boot loader"),
+        Err(error) => outln!("before     {description} enters no boot loader: {error}"),
+    }
+    entered.is_ok()
+}
+
+/// Waits for a boot loader that a drive has just entered.
+///
+/// # Errors
+/// None is there in time.
+fn find_loader(via: Option<Way>, target: &Target, runner: &Runner<'_>) -> Result<Way, FlashError> {
+    /// Time for the reset, and for the enumeration of a USB port.
+    const LIMIT: Duration = Duration::from_secs(10);
+    let deadline = Instant::now() + LIMIT;
+    loop {
+        match writer::find(via, target, runner) {
+            Err(_) if Instant::now() < deadline && !(runner.interrupted)() => {
+                thread::sleep(Duration::from_millis(100));
+            }
+            found => return found,
+        }
     }
 }
 

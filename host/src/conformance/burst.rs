@@ -106,6 +106,7 @@ pub(super) fn described(request: &HostMessage) -> String {
         HostMessage::Subscribe(it) => format!("{name} to {:#x}, every {}", it.signals, it.every),
         HostMessage::EncoderSample(it) => format!("{name} {}", it.sequence),
         HostMessage::Reference(it) => format!("{name} {}", it.number),
+        HostMessage::EnterLoader(it) => format!("{name} of session {}", it.session),
         HostMessage::Stop(_)
         | HostMessage::EmergencyStop(_)
         | HostMessage::ClearFault(_)

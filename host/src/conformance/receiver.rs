@@ -167,7 +167,7 @@ pub(super) fn foreign() -> Vec<Vec<u8>> {
         body[0] = layout.kind;
         framed(&body)
     });
-    let unknown = [0x00, 0x0f, 0x12, 0x7f, 0x80, 0x84, 0xff].into_iter().flat_map(|kind| {
+    let unknown = [0x00, 0x0f, 0x13, 0x7f, 0x80, 0x84, 0xff].into_iter().flat_map(|kind| {
         // As long as `Stop`, as `Arm`, and as the longest body.
         [1, 5, MAX_BODY].map(|length| framed(&[vec![kind], vec![1; length - 1]].concat()))
     });

@@ -47,6 +47,7 @@ const fn test(rule: &'static str, file: &'static str, name: &'static str) -> Unc
 
 const HOST_RULES: &str = "tests/tests/document/host_rules.rs";
 const BENCH_MODE: &str = "firmware/tests/drive/bench.rs";
+const LOADER: &str = "firmware/tests/drive/loader.rs";
 const BENCH_FAULTS: &str = "firmware/tests/drive/bench_faults.rs";
 const RETRIES: &str = "tests/tests/looped/retries.rs";
 const LINK_FAULTS: &str = "tests/tests/looped/link_faults.rs";
@@ -58,6 +59,10 @@ pub const UNCHECKED: &[Unchecked] = &[
     nothing("R4.14", "no request makes a drive log while a torque is due"),
     nothing("R8.11", "no request halts a firmware"),
     nothing("R10.11", "an example: each of its sentences follows from another rule"),
+    test("R19.1", LOADER, "a_drive_without_a_loader_refuses"),
+    test("R19.2", LOADER, "another_session_and_other_states_are_refused"),
+    test("R19.3", LOADER, "the_drive_leaves_once_its_answer_has_left"),
+    test("R19.4", LOADER, "the_power_stage_is_off_on_the_way"),
     test("R18.1", BENCH_MODE, "the_same_counts_through_link_and_pins_give_the_same_torques"),
     test("R18.2", BENCH_MODE, "a_drive_with_pins_describes_its_further_parameters"),
     test("R18.3", BENCH_MODE, "a_sample_of_the_other_mode_is_refused_and_changes_nothing"),

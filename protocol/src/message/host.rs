@@ -18,6 +18,7 @@
 //! | `0x0e` | [`Subscribe`] | 13 | in `Idle`, `Armed` and `Running` |
 //! | `0x10` | [`EncoderSample`] | 19 | once in a control period of HIL mode |
 //! | `0x11` | [`Reference`] | 13 | once in a control period of bench mode |
+//! | `0x12` | [`EnterLoader`] | 11 | in `Idle`, to write another firmware |
 
 use crate::counts::EncoderCounts;
 use crate::enums::ParameterValue;
@@ -125,5 +126,11 @@ messages! {
         number: u16,
         /// Reference position of the load, in rad.
         reference_rad: f32,
+    }
+
+    /// Ends the firmware and starts the boot loader of the chip, which takes another firmware.
+    0x12 EnterLoader {
+        /// Session opened by `Hello`.
+        session: u32,
     }
 }

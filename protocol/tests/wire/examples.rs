@@ -5,9 +5,9 @@ use lashloop_protocol::enums::{
 };
 use lashloop_protocol::message::{
     Arm, BenchSample, ChoiceDescription, ClearFault, CommandResult, DescribeChoice, DescribeLaw,
-    DescribeParameter, DescribeSignal, EmergencyStop, EncoderSample, FaultReport, GetParameter, Hello,
-    Identity, LawDescription, LineReport, Log, ParameterDescription, ParameterReport, Reference, Reset,
-    SetParameter, SignalDescription, Start, Stop, Subscribe, Telemetry, TorqueAnswer,
+    DescribeParameter, DescribeSignal, EmergencyStop, EncoderSample, EnterLoader, FaultReport, GetParameter,
+    Hello, Identity, LawDescription, LineReport, Log, ParameterDescription, ParameterReport, Reference,
+    Reset, SetParameter, SignalDescription, Start, Stop, Subscribe, Telemetry, TorqueAnswer,
 };
 use lashloop_protocol::text::Text;
 use lashloop_protocol::{DriveMessage, EncoderCounts, HostMessage, PROTOCOL_VERSION, TelemetryValues};
@@ -52,6 +52,7 @@ pub fn from_host() -> Vec<HostMessage> {
         Subscribe { signals: 0b10_0001_0111, every: 10 }.into(),
         SAMPLE.into(),
         Reference { number: 513, reference_rad: -0.25 }.into(),
+        EnterLoader { session: SESSION }.into(),
     ]
 }
 

@@ -50,7 +50,7 @@ fn the_mode_has_the_kinds_that_no_other_section_has() {
     let requests: BTreeSet<_> = states.iter().filter_map(|row| row[0].split(',').next()).collect();
     let further: Vec<_> =
         HostMessage::LAYOUTS.iter().map(|it| it.name).filter(|name| !requests.contains(name)).collect();
-    assert_eq!(further, ["Reference"]);
+    assert_eq!(further, ["Reference", "EnterLoader"]);
     assert!(section(BENCH_MODE).contains("A `Reference` in `Running` gets no answer"));
 }
 

@@ -56,6 +56,21 @@ pub(crate) fn found() {
     assert!(ended.stdout.contains("\nway        uart: "), "{}", ended.stdout);
 }
 
+pub(crate) fn by_request() {
+    for via in [&["--via", "uart"][..], &[]] {
+        let (bench, chip) = (right(), RomLoader::behind_a_drive());
+        let ended = bench.flash_with(&[via, &["--device", &chip.device]].concat()).with_code(0);
+        assert!(chip.flash(SIZE) == bench.flash(), "the flash differs from the image");
+        let before = ended.stdout.lines().find(|line| line.starts_with("before ")).unwrap_or_default();
+        assert!(
+            before.contains("with-loader") && before.ends_with("enters its boot loader"),
+            "{}",
+            ended.stdout
+        );
+        assert!(claims_success(&ended), "{}", ended.stdout);
+    }
+}
+
 pub(crate) fn other_build() {
     let (bench, loader) =
         (with(Elf::image(SIZE, BUILD_ID ^ 1, BUILD_IS_DIRTY)), RomLoader::start(Defect::None));
@@ -119,6 +134,7 @@ pub(crate) fn silent() {
 pub(crate) fn no_loader() {
     let (bench, twin) = (right(), Twin::start());
     let ended = bench.flash_with(&["--via", "uart", "--device", &twin.device()]).with_code(4);
+    assert!(ended.stdout.contains("enters no boot loader: "), "{}", ended.stdout);
     assert!(
         ended.stderr.contains("no boot loader answers") && ended.stderr.contains("BOOT0"),
         "{}",

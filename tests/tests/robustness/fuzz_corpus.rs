@@ -113,8 +113,10 @@ fn cells_of_the_page() -> BTreeSet<Cell> {
         cells.extend(with_index.map(|request| cell(request, before, "UnknownIndex")));
     }
     cells.extend(["Idle", "Armed", "Running"].map(|before| cell("Subscribe", before, "UnknownIndex")));
-    // Section 18: this drive has no pins.
-    cells.extend(states.iter().map(|before| cell("Reference", before, "WrongState")));
+    // Sections 18 and 19: this drive has neither pins nor boot loader.
+    for request in ["Reference", "EnterLoader"] {
+        cells.extend(states.iter().map(|before| cell(request, before, "WrongState")));
+    }
     cells.extend([
         cell("SetParameter", "Idle", "WrongType"),
         cell("SetParameter", "Idle", "OutOfRange"),

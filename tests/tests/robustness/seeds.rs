@@ -9,7 +9,7 @@ use lashloop_firmware::law::LawSet;
 use lashloop_protocol::enums::{ParameterValue, State};
 use lashloop_protocol::message::{
     Arm, ClearFault, DescribeChoice, DescribeLaw, DescribeParameter, DescribeSignal, EmergencyStop,
-    GetParameter, Hello, Reference, SetParameter, Start, Stop, Subscribe,
+    EnterLoader, GetParameter, Hello, Reference, SetParameter, Start, Stop, Subscribe,
 };
 use lashloop_protocol::parameter_names::CONTROLLER;
 use lashloop_protocol::{HostMessage, Message, PROTOCOL_VERSION};
@@ -152,6 +152,7 @@ fn state_seeds() -> Vec<Seed> {
     seeds.extend(everywhere("unknown signal", Subscribe { signals: 1 << 31, every: 1 }.into()));
     let reference = Reference { number: 1, reference_rad: 0.5 };
     seeds.extend(everywhere("reference", reference.into()));
+    seeds.extend(everywhere("enter loader", EnterLoader { session: 7 }.into()));
     let stray = host::rest(5);
     seeds.extend(everywhere("stray sample", stray.into()));
     let period = |value| request(&SetParameter { index: host::index("period_us"), value }.into());

@@ -53,7 +53,7 @@ fn an_encoder_faster_than_its_limit_refuses_to_arm() {
     assert_eq!(refusal(&mut host), (Outcome::EncoderImplausible, text));
     assert_off(&mut host);
     host.command(Reset {});
-    host.greet(SESSION);
+    host.shake_hands(SESSION);
     host.set_all(&[]);
     host.bench.advance(2 * MS);
     host.run();

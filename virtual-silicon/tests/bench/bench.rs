@@ -23,7 +23,12 @@ pub const TICK_STATUS: u64 = 0x4000_0c10;
 
 /// The drive's image, as `cargo xtask image` builds it.
 pub fn image() -> Symbols {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/lashloop-firmware.elf");
+    image_of("lashloop-firmware")
+}
+
+/// The image of this name.
+pub fn image_of(name: &str) -> Symbols {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target").join(name).with_extension("elf");
     Symbols::read(&path).expect("`cargo xtask image` builds the image")
 }
 
@@ -133,7 +138,8 @@ impl Bench {
     /// Boots an image with this drive train, which takes no speeds.
     pub fn boot_with(image: &Symbols, train: DriveTrain, wiring: Wiring) -> Self {
         let (commands, receiver) = mpsc::channel();
-        let site = Site { train, log: Log::default(), commands: receiver, until: Duration::ZERO, on_frame: None };
+        let site =
+            Site { train, log: Log::default(), commands: receiver, until: Duration::ZERO, on_frame: None };
         let image = image.image().expect("an image");
         let machine = thread::spawn(move || machine::run(image, wiring, site).expect("the image runs"));
         Self {

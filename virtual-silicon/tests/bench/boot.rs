@@ -23,7 +23,7 @@ fn the_image_boots_from_the_crystal_with_every_pin_connected() {
 #[test]
 fn a_booted_drive_is_off_and_describes_its_bench_mode() {
     let mut host = Host::at(&image(), (0, 0));
-    let identity = host.greet(SESSION);
+    let identity = host.shake_hands(SESSION);
     assert_eq!((identity.state, identity.board.as_str()), (State::Idle, "stm32f405"));
     assert_eq!(
         host.take(|message| matches!(message, lashloop_protocol::DriveMessage::Log(_)).then_some(())),

@@ -270,12 +270,12 @@ fn recover(host: &mut Host) {
     host.bench.turn(0.0, 0.0);
     host.bench.act(|chip, _| chip.drive_break(Some(false)));
     host.bench.advance(2 * PERIOD);
-    host.greet(SESSION);
+    host.shake_hands(SESSION);
     host.command(ClearFault {});
     // The identity repeats a latched fault.
     host.faults();
     host.command(Reset {});
-    host.greet(SESSION);
+    host.shake_hands(SESSION);
     host.set_all(&[]);
     host.bench.advance(2 * PERIOD);
     host.run_under_torque();

@@ -31,7 +31,7 @@ static PARAMETERS: OnceLock<Vec<String>> = OnceLock::new();
 pub struct Host {
     pub bench: Bench,
     decoder: Decoder,
-    /// Messages that nobody has taken.
+    /// Messages that no test has taken.
     inbox: Vec<DriveMessage>,
     parameters: &'static [String],
     number: u16,
@@ -46,9 +46,8 @@ impl Host {
     /// A host of this board, in a session.
     pub fn of(mut bench: Bench) -> Self {
         bench.advance_to(BOOTED_AT);
-        let mut host =
-            Self { bench, decoder: Decoder::new(), inbox: Vec::new(), parameters: &[], number: 0 };
-        let count = host.greet(SESSION).parameter_count;
+        let mut host = Self { bench, decoder: Decoder::new(), inbox: Vec::new(), parameters: &[], number: 0 };
+        let count = host.shake_hands(SESSION).parameter_count;
         host.parameters = PARAMETERS.get_or_init(|| (0..count).map(|index| host.name_of(index)).collect());
         host
     }
@@ -99,7 +98,7 @@ impl Host {
         assert_eq!(self.start(), (Outcome::Accepted, State::Running));
     }
 
-    pub fn greet(&mut self, session: u32) -> Identity {
+    pub fn shake_hands(&mut self, session: u32) -> Identity {
         let hello = Hello { protocol_version: PROTOCOL_VERSION, session };
         self.exchange(hello, |message| match message {
             DriveMessage::Identity(identity) => Some(*identity),

@@ -2,6 +2,7 @@
 
 mod arming;
 mod bench;
+mod boards;
 mod boot;
 mod causes;
 mod duty;

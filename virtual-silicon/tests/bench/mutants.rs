@@ -20,10 +20,8 @@ fn an_image_that_never_switches_off_is_noticed_by_every_cause_of_software() {
     let by_hardware = ["all tasks stopped", "break input", "break wire open"];
     let software: Vec<_> = CAUSES.iter().filter(|cause| !by_hardware.contains(&cause.name)).collect();
     std::thread::scope(|scope| {
-        let threads: Vec<_> = software
-            .iter()
-            .map(|cause| (cause.name, scope.spawn(|| is_noticed(cause, &careless))))
-            .collect();
+        let threads: Vec<_> =
+            software.iter().map(|cause| (cause.name, scope.spawn(|| is_noticed(cause, &careless)))).collect();
         for (name, thread) in threads {
             assert!(thread.join().expect("a measurement"), "{name}");
         }
@@ -40,7 +38,8 @@ fn a_handler_that_halts_without_switching_off_is_noticed() {
         ("HardFault", "__cortex_m_rt_HardFault"),
         ("unexpected interrupt", "DefaultHandler"),
     ] {
-        let careless = image().with_code(handler, |_| Code::default().halfword(FOREVER)).expect("the handler");
+        let careless =
+            image().with_code(handler, |_| Code::default().halfword(FOREVER)).expect("the handler");
         // Interrupts stay on in such a handler, at a priority above that of every task.
         assert!(is_noticed(cause(name), &careless), "{name}");
     }
@@ -58,7 +57,7 @@ fn a_watchdog_that_never_times_out_is_noticed() {
 #[test]
 fn a_request_that_is_not_applied_to_the_stage_is_noticed() {
     // The image without the call of `Actuator::follow` in the task that serves requests: later tasks switch off.
-    let careless = image().without_calls("EXTI0", "follow").expect("a call");
+    let careless = image().without_calls("OTG_FS", "follow").expect("a call");
     let off = cause("Stop").times_to_off(&careless, &[Duration::from_micros(170)])[0];
     let careful = cause("Stop").times_to_off(&image(), &[Duration::from_micros(170)])[0];
     assert!(off > careful, "{off:?} {careful:?}");
@@ -69,9 +68,8 @@ fn a_break_input_that_is_not_enabled_is_noticed() {
     // The value of TIM1's BDTR is lock level 1, off-state idle, break enabled and active high. mov.w rN, #0x3500, and the same
     // without the break.
     let pieces = (0..13_u16).map(|register| {
-        let [with, without] = [0x5054, 0x60a0].map(|immediate| {
-            Code::default().halfwords(&[0xf44f, immediate | register << 8])
-        });
+        let [with, without] =
+            [0x5054, 0x60a0].map(|immediate| Code::default().halfwords(&[0xf44f, immediate | register << 8]));
         image().with_piece("__rtic_init_resources", &with, &without)
     });
     let careless = pieces.flatten().next().expect("the value of BDTR in a register");

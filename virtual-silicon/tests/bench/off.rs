@@ -1,5 +1,6 @@
 //! The time from every cause to the bridge off.
 
+use std::path::Path;
 use std::time::Duration;
 
 use crate::bench::image;
@@ -49,5 +50,15 @@ fn every_cause_turns_the_bridge_off_within_its_time() {
     report::write("bridge-off", &lines);
     for (cause, off) in CAUSES.iter().zip(measured) {
         assert!(off <= cause.limit, "{}: off after {off:?}, limit {:?}", cause.name, cause.limit);
+    }
+}
+
+#[test]
+fn the_table_of_the_docs_has_every_cause() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/bench-drive.md");
+    let text = std::fs::read_to_string(path).expect("the docs");
+    for Cause { name, from, by, .. } in &CAUSES {
+        let row = format!("\n| {name} | {from} | {by} |");
+        assert!(text.contains(&row), "no row {row:?}");
     }
 }

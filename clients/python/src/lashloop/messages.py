@@ -184,6 +184,14 @@ class Reference(HostMessage):
 
 
 @dataclass(frozen=True, slots=True)
+class EnterLoader(HostMessage):
+    """Starts the boot loader, section 19."""
+
+    KIND: ClassVar[int] = 0x12
+    session: U32
+
+
+@dataclass(frozen=True, slots=True)
 class Identity(DriveMessage):
     """Identity of the drive."""
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use lashloop_protocol::enums::{Outcome, State};
-use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, Reset, Start, Stop};
+use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, EnterLoader, Reset, Start, Stop};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, HostMessage};
 
@@ -109,6 +109,18 @@ impl Session {
         match answer {
             (Outcome::Accepted, _) | (_, State::Faulted) => Ok(()),
             (outcome, state) => Err(self.refused::<Stop>(outcome, state, log_mark)),
+        }
+    }
+
+    /// Ends the firmware of a drive in `Idle`, in favour of the boot loader of its chip. No further request reaches the drive.
+    ///
+    /// # Errors
+    /// The drive has no boot loader, rejected the request for another reason or is silent, or the line broke.
+    pub fn enter_loader(&mut self) -> Result<(), SessionError> {
+        let log_mark = self.line.logs.mark();
+        match self.result(EnterLoader { session: self.number })?.with {
+            (Outcome::Accepted, _) => Ok(()),
+            (outcome, state) => Err(self.refused::<EnterLoader>(outcome, state, log_mark)),
         }
     }
 

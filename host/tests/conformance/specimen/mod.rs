@@ -129,8 +129,9 @@ impl Drive {
     /// The request in a whole body, unless it is refused.
     fn request_of(&mut self, body: &mut Vec<u8>) -> Option<HostMessage> {
         let kind = *body.first()?;
-        // The specimen has no pins: it refuses the message of bench mode as one of an unknown kind.
-        let known = || HostMessage::LAYOUTS.iter().filter(|it| it.name != "Reference");
+        // The specimen has no pins and no boot loader: it refuses their messages as of an unknown kind.
+        let known =
+            || HostMessage::LAYOUTS.iter().filter(|it| !["Reference", "EnterLoader"].contains(&it.name));
         let layout = known().find(|it| it.kind == kind);
         // A mistaken drive looks at the low bits of a kind alone.
         if layout.is_none() && self.at.flag("receiver", "a kind of the other direction is refused", true) {

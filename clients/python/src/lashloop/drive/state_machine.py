@@ -40,6 +40,7 @@ from lashloop.messages import (
     DescribeSignal,
     DriveMessage,
     EmergencyStop,
+    EnterLoader,
     EncoderSample,
     FaultReport,
     GetParameter,
@@ -188,8 +189,8 @@ class Drive:
             case ClearFault():
                 has_session = self._session is not None
                 self._conclude(message, self._safety.clear_fault(has_session=has_session))
-            case Reference():
-                # This drive has no pins, so there is no bench mode.
+            case Reference() | EnterLoader():
+                # This drive has neither pins, so there is no bench mode, nor a boot loader.
                 self._conclude(message, Outcome.WRONG_STATE)
             case Reset():
                 self._safety = Safety()

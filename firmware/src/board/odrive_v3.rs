@@ -1,0 +1,93 @@
+//! An ODrive v3.5 or v3.6, with a brushed motor between the phases A and B of motor connector M0.
+//!
+//! | pin | function | connected to |
+//! |---|---|---|
+//! | PB4, PB5 | TIM3 channels 1 and 2 | encoder connector M0: motor encoder A, B |
+//! | PB6, PB7 | TIM4 channels 1 and 2 | encoder connector M1: load encoder A, B |
+//! | PA8, PB13 | TIM1 channel 1 and its complement | gate driver M0, phase A high and low |
+//! | PA9, PB14 | TIM1 channel 2 and its complement | gate driver M0, phase B high and low |
+//! | PB12 | output | EN_GATE of both gate drivers (DRV8301) |
+//! | PD2 | input | nFAULT of both gate drivers |
+//! | PC13, PC14 | outputs | chip selects of the gate drivers, high: their registers keep their values after power-up |
+//! | PA2, PA3 | USART2 | GPIO3 and GPIO4: link, see `link` |
+//! | PA11, PA12 | USB | USB connector |
+//! | OSC_IN, OSC_OUT | 8 MHz crystal | |
+//!
+//! No break input of TIM1 is free on this board: PB12 is EN_GATE. The gate driver itself turns off at an overcurrent; nFAULT is
+//! read at every tick. EN_GATE stays high from the start, because the gate driver takes up to 10 ms to follow it, and reports
+//! a fault until then. The bridge is off while TIM1 holds all gates low.
+
+use stm32f4xx_hal::gpio::{Alternate, Input, PA8, PA9, PB4, PB5, PB6, PB7, PB13, PB14, PD2, PinState, Pull};
+use stm32f4xx_hal::pac::{TIM1, TIM3, TIM4};
+use stm32f4xx_hal::rcc::Rcc;
+
+use super::encoder::Encoder;
+use super::ports::Ports;
+use super::pwm_stage::{PwmStage, StageLines, clear_main_output};
+use crate::power_stage::PowerStageFault;
+
+/// Name of the board.
+pub(super) const NAME: &str = "odrive-v3";
+
+/// Frequency of the crystal on OSC_IN and OSC_OUT (hertz).
+pub(super) const CRYSTAL_HZ: u32 = 8_000_000;
+
+pub(super) type MotorEncoder = Encoder<TIM3, PB4<Alternate<2>>, PB5<Alternate<2>>>;
+pub(super) type LoadEncoder = Encoder<TIM4, PB6<Alternate<2>>, PB7<Alternate<2>>>;
+
+/// The lines of the gate drivers.
+pub struct Lines {
+    not_fault: PD2<Input>,
+}
+
+impl StageLines for Lines {
+    // 119 ns, as in the board's own firmware.
+    const DEAD_TIME_CYCLES: Option<u8> = Some(20);
+
+    /// The gate driver is enabled from the start.
+    fn enable(&mut self) {}
+
+    fn fault(&self) -> Option<PowerStageFault> {
+        self.not_fault.is_low().then_some(PowerStageFault::FaultLine)
+    }
+
+    #[inline(never)]
+    fn switch_off() {
+        clear_main_output();
+    }
+}
+
+/// Configures the pins, starts the counters, and the power stage with its output off.
+pub(super) fn start(
+    ((pa7, pa8, pa9, pa10), b, c, d): Ports,
+    (pwm, motor, load): (TIM1, TIM3, TIM4),
+    rcc: &mut Rcc,
+) -> (MotorEncoder, LoadEncoder, PwmStage<Lines>) {
+    // The gates of phase C and of M1 stay off.
+    pa10.into_pull_down_input();
+    b.pb15.into_pull_down_input();
+    pa7.into_pull_down_input();
+    b.pb0.into_pull_down_input();
+    b.pb1.into_pull_down_input();
+    c.pc6.into_pull_down_input();
+    c.pc7.into_pull_down_input();
+    c.pc8.into_pull_down_input();
+    let motor_pins = (
+        b.pb4.into_alternate().internal_resistor(Pull::Up),
+        b.pb5.into_alternate().internal_resistor(Pull::Up),
+    );
+    let load_pins = (
+        b.pb6.into_alternate().internal_resistor(Pull::Up),
+        b.pb7.into_alternate().internal_resistor(Pull::Up),
+    );
+    c.pc13.into_push_pull_output_in_state(PinState::High);
+    c.pc14.into_push_pull_output_in_state(PinState::High);
+    // The timer's outputs are open until then, and the gate drivers disabled by their pull-downs.
+    let mut gate_enable = b.pb12.into_push_pull_output();
+    let stage = PwmStage::new(pwm, Lines { not_fault: d.pd2.into_pull_up_input() }, rcc);
+    // After the timer has its outputs off.
+    let _: (PA8<Alternate<1>>, PB13<Alternate<1>>) = (pa8.into_alternate(), b.pb13.into_alternate());
+    let _: (PA9<Alternate<1>>, PB14<Alternate<1>>) = (pa9.into_alternate(), b.pb14.into_alternate());
+    gate_enable.set_high();
+    (Encoder::new(motor, motor_pins, rcc), Encoder::new(load, load_pins, rcc), stage)
+}

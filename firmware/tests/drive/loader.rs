@@ -1,0 +1,87 @@
+//! The request for the boot loader.
+
+use std::time::Duration;
+
+use lashloop_firmware::Laws;
+use lashloop_firmware::drive::{Drive, ManualClock};
+use lashloop_firmware::power_stage::StageCommand;
+use lashloop_protocol::enums::{Outcome, State};
+use lashloop_protocol::message::{Arm, EnterLoader, Hello, Start};
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
+
+use crate::host::SESSION;
+use crate::pin_host::HARDWARE;
+
+/// A drive in `Idle`, at time 0.
+fn idle(drive: Drive<Laws>) -> (Drive<Laws>, ManualClock) {
+    let (mut drive, clock) = (drive, ManualClock::default());
+    let _ = send(&mut drive, &clock, Hello { protocol_version: PROTOCOL_VERSION, session: SESSION });
+    (drive, clock)
+}
+
+fn send(drive: &mut Drive<Laws>, clock: &ManualClock, message: impl Into<HostMessage>) -> Vec<DriveMessage> {
+    let frame = message.into().frame();
+    assert_eq!(drive.receive(&frame, clock), frame.len());
+    let (mut output, mut decoder) = (drive.output(), Decoder::new());
+    let messages = std::iter::from_fn(|| decoder.next(&mut output)).map(|it| it.expect("a frame")).collect();
+    drive.clear_output();
+    messages
+}
+
+fn outcome(messages: &[DriveMessage]) -> (Outcome, State) {
+    match messages {
+        [DriveMessage::CommandResult(it)] => (it.outcome, it.state),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_drive_without_a_loader_refuses() {
+    let (mut drive, clock) = idle(Drive::new("test"));
+    for session in [SESSION, SESSION ^ 1] {
+        let answer = send(&mut drive, &clock, EnterLoader { session });
+        assert_eq!(outcome(&answer), (Outcome::WrongState, State::Idle));
+    }
+    assert!(!drive.enters_loader(Duration::from_secs(60)));
+}
+
+#[test]
+fn another_session_and_other_states_are_refused() {
+    let (mut drive, clock) = idle(Drive::new("test").with_loader());
+    let request = |session| EnterLoader { session };
+    let answer = send(&mut drive, &clock, request(SESSION ^ 1));
+    assert_eq!(outcome(&answer), (Outcome::WrongSession, State::Idle));
+    let _ = send(&mut drive, &clock, Arm { session: SESSION });
+    let answer = send(&mut drive, &clock, request(SESSION));
+    assert_eq!(outcome(&answer), (Outcome::WrongState, State::Armed));
+    let _ = send(&mut drive, &clock, Start { session: SESSION });
+    let answer = send(&mut drive, &clock, request(SESSION));
+    assert_eq!(outcome(&answer), (Outcome::WrongState, State::Running));
+    let mut boot = Drive::new("test").with_loader();
+    let answer = send(&mut boot, &clock, request(SESSION));
+    assert_eq!(outcome(&answer), (Outcome::WrongSession, State::Boot));
+    for drive in [drive, boot] {
+        assert!(!drive.enters_loader(Duration::from_secs(60)));
+    }
+}
+
+#[test]
+fn the_drive_leaves_once_its_answer_has_left() {
+    let (mut drive, clock) = idle(Drive::new("test").with_loader());
+    let answer = send(&mut drive, &clock, EnterLoader { session: SESSION });
+    assert_eq!(outcome(&answer), (Outcome::Accepted, State::Idle));
+    let after = Duration::from_millis;
+    assert_eq!(
+        [0, 9, 19, 20, 100].map(|ms| drive.enters_loader(after(ms))),
+        [false, false, false, true, true]
+    );
+    assert_eq!(send(&mut drive, &clock, Arm { session: SESSION }), []);
+    assert_eq!(drive.state(), State::Idle);
+}
+
+#[test]
+fn the_power_stage_is_off_on_the_way() {
+    let (mut drive, clock) = idle(Drive::with_pins("test", HARDWARE).with_loader());
+    let _ = send(&mut drive, &clock, EnterLoader { session: SESSION });
+    assert_eq!(drive.stage_command(), StageCommand::Off);
+}

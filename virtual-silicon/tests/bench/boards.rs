@@ -1,0 +1,95 @@
+//! The image of the second board: an ODrive, with a bridge of its own and no break input.
+
+use std::time::Duration;
+
+use lashloop_protocol::DriveMessage;
+use lashloop_protocol::enums::{FaultCode, Outcome, State};
+use lashloop_protocol::message::Stop;
+use lashloop_silicon::symbols::Symbols;
+use lashloop_silicon::wiring::{Encoder, Wiring};
+
+use crate::bench::{Bench, image_of};
+use crate::host::{Host, SESSION};
+
+/// Dead time of 20 cycles of 168 MHz, as a fraction of the period of 50 us.
+const DEAD_TIME: f64 = 20.0 / 8_400.0;
+/// A nanosecond of each pulse, and a cycle.
+const RESOLUTION: f64 = 2.0 / 50_000.0 + 1.0 / 8_400.0;
+
+fn odrive() -> Symbols {
+    image_of("lashloop-firmware-odrive-v3")
+}
+
+fn idle() -> Host {
+    let mut host = Host::of(Bench::boot_on(&odrive(), (0, 0), Wiring::ODRIVE_V3));
+    host.set_all(&[]);
+    host
+}
+
+#[test]
+fn an_odrive_boots_with_its_gates_off_and_reports_its_board() {
+    let mut host = idle();
+    assert_eq!(host.shake_hands(SESSION).board.as_str(), "odrive-v3");
+    assert_eq!(host.bench.act(|chip, _| chip.unconnected()), [""; 0]);
+    let (bridge, levels) = host.bench.act(|chip, _| (chip.bridge(), chip.output_levels()));
+    assert_eq!((bridge.duty, bridge.has_main_output, levels.0), (None, false, Some(false)));
+    assert!(bridge.is_enabled, "EN_GATE is high from the start");
+}
+
+#[test]
+fn an_odrive_drives_two_half_bridges_against_each_other() {
+    let mut host = idle();
+    host.run();
+    for reference_rad in [0.0, 0.2, -0.4] {
+        let sample = *host.steps(3, reference_rad).last().expect("samples");
+        let duty = 0.5 + f64::from(sample.torque_nm) / 100.0;
+        let halves = host.bench.act(|chip, _| [chip.half_bridge(1), chip.half_bridge(2)]);
+        for ((high, low), duty) in halves.into_iter().zip([duty, 1.0 - duty]) {
+            let (high, low) = (high.expect("a pulse"), low.expect("a pulse"));
+            assert!((high - (duty - DEAD_TIME)).abs() < RESOLUTION, "{reference_rad} rad: {high}, {duty}");
+            assert!(
+                (low - (1.0 - duty - DEAD_TIME)).abs() < RESOLUTION,
+                "{reference_rad} rad: {low}, {duty}"
+            );
+        }
+    }
+    assert_eq!(host.command(Stop {}), (Outcome::Accepted, State::Idle));
+    let halves = host.bench.act(|chip, _| [chip.half_bridge(1), chip.half_bridge(2)]);
+    assert_eq!(halves, [(None, None); 2]);
+}
+
+#[test]
+fn an_odrive_counts_its_encoders() {
+    let mut host = idle();
+    host.run();
+    host.bench.turn(900e3, 300e3);
+    host.steps(10, 0.0);
+    host.bench.turn(0.0, 0.0);
+    let sample = *host.steps(3, 0.0).last().expect("samples");
+    let wires = host.bench.act(|_, site| (site.train.count(Encoder::Motor), site.train.count(Encoder::Load)));
+    assert!(wires.0 > 8_000 && wires.1 > 2_500, "{wires:?}");
+    assert_eq!((i64::from(sample.motor_counts.get()), i64::from(sample.load_counts.get())), wires);
+}
+
+#[test]
+fn the_fault_line_of_an_odrive_refuses_to_arm_and_stops_a_run_within_a_period() {
+    let mut host = idle();
+    host.bench.act(|chip, _| chip.drive_fault_line(false));
+    host.bench.advance(Duration::from_millis(2));
+    assert_eq!(host.arm(), (Outcome::PowerStageFault, State::Idle));
+    let logs = host.take(|message| match message {
+        DriveMessage::Log(log) => Some(log.text.as_str().to_owned()),
+        _ => None,
+    });
+    assert_eq!(logs, ["the fault line is active"]);
+    host.bench.act(|chip, _| chip.drive_fault_line(true));
+    host.bench.advance(Duration::from_millis(2));
+    host.run_under_torque();
+    let instant = host.bench.now();
+    host.bench.act(|chip, _| chip.drive_fault_line(false));
+    host.steps(3, 1.0);
+    let off = host.bench.time_to_off(instant).expect("the bridge off");
+    assert!(off <= Duration::from_millis(1), "{off:?}");
+    let [fault] = host.faults()[..] else { panic!("one fault") };
+    assert_eq!((fault.code, fault.detail), (FaultCode::PowerStage, 2));
+}
