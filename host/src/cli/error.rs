@@ -89,6 +89,7 @@ impl CliError {
             Self::Campaign(CampaignError::Run { source, .. }) if matches!(**source, RunError::Device(_)) => {
                 Exit::DeviceOrLink
             }
+            Self::Run(RunError::Device(DeviceError::NoScale { .. })) => Exit::UsageOrScenario,
             Self::Run(RunError::Device(_))
             | Self::Settings(SettingsError::Refused { .. } | SettingsError::Session(_))
             | Self::RigLock(_)

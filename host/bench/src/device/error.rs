@@ -115,6 +115,27 @@ pub enum DeviceError {
         /// Error of the session at the end of the process.
         source: Box<SessionError>,
     },
+    /// A plant behind the pins needs the scale of the amplifier.
+    #[error(
+        "{device} has the scenario's plant behind its pins, and an amplifier without a scale: set bench.torque_per_duty_nm"
+    )]
+    NoScale {
+        /// The device.
+        device: String,
+    },
+    /// The load of a bench is not at the start of the scenario.
+    #[error(
+        "drive on {device}: its load is {distance_rad:.4} rad away from where the drive was powered up, and the scenario starts \
+         there, within {tolerance_rad} rad: bring the load to its start and power the drive off and on"
+    )]
+    AwayFromStart {
+        /// The device.
+        device: String,
+        /// Distance of the load from its start, in rad.
+        distance_rad: f64,
+        /// Largest distance allowed, either way.
+        tolerance_rad: f64,
+    },
     /// The drive keeps to the protocol but can't serve this bench.
     #[error("drive on {device}: {problem}; the firmware does not fit this bench")]
     Unfit {

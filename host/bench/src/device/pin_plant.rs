@@ -52,11 +52,7 @@ impl PinPlant {
     /// # Errors
     /// The scenario lacks it.
     pub(super) fn torque_per_duty_nm(&self, device: &str) -> Result<f64, DeviceError> {
-        self.scales.torque_per_duty_nm.ok_or_else(|| {
-            let problem =
-                "its amplifier has no scale: set bench.torque_per_duty_nm in the scenario".to_owned();
-            DeviceError::Unfit { device: device.to_owned(), problem }
-        })
+        self.scales.torque_per_duty_nm.ok_or_else(|| DeviceError::NoScale { device: device.to_owned() })
     }
 
     /// The plant at its start, for the device of this name.

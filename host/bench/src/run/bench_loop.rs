@@ -7,6 +7,7 @@
 use std::time::{Duration, Instant};
 
 use lashloop_plant::limits::MAX_SIGNALS;
+use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::State;
 use lashloop_protocol::message::BenchSample;
 use lashloop_protocol::sequence::nearest_step;
@@ -21,7 +22,7 @@ use super::reconnect;
 use super::step::{DriveValues, Step, TruthValues};
 use super::step_sink::StepSink;
 use super::waiting_time::WaitingTime;
-use crate::device::Device;
+use crate::device::{Device, DeviceError};
 use crate::fault::timeline::Timeline;
 use crate::record::trace::TraceRow;
 use crate::scenario::Scenario;
@@ -220,13 +221,12 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         if self.counts.steps == self.counts.unanswered
             && (load_position_rad - start_rad).abs() > START_TOLERANCE_RAD
         {
-            return Err(device
-                .unfit(format!(
-                    "its load stands {:.4} rad from where it was powered up, and the scenario starts there, within \
-                     {START_TOLERANCE_RAD} rad: bring the load to its start and power the drive off and on",
-                    load_position_rad - start_rad
-                ))
-                .into());
+            return Err(DeviceError::AwayFromStart {
+                device: device.connection.choice.to_string(),
+                distance_rad: load_position_rad - start_rad,
+                tolerance_rad: START_TOLERANCE_RAD,
+            }
+            .into());
         }
         self.latest = TraceRow {
             time_s: 0.0,
@@ -282,7 +282,7 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         let line = &mut device.session.line;
         let fault = match line.fault {
             None => line.wait(deadline, |message| match message {
-                lashloop_protocol::DriveMessage::FaultReport(_) => Some(()),
+                DriveMessage::FaultReport(_) => Some(()),
                 _ => None,
             }),
             Some(_) => Ok(None),

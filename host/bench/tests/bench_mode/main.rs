@@ -175,6 +175,13 @@ fn a_report_that_breaks_a_rule_fails_the_run() {
 }
 
 #[test]
+fn a_plant_behind_the_pins_needs_the_scale_of_its_amplifier() {
+    let text = SMOOTH_AFTER.replace("torque_per_duty_nm = 62.5\n", "");
+    let error = on_pins(&scenario(&text, &SHORT), Line::default()).expect_err("no scale").to_string();
+    assert!(error.contains("set bench.torque_per_duty_nm"), "{error}");
+}
+
+#[test]
 fn a_load_away_from_its_start_is_rejected_at_the_first_step() {
     let moved = Line::always(Action::LoadOffset(EncoderCounts::wrapping(2_000)));
     let error = on_pins(&scenario(SMOOTH_AFTER, &SHORT), moved).expect_err("a load away from its start");
