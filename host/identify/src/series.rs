@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 /// What is known of the instruments. Counts alone can't show any of it.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Instruments {
     /// Counts of the motor encoder per revolution, after quadrature.
     pub motor_counts_per_rev: u32,

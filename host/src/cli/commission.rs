@@ -17,12 +17,12 @@ use super::clock_options::ClockOptions;
 use super::error::{CliError, system};
 use super::identify::{instruments, write_estimates};
 use super::options::{RigOption, TakenRig, plants};
-use super::output::{error_line, outln, prepare_folder};
+use super::output::{error_line, outln, prepare_folder, write_file};
 use super::run::summary;
 use super::supervision::start_supervisor;
 use crate::bench::Bench;
 use crate::commission::{MotionError, OnDevice, RecordError, RunRecord, settings};
-use crate::identify::files::table;
+use crate::identify::files::{INSTRUMENTS_FILE, table};
 
 /// The scenario of a command line without one.
 const SCENARIO: &str = include_str!("../../../scenarios/commission.toml");
@@ -228,6 +228,9 @@ fn offered(
 fn write_record(folder: &Path, run: &RunRecord<'_>) -> Result<(), RecordError> {
     let failed = |error: CliError| RecordError(error.to_string().into());
     prepare_folder(folder, &[SUMMARY_FILE]).map_err(failed)?;
+    let known = serde_json::to_string_pretty(&instruments(run.scenario))
+        .map_err(|error| RecordError(Box::new(error)))?;
+    write_file(&folder.join(INSTRUMENTS_FILE), &(known + "\n")).map_err(failed)?;
     let boxed = |error: lashloop_bench::atomic_file::WriteError| RecordError(Box::new(error));
     let signals: &SignalTable = &run.outcome.signals;
     let mut trace = TraceWriter::create(folder, signals, run.scenario.record.flush_rows).map_err(boxed)?;

@@ -1,5 +1,6 @@
 //! `lashloop identify`: estimates of a drive train from records.
 
+use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -17,7 +18,9 @@ use super::error::CliError;
 use super::options::plants;
 use super::output::{outln, prepare_folder, write_file};
 use crate::bench::Bench;
-use crate::identify::files::{DRIVE_FILE, ESTIMATES_FILE, PLANT_FILE, drive_toml, plant_toml, table};
+use crate::identify::files::{
+    DRIVE_FILE, ESTIMATES_FILE, INSTRUMENTS_FILE, PLANT_FILE, drive_toml, plant_toml, table,
+};
 use crate::identify::record::series;
 
 /// Estimate a drive train from records: directions, ratio, gap, stiffness, inertias, friction, with 95 % intervals
@@ -60,7 +63,12 @@ impl Arguments {
             .map(|folder| Ok((folder, Record::read(folder)?)))
             .collect::<Result<Vec<_>, CliError>>()?;
         let of_record = scenario(&records[0].1, bench);
-        let instruments = self.instruments(&of_record)?;
+        let instruments = self.instruments(&records[0].0.join(INSTRUMENTS_FILE), &of_record)?;
+        let Instruments { motor_counts_per_rev, load_counts_per_rev, torque_delay_us } = instruments;
+        outln!(
+            "given: {motor_counts_per_rev} counts per revolution of the motor, {load_counts_per_rev} of the load; torque delay \
+             {torque_delay_us} us\n"
+        );
         let mut motions = Vec::new();
         for (folder, record) in &records {
             let unfit = |source| CliError::Motion { folder: folder.to_path_buf(), source };
@@ -80,15 +88,21 @@ impl Arguments {
         Ok(Exit::Pass)
     }
 
-    /// What the options give, the rest from the scenario of the record.
-    fn instruments(&self, of_record: &Result<Scenario, String>) -> Result<Instruments, CliError> {
+    /// What the options give, the rest from the file of a commissioning, else from the scenario of the record.
+    fn instruments(
+        &self,
+        file: &Path,
+        of_record: &Result<Scenario, String>,
+    ) -> Result<Instruments, CliError> {
         let given = (self.motor_counts_per_rev, self.load_counts_per_rev, self.torque_delay_us);
         if let (Some(motor_counts_per_rev), Some(load_counts_per_rev), Some(torque_delay_us)) = given {
             return Ok(Instruments { motor_counts_per_rev, load_counts_per_rev, torque_delay_us });
         }
-        let known = match of_record {
-            Ok(scenario) => instruments(scenario),
-            Err(reason) => return Err(CliError::Instruments { reason: reason.clone() }),
+        let of_file = fs::read(file).ok().and_then(|text| serde_json::from_slice(&text).ok());
+        let known = match (of_file, of_record) {
+            (Some(known), _) => known,
+            (None, Ok(scenario)) => instruments(scenario),
+            (None, Err(reason)) => return Err(CliError::Instruments { reason: reason.clone() }),
         };
         Ok(Instruments {
             motor_counts_per_rev: self.motor_counts_per_rev.unwrap_or(known.motor_counts_per_rev),

@@ -12,6 +12,9 @@ pub const DRIVE_FILE: &str = "drive.toml";
 /// Everything as JSON, for `lashloop run --gate`.
 pub const ESTIMATES_FILE: &str = "estimates.json";
 
+/// In the record of each motion: what was given of the instruments.
+pub const INSTRUMENTS_FILE: &str = "instruments.json";
+
 /// Digits of an estimate: to a thirtieth of its interval.
 fn digits(estimate: &Estimate, value: f64) -> String {
     let half = 0.5 * (estimate.high - estimate.low).abs().max(f64::MIN_POSITIVE);
