@@ -28,7 +28,7 @@ use crate::identify::files::{INSTRUMENTS_FILE, table};
 const SCENARIO: &str = include_str!("../../../scenarios/commission.toml");
 const SCENARIO_NAME: &str = "scenarios/commission.toml";
 
-/// Move an unknown drive train within limits and estimate it: directions, ratio, gap, stiffness, inertias, friction
+/// Move an unknown drive train within limits and estimate its parameters
 ///
 /// The motions are torques without a loop: a slow ramp each way until the load moves, a slow reversal, steps, and pulses. No
 /// motion begins before the limits are confirmed, and a limit that is exceeded switches the torque off.

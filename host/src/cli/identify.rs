@@ -23,7 +23,7 @@ use crate::identify::files::{
 };
 use crate::identify::record::series;
 
-/// Estimate a drive train from records: directions, ratio, gap, stiffness, inertias, friction, with 95 % intervals
+/// Estimate a drive train from records, with 95 % intervals
 ///
 /// A record is a folder of `run --out` or of `commission --out`, of a closed or an open loop, that begins at rest. Only the
 /// period, the torques and the counts are used. What the records don't excite is reported as not observable.
