@@ -4,6 +4,7 @@ use crate::control::backlash_inverse::BacklashInverse;
 use crate::control::braking_curve::BrakingCurve;
 use crate::control::merzouki::Merzouki;
 use crate::control::merzouki_as_printed::MerzoukiAsPrinted;
+use crate::control::open_loop::OpenLoop;
 use crate::control::pd::Pd;
 
 crate::laws! {
@@ -20,5 +21,7 @@ crate::laws! {
         BacklashInverse(BacklashInverse),
         /// That inverse along a braking curve: within a third of the minimum time to rest. Not from the paper.
         BrakingCurve(BrakingCurve),
+        /// The reference as a torque, for commissioning.
+        OpenLoop(OpenLoop),
     }
 }

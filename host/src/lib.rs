@@ -68,6 +68,7 @@
 //! | [`parameter_set`] | the parameters of a drive as a file and as a fingerprint |
 //! | [`ports`], [`doctor`] | the serial ports of this machine, and the examination of a line |
 //! | [`flash`], [`rig`] | firmware onto a drive; benches with hardware: rig file, limits, lock |
+//! | [`commission`], [`identify`] | motions that show a drive train; its estimates from records, and what is written of them |
 //! | [`soak`] | a scenario repeated under rising faults |
 
 #![forbid(unsafe_code)]
@@ -76,11 +77,13 @@ mod bench;
 pub mod budget;
 pub mod campaign;
 mod cli;
+pub mod commission;
 pub mod conformance;
 pub mod decode;
 pub mod doctor;
 mod error;
 pub mod flash;
+pub mod identify;
 mod outcome;
 pub mod parameter_set;
 pub mod ports;

@@ -9,6 +9,9 @@ use core::ptr;
 use cortex_m::peripheral::{NVIC, SCB};
 use stm32f4xx_hal::pac::{RCC, SYSCFG};
 
+use super::fitted::Lines;
+use super::pwm_stage::StageLines;
+
 /// Start of the ROM: its vector table (RM0090 2.4, system memory).
 const ROM: u32 = 0x1fff_0000;
 /// A word that RAM doesn't hold by chance after power-up.
@@ -23,7 +26,7 @@ static mut WORD: MaybeUninit<u32> = MaybeUninit::uninit();
 /// Resets the chip into its boot loader.
 pub fn enter() -> ! {
     cortex_m::interrupt::disable();
-    super::pwm_stage::switch_off();
+    Lines::switch_off();
     // SAFETY: interrupts are off, and nothing else uses the word.
     #[allow(unsafe_code)]
     unsafe {

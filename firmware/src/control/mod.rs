@@ -1,7 +1,7 @@
 //! The control laws: numbers in, a torque out.
 //!
-//! Everything here but [`backlash_inverse`] and [`braking_curve`] follows R. Merzouki, J.C. Cadiou, "Estimation of backlash
-//! phenomenon in the electromechanical actuator", Control Engineering Practice 13 (2005) 973-983,
+//! Everything here but [`backlash_inverse`], [`braking_curve`] and [`open_loop`] follows R. Merzouki, J.C. Cadiou,
+//! "Estimation of backlash phenomenon in the electromechanical actuator", Control Engineering Practice 13 (2005) 973-983,
 //! doi:10.1016/j.conengprac.2004.10.016.
 //! Equation numbers are those of the paper. `theta_e` is the motor position, `theta_s` the load position, both in
 //! radians at their own shafts; `z = theta_e - N0 theta_s` is the twist.
@@ -19,6 +19,7 @@
 //! | [`merzouki_as_printed`] | the compensation without lead and free control |
 //! | [`backlash_inverse`] | the gap inverted in the torque domain and identified by least squares; not from the paper |
 //! | [`braking_curve`] | that inverse, led along a braking curve with margin for plants within a tolerance; not from the paper |
+//! | [`open_loop`] | the reference as a torque, for commissioning |
 //! | `load_observer` | load velocity from counts |
 //! | `motor_friction` | direction of the motor's dry friction |
 //! | `gap_identification` | compliance and half gap by recursive least squares |
@@ -45,6 +46,7 @@ pub mod merzouki_as_printed;
 pub mod momentum_observer;
 mod motor_friction;
 pub mod nominal_model;
+pub mod open_loop;
 mod parameter_error;
 pub mod pd;
 mod real;

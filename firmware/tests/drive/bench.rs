@@ -92,7 +92,7 @@ fn trajectory() -> impl Iterator<Item = (i64, i64, f32)> {
         velocity -= (motor - 8_390_000) / 900 + velocity / 200;
         motor += velocity / 16;
         load += (motor - load) / 1500;
-        (motor, load, 134.05 + f32::from(k % 700) * 1e-3 - 0.3)
+        (motor, load, 134.05 + f32::from(k % 1400) * 5e-4 - 0.3)
     })
 }
 
@@ -102,6 +102,8 @@ fn the_same_counts_through_link_and_pins_give_the_same_torques() {
         let settings = [
             ("controller", ParameterValue::U32(law)),
             ("load_counts_per_rev", ParameterValue::U32(LOAD_COUNTS_PER_REV)),
+            // Within the limit at these references.
+            ("torque_per_rad_nm", ParameterValue::F32(0.5)),
         ];
         let mut pins = PinHost::running(&settings);
         let mut link =

@@ -148,6 +148,7 @@ fn every_choice_of_a_parameter_has_a_name() {
         "controller 2 merzouki-as-printed",
         "controller 3 backlash-inverse",
         "controller 4 braking-curve",
+        "controller 5 open-loop",
         "disturbing_torque_source 0 model",
         "disturbing_torque_source 1 observed",
     ];

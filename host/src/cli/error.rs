@@ -5,7 +5,9 @@ use std::io;
 use std::path::PathBuf;
 
 use crate::campaign::CampaignError;
+use crate::commission::MotionError;
 use crate::flash::FlashError;
+use crate::identify::record::NoSeries;
 use crate::parameter_set::SettingsError;
 use crate::rig::drive_settings::MissingParameter;
 use crate::rig::limits::LimitError;
@@ -16,6 +18,8 @@ use lashloop_bench::record::reader::ReadError;
 use lashloop_bench::run::RunError;
 use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_bench::verdict::Exit;
+use lashloop_identify::IdentifyError;
+use lashloop_identify::excitation::CommissioningError;
 use lashloop_report::runs::DrawError;
 
 /// An error of a command: one sentence for the user.
@@ -55,6 +59,19 @@ pub(crate) enum CliError {
     RigParameter(#[from] MissingParameter),
     #[error("the load at its start is not confirmed: press Enter at a terminal once it is there")]
     Unconfirmed,
+    #[error("{option} {problem}")]
+    CommissionLimit { option: &'static str, problem: String },
+    #[error(transparent)]
+    Commission(Box<CommissioningError<MotionError>>),
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
+    #[error("{}: {source}", folder.display())]
+    Motion { folder: PathBuf, source: NoSeries },
+    #[error(
+        "the counts per revolution of this record are not known, because {reason}; give --motor-counts-per-rev, \
+         --load-counts-per-rev and --torque-delay-us"
+    )]
+    Instruments { reason: String },
     #[error("can't {what}: {source}")]
     System { what: &'static str, source: io::Error },
 }
@@ -79,6 +96,7 @@ impl CliError {
             | Self::RigParameter(_)
             | Self::System { .. } => Exit::DeviceOrLink,
             Self::HardwareAbsent { .. } => Exit::HardwareAbsent,
+            Self::Commission(_) | Self::Identify(_) => Exit::Invalid,
             Self::Flash(error) => flash_exit(error),
             Self::RealTimeAlone { .. }
             | Self::Unconfirmed
@@ -91,6 +109,9 @@ impl CliError {
             | Self::Input { .. }
             | Self::Record(_)
             | Self::Draw(_)
+            | Self::CommissionLimit { .. }
+            | Self::Motion { .. }
+            | Self::Instruments { .. }
             | Self::RigLimit(_)
             | Self::Nothing { .. } => Exit::UsageOrScenario,
         }

@@ -4,6 +4,7 @@
 mod battery;
 mod budget;
 mod clock_options;
+mod commission;
 mod compare;
 mod conformance;
 mod decode;
@@ -14,6 +15,7 @@ mod error;
 mod experiment;
 mod flash;
 mod history;
+mod identify;
 mod options;
 mod output;
 mod paper;
@@ -44,7 +46,7 @@ registry::commands! {
     "Inspect scenarios, records and lines":
         Show(show), Plot(plot), Decode(decode), Parameters(parameters), Ports(ports), Budget(budget);
     "Qualify a drive, a line or this machine": Conformance(conformance), Doctor(doctor), Compare(compare);
-    "Work on a bench with hardware": Flash(flash), Rig(rig);
+    "Work on a bench with hardware": Flash(flash), Rig(rig), Commission(commission), Identify(identify);
 }
 
 /// Hardware-in-the-loop bench for drives with gear backlash.

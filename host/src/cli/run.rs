@@ -17,16 +17,17 @@ use lashloop_bench::run::{self, Outcome, Step, StepObserver};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
-use lashloop_bench::verdict::Exit;
+use lashloop_bench::verdict::{Exit, Verdict};
 use lashloop_plant::metrics::SignalTable;
 
 use super::clock_options::ClockOptions;
 use super::error::CliError;
 use super::options::{RigOption, ScenarioOptions};
-use super::output::{error_line, prepare_folder};
+use super::output::{error_line, outln, prepare_folder};
 use super::progress::Progress;
 use super::run_report;
 use super::supervision::start_supervisor;
+use crate::identify::gate::{self, KeyInterval, RecordedMotion};
 use crate::rig::check::check_board;
 
 /// Run a scenario on a drive and print its verdict
@@ -62,6 +63,11 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
+    /// Give no verdict if the plant model of the scenario does not follow the recorded motion: the law then ran on another
+    /// plant. FILE is the estimates.json of `commission` or `identify`, whose intervals the model may use
+    #[arg(long, value_name = "FILE", num_args = 0..=1)]
+    gate: Option<Option<PathBuf>>,
+
     /// File for every frame on the line, for Wireshark or `lashloop decode`
     #[arg(long, value_name = "FILE.pcapng")]
     capture: Option<PathBuf>,
@@ -88,6 +94,7 @@ impl Arguments {
             }
             None => &self.device,
         };
+        let gate = self.gate.as_ref().map(|file| Gate::read(file.as_deref())).transpose()?;
         let capture = self.capture.as_deref().map(|path| capture::create(path, when_full)).transpose()?;
         let (recorder, capture) = capture.unzip();
         let supervisor = start_supervisor()?;
@@ -105,10 +112,11 @@ impl Arguments {
         }
         let record = self.out.as_deref().map(|folder| Folder::prepare(folder, &scenario)).transpose()?;
         let progress = Progress::of(&scenario);
-        let mut watcher = RunWatcher { record, tables: None, capture, supervisor: &supervisor, progress };
+        let mut watcher =
+            RunWatcher { record, tables: None, capture, supervisor: &supervisor, progress, gate };
         let signals = supervisor.guard_signals();
-        let outcome = run::run(&scenario, &mut device, clock, &mut watcher)?;
-        let RunWatcher { tables, capture, progress, .. } = watcher;
+        let mut outcome = run::run(&scenario, &mut device, clock, &mut watcher)?;
+        let RunWatcher { tables, capture, progress, gate, .. } = watcher;
         drop(progress);
         if let Some(Tables { trace, timing, .. }) = tables {
             trace.finish()?;
@@ -118,6 +126,11 @@ impl Arguments {
         let reconnected = (outcome.link.resumes > 0).then(|| device.device.connection.long_latency_timer());
         if let Some(warning) = reconnected.flatten() {
             error_line(format_args!("lashloop: warning: since the reconnect {warning}"));
+        }
+        let departure =
+            gate.map(|it| gate::check(&scenario, &it.recorded, &it.intervals)).transpose()?.flatten();
+        if departure.is_some() {
+            outcome.judgement.cap(Some(Verdict::Invalid));
         }
         let summary = summary(&scenario, &device.device, &outcome);
         // Closes the link, and with it the sending end of the capture.
@@ -130,8 +143,28 @@ impl Arguments {
         }
         // A signal before this point would truncate the record.
         drop(signals);
+        if let Some(departure) = departure {
+            outln!("GATE   {departure}");
+        }
         run_report::print(&scenario, &summary, &outcome);
         Ok(summary.verdict.into())
+    }
+}
+
+/// What the gate compares after the run.
+struct Gate {
+    recorded: RecordedMotion,
+    intervals: Vec<KeyInterval>,
+}
+
+impl Gate {
+    /// `file` has the intervals; without one the model has none.
+    fn read(file: Option<&Path>) -> Result<Self, CliError> {
+        let input = |path: &Path| {
+            gate::intervals(path).map_err(|source| CliError::Input { path: path.to_owned(), source })
+        };
+        let intervals = file.map(input).transpose()?.unwrap_or_default();
+        Ok(Self { recorded: RecordedMotion::default(), intervals })
     }
 }
 
@@ -187,6 +220,7 @@ struct RunWatcher<'a> {
     capture: Option<Capture>,
     supervisor: &'a Supervisor,
     progress: Progress,
+    gate: Option<Gate>,
 }
 
 impl StepObserver for RunWatcher<'_> {
@@ -204,6 +238,9 @@ impl StepObserver for RunWatcher<'_> {
 
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
         self.progress.step();
+        if let Some(gate) = &mut self.gate {
+            gate.recorded.push(step);
+        }
         if let Some(capture) = &self.capture {
             capture.check()?;
         }

@@ -30,7 +30,9 @@ fn a_set_value_persists_and_changes_list_and_hash() {
     let own = list.lines().find(|line| line.starts_with("k_21 ")).expect("a parameter of two laws");
     assert!(own.ends_with("merzouki and merzouki-as-printed"), "{own}");
     assert!(
-        list.contains("\nlaws: pd, merzouki, merzouki-as-printed, backlash-inverse, braking-curve\n"),
+        list.contains(
+            "\nlaws: pd, merzouki, merzouki-as-printed, backlash-inverse, braking-curve, open-loop\n"
+        ),
         "{list}"
     );
     assert!(list.contains("\nrequested_torque_nm            N m    all\n"), "{list}");

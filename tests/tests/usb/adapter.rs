@@ -4,7 +4,8 @@ use lashloop_bench::link::latency_timer::UDEV_RULE;
 use tests::usb_guest::request::User;
 
 use crate::machine::{
-    Device, Kind, Machine, RESUMING, SCENARIO, await_run, check_resumed, check_torques, finish_run, start_run,
+    Device, Kind, Machine, RESUMING, SCENARIO, SHORT, await_run, check_resumed, check_torques, finish_run,
+    start_run,
 };
 
 const TIMER: &str = "/sys/bus/usb-serial/devices/ttyUSB0/latency_timer";
@@ -23,7 +24,8 @@ pub(crate) fn listed(machine: &mut Machine) {
 
 pub(crate) fn torques(machine: &mut Machine) {
     let device = Device::plug(machine, Kind::Adapter, "LASHF1");
-    check_torques(device.machine, device.terminal());
+    let terminal = device.terminal();
+    check_torques(device.machine, terminal, &[SHORT]);
 }
 
 /// p50 of the round trip in a report of `doctor`, in us.

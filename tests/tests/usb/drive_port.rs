@@ -26,7 +26,8 @@ pub(crate) fn healthy(machine: &mut Machine) {
 
 pub(crate) fn torques(machine: &mut Machine) {
     let device = plug(machine);
-    check_torques(device.machine, device.terminal());
+    let terminal = device.terminal();
+    check_torques(device.machine, terminal, &[]);
 }
 
 pub(crate) fn conforming(machine: &mut Machine) {

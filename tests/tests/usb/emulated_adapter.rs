@@ -3,7 +3,9 @@
 use tests::twin::Twin;
 use tests::usb_guest::adapter::Plugged;
 
-use crate::machine::{Machine, RESUMING, await_run, check_resumed, check_torques, finish_run, start_run};
+use crate::machine::{
+    Machine, RESUMING, SHORT, await_run, check_resumed, check_torques, finish_run, start_run,
+};
 
 const NAME: &str = "/dev/serial/by-id/usb-QEMU_QEMU_USB_SERIAL_QEMU0001-if00-port0";
 
@@ -16,7 +18,7 @@ fn plug(machine: &mut Machine, drive: &Twin) -> Plugged {
 pub(crate) fn torques(machine: &mut Machine) {
     let drive = Twin::start();
     let plugged = plug(machine, &drive);
-    check_torques(machine, NAME);
+    check_torques(machine, NAME, &[SHORT]);
     drop(plugged);
     machine.await_removal(NAME);
 }

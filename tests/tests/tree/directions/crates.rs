@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use serde_json::{Value, json};
 
 /// Each crate with the workspace crates it may depend on, development dependencies apart.
-const ALLOWED: [(&str, &[&str]); 12] = [
+const ALLOWED: [(&str, &[&str]); 13] = [
     ("lashloop-protocol", &[]),
     ("lashloop-firmware", &["lashloop-protocol"]),
     ("lashloop-plant", &[]),
@@ -13,6 +13,7 @@ const ALLOWED: [(&str, &[&str]); 12] = [
     // The drive's library is for the in-process device and the native twin.
     ("lashloop-bench", &["lashloop-protocol", "lashloop-plant", "lashloop-firmware", "lashloop-link"]),
     ("lashloop-report", &["lashloop-bench", "lashloop-plant"]),
+    ("lashloop-identify", &["lashloop-plant"]),
     (
         "lashloop",
         &[
@@ -22,6 +23,7 @@ const ALLOWED: [(&str, &[&str]); 12] = [
             "lashloop-link",
             "lashloop-bench",
             "lashloop-report",
+            "lashloop-identify",
         ],
     ),
     (

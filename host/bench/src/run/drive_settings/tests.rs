@@ -69,7 +69,7 @@ fn an_unknown_law_is_refused_with_the_laws_of_the_drive() {
     assert_eq!(
         refused,
         "x.toml:10: controller.name: \"merzuki\" is refused: the drive has no law of this name (did you mean merzouki?); \
-         it has pd, merzouki, merzouki-as-printed, backlash-inverse, braking-curve"
+         it has pd, merzouki, merzouki-as-printed, backlash-inverse, braking-curve, open-loop"
     );
     let refused = settings::<OwnLaws>(&scenario("pd", "", &[])).expect_err("no such law");
     assert!(refused.ends_with("the drive has no law of this name; it has talkative"), "{refused}");

@@ -1,0 +1,149 @@
+//! The limits that a user confirms before anything moves, and the guard that holds every sample against them.
+
+use std::collections::VecDeque;
+use std::fmt;
+
+use crate::series::Instruments;
+
+/// Largest torque, speeds and travel of a commissioning.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Limits {
+    /// Largest torque, either way.
+    pub torque_nm: f64,
+    /// Largest speed of the motor.
+    pub motor_speed_rad_s: f64,
+    /// Largest speed of the load.
+    pub load_speed_rad_s: f64,
+    /// Largest distance of the load from where it stood at the start.
+    pub load_travel_rad: f64,
+}
+
+/// A limit that a motion exceeded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exceeded {
+    /// What exceeded it.
+    pub quantity: &'static str,
+    /// Value at that sample.
+    pub value: f64,
+    /// The limit.
+    pub limit: f64,
+    /// Unit of both.
+    pub unit: &'static str,
+}
+
+impl fmt::Display for Exceeded {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { quantity, value, limit, unit } = self;
+        write!(out, "the {quantity} reached {value:.3} {unit}; the limit is {limit} {unit}")
+    }
+}
+
+/// Why a motion ends before its last torque.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Halt {
+    /// The load has moved as far as the motion was to move it.
+    Moved,
+    /// A limit is exceeded.
+    Exceeded(Exceeded),
+}
+
+/// Time over which a speed is formed, in s: long against a count, short against an impact.
+const SPEED_WINDOW_S: f64 = 0.01;
+
+/// Holds every sample of a motion against the limits.
+#[derive(Debug, Clone)]
+pub struct Guard {
+    limits: Limits,
+    counts_per_rad: [f64; 2],
+    period_s: f64,
+    /// Load counts of motion that end it; `None` for a motion that is made to its end.
+    load_counts: Option<i64>,
+    /// Load counts at the start of the commissioning.
+    origin: Option<i64>,
+    recent: VecDeque<[i64; 2]>,
+    first_load: Option<i64>,
+    peaks: Peaks,
+}
+
+/// Largest values of a motion so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Peaks {
+    /// Speed of the motor in rad/s.
+    pub motor_speed_rad_s: f64,
+    /// Speed of the load in rad/s.
+    pub load_speed_rad_s: f64,
+    /// Distance of the load from the origin in rad.
+    pub load_travel_rad: f64,
+}
+
+impl Guard {
+    /// A guard for one motion. `origin` is the load's count at the start of the commissioning; `None` takes that of the
+    /// first sample.
+    pub(crate) fn new(
+        limits: Limits,
+        instruments: &Instruments,
+        period_s: f64,
+        origin: Option<i64>,
+        load_counts: Option<i64>,
+    ) -> Self {
+        let counts_per_rad = [instruments.motor_counts_per_rad(), instruments.load_counts_per_rad()];
+        let (recent, first_load) = (VecDeque::new(), None);
+        let peaks = Peaks::default();
+        Self { limits, counts_per_rad, period_s, load_counts, origin, recent, first_load, peaks }
+    }
+
+    /// A guard that never halts, for records and models.
+    #[must_use]
+    pub fn unlimited(instruments: &Instruments, period_s: f64) -> Self {
+        let none = f64::INFINITY;
+        let limits = Limits {
+            torque_nm: none,
+            motor_speed_rad_s: none,
+            load_speed_rad_s: none,
+            load_travel_rad: none,
+        };
+        Self::new(limits, instruments, period_s, None, None)
+    }
+
+    /// Takes the counts of a sample. After a halt no torque may be commanded any more.
+    pub fn check(&mut self, motor_counts: i64, load_counts: i64) -> Option<Halt> {
+        let window = ((SPEED_WINDOW_S / self.period_s).round() as usize).max(1);
+        let first = *self.first_load.get_or_insert(load_counts);
+        let origin = *self.origin.get_or_insert(load_counts);
+        self.recent.push_back([motor_counts, load_counts]);
+        if self.recent.len() > window + 1 {
+            self.recent.pop_front();
+        }
+        let oldest = self.recent[0];
+        let elapsed_s = (self.recent.len() - 1).max(1) as f64 * self.period_s;
+        let speed = |encoder: usize, now: i64| {
+            (now - oldest[encoder]).abs() as f64 / self.counts_per_rad[encoder] / elapsed_s
+        };
+        // Until the window is full, one count of quantisation would be a large speed.
+        let is_full = self.recent.len() > window;
+        let [motor_rad_s, load_rad_s] =
+            if is_full { [speed(0, motor_counts), speed(1, load_counts)] } else { [0.0; 2] };
+        let travel_rad = (load_counts - origin).abs() as f64 / self.counts_per_rad[1];
+        let peaks = &mut self.peaks;
+        peaks.motor_speed_rad_s = peaks.motor_speed_rad_s.max(motor_rad_s);
+        peaks.load_speed_rad_s = peaks.load_speed_rad_s.max(load_rad_s);
+        peaks.load_travel_rad = peaks.load_travel_rad.max(travel_rad);
+        let checks = [
+            ("motor speed", motor_rad_s, self.limits.motor_speed_rad_s, "rad/s"),
+            ("load speed", load_rad_s, self.limits.load_speed_rad_s, "rad/s"),
+            ("load travel", travel_rad, self.limits.load_travel_rad, "rad"),
+        ];
+        let exceeded = checks.into_iter().find(|(_, value, limit, _)| value > limit);
+        if let Some((quantity, value, limit, unit)) = exceeded {
+            return Some(Halt::Exceeded(Exceeded { quantity, value, limit, unit }));
+        }
+        let moved = (load_counts - first).abs();
+        self.load_counts.is_some_and(|most| moved >= most).then_some(Halt::Moved)
+    }
+
+    /// Largest values so far.
+    #[must_use]
+    pub fn peaks(&self) -> Peaks {
+        self.peaks
+    }
+}

@@ -1,0 +1,200 @@
+//! The order of the motions, and what each one decides for the next.
+
+use super::limits::{Exceeded, Guard, Halt, Limits, Peaks};
+use super::motions::{self, Breakaway, PlannedMotion, Pulse};
+use crate::identified::Identified;
+use crate::identify::{IdentifyError, Start, identify};
+use crate::series::{Instruments, Series};
+use crate::signs::{Directions, contradict, directions};
+
+/// Load motion that shows breakaway, in counts, and in rad if that is more.
+const BREAKAWAY_COUNTS: f64 = 4.0;
+const BREAKAWAY_RAD: f64 = 0.004;
+/// Fraction of the travel that the pulses aim for.
+const TRAVEL: f64 = 0.25;
+/// Fraction of a speed limit from which the pulses don't grow: the next would be up to twice as fast.
+const SPEED: f64 = 0.5;
+/// Height of a pulse in breakaway torques from which pulses don't grow: the shaft would wind far.
+const BREAKAWAYS_MAX: f64 = 5.0;
+
+/// A drive train that makes motions: a bench with hardware, or a model of one.
+pub trait DriveTrain {
+    /// Why a motion can't be made.
+    type Error;
+
+    /// Makes a motion from rest, and gives every sample to the guard before its torque is commanded. A halt ends the
+    /// motion and the torque.
+    ///
+    /// # Errors
+    /// The motion can't be made or recorded.
+    fn make(&mut self, motion: &PlannedMotion, guard: Guard) -> Result<Made, Self::Error>;
+}
+
+/// A motion that was made.
+#[derive(Debug, Clone)]
+pub struct Made {
+    /// Torques and counts up to its end.
+    pub series: Series,
+    /// Why it ended early; `None` if it was made to its end.
+    pub halt: Option<Halt>,
+    /// Largest values.
+    pub peaks: Peaks,
+}
+
+/// Result of a commissioning.
+#[derive(Debug, Clone)]
+pub struct Commissioned {
+    /// Directions of the encoders.
+    pub directions: Directions,
+    /// Torques of breakaway at the motor.
+    pub breakaway: Breakaway,
+    /// The motions that the estimates are from, by name.
+    pub records: Vec<(String, Series)>,
+    /// The estimates.
+    pub identified: Identified,
+}
+
+/// Why a commissioning has no result.
+#[derive(Debug, thiserror::Error)]
+pub enum CommissioningError<E> {
+    /// A motion could not be made.
+    #[error(transparent)]
+    Motion(E),
+    /// A limit is exceeded, and the torque is off.
+    #[error("{motion}: {exceeded}; raise the limit if the machine bears more, or lower the torque limit")]
+    Exceeded {
+        /// The motion.
+        motion: String,
+        /// The limit.
+        exceeded: Exceeded,
+    },
+    /// The load stays at rest up to the torque limit.
+    #[error(
+        "{motion}: the load did not move up to {torque_nm} N m, the motor by {motor_counts} counts; raise the torque limit, or \
+         check brake, power stage and load encoder"
+    )]
+    NoBreakaway {
+        /// The motion.
+        motion: String,
+        /// Largest torque.
+        torque_nm: f64,
+        /// Largest excursion of the motor.
+        motor_counts: i64,
+    },
+    /// The two ramps contradict each other.
+    #[error(
+        "the ramps show different directions of the encoders, {forward:?} and {backward:?}; check the wiring of A and B"
+    )]
+    Directions {
+        /// Of the ramp forward.
+        forward: Directions,
+        /// Of the ramp backward.
+        backward: Directions,
+    },
+    /// The motions don't show the drive train.
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
+}
+
+/// Makes all motions and estimates the drive train from them.
+///
+/// # Errors
+/// See [`CommissioningError`].
+pub fn commission<T: DriveTrain>(
+    drive_train: &mut T,
+    instruments: &Instruments,
+    limits: &Limits,
+    period_us: u32,
+    start: &Start,
+) -> Result<Commissioned, CommissioningError<T::Error>> {
+    let period_s = f64::from(period_us) / 1e6;
+    let mut bench = Bench { drive_train, instruments, limits, period_s, origin: None };
+    let (forward, forward_nm) = bench.breakaway(1.0)?;
+    let (backward, backward_nm) = bench.breakaway(-1.0)?;
+    let shown = [&forward, &backward].map(|it| directions(std::slice::from_ref(it)));
+    if contradict(shown[0], shown[1]) {
+        return Err(CommissioningError::Directions { forward: shown[0], backward: shown[1] });
+    }
+    let breakaway = Breakaway { forward_nm, backward_nm };
+    let mut records = Vec::new();
+    for motion in [motions::slow_reversal(&breakaway, period_s), motions::steps(&breakaway, period_s)] {
+        let made = bench.make(&motion, None)?;
+        records.push((motion.name, made.series));
+    }
+    records.push(bench.pulses(&breakaway)?);
+    let series: Vec<_> = records.iter().map(|(_, series)| series.clone()).collect();
+    let identified = identify(&series, instruments, start)?;
+    Ok(Commissioned { directions: identified.directions, breakaway, records, identified })
+}
+
+struct Bench<'a, T> {
+    drive_train: &'a mut T,
+    instruments: &'a Instruments,
+    limits: &'a Limits,
+    period_s: f64,
+    /// Load counts at the first sample of all.
+    origin: Option<i64>,
+}
+
+impl<T: DriveTrain> Bench<'_, T> {
+    fn make(
+        &mut self,
+        motion: &PlannedMotion,
+        load_counts: Option<i64>,
+    ) -> Result<Made, CommissioningError<T::Error>> {
+        let guard = Guard::new(*self.limits, self.instruments, self.period_s, self.origin, load_counts);
+        let limit_nm = self.limits.torque_nm;
+        let torque_nm = motion.torque_nm.iter().map(|it| it.clamp(-limit_nm, limit_nm)).collect();
+        let limited = PlannedMotion { name: motion.name.clone(), torque_nm };
+        let made = self.drive_train.make(&limited, guard).map_err(CommissioningError::Motion)?;
+        self.origin.get_or_insert(made.series.load_counts()[0]);
+        match made.halt {
+            Some(Halt::Exceeded(exceeded)) => {
+                Err(CommissioningError::Exceeded { motion: motion.name.clone(), exceeded })
+            }
+            Some(Halt::Moved) | None => Ok(made),
+        }
+    }
+
+    /// Ramps the torque until the load moves. Returns the motion with the torque reached.
+    fn breakaway(&mut self, sign: f64) -> Result<(Series, f64), CommissioningError<T::Error>> {
+        let motion = motions::ramp(self.limits.torque_nm, sign, self.period_s);
+        let counts = BREAKAWAY_COUNTS.max(BREAKAWAY_RAD * self.instruments.load_counts_per_rad());
+        let made = self.make(&motion, Some(counts.ceil() as i64))?;
+        if made.halt.is_none() {
+            let motor = made.series.motor_counts();
+            let motor_counts = motor.iter().map(|count| (count - motor[0]).abs()).max().unwrap_or(0);
+            let torque_nm = self.limits.torque_nm;
+            return Err(CommissioningError::NoBreakaway { motion: motion.name, torque_nm, motor_counts });
+        }
+        let load = made.series.load_counts();
+        let left = load.iter().rposition(|count| (count - load[0]).abs() <= 1).unwrap_or(0);
+        let torque_nm = made.series.torque_nm()[left].abs();
+        Ok((made.series, torque_nm))
+    }
+
+    /// Pulses, each larger than the one before, until the load travels far enough. Returns the last one.
+    fn pulses(&mut self, breakaway: &Breakaway) -> Result<(String, Series), CommissioningError<T::Error>> {
+        let mut pulse = Pulse { breakaways: 1.3, duration_s: 0.1 };
+        let (mut index, mut last) = (1, None);
+        loop {
+            let motion = motions::pulses(breakaway, &pulse, index, self.period_s);
+            let Made { series, peaks, .. } = match (self.make(&motion, None), last) {
+                (Ok(made), _) => made,
+                // The pulse before was within the limits.
+                (Err(CommissioningError::Exceeded { .. }), Some(last)) => return Ok(last),
+                (Err(error), _) => return Err(error),
+            };
+            let Limits { motor_speed_rad_s, load_speed_rad_s, load_travel_rad, .. } = *self.limits;
+            let is_large = peaks.load_travel_rad > TRAVEL * load_travel_rad
+                || peaks.motor_speed_rad_s > SPEED * motor_speed_rad_s
+                || peaks.load_speed_rad_s > SPEED * load_speed_rad_s;
+            if is_large || pulse.breakaways >= BREAKAWAYS_MAX {
+                return Ok((motion.name, series));
+            }
+            last = Some((motion.name, series));
+            pulse = pulse.grown();
+            index += 1;
+        }
+    }
+}

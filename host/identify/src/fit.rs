@@ -1,0 +1,138 @@
+//! Nonlinear least squares: the parameters under which the plant model repeats the recorded counts.
+//!
+//! Levenberg-Marquardt. Each motion has three parameters of its own: the twist at its first sample, which no encoder knows,
+//! and where within their first count both encoders stood.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::normal::Normal;
+use crate::parameters::{COUNT, Parameter};
+use crate::problem::{OWN, Point, Problem};
+
+/// Dampings that are tried in an iteration.
+const TRIES: usize = 8;
+/// Gain of an iteration, as a fraction of the cost, from which the fit has converged, and from which its equations stay.
+const CONVERGED: f64 = 1e-4;
+const SETTLED: f64 = 1e-2;
+/// Largest step of an element of the vector.
+const STEP_MAX: f64 = 0.7;
+
+/// A fit with the covariance of its parameters.
+pub(crate) struct Fit {
+    pub(crate) point: Point,
+    /// Covariance of the plant's parameters, in the scale of the vector.
+    pub(crate) covariance: DMatrix<f64>,
+    /// Root mean square of the residuals of both encoders, in counts.
+    pub(crate) residual_counts: [f64; 2],
+}
+
+/// Residual of a model that follows, in counts: quantisation alone leaves 0.29.
+const FOLLOWS_COUNTS: f64 = 1.0;
+
+/// Whether residuals of motor and load are about those of the quantisation.
+pub(crate) fn follows(residual_counts: [f64; 2]) -> bool {
+    residual_counts.iter().all(|&counts| counts < FOLLOWS_COUNTS)
+}
+
+impl Fit {
+    pub(crate) fn is_followed(&self) -> bool {
+        follows(self.residual_counts)
+    }
+}
+
+impl Problem<'_> {
+    /// The damped step. An element that would leave its range goes to the end of it, and the others make the best of that.
+    fn step(&self, point: &Point, normal: &Normal, damping: f64) -> Option<DVector<f64>> {
+        let mut fixed = [None; COUNT];
+        loop {
+            let (mut matrix, mut gradient) = (normal.matrix.clone(), normal.gradient.clone());
+            for at in 0..matrix.nrows() {
+                matrix[(at, at)] *= 1.0 + damping;
+            }
+            for (at, fixed) in fixed.iter().enumerate() {
+                let Some(moved) = *fixed else { continue };
+                gradient -= matrix.column(at) * moved;
+                matrix.row_mut(at).fill(0.0);
+                matrix.column_mut(at).fill(0.0);
+                matrix[(at, at)] = 1.0;
+            }
+            for (at, fixed) in fixed.iter().enumerate() {
+                if let Some(moved) = *fixed {
+                    gradient[at] = moved;
+                }
+            }
+            let mut step = matrix.cholesky()?.solve(&gradient);
+            let largest = step.iter().take(COUNT).fold(0.0_f64, |largest, it| largest.max(it.abs()));
+            step *= (STEP_MAX / largest).min(1.0);
+            let leaves = |&at: &usize| {
+                let parameter = Parameter::ALL[at];
+                let value = point.vector.get(parameter);
+                let [low, high] = parameter.limits(self.start.get(parameter));
+                !(low - 1e-12..=high + 1e-12).contains(&parameter.moved(value, step[at]))
+            };
+            let Some(at) = (0..COUNT).filter(|&at| fixed[at].is_none()).find(leaves) else {
+                return Some(step);
+            };
+            let parameter = Parameter::ALL[at];
+            let value = point.vector.get(parameter);
+            let [low, high] = parameter.limits(self.start.get(parameter));
+            let end = parameter.moved(value, step[at]).clamp(low, high);
+            fixed[at] = Some(parameter.step_between(value, end));
+        }
+    }
+
+    fn moved(&self, point: &Point, step: &DVector<f64>) -> Point {
+        let mut next = point.clone();
+        for parameter in Parameter::ALL {
+            let (value, step) = (point.vector.get(parameter), step[parameter as usize]);
+            next.vector.set(parameter, parameter.moved(value, step));
+        }
+        next.vector.clamp(&self.start);
+        for (index, own) in next.own.iter_mut().enumerate() {
+            let first = COUNT + OWN * index;
+            own.twist_rad += step[first];
+            own.offsets = [0, 1].map(|encoder| own.offsets[encoder] + step[first + 1 + encoder]);
+        }
+        next
+    }
+
+    /// Fits from `point` on. `None` if the model can't be followed at the start.
+    pub(crate) fn fit(&self, mut point: Point, iterations: usize) -> Option<Fit> {
+        let mut predictions = self.predict(&point)?;
+        let mut damping = 1e-3;
+        let mut last = None;
+        for _ in 0..iterations {
+            let noise = self.noise(&point, &predictions);
+            let cost = self.cost(&point, &predictions, &noise);
+            let normal = self.normal(&point, &predictions, &noise)?;
+            let mut gained = 0.0;
+            for _ in 0..TRIES {
+                let next = self.step(&point, &normal, damping).map(|step| self.moved(&point, &step));
+                let tried = next.and_then(|next| Some((self.predict(&next)?, next)));
+                if let Some((tried, next)) = tried {
+                    let less = cost - self.cost(&next, &tried, &noise);
+                    if less > 0.0 {
+                        gained = less / cost;
+                        (point, predictions) = (next, tried);
+                        damping = (damping * 0.1).max(1e-9);
+                        break;
+                    }
+                }
+                damping *= 10.0;
+            }
+            // The normal equations hardly change any more over such a step, and they are most of the work.
+            last = (gained < SETTLED).then_some(normal);
+            if gained < CONVERGED {
+                break;
+            }
+        }
+        let normal = match last {
+            Some(normal) => normal,
+            None => self.normal(&point, &predictions, &self.noise(&point, &predictions))?,
+        };
+        let inverse = normal.matrix.try_inverse()?;
+        let covariance = &inverse * &normal.scatter * &inverse;
+        let residual_counts = [0, 1].map(|encoder| self.root_mean_square(&point, &predictions, encoder));
+        Some(Fit { point, covariance, residual_counts })
+    }
+}

@@ -1,0 +1,121 @@
+//! From motions to estimates.
+
+use lashloop_plant::Mechanics;
+use lashloop_plant::backlash_shaft::ShaftParameters;
+
+use crate::fit::Fit;
+use crate::identified::Identified;
+use crate::parameters::{COUNT, Parameter, Vector};
+use crate::problem::{Point, Problem};
+use crate::replay::{Motion, Substeps};
+use crate::series::{Instruments, Series};
+use crate::signs::{Direction, directions};
+use crate::staged;
+
+const ITERATIONS: usize = 40;
+const RESTARTS: usize = 2;
+/// Quantities that a fit bends first.
+const BENT: [Parameter; 6] = [
+    Parameter::MotorViscous,
+    Parameter::MotorExcess,
+    Parameter::MotorStribeck,
+    Parameter::LoadExcess,
+    Parameter::LoadStribeck,
+    Parameter::CurrentLag,
+];
+
+/// Where the estimation starts. The motions move it by factors of some 50 at most; what they don't show stays near it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Start {
+    /// Masses, spring and gap.
+    pub mechanics: Mechanics,
+    /// Damping, dry friction and drive.
+    pub shaft: ShaftParameters,
+}
+
+impl Default for Start {
+    /// The bench of the paper.
+    fn default() -> Self {
+        Self { mechanics: Mechanics::paper(), shaft: ShaftParameters::paper() }
+    }
+}
+
+/// Why there are no estimates.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum IdentifyError {
+    /// No series.
+    #[error("there is no motion to estimate from; give at least one record")]
+    NoSeries,
+    /// The motor encoder shows no motion.
+    #[error(
+        "the motor encoder moves by less than 3 counts under the torques of the record: nothing is observable"
+    )]
+    MotorAtRest,
+    /// The model can't be integrated from any start.
+    #[error("no plant model near the start follows the record; give another start with --start SCENARIO")]
+    NotFollowed,
+}
+
+/// Estimates the drive train of these motions, each of which begins at rest.
+///
+/// # Errors
+/// The motions show nothing, or no model follows them.
+pub fn identify(
+    series: &[Series],
+    instruments: &Instruments,
+    start: &Start,
+) -> Result<Identified, IdentifyError> {
+    if series.is_empty() {
+        return Err(IdentifyError::NoSeries);
+    }
+    let shown = directions(series);
+    let motor = shown.motor.ok_or(IdentifyError::MotorAtRest)?;
+    // A load at rest has no direction, and any one will do.
+    let load = shown.load.unwrap_or(Direction::Forward);
+    let motions: Vec<_> = series.iter().map(|it| Motion::new(it, instruments, [motor, load])).collect();
+    let fallback = Vector::of(&start.mechanics, &start.shaft);
+    let [likely, other] = staged::starts(&motions, &fallback);
+    let first = polished(&motions, likely);
+    let fit = match first {
+        Some(fit) if fit.is_followed() => Some(fit),
+        first => nearer(first, polished(&motions, other)),
+    };
+    let fit = fit.ok_or(IdentifyError::NotFollowed)?;
+    Ok(Identified::new(&fit, shown, instruments))
+}
+
+/// The fit that leaves less of the motor's counts.
+fn nearer(first: Option<Fit>, second: Option<Fit>) -> Option<Fit> {
+    let motor = |fit: &Fit| fit.residual_counts[0];
+    first.into_iter().chain(second).min_by(|a, b| motor(a).total_cmp(&motor(b)))
+}
+
+/// Fits all parameters. A fit that ends away from the record is repeated from where it ended, with the quantities that it
+/// may have bent instead of those that it missed back at their start.
+fn polished(motions: &[Motion], point: Point) -> Option<Fit> {
+    let start = point.vector;
+    let fit = |point: Point| {
+        let used = (0..motions.len()).collect();
+        let all = [true; COUNT];
+        let coarse = Problem { motions, used, is_free: all, start, substeps: Substeps::Coarse }
+            .fit(point, ITERATIONS)?;
+        let used = (0..motions.len()).collect();
+        Problem { motions, used, is_free: all, start, substeps: Substeps::Fine }.fit(coarse.point, ITERATIONS)
+    };
+    let mut best = fit(point)?;
+    for _ in 0..RESTARTS {
+        if best.is_followed() {
+            break;
+        }
+        let mut kicked = best.point.clone();
+        for parameter in BENT {
+            kicked.vector.set(parameter, start.get(parameter));
+        }
+        let Some(other) = fit(kicked) else { break };
+        if other.residual_counts[0] >= best.residual_counts[0] {
+            break;
+        }
+        best = other;
+    }
+    Some(best)
+}

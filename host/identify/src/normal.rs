@@ -1,0 +1,114 @@
+//! Normal equations: differences of whole simulations, and the scatter of the gradient.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::noise::Noise;
+use crate::parameters::{COUNT, Parameter};
+use crate::problem::{OFFSET_DEVIATION, OWN, Point, Problem, residual};
+use crate::replay::Prediction;
+
+/// Difference of an element.
+const STEP: f64 = 1e-4;
+/// Time whose residuals count as one sample of the scatter: errors last.
+const CLUSTER_S: f64 = 0.02;
+
+/// Normal equations at a point.
+pub(crate) struct Normal {
+    pub(crate) matrix: DMatrix<f64>,
+    pub(crate) gradient: DVector<f64>,
+    /// Covariance of the gradient, from clusters of residuals.
+    pub(crate) scatter: DMatrix<f64>,
+}
+
+impl Problem<'_> {
+    pub(crate) fn normal(&self, point: &Point, predictions: &[Prediction], noise: &Noise) -> Option<Normal> {
+        let size = self.size();
+        let mut matrix = DMatrix::zeros(size, size);
+        let mut gradient = DVector::zeros(size);
+        let mut scatter = DMatrix::zeros(size, size);
+        for (base, &index) in predictions.iter().zip(&self.used) {
+            let (motion, own) = (&self.motions[index], point.own[index]);
+            let mut columns = Vec::with_capacity(COUNT + 1);
+            for parameter in Parameter::ALL {
+                if !self.is_free[parameter as usize] {
+                    columns.push((STEP, base.clone()));
+                    continue;
+                }
+                let mut moved = point.vector;
+                moved.set(parameter, moved.get(parameter) + STEP);
+                columns.push((STEP, motion.predict(&moved, own.twist_rad, self.substeps)?));
+            }
+            columns.push((STEP, motion.predict(&point.vector, own.twist_rad + STEP, self.substeps)?));
+            let cluster = (CLUSTER_S / motion.period_s).ceil().max(1.0) as usize;
+            let first = COUNT + OWN * index;
+            let places: Vec<usize> = (0..COUNT).chain(first..first + OWN).collect();
+            let mut row = [0.0; COUNT + OWN];
+            let mut block = DMatrix::<f64>::zeros(places.len(), places.len());
+            let mut spread = DMatrix::<f64>::zeros(places.len(), places.len());
+            let mut slope = vec![0.0; places.len()];
+            for encoder in 0..2 {
+                let mut sum = vec![0.0; places.len()];
+                for at in 0..motion.samples() {
+                    if motion.is_used[encoder][at] {
+                        let residual = residual(motion, base, &own, encoder, at);
+                        let weight = noise.weight(encoder, residual);
+                        let counts = noise.counts[encoder];
+                        for (place, (step, moved)) in columns.iter().enumerate() {
+                            row[place] = (moved[encoder][at] - base[encoder][at]) / step / counts;
+                        }
+                        row[COUNT + 1] = 0.0;
+                        row[COUNT + 2] = 0.0;
+                        row[COUNT + 1 + encoder] = 1.0 / counts;
+                        let scaled = weight * residual / counts;
+                        for (i, &left) in row.iter().enumerate() {
+                            sum[i] += left * scaled;
+                            slope[i] += left * scaled;
+                            let left = left * weight;
+                            for (j, &right) in row[..=i].iter().enumerate() {
+                                block[(i, j)] += left * right;
+                            }
+                        }
+                    }
+                    if at % cluster == cluster - 1 || at + 1 == motion.samples() {
+                        for (i, &left) in sum.iter().enumerate() {
+                            for (j, &right) in sum[..=i].iter().enumerate() {
+                                spread[(i, j)] += left * right;
+                            }
+                        }
+                        sum.fill(0.0);
+                    }
+                }
+            }
+            for (i, &to) in places.iter().enumerate() {
+                gradient[to] += slope[i];
+                for (j, &from) in places.iter().enumerate() {
+                    let (low, high) = (i.max(j), i.min(j));
+                    matrix[(to, from)] += block[(low, high)];
+                    scatter[(to, from)] += spread[(low, high)];
+                }
+            }
+            for encoder in 0..2 {
+                let at = first + 1 + encoder;
+                matrix[(at, at)] += OFFSET_DEVIATION.powi(-2);
+                gradient[at] -= own.offsets[encoder] * OFFSET_DEVIATION.powi(-2);
+            }
+        }
+        // A twist that no torque shows, and those of the motions that don't count.
+        for index in 0..self.motions.len() {
+            let first = COUNT + OWN * index;
+            matrix[(first, first)] += 1.0;
+            if !self.used.contains(&index) {
+                matrix[(first + 1, first + 1)] += 1.0;
+                matrix[(first + 2, first + 2)] += 1.0;
+            }
+        }
+        for (at, parameter) in Parameter::ALL.into_iter().enumerate() {
+            let precision = parameter.prior_deviation().powi(-2);
+            matrix[(at, at)] += precision;
+            gradient[at] -= (point.vector.get(parameter) - self.start.get(parameter)) * precision;
+            // The prior is as uncertain as it states.
+            scatter[(at, at)] += precision;
+        }
+        Some(Normal { matrix, gradient, scatter })
+    }
+}

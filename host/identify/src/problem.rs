@@ -1,0 +1,106 @@
+//! What is fitted: motions, parameters, residuals and their cost.
+
+use crate::noise::{NINE_TENTHS, Noise, QUANTISATION};
+use crate::parameters::{COUNT, Parameter, Vector};
+use crate::replay::{Motion, Prediction, Substeps};
+
+/// Parameters of one motion: twist at the start, offsets of both encoders.
+pub(crate) const OWN: usize = 3;
+/// Standard deviation of an encoder's offset within its count.
+pub(crate) const OFFSET_DEVIATION: f64 = 0.4;
+
+/// Parameters of the plant and of each motion.
+#[derive(Clone)]
+pub(crate) struct Point {
+    pub(crate) vector: Vector,
+    pub(crate) own: Vec<OwnParameters>,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct OwnParameters {
+    pub(crate) twist_rad: f64,
+    pub(crate) offsets: [f64; 2],
+}
+
+/// What is fitted: motions, and the start that the prior is around.
+pub(crate) struct Problem<'a> {
+    pub(crate) motions: &'a [Motion],
+    /// The motions that count.
+    pub(crate) used: Vec<usize>,
+    /// The parameters that the fit may move.
+    pub(crate) is_free: [bool; COUNT],
+    pub(crate) start: Vector,
+    pub(crate) substeps: Substeps,
+}
+
+impl Problem<'_> {
+    pub(crate) fn size(&self) -> usize {
+        COUNT + OWN * self.motions.len()
+    }
+
+    /// The motions that count, each with its parameters and its prediction.
+    pub(crate) fn parts<'b>(
+        &'b self,
+        point: &'b Point,
+        predictions: &'b [Prediction],
+    ) -> impl Iterator<Item = (&'b Motion, &'b OwnParameters, &'b Prediction)> {
+        self.used.iter().zip(predictions).map(|(&at, it)| (&self.motions[at], &point.own[at], it))
+    }
+
+    pub(crate) fn predict(&self, point: &Point) -> Option<Vec<Prediction>> {
+        let predict =
+            |&at: &usize| self.motions[at].predict(&point.vector, point.own[at].twist_rad, self.substeps);
+        self.used.iter().map(predict).collect()
+    }
+
+    /// Sum of squares of residuals and prior, in units of the quantisation.
+    pub(crate) fn cost(&self, point: &Point, predictions: &[Prediction], noise: &Noise) -> f64 {
+        let mut sum = 0.0;
+        for (motion, own, prediction) in self.parts(point, predictions) {
+            for encoder in 0..2 {
+                for at in (0..motion.samples()).filter(|&at| motion.is_used[encoder][at]) {
+                    sum += noise.squared(encoder, residual(motion, prediction, own, encoder, at));
+                }
+            }
+            sum += own.offsets.iter().map(|it| (it / OFFSET_DEVIATION).powi(2)).sum::<f64>();
+        }
+        let prior =
+            |it: Parameter| ((point.vector.get(it) - self.start.get(it)) / it.prior_deviation()).powi(2);
+        sum + Parameter::ALL.into_iter().map(prior).sum::<f64>()
+    }
+
+    /// Root mean square of the residuals of an encoder in counts.
+    pub(crate) fn root_mean_square(&self, point: &Point, predictions: &[Prediction], encoder: usize) -> f64 {
+        let (mut sum, mut number) = (0.0, 0.0_f64);
+        for (motion, own, prediction) in self.parts(point, predictions) {
+            for at in (0..motion.samples()).filter(|&at| motion.is_used[encoder][at]) {
+                sum += residual(motion, prediction, own, encoder, at).powi(2);
+                number += 1.0;
+            }
+        }
+        (sum / number.max(1.0)).sqrt()
+    }
+
+    pub(crate) fn noise(&self, point: &Point, predictions: &[Prediction]) -> Noise {
+        let high = |encoder: usize| {
+            let mut residuals = Vec::new();
+            for (motion, own, prediction) in self.parts(point, predictions) {
+                let used = (0..motion.samples()).filter(|&at| motion.is_used[encoder][at]);
+                residuals.extend(used.map(|at| residual(motion, prediction, own, encoder, at).abs()));
+            }
+            residuals.sort_by(f64::total_cmp);
+            residuals.get(residuals.len() * 9 / 10).copied().unwrap_or(0.0)
+        };
+        Noise { counts: [0, 1].map(|encoder| (high(encoder) / NINE_TENTHS).max(QUANTISATION)) }
+    }
+}
+
+pub(crate) fn residual(
+    motion: &Motion,
+    prediction: &Prediction,
+    own: &OwnParameters,
+    encoder: usize,
+    at: usize,
+) -> f64 {
+    motion.counts[encoder][at] - prediction[encoder][at] - own.offsets[encoder]
+}

@@ -1,0 +1,132 @@
+//! What identification works from: the period, the torques and the counts of a motion.
+
+use std::f64::consts::TAU;
+
+/// What is known of the instruments. Counts alone can't show any of it.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Instruments {
+    /// Counts of the motor encoder per revolution, after quadrature.
+    pub motor_counts_per_rev: u32,
+    /// Counts of the load encoder per revolution, after quadrature.
+    pub load_counts_per_rev: u32,
+    /// Time from a sample to the arrival of its torque at the motor.
+    pub torque_delay_us: u32,
+}
+
+impl Instruments {
+    pub(crate) fn motor_counts_per_rad(&self) -> f64 {
+        f64::from(self.motor_counts_per_rev) / TAU
+    }
+
+    pub(crate) fn load_counts_per_rad(&self) -> f64 {
+        f64::from(self.load_counts_per_rev) / TAU
+    }
+}
+
+/// One motion that begins at rest, without torque on the motor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    period_us: u32,
+    torque_nm: Vec<f64>,
+    motor_counts: Vec<i64>,
+    load_counts: Vec<i64>,
+}
+
+/// Why a series can't be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SeriesError {
+    /// The columns have different lengths.
+    #[error("{torques} torques, {motor} motor counts, {load} load counts; a series has as many of each")]
+    Lengths {
+        /// Number of torques.
+        torques: usize,
+        /// Number of readings of the motor encoder.
+        motor: usize,
+        /// Number of readings of the load encoder.
+        load: usize,
+    },
+    /// Too short for any estimate.
+    #[error("{samples} samples; a series needs at least {} of them", Series::SAMPLES_MIN)]
+    Short {
+        /// Number of samples.
+        samples: usize,
+    },
+    /// A torque is no number.
+    #[error("the torque of sample {sample} is {torque_nm} N m; it must be finite")]
+    Torque {
+        /// From 0.
+        sample: usize,
+        /// The torque.
+        torque_nm: f64,
+    },
+    /// A period outside the range of drives.
+    #[error("the period is {period_us} us; it must be 100 to 100000 us")]
+    Period {
+        /// The period.
+        period_us: u32,
+    },
+}
+
+impl Series {
+    /// Fewest samples of a series.
+    pub const SAMPLES_MIN: usize = 100;
+
+    /// The torque of a sample is the one that the drive answered to its counts.
+    ///
+    /// # Errors
+    /// The columns differ in length, are too short, or have a torque that is not finite; the period is out of range.
+    pub fn new(
+        period_us: u32,
+        torque_nm: Vec<f64>,
+        motor_counts: Vec<i64>,
+        load_counts: Vec<i64>,
+    ) -> Result<Self, SeriesError> {
+        let [torques, motor, load] = [torque_nm.len(), motor_counts.len(), load_counts.len()];
+        if torques != motor || torques != load {
+            return Err(SeriesError::Lengths { torques, motor, load });
+        }
+        if torques < Self::SAMPLES_MIN {
+            return Err(SeriesError::Short { samples: torques });
+        }
+        if !(100..=100_000).contains(&period_us) {
+            return Err(SeriesError::Period { period_us });
+        }
+        if let Some((sample, &torque_nm)) = torque_nm.iter().enumerate().find(|(_, it)| !it.is_finite()) {
+            return Err(SeriesError::Torque { sample, torque_nm });
+        }
+        Ok(Self { period_us, torque_nm, motor_counts, load_counts })
+    }
+
+    /// Control period in s.
+    #[must_use]
+    pub fn period_s(&self) -> f64 {
+        f64::from(self.period_us) / 1e6
+    }
+
+    pub(crate) fn period_us(&self) -> u32 {
+        self.period_us
+    }
+
+    /// Torque of each sample in N m.
+    #[must_use]
+    pub fn torque_nm(&self) -> &[f64] {
+        &self.torque_nm
+    }
+
+    /// Readings of the motor encoder.
+    #[must_use]
+    pub fn motor_counts(&self) -> &[i64] {
+        &self.motor_counts
+    }
+
+    /// Readings of the load encoder.
+    #[must_use]
+    pub fn load_counts(&self) -> &[i64] {
+        &self.load_counts
+    }
+
+    /// Largest torque in N m, without its sign.
+    pub(crate) fn peak_nm(&self) -> f64 {
+        self.torque_nm.iter().fold(0.0, |peak: f64, torque_nm| peak.max(torque_nm.abs()))
+    }
+}

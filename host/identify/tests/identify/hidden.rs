@@ -1,0 +1,131 @@
+//! Hidden plants: drawn at random, reached through torques and counts only.
+//!
+//! Inertias, stiffness, damping, frictions and lag are within a factor of 2 of the paper's bench, evenly in their logarithm;
+//! the gap is 0.02 to 0.5 rad wide. The plant is integrated in four times as many steps as the estimator's model.
+
+use lashloop_identify::excitation::{DriveTrain, Guard, Made, PlannedMotion};
+use lashloop_identify::{Instruments, Series, SeriesError};
+use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
+use lashloop_plant::encoder::Encoder;
+use lashloop_plant::random::{Pcg64Mcg, SeedableRng, uniform};
+use lashloop_plant::{Mechanics, Plant, RunningPlant, Start, TransportDelay};
+
+pub const PERIOD_US: u32 = 1000;
+const DELAY_US: u32 = 1000;
+const SUBSTEPS: u32 = 16;
+
+#[derive(Debug, Clone)]
+pub struct HiddenPlant {
+    pub mechanics: Mechanics,
+    pub shaft: ShaftParameters,
+    /// Of motor and load.
+    pub counts_per_rev: [u32; 2],
+    /// 1 or -1, of motor and load.
+    pub signs: [i64; 2],
+    pub start: Start,
+}
+
+impl HiddenPlant {
+    /// PCG XSL 128/64, seeded with the number of the plant.
+    pub fn draw(seed: u64) -> Self {
+        let mut random = Pcg64Mcg::seed_from_u64(seed);
+        let mut within = |low: f64, high: f64| low + (high - low) * uniform(&mut random);
+        let (mut mechanics, mut shaft) = (Mechanics::paper(), ShaftParameters::paper());
+        for value in [
+            &mut mechanics.motor_inertia_kg_m2,
+            &mut mechanics.motor_friction_nm_s_rad,
+            &mut mechanics.load_inertia_kg_m2,
+            &mut mechanics.load_friction_nm_s_rad,
+            &mut mechanics.stiffness_nm_rad,
+            &mut shaft.shaft_damping_nm_s_rad,
+            &mut shaft.load.coulomb_nm,
+            &mut shaft.motor.coulomb_nm,
+            &mut shaft.current_lag_s,
+        ] {
+            *value *= within(-1.0, 1.0).exp2();
+        }
+        for value in [&mut shaft.load.velocity_rad_s, &mut shaft.motor.velocity_rad_s] {
+            *value *= within(-0.5, 0.5).exp2();
+        }
+        mechanics.ratio = within(2.0, 6.0);
+        mechanics.dead_zone_rad = 0.5 * within(0.02, 0.5);
+        shaft.load.stiction_nm = shaft.load.coulomb_nm * within(1.0, 1.5);
+        shaft.motor.stiction_nm = shaft.motor.coulomb_nm * within(1.0, 1.5);
+        shaft.load_asymmetry = within(-0.2, 0.2);
+        let counts_per_rev = [within(2e3, 1e4) as u32, within(2e3, 1e4) as u32];
+        let signs = [within(-1.0, 1.0), within(-1.0, 1.0)].map(|it| if it < 0.0 { -1 } else { 1 });
+        let load_rad = within(-1.0, 1.0);
+        let twist_rad = within(-0.9, 0.9) * mechanics.dead_zone_rad;
+        let start = Start::at_rest(load_rad, mechanics.ratio * load_rad + twist_rad);
+        Self { mechanics, shaft, counts_per_rev, signs, start }
+    }
+
+    pub fn instruments(&self) -> Instruments {
+        let [motor_counts_per_rev, load_counts_per_rev] = self.counts_per_rev;
+        Instruments { motor_counts_per_rev, load_counts_per_rev, torque_delay_us: DELAY_US }
+    }
+
+    /// The true value of a quantity by its name.
+    pub fn truth(&self, name: &str) -> f64 {
+        let Self { mechanics, shaft, .. } = self;
+        let asymmetry = shaft.load_asymmetry;
+        match name {
+            "reduction_ratio" => mechanics.ratio,
+            "gap_width_rad" => 2.0 * mechanics.dead_zone_rad,
+            "dead_zone_rad" => mechanics.dead_zone_rad,
+            "stiffness_nm_rad" => mechanics.stiffness_nm_rad,
+            "shaft_damping_nm_s_rad" => shaft.shaft_damping_nm_s_rad,
+            "motor_inertia_kg_m2" => mechanics.motor_inertia_kg_m2,
+            "motor_friction_nm_s_rad" => mechanics.motor_friction_nm_s_rad,
+            "motor_coulomb_nm" => shaft.motor.coulomb_nm,
+            "motor_stiction_nm" => shaft.motor.stiction_nm,
+            "motor_stribeck_rad_s" => shaft.motor.velocity_rad_s,
+            "load_inertia_kg_m2" => mechanics.load_inertia_kg_m2,
+            "load_friction_nm_s_rad" => mechanics.load_friction_nm_s_rad,
+            "load_coulomb_nm" => shaft.load.coulomb_nm,
+            "load_coulomb_forward_nm" => shaft.load.coulomb_nm * (1.0 + asymmetry),
+            "load_coulomb_backward_nm" => shaft.load.coulomb_nm * (1.0 - asymmetry),
+            "load_stiction_nm" => shaft.load.stiction_nm,
+            "load_stiction_forward_nm" => shaft.load.stiction_nm * (1.0 + asymmetry),
+            "load_stiction_backward_nm" => shaft.load.stiction_nm * (1.0 - asymmetry),
+            "load_stribeck_rad_s" => shaft.load.velocity_rad_s,
+            "load_friction_asymmetry" => asymmetry,
+            "current_lag_ms" => 1e3 * shaft.current_lag_s,
+            "inertia_at_motor_kg_m2" => {
+                mechanics.motor_inertia_kg_m2 + mechanics.load_inertia_kg_m2 / mechanics.ratio.powi(2)
+            }
+            other => panic!("no truth for {other}"),
+        }
+    }
+}
+
+impl DriveTrain for HiddenPlant {
+    type Error = SeriesError;
+
+    fn make(&mut self, motion: &PlannedMotion, mut guard: Guard) -> Result<Made, SeriesError> {
+        let plant = BacklashShaft::new(self.mechanics, self.shaft, SUBSTEPS).expect("a plant in its ranges");
+        let mut plant = RunningPlant::released(plant, self.start);
+        let mut encoders = self.counts_per_rev.map(|it| Encoder::new(it, 0.0, 1).expect("an encoder"));
+        let mut delay = TransportDelay::new(DELAY_US, PERIOD_US);
+        let (mut torques_nm, mut counts) = (Vec::new(), [Vec::new(), Vec::new()]);
+        let mut halt = None;
+        for &planned_nm in &motion.torque_nm {
+            let positions = Plant::positions(&plant);
+            let read = [positions.motor_position_rad, positions.load_position_rad];
+            let now = [0, 1].map(|at| self.signs[at] * encoders[at].read(read[at]));
+            counts.iter_mut().zip(now).for_each(|(counts, now)| counts.push(now));
+            halt = guard.check(now[0], now[1]);
+            let torque_nm = if halt.is_some() { 0.0 } else { planned_nm };
+            torques_nm.push(torque_nm);
+            if halt.is_some() {
+                break;
+            }
+            for (held_nm, held_s) in delay.step(torque_nm) {
+                plant.step(held_nm, held_s).expect("a plant that can be followed");
+            }
+        }
+        let [motor_counts, load_counts] = counts;
+        let series = Series::new(PERIOD_US, torques_nm, motor_counts, load_counts)?;
+        Ok(Made { series, halt, peaks: guard.peaks() })
+    }
+}

@@ -1,0 +1,251 @@
+//! `lashloop commission`: motions that show an unknown drive train, and the estimates from them.
+
+use std::io::{self, IsTerminal as _, Write as _};
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::record::summary::SUMMARY_FILE;
+use lashloop_bench::record::trace::TraceWriter;
+use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::verdict::Exit;
+use lashloop_identify::excitation::{Commissioned, CommissioningError, Halt, Limits, commission};
+use lashloop_plant::metrics::SignalTable;
+
+use super::clock_options::ClockOptions;
+use super::error::{CliError, system};
+use super::identify::{instruments, write_estimates};
+use super::options::{RigOption, TakenRig, plants};
+use super::output::{error_line, outln, prepare_folder};
+use super::run::summary;
+use super::supervision::start_supervisor;
+use crate::bench::Bench;
+use crate::commission::{MotionError, OnDevice, RecordError, RunRecord, settings};
+use crate::identify::files::table;
+
+/// The scenario of a command line without one.
+const SCENARIO: &str = include_str!("../../../scenarios/commission.toml");
+const SCENARIO_NAME: &str = "scenarios/commission.toml";
+
+/// Move an unknown drive train within limits and estimate it: directions, ratio, gap, stiffness, inertias, friction
+///
+/// The motions are torques without a loop: a slow ramp each way until the load moves, a slow reversal, steps, and pulses. No
+/// motion begins before the limits are confirmed, and a limit that is exceeded switches the torque off.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Scenario whose mode, period, encoders and plant are taken [default: scenarios/commission.toml]
+    scenario: Option<PathBuf>,
+
+    /// Value in place of the scenario's, such as encoders.motor_counts_per_rev=8192; repeatable
+    #[arg(long, value_name = "SECTION.KEY=VALUE")]
+    set: Vec<String>,
+
+    /// Drive, see `lashloop run --help`
+    #[arg(long, default_value = "native", value_name = "DEVICE", conflicts_with = "rig")]
+    device: DeviceChoice,
+
+    #[command(flatten)]
+    rig: RigOption,
+
+    /// Largest torque at the motor, in N m [default: that of the rig]
+    #[arg(long, value_name = "N_M", value_parser = positive)]
+    torque_limit: Option<f64>,
+
+    /// Largest speed of the motor, in rad/s [default: that of the rig]
+    #[arg(long, value_name = "RAD_S", value_parser = positive)]
+    motor_speed_limit: Option<f64>,
+
+    /// Largest speed of the load, in rad/s [default: that of the rig]
+    #[arg(long, value_name = "RAD_S", value_parser = positive)]
+    load_speed_limit: Option<f64>,
+
+    /// Largest distance of the load from its first position, in rad [default: that of the rig]
+    #[arg(long, value_name = "RAD", value_parser = positive)]
+    travel_limit: Option<f64>,
+
+    /// Confirm the limits without a question
+    #[arg(long)]
+    yes: bool,
+
+    /// Scenario whose plant the estimation starts from, within a factor of 50 of the truth [default: the paper's bench]
+    #[arg(long, value_name = "SCENARIO")]
+    start: Option<PathBuf>,
+
+    #[command(flatten)]
+    clock: ClockOptions,
+
+    /// Folder for plant.toml, drive.toml, estimates.json and a record of each motion
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value = text.parse().map_err(|_| format!("{text:?} is no number"))?;
+    if value > 0.0 && f64::is_finite(value) { Ok(value) } else { Err(format!("{value} is not above 0")) }
+}
+
+impl Arguments {
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let rig = self.rig.take(bench, "commission")?;
+        let limits = self.limits(rig.as_ref())?;
+        let scenario = |more: &[String]| self.scenario(&limits, more, bench);
+        let template = scenario(&[])?;
+        let choice = match &rig {
+            Some(taken) => {
+                taken.check_present()?;
+                &taken.rig.port.device
+            }
+            None => &self.device,
+        };
+        let start = self.start.as_deref().map(|file| super::identify::start(file, bench)).transpose()?;
+        if !confirmed(&limits, &choice.to_string(), self.yes)? {
+            outln!("not confirmed: nothing was moved");
+            return Ok(Exit::Invalid);
+        }
+        let supervisor = start_supervisor()?;
+        let offered = offered(choice, &template, &supervisor)?;
+        if let Some(folder) = &self.out {
+            prepare_folder(folder, &[])?;
+        }
+        let temporary = tempfile::tempdir().map_err(system("create a temporary folder"))?;
+        let mut record = |run: &RunRecord<'_>| {
+            let end = match run.halt {
+                Some(Halt::Moved) => "until the load moved".to_owned(),
+                Some(Halt::Exceeded(exceeded)) => format!("halted: {exceeded}"),
+                None => run.outcome.end.to_string(),
+            };
+            outln!("{:<20} {} steps, {end}", run.name, run.outcome.steps);
+            self.out.as_deref().map_or(Ok(()), |folder| write_record(&folder.join(run.name), run))
+        };
+        let mut drive_train = OnDevice {
+            scenario: &scenario,
+            device: choice,
+            clock: self.clock.clock()?,
+            supervisor: &supervisor,
+            instruments: instruments(&template),
+            period_s: template.run.control_period_s(),
+            rig: rig.as_ref().map(|taken| &taken.rig),
+            folder: temporary.path(),
+            record: &mut record,
+        };
+        let (known, period_us) = (instruments(&template), template.run.control_period_us);
+        let signals = supervisor.guard_signals();
+        let commissioned =
+            commission(&mut drive_train, &known, &limits, period_us, &start.unwrap_or_default());
+        drop(signals);
+        let Commissioned { identified, breakaway, .. } = commissioned.map_err(failed)?;
+        let (forward_nm, backward_nm) = (breakaway.forward_nm, breakaway.backward_nm);
+        outln!(
+            "breakaway            {forward_nm:.4} N m forward, {backward_nm:.4} N m backward, at the motor\n"
+        );
+        outln!("{}", table(&identified).trim_end());
+        if let Some(folder) = &self.out {
+            write_estimates(folder, &identified, |name| offered.iter().any(|it| it == name))?;
+        }
+        Ok(if identified.is_followed() { Exit::Pass } else { Exit::Invalid })
+    }
+
+    /// The limits of the options; those of the rig where an option is absent.
+    fn limits(&self, rig: Option<&TakenRig>) -> Result<Limits, CliError> {
+        let of_rig = rig.map(|taken| &taken.rig.limits);
+        let limit = |option: &'static str, given: Option<f64>, of_rig: Option<f64>| match (given, of_rig) {
+            (Some(given), Some(largest)) if given > largest => Err(CliError::CommissionLimit {
+                option,
+                problem: format!("{given} exceeds the rig's {largest}"),
+            }),
+            (given, of_rig) => given.or(of_rig).ok_or_else(|| CliError::CommissionLimit {
+                option,
+                problem: "is missing, and no rig file has it".to_owned(),
+            }),
+        };
+        Ok(Limits {
+            torque_nm: limit("--torque-limit", self.torque_limit, of_rig.map(|it| it.torque_nm))?,
+            motor_speed_rad_s: limit(
+                "--motor-speed-limit",
+                self.motor_speed_limit,
+                of_rig.and_then(|it| it.motor_speed_rad_s),
+            )?,
+            load_speed_rad_s: limit(
+                "--load-speed-limit",
+                self.load_speed_limit,
+                of_rig.and_then(|it| it.load_speed_rad_s),
+            )?,
+            load_travel_rad: limit("--travel-limit", self.travel_limit, of_rig.map(|it| it.load_travel_rad))?,
+        })
+    }
+
+    fn scenario(
+        &self,
+        limits: &Limits,
+        more: &[String],
+        bench: &Bench,
+    ) -> Result<Scenario, lashloop_bench::scenario::ScenarioErrors> {
+        let settings = self.set.iter().cloned().chain(settings(limits)).chain(more.iter().cloned());
+        let settings: Vec<_> = settings.map(Override::Set).collect();
+        match &self.scenario {
+            Some(file) => Scenario::from_file_with(file, &settings, &plants(bench)),
+            None => Scenario::from_str_with(SCENARIO_NAME, SCENARIO, &settings, &plants(bench)),
+        }
+    }
+}
+
+/// Shows the limits and takes the confirmation.
+fn confirmed(limits: &Limits, device: &str, yes: bool) -> Result<bool, CliError> {
+    let Limits { torque_nm, motor_speed_rad_s, load_speed_rad_s, load_travel_rad } = limits;
+    error_line(format_args!(
+        "{device} is about to move: torque up to {torque_nm} N m, motor up to {motor_speed_rad_s} rad/s, load up to \
+         {load_speed_rad_s} rad/s, within {load_travel_rad} rad either way of where the load stands"
+    ));
+    if yes {
+        return Ok(true);
+    }
+    if !io::stdin().is_terminal() {
+        return Err(CliError::CommissionLimit {
+            option: "--yes",
+            problem: "is missing, and standard input is no terminal to confirm the limits on".to_owned(),
+        });
+    }
+    let mut stderr = io::stderr();
+    let asked = write!(stderr, "Keep clear. Type yes to start: ").and_then(|()| stderr.flush());
+    asked.map_err(system("write to the terminal"))?;
+    let mut answer = String::new();
+    io::stdin().read_line(&mut answer).map_err(system("read from the terminal"))?;
+    Ok(answer.trim() == "yes")
+}
+
+/// Names of the drive's parameters.
+fn offered(
+    choice: &DeviceChoice,
+    template: &Scenario,
+    supervisor: &Supervisor,
+) -> Result<Vec<String>, CliError> {
+    let device = Device::open(choice, template.link.baud, supervisor)?;
+    Ok(device.session.parameters.iter().map(|it| it.name.clone()).collect())
+}
+
+/// Writes the record of a motion: trace.csv, trace.json and summary.json.
+fn write_record(folder: &Path, run: &RunRecord<'_>) -> Result<(), RecordError> {
+    let failed = |error: CliError| RecordError(error.to_string().into());
+    prepare_folder(folder, &[SUMMARY_FILE]).map_err(failed)?;
+    let boxed = |error: lashloop_bench::atomic_file::WriteError| RecordError(Box::new(error));
+    let signals: &SignalTable = &run.outcome.signals;
+    let mut trace = TraceWriter::create(folder, signals, run.scenario.record.flush_rows).map_err(boxed)?;
+    for row in 0..run.columns.len() {
+        let names = run.columns.signals();
+        let values = names.iter().filter_map(|signal| Some(run.columns.get(&signal.name)?[row]));
+        trace.push(values).map_err(boxed)?;
+    }
+    trace.finish().map_err(boxed)?;
+    summary(run.scenario, run.device, run.outcome).write(&folder.join(SUMMARY_FILE)).map_err(boxed)
+}
+
+fn failed(error: CommissioningError<MotionError>) -> CliError {
+    match error {
+        CommissioningError::Motion(MotionError::Run(error)) => CliError::Run(error),
+        CommissioningError::Motion(MotionError::Scenario(errors)) => CliError::Scenario(errors),
+        CommissioningError::Motion(MotionError::Rig(error)) => CliError::RigParameter(error),
+        CommissioningError::Identify(error) => CliError::Identify(error),
+        other => CliError::Commission(Box::new(other)),
+    }
+}

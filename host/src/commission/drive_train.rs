@@ -1,0 +1,152 @@
+//! A drive train behind a device: a motion is a run.
+
+use std::io;
+use std::path::Path;
+
+use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::record::columns::Columns;
+use lashloop_bench::record::trace::columns;
+use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Outcome, RunError, Step, StepObserver};
+use lashloop_bench::scenario::{Scenario, ScenarioErrors};
+use lashloop_bench::supervisor::Supervisor;
+use lashloop_identify::Instruments;
+use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, PlannedMotion};
+use lashloop_plant::metrics::SignalTable;
+
+use super::scenario;
+use crate::identify::record::{NoSeries, counts, series};
+use crate::rig::Rig;
+use crate::rig::check::check_board;
+use crate::rig::drive_settings::MissingParameter;
+
+/// Why a motion could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum MotionError {
+    #[error(transparent)]
+    Scenario(#[from] ScenarioErrors),
+    #[error(transparent)]
+    Run(#[from] RunError),
+    #[error(transparent)]
+    Rig(#[from] MissingParameter),
+    /// The drive or the user ended it.
+    #[error("{motion}: {end}; the torque is off")]
+    Ended { motion: String, end: String },
+    #[error("{motion}: {source}")]
+    Series { motion: String, source: NoSeries },
+    #[error("{}: can't be written: {source}", path.display())]
+    Table { path: std::path::PathBuf, source: io::Error },
+    #[error(transparent)]
+    Record(RecordError),
+}
+
+/// A record that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub struct RecordError(#[from] pub Box<dyn std::error::Error + Send + Sync>);
+
+/// A run that was made, for its record.
+pub struct RunRecord<'a> {
+    pub name: &'a str,
+    pub scenario: &'a Scenario,
+    pub device: &'a Device,
+    pub outcome: &'a Outcome,
+    pub columns: &'a Columns,
+    /// Why the guard ended it early.
+    pub halt: Option<Halt>,
+}
+
+/// Motions as runs on a device.
+pub struct OnDevice<'a> {
+    /// The scenario of a motion with these settings.
+    pub scenario: &'a dyn Fn(&[String]) -> Result<Scenario, ScenarioErrors>,
+    pub device: &'a DeviceChoice,
+    pub clock: Clock,
+    pub supervisor: &'a Supervisor,
+    pub instruments: Instruments,
+    pub period_s: f64,
+    /// The rig whose settings every motion has.
+    pub rig: Option<&'a Rig>,
+    /// Folder for the tables of torques.
+    pub folder: &'a Path,
+    /// Called with every run, before the next motion.
+    pub record: &'a mut dyn FnMut(&RunRecord<'_>) -> Result<(), RecordError>,
+}
+
+impl DriveTrain for OnDevice<'_> {
+    type Error = MotionError;
+
+    fn make(&mut self, motion: &PlannedMotion, guard: Guard) -> Result<Made, MotionError> {
+        let table = self.folder.join(format!("{}.csv", motion.name));
+        let settings = scenario::motion(&motion.torque_nm, self.period_s, &table)
+            .map_err(|source| MotionError::Table { path: table.clone(), source })?;
+        let mut scenario = (self.scenario)(&settings)?;
+        if let Some(rig) = self.rig {
+            scenario.link.baud = rig.port.baud;
+        }
+        let mut device =
+            DeviceUnderTest::open(&scenario, self.device, self.clock.name(), self.supervisor, |link| link)
+                .map_err(RunError::from)?;
+        if let Some(rig) = self.rig {
+            check_board(rig, &device.device).map_err(RunError::from)?;
+            rig.complete(&mut scenario, &device.device.session.parameters)?;
+        }
+        let mut watch = Watch {
+            columns: Columns::default(),
+            guard,
+            halt: None,
+            instruments: self.instruments,
+            supervisor: self.supervisor,
+        };
+        let outcome = run::run(&scenario, &mut device, self.clock, &mut watch)?;
+        let Watch { columns, guard, halt, .. } = watch;
+        let name = &motion.name;
+        let record = RunRecord {
+            name,
+            scenario: &scenario,
+            device: &device.device,
+            outcome: &outcome,
+            columns: &columns,
+            halt,
+        };
+        (self.record)(&record).map_err(MotionError::Record)?;
+        if halt.is_none() && outcome.end != End::Complete {
+            return Err(MotionError::Ended { motion: name.clone(), end: outcome.end.to_string() });
+        }
+        let series = series(&columns, &self.instruments)
+            .map_err(|source| MotionError::Series { motion: name.clone(), source })?;
+        Ok(Made { series, halt, peaks: guard.peaks() })
+    }
+}
+
+/// Keeps the columns and gives every step to the guard. A halt ends the run within two periods: a step is complete only
+/// with the telemetry after it.
+struct Watch<'a> {
+    columns: Columns,
+    guard: Guard,
+    halt: Option<Halt>,
+    instruments: Instruments,
+    supervisor: &'a Supervisor,
+}
+
+impl StepObserver for Watch<'_> {
+    fn begin(&mut self, signals: &SignalTable) -> Result<(), WriteError> {
+        self.columns = Columns::new(columns(signals));
+        Ok(())
+    }
+
+    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
+        self.columns.push(step.trace());
+        if self.halt.is_none() {
+            let Instruments { motor_counts_per_rev, load_counts_per_rev, .. } = self.instruments;
+            let motor = counts(step.row.motor_position_rad, motor_counts_per_rev);
+            let load = counts(step.row.load_position_rad, load_counts_per_rev);
+            self.halt = self.guard.check(motor, load);
+        }
+        Ok(())
+    }
+
+    fn stop_asked(&self) -> bool {
+        self.halt.is_some() || self.supervisor.interrupted()
+    }
+}

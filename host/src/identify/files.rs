@@ -1,0 +1,124 @@
+//! The estimates as a table, as a scenario's plant and as parameters of a drive.
+
+use std::fmt::Write as _;
+
+use lashloop_identify::{Direction, Estimate, Identified, Quantity};
+use lashloop_plant::backlash_shaft;
+
+/// The plant in the format of a scenario.
+pub const PLANT_FILE: &str = "plant.toml";
+/// The parameters of a drive, for `lashloop parameters restore`.
+pub const DRIVE_FILE: &str = "drive.toml";
+/// Everything as JSON, for `lashloop run --gate`.
+pub const ESTIMATES_FILE: &str = "estimates.json";
+
+/// Digits of an estimate: to a thirtieth of its interval.
+fn digits(estimate: &Estimate, value: f64) -> String {
+    let half = 0.5 * (estimate.high - estimate.low).abs().max(f64::MIN_POSITIVE);
+    let size = estimate.value.abs().max(half);
+    let digits = ((size / half).log10() + 1.5).ceil().clamp(2.0, 10.0) as usize;
+    let places = digits as i32 - 1 - size.max(f64::MIN_POSITIVE).log10().floor() as i32;
+    if (0..=9).contains(&places) {
+        format!("{value:.*}", places as usize)
+    } else {
+        format!("{value:.*e}", digits - 1)
+    }
+}
+
+/// The table on standard output.
+#[must_use]
+pub fn table(identified: &Identified) -> String {
+    let percent = 100.0 * identified.confidence;
+    let direction = |it: Option<Direction>| match it {
+        Some(Direction::Forward) => "forward",
+        Some(Direction::Reverse) => "reverse",
+        None => "not observable in this record",
+    };
+    let mut text = String::new();
+    let mut line = |name: &str, value: &str, rest: &str| {
+        let _ = writeln!(text, "{}", format!("{name:<26} {value:>13}  {rest}").trim_end());
+    };
+    line("quantity", "estimate", &format!("{percent:.0} % interval"));
+    line("motor_direction", direction(identified.directions.motor), "");
+    line("load_direction", direction(identified.directions.load), "");
+    for quantity in &identified.quantities {
+        let Quantity { name, unit, meaning, estimate, .. } = quantity;
+        match estimate {
+            Some(it) => {
+                let interval = format!("{} to {} {unit}", digits(it, it.low), digits(it, it.high));
+                line(name, &digits(it, it.value), &format!("{interval:<36} {meaning}"));
+            }
+            None => line(name, "-", &format!("{:<36} {meaning}", "not observable in this record")),
+        }
+    }
+    let [motor, load] = identified.residual_counts;
+    let followed = if identified.is_followed() {
+        "the model follows the record to the quantisation"
+    } else {
+        "the model does not follow the record; the intervals are those of the nearest model"
+    };
+    let _ = writeln!(text, "\nresiduals: {motor:.2} counts of the motor, {load:.2} of the load: {followed}");
+    text
+}
+
+/// The plant of a scenario, with intervals as comments. What the record doesn't show keeps the value of the start.
+#[must_use]
+pub fn plant_toml(identified: &Identified) -> String {
+    let percent = 100.0 * identified.confidence;
+    let mut text = format!(
+        "# Estimates of `lashloop`, with {percent:.0} % intervals as comments.\n\n[plant]\nmodel = \"{}\"\n",
+        backlash_shaft::NAME
+    );
+    let torque_delay_us = identified.instruments.torque_delay_us;
+    for quantity in &identified.quantities {
+        let Some(key) = quantity.plant_key else { continue };
+        let _ = match &quantity.estimate {
+            Some(it) => {
+                let [value, low, high] = [it.value, it.low, it.high].map(|value| digits(it, value));
+                let remark = format!("{low} to {high} {}", quantity.unit);
+                writeln!(text, "{:<44} # {}", format!("{key} = {value}"), remark.trim_end())
+            }
+            None => {
+                let start = format!("{key} = {:?}", identified.likely(quantity.name).unwrap_or(f64::NAN));
+                writeln!(text, "{start:<44} # not observable in this record: near the start of the fit")
+            }
+        };
+    }
+    let _ = writeln!(text, "{:<44} # given, not estimated", format!("torque_delay_us = {torque_delay_us}"));
+    text + &encoders(identified, "\n[encoders]\n")
+}
+
+fn encoders(identified: &Identified, heading: &str) -> String {
+    let instruments = identified.instruments;
+    format!(
+        "{heading}{:<44} # given, not estimated\n{:<44} # given, not estimated\n",
+        format!("motor_counts_per_rev = {}", instruments.motor_counts_per_rev),
+        format!("load_counts_per_rev = {}", instruments.load_counts_per_rev),
+    )
+}
+
+/// The parameters of a drive that are estimated, as far as `offers` has their names.
+#[must_use]
+pub fn drive_toml(identified: &Identified, offers: impl Fn(&str) -> bool) -> String {
+    let mut text = "# Estimates of `lashloop`, for `lashloop parameters restore`.\n".to_owned();
+    let mut line = |name: &str, value: String, remark: &str| {
+        let prefix = if offers(name) { "" } else { "# the drive lacks it: " };
+        let _ = writeln!(text, "{prefix}{:<44} # {remark}", format!("{name} = {value}"));
+    };
+    for quantity in &identified.quantities {
+        let (Some(name), Some(it)) = (quantity.drive_parameter, &quantity.estimate) else { continue };
+        let [low, high] = [it.low, it.high].map(|value| digits(it, value));
+        line(name, digits(it, it.value), format!("{low} to {high} {}", quantity.unit).trim_end());
+    }
+    let directions =
+        [("motor_direction", identified.directions.motor), ("load_direction", identified.directions.load)];
+    for (name, direction) in directions {
+        let word = match direction {
+            Some(Direction::Forward) => "\"forward\"",
+            Some(Direction::Reverse) => "\"reverse\"",
+            None => continue,
+        };
+        line(name, word.to_owned(), "as counted in these motions");
+    }
+    text + &encoders(identified, "")
+}

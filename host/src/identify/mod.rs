@@ -1,0 +1,11 @@
+//! Estimates of a drive train from records, and what is written of them.
+//!
+//! | module | does |
+//! |---|---|
+//! | [`record`] | torques and counts from the columns of a record |
+//! | [`files`] | the estimates as a table, as a scenario's plant and as parameters of a drive |
+//! | [`gate`] | whether the plant of a scenario follows the recorded motion |
+
+pub mod files;
+pub mod gate;
+pub mod record;
