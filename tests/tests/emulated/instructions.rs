@@ -99,13 +99,15 @@ fn of_a_run(session: &mut Session, law: &str, samples: u32) -> Vec<u32> {
 pub(crate) fn of_every_law() {
     // The laws that hold run until they have settled and hold, so that every branch is taken. The largest numbers allowed
     // are 2 % above those of the first release; at 168 MHz a hundredth of a period of 1 ms is 1680 cycles.
-    // The backlash inverse has 3 %, because it shares observers and identification with the braking curve.
+    // The backlash inverse has 3 %, because it shares observers and identification with the braking curve. Since bench mode
+    // a step takes up to 25 more: its sample has one of two sources.
     let laws = [
         ("pd", 1000, 751),
-        ("merzouki", 1000, 953),
-        ("merzouki-as-printed", 1000, 893),
+        ("merzouki", 1000, 972),
+        ("merzouki-as-printed", 1000, 912),
         ("backlash-inverse", 5000, 1040),
         ("braking-curve", 5000, 1435),
+        ("open-loop", 1000, 700),
     ];
     check("lashloop-firmware", &laws);
 }
