@@ -181,6 +181,14 @@ impl Bench {
         self.now = answers.recv().unwrap_or_else(|_| self.ended_early());
     }
 
+    /// Runs the chip until an access that it doesn't serve, or until a device time.
+    pub fn end(mut self, latest: Duration) -> Ended<Site> {
+        self.command(Command::Until(latest, None));
+        self.commands = None;
+        let machine = self.machine.take().expect("one end");
+        machine.join().expect("the machine didn't panic")
+    }
+
     /// Acts on the chip, now.
     pub fn act<T: Send + 'static>(
         &mut self,

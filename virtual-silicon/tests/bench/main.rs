@@ -8,6 +8,7 @@ mod causes;
 mod duty;
 mod encoders;
 mod host;
+mod loader;
 mod mutants;
 mod off;
 mod report;
