@@ -14,7 +14,8 @@ use crate::paths;
 static PROGRESS: LazyLock<Regex> = LazyLock::new(|| {
     let cargo = "[ ]+[A-Z][a-z]+ (?:v?[0-9]|[a-z`(]|dev|DIR).*";
     let libtest = r"running \d+ tests?|test .* \.\.\. ok|test .* has been running for .*|test result: ok\..*";
-    let pytest = r".*\[ *\d+%\]|=+ test session starts =+|(?:platform|rootdir|configfile|plugins|testpaths): ?.*";
+    let pytest =
+        r".*\[ *\d+%\]|=+ test session starts =+|(?:platform|rootdir|configfile|plugins|testpaths): ?.*";
     Regex::new(&format!("^(?:|{cargo}|{libtest}|{pytest}|#\\d+\t.*)$")).expect("a constant pattern")
 });
 

@@ -44,8 +44,7 @@ pub(crate) fn run() -> Result<Counts> {
     let gate = Gate { started: Instant::now(), set_up: OnceLock::new(), recap: Mutex::default() };
     for lanes in STAGES {
         thread::scope(|scope| {
-            let lanes: Vec<_> =
-                lanes.iter().map(|lane| scope.spawn(|| gate.run_lane(lane))).collect();
+            let lanes: Vec<_> = lanes.iter().map(|lane| scope.spawn(|| gate.run_lane(lane))).collect();
             for lane in lanes {
                 sum += lane.join().unwrap_or(Counts { passed: 0, failed: 1 });
             }

@@ -61,7 +61,10 @@ impl TestProgram {
         let failed = Mutex::new(Vec::new());
         let mut counts = self.attempt(arguments, |line| {
             println!("{line}");
-            failed.lock().unwrap_or_else(PoisonError::into_inner).extend(failed_test(line).map(str::to_owned));
+            failed
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .extend(failed_test(line).map(str::to_owned));
         })?;
         let failed = failed.into_inner().unwrap_or_else(PoisonError::into_inner);
         // More than a few are no stall.
