@@ -216,7 +216,8 @@ ANSWERS: dict[tuple[str, str], list[tuple[Callable[[], DriveUnderTest], HostMess
 
 @pytest.mark.parametrize("row", table("## 4. Messages"), ids=lambda row: str(row[1]))
 def test_every_request_has_its_rows_in_the_table_of_answers(row: list[str]) -> None:
-    if row[2] == "host":
+    # Those of sections 18 and 19 are optional.
+    if row[2] == "host" and row[1] not in {"Reference", "EnterLoader"}:
         assert any(request == row[1] for request, _ in ANSWERS)
 
 

@@ -188,7 +188,7 @@ def test_a_whole_frame_that_is_no_message_is_rejected(body: bytes) -> None:
 @pytest.mark.parametrize(
     "body",
     [
-        b"\x85\x06\x0a\x01",
+        b"\x85\x06\x0c\x01",
         b"\x85\x06\x00\x01",
         b"\x85\x06\x01\x06",
         b"\x90" + bytes(6) + b"\x84\0\0",

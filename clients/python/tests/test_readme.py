@@ -21,13 +21,17 @@ RUN, HOST, DRIVE = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
 SHELL = re.findall(r"```sh\n(.*?)```", README, flags=re.DOTALL)
 
 
+# The first figure of a new environment builds the cache of fonts, with little of a busy machine.
+FIRST_FIGURE_S = 4 * SOON_S
+
+
 def python(code: str, folder: Path) -> list[str]:
     """Lines that a program prints, run in a folder with the scenarios."""
     (folder / "scenarios").symlink_to(WORKSPACE / "scenarios")
     environment = {VARIABLE: str(program()), "PATH": "/usr/bin:/bin", "MPLBACKEND": "Agg"}
     words = [sys.executable, "-c", code]
     ended = subprocess.run(
-        words, capture_output=True, text=True, timeout=SOON_S, check=True, cwd=folder, env=environment
+        words, capture_output=True, text=True, timeout=FIRST_FIGURE_S, check=True, cwd=folder, env=environment
     )
     return ended.stdout.splitlines()
 

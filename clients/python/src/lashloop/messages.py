@@ -361,6 +361,7 @@ HOST_MESSAGES: tuple[type[HostMessage], ...] = (
     Subscribe,
     EncoderSample,
     Reference,
+    EnterLoader,
 )
 DRIVE_MESSAGES: tuple[type[DriveMessage], ...] = (
     Identity,
