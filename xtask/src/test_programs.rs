@@ -51,10 +51,7 @@ impl TestProgram {
 
     /// Runs the program and counts its tests.
     pub(crate) fn run(&self, arguments: &str) -> Result<Counts> {
-        let counts = self.attempt(arguments, |line| println!("{line}"))?;
-        let has_run = arguments.is_empty() || counts != Counts::default();
-        ensure!(has_run, "no test of {} matches {arguments}", self.name);
-        Ok(counts)
+        self.attempt(arguments, |line| println!("{line}"))
     }
 
     /// Runs the program like [`run`](Self::run), and each test that fails once more by itself: on a machine that others use, a
@@ -94,7 +91,10 @@ impl TestProgram {
         if self.name != USB || usb_guest::is_set_up() {
             tests.env("LASHLOOP_REQUIRE_EQUIPMENT", "1");
         }
-        Counts::of_output(tests, Counts::of_libtest, print)
+        let counts = Counts::of_output(tests, Counts::of_libtest, print)?;
+        let has_run = arguments.is_empty() || counts != Counts::default();
+        ensure!(has_run, "no test of {} matches {arguments}", self.name);
+        Ok(counts)
     }
 }
 
@@ -138,6 +138,14 @@ mod tests {
         let run = program.run_on_shared_machine("").expect("a script");
         assert_eq!(run, Counts { passed: 2, failed: 1, left_out: 0 });
         assert_eq!(program.run("").expect("a script"), Counts { passed: 1, failed: 2, left_out: 0 });
+    }
+
+    #[test]
+    fn a_filter_that_matches_no_test_is_an_error() {
+        let (_folder, program) = script("echo 'test result: ok. 0 passed; 0 failed; 0 ignored; 0 measured'");
+        assert!(program.run("wire::").is_err());
+        assert!(program.run_on_shared_machine("wire::").is_err());
+        assert_eq!(program.run("").expect("a script"), Counts::default());
     }
 
     #[test]

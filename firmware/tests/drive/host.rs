@@ -13,6 +13,7 @@ use lashloop_protocol::message::{
 use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message, PROTOCOL_VERSION};
 
 pub const SESSION: u32 = 7;
+pub const HELLO: Hello = Hello { protocol_version: PROTOCOL_VERSION, session: SESSION };
 
 /// The host of a drive with Lashloop's laws, unless others are named.
 pub struct Host<L: LawSet = Laws> {
@@ -44,7 +45,7 @@ impl<L: LawSet> Host<L> {
     /// A host of a disarmed drive in a session.
     pub fn in_session() -> Self {
         let mut host = Self::of_laws();
-        host.send(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION });
+        host.send(HELLO);
         host
     }
 

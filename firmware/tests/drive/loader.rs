@@ -6,16 +6,16 @@ use lashloop_firmware::Laws;
 use lashloop_firmware::drive::{Drive, ManualClock};
 use lashloop_firmware::power_stage::StageCommand;
 use lashloop_protocol::enums::{Outcome, State};
-use lashloop_protocol::message::{Arm, EnterLoader, Hello, Start};
-use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::message::{Arm, EnterLoader, Start};
+use lashloop_protocol::{Decoder, DriveMessage, HostMessage, Message};
 
-use crate::host::SESSION;
+use crate::host::{HELLO, SESSION};
 use crate::pin_host::HARDWARE;
 
 /// A drive in `Idle`, at time 0.
 fn idle(drive: Drive<Laws>) -> (Drive<Laws>, ManualClock) {
     let (mut drive, clock) = (drive, ManualClock::default());
-    let _ = send(&mut drive, &clock, Hello { protocol_version: PROTOCOL_VERSION, session: SESSION });
+    let _ = send(&mut drive, &clock, HELLO);
     (drive, clock)
 }
 

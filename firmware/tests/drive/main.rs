@@ -1,6 +1,7 @@
 //! The drive from the host's side: bytes in, bytes out, manual device time.
 
 mod bench;
+mod bench_arming;
 mod bench_faults;
 mod host;
 mod loader;

@@ -8,11 +8,11 @@ use lashloop_firmware::law::{LawSet, Parameter, ParameterGroup};
 use lashloop_firmware::power_stage::StageCommand;
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue, State};
 use lashloop_protocol::message::{
-    Arm, BenchSample, FaultReport, Hello, ParameterReport, Reference, Reset, SetParameter, Start,
+    Arm, BenchSample, FaultReport, ParameterReport, Reference, Reset, SetParameter, Start,
 };
-use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::{Decoder, DriveMessage, EncoderCounts, HostMessage, Message};
 
-use crate::host::SESSION;
+use crate::host::{HELLO, SESSION};
 
 pub const PERIOD: Duration = Duration::from_millis(1);
 /// Counters of 16 bits, and a timer of 16 bits that counts microseconds.
@@ -43,7 +43,7 @@ impl PinHost {
             due: PERIOD,
             number: 0,
         };
-        host.send(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION });
+        host.send(HELLO);
         assert_eq!(host.tick(), []);
         host
     }
@@ -52,7 +52,7 @@ impl PinHost {
     pub fn unread() -> Self {
         let mut host = Self::idle();
         host.send(Reset {});
-        host.send(Hello { protocol_version: PROTOCOL_VERSION, session: SESSION });
+        host.send(HELLO);
         for (name, value) in BENCH {
             host.set(name, value);
         }

@@ -5,9 +5,7 @@ use lashloop_protocol::enums::{Outcome, ParameterValue, State};
 use lashloop_protocol::message::{Arm, ClearFault, EmergencyStop, GetParameter, Hello, Reset, Start, Stop};
 use lashloop_protocol::{DriveMessage, HostMessage, Message, PROTOCOL_VERSION};
 
-use crate::host::{Host, SESSION, torque};
-
-const HELLO: Hello = Hello { protocol_version: PROTOCOL_VERSION, session: SESSION };
+use crate::host::{HELLO, Host, SESSION, torque};
 
 #[test]
 fn a_drive_sends_nothing_unasked_after_power_up() {

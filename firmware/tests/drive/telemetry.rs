@@ -9,11 +9,9 @@ use lashloop_protocol::message::{
     Subscribe, Telemetry,
 };
 use lashloop_protocol::wire::Payload;
-use lashloop_protocol::{DriveMessage, Message, PROTOCOL_VERSION};
+use lashloop_protocol::{DriveMessage, Message};
 
-use crate::host::{Host, SESSION, torque};
-
-const HELLO: Hello = Hello { protocol_version: PROTOCOL_VERSION, session: SESSION };
+use crate::host::{HELLO, Host, SESSION, torque};
 
 /// Quarter of a turn on the load with the reducer in line, in counts of the default encoders.
 const MOTOR: i64 = 3 * 32_768;

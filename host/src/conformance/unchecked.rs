@@ -46,6 +46,7 @@ const fn test(rule: &'static str, file: &'static str, name: &'static str) -> Unc
 }
 
 const HOST_RULES: &str = "tests/tests/document/host_rules.rs";
+const BENCH_ARMING: &str = "firmware/tests/drive/bench_arming.rs";
 const BENCH_MODE: &str = "firmware/tests/drive/bench.rs";
 const LOADER: &str = "firmware/tests/drive/loader.rs";
 const BENCH_FAULTS: &str = "firmware/tests/drive/bench_faults.rs";
@@ -66,7 +67,7 @@ pub const UNCHECKED: &[Unchecked] = &[
     test("R18.1", BENCH_MODE, "the_same_counts_through_link_and_pins_give_the_same_torques"),
     test("R18.2", BENCH_MODE, "a_drive_with_pins_describes_its_further_parameters"),
     test("R18.3", BENCH_MODE, "a_sample_of_the_other_mode_is_refused_and_changes_nothing"),
-    test("R18.4", BENCH_MODE, "arming_needs_plausible_pins_and_names_what_is_not"),
+    test("R18.4", BENCH_ARMING, "arming_needs_plausible_pins_and_names_what_is_not"),
     test("R18.5", BENCH_MODE, "the_stage_is_on_while_running_only"),
     test("R18.6", BENCH_MODE, "no_step_is_made_before_the_first_reference"),
     test("R18.7", BENCH_MODE, "telemetry_of_a_step_follows_its_report"),
