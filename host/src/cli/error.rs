@@ -124,6 +124,7 @@ fn flash_exit(error: &FlashError) -> Exit {
         FlashError::OtherBuild { .. } | FlashError::NoBuild { .. } => Exit::Fail,
         FlashError::Image(_) | FlashError::NoImage(_) | FlashError::Ports(_) => Exit::UsageOrScenario,
         FlashError::NoWay(_)
+        | FlashError::Unreached(_)
         | FlashError::Writing { .. }
         | FlashError::Different { .. }
         | FlashError::File { .. }

@@ -16,7 +16,7 @@ use super::output::outln;
 use super::supervision::start_supervisor;
 use crate::bench::Bench;
 use crate::flash::program::Runner;
-use crate::flash::{FlashError, Image, Target, Way, confirmation, writer};
+use crate::flash::{FlashError, Image, Target, Way, confirmation, way, writer};
 use crate::ports;
 use crate::rig::check::check_board;
 use crate::rig::file::Loader;
@@ -81,7 +81,9 @@ impl Arguments {
         print_image(&image);
         let via = self.via.or(via);
         let way = writer::find(via, &target, &runner).or_else(|none| {
-            let drive = device.as_ref().filter(|_| via != Some(Way::Probe));
+            // Without a program for its boot loader the drive would be lost to its host.
+            let has_program = way::installed(via).into_iter().any(|way| way != Way::Probe);
+            let drive = device.as_ref().filter(|_| has_program);
             if drive.is_some_and(|drive| enter_loader(drive, baud, &supervisor)) {
                 find_loader(via, &target, &runner)
             } else {
@@ -125,7 +127,7 @@ fn enter_loader(device: &DeviceChoice, baud: u32, supervisor: &Supervisor) -> bo
 /// Waits for a boot loader that a drive has just entered.
 ///
 /// # Errors
-/// None is there in time.
+/// [`FlashError::Unreached`]: none is there in time.
 fn find_loader(via: Option<Way>, target: &Target, runner: &Runner<'_>) -> Result<Way, FlashError> {
     /// Time for the reset, and for the enumeration of a USB port.
     const LIMIT: Duration = Duration::from_secs(10);
@@ -135,6 +137,7 @@ fn find_loader(via: Option<Way>, target: &Target, runner: &Runner<'_>) -> Result
             Err(_) if Instant::now() < deadline && !(runner.interrupted)() => {
                 thread::sleep(Duration::from_millis(100));
             }
+            Err(FlashError::NoWay(reasons)) => return Err(FlashError::Unreached(reasons)),
             found => return found,
         }
     }

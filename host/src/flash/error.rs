@@ -19,6 +19,12 @@ pub enum FlashError {
     /// No way leads to the chip, or the chosen one doesn't. Nothing was written.
     #[error("no way onto the chip:\n{}", listed(.0))]
     NoWay(Vec<(Way, String)>),
+    /// A drive has entered its boot loader by request, and no way leads there. Nothing was written.
+    #[error(
+        "the drive is in its boot loader, and no way leads there; reset the board to start its firmware again:\n{}",
+        listed(.0)
+    )]
+    Unreached(Vec<(Way, String)>),
     /// A program failed after it had been started to write.
     #[error("not flashed: {source}; {}", way.recovery())]
     Writing { way: Way, source: ProgramError },

@@ -19,10 +19,11 @@ type Check = fn();
 fn main() -> ExitCode {
     let arguments = Arguments::from_args();
     let stm32flash = uart::missing();
-    let with_stm32flash: [(&str, Check); 10] = [
+    let with_stm32flash: [(&str, Check); 11] = [
         ("uart::an_image_is_flashed_once_the_drive_reports_its_build", uart::flashed),
         ("uart::the_only_way_that_is_there_is_found", uart::found),
         ("uart::a_running_drive_enters_its_boot_loader_by_request", uart::by_request),
+        ("uart::a_loader_that_no_way_reaches_is_reported_with_the_way_back", uart::unreached),
         ("uart::another_build_of_the_drive_is_not_flashed", uart::other_build),
         ("uart::an_image_without_a_build_is_not_confirmed", uart::no_build),
         ("uart::a_protected_flash_is_reported_with_the_recovery", uart::protected),

@@ -8,7 +8,7 @@ use tests::elf::Elf;
 use tests::program::Ended;
 use tests::rom_loader::{Defect, RomLoader};
 use tests::twin::Twin;
-use tests::{processes, wait};
+use tests::{processes, terminal, wait};
 
 use crate::bench::{SIZE, Workbench, claims_success};
 
@@ -69,6 +69,19 @@ pub(crate) fn by_request() {
         );
         assert!(claims_success(&ended), "{}", ended.stdout);
     }
+}
+
+pub(crate) fn unreached() {
+    let (bench, chip, elsewhere) = (right(), RomLoader::behind_a_drive(), terminal::open());
+    let port = terminal::device(&elsewhere);
+    let ended =
+        bench.flash_with(&["--via", "uart", "--device", &chip.device, "--loader-port", &port]).with_code(4);
+    assert!(
+        ended.stderr.contains("the drive is in its boot loader, and no way leads there; reset the board"),
+        "{}",
+        ended.stderr
+    );
+    assert!(!claims_success(&ended), "{}", ended.stdout);
 }
 
 pub(crate) fn other_build() {
