@@ -4,11 +4,12 @@ use std::fmt;
 use std::io::{self, BufRead, BufReader};
 use std::ops::AddAssign;
 use std::process::{Command, ExitCode};
+use std::time::Instant;
 
 use anyhow::{Context, Result};
 use regex_lite::Regex;
 
-use crate::command;
+use crate::{command, cpu_time};
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Counts {
@@ -47,6 +48,7 @@ impl Counts {
     /// Adds the counts of a step. A step that fails doesn't keep later steps from running: one call reports every failure.
     pub(crate) fn step<C: Into<Self>>(&mut self, name: &str, run: impl FnOnce() -> Result<C>) {
         println!("== {name}");
+        let (started, before) = (Instant::now(), cpu_time::of_children());
         *self += run().map_or_else(
             |error| {
                 println!("{name} failed: {error:#}");
@@ -54,10 +56,16 @@ impl Counts {
             },
             Into::into,
         );
+        if let Some((before, after)) = before.zip(cpu_time::of_children()) {
+            println!("{name}: {:.0?}, {}", started.elapsed(), cpu_time::line(after - before));
+        }
     }
 
     /// Prints the sum alone on the last line.
     pub(crate) fn print(self) -> ExitCode {
+        if let Some(time) = cpu_time::of_children() {
+            println!("all: {}", cpu_time::line(time));
+        }
         println!("{self}");
         if self.failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
     }

@@ -8,7 +8,7 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 use anyhow::{Context, Result};
 use regex_lite::Regex;
 
-use crate::paths;
+use crate::{cpu_time, paths};
 
 /// Status of cargo, a test that passed, progress of pytest and of a fuzzer.
 static PROGRESS: LazyLock<Regex> = LazyLock::new(|| {
@@ -34,13 +34,14 @@ pub(crate) fn folder() -> PathBuf {
 }
 
 pub(crate) fn is_progress(line: &str) -> bool {
-    PROGRESS.is_match(line)
+    PROGRESS.is_match(line) || cpu_time::is_time(line)
 }
 
 /// The output of one chore.
 pub(crate) struct Log {
     file: Mutex<File>,
     failures: Mutex<Vec<String>>,
+    cpu_time: Mutex<Option<String>>,
 }
 
 impl Log {
@@ -50,7 +51,7 @@ impl Log {
         let path = folder().join(format!("{}.log", chore.replace(' ', "-")));
         fs::create_dir_all(folder())?;
         let file = File::create(&path).with_context(|| format!("{} can't be created", path.display()))?;
-        Ok(Self { file: Mutex::new(file), failures: Mutex::default() })
+        Ok(Self { file: Mutex::new(file), failures: Mutex::default(), cpu_time: Mutex::default() })
     }
 
     /// Appends a line. A disk that is full must not end the tests.
@@ -59,6 +60,14 @@ impl Log {
         if FAILURE.is_match(line) {
             self.failures.lock().unwrap_or_else(PoisonError::into_inner).push(line.to_owned());
         }
+        if let Some(time) = cpu_time::read(line) {
+            *self.cpu_time.lock().unwrap_or_else(PoisonError::into_inner) = Some(time.to_owned());
+        }
+    }
+
+    /// The processor time that the chore reported at its end.
+    pub(crate) fn cpu_time(&self) -> Option<String> {
+        self.cpu_time.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// The lines that name a failure, the first of them.

@@ -6,6 +6,7 @@ mod checks;
 mod codec_size;
 mod command;
 mod counts;
+mod cpu_time;
 mod dissector;
 mod fuzz;
 mod header;

@@ -101,7 +101,8 @@ impl Gate {
         let counts = Counts::of_output(command, Counts::of_sum, print);
         let mut recap = self.recap.lock().unwrap_or_else(PoisonError::into_inner);
         let result = counts.as_ref().map_or_else(|error| format!("{error:#}"), Counts::to_string);
-        recap.push(format!("{} {chore}: {result}", minutes(started.elapsed())));
+        let cpu_time = log.cpu_time().map_or_else(String::new, |time| format!(" ({time})"));
+        recap.push(format!("{} {chore}: {result}{cpu_time}", minutes(started.elapsed())));
         recap.extend(log.failures().into_iter().map(|line| format!("      {line}")));
         counts
     }
