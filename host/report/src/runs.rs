@@ -3,10 +3,10 @@
 use std::ops::RangeInclusive;
 
 use lashloop_bench::names::UnknownName;
-use lashloop_bench::record::columns::Columns;
-use lashloop_bench::record::reader::{ReadError, Record};
-use lashloop_bench::record::row::Row;
-use lashloop_bench::record::timing::TimingRow;
+use lashloop_record::columns::Columns;
+use lashloop_record::reader::{ReadError, Record};
+use lashloop_record::row::Row;
+use lashloop_record::timing::TimingRow;
 
 use crate::plot::{Axis, Figure, Panel, Role, Series};
 
@@ -182,7 +182,7 @@ impl<'a> Run<'a> {
     }
 
     fn caption(&self) -> String {
-        let Record { trace, timing: timing_table, summary } = self.record;
+        let Record { trace, timing: timing_table, summary, .. } = self.record;
         let mut text = match summary {
             Some(it) => {
                 let end = if it.end == "complete" { String::new() } else { format!(", {}", it.end) };

@@ -1,13 +1,12 @@
 //! One run for a figure: its trace in memory, with a progress bar.
 
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::record::columns::Columns;
-use lashloop_bench::record::trace::columns;
-use lashloop_bench::run::{self, Clock, DeviceUnderTest, Step, StepObserver};
+use lashloop_bench::run::{self, Clock, DeviceUnderTest, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Verdict;
-use lashloop_plant::metrics::SignalTable;
+use lashloop_record::columns::Columns;
+use lashloop_record::trace::{columns, row};
 use lashloop_report::paper::Run;
 
 use super::error::CliError;
@@ -21,15 +20,15 @@ struct History<'a> {
 }
 
 impl StepObserver for History<'_> {
-    fn begin(&mut self, signals: &SignalTable) -> Result<(), WriteError> {
-        self.trace = Columns::new(columns(signals));
+    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
+        self.trace = Columns::new(columns(start.signals));
         Ok(())
     }
 
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
         self.progress.step();
         if step.row.time_s >= self.shown_from_s {
-            self.trace.push(step.trace());
+            self.trace.push(row(step));
         }
         Ok(())
     }
