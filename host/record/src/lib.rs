@@ -7,13 +7,14 @@
 //! | `timing.csv` | timing of each control step | [`timing`] |
 //! | `summary.json` | the verdict and all that is needed to check and repeat it | [`summary`] |
 //!
-//! [`reader`] reads them back, and [`columns`] holds them in memory. Rows are written whole, and a summary takes its name
+//! [`reader`] reads them back, [`columns`] holds them in memory, and [`diff`] compares two records. Rows are written whole, and a summary takes its name
 //! only when it is complete, so that an interrupted run leaves neither half a row nor half a summary.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 pub mod columns;
+pub mod diff;
 mod file_names;
 pub mod reader;
 pub mod row;
