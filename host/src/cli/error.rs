@@ -9,6 +9,7 @@ use crate::commission::MotionError;
 use crate::flash::FlashError;
 use crate::identify::record::NoSeries;
 use crate::parameter_set::SettingsError;
+use crate::replay::ReplayError;
 use crate::rig::drive_settings::MissingParameter;
 use crate::rig::limits::LimitError;
 use crate::rig::lock::LockError;
@@ -19,6 +20,7 @@ use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::IdentifyError;
 use lashloop_identify::excitation::CommissioningError;
+use lashloop_record::diff::DiffError;
 use lashloop_record::reader::ReadError;
 use lashloop_report::runs::DrawError;
 
@@ -43,6 +45,10 @@ pub(crate) enum CliError {
     Campaign(#[from] CampaignError),
     #[error(transparent)]
     Record(#[from] ReadError),
+    #[error(transparent)]
+    Diff(#[from] DiffError),
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
     #[error(transparent)]
     Draw(#[from] DrawError),
     #[error("--from {from} --until {until} is an empty range; --until must be later than --from")]
@@ -94,6 +100,7 @@ impl CliError {
             | Self::Settings(SettingsError::Refused { .. } | SettingsError::Session(_))
             | Self::RigLock(_)
             | Self::RigParameter(_)
+            | Self::Replay(ReplayError::Device(_))
             | Self::System { .. } => Exit::DeviceOrLink,
             Self::HardwareAbsent { .. } => Exit::HardwareAbsent,
             Self::Commission(_) | Self::Identify(_) => Exit::Invalid,
@@ -108,6 +115,8 @@ impl CliError {
             | Self::Report { .. }
             | Self::Input { .. }
             | Self::Record(_)
+            | Self::Diff(_)
+            | Self::Replay(_)
             | Self::Draw(_)
             | Self::CommissionLimit { .. }
             | Self::Motion { .. }

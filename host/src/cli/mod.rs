@@ -10,6 +10,7 @@ mod conformance;
 mod decode;
 mod demo;
 mod device;
+mod diff;
 mod doctor;
 mod error;
 mod experiment;
@@ -26,6 +27,7 @@ mod plot;
 mod ports;
 mod progress;
 mod registry;
+mod replay;
 mod rig;
 mod run;
 mod run_child;
@@ -44,7 +46,7 @@ use crate::bench::Bench;
 registry::commands! {
     "Run a drive on the bench": Run(run), Demo(demo), Paper(paper), Experiment(experiment), Device(device), Battery(battery), Soak(soak);
     "Inspect scenarios, records and lines":
-        Show(show), Plot(plot), Decode(decode), Parameters(parameters), Ports(ports), Budget(budget);
+        Show(show), Plot(plot), Diff(diff), Replay(replay), Decode(decode), Parameters(parameters), Ports(ports), Budget(budget);
     "Qualify a drive, a line or this machine": Conformance(conformance), Doctor(doctor), Compare(compare);
     "Work on a bench with hardware": Flash(flash), Rig(rig), Commission(commission), Identify(identify);
 }

@@ -54,6 +54,25 @@ impl RecordFiles {
         })
     }
 
+    /// Whether the drive read its own encoders, in bench mode.
+    #[must_use]
+    pub fn is_in_bench_mode(&self) -> bool {
+        self.entry("mode").and_then(Value::as_str) == Some("bench")
+    }
+
+    /// The device, as the record describes it.
+    #[must_use]
+    pub fn device(&self) -> Option<&str> {
+        let device = self.entry("device")?;
+        device.as_str().or_else(|| device["description"].as_str())
+    }
+
+    /// How often a lost drive came back.
+    #[must_use]
+    pub fn resumes(&self) -> u64 {
+        self.summary.as_ref().and_then(|summary| summary["link"]["resumes"].as_u64()).unwrap_or(0)
+    }
+
     /// An entry of the manifest, or else of the summary.
     pub(super) fn entry(&self, key: &str) -> Option<&Value> {
         [&self.manifest, &self.summary].into_iter().flatten().find_map(|file| file.get(key))

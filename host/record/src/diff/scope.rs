@@ -5,7 +5,6 @@
 //! same. On hardware only the reference is.
 
 use serde::Serialize;
-use serde_json::Value;
 
 use super::pairs::microseconds;
 use super::record_files::RecordFiles;
@@ -33,7 +32,7 @@ impl Scope {
         if !records.iter().any(is_in_real_time) {
             return Self::All;
         }
-        if records.iter().any(|it| it.entry("mode").and_then(Value::as_str) == Some("bench")) {
+        if records.iter().any(RecordFiles::is_in_bench_mode) {
             return Self::Hardware;
         }
         let late = records.iter().filter_map(first_late_s);

@@ -33,26 +33,33 @@ pub struct ToleranceOf {
     tolerance: Tolerance,
 }
 
+impl FromStr for Tolerance {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let percent = text.trim().strip_suffix('%');
+        let number = percent.unwrap_or(text).trim();
+        let number: f64 = number.parse().map_err(|_| format!("{text:?} is no number"))?;
+        if !(number.is_finite() && number >= 0.0) {
+            return Err(format!("a tolerance is {number}; it must be 0 or more"));
+        }
+        Ok(if percent.is_some() { Self::Relative(number / 100.0) } else { Self::Absolute(number) })
+    }
+}
+
 impl FromStr for ToleranceOf {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (name, value) = match text.split_once('=') {
-            Some((name, value)) => (Some(name.trim().to_owned()), value.trim()),
-            None => (None, text.trim()),
+        let Some((name, value)) = text.split_once('=') else {
+            return match text.parse()? {
+                tolerance @ Tolerance::Relative(_) => Ok(Self { name: None, tolerance }),
+                Tolerance::Absolute(_) => Err(format!(
+                    "{text:?} has no name, and units differ from name to name; write NAME={text}, or a percentage for all"
+                )),
+            };
         };
-        let (digits, is_percentage) = value.strip_suffix('%').map_or((value, false), |digits| (digits, true));
-        let number: f64 = digits.trim().parse().map_err(|_| format!("{value:?} is no number"))?;
-        if !(number.is_finite() && number >= 0.0) {
-            return Err(format!("a tolerance is {number}; it must be 0 or more"));
-        }
-        match (name, is_percentage) {
-            (None, false) => Err(format!(
-                "{text:?} has no name, and units differ from name to name; write NAME={text}, or a percentage for all"
-            )),
-            (name, true) => Ok(Self { name, tolerance: Tolerance::Relative(number / 100.0) }),
-            (name, false) => Ok(Self { name, tolerance: Tolerance::Absolute(number) }),
-        }
+        Ok(Self { name: Some(name.trim().to_owned()), tolerance: value.parse()? })
     }
 }
 
