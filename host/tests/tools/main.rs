@@ -2,6 +2,7 @@
 
 mod capture;
 mod decode;
+mod diff;
 mod dissector;
 mod doctor;
 mod plot;

@@ -237,7 +237,7 @@ fn check_names<'a>(
     known.retain(|name| seen.insert(*name));
     options.tolerances.check_names(&known)?;
     match options.only.iter().find(|name| !known.contains(&&***name)) {
-        Some(name) => Err(UnknownName::new("neither record", "signal or metric", name, known)),
+        Some(name) => Err(UnknownName::new("the comparison", "signal or metric", name, known)),
         None => Ok(()),
     }
 }

@@ -64,15 +64,15 @@ impl Comparison {
         if self.metrics.is_empty() {
             return Ok(());
         }
-        let rows = self.metrics.iter().map(|it| {
-            let [a, b] = it.texts();
-            let difference = it.difference().map_or_else(|| "-".to_owned(), figure);
-            let mark =
-                if it.within || !self.metrics_are_judged { String::new() } else { beyond(it.tolerance) };
-            [it.name.clone(), a, b, difference, it.unit.clone(), mark]
-        });
+        let (with, without): (Vec<_>, Vec<_>) = self.metrics.iter().partition(|it| it.values != [None; 2]);
         let title = if self.metrics_are_judged { "\nMetrics" } else { "\nMetrics (not judged)" };
-        write_table(out, title, ["", "A", "B", "B - A", "", ""], rows, 1)
+        let rows = with.into_iter().map(|it| it.row(self.metrics_are_judged));
+        write_table(out, title, ["", "A", "B", "B - A", "", ""], rows, 1)?;
+        if without.is_empty() {
+            Ok(())
+        } else {
+            writeln!(out, "  without a value in both: {}", without.len())
+        }
     }
 
     fn write_timing(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -167,17 +167,17 @@ impl Comparison {
 }
 
 impl MetricDifference {
-    fn texts(&self) -> [String; 2] {
-        if let [Some(a), Some(b)] = self.values
-            && a.to_bits() != b.to_bits()
-        {
-            return exact([a, b]);
+    fn row(&self, is_judged: bool) -> [String; 6] {
+        let [a, b] = match self.values {
+            [Some(a), Some(b)] if a.to_bits() != b.to_bits() => exact([a, b]),
+            values => values.map(|it| it.map_or_else(|| "-".to_owned(), figure)),
+        };
+        let difference = self.difference().map_or_else(|| "-".to_owned(), figure);
+        let mut mark = if self.within || !is_judged { String::new() } else { beyond(self.tolerance) };
+        if let Some(reason) = self.reasons.iter().flatten().next() {
+            mark += &format!(" ({reason})");
         }
-        [0, 1].map(|side| match (self.values[side], &self.reasons[side]) {
-            (Some(value), _) => figure(value),
-            (None, Some(reason)) => reason.clone(),
-            (None, None) => "-".to_owned(),
-        })
+        [self.name.clone(), a, b, difference, self.unit.clone(), mark]
     }
 }
 

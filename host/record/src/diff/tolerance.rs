@@ -81,7 +81,7 @@ impl Tolerances {
         let names = self.0.iter().filter_map(|it| it.name.as_deref());
         match names.into_iter().find(|name| !known.contains(name)) {
             Some(name) => {
-                Err(UnknownName::new("neither record", "signal or metric", name, known.iter().copied()))
+                Err(UnknownName::new("the comparison", "signal or metric", name, known.iter().copied()))
             }
             None => Ok(()),
         }
