@@ -69,7 +69,7 @@ impl Arguments {
             window_s: from..=until,
             deterministic: self.deterministic,
         };
-        let records = [RecordFiles::read(&self.first)?, RecordFiles::read(&self.second)?];
+        let records = RecordFiles::read_both([&self.first, &self.second])?;
         print(&Comparison::new(&records, &options)?, json)
     }
 }

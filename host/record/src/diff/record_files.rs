@@ -2,7 +2,9 @@
 
 use std::fs;
 use std::io::ErrorKind;
+use std::panic::resume_unwind;
 use std::path::Path;
+use std::thread;
 
 use serde_json::Value;
 use toml_edit::de;
@@ -51,6 +53,19 @@ impl RecordFiles {
             manifest: json("record.json")?,
             scenario: scenario.transpose()?,
             summary: json("summary.json")?,
+        })
+    }
+
+    /// Reads two folders, each on a thread of its own: reading takes longer than comparing.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn read_both([a, b]: [&Path; 2]) -> Result<[Self; 2], DiffError> {
+        thread::scope(|scope| {
+            let second = scope.spawn(|| Self::read(b));
+            let first = Self::read(a);
+            let second = second.join().unwrap_or_else(|panic| resume_unwind(panic));
+            Ok([first?, second?])
         })
     }
 
