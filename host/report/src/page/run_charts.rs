@@ -80,7 +80,7 @@ impl Charts<'_> {
         let requested = (!is_same).then(|| self.series("requested by the law", "drive.requested_torque_nm")).flatten();
         let requested = requested.map(|it| it.style("c1").held());
         let transmitted = self.series("transmitted", "transmitted_torque_nm").map(|it| it.style("c2"));
-        self.push(Chart::new("Torque", "N m", [requested, transmitted, torque].into_iter().flatten().collect()));
+        self.push(Chart::new("Torque", "N m", [requested, torque, transmitted].into_iter().flatten().collect()));
     }
 
     /// Twist, with the edges of the gap, and the times in contact.
@@ -89,7 +89,7 @@ impl Charts<'_> {
         let mut series = vec![twist.style("c0")];
         if let Some(half_gap_rad) = self.run.column("dead_zone_rad") {
             self.shown.push("dead_zone_rad".to_owned());
-            for (label, name, sign) in [("gap, upper edge", "gap_above", 1.0), ("lower edge", "gap_below", -1.0)] {
+            for (label, name, sign) in [("upper edge of the gap", "gap_above", 1.0), ("lower edge", "gap_below", -1.0)] {
                 let edge = || half_gap_rad.iter().map(|half_gap_rad| sign * half_gap_rad).collect();
                 let column = self.data.column(0, name, edge);
                 series.push(Series::new(label, 0, column).style("limit").dashed());

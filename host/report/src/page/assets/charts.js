@@ -174,7 +174,7 @@ const LashloopCharts = (() => {
     }
 
     function drawAxis(low, high, isX) {
-      const most = isX ? Math.max(2, Math.floor(plotWidth() / 80)) : Math.max(2, Math.floor(plotHeight() / 36));
+      const most = isX ? Math.max(3, Math.floor(plotWidth() / 70)) : Math.max(2, Math.floor(plotHeight() / 36));
       const found = S.ticks(low, high, most);
       const { text, factor } = S.labels(found);
       found.values.forEach((value, index) => {

@@ -14,7 +14,7 @@ pub(in super::super) fn section(expectations: &[Expectation]) -> Markup {
             @if expectations.is_empty() {
                 p { "The scenario has no expectation." }
             } @else {
-                div.scroll { table.expectations {
+                div.scroll { table.expectations.stacked {
                     thead { tr {
                         th scope="col" { "quantity" } th scope="col" { "result" } th.number scope="col" { "value" }
                         th.number scope="col" { "limits" } th.number scope="col" { "margin" } th scope="col" { "place between the limits" }
@@ -34,9 +34,9 @@ fn row(expectation: &Expectation) -> Markup {
         tr class=(grade.name()) {
             th scope="row" { (expectation.to_string()) }
             td { span class={ "grade " (grade.name()) } { (symbol(grade)) " " (grade.name()) } }
-            td.number { (value(expectation.value, unit, expectation.reason.as_deref())) }
-            td.number { (limits(expectation)) " " (unit) }
-            td.number { (margin(expectation)) }
+            td.number data-label="value" { (value(expectation.value, unit, expectation.reason.as_deref())) }
+            td.number data-label="limits" { (limits(expectation)) " " (unit) }
+            td.number data-label="margin" { (margin(expectation)) }
             td.gauge { (gauge(expectation)) }
         }
     }

@@ -34,7 +34,7 @@ pub(in super::super) fn section(summary: &Summary) -> Markup {
     html! {
         section #metrics {
             h2 { "Metrics" }
-            div.scroll { table.metrics {
+            div.scroll { table.metrics.stacked {
                 thead { tr { th scope="col" { "metric" } th.number scope="col" { "value" } th scope="col" { "definition" } } }
                 tbody { @for row in rows(&[summary]) { tr {
                     th scope="row" { code { (row.name) } }
