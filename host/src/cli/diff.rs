@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 use lashloop_bench::verdict::Exit;
 use lashloop_record::diff::{Agreement, Comparison, DiffOptions, RecordFiles, ToleranceOf, Tolerances};
+use lashloop_report::page;
 
 use super::error::{CliError, system};
-use super::output::outln;
+use super::output::{outln, write_file};
 use crate::bench::Bench;
 
 /// Compare two records: what was set differently, the metrics, the first and the largest differences
@@ -34,6 +35,10 @@ pub(crate) struct Arguments {
     /// Compare up to this time, in s
     #[arg(long, value_name = "S")]
     until: Option<f64>,
+
+    /// File for both records as a page for a browser
+    #[arg(long, value_name = "FILE.html")]
+    html: Option<PathBuf>,
 
     /// Judge only what is the same in each repetition of a run in real time
     #[arg(long)]
@@ -70,7 +75,12 @@ impl Arguments {
             deterministic: self.deterministic,
         };
         let records = RecordFiles::read_both([&self.first, &self.second])?;
-        print(&Comparison::new(&records, &options)?, json)
+        let comparison = Comparison::new(&records, &options)?;
+        if let Some(path) = &self.html {
+            let named = |folder: &PathBuf| page::Run::read(folder.to_string_lossy(), folder);
+            write_file(path, &page::comparison(&[named(&self.first)?, named(&self.second)?]))?;
+        }
+        print(&comparison, json)
     }
 }
 

@@ -12,7 +12,7 @@ const LOAD_COUNTS: &str = "load_counts_sent";
 const REFERENCE: &str = "reference_sent_rad";
 
 /// The samples of a run, from its start.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recording {
     /// The steps that sent a sample, ascending, from the first that was answered. A missed step sent none.
     pub steps: Vec<RecordedStep>,
