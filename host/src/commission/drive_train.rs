@@ -5,7 +5,9 @@ use std::path::Path;
 
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::{Device, DeviceChoice};
-use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Outcome, RunError, RunStart, Step, StepObserver};
+use lashloop_bench::run::{
+    self, Clock, DeviceUnderTest, End, Outcome, RunError, RunStart, Step, StepObserver,
+};
 use lashloop_bench::scenario::{Scenario, ScenarioErrors};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_identify::Instruments;

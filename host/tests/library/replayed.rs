@@ -21,7 +21,8 @@ struct Recorder {
 impl StepObserver for Recorder {
     fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
         let session = &start.device.session;
-        let law = session.laws.iter().find(|law| law.name == start.scenario.controller.name).expect("the law");
+        let law =
+            session.laws.iter().find(|law| law.name == start.scenario.controller.name).expect("the law");
         let of_law = session.parameters.iter().filter(|it| it.laws.contains(law.index));
         let value = of_law.map(|it| {
             let value = session.in_force(it);
@@ -49,7 +50,9 @@ impl StepObserver for Recorder {
 
 fn scenario(settings: &[&str]) -> Scenario {
     let short = ["run.duration_s=0.3", "expect=[]"];
-    Bench::new().scenario("../scenarios/smooth-after.toml", &[&short[..], settings].concat()).expect("a scenario")
+    Bench::new()
+        .scenario("../scenarios/smooth-after.toml", &[&short[..], settings].concat())
+        .expect("a scenario")
 }
 
 /// Samples, torques and parameters of a run in process.
@@ -98,12 +101,16 @@ fn one_bit_of_a_torque_is_named_with_its_step_and_both_values() {
     assert_eq!((first.step, first.recorded_nm, first.replayed_nm), (137, recorded_nm, replayed_nm));
     assert_eq!((result.differing, result.largest, result.is_equal()), (1, Some(first), false));
     let text = result.to_string();
-    assert!(text.contains("first       step 137, 0.137 s: recorded ") && text.ends_with("DIFFERENT"), "{text}");
+    assert!(
+        text.contains("first       step 137, 0.137 s: recorded ") && text.ends_with("DIFFERENT"),
+        "{text}"
+    );
 }
 
 #[test]
 fn changed_gain_differs_from_its_first_step_on() {
-    let [before, after] = ["10.0", "10.5"].map(|gain| scenario(&[&format!("controller.parameters.k_p2={gain}")]));
+    let [before, after] =
+        ["10.0", "10.5"].map(|gain| scenario(&[&format!("controller.parameters.k_p2={gain}")]));
     let run = (recorded(&before).0, recorded(&after).1);
     let result = replayed(&before, &run, &own_laws()).expect("a replay");
     assert_eq!(result.first.map(|first| first.step), Some(0), "the load starts away from its reference");
@@ -129,13 +136,18 @@ fn missed_steps_stay_missed_and_unanswered_samples_are_sent() {
 fn parameter_that_the_firmware_lacks_is_named_before_any_sample() {
     let scenario = scenario(&[]);
     let (recording, _) = recorded(&scenario);
-    let parameters = |value: Value| RecordedParameters::of(&json!({"parameters": value})).expect("parameters");
+    let parameters =
+        |value: Value| RecordedParameters::of(&json!({"parameters": value})).expect("parameters");
     for (value, part) in [
         (json!([{"name": "brake_gain", "value": 1.5}]), "inproc has no parameter brake_gain, which was 1.5"),
-        (json!([{"name": "controller", "value": "braking-curve"}]), "does not take controller = \"braking-curve\""),
+        (
+            json!([{"name": "controller", "value": "braking-curve"}]),
+            "does not take controller = \"braking-curve\"",
+        ),
         (json!([{"name": "torque_limit_nm", "value": -1.0}]), "does not take torque_limit_nm = -1.0"),
     ] {
-        let error = replayed(&scenario, &(recording.clone(), parameters(value)), &own_laws()).expect_err(part);
+        let error =
+            replayed(&scenario, &(recording.clone(), parameters(value)), &own_laws()).expect_err(part);
         assert!(error.to_string().contains(part), "{error}");
     }
 }

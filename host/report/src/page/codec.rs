@@ -104,9 +104,10 @@ mod tests {
 
     /// As `report.js` decodes.
     fn decoded(column: &Encoded) -> Vec<f64> {
-        let mut bytes = column.digits.bytes().map(|byte| {
-            DIGITS.iter().position(|digit| *digit == byte).expect("a digit") as u64
-        });
+        let mut bytes = column
+            .digits
+            .bytes()
+            .map(|byte| DIGITS.iter().position(|digit| *digit == byte).expect("a digit") as u64);
         let mut tokens = std::iter::from_fn(|| {
             let (mut token, mut shift) = (0, 0);
             loop {
@@ -145,17 +146,25 @@ mod tests {
         let back = decoded(&Encoded::of(values));
         assert_eq!(back.len(), values.len());
         let pairs = values.iter().zip(&back);
-        assert!(pairs.clone().all(|(value, back)| value.is_finite() == back.is_finite()), "{values:?} {back:?}");
-        pairs.filter(|(value, _)| value.is_finite()).map(|(value, back)| (value - back).abs()).fold(0.0, f64::max)
+        assert!(
+            pairs.clone().all(|(value, back)| value.is_finite() == back.is_finite()),
+            "{values:?} {back:?}"
+        );
+        pairs
+            .filter(|(value, _)| value.is_finite())
+            .map(|(value, back)| (value - back).abs())
+            .fold(0.0, f64::max)
     }
 
     #[test]
     fn values_come_back_within_half_a_millionth_of_their_range() {
         let sine: Vec<_> = (0..5000).map(|step| 3.0 + (f64::from(step) * 1e-3).sin()).collect();
         let held: Vec<_> = sine.iter().step_by(10).flat_map(|value| [*value; 10]).collect();
-        let noise: Vec<_> = (0_u32..5000).map(|step| f64::from(step.wrapping_mul(2_654_435_761) >> 8) - 1e7).collect();
+        let noise: Vec<_> =
+            (0_u32..5000).map(|step| f64::from(step.wrapping_mul(2_654_435_761) >> 8) - 1e7).collect();
         for values in [&sine, &held, &noise] {
-            let span = values.iter().fold(f64::MIN, |a, b| a.max(*b)) - values.iter().fold(f64::MAX, |a, b| a.min(*b));
+            let span = values.iter().fold(f64::MIN, |a, b| a.max(*b))
+                - values.iter().fold(f64::MAX, |a, b| a.min(*b));
             assert!(largest_error(values) <= span * 0.501 / STEPS);
         }
         assert!(Encoded::of(&sine).digits.len() < 2 * sine.len());
@@ -165,7 +174,12 @@ mod tests {
     #[test]
     fn gaps_and_constants_come_back() {
         let nan = f64::NAN;
-        for values in [vec![], vec![2.5], vec![nan; 3], vec![1.0, 1.0, 1.0, nan, nan, 1.0, 1.0, 4.0, f64::INFINITY, 4.0]] {
+        for values in [
+            vec![],
+            vec![2.5],
+            vec![nan; 3],
+            vec![1.0, 1.0, 1.0, nan, nan, 1.0, 1.0, 4.0, f64::INFINITY, 4.0],
+        ] {
             assert!(largest_error(&values) < 1e-5, "{values:?}");
         }
         assert!(Encoded::of(&[0.25; 25_000]).digits.len() < 10);

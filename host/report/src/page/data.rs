@@ -208,7 +208,10 @@ mod tests {
     #[test]
     fn a_thinned_column_keeps_every_extreme_in_its_order() {
         let values = [0.0, 5.0, 1.0, f64::NAN, 2.0, -3.0, 4.0];
-        assert_eq!(extremes(&values, 3), [0.0, 5.0, -3.0, 2.0, 4.0, 4.0][..].iter().copied().collect::<Vec<_>>());
+        assert_eq!(
+            extremes(&values, 3),
+            [0.0, 5.0, -3.0, 2.0, 4.0, 4.0][..].iter().copied().collect::<Vec<_>>()
+        );
         assert_eq!(firsts(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], 3), [0.0, 1.0, 3.0, 4.0, 6.0, 6.0]);
         assert!(extremes(&[f64::NAN; 3], 3).iter().all(|value| value.is_nan()));
     }

@@ -93,8 +93,14 @@ mod tests {
 
     #[test]
     fn a_margin_is_the_distance_to_the_nearest_bound() {
-        assert_eq!(Margin::of(4.5, Some(4.0), Some(6.0)), Some(Margin { distance: 0.5, fraction: Some(0.25) }));
-        assert_eq!(Margin::of(7.0, Some(4.0), Some(6.0)), Some(Margin { distance: -1.0, fraction: Some(-0.5) }));
+        assert_eq!(
+            Margin::of(4.5, Some(4.0), Some(6.0)),
+            Some(Margin { distance: 0.5, fraction: Some(0.25) })
+        );
+        assert_eq!(
+            Margin::of(7.0, Some(4.0), Some(6.0)),
+            Some(Margin { distance: -1.0, fraction: Some(-0.5) })
+        );
         assert_eq!(Margin::of(0.5, Some(0.0), None), Some(Margin { distance: 0.5, fraction: None }));
         assert_eq!(Margin::of(0.5, None, None), None);
     }
