@@ -47,6 +47,8 @@ pub(crate) enum CliError {
     Record(#[from] ReadError),
     #[error(transparent)]
     Diff(#[from] DiffError),
+    #[error("{}: can't be run again: {problem}", record.display())]
+    Rerun { record: PathBuf, problem: String },
     #[error(transparent)]
     Replay(#[from] ReplayError),
     #[error(transparent)]
@@ -116,6 +118,7 @@ impl CliError {
             | Self::Input { .. }
             | Self::Record(_)
             | Self::Diff(_)
+            | Self::Rerun { .. }
             | Self::Replay(_)
             | Self::Draw(_)
             | Self::CommissionLimit { .. }

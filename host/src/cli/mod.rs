@@ -29,6 +29,7 @@ mod progress;
 mod registry;
 mod replay;
 mod report;
+mod rerun;
 mod rig;
 mod run;
 mod run_child;
@@ -48,7 +49,7 @@ registry::commands! {
     "Run a drive on the bench": Run(run), Demo(demo), Paper(paper), Experiment(experiment), Device(device), Battery(battery), Soak(soak);
     "Inspect scenarios, records and lines":
         Show(show), Plot(plot), Report(report), Decode(decode), Parameters(parameters), Ports(ports), Budget(budget);
-    "Find what a change did to a run": Diff(diff), Replay(replay);
+    "Find what a change did to a run": Diff(diff), Rerun(rerun), Replay(replay);
     "Qualify a drive, a line or this machine": Conformance(conformance), Doctor(doctor), Compare(compare);
     "Work on a bench with hardware": Flash(flash), Rig(rig), Commission(commission), Identify(identify);
 }

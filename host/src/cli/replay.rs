@@ -13,7 +13,7 @@ use super::options::plants;
 use super::output::outln;
 use super::supervision::start_supervisor;
 use crate::bench::Bench;
-use crate::replay::{RecordedParameters, Recording, ReplayError, replay};
+use crate::replay::{DriveEnd, RecordedParameters, Recording, ReplayError, replay};
 
 /// Send the samples of a record to another firmware and compare the torques bit by bit
 ///
@@ -73,6 +73,10 @@ impl Arguments {
         } else {
             outln!("{result}");
         }
-        Ok(if result.is_equal() { Exit::Pass } else { Exit::Fail })
+        Ok(match result.end {
+            Some(DriveEnd::Interrupted) => Exit::Invalid,
+            _ if result.is_equal() => Exit::Pass,
+            _ => Exit::Fail,
+        })
     }
 }

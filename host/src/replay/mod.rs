@@ -21,4 +21,4 @@ pub use error::ReplayError;
 pub use feed::replay;
 pub use parameters::RecordedParameters;
 pub use recording::{RecordedStep, Recording};
-pub use report::{Replay, TorquePair};
+pub use report::{DriveEnd, Replay, TorquePair};

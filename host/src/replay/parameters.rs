@@ -16,15 +16,26 @@ pub struct RecordedParameters(Vec<RecordedParameter>);
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 struct RecordedParameter {
     name: String,
-    /// A number, or the name of a choice.
     value: Value,
+    /// Name of the value, for a parameter with choices. Another firmware may number them differently.
+    #[serde(default)]
+    choice: Option<String>,
+    /// Whether the law in force has it. What only other laws have is of no effect.
+    #[serde(default = "yes")]
+    of_law: bool,
+}
+
+fn yes() -> bool {
+    true
 }
 
 impl RecordedParameters {
-    /// Those of a manifest; `None` if it has none.
+    /// Those of a manifest that the law in force has; `None` if it has none.
     #[must_use]
     pub fn of(manifest: &Value) -> Option<Self> {
-        serde_json::from_value(manifest.get("parameters")?.clone()).ok()
+        let Self(mut parameters) = serde_json::from_value(manifest.get("parameters")?.clone()).ok()?;
+        parameters.retain(|it| it.of_law);
+        Some(Self(parameters))
     }
 
     /// Number of parameters.
@@ -45,16 +56,15 @@ impl RecordedParameters {
     /// # Errors
     /// The firmware lacks a parameter or a value, or the session failed.
     pub fn apply(&self, device: &mut Device, watchdog_us: f64) -> Result<(), ReplayError> {
-        for RecordedParameter { name, value } in &self.0 {
-            let written = match value {
+        for RecordedParameter { name, value, choice, .. } in &self.0 {
+            let written = match choice {
                 _ if name == WATCHDOG_US => WrittenValue::Number(watchdog_us),
-                Value::String(choice) => WrittenValue::Name(choice),
-                Value::Bool(on) => WrittenValue::Number(f64::from(u8::from(*on))),
-                value => WrittenValue::Number(value.as_f64().unwrap_or(f64::NAN)),
+                Some(choice) => WrittenValue::Name(choice),
+                None => WrittenValue::Number(value.as_f64().unwrap_or(f64::NAN)),
             };
             device.session.set(name, written).map_err(|error| {
                 let is_known = device.session.parameter(name).is_some();
-                let (name, value) = (name.clone(), value.to_string());
+                let (name, value) = (name.clone(), choice.clone().unwrap_or_else(|| value.to_string()));
                 let of = device.connection.choice.to_string();
                 match error {
                     SetError::Session(source) => device.explain(source).into(),

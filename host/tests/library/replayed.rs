@@ -25,13 +25,12 @@ impl StepObserver for Recorder {
             session.laws.iter().find(|law| law.name == start.scenario.controller.name).expect("the law");
         let of_law = session.parameters.iter().filter(|it| it.laws.contains(law.index));
         let value = of_law.map(|it| {
-            let value = session.in_force(it);
-            let value = match (it.choice(value), value) {
-                (Some(choice), _) => json!(choice),
-                (None, ParameterValue::U32(value)) => json!(value),
-                (None, ParameterValue::F32(value)) => json!(value),
+            let in_force = session.in_force(it);
+            let value = match in_force {
+                ParameterValue::U32(value) => json!(value),
+                ParameterValue::F32(value) => json!(value),
             };
-            json!({"name": it.name, "value": value})
+            json!({"name": it.name, "value": value, "choice": it.choice(in_force)})
         });
         self.parameters = value.collect();
         Ok(())
@@ -141,8 +140,8 @@ fn parameter_that_the_firmware_lacks_is_named_before_any_sample() {
     for (value, part) in [
         (json!([{"name": "brake_gain", "value": 1.5}]), "inproc has no parameter brake_gain, which was 1.5"),
         (
-            json!([{"name": "controller", "value": "braking-curve"}]),
-            "does not take controller = \"braking-curve\"",
+            json!([{"name": "controller", "value": 4, "choice": "braking-curve"}]),
+            "does not take controller = braking-curve",
         ),
         (json!([{"name": "torque_limit_nm", "value": -1.0}]), "does not take torque_limit_nm = -1.0"),
     ] {
@@ -158,7 +157,7 @@ fn fault_that_only_the_replay_latches_is_a_difference() {
     let (recording, _) = recorded(&scenario);
     // The load moves at 3 rad/s and more.
     let strict = json!({"parameters": [
-        {"name": "controller", "value": "merzouki"}, {"name": "motor_speed_limit_rad_s", "value": 1.0}
+        {"name": "controller", "value": 1, "choice": "merzouki"}, {"name": "motor_speed_limit_rad_s", "value": 1.0}
     ]});
     let run = (recording, RecordedParameters::of(&strict).expect("parameters"));
     let result = replayed(&scenario, &run, &own_laws()).expect("a replay");

@@ -78,8 +78,7 @@ impl RecordFiles {
     /// The device, as the record describes it.
     #[must_use]
     pub fn device(&self) -> Option<&str> {
-        let device = self.entry("device")?;
-        device.as_str().or_else(|| device["description"].as_str())
+        self.entry("device_description").or_else(|| self.entry("device"))?.as_str()
     }
 
     /// How often a lost drive came back.

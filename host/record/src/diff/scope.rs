@@ -62,7 +62,7 @@ impl Scope {
 fn is_in_real_time(record: &RecordFiles) -> bool {
     let of_timing = record.summary.as_ref().and_then(|summary| summary["timing"].get("clock"));
     let clock = record.manifest.as_ref().and_then(|manifest| manifest.get("clock")).or(of_timing);
-    clock.is_some_and(|clock| clock.as_str().or_else(|| clock["name"].as_str()) == Some("real-time"))
+    clock.is_some_and(|clock| clock == "real-time")
 }
 
 /// Time of the first step without a torque in time.

@@ -41,10 +41,18 @@ pub struct SettingDifference {
 pub(super) struct Settings(BTreeMap<(Group, String), String>);
 
 /// Entries of a manifest or summary that are no settings, or repeat the scenario's keys.
-const NO_SETTINGS: [&str; 7] =
-    ["command_line", "started", "overrides", "signals", "plant_signals", "warnings", "telemetry"];
+const NO_SETTINGS: [&str; 8] = [
+    "command_line",
+    "started",
+    "overrides",
+    "signals",
+    "plant_signals",
+    "warnings",
+    "telemetry",
+    "device_description",
+];
 /// Entries that are keys of the scenario too.
-const OF_SCENARIO: [&str; 4] = ["seed", "mode", "law", "controller"];
+const OF_SCENARIO: [&str; 6] = ["seed", "mode", "law", "controller", "period_us", "telemetry_every_steps"];
 
 impl Settings {
     /// `manifest` is that of the record, or the summary of an older one; `scenario` the resolved scenario.
@@ -126,7 +134,8 @@ impl Settings {
     fn take_parameters(&mut self, parameters: &[Value]) {
         for parameter in parameters {
             let text = |key: &str| parameter.get(key).map(plain).unwrap_or_default();
-            let value = format!("{} {}", text("value"), text("unit")).trim_end().to_owned();
+            let number = format!("{} {}", text("value"), text("unit")).trim_end().to_owned();
+            let value = parameter.get("choice").and_then(Value::as_str).map_or(number, str::to_owned);
             self.0.insert((Group::Parameter, text("name")), value);
         }
     }

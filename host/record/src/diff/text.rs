@@ -10,7 +10,7 @@ use super::settings::Group;
 use super::signals::SignalDifference;
 
 /// Longest text of a setting in a table.
-const LONGEST: usize = 40;
+const LONGEST: usize = 60;
 
 impl fmt::Display for Comparison {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
