@@ -9,15 +9,19 @@ use tempfile::TempDir;
 use crate::support::{lashloop, root, text};
 
 /// Folders with records of 0.2 s.
-struct Runs(TempDir);
+pub struct Runs(TempDir);
 
 impl Runs {
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
     }
 
-    fn run(&self, name: &str, arguments: &[&str]) -> PathBuf {
-        let (scenario, out) = (root().join("scenarios/smooth-after.toml"), self.0.path().join(name));
+    pub fn folder(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub fn run(&self, name: &str, arguments: &[&str]) -> PathBuf {
+        let (scenario, out) = (root().join("scenarios/smooth-after.toml"), self.folder(name));
         let [scenario, folder] = [&scenario, &out].map(|path| path.to_str().unwrap());
         let fixed = ["run", scenario, "--device", "inproc", "--out", folder];
         let short = ["--set", "run.duration_s=0.2", "--set", "expect=[]"];
@@ -133,7 +137,7 @@ fn other_period_is_compared_at_common_times() {
 fn records_that_cannot_be_compared_are_named() {
     let runs = Runs::new();
     let a = runs.run("a", &[]);
-    let absent = runs.0.path().join("absent");
+    let absent = runs.folder("absent");
     for (b, options, part) in [
         (&absent, &[][..], "absent"),
         (&a, &["--from", "7"], "no time in common"),

@@ -6,6 +6,7 @@ mod diff;
 mod dissector;
 mod doctor;
 mod plot;
+mod rerun;
 mod support;
 
 /// The messages that protocol version 1 is pinned by.
