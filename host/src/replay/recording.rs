@@ -7,9 +7,9 @@ use lashloop_record::diff::RecordFiles;
 use super::error::ReplayError;
 
 /// Columns of the samples as they were sent.
-const MOTOR_COUNTS: &str = "motor_counts_sent";
-const LOAD_COUNTS: &str = "load_counts_sent";
-const REFERENCE: &str = "reference_sent_rad";
+const MOTOR_COUNTS: &str = "motor_counts";
+const LOAD_COUNTS: &str = "load_counts";
+const REFERENCE: &str = "sent_reference_rad";
 
 /// The samples of a run, from its start.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -46,6 +46,10 @@ impl Recording {
         let missing = |what, remedy| ReplayError::Missing { record: files.name.clone(), what, remedy };
         if files.is_in_bench_mode() {
             return Err(missing("samples", "its drive read its own encoders in bench mode"));
+        }
+        if !files.has_every_bit {
+            let remedy = "trace.csv is rounded: repeat the run with `lashloop rerun`";
+            return Err(missing("run.mcap", remedy));
         }
         let columns = &files.record.trace.columns;
         let sent = [MOTOR_COUNTS, LOAD_COUNTS, REFERENCE].map(|name| columns.get(name));

@@ -119,7 +119,7 @@ fn what_cannot_be_repeated_is_an_error_that_names_the_reason() {
     });
     let (code, printed) = rerun(&record, &[]);
     assert!(code == Some(2) && printed.contains("give --rig RIG.toml"), "{code:?}: {printed}");
-    for name in ["record.json", "scenario.toml", "run.mcap"] {
+    for name in ["run.mcap", "record.json", "scenario.toml"] {
         fs::remove_file(record.join(name)).unwrap();
     }
     for (code, printed) in [rerun(&record, &[]), replay(&record, &["--device", "inproc"])] {

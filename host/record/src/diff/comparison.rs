@@ -97,6 +97,8 @@ pub struct RecordHead {
     pub verdict: Option<String>,
     /// `complete`, or what ended the run.
     pub end: Option<String>,
+    /// Whether the samples have the bits of the run, and are not rounded ones.
+    pub has_every_bit: bool,
     /// Rows of the whole record.
     pub rows: usize,
 }
@@ -209,6 +211,7 @@ impl RecordHead {
             started: text(files.entry("started")),
             verdict: of_summary("verdict"),
             end: of_summary("end"),
+            has_every_bit: files.has_every_bit,
             rows: files.record.trace.len(),
         }
     }

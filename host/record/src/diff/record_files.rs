@@ -18,6 +18,8 @@ use crate::reader::Record;
 pub struct RecordFiles {
     /// The folder as the user named it.
     pub name: String,
+    /// Whether the samples have the bits of the run. Those of `trace.csv` are rounded from format 2 on.
+    pub has_every_bit: bool,
     /// Samples and timing.
     pub record: Record,
     /// `record.json`; `None` in a record of format 1.
@@ -47,10 +49,12 @@ impl RecordFiles {
             de::from_str(&text)
                 .map_err(|error| DiffError::File { path, problem: error.message().replace('\n', "; ") })
         });
+        let manifest = json("record.json")?;
         Ok(Self {
+            has_every_bit: manifest.is_none() || folder.join("run.mcap").exists(),
             name: folder.display().to_string(),
             record,
-            manifest: json("record.json")?,
+            manifest,
             scenario: scenario.transpose()?,
             summary: json("summary.json")?,
         })

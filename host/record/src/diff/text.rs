@@ -37,9 +37,10 @@ impl Comparison {
             let scenario = head.scenario.as_ref().map(|name| format!("; {name}")).unwrap_or_default();
             let started = head.started.as_ref().map(|it| format!("; {it}")).unwrap_or_default();
             let (name, rows) = (&head.name, head.rows);
+            let rounded = if head.has_every_bit { "" } else { " of trace.csv, rounded, without run.mcap" };
             writeln!(
                 out,
-                "{letter}  {name}: {verdict}{}; {rows} rows{scenario}{started}",
+                "{letter}  {name}: {verdict}{}; {rows} rows{rounded}{scenario}{started}",
                 end.unwrap_or_default()
             )?;
         }
