@@ -43,6 +43,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
+    /// Replace a record in that folder
+    #[arg(long, requires = "out")]
+    force: bool,
+
     #[command(flatten)]
     judged: JudgedOptions,
 }
@@ -110,6 +114,7 @@ impl Arguments {
             }
             words.extend(line.contains(&"--lock-memory").then(|| "--lock-memory".into()));
         }
+        words.extend(self.force.then(|| "--force".into()));
         for setting in &self.set {
             words.extend(["--set".into(), setting.into()]);
         }

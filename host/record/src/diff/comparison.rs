@@ -179,6 +179,7 @@ impl Comparison {
             _ => self.coverage.is_equal(),
         };
         let agrees = is_covered
+            && self.signals.iter().any(|it| it.compared > 0)
             && (!verdicts_count || (a.is_some() && a == b))
             && (!self.metrics_are_judged || self.metrics.iter().all(|it| it.within))
             && self.signals.iter().all(|it| it.within)

@@ -69,7 +69,8 @@ impl Pairs {
                 (Some(&&(row_a, a_us)), Some(&&(row_b, b_us))) => match a_us.cmp(&b_us) {
                     Ordering::Equal => {
                         rows.push([row_a, row_b]);
-                        (a_rest.next(), b_rest.next());
+                        a_rest.next();
+                        b_rest.next();
                     }
                     Ordering::Less => {
                         unpaired(0, a_us);

@@ -120,7 +120,7 @@ impl Settings {
                     self.flatten(group, &below(key), value);
                 }
             }
-            Value::Array(items) if items.iter().any(|item| item.is_object()) => {
+            Value::Array(items) if items.iter().any(Value::is_object) => {
                 for (index, item) in items.iter().enumerate() {
                     self.flatten(group, &format!("{path}[{index}]"), item);
                 }

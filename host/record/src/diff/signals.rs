@@ -161,8 +161,7 @@ mod tests {
     use super::*;
 
     fn columns(columns: &[(&'static str, &'static str, &[f64])]) -> Columns {
-        let mut table =
-            Columns::new(columns.iter().map(|(name, unit, _)| Signal::new(*name, *unit)).collect());
+        let mut table = Columns::new(columns.iter().map(|(name, unit, _)| Signal::new(name, unit)).collect());
         for row in 0..columns[0].2.len() {
             table.push(columns.iter().map(|(_, _, values)| values[row]));
         }

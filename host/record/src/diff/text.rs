@@ -24,6 +24,9 @@ impl fmt::Display for Comparison {
             (Agreement::Bits, Scope::All) => "\nEQUAL bit for bit",
             (Agreement::Bits, _) => "\nEQUAL bit for bit in what is judged",
             (Agreement::Tolerance, _) => "\nEQUAL within the tolerance",
+            (Agreement::Different, _) if self.signals.iter().all(|it| it.compared == 0) => {
+                "\nDIFFERENT: nothing can be judged"
+            }
             (Agreement::Different, _) => "\nDIFFERENT",
         })
     }
@@ -128,7 +131,7 @@ impl Comparison {
                 }
             }
             Scope::Hardware => {
-                writeln!(out, "Judged: the reference; positions and torques of hardware are measured")?
+                writeln!(out, "Judged: the reference; positions and torques of hardware are measured")?;
             }
         }
         Ok(())
