@@ -116,7 +116,7 @@ fn what_cannot_be_repeated_is_an_error_that_names_the_reason() {
     let (code, printed) = replay(&record, &["--device", "inproc"]);
     assert!(code == Some(2) && printed.contains("no parameter brake_gain"), "{code:?}: {printed}");
     change(&record, |manifest| {
-        manifest["command_line"] = json!(["lashloop", "run", "a.toml", "--rig=bench.toml"])
+        manifest["command_line"] = json!(["lashloop", "run", "a.toml", "--rig=bench.toml"]);
     });
     let (code, printed) = rerun(&record, &[]);
     assert!(code == Some(2) && printed.contains("give --rig RIG.toml"), "{code:?}: {printed}");
