@@ -69,6 +69,7 @@
 //! | [`ports`], [`doctor`] | the serial ports of this machine, and the examination of a line |
 //! | [`flash`], [`rig`] | firmware onto a drive; benches with hardware: rig file, limits, lock |
 //! | [`commission`], [`identify`] | motions that show a drive train; its estimates from records, and what is written of them |
+//! | [`replay`] | the samples of a record sent to another firmware, and its torques compared |
 //! | [`soak`] | a scenario repeated under rising faults |
 
 #![forbid(unsafe_code)]
@@ -87,6 +88,7 @@ pub mod identify;
 mod outcome;
 pub mod parameter_set;
 pub mod ports;
+pub mod replay;
 pub mod rig;
 mod run;
 pub mod soak;

@@ -10,13 +10,14 @@
 //! | `timing.csv` | timing of each control step, rounded | by whole rows | [`timing`] |
 //! | `summary.json` | the verdict, and the metrics | at the end | [`summary`] |
 //!
-//! [`writer`] writes them during a run, [`reader`] reads them back, and [`columns`] holds them in memory. Chunks and rows are
+//! [`writer`] writes them during a run, [`reader`] reads them back, [`columns`] holds them in memory, and [`diff`] compares two records. Chunks and rows are
 //! written whole, and a summary takes its name only when it is complete: a record without a summary was interrupted.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 pub mod columns;
+pub mod diff;
 mod digits;
 pub mod file_names;
 pub mod folder;

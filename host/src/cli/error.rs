@@ -9,6 +9,7 @@ use crate::commission::MotionError;
 use crate::flash::FlashError;
 use crate::identify::record::NoSeries;
 use crate::parameter_set::SettingsError;
+use crate::replay::ReplayError;
 use crate::rig::drive_settings::MissingParameter;
 use crate::rig::limits::LimitError;
 use crate::rig::lock::LockError;
@@ -20,6 +21,7 @@ use lashloop_bench::verdict::Exit;
 use lashloop_identify::IdentifyError;
 use lashloop_identify::excitation::CommissioningError;
 use lashloop_record::folder::FolderError;
+use lashloop_record::diff::DiffError;
 use lashloop_record::reader::ReadError;
 use lashloop_report::runs::DrawError;
 
@@ -46,6 +48,11 @@ pub(crate) enum CliError {
     Record(#[from] ReadError),
     #[error(transparent)]
     Folder(#[from] FolderError),
+    Diff(#[from] DiffError),
+    #[error("{}: can't be run again: {problem}", record.display())]
+    Rerun { record: PathBuf, problem: String },
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
     #[error(transparent)]
     Draw(#[from] DrawError),
     #[error("--from {from} --until {until} is an empty range; --until must be later than --from")]
@@ -97,6 +104,7 @@ impl CliError {
             | Self::Settings(SettingsError::Refused { .. } | SettingsError::Session(_))
             | Self::RigLock(_)
             | Self::RigParameter(_)
+            | Self::Replay(ReplayError::Device(_))
             | Self::System { .. } => Exit::DeviceOrLink,
             Self::HardwareAbsent { .. } => Exit::HardwareAbsent,
             Self::Commission(_) | Self::Identify(_) => Exit::Invalid,
@@ -112,6 +120,9 @@ impl CliError {
             | Self::Input { .. }
             | Self::Record(_)
             | Self::Folder(_)
+            | Self::Diff(_)
+            | Self::Rerun { .. }
+            | Self::Replay(_)
             | Self::Draw(_)
             | Self::CommissionLimit { .. }
             | Self::Motion { .. }

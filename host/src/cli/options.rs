@@ -39,12 +39,15 @@ const DEVICE: &str = "device";
 
 /// Makes the options that take a device parse the devices of this bench.
 pub(super) fn with_devices(command: Command, bench: &Bench) -> Command {
+    command.mut_subcommands(|command| with_device(command, bench))
+}
+
+/// As [`with_devices`], for one command.
+pub(super) fn with_device(command: Command, bench: &Bench) -> Command {
     let devices = bench.devices();
-    command.mut_subcommands(|command| {
-        let takes_device = command.get_arguments().any(|argument| argument.get_id() == DEVICE);
-        let parse = move |text: &str| DeviceChoice::parse(text, &devices);
-        if takes_device { command.mut_arg(DEVICE, |argument| argument.value_parser(parse)) } else { command }
-    })
+    let takes_device = command.get_arguments().any(|argument| argument.get_id() == DEVICE);
+    let parse = move |text: &str| DeviceChoice::parse(text, &devices);
+    if takes_device { command.mut_arg(DEVICE, |argument| argument.value_parser(parse)) } else { command }
 }
 
 /// Models of plants that scenarios may choose. This program is the guard of a plant in a process.

@@ -25,7 +25,7 @@ use super::output::{error_line, outln};
 use super::progress::Progress;
 use super::run_report;
 use super::supervision::start_supervisor;
-use crate::identify::gate::{self, KeyInterval, RecordedMotion};
+use crate::identify::gate::{self, Departure, KeyInterval, RecordedMotion};
 use crate::rig::check::check_board;
 
 /// Run a scenario on a drive and print its verdict
@@ -72,6 +72,16 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let Executed { scenario, summary, outcome, departure } = self.execute(bench)?;
+        if let Some(departure) = departure {
+            outln!("GATE   {departure}");
+        }
+        run_report::print(&scenario, &summary, &outcome);
+        Ok(summary.verdict.into())
+    }
+
+    /// Makes the run and writes its record. Prints warnings only.
+    pub(super) fn execute(self, bench: &Bench) -> Result<Executed, CliError> {
         let (mut scenario, source) = {
             let law = self.controller.map(Override::Controller);
             self.scenario.read_with_source(law.into_iter().chain(self.mode.map(Override::Mode)), bench)?
@@ -139,12 +149,16 @@ impl Arguments {
         }
         // A signal before this point would truncate the record.
         drop(signals);
-        if let Some(departure) = departure {
-            outln!("GATE   {departure}");
-        }
-        run_report::print(&scenario, &summary, &outcome);
-        Ok(summary.verdict.into())
+        Ok(Executed { scenario, summary, outcome, departure })
     }
+}
+
+/// A run that was made and recorded.
+pub(super) struct Executed {
+    scenario: Scenario,
+    summary: Summary,
+    pub(super) outcome: Outcome,
+    departure: Option<Departure>,
 }
 
 /// What the gate compares after the run.

@@ -1,5 +1,7 @@
 //! The library as a user's test calls it.
 
+mod replayed;
+
 use std::thread;
 
 use lashloop::{Bench, Error, NoMetric, Outcome, Verdict, run};

@@ -2,9 +2,11 @@
 
 mod capture;
 mod decode;
+mod diff;
 mod dissector;
 mod doctor;
 mod plot;
+mod rerun;
 mod support;
 
 /// The messages that protocol version 1 is pinned by.
