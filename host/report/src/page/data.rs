@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::codec::Encoded;
 use super::input::Run;
+use crate::number::typeset_unit;
 
 /// Most rows of all runs of a page. A run of 25 s at 1 kHz has 25,000.
 const MOST_ROWS: usize = 90_000;
@@ -124,7 +125,7 @@ impl Chart {
     pub(super) fn new(title: impl Into<String>, unit: impl Into<String>, series: Vec<Series>) -> Self {
         Self {
             title: title.into(),
-            unit: unit.into(),
+            unit: typeset_unit(&unit.into()),
             part: Part::Motion,
             series,
             shades: Vec::new(),

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::margin::{Grade, MARGINAL, Margin};
 use super::shell::document;
 use super::why::{Tone, bound, percent};
-use crate::number::{DIGITS, significant, typeset};
+use crate::number::{DIGITS, significant, typeset, typeset_unit};
 
 /// A suite: one row for each run.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -150,7 +150,7 @@ fn row(row: &SuiteRow) -> Markup {
             td.meaning { (row.reason) }
             td.meaning { @if let Some((it, fraction)) = row.tightest() {
                 strong { (percent(fraction)) } " " (it.name) ": "
-                @if let Some(value) = it.value { (typeset(&significant(value, DIGITS))) " " (it.unit) }
+                @if let Some(value) = it.value { (typeset(&significant(value, DIGITS))) " " (typeset_unit(&it.unit)) }
                 @if let Some(min) = it.min { ", \u{2265} " (bound(min)) }
                 @if let Some(max) = it.max { ", \u{2264} " (bound(max)) }
             } }

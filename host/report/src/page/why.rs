@@ -3,7 +3,7 @@
 use super::input::Run;
 use super::margin::Grade;
 use super::summary::{Breach, Expectation, Summary};
-use crate::number::{DIGITS, exact, significant, typeset};
+use crate::number::{DIGITS, exact, significant, typeset, typeset_unit};
 
 /// What a page shows as the verdict. The name is a class of the style, too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,7 +101,7 @@ fn failed(summary: &Summary) -> String {
 
 /// How an expectation is missed.
 fn departure(missed: &Expectation) -> String {
-    let unit = &missed.unit;
+    let unit = typeset_unit(&missed.unit);
     let Some(value) = missed.value else {
         return format!("{missed} has no value: {}", missed.reason.as_deref().unwrap_or("the reason is not recorded"));
     };

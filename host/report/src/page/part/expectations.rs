@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::super::margin::Grade;
 use super::super::summary::Expectation;
 use super::super::why::{bound, percent};
-use crate::number::{DIGITS, significant, typeset};
+use crate::number::{DIGITS, significant, typeset, typeset_unit};
 
 pub(in super::super) fn section(expectations: &[Expectation]) -> Markup {
     html! {
@@ -29,7 +29,7 @@ pub(in super::super) fn section(expectations: &[Expectation]) -> Markup {
 
 fn row(expectation: &Expectation) -> Markup {
     let grade = expectation.grade();
-    let unit = &expectation.unit;
+    let unit = &typeset_unit(&expectation.unit);
     html! {
         tr class=(grade.name()) {
             th scope="row" { (expectation.to_string()) }
@@ -55,7 +55,7 @@ fn symbol(grade: Grade) -> &'static str {
 pub(in super::super) fn value(value: Option<f64>, unit: &str, reason: Option<&str>) -> Markup {
     match value {
         Some(value) => html! {
-            data value=(value) title={ (value) " " (unit) } { (typeset(&significant(value, DIGITS))) } " " (unit)
+            data value=(value) title={ (value) " " (unit) } { (typeset(&significant(value, DIGITS))) } " " (typeset_unit(unit))
         },
         None => html! { span.absent { (reason.unwrap_or("no value")) } },
     }
@@ -73,7 +73,7 @@ fn limits(expectation: &Expectation) -> String {
 fn margin(expectation: &Expectation) -> Markup {
     let Some(margin) = expectation.margin() else { return html! { span.absent { "none" } } };
     html! {
-        data value=(margin.distance) { (typeset(&significant(margin.distance, 3))) } " " (expectation.unit)
+        data value=(margin.distance) { (typeset(&significant(margin.distance, 3))) } " " (typeset_unit(&expectation.unit))
         @if let Some(fraction) = margin.fraction { " " small { "(" (percent(fraction)) ")" } }
     }
 }

@@ -8,7 +8,7 @@ use maud::{Markup, html};
 use super::super::input::Run;
 use super::super::summary::Summary;
 use super::expectations::value;
-use crate::number::{significant, typeset};
+use crate::number::{significant, typeset, typeset_unit};
 
 /// A metric as a table shows it.
 struct Row<'a> {
@@ -69,7 +69,7 @@ pub(in super::super) fn side_by_side(runs: &[Run]) -> Markup {
                 } }
                 tbody { @for row in rows(&summaries) { tr {
                     th scope="row" { code { (row.name) } }
-                    td { (row.unit) }
+                    td { (typeset_unit(row.unit)) }
                     @for (number, run) in runs.iter().enumerate() {
                         td.number data-metric=(row.name) { (value(of(run, row.name), "", None)) }
                         @if number > 0 { td.number { (difference(of(&runs[0], row.name), of(run, row.name))) } }
