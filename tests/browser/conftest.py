@@ -141,10 +141,10 @@ def failed(records: Path) -> Record:
     """8 s on the backlash shaft with two injected faults, and expectations that a disturbed drive misses."""
     faults = """
 [[fault]]
-kind = "encoder-stuck"
-side = "load"
+kind = "load-torque"
+torque_nm = 0.3
 at_s = 2.0
-for_s = 0.2
+for_s = 0.5
 
 [[fault]]
 kind = "torque-gain"

@@ -13,10 +13,9 @@ if TYPE_CHECKING:
 
 @pytest.fixture(scope="module")
 def runs(records: Path) -> list[Record]:
-    """The same run with three gaps."""
-    widths = ["0.08", "0.16", "0.24"]
-    scenario = SCENARIOS / "smooth-after.toml"
-    return [run(records / f"gap-{it}", scenario, "--set", f"plant.dead_zone_rad={it}") for it in widths]
+    """Two laws on one plant, and another plant."""
+    names = ["smooth-before", "smooth-after", "friction-after"]
+    return [run(records / f"compared-{name}", SCENARIOS / f"{name}.toml") for name in names]
 
 
 def test_runs_are_distinguishable_and_differences_are_to_the_first(

@@ -56,19 +56,15 @@ def test_numbers_are_those_of_the_summary(open_page: Opener, failed: Record) -> 
     for row, expectation in zip(rows.all(), summary["expectations"], strict=True):
         assert row.locator("th").inner_text() == expectation["metric"]
         assert row.locator("td").first.inner_text().endswith("fail") == (not expectation["ok"])
-        value, margin = (Number(it) for it in row.locator("data").evaluate_all("all => all.map((it) => it.value)"))
+        value, margin = (float(it) for it in row.locator("data").evaluate_all("all => all.map((it) => it.value)"))
         assert value == expectation["value"]
         bounds = [(1, expectation["max"]), (-1, expectation["min"])]
         distances = [sign * (bound - value) for sign, bound in bounds if bound is not None]
         assert margin == pytest.approx(min(distances))
     faults = page.locator(".timeline .name").all_inner_texts()
-    assert faults == [fault["kind"] for fault in summary["faults"]] == ["encoder-stuck", "torque-gain"]
+    assert faults == [fault["kind"] for fault in summary["faults"]] == ["load-torque", "torque-gain"]
     marks = page.locator(".chart", has_text="Load position").first.locator(".mark title")
     assert marks.evaluate_all("all => all.map((it) => it.textContent)") == faults
-
-
-def Number(text: str) -> float:  # noqa: N802
-    return float(text)
 
 
 def test_the_sentence_names_what_is_missed(open_page: Opener, failed: Record) -> None:
