@@ -22,6 +22,8 @@ WORKSPACE = Path(__file__).resolve().parents[2]
 SCENARIOS = WORKSPACE / "scenarios"
 OUTPUT = WORKSPACE / "target" / "browser"
 CHROMIUM = os.environ.get("CHROMIUM_BIN", "/usr/bin/chromium")
+# A chart draws once the browser has laid out its place.
+DRAWN = "[...document.querySelectorAll('.plot')].every((it) => it.hasAttribute('viewBox') || !it.checkVisibility())"
 ARGUMENTS = [
     "--no-sandbox",
     "--disable-gpu",
@@ -91,7 +93,7 @@ def watched(browser: Browser, width: int, scheme: Any, *, has_touch: bool) -> It
     page, watch = context.new_page(), Watch()
     page.on("console", lambda message: watch.messages.append(f"{message.type}: {message.text}"))
     page.on("pageerror", lambda error: watch.messages.append(f"exception: {error}"))
-    page.on("dialog", lambda dialog: (watch.messages.append(f"dialog: {dialog.message}"), dialog.dismiss()))
+    page.on("dialog", lambda dialog: watch.messages.append(f"dialog: {dialog.message}"))
     page.on("request", lambda request: watch.requests.append(request.url))
     yield page, watch
     context.close()
@@ -108,8 +110,7 @@ def open_page(browser: Browser) -> Iterator[Opener]:
         opened.append((context, path, watch))
         page.goto(path.as_uri())
         page.wait_for_selector("html[data-ready]", timeout=30_000)
-        # A chart draws when the browser has laid out its place.
-        page.wait_for_function("[...document.querySelectorAll('.plot')].every((it) => it.hasAttribute('viewBox') || !it.checkVisibility())")
+        page.wait_for_function(DRAWN)
         return page
 
     yield open_page

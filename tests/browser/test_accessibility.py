@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
 import pytest
 from conftest import OUTPUT, Opener, Record
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 # Text whose contrast with its ground is below 4.5 (below 3 for large text), as WCAG 2.2 counts it.
 CONTRAST = """() => {
@@ -28,7 +34,8 @@ CONTRAST = """() => {
   const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   while (walker.nextNode()) {
     const element = walker.currentNode.parentElement;
-    if (!walker.currentNode.textContent.trim() || !element.checkVisibility() || element.closest("script, title, defs")) continue;
+    const text = walker.currentNode.textContent.trim();
+    if (!text || !element.checkVisibility() || element.closest("script, title, defs")) continue;
     const style = getComputedStyle(element);
     const isDrawing = element.namespaceURI.endsWith("svg");
     const [a, b] = [rgba(isDrawing ? style.fill : style.color), ground(element)].map(luminance);
@@ -36,7 +43,7 @@ CONTRAST = """() => {
     const size = parseFloat(style.fontSize);
     const isLarge = size >= 24 || (size >= 18.66 && Number(style.fontWeight) >= 700);
     count += 1;
-    if (contrast < (isLarge ? 3 : 4.5)) poor.push(`${contrast.toFixed(2)} ${walker.currentNode.textContent.trim().slice(0, 40)}`);
+    if (contrast < (isLarge ? 3 : 4.5)) poor.push(`${contrast.toFixed(2)} ${text.slice(0, 40)}`);
   }
   return { count, poor };
 }"""
@@ -83,7 +90,7 @@ def test_all_that_is_interactive_or_drawn_has_a_name(open_page: Opener, failed: 
     levels = page.evaluate("[...document.querySelectorAll('h1, h2, h3')].map((it) => Number(it.tagName[1]))")
     assert levels[0] == 1
     assert levels.count(1) == 1
-    assert all(later - earlier <= 1 for earlier, later in zip(levels, levels[1:], strict=False))
+    assert all(later - earlier <= 1 for earlier, later in pairwise(levels))
     assert page.locator("th:not([scope])").count() == 0
 
 
@@ -92,7 +99,9 @@ def test_every_control_is_reached_by_tab(open_page: Opener, failed: Record) -> N
     reached = set()
     for _ in range(60):
         page.keyboard.press("Tab")
-        reached.add(page.evaluate("document.activeElement.getAttribute('class') || document.activeElement.dataset.do || ''"))
+        reached.add(
+            page.evaluate("(({ classList, dataset }) => dataset.do || classList[0] || '')(document.activeElement)")
+        )
     assert {"theme", "in", "out", "reset", "plot"} <= reached
 
 
@@ -103,9 +112,9 @@ def test_paper_has_every_chart_whole_and_no_controls(open_page: Opener, failed: 
     page.set_viewport_size({"width": 688, "height": 1000})
     page.wait_for_timeout(100)
     clipped = page.evaluate(
-        """[...document.querySelectorAll(".plot, table, .histogram")].filter((it) => it.checkVisibility()).filter((it) => {
+        """[...document.querySelectorAll(".plot, table, .histogram")].filter((it) => {
             const box = it.getBoundingClientRect();
-            return box.width < 100 || box.left < 0 || box.right > document.documentElement.clientWidth + 1;
+            return it.checkVisibility() && (box.width < 100 || box.left < 0 || box.right > innerWidth + 1);
         }).map((it) => it.outerHTML.slice(0, 80))"""
     )
     assert clipped == []
@@ -116,8 +125,8 @@ def test_paper_has_every_chart_whole_and_no_controls(open_page: Opener, failed: 
     assert page.pdf(path=OUTPUT / "report.pdf", format="A4", print_background=False).startswith(b"%PDF")
 
 
-def test_a_page_without_scripts_has_verdict_and_tables(browser: object, failed: Record) -> None:
-    context = browser.new_context(java_script_enabled=False)  # type: ignore[attr-defined]
+def test_a_page_without_scripts_has_verdict_and_tables(browser: Browser, failed: Record) -> None:
+    context = browser.new_context(java_script_enabled=False)
     page = context.new_page()
     page.goto(failed.page.as_uri())
     assert page.locator(".badge").inner_text() == "FAIL"

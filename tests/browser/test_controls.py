@@ -178,7 +178,8 @@ def test_a_finger_moves_the_cursor_and_two_zoom(open_page: Opener, failed: Recor
         """(plot) => {
             const box = plot.querySelector(".frame").getBoundingClientRect();
             const send = (type, id, fraction) => plot.dispatchEvent(new PointerEvent(type, {
-                pointerId: id, pointerType: "touch", clientX: box.left + fraction * box.width, clientY: box.top + 20, bubbles: true,
+                pointerId: id, pointerType: "touch", bubbles: true,
+                clientX: box.left + fraction * box.width, clientY: box.top + 20,
             }));
             send("pointerdown", 1, 0.4);
             send("pointerdown", 2, 0.6);

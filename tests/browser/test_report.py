@@ -33,7 +33,14 @@ def test_every_chart_has_curves_and_nothing_overflows(
     assert page.evaluate("document.documentElement.scrollWidth") <= width
     charts = page.locator(".chart:visible")
     titles = charts.locator("h3").all_text_contents()
-    wanted = ["Load position", "Position error", "Torque", "Twist and gap", "Phase plane", "Hysteresis of gap and shaft"]
+    wanted = [
+        "Load position",
+        "Position error",
+        "Torque",
+        "Twist and gap",
+        "Phase plane",
+        "Hysteresis of gap and shaft",
+    ]
     assert set(wanted) <= set(titles)
     assert "Estimate: dead zone" in titles
     empty = page.evaluate(
@@ -48,7 +55,8 @@ def test_numbers_are_those_of_the_summary(open_page: Opener, failed: Record) -> 
     page, summary = open_page(failed.page), failed.summary
     assert page.locator(".badge").inner_text() == summary["verdict"] == "FAIL"
     shown = page.evaluate(
-        "[...document.querySelectorAll('[data-metric] data')].map((it) => [it.parentElement.dataset.metric, Number(it.value)])"
+        "[...document.querySelectorAll('[data-metric] data')]"
+        ".map((it) => [it.parentElement.dataset.metric, Number(it.value)])"
     )
     assert dict(shown) == {name: value for name, value in summary["metrics"].items() if value is not None}
     rows = page.locator("table.expectations tbody tr")
@@ -77,10 +85,10 @@ def test_the_sentence_names_what_is_missed(open_page: Opener, failed: Record) ->
 def test_a_run_of_25_s_opens_at_once_and_is_small(open_page: Opener, passed: Record) -> None:
     size = passed.page.stat().st_size
     assert size < 3_000_000
-    times = sorted(float(open_page(passed.page).evaluate("document.documentElement.dataset.ready")) for _ in range(3))
+    times = sorted(float(open_page(passed.page).evaluate("document.documentElement.dataset.ready")) for _ in range(2))
     report = WORKSPACE / "target" / "reports" / "browser.txt"
     report.parent.mkdir(parents=True, exist_ok=True)
-    report.write_text(f"report.html of 25 s at 1 kHz: {size / 1e6:.2f} MB, ready after {times[0]:.0f} ms (best of 3)\n")
+    report.write_text(f"report.html of 25 s at 1 kHz: {size / 1e6:.2f} MB, ready after {times[0]:.0f} ms (best of 2)\n")
     # The aim is 1 s; the machine of a test is shared.
     assert times[0] < 5_000
 

@@ -112,7 +112,14 @@ fn charts(runs: &[Run]) -> Data {
     }
     for (estimate, truth) in &names {
         let unit = runs.iter().find_map(|run| run.record.trace.columns.unit(estimate)).unwrap_or_default();
-        push(&mut data, &format!("Estimate: {}", spelled(truth, unit)), unit, &|run| column(run, estimate));
+        let title = format!("Estimate: {}", spelled(truth, unit));
+        let mut chart = of_all(&mut data, runs, &title, unit, |run| column(run, estimate));
+        if let Some((number, values)) = runs.iter().enumerate().find_map(|(at, run)| Some((at, run.column(truth)?))) {
+            let id = data.column(number, truth, || values.to_vec());
+            let name = format!("truth of {}", runs[number].name);
+            chart.series.push(Series::new(name, number, id).style("reference").dashed());
+        }
+        data.charts.push(chart);
     }
     push(&mut data, "Round trip", "us", &|run| {
         let trip: Vec<_> = run.timing.iter().map(super::part::timing::round_trip_us).collect();

@@ -21,7 +21,7 @@ pub(in super::super) fn controls() -> Markup {
 /// The charts of a part.
 pub(in super::super) fn charts(data: &Data, part: Part) -> Markup {
     html! {
-        div.grid { @for (number, chart) in data.charts.iter().enumerate() {
+        div.charts { @for (number, chart) in data.charts.iter().enumerate() {
             @if chart.part == part { (place(number, chart)) }
         } }
     }
