@@ -81,7 +81,9 @@ mod tests {
 
     #[test]
     fn a_bound_keeps_the_digits_of_its_author() {
-        for (value, text) in [(5.24, "5.24"), (0.0, "0"), (-0.015, "-0.015"), (1e-6, "1e-6"), (30_000.0, "30000")] {
+        for (value, text) in
+            [(5.24, "5.24"), (0.0, "0"), (-0.015, "-0.015"), (1e-6, "1e-6"), (30_000.0, "30000")]
+        {
             assert_eq!(exact(value), text);
         }
     }

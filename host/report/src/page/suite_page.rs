@@ -123,7 +123,12 @@ pub fn suite(suite: &Suite) -> String {
             div.command { code { (suite.command) } button type="button" data-copy=(suite.command) { "Copy" } }
         }
     };
-    document(&format!("{verdict}: {}", suite.title), &[("runs", "Runs"), ("repeat", "Run it again")], None, &content)
+    document(
+        &format!("{verdict}: {}", suite.title),
+        &[("runs", "Runs"), ("repeat", "Run it again")],
+        None,
+        &content,
+    )
 }
 
 fn name(tone: Tone) -> &'static str {
@@ -138,7 +143,8 @@ fn name(tone: Tone) -> &'static str {
 
 fn row(row: &SuiteRow) -> Markup {
     let tone = row.tone();
-    let settings = row.settings.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ");
+    let settings =
+        row.settings.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ");
     html! {
         tr data-tone=(tone.class()) {
             td { span class={ "grade " (tone.class()) } { (name(tone)) } }

@@ -83,9 +83,15 @@ fn places(expectation: &Expectation) -> Option<(f64, f64, f64)> {
     let value = expectation.value.filter(|value| value.is_finite())?;
     let (low, high) = match (expectation.min, expectation.max) {
         (Some(min), Some(max)) => (min - (max - min) * 0.25, max + (max - min) * 0.25),
-        (Some(min), None) => (min - min.abs().max(1e-12) * 0.5, min + min.abs().max(value - min).max(1e-12) * 1.2),
+        (Some(min), None) => {
+            (min - min.abs().max(1e-12) * 0.5, min + min.abs().max(value - min).max(1e-12) * 1.2)
+        }
         (None, Some(max)) => {
-            let low = if max > 0.0 && value >= 0.0 { 0.0 } else { max - max.abs().max(max - value).max(1e-12) * 1.2 };
+            let low = if max > 0.0 && value >= 0.0 {
+                0.0
+            } else {
+                max - max.abs().max(max - value).max(1e-12) * 1.2
+            };
             (low, max + max.abs().max(1e-12) * 0.25)
         }
         (None, None) => return None,

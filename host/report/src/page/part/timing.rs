@@ -100,7 +100,9 @@ fn worst(run: &Run) -> Markup {
     let mut rows: Vec<_> = run.timing.iter().zip(run.times_s()).collect();
     rows.sort_by(|(a, _), (b, _)| until_torque_us(b).total_cmp(&until_torque_us(a)));
     rows.truncate(LISTED);
-    let cell = |value: f64| if value.is_finite() { typeset(&significant(value, DIGITS)) } else { "\u{2013}".to_owned() };
+    let cell = |value: f64| {
+        if value.is_finite() { typeset(&significant(value, DIGITS)) } else { "\u{2013}".to_owned() }
+    };
     html! {
         @if rows.is_empty() {
             p { "The record has no timing of its steps." }
