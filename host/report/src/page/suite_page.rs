@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::margin::{Grade, MARGINAL, Margin};
+use super::part::command::copied;
 use super::shell::document;
 use super::why::{Tone, bound, percent};
 use crate::number::{DIGITS, significant, typeset, typeset_unit};
@@ -120,7 +121,7 @@ pub fn suite(suite: &Suite) -> String {
         }
         section #repeat {
             h2 { "Run it again" }
-            div.command { code { (suite.command) } button type="button" data-copy=(suite.command) { "Copy" } }
+            (copied(&suite.command))
         }
     };
     document(
