@@ -73,7 +73,7 @@ pub(in super::super) fn side_by_side(runs: &[Run]) -> Markup {
                     th scope="row" { code { (row.name) } }
                     td { (typeset_unit(row.unit)) }
                     @for (number, run) in runs.iter().enumerate() {
-                        td.number data-metric=(row.name) { (value(of(run, row.name), "", None)) }
+                        td.number data-metric=(row.name) { (value(of(run, row.name), "", reason(run, row.name))) }
                         @if number > 0 { td.number { (difference(of(&runs[0], row.name), of(run, row.name))) } }
                     }
                 } } }
@@ -81,6 +81,10 @@ pub(in super::super) fn side_by_side(runs: &[Run]) -> Markup {
             p.note { "Differences are relative to " (runs.first().map_or("", |run| &run.name)) "." }
         }
     }
+}
+
+fn reason<'a>(run: &'a Run, name: &str) -> Option<&'a str> {
+    run.summary.as_ref()?.metrics_without_value.get(name).map(String::as_str)
 }
 
 fn difference(first: Option<f64>, other: Option<f64>) -> Markup {
