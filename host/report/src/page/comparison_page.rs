@@ -12,10 +12,13 @@ use super::why::{Tone, sentence, verdict};
 const LINKS: [Link; 4] =
     [("runs", "Runs"), ("settings", "What differs"), ("plots", "Plots"), ("metrics", "Metrics")];
 
+/// A quantity of a run: name of its column, and a value for each step.
+type Named = (String, Vec<f64>);
+
 /// Several records over the same axes, as a self-contained HTML document. The first is what the others are compared with.
 #[must_use]
 pub fn comparison(runs: &[Run]) -> String {
-    let data = charts(runs);
+    let (data, ()) = Data::fitted(runs, |data| (charts(runs, data), ()));
     let title = format!("Comparison of {} runs", runs.len());
     let content = html! {
         section #runs {
@@ -84,8 +87,7 @@ fn settings(runs: &[Run]) -> Markup {
     }
 }
 
-fn charts(runs: &[Run]) -> Data {
-    let mut data = Data::new(runs);
+fn charts(runs: &[Run], mut data: Data) -> Data {
     let mut position =
         of_all(&mut data, runs, "Load position", "rad", |run| column(run, "load_position_rad"));
     let mut drawn: Vec<&[f64]> = Vec::new();
@@ -98,13 +100,12 @@ fn charts(runs: &[Run]) -> Data {
         position.series.push(Series::new("reference", number, id).style("reference").dashed());
     }
     data.charts.push(position);
-    let push =
-        |data: &mut Data, title: &str, unit: &str, quantity: &dyn Fn(&Run) -> Option<(String, Vec<f64>)>| {
-            let chart = of_all(data, runs, title, unit, quantity);
-            if !chart.series.is_empty() {
-                data.charts.push(chart);
-            }
-        };
+    let push = |data: &mut Data, title: &str, unit: &str, quantity: &dyn Fn(&Run) -> Option<Named>| {
+        let chart = of_all(data, runs, title, unit, quantity);
+        if !chart.series.is_empty() {
+            data.charts.push(chart);
+        }
+    };
     push(&mut data, "Position error", "rad", &|run| Some(("error_rad".to_owned(), error_rad(run)?)));
     push(&mut data, "Torque", "N m", &|run| column(run, "torque_nm"));
     push(&mut data, "Twist", "rad", &|run| column(run, "twist_rad"));
@@ -116,7 +117,15 @@ fn charts(runs: &[Run]) -> Data {
     }
     for (estimate, truth) in &names {
         let unit = runs.iter().find_map(|run| run.record.trace.columns.unit(estimate)).unwrap_or_default();
-        push(&mut data, &format!("Estimate: {}", spelled(truth, unit)), unit, &|run| column(run, estimate));
+        let title = format!("Estimate: {}", spelled(truth, unit));
+        let mut chart = of_all(&mut data, runs, &title, unit, |run| column(run, estimate));
+        // One truth for all, such as a gap that no run has changed.
+        let truths: Vec<_> = runs.iter().map(|run| run.column(truth)).collect();
+        if let Some(Some(values)) = truths.first().filter(|first| truths.iter().all(|it| it == *first)) {
+            let id = data.column(0, truth, || values.to_vec());
+            chart.series.push(Series::new("truth", 0, id).style("reference").dashed());
+        }
+        data.charts.push(chart);
     }
     push(&mut data, "Round trip", "us", &|run| {
         let trip: Vec<_> = run.timing.iter().map(super::part::timing::round_trip_us).collect();
@@ -139,7 +148,7 @@ fn charts(runs: &[Run]) -> Data {
     data
 }
 
-fn column(run: &Run, name: &str) -> Option<(String, Vec<f64>)> {
+fn column(run: &Run, name: &str) -> Option<Named> {
     Some((name.to_owned(), run.column(name)?.to_vec()))
 }
 
@@ -149,7 +158,7 @@ fn of_all(
     runs: &[Run],
     title: &str,
     unit: &str,
-    quantity: impl Fn(&Run) -> Option<(String, Vec<f64>)>,
+    quantity: impl Fn(&Run) -> Option<Named>,
 ) -> Chart {
     let mut series = Vec::new();
     for (number, run) in runs.iter().enumerate() {

@@ -81,7 +81,7 @@ mod tests {
             (Some(5.5), None, Some(6.0), Grade::Marginal),
             (Some(6.0), None, Some(6.0), Grade::Marginal),
             (Some(6.1), None, Some(6.0), Grade::Fail),
-            (Some(5.1), Some(5.0), Some(6.0), Grade::Pass),
+            (Some(5.2), Some(5.0), Some(6.0), Grade::Pass),
             (Some(5.95), Some(5.0), Some(6.0), Grade::Marginal),
             (Some(-2.0), Some(-2.1), None, Grade::Marginal),
             (Some(0.5), Some(0.0), None, Grade::Pass),

@@ -55,7 +55,7 @@ pub(in super::super) fn repeat(run: &Run) -> Markup {
     html! {
         section #repeat {
             h2 { "Run it again" }
-            div.command { code { (command) } button type="button" data-copy=(command) { "Copy" } }
+            (super::command::copied(&command))
             p.note { "This record is of an older format: it lacks the settings of the command line, the parameters in force and the host. \
                       A run with --set needs the same settings again." }
         }
