@@ -28,6 +28,7 @@ pub mod capture;
 pub mod device;
 pub mod fault;
 pub mod names;
+pub mod number;
 pub mod process_plant;
 pub mod record;
 pub mod run;
