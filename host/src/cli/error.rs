@@ -8,6 +8,7 @@ use crate::campaign::CampaignError;
 use crate::commission::MotionError;
 use crate::flash::FlashError;
 use crate::identify::record::NoSeries;
+use crate::live::LiveError;
 use crate::parameter_set::SettingsError;
 use crate::rig::drive_settings::MissingParameter;
 use crate::rig::limits::LimitError;
@@ -47,6 +48,8 @@ pub(crate) enum CliError {
     Draw(#[from] DrawError),
     #[error("--from {from} --until {until} is an empty range; --until must be later than --from")]
     Nothing { from: f64, until: f64 },
+    #[error(transparent)]
+    Live(#[from] LiveError),
     #[error(transparent)]
     Flash(#[from] FlashError),
     #[error("{problem}")]
@@ -109,6 +112,7 @@ impl CliError {
             | Self::Input { .. }
             | Self::Record(_)
             | Self::Draw(_)
+            | Self::Live(_)
             | Self::CommissionLimit { .. }
             | Self::Motion { .. }
             | Self::Instruments { .. }

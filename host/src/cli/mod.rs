@@ -4,6 +4,7 @@
 mod battery;
 mod budget;
 mod clock_options;
+mod colour;
 mod commission;
 mod compare;
 mod conformance;
@@ -16,6 +17,7 @@ mod experiment;
 mod flash;
 mod history;
 mod identify;
+mod monitor;
 mod options;
 mod output;
 mod paper;
@@ -33,6 +35,7 @@ mod run_report;
 mod show;
 mod soak;
 mod supervision;
+mod watch_options;
 
 use std::process::ExitCode;
 

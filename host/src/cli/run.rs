@@ -24,9 +24,10 @@ use super::clock_options::ClockOptions;
 use super::error::CliError;
 use super::options::{RigOption, ScenarioOptions};
 use super::output::{error_line, outln, prepare_folder};
-use super::progress::Progress;
+use super::monitor::Monitor;
 use super::run_report;
 use super::supervision::start_supervisor;
+use super::watch_options::WatchOptions;
 use crate::identify::gate::{self, KeyInterval, RecordedMotion};
 use crate::rig::check::check_board;
 
@@ -58,6 +59,9 @@ pub(crate) struct Arguments {
 
     #[command(flatten)]
     clock: ClockOptions,
+
+    #[command(flatten)]
+    watch: WatchOptions,
 
     /// Folder for the record: summary.json, trace.csv, trace.json with the units of its columns, and timing.csv
     #[arg(long, value_name = "DIR")]
@@ -97,6 +101,7 @@ impl Arguments {
         let gate = self.gate.as_ref().map(|file| Gate::read(file.as_deref())).transpose()?;
         let capture = self.capture.as_deref().map(|path| capture::create(path, when_full)).transpose()?;
         let (recorder, capture) = capture.unzip();
+        let watch = self.watch.start()?;
         let supervisor = start_supervisor()?;
         let listen = |link| match recorder {
             Some(recorder) => Box::new(Captured::new(link, recorder)) as Box<dyn Link>,
@@ -111,13 +116,14 @@ impl Arguments {
             error_line(format_args!("lashloop: warning: {warning}"));
         }
         let record = self.out.as_deref().map(|folder| Folder::prepare(folder, &scenario)).transpose()?;
-        let progress = Progress::of(&scenario);
+        let monitor = watch.monitor(&scenario, clock.name(), device.device.description());
         let mut watcher =
-            RunWatcher { record, tables: None, capture, supervisor: &supervisor, progress, gate };
+            RunWatcher { record, tables: None, capture, supervisor: &supervisor, monitor, gate };
         let signals = supervisor.guard_signals();
+        watch.wait(|| supervisor.interrupted());
         let mut outcome = run::run(&scenario, &mut device, clock, &mut watcher)?;
-        let RunWatcher { tables, capture, progress, gate, .. } = watcher;
-        drop(progress);
+        let RunWatcher { tables, capture, monitor, gate, .. } = watcher;
+        drop(monitor);
         if let Some(Tables { trace, timing, .. }) = tables {
             trace.finish()?;
             timing.finish()?;
@@ -141,6 +147,7 @@ impl Arguments {
         if let Some(folder) = &self.out {
             summary.write(&folder.join(SUMMARY_FILE))?;
         }
+        watch.finish(&outcome, self.out.as_deref());
         // A signal before this point would truncate the record.
         drop(signals);
         if let Some(departure) = departure {
@@ -219,12 +226,13 @@ struct RunWatcher<'a> {
     tables: Option<Tables>,
     capture: Option<Capture>,
     supervisor: &'a Supervisor,
-    progress: Progress,
+    monitor: Monitor<'a>,
     gate: Option<Gate>,
 }
 
 impl StepObserver for RunWatcher<'_> {
     fn begin(&mut self, signals: &SignalTable) -> Result<(), WriteError> {
+        self.monitor.begin(signals)?;
         let Some(Folder { path, flush_rows }) = self.record else { return Ok(()) };
         // Only now: a run that the drive refuses keeps the old record whole.
         remove_if_present(&path.join(SUMMARY_FILE))?;
@@ -237,7 +245,7 @@ impl StepObserver for RunWatcher<'_> {
     }
 
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
-        self.progress.step();
+        self.monitor.step(step)?;
         if let Some(gate) = &mut self.gate {
             gate.recorded.push(step);
         }
@@ -252,6 +260,6 @@ impl StepObserver for RunWatcher<'_> {
     }
 
     fn stop_asked(&self) -> bool {
-        self.supervisor.interrupted()
+        self.supervisor.interrupted() || self.monitor.stop_asked()
     }
 }
