@@ -28,6 +28,7 @@ mod plot;
 mod ports;
 mod progress;
 mod registry;
+mod report;
 mod rig;
 mod run;
 mod run_child;
@@ -47,7 +48,7 @@ use crate::bench::Bench;
 registry::commands! {
     "Run a drive on the bench": Run(run), Demo(demo), Paper(paper), Experiment(experiment), Device(device), Battery(battery), Soak(soak);
     "Inspect scenarios, records and lines":
-        Show(show), Plot(plot), Decode(decode), Parameters(parameters), Ports(ports), Budget(budget);
+        Show(show), Plot(plot), Report(report), Decode(decode), Parameters(parameters), Ports(ports), Budget(budget);
     "Qualify a drive, a line or this machine": Conformance(conformance), Doctor(doctor), Compare(compare);
     "Work on a bench with hardware": Flash(flash), Rig(rig), Commission(commission), Identify(identify);
 }
@@ -82,6 +83,7 @@ First steps:
   lashloop run scenarios/smooth-after.toml    one run on the native twin
   lashloop run scenarios/smooth-after.toml --device qemu --out out/qemu
   lashloop plot out/qemu                      the record of that run as a figure
+  lashloop report out/qemu                    the same as a page for a browser: verdict, margins, plots, timing
   lashloop device                             a drive on a pseudo-terminal; in a second shell:
   lashloop run scenarios/smooth-after.toml --device /dev/pts/N";
 
