@@ -14,6 +14,7 @@ use axum::http::request::Parts;
 use axum::http::{HeaderName, StatusCode};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use lashloop_report::page::assets;
 use tokio::sync::oneshot;
 
 use super::access::{Access, AccessError, Denied, Token};
@@ -132,8 +133,8 @@ async fn serve(listener: TcpListener, site: Arc<Site>, stopped: oneshot::Receive
     let mut readers = site.feed.readers();
     let router = Router::new()
         .route("/", get(page))
-        .route("/live.js", get(async |_: Permitted| asset("text/javascript", include_str!("page/live.js"))))
-        .route("/live.css", get(async |_: Permitted| asset("text/css", include_str!("page/live.css"))))
+        .route("/live.js", get(async |_: Permitted| asset("text/javascript; charset=utf-8", SCRIPT)))
+        .route("/live.css", get(async |_: Permitted| asset("text/css; charset=utf-8", STYLE)))
         .route("/feed", get(watch))
         .with_state(site);
     tokio::select! {
@@ -145,7 +146,7 @@ async fn serve(listener: TcpListener, site: Arc<Site>, stopped: oneshot::Receive
 }
 
 async fn page(_: Authorised) -> Response {
-    asset("text/html; charset=utf-8", include_str!("page/live.html"))
+    asset("text/html; charset=utf-8", &[include_str!("page/live.html")])
 }
 
 async fn watch(_: Authorised, State(site): State<Arc<Site>>, upgrade: WebSocketUpgrade) -> Response {
@@ -164,8 +165,12 @@ const HEADERS: [(HeaderName, &str); 3] = [
     ),
 ];
 
-fn asset(content_type: &'static str, text: &'static str) -> Response {
-    ([(CONTENT_TYPE, content_type)], HEADERS, text).into_response()
+/// Charts and style are those of reports.
+const SCRIPT: &[&str] = &[assets::CHARTS, include_str!("page/live.js")];
+const STYLE: &[&str] = &[assets::STYLE, include_str!("page/live.css")];
+
+fn asset(content_type: &'static str, parts: &[&str]) -> Response {
+    ([(CONTENT_TYPE, content_type)], HEADERS, parts.concat()).into_response()
 }
 
 impl IntoResponse for Denied {

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use lashloop_bench::record::reader::{ReadError, Record};
-use lashloop_bench::record::summary::SUMMARY_FILE;
-use lashloop_bench::record::timing::TimingRow;
-use lashloop_bench::record::row::Row;
+use lashloop_record::reader::{ReadError, Record};
+use lashloop_record::summary::SUMMARY_FILE;
+use lashloop_record::timing::TimingRow;
+use lashloop_record::row::Row;
 
 use super::summary::Summary;
 

@@ -1,6 +1,6 @@
 //! The document around the parts of a page.
 
-use lashloop_bench::record::digest::sha256;
+use lashloop_bench::run::digest::sha256;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::assets::{CHARTS, REPORT, STYLE};

@@ -6,7 +6,7 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
 
-use lashloop_bench::record::reader::ReadFault;
+use lashloop_record::reader::ReadFault;
 use serde::Deserialize;
 
 /// A summary.

@@ -1,6 +1,6 @@
 //! Timing of the steps: quantiles, histograms, the worst steps.
 
-use lashloop_bench::record::timing::TimingRow;
+use lashloop_record::timing::TimingRow;
 use maud::{Markup, html};
 
 use super::super::input::Run;
