@@ -21,6 +21,7 @@ use lashloop_bench::verdict::Exit;
 use lashloop_identify::IdentifyError;
 use lashloop_identify::excitation::CommissioningError;
 use lashloop_record::reader::ReadError;
+use lashloop_report::png::PngError;
 use lashloop_report::runs::DrawError;
 
 /// An error of a command: one sentence for the user.
@@ -46,6 +47,10 @@ pub(crate) enum CliError {
     Record(#[from] ReadError),
     #[error(transparent)]
     Draw(#[from] DrawError),
+    #[error("PNG: {0}")]
+    Picture(#[from] PngError),
+    #[error("{}: has no sample of a run; it must be a capture of `run --capture`", path.display())]
+    NoSteps { path: PathBuf },
     #[error("--from {from} --until {until} is an empty range; --until must be later than --from")]
     Nothing { from: f64, until: f64 },
     #[error(transparent)]
@@ -112,6 +117,8 @@ impl CliError {
             | Self::Input { .. }
             | Self::Record(_)
             | Self::Draw(_)
+            | Self::Picture(_)
+            | Self::NoSteps { .. }
             | Self::Live(_)
             | Self::CommissionLimit { .. }
             | Self::Motion { .. }

@@ -78,6 +78,25 @@ impl Begun {
     }
 }
 
+impl Begun {
+    fn simulated_s(&self, scenario: &Scenario) -> f64 {
+        self.steps as f64 * scenario.run.control_period_s()
+    }
+
+    /// Simulated time per wall-clock time.
+    fn rate(&self, scenario: &Scenario, now: Instant) -> f64 {
+        self.simulated_s(scenario) / (now - self.at).as_secs_f64()
+    }
+
+    fn state(&self, scenario: &Scenario, now: Instant) -> (SoFar, Status) {
+        let timing = self.timings.report(Vec::new());
+        let so_far = SoFar::new(scenario, &self.measurement.metrics(), &timing, self.steps);
+        let status =
+            Status::new(&so_far, &timing, self.steps, self.simulated_s(scenario), self.rate(scenario, now));
+        (so_far, status)
+    }
+}
+
 impl StepObserver for Monitor<'_> {
     fn begin(&mut self, signals: &SignalTable) -> Result<(), WriteError> {
         let Self { scenario, clock, device, progress, live, .. } = self;
@@ -101,15 +120,12 @@ impl StepObserver for Monitor<'_> {
         let is_shown = self.progress.as_mut().is_some_and(|progress| progress.is_due(now));
         let is_published = self.live.is_some() && now >= begun.next_status;
         if is_shown || is_published {
-            let simulated_s = begun.steps as f64 * self.scenario.run.control_period_s();
-            let rate = simulated_s / (now - begun.at).as_secs_f64();
-            let timing = begun.timings.report(Vec::new());
-            let so_far = SoFar::new(self.scenario, &begun.measurement.metrics(), &timing, begun.steps);
+            let (so_far, status) = begun.state(self.scenario, now);
             if let Some(progress) = self.progress.as_ref().filter(|_| is_shown) {
-                progress.show(begun.steps, simulated_s, rate, &so_far);
+                progress.show(begun.steps, begun.simulated_s(self.scenario), begun.rate(self.scenario, now), &so_far);
             }
             if let Some(live) = self.live.as_mut().filter(|_| is_published) {
-                live.show(&Status::new(&so_far, &timing, begun.steps, simulated_s, rate));
+                live.show(&status);
                 begun.next_status = now + STATUS_INTERVAL;
             }
         }
@@ -128,6 +144,9 @@ impl Drop for Monitor<'_> {
     /// Publishes the last steps, of a failed run too.
     fn drop(&mut self) {
         if let Some(live) = &mut self.live {
+            if let Some(begun) = &self.begun {
+                live.show(&begun.state(self.scenario, Instant::now()).1);
+            }
             live.finish();
         }
     }

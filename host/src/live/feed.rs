@@ -20,6 +20,8 @@ pub(super) struct Feed {
     state: Mutex<State>,
     changed: watch::Sender<()>,
     readers: watch::Sender<usize>,
+    /// Whether there ever was a reader.
+    visited: AtomicBool,
     stop: AtomicBool,
 }
 
@@ -66,6 +68,7 @@ impl Feed {
             state: Mutex::default(),
             changed: watch::Sender::new(()),
             readers: watch::Sender::new(0),
+            visited: AtomicBool::new(false),
             stop: AtomicBool::new(false),
         }
     }
@@ -120,12 +123,17 @@ impl Feed {
     /// Counts a reader until the value is dropped.
     pub(super) fn enter(&self) -> Reader<'_> {
         self.readers.send_modify(|readers| *readers += 1);
+        self.visited.store(true, Ordering::Relaxed);
         Reader(self)
     }
 
     /// The number of connected readers.
     pub(super) fn readers(&self) -> watch::Receiver<usize> {
         self.readers.subscribe()
+    }
+
+    pub(super) fn was_visited(&self) -> bool {
+        self.visited.load(Ordering::Relaxed)
     }
 
     pub(super) fn request_stop(&self) {

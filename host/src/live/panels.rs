@@ -62,7 +62,7 @@ const PANELS: [Template; 6] = [
     ),
     (
         "Twist and gap",
-        &[("twist", "twist_rad", Role::Measured), ("edges of the gap", "dead_zone_rad", Role::Limits)],
+        &[("twist", "twist_rad", Role::Measured), ("edge of the gap", "dead_zone_rad", Role::Limits)],
     ),
     (
         "Dead-zone estimate",

@@ -88,8 +88,8 @@ impl Live {
 
     /// Waits for a first reader, at most for `limit` or until `stop_asked`.
     pub fn wait_for_reader(&self, limit: Duration, stop_asked: impl Fn() -> bool) {
-        let (readers, began) = (self.feed.readers(), Instant::now());
-        while *readers.borrow() == 0 && began.elapsed() < limit && !stop_asked() {
+        let began = Instant::now();
+        while !self.feed.was_visited() && began.elapsed() < limit && !stop_asked() {
             std::thread::sleep(LOOK);
         }
     }

@@ -5,7 +5,6 @@
 
 use std::fmt;
 
-use lashloop_bench::number::Apart;
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::scenario::expectation::Expectation;
 use lashloop_bench::timing::{ClockName, TimingReport};
@@ -158,11 +157,7 @@ impl fmt::Display for SoFar {
             return write!(f, "{breach}");
         }
         if let Some(Row { judged, .. }) = self.rows.iter().find(|row| row.standing == Standing::Missed) {
-            write!(f, "{}", judged.quantity)?;
-            return match judged.value.value() {
-                Some(value) => write!(f, " {} {}", Apart::new(value, judged.min, judged.max), judged.unit),
-                None => write!(f, " {}", judged.value),
-            };
+            return write!(f, "{judged}");
         }
         let is_met = |row: &&Row| matches!(row.standing, Standing::Met | Standing::Within);
         match self.rows.len() {

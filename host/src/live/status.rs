@@ -85,7 +85,8 @@ pub struct Ending {
     end: String,
     verdict: Verdict,
     expectations: Vec<Line>,
-    breaches: Vec<String>,
+    /// Why the verdict is not PASS.
+    reasons: Vec<String>,
     /// The folder of the record, if there is one.
     record: Option<String>,
 }
@@ -95,13 +96,15 @@ impl Ending {
     #[must_use]
     pub fn new(outcome: &lashloop_bench::run::Outcome, record: Option<&std::path::Path>) -> Self {
         let judgement = &outcome.judgement;
+        let breaches = judgement.breaches.iter().map(ToString::to_string);
+        let missed = judgement.expectations.iter().filter(|it| !it.ok);
         let standing = |ok| if ok { Standing::Met } else { Standing::Missed };
         Self {
             kind: "end",
             end: outcome.end.to_string(),
             verdict: judgement.verdict,
             expectations: judgement.expectations.iter().map(|it| Line::new(it, standing(it.ok))).collect(),
-            breaches: judgement.breaches.iter().map(ToString::to_string).collect(),
+            reasons: breaches.chain(missed.map(ToString::to_string)).collect(),
             record: record.map(|folder| folder.display().to_string()),
         }
     }

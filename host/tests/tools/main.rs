@@ -1,9 +1,10 @@
-//! The tools around line and record: capture, decode, the Wireshark dissector, doctor, plot.
+//! The tools around line and record: capture, decode, the Wireshark dissector, doctor, the live page, plot.
 
 mod capture;
 mod decode;
 mod dissector;
 mod doctor;
+mod live;
 mod plot;
 mod support;
 

@@ -65,9 +65,9 @@
     const group = LashloopCharts.group(0, 1e-3);
     const charts = text.panels.map((panel) => {
       const host = at("charts").appendChild(document.createElement("div"));
-      const curves = panel.curves.flatMap((it) => (it.role === "limits" ? [[it, 1, it.label], [it, -1, "\u2212"]] : [[it, 1, it.label]]));
+      const curves = panel.curves.flatMap((it) => (it.role === "limits" ? [[it, 1, `upper ${it.label}`], [it, -1, `lower ${it.label}`]] : [[it, 1, it.label]]));
       const series = curves.map(([it, sign, name]) => ({
-        name: sign < 0 ? `${it.label}, lower` : name,
+        name,
         style: { measured: "c0", drive: "c1", reference: "reference", limits: "limit" }[it.role],
         isDashed: it.role === "reference",
         column: it.column, sign, x: [], y: [],
@@ -170,7 +170,8 @@
     const record = ending.record
       ? ` The record is in ${ending.record}; lashloop report ${ending.record} makes its page.`
       : " No record was kept; run with --out DIR for one.";
-    badge(ending.verdict, ending.verdict.toLowerCase(), [how, ...ending.breaches].join(" ") + record);
+    const reasons = ending.reasons.map((it) => ` ${it}.`).join("");
+    badge(ending.verdict, ending.verdict.toLowerCase(), how + reasons + record);
   }
 
   function fail() {
