@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::run::{Step, StepObserver};
+use lashloop_bench::run::{RunStart, Step, StepObserver};
 use lashloop_bench::scenario::expectation::Expectation;
 use lashloop_bench::scenario::{RunMode, Scenario};
 use lashloop_bench::timing::{ClockName, Timings};
@@ -18,8 +18,6 @@ const STATUS_INTERVAL: Duration = Duration::from_millis(250);
 /// Measures a run on the side, for the verdict so far.
 pub(super) struct Monitor<'a> {
     scenario: &'a Scenario,
-    clock: ClockName,
-    device: String,
     progress: Option<RunProgress>,
     live: Option<Publisher>,
     /// From the start of the run on.
@@ -35,15 +33,12 @@ struct Begun {
 }
 
 impl<'a> Monitor<'a> {
-    /// `device` is its description.
     pub(super) fn new(
         scenario: &'a Scenario,
-        clock: ClockName,
-        device: String,
         progress: Option<RunProgress>,
         live: Option<Publisher>,
     ) -> Self {
-        Self { scenario, clock, device, progress, live, begun: None }
+        Self { scenario, progress, live, begun: None }
     }
 }
 
@@ -98,17 +93,16 @@ impl Begun {
 }
 
 impl StepObserver for Monitor<'_> {
-    fn begin(&mut self, signals: &SignalTable) -> Result<(), WriteError> {
-        let Self { scenario, clock, device, progress, live, .. } = self;
-        if let Some(live) = live {
-            live.begin(scenario, device, *clock, signals);
+    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
+        if let Some(live) = &mut self.live {
+            live.begin(start);
         }
-        if live.is_some() || progress.is_some() {
-            let mut measured = signals.clone();
-            if !scenario.run.mode.is_hil() {
+        if self.live.is_some() || self.progress.is_some() {
+            let mut measured = start.signals.clone();
+            if !self.scenario.run.mode.is_hil() {
                 measured.plant.clear();
             }
-            self.begun = Some(Begun::new(scenario, *clock, &measured));
+            self.begun = Some(Begun::new(self.scenario, start.clock, &measured));
         }
         Ok(())
     }

@@ -10,12 +10,11 @@ use lashloop_bench::capture::{self, Capture, WhenFull};
 use lashloop_bench::device::{Device, DeviceChoice};
 use lashloop_bench::link::Link;
 use lashloop_bench::run::DeviceUnderTest;
-use lashloop_bench::run::{self, Outcome, Step, StepObserver};
+use lashloop_bench::run::{self, Outcome, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::{Exit, Verdict};
-use lashloop_plant::metrics::SignalTable;
 use lashloop_record::summary::{SUMMARY_FILE, Summary, Telemetry, Versions};
 use lashloop_record::timing::{TimingRow, TimingWriter};
 use lashloop_record::trace::{TraceWriter, row};
@@ -116,7 +115,7 @@ impl Arguments {
             error_line(format_args!("lashloop: warning: {warning}"));
         }
         let record = self.out.as_deref().map(|folder| Folder::prepare(folder, &scenario)).transpose()?;
-        let monitor = watch.monitor(&scenario, clock.name(), device.device.description());
+        let monitor = watch.monitor(&scenario);
         let mut watcher =
             RunWatcher { record, tables: None, capture, supervisor: &supervisor, monitor, gate };
         let signals = supervisor.guard_signals();
@@ -231,13 +230,13 @@ struct RunWatcher<'a> {
 }
 
 impl StepObserver for RunWatcher<'_> {
-    fn begin(&mut self, signals: &SignalTable) -> Result<(), WriteError> {
-        self.monitor.begin(signals)?;
+    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
+        self.monitor.begin(start)?;
         let Some(Folder { path, flush_rows }) = self.record else { return Ok(()) };
         // Only now: a run that the drive refuses keeps the old record whole.
         remove_if_present(&path.join(SUMMARY_FILE))?;
         self.tables = Some(Tables {
-            trace: TraceWriter::create(path, signals, flush_rows)?,
+            trace: TraceWriter::create(path, start.signals, flush_rows)?,
             timing: TimingWriter::create(path, flush_rows)?,
             steps: 0,
         });

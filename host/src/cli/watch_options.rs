@@ -7,7 +7,6 @@ use std::time::Duration;
 use clap::Args;
 use lashloop_bench::run::Outcome;
 use lashloop_bench::scenario::Scenario;
-use lashloop_bench::timing::ClockName;
 
 use super::error::CliError;
 use super::monitor::Monitor;
@@ -68,10 +67,10 @@ impl Watch {
         }
     }
 
-    /// The observer of the run. `device` is the description of the device.
-    pub(super) fn monitor<'a>(&self, scenario: &'a Scenario, clock: ClockName, device: String) -> Monitor<'a> {
+    /// The observer of the run.
+    pub(super) fn monitor<'a>(&self, scenario: &'a Scenario) -> Monitor<'a> {
         let progress = (!self.quiet).then(|| RunProgress::new(scenario));
-        Monitor::new(scenario, clock, device, progress, self.live.as_ref().map(Live::publisher))
+        Monitor::new(scenario, progress, self.live.as_ref().map(Live::publisher))
     }
 
     /// Shows the end of the run on the page. `record` is its folder.

@@ -3,10 +3,8 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use lashloop_bench::run::Step;
-use lashloop_bench::scenario::Scenario;
+use lashloop_bench::run::{RunStart, Step};
 use lashloop_bench::timing::ClockName;
-use lashloop_plant::metrics::SignalTable;
 use serde::Serialize;
 
 use super::envelope::{Bucketing, History};
@@ -59,7 +57,8 @@ impl Publisher {
     }
 
     /// The run is about to start.
-    pub fn begin(&mut self, scenario: &Scenario, device: &str, clock: ClockName, signals: &SignalTable) {
+    pub fn begin(&mut self, start: &RunStart<'_>) {
+        let RunStart { scenario, clock, device, signals } = *start;
         let columns = columns(signals);
         let widths = bucket_widths(scenario.run.steps(), scenario.run.control_period_s());
         let tier = |&(width, _): &(u32, u32)| Tier {
@@ -72,7 +71,7 @@ impl Publisher {
             kind: "description",
             title: &scenario.title,
             scenario: &scenario.name,
-            device,
+            device: &device.description(),
             controller: &scenario.controller.name,
             clock,
             duration_s: scenario.run.duration_s,
