@@ -49,6 +49,13 @@ pub fn typeset(number: &str) -> String {
     format!("{}\u{202f}\u{d7}\u{202f}10{}", mantissa.replace('-', "\u{2212}"), raised.collect::<String>())
 }
 
+/// A unit as a book prints it: raised powers, and a true micro.
+#[must_use]
+pub fn typeset_unit(unit: &str) -> String {
+    let unit = unit.replace("^2", "\u{b2}").replace("^3", "\u{b3}");
+    if unit == "us" { "\u{b5}s".to_owned() } else { unit }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -74,7 +81,9 @@ mod tests {
 
     #[test]
     fn a_bound_keeps_the_digits_of_its_author() {
-        for (value, text) in [(5.24, "5.24"), (0.0, "0"), (-0.015, "-0.015"), (1e-6, "1e-6"), (30_000.0, "30000")] {
+        for (value, text) in
+            [(5.24, "5.24"), (0.0, "0"), (-0.015, "-0.015"), (1e-6, "1e-6"), (30_000.0, "30000")]
+        {
             assert_eq!(exact(value), text);
         }
     }
@@ -83,5 +92,7 @@ mod tests {
     fn powers_of_ten_are_raised_and_minus_is_no_hyphen() {
         assert_eq!(typeset("-1.218e-4"), "\u{2212}1.218\u{202f}\u{d7}\u{202f}10\u{207b}\u{2074}");
         assert_eq!(typeset("-5.104"), "\u{2212}5.104");
+        assert_eq!(typeset_unit("N^2 m^2 s"), "N\u{b2} m\u{b2} s");
+        assert_eq!(typeset_unit("us"), "\u{b5}s");
     }
 }

@@ -15,7 +15,7 @@ const LINKS: [Link; 4] =
 /// Several records over the same axes, as a self-contained HTML document. The first is what the others are compared with.
 #[must_use]
 pub fn comparison(runs: &[Run]) -> String {
-    let data = charts(runs);
+    let (data, ()) = Data::fitted(runs, |data| (charts(runs, data), ()));
     let title = format!("Comparison of {} runs", runs.len());
     let content = html! {
         section #runs {
@@ -84,23 +84,26 @@ fn settings(runs: &[Run]) -> Markup {
     }
 }
 
-fn charts(runs: &[Run]) -> Data {
-    let mut data = Data::new(runs);
-    let mut position = of_all(&mut data, runs, "Load position", "rad", |run| column(run, "load_position_rad"));
+fn charts(runs: &[Run], mut data: Data) -> Data {
+    let mut position =
+        of_all(&mut data, runs, "Load position", "rad", |run| column(run, "load_position_rad"));
     let mut drawn: Vec<&[f64]> = Vec::new();
     for (number, run) in runs.iter().enumerate() {
-        let Some(reference_rad) = run.column("reference_rad").filter(|it| !drawn.contains(it)) else { continue };
+        let Some(reference_rad) = run.column("reference_rad").filter(|it| !drawn.contains(it)) else {
+            continue;
+        };
         drawn.push(reference_rad);
         let id = data.column(number, "reference_rad", || reference_rad.to_vec());
         position.series.push(Series::new("reference", number, id).style("reference").dashed());
     }
     data.charts.push(position);
-    let push = |data: &mut Data, title: &str, unit: &str, quantity: &dyn Fn(&Run) -> Option<(String, Vec<f64>)>| {
-        let chart = of_all(data, runs, title, unit, quantity);
-        if !chart.series.is_empty() {
-            data.charts.push(chart);
-        }
-    };
+    let push =
+        |data: &mut Data, title: &str, unit: &str, quantity: &dyn Fn(&Run) -> Option<(String, Vec<f64>)>| {
+            let chart = of_all(data, runs, title, unit, quantity);
+            if !chart.series.is_empty() {
+                data.charts.push(chart);
+            }
+        };
     push(&mut data, "Position error", "rad", &|run| Some(("error_rad".to_owned(), error_rad(run)?)));
     push(&mut data, "Torque", "N m", &|run| column(run, "torque_nm"));
     push(&mut data, "Twist", "rad", &|run| column(run, "twist_rad"));
@@ -112,14 +115,35 @@ fn charts(runs: &[Run]) -> Data {
     }
     for (estimate, truth) in &names {
         let unit = runs.iter().find_map(|run| run.record.trace.columns.unit(estimate)).unwrap_or_default();
-        push(&mut data, &format!("Estimate: {}", spelled(truth, unit)), unit, &|run| column(run, estimate));
+        let title = format!("Estimate: {}", spelled(truth, unit));
+        let mut chart = of_all(&mut data, runs, &title, unit, |run| column(run, estimate));
+        if let Some((number, values)) =
+            runs.iter().enumerate().find_map(|(at, run)| Some((at, run.column(truth)?)))
+        {
+            let id = data.column(number, truth, || values.to_vec());
+            let name = format!("truth of {}", runs[number].name);
+            chart.series.push(Series::new(name, number, id).style("reference").dashed());
+        }
+        data.charts.push(chart);
     }
     push(&mut data, "Round trip", "us", &|run| {
         let trip: Vec<_> = run.timing.iter().map(super::part::timing::round_trip_us).collect();
         trip.iter().any(|value| value.is_finite()).then(|| ("round_trip_us".to_owned(), trip))
     });
-    trail(&mut data, runs, "Phase plane", ["error_rad", "load_velocity_rad_s"], [("position error", "rad"), ("load velocity", "rad/s")]);
-    trail(&mut data, runs, "Hysteresis of gap and shaft", ["twist_rad", "transmitted_torque_nm"], [("twist", "rad"), ("transmitted torque", "N m")]);
+    trail(
+        &mut data,
+        runs,
+        "Phase plane",
+        ["error_rad", "load_velocity_rad_s"],
+        [("position error", "rad"), ("load velocity", "rad/s")],
+    );
+    trail(
+        &mut data,
+        runs,
+        "Hysteresis of gap and shaft",
+        ["twist_rad", "transmitted_torque_nm"],
+        [("twist", "rad"), ("transmitted torque", "N m")],
+    );
     data
 }
 

@@ -24,6 +24,8 @@ mod run_page;
 mod shell;
 mod suite_page;
 mod summary;
+#[cfg(test)]
+mod tests;
 mod why;
 
 pub use comparison_page::comparison;

@@ -15,7 +15,7 @@ pub(super) fn document(title: &str, links: &[Link], data: Option<&Data>, content
     // Text of others is in the hashed part, so it can't contain the value that permits a script.
     let nonce = sha256(format!("{title}{data}{}", content.0).as_bytes());
     let policy = format!(
-        "default-src 'none'; style-src 'unsafe-inline'; script-src 'nonce-{nonce}'; base-uri 'none'; form-action 'none'"
+        "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'nonce-{nonce}'; base-uri 'none'; form-action 'none'"
     );
     html! {
         (DOCTYPE)

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::margin::{Grade, MARGINAL, Margin};
 use super::shell::document;
 use super::why::{Tone, bound, percent};
-use crate::number::{DIGITS, significant, typeset};
+use crate::number::{DIGITS, significant, typeset, typeset_unit};
 
 /// A suite: one row for each run.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -123,7 +123,12 @@ pub fn suite(suite: &Suite) -> String {
             div.command { code { (suite.command) } button type="button" data-copy=(suite.command) { "Copy" } }
         }
     };
-    document(&format!("{verdict}: {}", suite.title), &[("runs", "Runs"), ("repeat", "Run it again")], None, &content)
+    document(
+        &format!("{verdict}: {}", suite.title),
+        &[("runs", "Runs"), ("repeat", "Run it again")],
+        None,
+        &content,
+    )
 }
 
 fn name(tone: Tone) -> &'static str {
@@ -138,7 +143,8 @@ fn name(tone: Tone) -> &'static str {
 
 fn row(row: &SuiteRow) -> Markup {
     let tone = row.tone();
-    let settings = row.settings.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ");
+    let settings =
+        row.settings.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ");
     html! {
         tr data-tone=(tone.class()) {
             td { span class={ "grade " (tone.class()) } { (name(tone)) } }
@@ -150,7 +156,7 @@ fn row(row: &SuiteRow) -> Markup {
             td.meaning { (row.reason) }
             td.meaning { @if let Some((it, fraction)) = row.tightest() {
                 strong { (percent(fraction)) } " " (it.name) ": "
-                @if let Some(value) = it.value { (typeset(&significant(value, DIGITS))) " " (it.unit) }
+                @if let Some(value) = it.value { (typeset(&significant(value, DIGITS))) " " (typeset_unit(&it.unit)) }
                 @if let Some(min) = it.min { ", \u{2265} " (bound(min)) }
                 @if let Some(max) = it.max { ", \u{2264} " (bound(max)) }
             } }

@@ -141,12 +141,13 @@ const LashloopCharts = (() => {
       });
       return curve;
     });
-    for (const shade of shades) {
+    function explain(name, shape, attributes) {
       const key = html("span", "key", legend);
-      const line = svg("svg", { class: "swatch", viewBox: "0 0 22 8", "aria-hidden": "true" }, key);
-      svg("rect", { class: "shade", width: 22, height: 8 }, line);
-      html("span", "key-name", key, shade.name);
+      svg(shape, attributes, svg("svg", { class: "swatch", viewBox: "0 0 22 8", "aria-hidden": "true" }, key));
+      html("span", "key-name", key, name);
     }
+    for (const shade of shades) explain(shade.name, "rect", { class: "shade", width: 22, height: 8 });
+    if (marks.length) explain("injected fault", "path", { class: "mark", d: "M11 -3V11" });
 
     const plotWidth = () => Math.max(width - LEFT - RIGHT, 1);
     const plotHeight = () => Math.max(height - TOP - BOTTOM, 1);
@@ -174,7 +175,7 @@ const LashloopCharts = (() => {
     }
 
     function drawAxis(low, high, isX) {
-      const most = isX ? Math.max(2, Math.floor(plotWidth() / 80)) : Math.max(2, Math.floor(plotHeight() / 36));
+      const most = isX ? Math.max(3, Math.floor(plotWidth() / 70)) : Math.max(2, Math.floor(plotHeight() / 36));
       const found = S.ticks(low, high, most);
       const { text, factor } = S.labels(found);
       found.values.forEach((value, index) => {

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::super::margin::Grade;
 use super::super::summary::Expectation;
 use super::super::why::{bound, percent};
-use crate::number::{DIGITS, significant, typeset};
+use crate::number::{DIGITS, significant, typeset, typeset_unit};
 
 pub(in super::super) fn section(expectations: &[Expectation]) -> Markup {
     html! {
@@ -14,7 +14,7 @@ pub(in super::super) fn section(expectations: &[Expectation]) -> Markup {
             @if expectations.is_empty() {
                 p { "The scenario has no expectation." }
             } @else {
-                div.scroll { table.expectations {
+                div.scroll { table.expectations.stacked {
                     thead { tr {
                         th scope="col" { "quantity" } th scope="col" { "result" } th.number scope="col" { "value" }
                         th.number scope="col" { "limits" } th.number scope="col" { "margin" } th scope="col" { "place between the limits" }
@@ -29,14 +29,14 @@ pub(in super::super) fn section(expectations: &[Expectation]) -> Markup {
 
 fn row(expectation: &Expectation) -> Markup {
     let grade = expectation.grade();
-    let unit = &expectation.unit;
+    let unit = &typeset_unit(&expectation.unit);
     html! {
         tr class=(grade.name()) {
             th scope="row" { (expectation.to_string()) }
             td { span class={ "grade " (grade.name()) } { (symbol(grade)) " " (grade.name()) } }
-            td.number { (value(expectation.value, unit, expectation.reason.as_deref())) }
-            td.number { (limits(expectation)) " " (unit) }
-            td.number { (margin(expectation)) }
+            td.number data-label="value" { (value(expectation.value, unit, expectation.reason.as_deref())) }
+            td.number data-label="limits" { (limits(expectation)) " " (unit) }
+            td.number data-label="margin" { (margin(expectation)) }
             td.gauge { (gauge(expectation)) }
         }
     }
@@ -55,7 +55,7 @@ fn symbol(grade: Grade) -> &'static str {
 pub(in super::super) fn value(value: Option<f64>, unit: &str, reason: Option<&str>) -> Markup {
     match value {
         Some(value) => html! {
-            data value=(value) title={ (value) " " (unit) } { (typeset(&significant(value, DIGITS))) } " " (unit)
+            data value=(value) title={ (value) " " (unit) } { (typeset(&significant(value, DIGITS))) } " " (typeset_unit(unit))
         },
         None => html! { span.absent { (reason.unwrap_or("no value")) } },
     }
@@ -73,7 +73,7 @@ fn limits(expectation: &Expectation) -> String {
 fn margin(expectation: &Expectation) -> Markup {
     let Some(margin) = expectation.margin() else { return html! { span.absent { "none" } } };
     html! {
-        data value=(margin.distance) { (typeset(&significant(margin.distance, 3))) } " " (expectation.unit)
+        data value=(margin.distance) { (typeset(&significant(margin.distance, 3))) } " " (typeset_unit(&expectation.unit))
         @if let Some(fraction) = margin.fraction { " " small { "(" (percent(fraction)) ")" } }
     }
 }
@@ -83,9 +83,15 @@ fn places(expectation: &Expectation) -> Option<(f64, f64, f64)> {
     let value = expectation.value.filter(|value| value.is_finite())?;
     let (low, high) = match (expectation.min, expectation.max) {
         (Some(min), Some(max)) => (min - (max - min) * 0.25, max + (max - min) * 0.25),
-        (Some(min), None) => (min - min.abs().max(1e-12) * 0.5, min + min.abs().max(value - min).max(1e-12) * 1.2),
+        (Some(min), None) => {
+            (min - min.abs().max(1e-12) * 0.5, min + min.abs().max(value - min).max(1e-12) * 1.2)
+        }
         (None, Some(max)) => {
-            let low = if max > 0.0 && value >= 0.0 { 0.0 } else { max - max.abs().max(max - value).max(1e-12) * 1.2 };
+            let low = if max > 0.0 && value >= 0.0 {
+                0.0
+            } else {
+                max - max.abs().max(max - value).max(1e-12) * 1.2
+            };
             (low, max + max.abs().max(1e-12) * 0.25)
         }
         (None, None) => return None,

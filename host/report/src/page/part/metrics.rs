@@ -8,7 +8,7 @@ use maud::{Markup, html};
 use super::super::input::Run;
 use super::super::summary::Summary;
 use super::expectations::value;
-use crate::number::{significant, typeset};
+use crate::number::{significant, typeset, typeset_unit};
 
 /// A metric as a table shows it.
 struct Row<'a> {
@@ -20,7 +20,8 @@ struct Row<'a> {
 /// Metrics with a value in one of the summaries: those of this version in their order, then unknown ones.
 fn rows<'a>(summaries: &[&'a Summary]) -> Vec<Row<'a>> {
     let with_value = |summary: &&'a Summary| summary.metrics.iter().filter(|(_, value)| value.is_some());
-    let mut present: BTreeSet<&str> = summaries.iter().flat_map(with_value).map(|(name, _)| &**name).collect();
+    let mut present: BTreeSet<&str> =
+        summaries.iter().flat_map(with_value).map(|(name, _)| &**name).collect();
     let known = Metric::ALL.iter().filter(|metric| present.remove(metric.name()));
     let mut rows: Vec<_> =
         known.map(|it| Row { name: it.name(), unit: it.unit(), meaning: it.meaning() }).collect();
@@ -34,7 +35,7 @@ pub(in super::super) fn section(summary: &Summary) -> Markup {
     html! {
         section #metrics {
             h2 { "Metrics" }
-            div.scroll { table.metrics {
+            div.scroll { table.metrics.stacked {
                 thead { tr { th scope="col" { "metric" } th.number scope="col" { "value" } th scope="col" { "definition" } } }
                 tbody { @for row in rows(&[summary]) { tr {
                     th scope="row" { code { (row.name) } }
@@ -55,7 +56,8 @@ pub(in super::super) fn section(summary: &Summary) -> Markup {
 /// The metrics of several runs side by side; the difference is to the first.
 pub(in super::super) fn side_by_side(runs: &[Run]) -> Markup {
     let summaries: Vec<_> = runs.iter().filter_map(|run| run.summary.as_ref()).collect();
-    let of = |run: &Run, name: &str| run.summary.as_ref().and_then(|it| it.metrics.get(name).copied().flatten());
+    let of =
+        |run: &Run, name: &str| run.summary.as_ref().and_then(|it| it.metrics.get(name).copied().flatten());
     html! {
         section #metrics {
             h2 { "Metrics" }
@@ -69,7 +71,7 @@ pub(in super::super) fn side_by_side(runs: &[Run]) -> Markup {
                 } }
                 tbody { @for row in rows(&summaries) { tr {
                     th scope="row" { code { (row.name) } }
-                    td { (row.unit) }
+                    td { (typeset_unit(row.unit)) }
                     @for (number, run) in runs.iter().enumerate() {
                         td.number data-metric=(row.name) { (value(of(run, row.name), "", None)) }
                         @if number > 0 { td.number { (difference(of(&runs[0], row.name), of(run, row.name))) } }
@@ -88,7 +90,8 @@ fn difference(first: Option<f64>, other: Option<f64>) -> Markup {
         return html! { span.absent { "equal" } };
     }
     let sign = if difference > 0.0 { "+" } else { "" };
-    let percent = (first != 0.0).then(|| difference / first.abs() * 100.0).filter(|percent| percent.abs() < 1e4);
+    let percent =
+        (first != 0.0).then(|| difference / first.abs() * 100.0).filter(|percent| percent.abs() < 1e4);
     html! {
         data value=(difference) { (sign) (typeset(&significant(difference, 3))) }
         @if let Some(percent) = percent { " " small { "(" (sign) (typeset(&significant(percent, 2))) "\u{202f}%)" } }

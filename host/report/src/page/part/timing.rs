@@ -36,7 +36,7 @@ fn counts(timing: &Timing) -> String {
         "Real time: each step starts at its due time."
     };
     format!(
-        "{clock} Period {} us; {} steps without an answer, {} missed, at most {} of these in a row; {} steps of warm-up excluded.",
+        "{clock} Period {} \u{b5}s; {} steps without an answer, {} missed, at most {} of these in a row; {} steps of warm-up excluded.",
         timing.period_us, timing.unanswered, timing.missed, timing.longest_run_of_late, timing.warm_up_steps
     )
 }
@@ -53,7 +53,7 @@ fn quantiles(timing: &Timing) -> Markup {
     let cells = |Quantiles { p50, p99, p99_9, max }| [p50, p99, p99_9, max];
     html! {
         div.scroll { table {
-            thead { tr { th scope="col" { "time in us" } @for name in ["median", "99 %", "99.9 %", "largest"] { th.number scope="col" { (name) } } } }
+            thead { tr { th scope="col" { "time in \u{b5}s" } @for name in ["median", "99 %", "99.9 %", "largest"] { th.number scope="col" { (name) } } } }
             tbody { @for (name, quantiles) in rows {
                 @if let Some(quantiles) = quantiles { tr {
                     th scope="row" { (name) }
@@ -85,7 +85,7 @@ fn histogram(name: &str, bins: &[(f64, u64)]) -> Markup {
 
 fn duration(us: f64) -> String {
     match us {
-        _ if us < 1e3 => format!("{us:.0} us"),
+        _ if us < 1e3 => format!("{us:.0} \u{b5}s"),
         _ if us < 1e6 => format!("{} ms", significant(us / 1e3, 3)),
         _ => format!("{} s", significant(us / 1e6, 3)),
     }
@@ -100,7 +100,9 @@ fn worst(run: &Run) -> Markup {
     let mut rows: Vec<_> = run.timing.iter().zip(run.times_s()).collect();
     rows.sort_by(|(a, _), (b, _)| until_torque_us(b).total_cmp(&until_torque_us(a)));
     rows.truncate(LISTED);
-    let cell = |value: f64| if value.is_finite() { typeset(&significant(value, DIGITS)) } else { "\u{2013}".to_owned() };
+    let cell = |value: f64| {
+        if value.is_finite() { typeset(&significant(value, DIGITS)) } else { "\u{2013}".to_owned() }
+    };
     html! {
         @if rows.is_empty() {
             p { "The record has no timing of its steps." }
@@ -108,7 +110,7 @@ fn worst(run: &Run) -> Markup {
             h3 { "Worst steps" }
             div.scroll { table.worst {
                 thead { tr {
-                    @for name in ["step", "time in s", "lateness in us", "round trip in us", "sending", "line and device", "computing", "receiving"] {
+                    @for name in ["step", "time in s", "lateness in \u{b5}s", "round trip in \u{b5}s", "sending", "line and device", "computing", "receiving"] {
                         th.number scope="col" { (name) }
                     }
                     th scope="col" { "answer" }
