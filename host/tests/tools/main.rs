@@ -6,6 +6,7 @@ mod dissector;
 mod doctor;
 mod live;
 mod plot;
+mod progress;
 mod support;
 
 /// The messages that protocol version 1 is pinned by.
