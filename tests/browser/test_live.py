@@ -51,7 +51,7 @@ def pages(browser: Browser) -> Iterator[Any]:
         page, watch = context.__enter__()
         opened.append((context, run, watch))
         page.goto(run.url)
-        page.wait_for_selector(".chart .curve[d]:not([d=''])", timeout=60_000)
+        page.wait_for_selector("g.curves path[d]:not([d=''])", state="attached", timeout=60_000)
         return page
 
     yield open_page
