@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from conftest import SCENARIOS, WORKSPACE, watched
+from playwright.sync_api import expect
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -65,7 +66,7 @@ def pages(browser: Browser) -> Iterator[Any]:
 def test_page_of_a_complete_run_has_the_numbers_of_its_summary(pages: Any, tmp_path: Path) -> None:
     run = LiveRun(tmp_path, "--live-token=0123456789abcdef")
     page = pages(run)
-    page.wait_for_function("document.getElementById('connection').textContent === 'the run has ended'")
+    expect(page.locator("#connection")).to_have_text("the run has ended", timeout=60_000)
     summary = run.end()
     assert page.locator("#badge").inner_text() == summary["verdict"]
     assert str(tmp_path) in page.locator("#why").inner_text()
@@ -86,11 +87,12 @@ def test_stop_ends_a_run_whose_charts_grow(pages: Any, tmp_path: Path) -> None:
     run = LiveRun(tmp_path, "--clock", "real-time", "--set", "run.duration_s=600", "--set", "expect=[]")
     page = pages(run, width=360, scheme="dark")
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), "nothing is wider than a phone"
-    page.wait_for_function("document.getElementById('progress').value > 1 / 600")
-    before = page.evaluate("document.getElementById('progress').value")
-    page.wait_for_function(f"document.getElementById('progress').value > {before}")
+    progress = page.locator("#progress")
+    before = progress.get_attribute("value")
+    assert before is not None
+    expect(progress).not_to_have_attribute("value", before, timeout=60_000)
     page.get_by_role("button", name="last 2 s").click()
     page.get_by_role("button", name="Stop the run").click()
-    page.wait_for_function("document.getElementById('badge').textContent === 'INVALID'")
+    expect(page.locator("#badge")).to_have_text("INVALID", timeout=60_000)
     assert "interrupted by the user" in page.locator("#why").inner_text()
     assert run.end()["end"] == "interrupted by the user"

@@ -39,11 +39,14 @@ pub(crate) fn together(sources: &[Source<'_>], names: &[String]) -> Result<Vec<P
             None => groups.push((unit, vec![name])),
         }
     }
-    let title = names.join(", ");
-    let panels = groups.iter().map(|(unit, names)| {
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let title = if let [name] = names[..] { name } else { &title };
-        panel(sources, &names, title, unit)
+    let panels = groups.iter().map(|(unit, shown)| {
+        let shown: Vec<&str> = shown.iter().map(String::as_str).collect();
+        let title = match &shown[..] {
+            [name] => (*name).to_owned(),
+            _ if names == ["*"] => format!("Signals in {unit}"),
+            _ => format!("{} in {unit}", names.join(", ")),
+        };
+        panel(sources, &shown, title.trim_end_matches(" in "), unit)
     });
     Ok(panels.collect())
 }
@@ -201,10 +204,18 @@ mod tests {
 
     #[test]
     fn every_curve_of_a_panel_has_its_own_colour_or_dash() {
-        let signals =
-            [("a", "rad"), ("b", "rad"), ("c", "rad"), ("d", "rad"), ("e", "rad"), ("f", "rad"), ("g", "rad")];
+        let signals = [
+            ("a", "rad"),
+            ("b", "rad"),
+            ("c", "rad"),
+            ("d", "rad"),
+            ("e", "rad"),
+            ("f", "rad"),
+            ("g", "rad"),
+        ];
         let tables = [columns(&signals), columns(&signals), columns(&signals)];
-        let panels = together(&sources(&tables, &["one", "two", "three"]), &["*".to_owned()]).expect("panels");
+        let panels =
+            together(&sources(&tables, &["one", "two", "three"]), &["*".to_owned()]).expect("panels");
         assert_eq!(panels.iter().map(|panel| panel.series.len()).collect::<Vec<_>>(), [15, 6]);
         for panel in &panels {
             for (at, series) in panel.series.iter().enumerate() {

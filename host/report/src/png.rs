@@ -14,7 +14,9 @@ const SANS_SERIF: [&str; 4] = ["Liberation Sans", "Arial", "DejaVu Sans", "Noto 
 #[derive(Debug, thiserror::Error)]
 pub enum PngError {
     /// No font for the text.
-    #[error("there is no font on this system, so the text can't be drawn: install one such as fonts-dejavu-core, or write .svg")]
+    #[error(
+        "there is no font on this system, so the text can't be drawn: install one such as fonts-dejavu-core, or write .svg"
+    )]
     NoFont,
     /// Not a figure.
     #[error("the figure can't be read: {0}")]
@@ -39,9 +41,8 @@ pub enum PngError {
 pub fn from_svg(svg: &str) -> Result<Vec<u8>, PngError> {
     let mut fonts = fontdb::Database::new();
     fonts.load_system_fonts();
-    let has = |family: &&&str| {
-        fonts.faces().any(|face| face.families.iter().any(|(name, _)| name == **family))
-    };
+    let has =
+        |family: &&&str| fonts.faces().any(|face| face.families.iter().any(|(name, _)| name == **family));
     let installed = SANS_SERIF.iter().find(has).map(|family| (*family).to_owned());
     let any = fonts.faces().next().and_then(|face| face.families.first()).map(|(name, _)| name.clone());
     let family = installed.or(any).ok_or(PngError::NoFont)?;
@@ -74,7 +75,8 @@ mod tests {
         assert!((f64::from(picture.height()) - 2.0 * size("height")).abs() <= 2.0);
         // The title is bold ink at the upper left.
         let dark = |x: u32, y: u32| picture.pixel(x, y).is_some_and(|pixel| pixel.red() < 100);
-        let ink = (40..200).flat_map(|x| (40..100).map(move |y| (x, y))).filter(|(x, y)| dark(*x, *y)).count();
+        let ink =
+            (40..200).flat_map(|x| (40..100).map(move |y| (x, y))).filter(|(x, y)| dark(*x, *y)).count();
         assert!(ink > 100, "{ink} dark pixels");
     }
 }

@@ -114,7 +114,9 @@ pub fn figure(inputs: &[(String, Input)], selection: &Selection) -> Result<Figur
     for (number, (name, input)) in inputs.iter().enumerate() {
         match input {
             Input::Record(record) => runs.push(Run::new(number, name, record, shown_s)?),
-            Input::Capture { columns, torn } => captures.push(Capture::new(name, columns, torn.as_deref(), shown_s)),
+            Input::Capture { columns, torn } => {
+                captures.push(Capture::new(name, columns, torn.as_deref(), shown_s))
+            }
         }
     }
     let sources: Vec<Source<'_>> = inputs
@@ -139,7 +141,8 @@ pub fn figure(inputs: &[(String, Input)], selection: &Selection) -> Result<Figur
         inputs if captures.is_empty() => format!("{} records", inputs.len()),
         inputs => format!("{} records and captures", inputs.len()),
     };
-    let caption: Vec<_> = runs.iter().map(Run::caption).chain(captures.iter().map(Capture::caption)).collect();
+    let caption: Vec<_> =
+        runs.iter().map(Run::caption).chain(captures.iter().map(Capture::caption)).collect();
     let mut panels = Vec::new();
     if selection.panels.is_empty() && captures.is_empty() {
         panels.extend(standard(&runs));

@@ -116,7 +116,12 @@ impl StepObserver for Monitor<'_> {
         if is_shown || is_published {
             let (so_far, status) = begun.state(self.scenario, now);
             if let Some(progress) = self.progress.as_ref().filter(|_| is_shown) {
-                progress.show(begun.steps, begun.simulated_s(self.scenario), begun.rate(self.scenario, now), &so_far);
+                progress.show(
+                    begun.steps,
+                    begun.simulated_s(self.scenario),
+                    begun.rate(self.scenario, now),
+                    &so_far,
+                );
             }
             if let Some(live) = self.live.as_mut().filter(|_| is_published) {
                 live.show(&status);

@@ -21,9 +21,9 @@ use lashloop_record::trace::{TraceWriter, row};
 
 use super::clock_options::ClockOptions;
 use super::error::CliError;
+use super::monitor::Monitor;
 use super::options::{RigOption, ScenarioOptions};
 use super::output::{error_line, outln, prepare_folder};
-use super::monitor::Monitor;
 use super::run_report;
 use super::supervision::start_supervisor;
 use super::watch_options::WatchOptions;

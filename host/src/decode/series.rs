@@ -3,8 +3,8 @@
 use lashloop_bench::capture::reader::{self, ReadError};
 use lashloop_plant::Signal;
 use lashloop_plant::metrics::DRIVE_PREFIX;
-use lashloop_protocol::field_value::FieldValue;
 use lashloop_protocol::enums::ParameterValue;
+use lashloop_protocol::field_value::FieldValue;
 use lashloop_protocol::parameter_names::PERIOD_US;
 use lashloop_protocol::sequence::{LONGEST_GAP, nearest_step};
 use lashloop_record::columns::Columns;
@@ -57,9 +57,12 @@ struct Collector {
 
 impl Collector {
     fn take(&mut self, message: &DecodedMessage) {
-        let value = |name: &str| message.fields().find(|(field, _)| field.name == name).map(|(_, value)| value);
+        let value =
+            |name: &str| message.fields().find(|(field, _)| field.name == name).map(|(_, value)| value);
         let integer = |name: &str| match value(name) {
-            Some(FieldValue::Unsigned(value) | FieldValue::Parameter(ParameterValue::U32(value))) => Some(value),
+            Some(FieldValue::Unsigned(value) | FieldValue::Parameter(ParameterValue::U32(value))) => {
+                Some(value)
+            }
             _ => None,
         };
         match message.layout.name {

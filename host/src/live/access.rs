@@ -178,7 +178,14 @@ mod tests {
             let origin = format!("http://{host}");
             assert_eq!(check(Some(host), Some(&origin)), None, "{origin}");
         }
-        for host in ["evil.example:8080", "127.0.0.1.evil.example", "localhost.evil:80", "10.0.0.1:80", "[::1]x", "localhost:1:2"] {
+        for host in [
+            "evil.example:8080",
+            "127.0.0.1.evil.example",
+            "localhost.evil:80",
+            "10.0.0.1:80",
+            "[::1]x",
+            "localhost:1:2",
+        ] {
             assert_eq!(check(Some(host), None), Some(Denied::Host), "{host}");
         }
         assert_eq!(check(None, None), Some(Denied::Host));
@@ -192,7 +199,9 @@ mod tests {
         let token = Token::new("0123456789abcdef").expect("a token");
         let access = Access { token: Some(token) };
         assert_eq!(access.check_token(Some("x=1&token=0123456789abcdef")), Ok(()));
-        for query in [None, Some(""), Some("token="), Some("token=0123456789abcde"), Some("atoken=0123456789abcdef")] {
+        for query in
+            [None, Some(""), Some("token="), Some("token=0123456789abcde"), Some("atoken=0123456789abcdef")]
+        {
             assert_eq!(access.check_token(query), Err(Denied::Token), "{query:?}");
         }
         assert_eq!(access.check_source(Some("bench-pc:80"), Some("http://bench-pc:80")), Ok(()));

@@ -91,7 +91,8 @@ impl Publisher {
         let row = &step.row;
         self.values.clear();
         let fixed = [row.reference_rad, row.load_position_rad, row.motor_position_rad, row.torque_nm];
-        self.values.extend(fixed.iter().chain(&step.plant).chain(&step.drive.values).map(|&value| value as f32));
+        self.values
+            .extend(fixed.iter().chain(&step.plant).chain(&step.drive.values).map(|&value| value as f32));
         let microseconds = |time: Duration| time.as_nanos() as f32 / 1e3;
         let round_trip = step.timing.round_trip.map_or(f32::NAN, |trip| microseconds(trip.total()));
         self.values.extend([microseconds(step.timing.lateness), round_trip]);

@@ -30,8 +30,7 @@ impl Run {
         let mut command = Command::new(LASHLOOP);
         command.args(arguments(duration_s, folder.path())).args(["--live-wait", "60"]);
         command.args(if options.iter().any(|it| it.starts_with("--live=")) { &[][..] } else { &["--live"] });
-        let mut child =
-            command.args(options).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut child = command.args(options).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let mut line = String::new();
         let mut output = BufReader::new(child.stdout.take().unwrap());
         output.read_line(&mut line).unwrap();
@@ -96,9 +95,14 @@ impl Received {
             match client.read() {
                 Ok(Message::Text(text)) => received.texts.push(serde_json::from_str(&text).unwrap()),
                 Ok(Message::Binary(bytes)) => {
-                    let words: Vec<[u8; 4]> = bytes.chunks_exact(4).map(|word| word.try_into().unwrap()).collect();
+                    let words: Vec<[u8; 4]> =
+                        bytes.chunks_exact(4).map(|word| word.try_into().unwrap()).collect();
                     let [history, first] = [0, 1].map(|at| u32::from_le_bytes(words[at]));
-                    received.samples.push((history, first, words[2..].iter().map(|word| f32::from_le_bytes(*word)).collect()));
+                    received.samples.push((
+                        history,
+                        first,
+                        words[2..].iter().map(|word| f32::from_le_bytes(*word)).collect(),
+                    ));
                 }
                 Ok(Message::Close(_)) | Err(tungstenite::Error::ConnectionClosed) => break,
                 Ok(other) => panic!("{other:?}"),
@@ -183,7 +187,8 @@ fn a_late_reader_gets_the_history_and_a_stop_ends_the_run() {
     let mut early = run.connect();
     Received::read(&mut early, |received| received.samples.len() > 10);
     let mut late = run.connect();
-    let received = Received::read(&mut late, |received| !received.samples.is_empty() && received.texts.len() > 1);
+    let received =
+        Received::read(&mut late, |received| !received.samples.is_empty() && received.texts.len() > 1);
     let buckets = received.buckets();
     assert_eq!(received.kinds(), ["description", "status"]);
     assert_eq!(buckets[0][0], 0.0, "the first bucket is that of the start");
@@ -198,7 +203,12 @@ fn a_late_reader_gets_the_history_and_a_stop_ends_the_run() {
 fn foreign_hosts_and_origins_are_refused() {
     let run = Run::start(0.1, &[]);
     let status = |path: &str, headers: &[&str]| run.get(path, headers).split(' ').nth(1).unwrap().to_owned();
-    let upgrade = ["Host: localhost", "Upgrade: websocket", "Sec-WebSocket-Version: 13", "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA=="];
+    let upgrade = [
+        "Host: localhost",
+        "Upgrade: websocket",
+        "Sec-WebSocket-Version: 13",
+        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==",
+    ];
     for path in ["/", "/live.js", "/live.css", "/feed"] {
         assert_eq!(status(path, &["Host: evil.example"]), "403", "{path}");
         assert_eq!(status(path, &["Host: localhost", "Origin: http://evil.example"]), "403", "{path}");

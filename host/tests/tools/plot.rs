@@ -193,18 +193,20 @@ fn record_without_gap_and_estimator_has_the_other_panels() {
 #[test]
 fn panels_take_the_place_of_the_standard_ones_and_group_by_unit() {
     let runs = Runs::new();
-    let (one, other) = (runs.run("one", &[]), runs.run("other", &["plant.dead_zone_rad=0.2", "meant=mismatch"]));
+    let (one, other) =
+        (runs.run("one", &[]), runs.run("other", &["plant.dead_zone_rad=0.2", "meant=mismatch"]));
     let figure = runs.folder("both.svg");
     let panels = ["--panel=load_position_rad,reference_rad", "--panel=drive.*", "--out"].map(Path::new);
     plot(&[&[&*one, &other], &panels[..], &[&figure]].concat()).unwrap();
     let svg = fs::read_to_string(figure).unwrap();
-    assert!(!svg.contains("Control torque") && svg.contains(") drive.*<"), "{svg}");
+    assert!(!svg.contains("Control torque") && svg.contains(") drive.* in N m<"), "{svg}");
     let pens = |label: &str| {
         let line = svg.lines().find(|line| line.contains(&format!("<title>{label}</title>"))).unwrap();
         let pen = line.split_once("stroke=").unwrap().1;
         pen.split_once('>').unwrap().0.to_owned()
     };
-    let labels = ["load_position_rad, one", "load_position_rad, other", "reference_rad, one", "reference_rad, other"];
+    let labels =
+        ["load_position_rad, one", "load_position_rad, other", "reference_rad, one", "reference_rad, other"];
     let mut all = labels.map(pens).to_vec();
     all.sort();
     all.dedup();
@@ -235,7 +237,9 @@ fn a_capture_has_the_torques_of_the_record_on_the_same_axis() {
 
     plot(&[&capture]).unwrap();
     let svg = fs::read_to_string(capture.with_extension("svg")).unwrap();
-    for words in ["Capture line.pcapng", "motor_counts", "drive.requested_torque_nm", "100 steps from the frames"] {
+    for words in
+        ["Capture line.pcapng", "motor_counts", "drive.requested_torque_nm", "100 steps from the frames"]
+    {
         assert!(svg.contains(words), "no {words:?}: {svg}");
     }
     let whole = fs::read(&capture).unwrap();
