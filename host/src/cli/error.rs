@@ -20,6 +20,7 @@ use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::IdentifyError;
 use lashloop_identify::excitation::CommissioningError;
+use lashloop_record::folder::FolderError;
 use lashloop_record::reader::ReadError;
 use lashloop_report::png::PngError;
 use lashloop_report::runs::DrawError;
@@ -45,6 +46,8 @@ pub(crate) enum CliError {
     Campaign(#[from] CampaignError),
     #[error(transparent)]
     Record(#[from] ReadError),
+    #[error(transparent)]
+    Folder(#[from] FolderError),
     #[error(transparent)]
     Draw(#[from] DrawError),
     #[error("PNG: {0}")]
@@ -116,6 +119,7 @@ impl CliError {
             | Self::Report { .. }
             | Self::Input { .. }
             | Self::Record(_)
+            | Self::Folder(_)
             | Self::Draw(_)
             | Self::Picture(_)
             | Self::NoSteps { .. }
