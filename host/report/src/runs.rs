@@ -1,4 +1,4 @@
-//! The figure of `lashloop plot`: the records of one or several runs.
+//! The figure of `lashloop plot`: records and captures of one or several runs.
 
 use std::ops::RangeInclusive;
 
@@ -8,6 +8,7 @@ use lashloop_record::reader::{ReadError, Record};
 use lashloop_record::row::Row;
 use lashloop_record::timing::TimingRow;
 
+use crate::chosen::{self, Source};
 use crate::plot::{Axis, Figure, Panel, Role, Series};
 
 /// Why records can't be plotted.
@@ -33,6 +34,12 @@ pub enum DrawError {
         name: String,
         /// The names there are.
         reason: UnknownName,
+    },
+    /// Steps and time on one axis.
+    #[error("{name} has no control period, so its axis is the number of the step; plot it apart")]
+    Axes {
+        /// The capture.
+        name: String,
     },
     /// Two records have the signal in different units.
     #[error(
@@ -62,67 +69,153 @@ fn named(unit: &str) -> &str {
     if unit.is_empty() { "no unit" } else { unit }
 }
 
-/// What is plotted of the records.
+/// What is plotted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Selection {
     /// Range of time, in s.
     pub shown_s: RangeInclusive<f64>,
-    /// Columns of the traces that get a panel of their own, in addition to the standard ones.
+    /// Signals that get a panel of their own. `*` stands for any characters.
     pub signals: Vec<String>,
+    /// Signals that share a panel, as far as they share a unit. With such a choice the standard panels are omitted.
+    pub panels: Vec<Vec<String>>,
+}
+
+/// What a figure is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Input {
+    /// The record of a run.
+    Record(Record),
+    /// The steps of a capture.
+    Capture {
+        /// The axis first: `time_s`, or the number of the step.
+        columns: Columns,
+        /// Why the capture ends early, if it does.
+        torn: Option<String>,
+    },
 }
 
 /// Largest number of marked faults; more would hide the curves.
 const MARKED: usize = 6;
 
+const TIME: &str = "time_s";
 const DEAD_ZONE_RAD: &str = "dead_zone_rad";
 const ESTIMATE_RAD: &str = "drive.dead_zone_estimate_rad";
 const TWIST_RAD: &str = "twist_rad";
 
-/// Position, position error, torque, timing and the selected signals of named runs. Runs of a plant with a gap also get the
-/// twist, runs of a drive with an estimator its estimate.
+/// The chosen panels of named inputs. Without a choice, these are the standard panels: position, position error, torque and
+/// timing of records, twist of those with a gap, estimate of those with an estimator; and all signals of captures, by unit.
 ///
 /// # Errors
-/// A record lacks a column that every run has, none has a selected signal, or none has a step in the range.
-pub fn figure(runs: &[(String, Record)], selection: &Selection) -> Result<Figure, DrawError> {
+/// A record lacks a column that every run has, no input has a selected signal, or none has a step in the range.
+pub fn figure(inputs: &[(String, Input)], selection: &Selection) -> Result<Figure, DrawError> {
     let shown_s = &selection.shown_s;
-    let runs = runs
+    let mut runs = Vec::new();
+    let mut captures = Vec::new();
+    for (number, (name, input)) in inputs.iter().enumerate() {
+        match input {
+            Input::Record(record) => runs.push(Run::new(number, name, record, shown_s)?),
+            Input::Capture { columns, torn } => {
+                captures.push(Capture::new(name, columns, torn.as_deref(), shown_s))
+            }
+        }
+    }
+    let sources: Vec<Source<'_>> = inputs
         .iter()
-        .enumerate()
-        .map(|(number, (name, record))| Run::new(number, name, record, shown_s))
-        .collect::<Result<Vec<_>, _>>()?;
-    if runs.iter().all(|run| run.shown.is_empty()) {
+        .filter_map(|(name, _)| {
+            let run = runs.iter().find(|run| run.name == name).map(Run::source);
+            run.or_else(|| captures.iter().find(|capture| capture.name == name).map(Capture::source))
+        })
+        .collect();
+    check_axes(&sources)?;
+    if sources.iter().all(|source| source.columns.is_empty()) {
+        let ends_s = runs.iter().map(|run| run.end_s).chain(captures.iter().map(|capture| capture.end_s));
         return Err(DrawError::Nothing {
             from_s: *shown_s.start(),
             until_s: *shown_s.end(),
-            end_s: runs.iter().map(|run| run.end_s).fold(f64::NAN, f64::max),
+            end_s: ends_s.fold(f64::NAN, f64::max),
         });
     }
-    let title = match &runs[..] {
-        [run] => format!("Record of {}", run.name),
-        runs => format!("{} records", runs.len()),
+    let title = match inputs {
+        [(name, Input::Record(_))] => format!("Record of {name}"),
+        [(name, Input::Capture { .. })] => format!("Capture {name}"),
+        inputs if captures.is_empty() => format!("{} records", inputs.len()),
+        inputs => format!("{} records and captures", inputs.len()),
     };
-    let caption: Vec<_> = runs.iter().map(Run::caption).collect();
-    let mut figure = Figure::new(title, caption.join("\n"), 2)
-        .panel(position(&runs))
-        .panel(of_all(&runs, "Position error", Axis::new("load less reference", "rad"), |run| {
+    let caption: Vec<_> =
+        runs.iter().map(Run::caption).chain(captures.iter().map(Capture::caption)).collect();
+    let mut panels = Vec::new();
+    if selection.panels.is_empty() && captures.is_empty() {
+        panels.extend(standard(&runs));
+    }
+    panels.extend(chosen::apart(&sources, &selection.signals)?);
+    for names in &selection.panels {
+        panels.extend(chosen::together(&sources, names)?);
+    }
+    if panels.is_empty() {
+        panels = chosen::together(&sources, &["*".to_owned()])?;
+    }
+    if selection.panels.is_empty() && captures.is_empty() && runs.iter().any(|run| run.timing.is_some()) {
+        panels.push(round_trip(&runs));
+    }
+    let columns = panels.len().min(2);
+    Ok(panels.into_iter().fold(Figure::new(title, caption.join("\n"), columns), Figure::panel))
+}
+
+fn standard(runs: &[Run<'_>]) -> Vec<Panel> {
+    let mut panels = vec![
+        position(runs),
+        of_all(runs, "Position error", Axis::new("load less reference", "rad"), |run| {
             let load_and_reference = run.column("load_position_rad").zip(run.column("reference_rad"));
             load_and_reference
                 .map(|(load, reference)| load.iter().zip(reference).map(|(a, b)| a - b).collect())
-        }))
-        .panel(of_all(&runs, "Control torque", Axis::new("torque", "N m"), |run| run.values("torque_nm")));
+        }),
+        of_all(runs, "Control torque", Axis::new("torque", "N m"), |run| run.values("torque_nm")),
+    ];
     if runs.iter().any(|run| run.column(TWIST_RAD).is_some()) {
-        figure = figure.panel(gap(&runs));
+        panels.push(gap(runs));
     }
     if runs.iter().any(|run| run.column(ESTIMATE_RAD).is_some()) {
-        figure = figure.panel(estimate(&runs));
+        panels.push(estimate(runs));
     }
-    for name in &selection.signals {
-        figure = figure.panel(signal(&runs, name)?);
+    panels
+}
+
+/// All inputs have to be over time, or all over steps.
+fn check_axes(sources: &[Source<'_>]) -> Result<(), DrawError> {
+    let Some(first) = sources.first() else { return Ok(()) };
+    match sources.iter().find(|source| source.axis() != first.axis()) {
+        None => Ok(()),
+        Some(other) => {
+            let without = if other.axis() == TIME { first } else { other };
+            Err(DrawError::Axes { name: without.name.to_owned() })
+        }
     }
-    if runs.iter().any(|run| run.timing.is_some()) {
-        figure = figure.panel(round_trip(&runs));
+}
+
+/// One capture and its rows in the range.
+struct Capture<'a> {
+    name: &'a str,
+    shown: Columns,
+    torn: Option<&'a str>,
+    end_s: f64,
+}
+
+impl<'a> Capture<'a> {
+    fn new(name: &'a str, columns: &Columns, torn: Option<&'a str>, shown_s: &RangeInclusive<f64>) -> Self {
+        let axis = columns.signals().first().map_or("", |signal| &signal.name);
+        let axis = columns.get(axis).unwrap_or_default();
+        let end_s = axis.last().copied().unwrap_or(f64::NAN);
+        Self { name, shown: columns.select(|row| shown_s.contains(&axis[row])), torn, end_s }
     }
-    Ok(figure)
+
+    fn source(&self) -> Source<'_> {
+        Source { name: self.name, columns: &self.shown, is_sparse: true }
+    }
+
+    fn caption(&self) -> String {
+        let torn = self.torn.map_or_else(String::new, |reason| format!(" {reason}."));
+        format!("{}: {} steps from the frames of a capture.{torn}", self.name, self.shown.len())
+    }
 }
 
 /// One run and its rows in the range.
@@ -146,7 +239,7 @@ impl<'a> Run<'a> {
         record: &'a Record,
         shown_s: &RangeInclusive<f64>,
     ) -> Result<Self, ReadError> {
-        let time_s = record.trace.column("time_s")?;
+        let time_s = record.trace.column(TIME)?;
         for column in ["reference_rad", "load_position_rad", "torque_nm"] {
             record.trace.column(column)?;
         }
@@ -154,14 +247,13 @@ impl<'a> Run<'a> {
         let first_step = time_s[..end].partition_point(|time_s| time_s < shown_s.start());
         let shown = record.trace.columns.select(|row| (first_step..end).contains(&row));
         let timing = record.timing.as_ref().map(TimingRow::read).transpose()?;
-        // The two most distinct colours first.
-        let role = match number {
-            0 => Role::After,
-            1 => Role::Before,
-            more => Role::Other(more - 2),
-        };
+        let role = Role::Line { colour: number, dash: number };
         let end_s = time_s.last().copied().unwrap_or(f64::NAN);
         Ok(Self { role, name, record, first_step, shown, timing, end_s })
+    }
+
+    fn source(&self) -> Source<'_> {
+        Source { name: self.name, columns: &self.shown, is_sparse: false }
     }
 
     /// The rows of a column in the range; `None` if the record has no such column.
@@ -174,7 +266,7 @@ impl<'a> Run<'a> {
     }
 
     fn time_s(&self) -> Vec<f64> {
-        self.values("time_s").unwrap_or_default()
+        self.values(TIME).unwrap_or_default()
     }
 
     fn series(&self, values: Vec<f64>) -> Series {
@@ -228,32 +320,6 @@ fn of_all(
     let panel = Panel::new(title, Axis::new("time", "s"), axis);
     let curves = runs.iter().filter_map(|run| quantity(run).map(|values| run.series(values)));
     curves.fold(panel, Panel::series)
-}
-
-/// A panel with a column of the traces; its unit is the axis'.
-fn signal(runs: &[Run<'_>], name: &str) -> Result<Panel, DrawError> {
-    let mut units = runs.iter().filter_map(|run| run.shown.unit(name).map(|unit| (run, unit)));
-    let Some((first, unit)) = units.next() else {
-        let known = runs.iter().flat_map(|run| run.shown.signals()).map(|signal| &*signal.name);
-        let mut names = Vec::new();
-        for name in known {
-            if !names.contains(&name) {
-                names.push(name);
-            }
-        }
-        let reason = UnknownName::new("the record", "signal", name, names);
-        return Err(DrawError::Signal { name: name.to_owned(), reason });
-    };
-    if let Some((run, other)) = units.find(|(_, other)| *other != unit) {
-        return Err(DrawError::Units {
-            name: name.to_owned(),
-            record: first.name.to_owned(),
-            unit: unit.to_owned(),
-            other_record: run.name.to_owned(),
-            other: other.to_owned(),
-        });
-    }
-    Ok(of_all(runs, name, Axis::new(name, unit), |run| run.values(name)))
 }
 
 fn round_trip(runs: &[Run<'_>]) -> Panel {

@@ -8,6 +8,7 @@ use crate::campaign::CampaignError;
 use crate::commission::MotionError;
 use crate::flash::FlashError;
 use crate::identify::record::NoSeries;
+use crate::live::LiveError;
 use crate::parameter_set::SettingsError;
 use crate::replay::ReplayError;
 use crate::rig::drive_settings::MissingParameter;
@@ -23,6 +24,7 @@ use lashloop_identify::excitation::CommissioningError;
 use lashloop_record::folder::FolderError;
 use lashloop_record::diff::DiffError;
 use lashloop_record::reader::ReadError;
+use lashloop_report::png::PngError;
 use lashloop_report::runs::DrawError;
 
 /// An error of a command: one sentence for the user.
@@ -55,8 +57,14 @@ pub(crate) enum CliError {
     Replay(#[from] ReplayError),
     #[error(transparent)]
     Draw(#[from] DrawError),
+    #[error("PNG: {0}")]
+    Picture(#[from] PngError),
+    #[error("{}: has no sample of a run; it must be a capture of `run --capture`", path.display())]
+    NoSteps { path: PathBuf },
     #[error("--from {from} --until {until} is an empty range; --until must be later than --from")]
     Nothing { from: f64, until: f64 },
+    #[error(transparent)]
+    Live(#[from] LiveError),
     #[error(transparent)]
     Flash(#[from] FlashError),
     #[error("{problem}")]
@@ -124,6 +132,9 @@ impl CliError {
             | Self::Rerun { .. }
             | Self::Replay(_)
             | Self::Draw(_)
+            | Self::Picture(_)
+            | Self::NoSteps { .. }
+            | Self::Live(_)
             | Self::CommissionLimit { .. }
             | Self::Motion { .. }
             | Self::Instruments { .. }

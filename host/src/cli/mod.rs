@@ -4,6 +4,7 @@
 mod battery;
 mod budget;
 mod clock_options;
+mod colour;
 mod commission;
 mod compare;
 mod conformance;
@@ -17,6 +18,7 @@ mod experiment;
 mod flash;
 mod history;
 mod identify;
+mod monitor;
 mod options;
 mod output;
 mod paper;
@@ -37,6 +39,7 @@ mod run_report;
 mod show;
 mod soak;
 mod supervision;
+mod watch_options;
 
 use std::process::ExitCode;
 

@@ -49,5 +49,9 @@ pub(super) fn prepare_folder(folder: &Path, stale: &[&str]) -> Result<(), CliErr
 }
 
 pub(super) fn write_file(path: &Path, text: &str) -> Result<(), CliError> {
-    fs::write(path, text).map_err(|source| CliError::Output { path: path.to_owned(), source })
+    write_bytes(path, text.as_bytes())
+}
+
+pub(super) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
+    fs::write(path, bytes).map_err(|source| CliError::Output { path: path.to_owned(), source })
 }

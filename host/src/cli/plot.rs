@@ -1,34 +1,43 @@
-//! `lashloop plot`: the records of runs as a figure.
+//! `lashloop plot`: records and captures of runs as a figure.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::bench::Bench;
+use crate::decode::series::{Series, series};
 use clap::Args;
 use lashloop_bench::verdict::Exit;
 use lashloop_record::reader::Record;
-use lashloop_report::runs::{Selection, figure};
+use lashloop_report::png;
+use lashloop_report::runs::{Input, Selection, figure};
 
 use super::error::CliError;
-use super::output::{outln, write_file};
+use super::output::{outln, write_bytes};
 
 const FIGURE_FILE: &str = "record.svg";
+const PNG: &str = "png";
 
-/// Plot records: position, error, torque, gap, estimate, round trip, and any signal
+/// Plot records and captures: position, error, torque, gap, estimate, round trip, and any signal
 ///
-/// A record is a folder of `run --out`. The record of an interrupted run is plotted up to its last whole row. Several
-/// records share the axes.
+/// A record is a folder of `run --out`, a capture a file of `run --capture`. What an interrupted run left is plotted up to
+/// its last whole row or frame. Several share the axes; each has its own colour and dash.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Folders of records
-    #[arg(required = true, value_name = "DIR")]
+    /// Folders of records, and captures
+    #[arg(required = true, value_name = "DIR|FILE.pcapng")]
     records: Vec<PathBuf>,
 
-    /// Columns of trace.csv to plot as well, such as drive.requested_torque_nm
+    /// Signals to plot as well, each in a panel of its own, such as drive.requested_torque_nm; * stands for any characters
     #[arg(long = "signal", value_name = "NAME", num_args = 1..)]
     signals: Vec<String>,
 
-    /// File for the figure [default: record.svg in the first folder]
-    #[arg(long, value_name = "FILE.svg")]
+    /// Signals to plot in one panel, separated by commas, such as load_position_rad,reference_rad or drive.*; one panel for
+    /// each unit. Replaces the standard panels; repeatable
+    #[arg(long = "panel", value_name = "NAME,...")]
+    panels: Vec<String>,
+
+    /// File for the figure, .svg or .png [default: record.svg in the first folder, or next to the first capture]
+    #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 
     /// Start of the plotted time, in s
@@ -46,24 +55,44 @@ impl Arguments {
         if from.is_nan() || until.is_nan() || from >= until {
             return Err(CliError::Nothing { from, until });
         }
-        let runs = self
+        let inputs = self
             .records
             .iter()
-            .map(|folder| Ok((self.name(folder), Record::read(folder)?)))
+            .map(|path| Ok((self.name(path), read(path)?)))
             .collect::<Result<Vec<_>, CliError>>()?;
-        let selection = Selection { shown_s: from..=until, signals: self.signals.clone() };
-        let svg = figure(&runs, &selection)?.to_svg();
-        let path = self.out.unwrap_or_else(|| self.records[0].join(FIGURE_FILE));
-        write_file(&path, &svg)?;
+        let panels = self.panels.iter().map(|names| names.split(',').map(str::to_owned).collect());
+        let selection =
+            Selection { shown_s: from..=until, signals: self.signals.clone(), panels: panels.collect() };
+        let svg = figure(&inputs, &selection)?.to_svg();
+        let path = self.out.clone().unwrap_or_else(|| default_file(&self.records[0]));
+        match path.extension().and_then(|it| it.to_str()) {
+            Some(PNG) => write_bytes(&path, &png::from_svg(&svg)?)?,
+            _ => write_bytes(&path, svg.as_bytes())?,
+        }
         outln!("figure: {}", path.display());
         Ok(Exit::Pass)
     }
 
-    /// The last part of the path; the whole path where two folders share a name.
+    /// The last part of the path; the whole path where two inputs share a name.
     fn name(&self, folder: &Path) -> String {
         let is_alone =
             self.records.iter().filter(|other| other.file_name() == folder.file_name()).count() == 1;
         let name = folder.file_name().filter(|_| is_alone).unwrap_or(folder.as_os_str());
         name.to_string_lossy().into_owned()
     }
+}
+
+fn read(path: &Path) -> Result<Input, CliError> {
+    if !path.is_file() {
+        return Ok(Input::Record(Record::read(path)?));
+    }
+    let bytes = fs::read(path).map_err(|source| CliError::Input { path: path.to_owned(), source })?;
+    let Some(Series { columns, torn }) = series(&bytes) else {
+        return Err(CliError::NoSteps { path: path.to_owned() });
+    };
+    Ok(Input::Capture { columns, torn })
+}
+
+fn default_file(first: &Path) -> PathBuf {
+    if first.is_file() { first.with_extension("svg") } else { first.join(FIGURE_FILE) }
 }

@@ -22,9 +22,9 @@ use super::clock_options::ClockOptions;
 use super::error::CliError;
 use super::options::{RecordOptions, RigOption, ScenarioOptions};
 use super::output::{error_line, outln};
-use super::progress::Progress;
 use super::run_report;
 use super::supervision::start_supervisor;
+use super::watch_options::WatchOptions;
 use crate::identify::gate::{self, Departure, KeyInterval, RecordedMotion};
 use crate::rig::check::check_board;
 
@@ -56,6 +56,9 @@ pub(crate) struct Arguments {
 
     #[command(flatten)]
     clock: ClockOptions,
+
+    #[command(flatten)]
+    watch: WatchOptions,
 
     #[command(flatten)]
     record: RecordOptions,
@@ -105,6 +108,7 @@ impl Arguments {
         let folder = self.record.claim()?;
         let capture = self.capture.as_deref().map(|path| capture::create(path, when_full)).transpose()?;
         let (recorder, capture) = capture.unzip();
+        let watch = self.watch.start()?;
         let supervisor = start_supervisor()?;
         let listen = |link| match recorder {
             Some(recorder) => Box::new(Captured::new(link, recorder)) as Box<dyn Link>,
@@ -118,16 +122,17 @@ impl Arguments {
         for warning in device.device.warnings() {
             error_line(format_args!("lashloop: warning: {warning}"));
         }
-        let mut progress = Progress::of(&scenario);
+        let mut monitor = watch.monitor(&scenario);
         let mut interrupt = Interrupt { supervisor: &supervisor, capture };
         let mut record = folder.map(|folder| RecordWriter::new(folder, source));
         let signals = supervisor.guard_signals();
-        let mut observers: Vec<&mut dyn StepObserver> = vec![&mut progress, &mut interrupt];
+        let mut observers: Vec<&mut dyn StepObserver> = vec![&mut monitor, &mut interrupt];
         observers.extend(gate.as_mut().map(|it| it as &mut dyn StepObserver));
         observers.extend(record.as_mut().map(|it| it as &mut dyn StepObserver));
+        watch.wait(|| supervisor.interrupted());
         let mut outcome = run::run(&scenario, &mut device, clock, &mut Observers(observers))?;
         let Interrupt { capture, .. } = interrupt;
-        drop(progress);
+        drop(monitor);
         // The warnings at the start have it for an adapter that was not reconnected.
         let reconnected = (outcome.link.resumes > 0).then(|| device.device.connection.long_latency_timer());
         if let Some(warning) = reconnected.flatten() {
@@ -147,6 +152,7 @@ impl Arguments {
         if let Some(record) = record {
             record.finish(&summary, &outcome.logs)?;
         }
+        watch.finish(&outcome, self.record.out.as_deref());
         // A signal before this point would truncate the record.
         drop(signals);
         Ok(Executed { scenario, summary, outcome, departure })

@@ -1,10 +1,12 @@
 //! The report of a run on standard output; the verdict is its last line.
 
+use lashloop_bench::number::Shown;
 use lashloop_bench::run::{End, Outcome};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::verdict::LinkCounts;
 use lashloop_record::summary::{Summary, Telemetry};
 
+use super::colour::{self, Stream};
 use super::output::outln;
 
 pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
@@ -54,7 +56,7 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
     let name_width = summary.metrics.iter().map(|(metric, _)| metric.name().len()).max().unwrap_or(0);
     for (metric, measured) in summary.metrics.iter() {
         match measured.value() {
-            Some(value) => outln!("{:<name_width$} {value:>14.4} {}", metric.name(), metric.unit()),
+            Some(value) => outln!("{:<name_width$} {:>14} {}", metric.name(), Shown(value), metric.unit()),
             None => outln!("{:<name_width$} {:>14}", metric.name(), measured.to_string()),
         }
     }
@@ -68,5 +70,5 @@ pub(super) fn print(scenario: &Scenario, summary: &Summary, outcome: &Outcome) {
     if outcome.end != End::Complete {
         outln!("ENDED  {}", outcome.end);
     }
-    outln!("{}", summary.verdict);
+    outln!("{}", colour::of_verdict(summary.verdict, &summary.verdict.to_string(), Stream::Output));
 }

@@ -5,6 +5,7 @@
 //! | `entry` | one frame of a stream or of a capture |
 //! | `reader` | splits streams and captures into entries |
 //! | `subscription` | names telemetry values, by the descriptions and the subscription in the same stream |
+//! | [`series`] | the control steps of a capture as columns |
 //! | [`message`] | decodes a message of either direction, for streams that mix both |
 //! | [`table`], [`json`] | formats an entry as a line of text, or of JSON |
 //!
@@ -14,6 +15,7 @@ mod entry;
 pub mod json;
 pub mod message;
 mod reader;
+pub mod series;
 mod subscription;
 pub mod table;
 

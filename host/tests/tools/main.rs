@@ -1,12 +1,14 @@
-//! The tools around line and record: capture, decode, the Wireshark dissector, doctor, plot.
+//! The tools around line and record: capture, decode, the Wireshark dissector, doctor, the live page, plot.
 
 mod capture;
 mod decode;
 mod diff;
 mod dissector;
 mod doctor;
+mod live;
 mod plot;
 mod rerun;
+mod progress;
 mod support;
 
 /// The messages that protocol version 1 is pinned by.

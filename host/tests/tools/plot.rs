@@ -189,3 +189,74 @@ fn record_without_gap_and_estimator_has_the_other_panels() {
     assert!(svg.contains("Control torque") && !svg.contains("no data"), "{svg}");
     assert!(!svg.contains("Twist and the gap") && !svg.contains("Dead-zone estimate"), "{svg}");
 }
+
+#[test]
+fn panels_take_the_place_of_the_standard_ones_and_group_by_unit() {
+    let runs = Runs::new();
+    let (one, other) =
+        (runs.run("one", &[]), runs.run("other", &["plant.dead_zone_rad=0.2", "meant=mismatch"]));
+    let figure = runs.folder("both.svg");
+    let panels = ["--panel=load_position_rad,reference_rad", "--panel=drive.*", "--out"].map(Path::new);
+    plot(&[&[&*one, &other], &panels[..], &[&figure]].concat()).unwrap();
+    let svg = fs::read_to_string(figure).unwrap();
+    assert!(!svg.contains("Control torque") && svg.contains(") drive.* in N m<"), "{svg}");
+    let pens = |label: &str| {
+        let line = svg.lines().find(|line| line.contains(&format!("<title>{label}</title>"))).unwrap();
+        let pen = line.split_once("stroke=").unwrap().1;
+        pen.split_once('>').unwrap().0.to_owned()
+    };
+    let labels =
+        ["load_position_rad, one", "load_position_rad, other", "reference_rad, one", "reference_rad, other"];
+    let mut all = labels.map(pens).to_vec();
+    all.sort();
+    all.dedup();
+    assert_eq!(all.len(), 4, "each line has a colour and a dash of its own: {all:?}");
+    let error = plot(&[&one, Path::new("--panel=drive.q*")]).unwrap_err();
+    assert!(error.contains("drive.q*: the record has no signal of this name"), "{error}");
+}
+
+#[test]
+fn a_capture_has_the_torques_of_the_record_on_the_same_axis() {
+    let runs = Runs::new();
+    let capture = runs.folder("line.pcapng");
+    let scenario = root().join("scenarios/faults.toml");
+    let out = runs.folder("one");
+    let [scenario, file, folder] = [&scenario, &capture, &out].map(|path| path.to_str().unwrap());
+    let settings = ["run.duration_s=0.1", "expect=[]"].iter().flat_map(|it| ["--set", it]);
+    let run = ["run", scenario, "--device", "inproc", "--capture", file, "--out", folder];
+    let ended = lashloop(&run.into_iter().chain(settings).collect::<Vec<_>>(), &[]);
+    assert_eq!(ended.status.code(), Some(0), "{}", text(&ended.stderr));
+    let figure = runs.folder("both.svg");
+    plot(&[&out, &capture, Path::new("--panel=torque_nm"), Path::new("--out"), &figure]).unwrap();
+    let svg = fs::read_to_string(figure).unwrap();
+    let curve = |label: &str| {
+        let line = svg.lines().find(|line| line.contains(&format!("<title>{label}</title>"))).unwrap();
+        line.split_once('"').unwrap().1.split_once('"').unwrap().0.to_owned()
+    };
+    assert_eq!(curve("one"), curve("line.pcapng"), "the same torques at the same times");
+
+    plot(&[&capture]).unwrap();
+    let svg = fs::read_to_string(capture.with_extension("svg")).unwrap();
+    for words in
+        ["Capture line.pcapng", "motor_counts", "drive.requested_torque_nm", "100 steps from the frames"]
+    {
+        assert!(svg.contains(words), "no {words:?}: {svg}");
+    }
+    let whole = fs::read(&capture).unwrap();
+    fs::write(&capture, &whole[..whole.len() - 7]).unwrap();
+    plot(&[&capture]).unwrap();
+    assert!(fs::read_to_string(capture.with_extension("svg")).unwrap().contains("breaks off"));
+    fs::write(&capture, "nothing").unwrap();
+    assert!(plot(&[&capture]).unwrap_err().contains("must be a capture"));
+}
+
+#[test]
+fn a_figure_is_a_picture_if_its_name_ends_so() {
+    let runs = Runs::new();
+    let one = runs.run("one", &[]);
+    let figure = runs.folder("one.png");
+    plot(&[&one, Path::new("--out"), &figure]).unwrap();
+    let picture = fs::read(figure).unwrap();
+    assert_eq!(picture[..8], *b"\x89PNG\r\n\x1a\n");
+    assert!(picture.len() > 20_000, "{} bytes", picture.len());
+}

@@ -5,6 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::exit::Verdict;
+use crate::number::Apart;
 use crate::scenario::expectation::Expectation;
 use crate::scenario::sections::Allowance;
 use crate::timing::{ClockName, Quantiles, TimingReport};
@@ -80,9 +81,9 @@ impl fmt::Display for JudgedExpectation {
         if let Some(window) = window {
             write!(f, ", {window}")?;
         }
-        write!(f, ": {value}")?;
-        if value.value().is_some() {
-            write!(f, " {unit}")?;
+        match value.value() {
+            Some(value) => write!(f, ": {} {unit}", Apart::new(value, *min, *max))?,
+            None => write!(f, ": {value}")?,
         }
         write!(f, "; {} ", if *ok { "meets" } else { "misses" })?;
         match (min, max) {

@@ -13,6 +13,18 @@ pub enum Role {
     Limit,
     /// One of several peers; the number selects the colour. Numbers 3 to 5 repeat the colours, dashed.
     Other(usize),
+    /// A line of a chosen colour and dash, by number; dash 0 is solid. Further numbers repeat.
+    Line {
+        /// Number of the colour.
+        colour: usize,
+        /// Number of the dash.
+        dash: usize,
+    },
+}
+
+impl Role {
+    /// Distinct colours of [`Role::Line`].
+    pub const COLOURS: usize = 5;
 }
 
 /// One curve: the points `(x[i], y[i])` joined in order.

@@ -107,7 +107,11 @@ impl<'a> Prepared<'a> {
         svg.text(Label { x, y, anchor: Anchor::Middle, ..Label::new(&name) });
         let name = axes::name(&self.panel.y_axis, self.y_ticks.factor());
         let y = (frame.plot.top + frame.plot.bottom) / 2.0;
-        svg.upright_text(Label { x: frame.left + LABEL_PX, y, anchor: Anchor::Middle, ..Label::new(&name) });
+        // The name of a signal may be longer than the plot is high.
+        let fit = (frame.plot.bottom - frame.plot.top) / width_px(&name, 1.0);
+        let size_px = LABEL_PX.min((10.0 * fit).floor() / 10.0);
+        let x = frame.left + LABEL_PX;
+        svg.upright_text(Label { x, y, size_px, anchor: Anchor::Middle, ..Label::new(&name) });
     }
 
     /// Draws the curves and returns their strokes, which labels of marks must avoid.

@@ -35,9 +35,17 @@ pub(super) struct Pen {
 /// The pen of a role.
 pub(super) fn pen(role: Role) -> Pen {
     const PEERS: [&str; 3] = ["#a100f2", "#8c0012", "#a55b65"];
+    const BEFORE: &str = "#c65200";
+    const AFTER: &str = "#0067a8";
+    // The most distinct ones first.
+    const LINES: [&str; Role::COLOURS] = [AFTER, BEFORE, PEERS[0], PEERS[1], PEERS[2]];
+    const DASHES: [Option<&str>; 4] = [None, Some("9 4"), Some("3 3"), Some("10 3 2 3")];
     match role {
-        Role::Before => Pen { colour: "#c65200", width_px: 1.7, dash: None },
-        Role::After => Pen { colour: "#0067a8", width_px: 2.0, dash: None },
+        Role::Before => Pen { colour: BEFORE, width_px: 1.7, dash: None },
+        Role::After => Pen { colour: AFTER, width_px: 2.0, dash: None },
+        Role::Line { colour, dash } => {
+            Pen { colour: LINES[colour % LINES.len()], width_px: 1.8, dash: DASHES[dash % DASHES.len()] }
+        }
         Role::Reference => Pen { colour: "#55606d", width_px: 1.5, dash: Some("6 4") },
         Role::Limit => Pen { colour: "#55606d", width_px: 1.5, dash: Some("1.5 3.5") },
         Role::Other(index) => {

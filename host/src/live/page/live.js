@@ -1,0 +1,223 @@
+// The page of a run that goes on: messages of the feed to charts, table and verdict. All texts are set as text, never as HTML.
+"use strict";
+
+(() => {
+  const RETRIES = 5;
+  const RETRY_MS = 1500;
+  const at = (id) => document.getElementById(id);
+  const STANDINGS = {
+    met: ["met", "pass"],
+    within: ["met so far", "pass"],
+    beyond: ["not met so far", "marginal"],
+    missed: ["missed", "fail"],
+    open: ["no value yet", "none"],
+  };
+
+  // Samples of one history, twice the buckets: least and greatest value at the same time.
+  function samples(columns) {
+    let capacity = 4096;
+    let time = new Float64Array(capacity);
+    let values = columns.map(() => new Float32Array(capacity));
+    const grow = (old) => {
+      const next = new old.constructor(capacity);
+      next.set(old);
+      return next;
+    };
+    return {
+      length: 0,
+      push(bucket) {
+        if (this.length + 2 > capacity) {
+          capacity *= 2;
+          time = grow(time);
+          values = values.map(grow);
+        }
+        time.fill(bucket[0], this.length, this.length + 2);
+        values.forEach((column, index) => {
+          column[this.length] = bucket[1 + 2 * index];
+          column[this.length + 1] = bucket[2 + 2 * index];
+        });
+        this.length += 2;
+      },
+      // Breaks the curves where buckets are missing.
+      gap() {
+        if (this.length) this.push([time[this.length - 1], ...columns.flatMap(() => [NaN, NaN])]);
+      },
+      cut(end) {
+        this.length = LashloopScale.lowerBound(time.subarray(0, this.length), end);
+      },
+      time() { return time.subarray(0, this.length); },
+      column(index) { return values[index].subarray(0, this.length); },
+      end() { return this.length ? time[this.length - 1] : 0; },
+    };
+  }
+
+  let run = null; // what the present connection has received
+  let isOver = false;
+  let retries = 0;
+  let socket = null;
+  let windowS = 0;
+
+  function describe(text) {
+    document.title = `${text.title} \u2013 Lashloop live`;
+    at("title").textContent = text.title;
+    at("charts").replaceChildren();
+    at("controls").hidden = false;
+    const group = LashloopCharts.group(0, 1e-3);
+    const charts = text.panels.map((panel) => {
+      const host = at("charts").appendChild(document.createElement("div"));
+      const curves = panel.curves.flatMap((it) => (it.role === "limits" ? [[it, 1, `upper ${it.label}`], [it, -1, `lower ${it.label}`]] : [[it, 1, it.label]]));
+      const series = curves.map(([it, sign, name]) => ({
+        name,
+        style: { measured: "c0", drive: "c1", reference: "reference", limits: "limit" }[it.role],
+        isDashed: it.role === "reference",
+        column: it.column, sign, x: [], y: [],
+      }));
+      LashloopCharts.chart(host, { group, title: panel.title, unit: panel.unit, series });
+      return series;
+    });
+    group.listen(({ cursor }) => {
+      at("cursor-time").textContent = cursor === null ? "" : `cursor at ${LashloopScale.readOut(cursor, group.view[1] - group.view[0])} s`;
+    });
+    run = { text, group, charts, samples: samples(text.columns), places: new Map(), hasFine: false };
+    facts([["scenario", text.scenario], ["drive", text.device], ["law", text.controller], ["clock", text.clock]]);
+    badge("LIVE", "none", "The run goes on.");
+    at("stop").disabled = false;
+  }
+
+  // The coarse history covers the whole run; the fine one, if there is one, takes its place from its first bucket on.
+  function take(buffer) {
+    const [history, first] = new Uint32Array(buffer, 0, 2);
+    if (history === 0 && run.hasFine) return;
+    const row = 1 + 2 * run.text.columns.length;
+    const values = new Float32Array(buffer, 8);
+    if (history > 0 && !run.hasFine) {
+      run.hasFine = true;
+      run.samples.cut(values[0]);
+    } else if (run.places.has(history) && run.places.get(history) < first) {
+      run.samples.gap();
+    }
+    for (let start = 0; start < values.length; start += row) run.samples.push(values.subarray(start, start + row));
+    run.places.set(history, first + values.length / row);
+    const time = run.samples.time();
+    for (const it of run.charts.flat()) {
+      const column = run.samples.column(it.column);
+      it.x = time;
+      it.y = it.sign < 0 ? column.map((value) => -value) : column;
+    }
+    const end = run.samples.end();
+    run.group.extend(end);
+    if (windowS > 0) run.group.setView(end - windowS, end);
+    run.group.redraw();
+    at("progress").value = Math.min(end / run.text.duration_s, 1);
+  }
+
+  function facts(pairs) {
+    const nodes = pairs.map(([name, value]) => {
+      const pair = document.createElement("div");
+      pair.append(Object.assign(document.createElement("dt"), { textContent: name }));
+      pair.append(Object.assign(document.createElement("dd"), { textContent: value }));
+      return pair;
+    });
+    at("facts").replaceChildren(...nodes);
+  }
+
+  function badge(text, tone, why) {
+    at("badge").textContent = text;
+    at("verdict").className = `verdict ${tone}`;
+    if (at("why").textContent !== why) at("why").textContent = why;
+  }
+
+  function expectations(lines) {
+    const rows = lines.map((line) => {
+      const row = document.createElement("tr");
+      const cell = (text, className, name = "td") => {
+        const node = Object.assign(document.createElement(name), { textContent: text, className });
+        row.append(node);
+        return node;
+      };
+      cell(line.window ? `${line.quantity}, ${line.window}` : line.quantity, "", "th").scope = "row";
+      cell(line.value, "number");
+      cell(line.bounds, "number");
+      const [text, tone] = STANDINGS[line.standing];
+      cell(text, `live-tone ${tone}`);
+      return row;
+    });
+    at("expectations").replaceChildren(...rows);
+  }
+
+  const digits = (value, count) => LashloopScale.minus(Number(value).toFixed(count));
+
+  function show(status) {
+    const { text } = run;
+    const quantiles = status.quantiles_us.map(([name, it]) => [`${name} p99`, `${digits(it.p99, 0)} us`]);
+    facts([
+      ["time", `${digits(status.simulated_s, 1)} s of ${text.duration_s} s`],
+      ["rate", `${digits(status.rate, status.rate < 10 ? 1 : 0)} times real time`],
+      ["unanswered", status.unanswered], ["missed", status.missed], ...quantiles,
+      ["drive", text.device], ["law", text.controller], ["clock", text.clock],
+    ]);
+    expectations(status.expectations);
+    const why = status.breaches.length ? status.breaches.join("; ") : `So far: ${status.phrase}.`;
+    badge(status.decided ? `${status.decided} so far` : "LIVE", status.decided ? status.decided.toLowerCase() : "none", why);
+  }
+
+  function end(ending) {
+    isOver = true;
+    at("stop").disabled = true;
+    connection("the run has ended");
+    expectations(ending.expectations);
+    const how = ending.end === "complete" ? "The run is complete." : `The run ended early: ${ending.end}.`;
+    const record = ending.record
+      ? ` The record is in ${ending.record}; lashloop report ${ending.record} makes its page.`
+      : " No record was kept; run with --out DIR for one.";
+    const reasons = ending.reasons.map((it) => ` ${it}.`).join("");
+    badge(ending.verdict, ending.verdict.toLowerCase(), how + reasons + record);
+  }
+
+  function fail() {
+    isOver = true;
+    at("stop").disabled = true;
+    connection("the bench has ended");
+    badge("NO VERDICT", "invalid", "The run failed. The terminal of the bench has the reason.");
+  }
+
+  const connection = (text) => (at("connection").textContent = text);
+
+  function connect() {
+    socket = new WebSocket(`ws://${location.host}/feed${location.search}`);
+    socket.binaryType = "arraybuffer";
+    socket.addEventListener("open", () => connection("connected"));
+    socket.addEventListener("message", ({ data }) => {
+      retries = 0;
+      if (typeof data !== "string") return take(data);
+      const text = JSON.parse(data);
+      ({ description: describe, status: show, end, failed: fail })[text.kind](text);
+    });
+    socket.addEventListener("close", () => {
+      if (isOver) return;
+      at("stop").disabled = true;
+      if (retries++ < RETRIES) {
+        connection("connection lost, connecting again");
+        setTimeout(connect, RETRY_MS);
+      } else {
+        connection("connection lost");
+        badge("LOST", "invalid", "The bench does not answer. Its terminal has the state of the run; reload to try again.");
+      }
+    });
+  }
+
+  at("stop").addEventListener("click", () => {
+    socket.send("stop");
+    at("stop").disabled = true;
+    connection("stop requested");
+  });
+  const windows = [...document.querySelectorAll("[data-window]")];
+  windows.forEach((button) => button.addEventListener("click", () => {
+    windowS = Number(button.dataset.window);
+    windows.forEach((it) => it.setAttribute("aria-pressed", String(it === button)));
+    if (!run) return;
+    if (windowS > 0) run.group.setView(run.group.extent[1] - windowS, run.group.extent[1]);
+    else run.group.reset();
+  }));
+  connect();
+})();

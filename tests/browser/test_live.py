@@ -1,0 +1,98 @@
+"""The live page of a run: charts that grow, verdict so far, cursor, stop, and the end."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from conftest import SCENARIOS, WORKSPACE, watched
+from playwright.sync_api import expect
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from playwright.sync_api import Browser, Page
+
+# A machine that is shared wakes late; these runs are about the page.
+SETTINGS = ["allow.late=1000000", "controller.parameters.watchdog_us=60000000"]
+
+
+class LiveRun:
+    """A run that starts once its page is open."""
+
+    def __init__(self, folder: Path, *arguments: str) -> None:
+        """Starts it with these further arguments and reads its URL."""
+        program = os.environ.get("LASHLOOP_BIN", str(WORKSPACE / "target" / "debug" / "lashloop"))
+        settings = [word for setting in SETTINGS for word in ("--set", setting)]
+        live = ["--live", "--live-wait", "60", "--out", str(folder), "--quiet"]
+        scenario = str(SCENARIOS / "faults.toml")
+        command = [program, "run", scenario, "--device", "inproc", *settings, *live, *arguments]
+        self.folder = folder
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=WORKSPACE)
+        assert self.process.stdout
+        self.url = self.process.stdout.readline().removeprefix("live").strip()
+
+    def end(self) -> dict[str, Any]:
+        self.process.communicate(timeout=100)
+        summary: dict[str, Any] = json.loads((self.folder / "summary.json").read_text())
+        return summary
+
+
+@pytest.fixture
+def pages(browser: Browser) -> Iterator[Any]:
+    """Opens live pages, which may request only their own server and must not log."""
+    opened = []
+
+    def open_page(run: LiveRun, width: int = 1280, scheme: str = "light") -> Page:
+        context = watched(browser, width, scheme, has_touch=False)
+        page, watch = context.__enter__()
+        opened.append((context, run, watch))
+        page.goto(run.url)
+        page.wait_for_selector("g.curves path[d]:not([d=''])", state="attached", timeout=60_000)
+        return page
+
+    yield open_page
+    for context, run, watch in opened:
+        context.__exit__(None, None, None)
+        assert watch.messages == []
+        assert watch.requests, "the page is loaded from the run"
+        assert all(url.startswith(run.url.partition("?")[0]) or url == "data:," for url in watch.requests)
+
+
+def test_page_of_a_complete_run_has_the_numbers_of_its_summary(pages: Any, tmp_path: Path) -> None:
+    run = LiveRun(tmp_path, "--live-token=0123456789abcdef")
+    page = pages(run)
+    expect(page.locator("#connection")).to_have_text("the run has ended", timeout=60_000)
+    summary = run.end()
+    assert page.locator("#badge").inner_text() == summary["verdict"]
+    assert str(tmp_path) in page.locator("#why").inner_text()
+    assert page.locator(".chart").count() == 6
+    rows = page.locator("#expectations tr")
+    assert rows.count() == len(summary["expectations"])
+    for row, expected in zip(rows.all(), summary["expectations"], strict=True):
+        shown = float(row.locator("td").first.inner_text().split()[0])
+        assert shown == pytest.approx(expected["value"], rel=1e-4)
+        assert row.locator("td").last.inner_text() == ("met" if expected["ok"] else "missed")
+    page.locator(".plot").first.hover(position={"x": 300, "y": 60})
+    assert "cursor at" in page.locator("#cursor-time").inner_text()
+    assert page.locator("#stop").is_disabled()
+    page.screenshot(path=str(WORKSPACE / "target" / "browser-live.png"), full_page=True)
+
+
+def test_stop_ends_a_run_whose_charts_grow(pages: Any, tmp_path: Path) -> None:
+    run = LiveRun(tmp_path, "--clock", "real-time", "--set", "run.duration_s=600", "--set", "expect=[]")
+    page = pages(run, width=360, scheme="dark")
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), "nothing is wider than a phone"
+    progress = page.locator("#progress")
+    before = progress.get_attribute("value")
+    assert before is not None
+    expect(progress).not_to_have_attribute("value", before, timeout=60_000)
+    page.get_by_role("button", name="last 2 s").click()
+    page.get_by_role("button", name="Stop the run").click()
+    expect(page.locator("#badge")).to_have_text("INVALID", timeout=60_000)
+    assert "interrupted by the user" in page.locator("#why").inner_text()
+    assert run.end()["end"] == "interrupted by the user"
