@@ -3,10 +3,10 @@
 use std::fmt;
 
 use lashloop_bench::names::UnknownName;
-use lashloop_bench::record::columns::Columns;
 use lashloop_bench::run::{self, End};
 use lashloop_bench::verdict::Verdict;
 use lashloop_plant::Signal;
+use lashloop_record::columns::Columns;
 
 /// A run with its verdict, metrics and signals. Its text is the report of what was missed.
 #[derive(Debug, Clone)]

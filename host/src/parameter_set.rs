@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use lashloop_protocol::enums::ParameterValue;
 use toml_edit::{Document, Item, Value};
 
-use lashloop_bench::record::digest;
+use lashloop_bench::run::digest;
 use lashloop_bench::session::{Parameter, Session, SessionError, SetError, WrittenValue};
 
 /// All parameters of a drive with their values, in the order of the index.

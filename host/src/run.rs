@@ -2,13 +2,13 @@
 
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceChoice;
-use lashloop_bench::record::columns::Columns;
-use lashloop_bench::record::trace::columns;
 use lashloop_bench::run::{Clock, DeviceUnderTest, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
 use lashloop_plant::metrics::SignalTable;
+use lashloop_record::columns::Columns;
+use lashloop_record::trace::{columns, row};
 
 use crate::error::Error;
 use crate::outcome::Outcome;
@@ -40,7 +40,7 @@ impl StepObserver for Memory {
     }
 
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
-        self.0.push(step.trace());
+        self.0.push(row(step));
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use lashloop_bench::record::reader::Table;
+use lashloop_record::reader::Table;
 use serde_json::Value;
 use tempfile::TempDir;
 

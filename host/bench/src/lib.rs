@@ -17,7 +17,6 @@
 //! | [`device`] | the drive of a run: how the bench reaches it, and what runs it |
 //! | [`fault`] | faults injected on purpose |
 //! | [`verdict`] | PASS, FAIL or INVALID |
-//! | [`record`] | what a run leaves behind |
 //! | [`run`] | the loop |
 
 #![forbid(unsafe_code)]
@@ -29,7 +28,6 @@ pub mod device;
 pub mod fault;
 pub mod names;
 pub mod process_plant;
-pub mod record;
 pub mod run;
 pub mod scenario;
 pub mod session;

@@ -3,10 +3,10 @@
 use std::ops::RangeInclusive;
 
 use lashloop_bench::names::UnknownName;
-use lashloop_bench::record::columns::Columns;
-use lashloop_bench::record::reader::{ReadError, Record};
-use lashloop_bench::record::row::Row;
-use lashloop_bench::record::timing::TimingRow;
+use lashloop_record::columns::Columns;
+use lashloop_record::reader::{ReadError, Record};
+use lashloop_record::row::Row;
+use lashloop_record::timing::TimingRow;
 
 use crate::plot::{Axis, Figure, Panel, Role, Series};
 

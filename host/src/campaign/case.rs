@@ -62,6 +62,6 @@ pub struct CaseResult {
     pub case: CaseId,
     pub end: String,
     pub scores: Scores,
-    /// Digest of the torque stream, see [`TorqueDigest`](lashloop_bench::record::digest::TorqueDigest).
+    /// Digest of the torque stream, see [`TorqueDigest`](lashloop_bench::run::digest::TorqueDigest).
     pub torque_sha256: String,
 }

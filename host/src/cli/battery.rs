@@ -14,7 +14,7 @@ use crate::campaign::runs::Ended;
 use crate::campaign::{Campaign, CampaignError, table};
 use clap::Args;
 use lashloop_bench::atomic_file::write_whole;
-use lashloop_bench::record::digest;
+use lashloop_bench::run::digest;
 use lashloop_bench::verdict::Exit;
 
 use super::error::{CliError, system};

@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lashloop_bench::device::{Device, DeviceChoice};
-use lashloop_bench::record::summary::SUMMARY_FILE;
-use lashloop_bench::record::trace::TraceWriter;
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::excitation::{Commissioned, CommissioningError, Halt, Limits, commission};
 use lashloop_plant::metrics::SignalTable;
+use lashloop_record::summary::SUMMARY_FILE;
+use lashloop_record::trace::TraceWriter;
 
 use super::clock_options::ClockOptions;
 use super::error::{CliError, system};

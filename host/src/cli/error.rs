@@ -14,12 +14,12 @@ use crate::rig::limits::LimitError;
 use crate::rig::lock::LockError;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceError;
-use lashloop_bench::record::reader::ReadError;
 use lashloop_bench::run::RunError;
 use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::IdentifyError;
 use lashloop_identify::excitation::CommissioningError;
+use lashloop_record::reader::ReadError;
 use lashloop_report::runs::DrawError;
 
 /// An error of a command: one sentence for the user.

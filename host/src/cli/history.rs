@@ -1,13 +1,13 @@
 //! One run for a figure: its trace in memory, with a progress bar.
 
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::record::columns::Columns;
-use lashloop_bench::record::trace::columns;
 use lashloop_bench::run::{self, Clock, DeviceUnderTest, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Verdict;
 use lashloop_plant::metrics::SignalTable;
+use lashloop_record::columns::Columns;
+use lashloop_record::trace::{columns, row};
 use lashloop_report::paper::Run;
 
 use super::error::CliError;
@@ -29,7 +29,7 @@ impl StepObserver for History<'_> {
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
         self.progress.step();
         if step.row.time_s >= self.shown_from_s {
-            self.trace.push(step.trace());
+            self.trace.push(row(step));
         }
         Ok(())
     }

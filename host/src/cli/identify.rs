@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lashloop_bench::atomic_file::write_whole;
-use lashloop_bench::record::reader::Record;
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::{Identified, Instruments, Start};
 use lashloop_plant::Mechanics;
 use lashloop_plant::backlash_shaft::{ShaftParameters, StribeckParameters};
 use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MIN_COUNTS_PER_REV};
+use lashloop_record::reader::Record;
 
 use super::error::CliError;
 use super::options::plants;

@@ -6,14 +6,14 @@ use crate::bench::Bench;
 use crate::campaign::law::Law;
 use clap::Args;
 use lashloop_bench::device::Device;
-use lashloop_bench::record::columns::Columns;
-use lashloop_bench::record::row::Row;
-use lashloop_bench::record::trace::columns;
 use lashloop_bench::run::simulator::Simulator;
 use lashloop_bench::run::{Clock, DeviceUnderTest, Observation, RunError};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::verdict::{Exit, Verdict};
 use lashloop_plant::metrics::SignalTable;
+use lashloop_record::columns::Columns;
+use lashloop_record::row::Row;
+use lashloop_record::trace::columns;
 use lashloop_report::paper::{Laws, PAPER, Run, Runs, figures, file_name, page, tables};
 
 use super::error::CliError;

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::bench::Bench;
 use clap::Args;
-use lashloop_bench::record::reader::Record;
 use lashloop_bench::verdict::Exit;
+use lashloop_record::reader::Record;
 use lashloop_report::runs::{Selection, figure};
 
 use super::error::CliError;

@@ -9,9 +9,6 @@ use lashloop_bench::capture::link::Captured;
 use lashloop_bench::capture::{self, Capture, WhenFull};
 use lashloop_bench::device::{Device, DeviceChoice};
 use lashloop_bench::link::Link;
-use lashloop_bench::record::summary::{SUMMARY_FILE, Summary, Telemetry, Versions};
-use lashloop_bench::record::timing::{TimingRow, TimingWriter};
-use lashloop_bench::record::trace::TraceWriter;
 use lashloop_bench::run::DeviceUnderTest;
 use lashloop_bench::run::{self, Outcome, Step, StepObserver};
 use lashloop_bench::scenario::{Override, Scenario};
@@ -19,6 +16,9 @@ use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::{Exit, Verdict};
 use lashloop_plant::metrics::SignalTable;
+use lashloop_record::summary::{SUMMARY_FILE, Summary, Telemetry, Versions};
+use lashloop_record::timing::{TimingRow, TimingWriter};
+use lashloop_record::trace::{TraceWriter, row};
 
 use super::clock_options::ClockOptions;
 use super::error::CliError;
@@ -245,7 +245,7 @@ impl StepObserver for RunWatcher<'_> {
             capture.check()?;
         }
         let Some(Tables { trace, timing, steps }) = &mut self.tables else { return Ok(()) };
-        trace.push(step.trace())?;
+        trace.push(row(step))?;
         timing.push(&TimingRow::new(*steps, &step.timing))?;
         *steps += 1;
         Ok(())

@@ -1,9 +1,9 @@
 //! The report of a run on standard output; the verdict is its last line.
 
-use lashloop_bench::record::summary::{Summary, Telemetry};
 use lashloop_bench::run::{End, Outcome};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::verdict::LinkCounts;
+use lashloop_record::summary::{Summary, Telemetry};
 
 use super::output::outln;
 

@@ -5,14 +5,14 @@ use std::path::Path;
 
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::{Device, DeviceChoice};
-use lashloop_bench::record::columns::Columns;
-use lashloop_bench::record::trace::columns;
 use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Outcome, RunError, Step, StepObserver};
 use lashloop_bench::scenario::{Scenario, ScenarioErrors};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_identify::Instruments;
 use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, PlannedMotion};
 use lashloop_plant::metrics::SignalTable;
+use lashloop_record::columns::Columns;
+use lashloop_record::trace::{columns, row};
 
 use super::scenario;
 use crate::identify::record::{NoSeries, counts, series};
@@ -136,7 +136,7 @@ impl StepObserver for Watch<'_> {
     }
 
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
-        self.columns.push(step.trace());
+        self.columns.push(row(step));
         if self.halt.is_none() {
             let Instruments { motor_counts_per_rev, load_counts_per_rev, .. } = self.instruments;
             let motor = counts(step.row.motor_position_rad, motor_counts_per_rev);

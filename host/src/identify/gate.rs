@@ -7,11 +7,11 @@
 use std::fmt;
 use std::path::Path;
 
-use lashloop_bench::record::columns::Columns;
 use lashloop_bench::run::simulator::Simulator;
 use lashloop_bench::run::{RunError, Step};
 use lashloop_bench::scenario::Scenario;
 use lashloop_plant::PlantValue;
+use lashloop_record::columns::Columns;
 use serde::Deserialize;
 
 use std::f64::consts::TAU;

@@ -6,8 +6,8 @@
 use std::f64::consts::TAU;
 
 use lashloop_bench::names::UnknownName;
-use lashloop_bench::record::columns::Columns;
 use lashloop_identify::{Instruments, Series, SeriesError};
+use lashloop_record::columns::Columns;
 
 /// Far below a count, and far above the rounding of a position that is a whole number of counts.
 const ROUNDING_COUNTS: f64 = 1e-6;

@@ -4,7 +4,7 @@ use std::fs;
 
 use lashloop::identify::gate::{RecordedMotion, check, intervals};
 use lashloop::{Bench, Outcome, Scenario, run};
-use lashloop_bench::record::columns::Columns;
+use lashloop_record::columns::Columns;
 
 fn scenario(settings: &[&str]) -> Scenario {
     let all = [settings, &["run.duration_s=3", "expect=[]", r#"meant=["mismatch"]"#]].concat();

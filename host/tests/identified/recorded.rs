@@ -2,8 +2,8 @@
 
 use lashloop::identify::record::series;
 use lashloop::{Bench, run};
-use lashloop_bench::record::columns::Columns;
 use lashloop_identify::{Identified, Instruments, Start, identify};
+use lashloop_record::columns::Columns;
 
 use crate::commissioned::assert_shown;
 

@@ -20,6 +20,7 @@
 //! | `waiting_time` | the time that a lockstep run waits for its drive |
 //! | `reconnect` | getting a lost drive back |
 //! | `step` | a finished step: truth, torque, the drive's signals, timing |
+//! | [`digest`] | digest of all torques |
 //! | `step_sink`, `step_recorder` | where finished steps go, and what is computed from them |
 //! | [`outcome`] | the end of a run and its verdict |
 //! | `error` | why a run fails |
@@ -29,6 +30,7 @@ mod bench_loop;
 mod bench_positions;
 mod control_loop;
 mod device_under_test;
+pub mod digest;
 mod drive_settings;
 mod error;
 mod held_torque;
@@ -51,5 +53,5 @@ pub use device_under_test::DeviceUnderTest;
 pub use error::RunError;
 pub use outcome::{End, Outcome};
 pub use runner::{Clock, run};
-pub use step::{DriveValues, Observation, Step, TruthValues};
+pub use step::{DriveValues, Observation, Step, TraceRow, TruthValues};
 pub use step_sink::StepObserver;

@@ -7,11 +7,10 @@ use lashloop_protocol::message::EncoderSample;
 use lashloop_protocol::sequence::of_step;
 
 use super::error::RunError;
-use super::step::{Observation, TruthValues};
+use super::step::{Observation, TraceRow, TruthValues};
 use crate::fault::encoder::EncoderFaults;
 use crate::fault::motor::MotorFaults;
 use crate::fault::plant::PlantFaults;
-use crate::record::trace::TraceRow;
 use crate::scenario::Scenario;
 use crate::scenario::plant::PlantSettings;
 use lashloop_plant::encoder::Encoder;

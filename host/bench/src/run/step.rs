@@ -7,15 +7,28 @@ use lashloop_protocol::message::Telemetry;
 
 use super::error::RunError;
 use crate::device::Device;
-use crate::record::row::Row;
-use crate::record::trace::TraceRow;
 use crate::session::AtStep;
 use crate::timing::StepTiming;
+
+/// What every run has for a step. Positions are the true ones at `time_s`, in bench mode those of the drive's encoders.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TraceRow {
+    /// Time of the run.
+    pub time_s: f64,
+    /// Commanded load position.
+    pub reference_rad: f64,
+    /// Load position theta_s.
+    pub load_position_rad: f64,
+    /// Motor position theta_e.
+    pub motor_position_rad: f64,
+    /// Torque U, held from `time_s` on.
+    pub torque_nm: f64,
+}
 
 /// A finished step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// What every run has: time, reference, positions, torque.
+    /// Time, reference, positions and torque.
     pub row: TraceRow,
     /// The plant's truth at that time, in the order of its signals.
     pub plant: TruthValues,
@@ -83,12 +96,5 @@ impl Step {
     #[must_use]
     pub fn fresh_drive(&self) -> Option<&[f64]> {
         (self.drive.time_s == Some(self.row.time_s)).then_some(&self.drive.values)
-    }
-
-    /// The row of the trace, in the order of [`columns`](crate::record::trace::columns).
-    pub fn trace(&self) -> impl Iterator<Item = f64> {
-        let telemetry_time_s = self.drive.time_s.unwrap_or(f64::NAN);
-        let signals = self.plant.iter().chain(&self.drive.values).copied();
-        self.row.values().chain(signals).chain([telemetry_time_s])
     }
 }

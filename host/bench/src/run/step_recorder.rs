@@ -2,10 +2,10 @@
 
 use lashloop_plant::metrics::{Measurement, Metrics, Plan, Sample, SignalTable};
 
+use super::digest::TorqueDigest;
 use super::error::RunError;
 use super::step::Step;
 use super::step_sink::{StepObserver, StepSink};
-use crate::record::digest::TorqueDigest;
 use crate::scenario::expectation::Expectation;
 use crate::scenario::{RunMode, Scenario};
 use crate::timing::{ClockName, Timings};

@@ -1,8 +1,8 @@
 //! Curves and number formats that the figures share.
 
 use crate::plot::{Axis, Panel, Role, Series};
-use lashloop_bench::record::trace::TELEMETRY_TIME;
 use lashloop_plant::metrics::{Measured, Metric};
+use lashloop_record::trace::TELEMETRY_TIME;
 
 use super::laws::{Laws, Run};
 

@@ -1,8 +1,8 @@
 //! Figures 5 and 14: the torque through the dead zone, and what compensation makes of it.
 
 use crate::plot::{Axis, Figure, Panel, Role, Series};
-use lashloop_bench::record::columns::Columns;
 use lashloop_plant::metrics::Metric;
+use lashloop_record::columns::Columns;
 
 use super::curves::{DISTURBING_TORQUE_ESTIMATE_NM, column, each, over_time, telemetered, three};
 use super::laws::{Laws, Run, Runs, difference, values};

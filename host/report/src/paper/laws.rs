@@ -1,14 +1,14 @@
 //! The runs that the figures are drawn from.
 
-use lashloop_bench::record::columns::Columns;
 use lashloop_plant::metrics::Metrics;
+use lashloop_record::columns::Columns;
 
 use crate::plot::Role;
 
 /// One run.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// The steps to draw, with the columns of [`columns`](lashloop_bench::record::trace::columns).
+    /// The steps to draw, with the columns of [`columns`](lashloop_record::trace::columns).
     pub trace: Columns,
     /// Metrics of the whole run.
     pub metrics: Metrics,

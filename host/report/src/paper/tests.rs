@@ -6,10 +6,10 @@ use roxmltree::Document;
 
 use super::hysteresis::thickness;
 use super::{Laws, PAPER, Run, Runs, Table, figures, page, tables};
-use lashloop_bench::record::columns::Columns;
-use lashloop_bench::record::trace::columns;
 use lashloop_plant::Signal;
 use lashloop_plant::metrics::{Measured, Measurement, Sample, SignalTable};
+use lashloop_record::columns::Columns;
+use lashloop_record::trace::columns;
 
 const PERIOD_S: f64 = 0.001;
 

@@ -5,10 +5,10 @@ use roxmltree::Document;
 use super::{SAMPLES, noise, texts};
 use crate::demo::{DemoRuns, PlantRuns, before_after};
 use crate::paper::Run;
-use lashloop_bench::record::columns::Columns;
-use lashloop_bench::record::trace::columns;
 use lashloop_plant::Signal;
 use lashloop_plant::metrics::{Measurement, Sample, SignalTable};
+use lashloop_record::columns::Columns;
+use lashloop_record::trace::columns;
 
 /// The curves decay; the metrics are those of a load that settles at `settle_time_s` and rests at `static_error_rad`.
 fn demo_run(settle_time_s: Option<f64>, static_error_rad: f64) -> Run {

@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use serde_json::{Value, json};
 
 /// Each crate with the workspace crates it may depend on, development dependencies apart.
-const ALLOWED: [(&str, &[&str]); 13] = [
+const ALLOWED: [(&str, &[&str]); 14] = [
     ("lashloop-protocol", &[]),
     ("lashloop-firmware", &["lashloop-protocol"]),
     ("lashloop-plant", &[]),
@@ -12,7 +12,8 @@ const ALLOWED: [(&str, &[&str]); 13] = [
     ("lashloop-link", &["lashloop-protocol", "lashloop-firmware"]),
     // The drive's library is for the in-process device and the native twin.
     ("lashloop-bench", &["lashloop-protocol", "lashloop-plant", "lashloop-firmware", "lashloop-link"]),
-    ("lashloop-report", &["lashloop-bench", "lashloop-plant"]),
+    ("lashloop-record", &["lashloop-protocol", "lashloop-plant", "lashloop-bench"]),
+    ("lashloop-report", &["lashloop-bench", "lashloop-plant", "lashloop-record"]),
     ("lashloop-identify", &["lashloop-plant"]),
     (
         "lashloop",
@@ -22,6 +23,7 @@ const ALLOWED: [(&str, &[&str]); 13] = [
             "lashloop-plant",
             "lashloop-link",
             "lashloop-bench",
+            "lashloop-record",
             "lashloop-report",
             "lashloop-identify",
         ],
@@ -34,6 +36,7 @@ const ALLOWED: [(&str, &[&str]); 13] = [
             "lashloop-plant",
             "lashloop-link",
             "lashloop-bench",
+            "lashloop-record",
             "lashloop-report",
             "lashloop",
         ],

@@ -4,10 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::{TraceRow, TraceWriter, columns};
-use crate::record::columns::Columns;
-use crate::record::reader::{Record, Table};
-use crate::record::row::Row;
-use crate::record::table::TableWriter;
+use crate::columns::Columns;
+use crate::reader::{Record, Table};
+use crate::row::Row;
+use crate::table::TableWriter;
 use lashloop_plant::Signal;
 use lashloop_plant::metrics::SignalTable;
 

@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use crate::atomic_file::{GrowingFile, WriteError};
+use lashloop_bench::atomic_file::{GrowingFile, WriteError};
 
 /// Writes a table. [`finish`](Self::finish) reports whether the last rows were written; a dropped writer writes them too,
 /// but can't report an error.

@@ -8,33 +8,28 @@
 //! | `telemetry_time_s` | time of the sample that the drive's signals belong to; NaN before the first telemetry |
 //!
 //! `trace.json` lists the columns with their units. The trace doesn't depend on the link or on timing, which are in
-//! [`timing`](super::timing).
+//! [`timing`](crate::timing).
 
 use std::borrow::Cow;
 use std::io::Write;
 use std::path::Path;
 
+use lashloop_bench::run::{Step, TraceRow};
 use lashloop_plant::Signal;
 use lashloop_plant::metrics::{DRIVE_PREFIX, SignalTable};
 use serde::Serialize;
 
-use super::file_names::{COLUMNS_FILE, TRACE_FILE};
-use super::row::{Row, row};
-use super::table::TableWriter;
-use crate::atomic_file::{WriteError, write_whole};
+use crate::file_names::{COLUMNS_FILE, TRACE_FILE};
+use crate::row::{Row, row};
+use crate::table::TableWriter;
+use lashloop_bench::atomic_file::{WriteError, write_whole};
 
 row! {
-    /// The columns that every trace has. Positions are the true ones at `time_s`, in bench mode those of the drive's encoders.
-    pub struct TraceRow {
-        /// Time of the run.
+    TraceRow {
         time_s: "s",
-        /// Commanded load position.
         reference_rad: "rad",
-        /// Load position theta_s.
         load_position_rad: "rad",
-        /// Motor position theta_e.
         motor_position_rad: "rad",
-        /// Torque U, held from `time_s` on.
         torque_nm: "N m",
     }
 }
@@ -52,6 +47,13 @@ pub fn columns(signals: &SignalTable) -> Vec<Signal> {
 
 fn named(name: impl Into<Cow<'static, str>>, unit: impl Into<Cow<'static, str>>) -> Signal {
     Signal { name: name.into(), unit: unit.into() }
+}
+
+/// The row of a step, in the order of [`columns`].
+pub fn row(step: &Step) -> impl Iterator<Item = f64> {
+    let telemetry_time_s = step.drive.time_s.unwrap_or(f64::NAN);
+    let signals = step.plant.iter().chain(&step.drive.values).copied();
+    step.row.values().chain(signals).chain([telemetry_time_s])
 }
 
 /// Writes a trace and the list of its columns.

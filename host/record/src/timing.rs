@@ -3,30 +3,42 @@
 use std::path::Path;
 use std::time::Duration;
 
-use super::file_names::TIMING_FILE;
-use super::row::{Row, row};
-use super::table::TableWriter;
-use crate::atomic_file::WriteError;
-use crate::timing::{StepOutcome, StepTiming};
+use crate::file_names::TIMING_FILE;
+use crate::row::{Row, row};
+use crate::table::TableWriter;
+use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::timing::{StepOutcome, StepTiming};
+
+/// One control step. The parts of the round trip are NaN in a step without an answer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimingRow {
+    /// Control step, from 0.
+    pub step: f64,
+    /// Wake-up of the bench after its deadline; in bench mode, start of the drive's step after its due time.
+    pub lateness_us: f64,
+    /// 1 if the drive has answered in time, else 0.
+    pub answered: f64,
+    /// 1 if the step was missed and no sample sent, else 0.
+    pub missed: f64,
+    /// Sending the sample.
+    pub send_us: f64,
+    /// From the end of sending to the arrival of the answer, less the drive's computing time.
+    pub line_and_device_us: f64,
+    /// The drive's computing time, in device time.
+    pub compute_us: f64,
+    /// Receiving the answer.
+    pub receive_us: f64,
+}
 
 row! {
-    /// One control step. The parts of the round trip are NaN in a step without an answer.
-    pub struct TimingRow {
-        /// Control step, from 0.
+    TimingRow {
         step: "",
-        /// Wake-up of the bench after its deadline; in bench mode, start of the drive's step after its due time.
         lateness_us: "us",
-        /// 1 if the drive has answered in time, else 0.
         answered: "",
-        /// 1 if the step was missed and no sample sent, else 0.
         missed: "",
-        /// Sending the sample.
         send_us: "us",
-        /// From the end of sending to the arrival of the answer, less the drive's computing time.
         line_and_device_us: "us",
-        /// The drive's computing time, in device time.
         compute_us: "us",
-        /// Receiving the answer.
         receive_us: "us",
     }
 }

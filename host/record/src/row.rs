@@ -1,6 +1,6 @@
 //! Rows whose columns are declared once.
 
-use super::reader::{ReadError, Table};
+use crate::reader::{ReadError, Table};
 
 /// A row of numbers in a table with named columns.
 pub trait Row: Sized {
@@ -17,21 +17,10 @@ pub trait Row: Sized {
     fn read(table: &Table) -> Result<Vec<Self>, ReadError>;
 }
 
-/// Declares a row. A column has the name of its field, then its unit.
+/// Declares the columns of a row: the name of each field with its unit.
 macro_rules! row {
-    (
-        $(#[$attribute:meta])*
-        pub struct $row:ident {
-            $($(#[$doc:meta])* $column:ident: $unit:literal,)+
-        }
-    ) => {
-        $(#[$attribute])*
-        #[derive(Debug, Clone, Copy, PartialEq)]
-        pub struct $row {
-            $($(#[$doc])* pub $column: f64,)+
-        }
-
-        impl $crate::record::row::Row for $row {
+    ($row:ident { $($column:ident: $unit:literal,)+ }) => {
+        impl $crate::row::Row for $row {
             const COLUMNS: &'static [(&'static str, &'static str)] = &[$((stringify!($column), $unit)),+];
 
             fn values(&self) -> impl Iterator<Item = f64> {
@@ -39,8 +28,8 @@ macro_rules! row {
             }
 
             fn read(
-                table: &$crate::record::reader::Table,
-            ) -> Result<Vec<Self>, $crate::record::reader::ReadError> {
+                table: &$crate::reader::Table,
+            ) -> Result<Vec<Self>, $crate::reader::ReadError> {
                 $(let $column = table.column(stringify!($column))?;)+
                 Ok((0..table.len()).map(|row| Self { $($column: $column[row]),+ }).collect())
             }
@@ -48,4 +37,4 @@ macro_rules! row {
     };
 }
 
-pub(super) use row;
+pub(crate) use row;

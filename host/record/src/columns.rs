@@ -48,7 +48,7 @@ impl Columns {
     }
 
     /// Sets the unit of a column, if the table has one of this name.
-    pub(super) fn set_unit(&mut self, name: &str, unit: String) {
+    pub(crate) fn set_unit(&mut self, name: &str, unit: String) {
         if let Some(at) = self.position(name) {
             self.signals[at].unit = unit.into();
         }

@@ -8,10 +8,10 @@ use lashloop_plant::Signal;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use super::columns::Columns;
-use super::file_names::{COLUMNS_FILE, TIMING_FILE, TRACE_FILE};
-use super::summary::SUMMARY_FILE;
-use crate::scenario::RunMode;
+use crate::columns::Columns;
+use crate::file_names::{COLUMNS_FILE, TIMING_FILE, TRACE_FILE};
+use crate::summary::SUMMARY_FILE;
+use lashloop_bench::scenario::RunMode;
 
 /// A table of numbers from a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,7 +34,7 @@ pub struct Record {
     pub summary: Option<SummaryHead>,
 }
 
-/// The part of a [`Summary`](super::summary::Summary) that identifies the run and its result.
+/// The part of a [`Summary`](crate::summary::Summary) that identifies the run and its result.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct SummaryHead {
     /// PASS, FAIL or INVALID.

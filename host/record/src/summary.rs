@@ -8,14 +8,14 @@ use lashloop_protocol::message::Identity;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
-use crate::atomic_file::WriteError;
-use crate::atomic_file::write_whole;
-use crate::device::Evidence;
-use crate::fault::log::FaultRecord;
-use crate::scenario::RunMode;
-use crate::session::Subscription;
-use crate::timing::TimingReport;
-use crate::verdict::{BrokenRule, JudgedExpectation, LinkCounts, Verdict};
+use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::atomic_file::write_whole;
+use lashloop_bench::device::Evidence;
+use lashloop_bench::fault::log::FaultRecord;
+use lashloop_bench::scenario::RunMode;
+use lashloop_bench::session::Subscription;
+use lashloop_bench::timing::TimingReport;
+use lashloop_bench::verdict::{BrokenRule, JudgedExpectation, LinkCounts, Verdict};
 use lashloop_plant::metrics::{Measured, Metric, Metrics};
 
 /// Summary of a run: one JSON object with its keys in this order.
@@ -61,7 +61,7 @@ pub struct Summary {
     pub timing: TimingReport,
     /// The injected faults.
     pub faults: Vec<FaultRecord>,
-    /// Digest of all torques, see [`TorqueDigest`](super::digest::TorqueDigest).
+    /// Digest of all torques, see [`TorqueDigest`](lashloop_bench::run::digest::TorqueDigest).
     pub torque_sha256: String,
     /// Versions of tool, protocol and firmware.
     pub versions: Versions,
@@ -154,12 +154,12 @@ mod tests {
     use std::path::Path;
 
     use super::{Summary, Telemetry, Versions};
-    use crate::device::{Evidence, FileHash};
-    use crate::scenario::RunMode;
-    use crate::scenario::expectation::Expectation;
-    use crate::scenario::sections::Allowance;
-    use crate::timing::{ClockName, Timings};
-    use crate::verdict::{Judgement, LinkCounts};
+    use lashloop_bench::device::{Evidence, FileHash};
+    use lashloop_bench::scenario::RunMode;
+    use lashloop_bench::scenario::expectation::Expectation;
+    use lashloop_bench::scenario::sections::Allowance;
+    use lashloop_bench::timing::{ClockName, Timings};
+    use lashloop_bench::verdict::{Judgement, LinkCounts};
     use lashloop_plant::Signal;
     use lashloop_plant::metrics::{Measurement, Metric, Sample, SignalTable};
 

@@ -1,4 +1,4 @@
-//! The record of a run.
+//! The record of a run: everything that it leaves behind.
 //!
 //! | file | content | module |
 //! |---|---|---|
@@ -7,11 +7,13 @@
 //! | `timing.csv` | timing of each control step | [`timing`] |
 //! | `summary.json` | the verdict and all that is needed to check and repeat it | [`summary`] |
 //!
-//! [`reader`] reads them back, and [`columns`] holds them in memory. Rows are written whole, and a summary takes its name only when it is complete, so that an
-//! interrupted run leaves neither half a row nor half a summary.
+//! [`reader`] reads them back, and [`columns`] holds them in memory. Rows are written whole, and a summary takes its name
+//! only when it is complete, so that an interrupted run leaves neither half a row nor half a summary.
+
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
 
 pub mod columns;
-pub mod digest;
 mod file_names;
 pub mod reader;
 pub mod row;
