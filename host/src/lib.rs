@@ -69,6 +69,8 @@
 //! | [`ports`], [`doctor`] | the serial ports of this machine, and the examination of a line |
 //! | [`flash`], [`rig`] | firmware onto a drive; benches with hardware: rig file, limits, lock |
 //! | [`commission`], [`identify`] | motions that show a drive train; its estimates from records, and what is written of them |
+//! | [`suite`] | `lashloop test`: folders of scenarios and sweeps, baselines, reports |
+//! | [`journal`], [`workers`] | results of many runs line by line; runs in parallel |
 //! | [`soak`] | a scenario repeated under rising faults |
 
 #![forbid(unsafe_code)]
@@ -84,12 +86,15 @@ pub mod doctor;
 mod error;
 pub mod flash;
 pub mod identify;
+pub mod journal;
 mod outcome;
 pub mod parameter_set;
 pub mod ports;
 pub mod rig;
 mod run;
 pub mod soak;
+pub mod suite;
+pub mod workers;
 
 pub use bench::Bench;
 pub use error::Error;
