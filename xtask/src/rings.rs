@@ -9,7 +9,7 @@ use crate::arm_toolchain::{ArmToolchain, DRIVE, DRIVE_ON_ODRIVE};
 use crate::command::{cargo, run};
 use crate::counts::Counts;
 use crate::test_programs::{self, TestProgram};
-use crate::{fuzz, image, python, silicon, size};
+use crate::{dist, fuzz, image, python, silicon, size};
 
 #[derive(Args)]
 pub(crate) struct Selection {
@@ -147,6 +147,9 @@ impl Selection {
             Ring::Fuzz => {
                 counts.step("fuzz", || fuzz::run_all(self.seconds));
                 return counts;
+            }
+            Ring::Loop if self.timing != Some(Timing::Timed) => {
+                counts.step("static program", || dist::make(dist::Profile::Dev));
             }
             Ring::Unit | Ring::Loop | Ring::Python | Ring::Usb => {}
         }
