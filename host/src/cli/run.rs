@@ -10,12 +10,11 @@ use lashloop_bench::capture::{self, Capture, WhenFull};
 use lashloop_bench::device::{Device, DeviceChoice};
 use lashloop_bench::link::Link;
 use lashloop_bench::run::DeviceUnderTest;
-use lashloop_bench::run::{self, Outcome, Step, StepObserver};
+use lashloop_bench::run::{self, Outcome, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::{Exit, Verdict};
-use lashloop_plant::metrics::SignalTable;
 use lashloop_record::summary::{SUMMARY_FILE, Summary, Telemetry, Versions};
 use lashloop_record::timing::{TimingRow, TimingWriter};
 use lashloop_record::trace::{TraceWriter, row};
@@ -224,12 +223,12 @@ struct RunWatcher<'a> {
 }
 
 impl StepObserver for RunWatcher<'_> {
-    fn begin(&mut self, signals: &SignalTable) -> Result<(), WriteError> {
+    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
         let Some(Folder { path, flush_rows }) = self.record else { return Ok(()) };
         // Only now: a run that the drive refuses keeps the old record whole.
         remove_if_present(&path.join(SUMMARY_FILE))?;
         self.tables = Some(Tables {
-            trace: TraceWriter::create(path, signals, flush_rows)?,
+            trace: TraceWriter::create(path, start.signals, flush_rows)?,
             timing: TimingWriter::create(path, flush_rows)?,
             steps: 0,
         });

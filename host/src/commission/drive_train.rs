@@ -5,12 +5,11 @@ use std::path::Path;
 
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::{Device, DeviceChoice};
-use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Outcome, RunError, Step, StepObserver};
+use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Outcome, RunError, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::{Scenario, ScenarioErrors};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_identify::Instruments;
 use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, PlannedMotion};
-use lashloop_plant::metrics::SignalTable;
 use lashloop_record::columns::Columns;
 use lashloop_record::trace::{columns, row};
 
@@ -130,8 +129,8 @@ struct Watch<'a> {
 }
 
 impl StepObserver for Watch<'_> {
-    fn begin(&mut self, signals: &SignalTable) -> Result<(), WriteError> {
-        self.columns = Columns::new(columns(signals));
+    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
+        self.columns = Columns::new(columns(start.signals));
         Ok(())
     }
 
