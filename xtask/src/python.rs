@@ -1,4 +1,5 @@
-//! The Python package in `clients/python`: its virtual environment in `target/python`, and its checks.
+//! The Python package in `clients/python` and the tests in `tests/browser`: their virtual environment in `target/python`, and
+//! their checks.
 
 use std::fs;
 use std::path::PathBuf;
@@ -19,8 +20,8 @@ const OLDEST: (u32, u32) = (3, 10);
 /// What could not be installed, and what to do.
 pub(crate) fn set_up() -> Result<()> {
     make_environment()?;
-    run(&mut tool(
-        "pip install --quiet --disable-pip-version-check --no-compile --retries 2 --timeout 30 --editable .[test]",
+    run(&mut Project::Package.tool(
+        "pip install --quiet --disable-pip-version-check --no-compile --retries 2 --timeout 30 --editable .[test,browser]",
     ))
     .context("the Python package could not be installed into target/python: is there a network?")?;
     fs::write(installed(), manifest()?).context("target/python can't be written")
@@ -37,32 +38,53 @@ pub(crate) fn find() -> Option<&'static str> {
     find_with("ensurepip, venv")
 }
 
-/// Checks lints, format and types.
-pub(crate) fn lint() -> Result<()> {
-    ["ruff check .", "ruff format --check .", "mypy"].into_iter().try_for_each(|check| run(&mut tool(check)))
+/// A folder with Python, its settings, and its tests.
+#[derive(Clone, Copy)]
+pub(crate) enum Project {
+    Package,
+    /// Pages in headless Chromium.
+    BrowserTests,
 }
 
-/// Runs pytest.
-///
-/// # Errors
-/// pytest can't be run, or ran no test.
-pub(crate) fn test() -> Result<Counts> {
-    // The package drives the native twin, built as the Rust tests build it.
-    let target = paths::root().join("target");
-    run(cargo("build --quiet --workspace --bin lashloop --target-dir").arg(&target))?;
-    let mut tests = tool("pytest");
-    tests.env("LASHLOOP_BIN", target.join("debug/lashloop"));
-    let counts = Counts::of_output(tests, Counts::of_pytest, |line| println!("{line}"))?;
-    ensure!(counts != Counts::default(), "pytest ran no test");
-    Ok(counts)
-}
+impl Project {
+    fn folder(self) -> PathBuf {
+        paths::root().join(match self {
+            Self::Package => "clients/python",
+            Self::BrowserTests => "tests/browser",
+        })
+    }
 
-fn package() -> PathBuf {
-    paths::root().join("clients/python")
+    /// Checks lints, format and types.
+    pub(crate) fn lint(self) -> Result<()> {
+        let checks = ["ruff check .", "ruff format --check .", "mypy"];
+        checks.into_iter().try_for_each(|check| run(&mut self.tool(check)))
+    }
+
+    /// Runs pytest.
+    ///
+    /// # Errors
+    /// pytest can't be run, or ran no test.
+    pub(crate) fn test(self) -> Result<Counts> {
+        // The tests run the program and the native twin, built as the Rust tests build it.
+        let target = paths::root().join("target");
+        run(cargo("build --quiet --workspace --bin lashloop --target-dir").arg(&target))?;
+        let mut tests = self.tool("pytest");
+        tests.env("LASHLOOP_BIN", target.join("debug/lashloop"));
+        let counts = Counts::of_output(tests, Counts::of_pytest, |line| println!("{line}"))?;
+        ensure!(counts != Counts::default(), "pytest ran no test");
+        Ok(counts)
+    }
+
+    /// A module of the virtual environment, run as a program in this folder, with its arguments.
+    fn tool(self, module: &str) -> Command {
+        let mut command = command(interpreter(), &format!("-m {module}"));
+        command.current_dir(self.folder());
+        command
+    }
 }
 
 fn manifest() -> Result<String> {
-    fs::read_to_string(package().join("pyproject.toml")).context("clients/python has no pyproject.toml")
+    fs::read_to_string(Project::Package.folder().join("pyproject.toml")).context("clients/python has no pyproject.toml")
 }
 
 fn environment() -> PathBuf {
@@ -76,13 +98,6 @@ fn installed() -> PathBuf {
 
 fn interpreter() -> PathBuf {
     environment().join("bin/python")
-}
-
-/// A module of the virtual environment, run as a program, with its arguments.
-fn tool(module: &str) -> Command {
-    let mut command = command(interpreter(), &format!("-m {module}"));
-    command.current_dir(package());
-    command
 }
 
 /// A Python that is new enough and has the modules. We try the system's too: Debian's packages don't complete another Python

@@ -8,8 +8,9 @@ use clap::{Args, ValueEnum};
 use crate::arm_toolchain::{ArmToolchain, DRIVE, DRIVE_ON_ODRIVE};
 use crate::command::{cargo, run};
 use crate::counts::Counts;
+use crate::python::Project;
 use crate::test_programs::{self, TestProgram};
-use crate::{dist, fuzz, image, python, silicon, size};
+use crate::{dist, fuzz, image, silicon, size};
 
 #[derive(Args)]
 pub(crate) struct Selection {
@@ -35,6 +36,8 @@ pub(crate) enum Ring {
     Silicon,
     /// The Python package: lint, its own tests, and its drive on the bench
     Python,
+    /// Reports and live pages in headless Chromium
+    Browser,
     /// The bench in a Linux guest with the kernel's USB serial drivers
     Usb,
     /// Every fuzzer for a bounded time
@@ -133,8 +136,8 @@ impl Selection {
                 }
             }
             Ring::Python if self.timing != Some(Timing::Timed) => {
-                counts.step("python lint", python::lint);
-                counts.step("python package", python::test);
+                counts.step("python lint", || Project::Package.lint());
+                counts.step("python package", || Project::Package.test());
                 if self.timing == Some(Timing::Untimed) {
                     return counts;
                 }
@@ -143,6 +146,11 @@ impl Selection {
                 counts.step("image", image::build);
                 counts.step("virtual silicon", silicon::build);
                 counts.step("virtual silicon, its own tests", silicon::test);
+            }
+            Ring::Browser => {
+                counts.step("browser lint", || Project::BrowserTests.lint());
+                counts.step("browser", || Project::BrowserTests.test());
+                return counts;
             }
             Ring::Fuzz => {
                 counts.step("fuzz", || fuzz::run_all(self.seconds));

@@ -7,19 +7,20 @@ use crate::command::{command, is_installed, run};
 use crate::{apt, python, usb_guest};
 
 /// Programs that the tests call, each with the Debian package that has it.
-const PROGRAMS: [(&str, &str); 6] = [
+const PROGRAMS: [(&str, &str); 7] = [
     ("qemu-system-arm", "qemu-system-arm"),
     ("tshark", "tshark"),
     ("c++", "g++"),
     ("ser2net", "ser2net"),
     ("stm32flash", "stm32flash"),
+    ("chromium", "chromium"),
     usb_guest::EMULATOR,
 ];
 /// A compiler with the sources of `core`, for a rustup without a network.
 const DEBIAN_RUST: [&str; 3] = ["rustc-web", "rust-web-src", "rust-web-clippy"];
 const DEBIAN_PYTHON: [&str; 2] = ["python3", "python3-venv"];
 
-/// Installs the emulators, a reader of captures, a C++ compiler, a server of serial ports, a program for the boot loader of the
+/// Installs the emulators, a browser, a reader of captures, a C++ compiler, a server of serial ports, a program for the boot loader of the
 /// chip, a core library for Arm and the Python package, and unpacks the parts of the guest.
 ///
 /// # Errors

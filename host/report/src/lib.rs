@@ -19,6 +19,8 @@
 #![forbid(unsafe_code)]
 
 pub mod demo;
+pub mod number;
+pub mod page;
 pub mod paper;
 pub mod plot;
 pub mod runs;

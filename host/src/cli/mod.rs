@@ -28,6 +28,7 @@ mod plot;
 mod ports;
 mod progress;
 mod registry;
+mod report;
 mod rig;
 mod run;
 mod run_child;
@@ -47,7 +48,8 @@ use crate::bench::Bench;
 registry::commands! {
     "Run a drive on the bench": Run(run), Test(test), Demo(demo), Paper(paper), Experiment(experiment), Device(device), Battery(battery), Soak(soak);
     "Inspect scenarios, records and lines":
-        Show(show), Check(check), Plot(plot), Decode(decode), Parameters(parameters), Ports(ports), Budget(budget);
+        Show(show), Check(check), Plot(plot), Report(report), Decode(decode), Parameters(parameters), Ports(ports),
+        Budget(budget);
     "Qualify a drive, a line or this machine": Conformance(conformance), Doctor(doctor), Compare(compare);
     "Work on a bench with hardware": Flash(flash), Rig(rig), Commission(commission), Identify(identify);
     "Set up a shell": Completions(completions);
@@ -84,6 +86,7 @@ First steps:
   lashloop run scenarios/smooth-after.toml --device qemu --out out/qemu
   lashloop test scenarios --jobs 2            every scenario of a folder
   lashloop plot out/qemu                      the record of that run as a figure
+  lashloop report out/qemu                    the same as a page for a browser: verdict, margins, plots, timing
   lashloop device                             a drive on a pseudo-terminal; in a second shell:
   lashloop run scenarios/smooth-after.toml --device /dev/pts/N";
 

@@ -1,0 +1,216 @@
+//! What a page gives to its script: encoded columns of each run, and charts that refer to them.
+
+use serde::Serialize;
+
+use super::codec::Encoded;
+use super::input::Run;
+use crate::number::typeset_unit;
+
+/// Most rows of all runs of a page. A run of 25 s at 1 kHz has 25,000.
+const MOST_ROWS: usize = 90_000;
+
+/// Index of a column of a run.
+pub(super) type ColumnId = usize;
+
+/// The data of all charts of a page.
+#[derive(Debug, Serialize)]
+pub(super) struct Data {
+    runs: Vec<RunData>,
+    pub(super) charts: Vec<Chart>,
+}
+
+#[derive(Debug, Serialize)]
+struct RunData {
+    time: Encoded,
+    columns: Vec<Encoded>,
+    #[serde(skip)]
+    names: Vec<String>,
+    /// Steps that become two rows, their smallest and their largest value; below 3 each step is a row.
+    #[serde(skip)]
+    steps_per_pair: usize,
+}
+
+/// A chart of one page.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Chart {
+    pub(super) title: String,
+    pub(super) unit: String,
+    /// Part of the page.
+    #[serde(skip)]
+    pub(super) part: Part,
+    pub(super) series: Vec<Series>,
+    pub(super) shades: Vec<Shade>,
+    pub(super) marks: Vec<Mark>,
+    /// Names of both axes; `None` for a chart over time.
+    pub(super) axes: Option<Axes>,
+}
+
+/// Where a chart stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    Motion,
+    Timing,
+    Further,
+}
+
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Series {
+    pub(super) name: String,
+    pub(super) run: usize,
+    pub(super) x: Option<ColumnId>,
+    pub(super) y: ColumnId,
+    /// `None` for the next colour.
+    pub(super) style: Option<String>,
+    #[serde(rename = "isHeld")]
+    pub(super) is_held: bool,
+    #[serde(rename = "isDashed")]
+    pub(super) is_dashed: bool,
+}
+
+/// Times at which something held, as pairs of start and end in s.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Shade {
+    pub(super) name: &'static str,
+    pub(super) intervals: Vec<f64>,
+}
+
+/// An event, at a time in s.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Mark {
+    pub(super) x: f64,
+    pub(super) label: String,
+}
+
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Axes {
+    pub(super) x: Axis,
+    pub(super) y: Axis,
+}
+
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Axis {
+    pub(super) label: String,
+    pub(super) unit: String,
+}
+
+impl Series {
+    pub(super) fn new(name: impl Into<String>, run: usize, y: ColumnId) -> Self {
+        Self { name: name.into(), run, x: None, y, style: None, is_held: false, is_dashed: false }
+    }
+
+    pub(super) fn style(mut self, style: impl Into<String>) -> Self {
+        self.style = Some(style.into());
+        self
+    }
+
+    /// Steps from value to value.
+    pub(super) fn held(mut self) -> Self {
+        self.is_held = true;
+        self
+    }
+
+    pub(super) fn dashed(mut self) -> Self {
+        self.is_dashed = true;
+        self
+    }
+
+    /// Over another column than the time.
+    pub(super) fn over(mut self, x: ColumnId) -> Self {
+        self.x = Some(x);
+        self
+    }
+}
+
+impl Chart {
+    pub(super) fn new(title: impl Into<String>, unit: impl Into<String>, series: Vec<Series>) -> Self {
+        Self {
+            title: title.into(),
+            unit: typeset_unit(&unit.into()),
+            part: Part::Motion,
+            series,
+            shades: Vec::new(),
+            marks: Vec::new(),
+            axes: None,
+        }
+    }
+
+    pub(super) fn in_part(mut self, part: Part) -> Self {
+        self.part = part;
+        self
+    }
+
+    pub(super) fn axes(mut self, x: (&str, &str), y: (&str, &str)) -> Self {
+        let axis = |(label, unit): (&str, &str)| Axis { label: label.to_owned(), unit: unit.to_owned() };
+        self.axes = Some(Axes { x: axis(x), y: axis(y) });
+        self
+    }
+}
+
+impl Data {
+    /// No chart yet.
+    pub(super) fn new(runs: &[Run]) -> Self {
+        let most = MOST_ROWS / runs.len().max(1);
+        let of_run = |run: &Run| {
+            let times_s = run.times_s();
+            let steps_per_pair = (times_s.len() * 2).div_ceil(most.max(1));
+            let time = Encoded::of_times(&firsts(times_s, steps_per_pair));
+            RunData { time, columns: Vec::new(), names: Vec::new(), steps_per_pair }
+        };
+        Self { runs: runs.iter().map(of_run).collect(), charts: Vec::new() }
+    }
+
+    /// The column of a run with this name, encoded on its first use. `values` has a value for each step, or fewer.
+    pub(super) fn column(&mut self, run: usize, name: &str, values: impl FnOnce() -> Vec<f64>) -> ColumnId {
+        let data = &mut self.runs[run];
+        if let Some(at) = data.names.iter().position(|known| known == name) {
+            return at;
+        }
+        data.columns.push(Encoded::of(&extremes(&values(), data.steps_per_pair)));
+        data.names.push(name.to_owned());
+        data.names.len() - 1
+    }
+
+    /// Steps behind each pair of rows, if the page has fewer rows than the record.
+    pub(super) fn thinned(&self) -> Option<usize> {
+        self.runs.iter().map(|run| run.steps_per_pair).max().filter(|&steps| steps > 2)
+    }
+}
+
+/// Two times of each group of steps.
+fn firsts(times_s: &[f64], steps: usize) -> Vec<f64> {
+    if steps <= 2 {
+        return times_s.to_vec();
+    }
+    times_s.chunks(steps).flat_map(|group| [group[0], group[group.len() / 2]]).collect()
+}
+
+/// Smallest and largest value of each group of steps, in their order.
+fn extremes(values: &[f64], steps: usize) -> Vec<f64> {
+    if steps <= 2 {
+        return values.to_vec();
+    }
+    let pair = |group: &[f64]| {
+        let finite = || group.iter().copied().enumerate().filter(|(_, value)| value.is_finite());
+        let low = finite().min_by(|a, b| a.1.total_cmp(&b.1));
+        let high = finite().max_by(|a, b| a.1.total_cmp(&b.1));
+        match (low, high) {
+            (Some(low), Some(high)) if low.0 <= high.0 => [low.1, high.1],
+            (Some(low), Some(high)) => [high.1, low.1],
+            _ => [f64::NAN; 2],
+        }
+    };
+    values.chunks(steps).flat_map(pair).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_thinned_column_keeps_every_extreme_in_its_order() {
+        let values = [0.0, 5.0, 1.0, f64::NAN, 2.0, -3.0, 4.0];
+        assert_eq!(extremes(&values, 3), [0.0, 5.0, -3.0, 2.0, 4.0, 4.0][..].iter().copied().collect::<Vec<_>>());
+        assert_eq!(firsts(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], 3), [0.0, 1.0, 3.0, 4.0, 6.0, 6.0]);
+        assert!(extremes(&[f64::NAN; 3], 3).iter().all(|value| value.is_nan()));
+    }
+}

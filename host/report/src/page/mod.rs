@@ -1,0 +1,33 @@
+//! Records as self-contained HTML: one run, a comparison of several, a suite.
+//!
+//! A page is one file that loads nothing: style, scripts and all steps are inside. Text of others, such as a title, is escaped by
+//! the templates, and the page's policy permits its own scripts alone.
+//!
+//! | stage | file | does |
+//! |---|---|---|
+//! | input | `input`, `summary` | a record with its whole summary |
+//! | judgement | `margin`, `why` | pass, marginal, fail; the verdict in one sentence |
+//! | charts | `run_charts`, `data`, `codec` | which charts the signals permit; columns as short text |
+//! | parts | `part` | one section of a page per file |
+//! | pages | `run_page`, `comparison_page`, `suite_page` | the parts of a page, in their order |
+//! | document | `shell`, `assets` | head, policy, style and scripts |
+
+pub mod assets;
+mod codec;
+mod comparison_page;
+mod data;
+mod input;
+mod margin;
+mod part;
+mod run_charts;
+mod run_page;
+mod shell;
+mod suite_page;
+mod summary;
+mod why;
+
+pub use comparison_page::comparison;
+pub use input::Run;
+pub use margin::{Grade, Margin};
+pub use run_page::run;
+pub use suite_page::{Suite, SuiteExpectation, SuiteRow, suite};

@@ -1,0 +1,107 @@
+//! The expectations of a run: value, limits, margin.
+
+use maud::{Markup, html};
+
+use super::super::margin::Grade;
+use super::super::summary::Expectation;
+use super::super::why::{bound, percent};
+use crate::number::{DIGITS, significant, typeset, typeset_unit};
+
+pub(in super::super) fn section(expectations: &[Expectation]) -> Markup {
+    html! {
+        section #expectations {
+            h2 { "Expectations" }
+            @if expectations.is_empty() {
+                p { "The scenario has no expectation." }
+            } @else {
+                div.scroll { table.expectations.stacked {
+                    thead { tr {
+                        th scope="col" { "quantity" } th scope="col" { "result" } th.number scope="col" { "value" }
+                        th.number scope="col" { "limits" } th.number scope="col" { "margin" } th scope="col" { "place between the limits" }
+                    } }
+                    tbody { @for expectation in expectations { (row(expectation)) } }
+                } }
+                p.note { "Marginal: met with a margin below 10 % of the limit, or of the distance between two limits." }
+            }
+        }
+    }
+}
+
+fn row(expectation: &Expectation) -> Markup {
+    let grade = expectation.grade();
+    let unit = &typeset_unit(&expectation.unit);
+    html! {
+        tr class=(grade.name()) {
+            th scope="row" { (expectation.to_string()) }
+            td { span class={ "grade " (grade.name()) } { (symbol(grade)) " " (grade.name()) } }
+            td.number data-label="value" { (value(expectation.value, unit, expectation.reason.as_deref())) }
+            td.number data-label="limits" { (limits(expectation)) " " (unit) }
+            td.number data-label="margin" { (margin(expectation)) }
+            td.gauge { (gauge(expectation)) }
+        }
+    }
+}
+
+/// A sign in addition to the colour.
+fn symbol(grade: Grade) -> &'static str {
+    match grade {
+        Grade::Pass => "\u{2713}",
+        Grade::Marginal => "\u{25b3}",
+        Grade::Fail => "\u{2715}",
+    }
+}
+
+/// A rounded value, with all its digits for scripts and as a hint.
+pub(in super::super) fn value(value: Option<f64>, unit: &str, reason: Option<&str>) -> Markup {
+    match value {
+        Some(value) => html! {
+            data value=(value) title={ (value) " " (unit) } { (typeset(&significant(value, DIGITS))) } " " (typeset_unit(unit))
+        },
+        None => html! { span.absent { (reason.unwrap_or("no value")) } },
+    }
+}
+
+fn limits(expectation: &Expectation) -> String {
+    match (expectation.min, expectation.max) {
+        (Some(min), Some(max)) => format!("{} to {}", bound(min), bound(max)),
+        (Some(min), None) => format!("\u{2265} {}", bound(min)),
+        (None, Some(max)) => format!("\u{2264} {}", bound(max)),
+        (None, None) => "none".to_owned(),
+    }
+}
+
+fn margin(expectation: &Expectation) -> Markup {
+    let Some(margin) = expectation.margin() else { return html! { span.absent { "none" } } };
+    html! {
+        data value=(margin.distance) { (typeset(&significant(margin.distance, 3))) } " " (typeset_unit(&expectation.unit))
+        @if let Some(fraction) = margin.fraction { " " small { "(" (percent(fraction)) ")" } }
+    }
+}
+
+/// Range of the gauge, the part of it that passes, and the value's place, each as a fraction of the width.
+fn places(expectation: &Expectation) -> Option<(f64, f64, f64)> {
+    let value = expectation.value.filter(|value| value.is_finite())?;
+    let (low, high) = match (expectation.min, expectation.max) {
+        (Some(min), Some(max)) => (min - (max - min) * 0.25, max + (max - min) * 0.25),
+        (Some(min), None) => (min - min.abs().max(1e-12) * 0.5, min + min.abs().max(value - min).max(1e-12) * 1.2),
+        (None, Some(max)) => {
+            let low = if max > 0.0 && value >= 0.0 { 0.0 } else { max - max.abs().max(max - value).max(1e-12) * 1.2 };
+            (low, max + max.abs().max(1e-12) * 0.25)
+        }
+        (None, None) => return None,
+    };
+    let place = |value: f64| ((value - low) / (high - low)).clamp(0.0, 1.0);
+    Some((place(expectation.min.unwrap_or(low)), place(expectation.max.unwrap_or(high)), place(value)))
+}
+
+fn gauge(expectation: &Expectation) -> Markup {
+    let Some((from, to, at)) = places(expectation) else { return html! {} };
+    let text = format!("{expectation}: {}", expectation.grade().name());
+    html! {
+        svg viewBox="0 0 120 14" role="img" aria-label=(text) {
+            rect.track x="0" y="5" width="120" height="4" rx="2" {}
+            rect.passing x=(format!("{:.1}", from * 120.0)) y="5" width=(format!("{:.1}", (to - from) * 120.0)) height="4" {}
+            circle class=(expectation.grade().name()) cx=(format!("{:.1}", 4.0 + at * 112.0)) cy="7" r="4" {}
+        }
+    }
+}

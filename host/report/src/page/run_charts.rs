@@ -1,0 +1,281 @@
+//! The charts of one run: which ones its signals permit.
+
+use super::data::{Chart, Data, Mark, Part, Series, Shade};
+use super::input::Run;
+
+/// Most intervals of contact of a page.
+const MOST_INTERVALS: usize = 3_000;
+/// Signals that a chart of further signals shows at once.
+const PER_CHART: usize = 4;
+/// Columns that no chart shows for themselves.
+const INTERNAL: [&str; 3] = ["time_s", "telemetry_time_s", "contact"];
+
+/// The charts of a single run.
+pub(super) fn charts(run: &Run) -> (Data, Vec<Constant>) {
+    let mut page = Charts { run, data: Data::new(std::slice::from_ref(run)), shown: Vec::new() };
+    page.position();
+    page.error();
+    page.torque();
+    page.twist();
+    page.estimates();
+    page.phase_plane();
+    page.hysteresis();
+    page.lost_motion();
+    page.timing();
+    let constants = page.further();
+    let marks = marks(run);
+    let mut data = page.data;
+    for chart in data.charts.iter_mut().filter(|chart| chart.axes.is_none()) {
+        chart.marks.clone_from(&marks);
+    }
+    (data, constants)
+}
+
+/// A signal that kept one value.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Constant {
+    pub(super) name: String,
+    pub(super) value: f64,
+    pub(super) unit: String,
+}
+
+struct Charts<'a> {
+    run: &'a Run,
+    data: Data,
+    /// Columns that have a chart.
+    shown: Vec<String>,
+}
+
+impl Charts<'_> {
+    /// The signal as a series; `None` if the run lacks it.
+    fn series(&mut self, label: &str, name: &str) -> Option<Series> {
+        let values = self.run.column(name)?;
+        let column = self.data.column(0, name, || values.to_vec());
+        self.shown.push(name.to_owned());
+        Some(Series::new(label, 0, column))
+    }
+
+    fn push(&mut self, chart: Chart) {
+        if !chart.series.is_empty() {
+            self.data.charts.push(chart);
+        }
+    }
+
+    fn position(&mut self) {
+        let reference = self.series("reference", "reference_rad").map(|it| it.style("reference").dashed());
+        let load = self.series("load", "load_position_rad").map(|it| it.style("c0"));
+        self.push(Chart::new("Load position", "rad", [load, reference].into_iter().flatten().collect()));
+    }
+
+    fn error(&mut self) {
+        let Some(error_rad) = error_rad(self.run) else { return };
+        let column = self.data.column(0, "error_rad", || error_rad);
+        let series = Series::new("load less reference", 0, column).style("c0");
+        self.push(Chart::new("Position error", "rad", vec![series]));
+    }
+
+    fn torque(&mut self) {
+        let torque = self.series("torque", "torque_nm").map(|it| it.style("c0").held());
+        let is_same = self.run.column("torque_nm") == self.run.column("drive.requested_torque_nm");
+        let requested = (!is_same).then(|| self.series("requested by the law", "drive.requested_torque_nm")).flatten();
+        let requested = requested.map(|it| it.style("c1").held());
+        let transmitted = self.series("transmitted", "transmitted_torque_nm").map(|it| it.style("c2"));
+        self.push(Chart::new("Torque", "N m", [requested, torque, transmitted].into_iter().flatten().collect()));
+    }
+
+    /// Twist, with the edges of the gap, and the times in contact.
+    fn twist(&mut self) {
+        let Some(twist) = self.series("twist", "twist_rad") else { return };
+        let mut series = vec![twist.style("c0")];
+        if let Some(half_gap_rad) = self.run.column("dead_zone_rad") {
+            self.shown.push("dead_zone_rad".to_owned());
+            for (label, name, sign) in [("upper edge of the gap", "gap_above", 1.0), ("lower edge", "gap_below", -1.0)] {
+                let edge = || half_gap_rad.iter().map(|half_gap_rad| sign * half_gap_rad).collect();
+                let column = self.data.column(0, name, edge);
+                series.push(Series::new(label, 0, column).style("limit").dashed());
+            }
+        }
+        let mut chart = Chart::new("Twist and gap", "rad", series);
+        chart.shades.extend(self.run.column("contact").map(|contact| Shade {
+            name: "in contact",
+            intervals: intervals(self.run.times_s(), contact),
+        }));
+        self.push(chart);
+    }
+
+    /// Each estimate of the drive next to its truth: `drive.X_estimate_UNIT` and `X_UNIT`.
+    fn estimates(&mut self) {
+        for (estimate, truth) in estimates(self.run) {
+            let unit = self.run.record.trace.columns.unit(&estimate).unwrap_or_default().to_owned();
+            let series = [
+                self.series("estimate", &estimate).map(|it| it.style("c1").held()),
+                self.series("truth", &truth).map(|it| it.style("c0")),
+            ];
+            let title = format!("Estimate: {}", spelled(&truth, &unit));
+            self.push(Chart::new(title, unit, series.into_iter().flatten().collect()));
+        }
+    }
+
+    fn phase_plane(&mut self) {
+        let Some(error_rad) = error_rad(self.run) else { return };
+        let Some(speed) = self.series("trajectory", "load_velocity_rad_s") else { return };
+        let error = self.data.column(0, "error_rad", || error_rad);
+        let chart = Chart::new("Phase plane", "", vec![speed.over(error).style("c0")]);
+        self.push(chart.axes(("position error", "rad"), ("load velocity", "rad/s")));
+    }
+
+    /// The backlash itself: torque passes outside the gap only.
+    fn hysteresis(&mut self) {
+        let Some(torque) = self.series("transmitted torque", "transmitted_torque_nm") else { return };
+        let Some(twist) = self.series("", "twist_rad") else { return };
+        let chart = Chart::new("Hysteresis of gap and shaft", "", vec![torque.over(twist.y).style("c0")]);
+        self.push(chart.axes(("twist", "rad"), ("transmitted torque", "N m")));
+    }
+
+    /// Load over reference, if the reference moves: the width of the loop is the lost motion.
+    fn lost_motion(&mut self) {
+        let reference_rad = self.run.column("reference_rad").unwrap_or_default();
+        if reference_rad.windows(2).all(|pair| pair[0] == pair[1]) {
+            return;
+        }
+        let Some(load) = self.series("load", "load_position_rad") else { return };
+        let Some(reference) = self.series("", "reference_rad") else { return };
+        let chart = Chart::new("Hysteresis of the loop", "", vec![load.over(reference.y).style("c0")]);
+        self.push(chart.axes(("reference", "rad"), ("load position", "rad")));
+    }
+
+    fn timing(&mut self) {
+        let timing = &self.run.timing;
+        let steps = self.run.times_s().len();
+        let padded = |mut values: Vec<f64>| {
+            values.resize(steps, f64::NAN);
+            values
+        };
+        let lateness = || timing.iter().map(|row| row.lateness_us).collect::<Vec<_>>();
+        let trip = timing.iter().map(super::part::timing::round_trip_us).collect::<Vec<_>>();
+        let mut series = Vec::new();
+        if trip.iter().any(|value| value.is_finite()) {
+            let column = self.data.column(0, "round_trip_us", || padded(trip));
+            series.push(Series::new("round trip", 0, column).style("c0").held());
+        }
+        if timing.iter().any(|row| row.lateness_us > 0.0) {
+            let column = self.data.column(0, "lateness_us", || padded(lateness()));
+            series.push(Series::new("lateness", 0, column).style("c1").held());
+        }
+        self.push(Chart::new("Lateness and round trip", "us", series).in_part(Part::Timing));
+    }
+
+    /// All signals that no other chart has, in groups of one unit. Those that never change are returned.
+    fn further(&mut self) -> Vec<Constant> {
+        let columns = &self.run.record.trace.columns;
+        let mut constants = Vec::new();
+        let mut groups: Vec<(String, Vec<String>)> = Vec::new();
+        for signal in columns.signals() {
+            let (name, unit) = (signal.name.to_string(), signal.unit.to_string());
+            if INTERNAL.contains(&&*name) || self.shown.contains(&name) {
+                continue;
+            }
+            let Some(values) = self.run.column(&name) else { continue };
+            if values.iter().all(|value| *value == values[0]) {
+                constants.push(Constant { name, value: values[0], unit });
+                continue;
+            }
+            match groups.iter_mut().find(|(known, names)| *known == unit && names.len() < PER_CHART) {
+                Some((_, names)) => names.push(name),
+                None => groups.push((unit, vec![name])),
+            }
+        }
+        for (unit, names) in groups {
+            let series = names.iter().filter_map(|name| self.series(name, name)).collect();
+            let title = if unit.is_empty() { "Signals without a unit".to_owned() } else { format!("Signals in {unit}") };
+            self.push(Chart::new(title, unit, series).in_part(Part::Further));
+        }
+        constants
+    }
+}
+
+/// Load position less reference.
+pub(super) fn error_rad(run: &Run) -> Option<Vec<f64>> {
+    let (load, reference) = run.column("load_position_rad").zip(run.column("reference_rad"))?;
+    Some(load.iter().zip(reference).map(|(load, reference)| load - reference).collect())
+}
+
+/// Estimates of the drive, each with the truth of the same name.
+pub(super) fn estimates(run: &Run) -> Vec<(String, String)> {
+    let pair = |name: &str| {
+        let truth = name.strip_prefix("drive.")?.replacen("_estimate", "", 1);
+        (name.contains("_estimate") && run.column(name).is_some() && run.column(&truth).is_some())
+            .then(|| (name.to_owned(), truth))
+    };
+    run.record.trace.columns.signals().iter().filter_map(|signal| pair(&signal.name)).collect()
+}
+
+/// A signal's name as words, without its unit.
+pub(super) fn spelled(name: &str, unit: &str) -> String {
+    let suffix = format!("_{}", unit.replace([' ', '/'], if unit.contains('/') { "_" } else { "" }).to_lowercase());
+    name.strip_suffix(&suffix).unwrap_or(name).replace('_', " ")
+}
+
+/// Start and end of each time in which `flags` is not zero. If there are too many, those with the shortest gaps become one.
+fn intervals(times_s: &[f64], flags: &[f64]) -> Vec<f64> {
+    let mut intervals: Vec<f64> = Vec::new();
+    for (time_s, flag) in times_s.iter().zip(flags) {
+        let is_open = intervals.len() % 2 == 1;
+        if (*flag != 0.0) != is_open {
+            intervals.push((time_s * 1e6).round() / 1e6);
+        }
+    }
+    if intervals.len() % 2 == 1 {
+        intervals.extend(times_s.last());
+    }
+    let mut shortest_gap_s = 1e-3;
+    while intervals.len() > 2 * MOST_INTERVALS {
+        intervals = joined(&intervals, shortest_gap_s);
+        shortest_gap_s *= 2.0;
+    }
+    intervals
+}
+
+/// Intervals without the gaps shorter than this.
+fn joined(intervals: &[f64], shortest_gap_s: f64) -> Vec<f64> {
+    let mut joined: Vec<f64> = Vec::new();
+    for pair in intervals.chunks_exact(2) {
+        match joined.last_mut() {
+            Some(end_s) if pair[0] - *end_s < shortest_gap_s => *end_s = pair[1],
+            _ => joined.extend(pair),
+        }
+    }
+    joined
+}
+
+/// The start of each injected fault.
+fn marks(run: &Run) -> Vec<Mark> {
+    let faults = run.summary.iter().flat_map(|summary| &summary.faults);
+    let mark = |fault: &super::summary::Fault| {
+        let x = *run.times_s().get(usize::try_from(fault.step).ok()?)?;
+        Some(Mark { x, label: fault.kind.clone() })
+    };
+    faults.filter_map(mark).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_in_contact_are_intervals() {
+        let times_s = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        assert_eq!(intervals(&times_s, &[0.0, -1.0, -1.0, 0.0, 0.0, 1.0]), [1.0, 3.0, 5.0, 5.0]);
+        assert_eq!(intervals(&times_s, &[0.0; 6]), [0.0; 0]);
+        let dense: Vec<_> = (0..100_000).map(f64::from).collect();
+        let chatter: Vec<_> = (0..100_000).map(|step| f64::from(step % 2)).collect();
+        assert!(intervals(&dense, &chatter).len() <= 2 * MOST_INTERVALS);
+    }
+
+    #[test]
+    fn names_are_spelled_without_their_unit() {
+        assert_eq!(spelled("dead_zone_rad", "rad"), "dead zone");
+        assert_eq!(spelled("disturbing_torque_nm", "N m"), "disturbing torque");
+        assert_eq!(spelled("load_velocity_rad_s", "rad/s"), "load velocity");
+    }
+}

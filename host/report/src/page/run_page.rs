@@ -1,0 +1,74 @@
+//! The page of one run.
+
+use maud::{Markup, html};
+
+use super::data::{Data, Part};
+use super::input::Run;
+use super::part::{expectations, faults, metrics, origin, plots, timing, verdict};
+use super::run_charts::{Constant, charts};
+use super::shell::{Link, document};
+use super::why::verdict as verdict_of;
+use crate::number::{DIGITS, significant, typeset};
+
+const LINKS: [Link; 7] = [
+    ("expectations", "Expectations"),
+    ("plots", "Plots"),
+    ("timing", "Timing"),
+    ("faults", "Faults"),
+    ("metrics", "Metrics"),
+    ("origin", "What was run"),
+    ("repeat", "Run it again"),
+];
+
+/// The record of one run as a self-contained HTML document.
+#[must_use]
+pub fn run(run: &Run) -> String {
+    let (data, constants) = charts(run);
+    let content = html! {
+        (verdict::section(run))
+        @if let Some(summary) = &run.summary { (expectations::section(&summary.expectations)) }
+        section #plots {
+            h2 { "Plots" }
+            (plots::controls())
+            (plots::charts(&data, Part::Motion))
+            (plots::note(&data))
+            (further(&data, &constants))
+        }
+        section #timing {
+            h2 { "Timing" }
+            @if plots::has(&data, Part::Timing) { (plots::charts(&data, Part::Timing)) }
+            (timing::section(run))
+        }
+        @if let Some(summary) = &run.summary {
+            (faults::section(summary))
+            (metrics::section(summary))
+        }
+        (origin::section(run))
+        (origin::repeat(run))
+    };
+    let title = format!("{}: {}", verdict_of(run), run.title());
+    let has_section = |(id, _): &&Link| run.summary.is_some() || ["plots", "timing", "origin"].contains(id);
+    let links: Vec<_> = LINKS.iter().filter(has_section).copied().collect();
+    document(&title, &links, Some(&data), &content)
+}
+
+/// Signals that the other charts lack.
+fn further(data: &Data, constants: &[Constant]) -> Markup {
+    if !plots::has(data, Part::Further) && constants.is_empty() {
+        return html! {};
+    }
+    html! {
+        details {
+            summary { "Further signals" }
+            (plots::charts(data, Part::Further))
+            @if !constants.is_empty() {
+                p.note { "Without a change: "
+                    @for (at, Constant { name, value, unit }) in constants.iter().enumerate() {
+                        @if at > 0 { ", " } code { (name) } " " (typeset(&significant(*value, DIGITS))) " " (unit)
+                    }
+                    "."
+                }
+            }
+        }
+    }
+}
