@@ -13,12 +13,14 @@ use lashloop_bench::run::Clock;
 use lashloop_bench::scenario::Override;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
+use lashloop_report::page;
 
 use super::clock_options::ClockOptions;
 use super::error::{CliError, system};
 use super::options::plants;
-use super::output::{error_line, outln, prepare_folder};
+use super::output::{error_line, outln, prepare_folder, write_file};
 use super::progress::Progress;
+use super::run;
 use super::supervision::start_supervisor;
 use crate::bench::Bench;
 use crate::journal::{Journal, program_sha256};
@@ -26,10 +28,11 @@ use crate::suite::baseline::{Baseline, path_of};
 use crate::suite::case_result::Status;
 use crate::suite::files::find;
 use crate::suite::header::Header;
+use crate::suite::index::{self, ReportError};
 use crate::suite::junit::{self, Row};
 use crate::suite::plan::{self, Common};
 use crate::suite::runner::Runner;
-use crate::suite::table::{Table, line};
+use crate::suite::table::{Table, line, name_width};
 use crate::suite::tally::Tally;
 use crate::workers::{self, Ended};
 
@@ -79,6 +82,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.xml")]
     junit: Option<PathBuf>,
 
+    /// File for the results as a page for a browser; with --out each record has a report.html
+    #[arg(long, value_name = "FILE.html")]
+    html: Option<PathBuf>,
+
     /// Write the metrics of each case that passes to its baseline, in place of comparing them
     #[arg(long)]
     update: bool,
@@ -109,12 +116,13 @@ impl Arguments {
             clock,
             records: records.as_deref(),
             keeps_passes: self.keep_passes,
+            summary: run::summary,
             compares: !self.update,
         };
         let (missing, total) = (tally.missing(), tally.cases.len());
         let progress = Progress::over(format!("{total} cases"), total as u64);
         progress.show(tally.done() as u64);
-        let is_terminal = io::stderr().is_terminal();
+        let (is_terminal, width) = (io::stderr().is_terminal(), name_width(&tally));
         let signals = supervisor.guard_signals();
         let ended = workers::run_all(
             &missing,
@@ -127,7 +135,7 @@ impl Arguments {
                 }
                 if !is_terminal {
                     let number = tally.done() + 1;
-                    error_line(format_args!("[{number}/{total}] {}", line(&result, 0)));
+                    error_line(format_args!("{number:>4}/{total} {}", line(&result, width)));
                 }
                 tally.add(result);
                 progress.show(tally.done() as u64);
@@ -137,7 +145,11 @@ impl Arguments {
         drop(signals);
         drop(progress);
         let is_interrupted = ended? == Ended::Interrupted;
-        outln!("{}", Table { tally: &tally, wall_s: started.elapsed().as_secs_f64() });
+        let wall_s = started.elapsed().as_secs_f64();
+        outln!("{}", Table { tally: &tally, wall_s });
+        if let Some(path) = &self.html {
+            write_page(path, &tally, wall_s)?;
+        }
         if let Some(path) = &self.junit {
             write_junit(path, &tally, is_interrupted)?;
         }
@@ -208,6 +220,23 @@ fn write_junit(path: &Path, tally: &Tally, is_interrupted: bool) -> Result<(), C
     let xml = junit::report("lashloop test", &rows, ended_by.as_deref());
     let written = xml.map_err(io::Error::other).and_then(|xml| fs::write(path, xml));
     written.map_err(|source| CliError::Report { path: path.to_owned(), source })
+}
+
+/// Writes the index page, and a report of each record.
+fn write_page(path: &Path, tally: &Tally, wall_s: f64) -> Result<(), CliError> {
+    index::write_reports(tally).map_err(|ReportError { path, source }| CliError::Output { path, source })?;
+    let words = std::env::args().map(|word| shlex_quoted(&word));
+    let command = words.collect::<Vec<_>>().join(" ");
+    write_file(path, &page::suite(&index::suite(tally, path, command, wall_s)))
+}
+
+/// A word as a shell reads it.
+fn shlex_quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
 }
 
 /// Writes the metrics of each case that has passed to the baseline of its file.

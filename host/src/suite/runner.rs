@@ -4,16 +4,20 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::device::Device;
 use lashloop_bench::device::DeviceChoice;
-use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Outcome, RunError, Step, StepObserver};
+use lashloop_bench::run::{
+    self, Clock, DeviceUnderTest, End, Outcome, RunError, RunStart, Step, StepObserver,
+};
 use lashloop_bench::scenario::Scenario;
-use lashloop_plant::metrics::SignalTable;
 
 use super::case_result::{CaseResult, Status};
 use super::plan::{Case, Job};
+use super::record::CaseRecord;
 use crate::error::exit_of;
 use crate::workers::Stop;
 use lashloop_bench::verdict::Exit;
+use lashloop_record::summary::Summary;
 
 /// How the cases are run.
 pub struct Runner<'a> {
@@ -23,6 +27,8 @@ pub struct Runner<'a> {
     pub records: Option<&'a Path>,
     /// Keep the records of passes too.
     pub keeps_passes: bool,
+    /// The summary of a run.
+    pub summary: fn(&Scenario, &Device, &Outcome) -> Summary,
     /// Compare metrics with baselines.
     pub compares: bool,
 }
@@ -80,25 +86,28 @@ impl Runner<'_> {
     ) -> Result<(String, Outcome), RunError> {
         let mut device =
             DeviceUnderTest::open(scenario, self.device, self.clock.name(), stop.supervisor, |link| link)?;
-        let mut observer = Observer { stop };
+        let record = folder.map(|folder| CaseRecord::new(folder.to_owned()));
+        let mut observer = Observer { stop, record };
         let outcome = run::run(scenario, &mut device, self.clock, &mut observer)?;
+        if let Some(record) = observer.record {
+            record.finish(&(self.summary)(scenario, &device.device, &outcome))?;
+        }
         Ok((device.device.description(), outcome))
     }
 }
 
 struct Observer<'a> {
     stop: &'a Stop<'a>,
+    record: Option<CaseRecord>,
 }
 
 impl StepObserver for Observer<'_> {
-    fn begin(&mut self, signals: &SignalTable) -> Result<(), WriteError> {
-        let _ = signals;
-        Ok(())
+    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
+        self.record.as_mut().map_or(Ok(()), |record| record.begin(start))
     }
 
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
-        let _ = step;
-        Ok(())
+        self.record.as_mut().map_or(Ok(()), |record| record.step(step))
     }
 
     fn stop_asked(&self) -> bool {

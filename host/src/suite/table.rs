@@ -21,6 +21,12 @@ pub fn line(result: &CaseResult, name_width: usize) -> String {
     format!("{:<7}  {case:<name_width$}  {checks:<14}  {wall_s:>8.2} s", status.word())
 }
 
+/// Width of the column of names.
+#[must_use]
+pub fn name_width(tally: &Tally) -> usize {
+    tally.cases.iter().map(|case| case.name.chars().count()).max().unwrap_or(0).min(WIDEST)
+}
+
 /// The table with the reasons of each case that did not pass, and the sum as the last line.
 pub struct Table<'a> {
     pub tally: &'a Tally,
@@ -29,8 +35,7 @@ pub struct Table<'a> {
 
 impl fmt::Display for Table<'_> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let lengths = self.tally.cases.iter().map(|case| case.name.chars().count());
-        let width = lengths.max().unwrap_or(0).min(WIDEST);
+        let width = name_width(self.tally);
         for (_, result) in self.tally.rows() {
             writeln!(out, "{}", line(result, width))?;
             for reason in &result.reasons {
