@@ -51,7 +51,7 @@ def test_a_recipe_has_the_keys_of_its_service(name: str, tmp_path: Path) -> None
     assert checked.returncode == 0, checked.stdout + checked.stderr
     wrong = tmp_path / name
     text = (RECIPES / name).read_text()
-    wrong.write_text(text.replace("timeout-minutes:", "timeout-hours:").replace("artifacts:", "artefacts:\n    when: []\n  artifacts:\n    when_not:"))
+    wrong.write_text(text.replace("timeout-minutes:", "timeout-hours:").replace("expire_in:", "expires:"))
     assert wrong.read_text() != text
     assert check(SCHEMAS[name], wrong).returncode == 1, "a wrong key is found"
 
@@ -82,7 +82,12 @@ def test_the_commands_of_a_recipe_run_as_they_are(name: str, tmp_path: Path) -> 
         step = environment | {"PATH": f"{added}:{environment['PATH']}" if added else environment["PATH"]}
         ended = subprocess.run(
             ["bash", "-e", "-o", "pipefail", "-c", script],
-            cwd=project, env=step, capture_output=True, text=True, timeout=SOON_S, check=False,
+            cwd=project,
+            env=step,
+            capture_output=True,
+            text=True,
+            timeout=SOON_S,
+            check=False,
         )
         assert ended.returncode == 0, f"{script}\n{ended.stdout}{ended.stderr}"
     assert "<testsuites" in (project / "out" / "scenarios.xml").read_text()

@@ -32,6 +32,7 @@ mod report;
 mod rig;
 mod run;
 mod run_child;
+mod run_junit;
 mod run_report;
 mod show;
 mod soak;

@@ -24,10 +24,11 @@ use super::error::CliError;
 use super::options::{RigOption, ScenarioOptions};
 use super::output::{error_line, outln, prepare_folder};
 use super::progress::Progress;
-use super::run_report;
+use super::{run_junit, run_report};
 use super::supervision::start_supervisor;
 use crate::identify::gate::{self, KeyInterval, RecordedMotion};
 use crate::rig::check::check_board;
+use crate::suite::case_result::CaseResult;
 
 /// Run a scenario on a drive and print its verdict
 #[derive(Args)]
@@ -70,10 +71,23 @@ pub(crate) struct Arguments {
     /// File for every frame on the line, for Wireshark or `lashloop decode`
     #[arg(long, value_name = "FILE.pcapng")]
     capture: Option<PathBuf>,
+
+    /// File for the verdict and its reasons as JUnit XML
+    #[arg(long, value_name = "FILE.xml")]
+    junit: Option<PathBuf>,
 }
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let junit = self.junit.clone();
+        let ended = self.run_once(bench);
+        if let (Some(path), Err(error)) = (&junit, &ended) {
+            run_junit::write_error(path, error)?;
+        }
+        ended
+    }
+
+    fn run_once(self, bench: &Bench) -> Result<Exit, CliError> {
         let mut scenario = {
             let law = self.controller.map(Override::Controller);
             self.scenario.read(law.into_iter().chain(self.mode.map(Override::Mode)), bench)?
@@ -139,6 +153,10 @@ impl Arguments {
         }
         if let Some(folder) = &self.out {
             summary.write(&folder.join(SUMMARY_FILE))?;
+        }
+        if let Some(path) = &self.junit {
+            let result = CaseResult::of_run(&scenario.name, summary.device.clone(), &outcome);
+            run_junit::write(path, &result)?;
         }
         // A signal before this point would truncate the record.
         drop(signals);

@@ -225,18 +225,9 @@ fn write_junit(path: &Path, tally: &Tally, is_interrupted: bool) -> Result<(), C
 /// Writes the index page, and a report of each record.
 fn write_page(path: &Path, tally: &Tally, wall_s: f64) -> Result<(), CliError> {
     index::write_reports(tally).map_err(|ReportError { path, source }| CliError::Output { path, source })?;
-    let words = std::env::args().map(|word| shlex_quoted(&word));
-    let command = words.collect::<Vec<_>>().join(" ");
+    let words: Vec<_> = std::env::args().collect();
+    let command = shlex::try_join(words.iter().map(String::as_str)).unwrap_or_default();
     write_file(path, &page::suite(&index::suite(tally, path, command, wall_s)))
-}
-
-/// A word as a shell reads it.
-fn shlex_quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=:,+@%".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', r"'\''"))
 }
 
 /// Writes the metrics of each case that has passed to the baseline of its file.

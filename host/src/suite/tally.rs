@@ -11,6 +11,8 @@ use super::plan::{Case, Job};
 #[derive(Debug)]
 pub struct Tally {
     pub cases: Vec<Case>,
+    /// Position of each case by its name.
+    positions: HashMap<String, usize>,
     results: HashMap<String, CaseResult>,
 }
 
@@ -18,7 +20,8 @@ impl Tally {
     /// A suite without results but for those of cases that need no run.
     #[must_use]
     pub fn new(cases: Vec<Case>) -> Self {
-        let mut tally = Self { cases, results: HashMap::new() };
+        let positions = cases.iter().zip(0..).map(|(case, position)| (case.name.clone(), position)).collect();
+        let mut tally = Self { cases, positions, results: HashMap::new() };
         for case in &tally.cases {
             let result = match &case.job {
                 Job::Run { .. } => continue,
@@ -36,8 +39,8 @@ impl Tally {
 
     /// Adds a result of the journal, if its case is unchanged.
     pub fn restore(&mut self, result: CaseResult) {
-        let is_unchanged = |case: &&Case| matches!(&case.job, Job::Run { sha256, .. } if Some(sha256) == result.scenario_sha256.as_ref());
-        if self.cases.iter().filter(is_unchanged).any(|case| case.name == result.case) {
+        let case = self.positions.get(&result.case).map(|position| &self.cases[*position].job);
+        if matches!(case, Some(Job::Run { sha256, .. }) if Some(sha256) == result.scenario_sha256.as_ref()) {
             self.add(result);
         }
     }

@@ -187,6 +187,20 @@ fn an_interrupted_suite_ends_its_jobs_and_can_be_resumed() {
 }
 
 #[test]
+fn one_run_has_a_junit_report_with_a_verdict_or_without() {
+    let suite = Suite::new(&[("a.toml", format!("{SHORT}{PEAK}max = 0.1\n")), ("b.toml", format!("{SHORT}{GAPS}"))]);
+    let junit = suite.path("junit.xml");
+    for (name, code, want) in [
+        ("s/a.toml", 1, r#"failures="1" errors="0""#),
+        ("s/b.toml", 2, "4 cases of a sweep are run by `lashloop test`"),
+    ] {
+        let run = ["run", &suite.path(name), "--device", "inproc", "--junit", &junit];
+        let _ = program::run(run).with_code(code);
+        assert!(suite.read("junit.xml").contains(want), "{}", suite.read("junit.xml"));
+    }
+}
+
+#[test]
 fn one_drive_takes_one_job() {
     let ended =
         program::run(["test", "scenarios", "--device", "tcp:localhost:1", "--jobs", "2"]).with_code(2);
