@@ -118,6 +118,8 @@ impl Arguments {
             keeps_passes: self.keep_passes,
             summary: run::summary,
             compares: !self.update,
+            overrides: &overrides,
+            plants: &plants,
         };
         let (missing, total) = (tally.missing(), tally.cases.len());
         let progress = Progress::over(format!("{total} cases"), total as u64);

@@ -9,7 +9,6 @@
 //! | [`baseline`] | metric values with tolerances, in a file next to the scenario |
 //! | [`header`] | what the journal of a suite belongs to |
 //! | [`tally`] | results in the order of the plan, and their exit code |
-//! | [`record`] | the record of a case while it runs |
 //! | [`table`], [`junit`], [`index`] | the results as text, as XML and as a page |
 
 pub mod baseline;
@@ -19,7 +18,6 @@ pub mod header;
 pub mod index;
 pub mod junit;
 pub mod plan;
-pub mod record;
 pub mod runner;
 pub mod table;
 pub mod tally;

@@ -1,23 +1,25 @@
 //! One case on a drive, with its record.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::{fs, io};
 
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::Device;
 use lashloop_bench::device::DeviceChoice;
-use lashloop_bench::run::{
-    self, Clock, DeviceUnderTest, End, Outcome, RunError, RunStart, Step, StepObserver,
-};
-use lashloop_bench::scenario::Scenario;
+use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Observers, Outcome, RunError, StepObserver};
+use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_bench::verdict::Exit;
+use lashloop_plant::Plants;
+use lashloop_record::file_names::LATEST;
+use lashloop_record::folder::{FolderError, RecordFolder};
+use lashloop_record::source::RunSource;
+use lashloop_record::summary::Summary;
+use lashloop_record::writer::RecordWriter;
 
 use super::case_result::{CaseResult, Status};
 use super::plan::{Case, Job};
-use super::record::CaseRecord;
 use crate::error::exit_of;
 use crate::workers::Stop;
-use lashloop_bench::verdict::Exit;
-use lashloop_record::summary::Summary;
 
 /// How the cases are run.
 pub struct Runner<'a> {
@@ -31,6 +33,9 @@ pub struct Runner<'a> {
     pub summary: fn(&Scenario, &Device, &Outcome) -> Summary,
     /// Compare metrics with baselines.
     pub compares: bool,
+    /// Settings of every scenario, for the record.
+    pub overrides: &'a [Override],
+    pub plants: &'a Plants,
 }
 
 impl Runner<'_> {
@@ -41,10 +46,8 @@ impl Runner<'_> {
     pub fn run(&self, case: &Case, stop: &Stop<'_>) -> Result<Option<CaseResult>, WriteError> {
         let Job::Run { scenario, sha256 } = &case.job else { return Ok(None) };
         let folder = self.records.map(|records| records.join(&case.folder));
-        if let Some(folder) = &folder {
-            renew(folder)?;
-        }
-        let result = match self.run_scenario(scenario, folder.as_deref(), stop) {
+        let record = folder.as_deref().map(|folder| self.open_record(folder, case)).transpose()?;
+        let result = match self.run_scenario(scenario, record, stop) {
             Ok((_, outcome)) if outcome.end == End::Interrupted => None,
             // A signal to the whole group of processes ends drives too.
             Err(_) if stop.asked() => None,
@@ -66,69 +69,56 @@ impl Runner<'_> {
             }
         };
         let is_kept = result.as_ref().is_some_and(|it| self.keeps_passes || it.status != Status::Pass);
-        let record = folder.filter(|folder| {
+        if let Some(folder) = &folder {
+            // The last run of several at once is none that a user looks for.
+            let _ = fs::remove_file(folder.with_file_name(LATEST));
             // A drive that was never reached leaves an empty folder.
             let is_empty = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
-            is_kept && !is_empty
-        });
-        if let (None, Some(records)) = (&record, self.records) {
-            remove(&records.join(&case.folder))?;
+            if is_empty || !is_kept {
+                remove(folder)?;
+            }
         }
+        let record = folder.filter(|folder| folder.exists());
         Ok(result.map(|result| CaseResult { scenario_sha256: Some(sha256.clone()), record, ..result }))
+    }
+
+    /// The writer of a case's record, in place of the record of an interrupted run.
+    fn open_record(&self, path: &Path, case: &Case) -> Result<RecordWriter, WriteError> {
+        remove(path)?;
+        let folder = RecordFolder::claim(path, true).map_err(|error| match error {
+            FolderError::Create { path, source } => WriteError { path, action: "created", source },
+            other => WriteError { path: path.to_owned(), action: "created", source: io::Error::other(other) },
+        })?;
+        let swept = case.settings.iter().cloned().map(Override::Set);
+        let overrides: Vec<_> = self.overrides.iter().cloned().chain(swept).collect();
+        Ok(RecordWriter::new(folder, RunSource::new(&case.file, &overrides, self.plants)))
     }
 
     /// Runs a scenario. Also returns what ran as the drive.
     fn run_scenario(
         &self,
         scenario: &Scenario,
-        folder: Option<&Path>,
+        mut record: Option<RecordWriter>,
         stop: &Stop<'_>,
     ) -> Result<(String, Outcome), RunError> {
         let mut device =
             DeviceUnderTest::open(scenario, self.device, self.clock.name(), stop.supervisor, |link| link)?;
-        let record = folder.map(|folder| CaseRecord::new(folder.to_owned()));
-        let mut observer = Observer { stop, record };
-        let outcome = run::run(scenario, &mut device, self.clock, &mut observer)?;
-        if let Some(record) = observer.record {
-            record.finish(&(self.summary)(scenario, &device.device, &outcome))?;
+        let mut stopper = stop;
+        let mut observers: Vec<&mut dyn StepObserver> = vec![&mut stopper];
+        observers.extend(record.as_mut().map(|record| record as &mut dyn StepObserver));
+        let outcome = run::run(scenario, &mut device, self.clock, &mut Observers(observers))?;
+        if let Some(record) = record {
+            record.finish(&(self.summary)(scenario, &device.device, &outcome), &outcome.logs)?;
         }
         Ok((device.device.description(), outcome))
     }
 }
 
-struct Observer<'a> {
-    stop: &'a Stop<'a>,
-    record: Option<CaseRecord>,
-}
-
-impl StepObserver for Observer<'_> {
-    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
-        self.record.as_mut().map_or(Ok(()), |record| record.begin(start))
-    }
-
-    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
-        self.record.as_mut().map_or(Ok(()), |record| record.step(step))
-    }
-
-    fn stop_asked(&self) -> bool {
-        self.stop.asked()
-    }
-}
-
-/// Makes an empty folder, in place of the record of an interrupted run.
-fn renew(folder: &Path) -> Result<(), WriteError> {
-    remove(folder)?;
-    fs::create_dir_all(folder).map_err(failed(folder, "created"))
-}
-
 fn remove(folder: &Path) -> Result<(), WriteError> {
     match fs::remove_dir_all(folder) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(failed(folder, "removed")(error)),
+        Err(source) if source.kind() != io::ErrorKind::NotFound => {
+            Err(WriteError { path: folder.to_owned(), action: "removed", source })
+        }
         _ => Ok(()),
     }
-}
-
-fn failed(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> WriteError {
-    let path: PathBuf = path.to_owned();
-    move |source| WriteError { path, action, source }
 }
