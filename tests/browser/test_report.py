@@ -93,8 +93,8 @@ def test_a_run_of_25_s_opens_at_once_and_is_small(open_page: Opener, passed: Rec
     assert times[0] < 5_000
 
 
-def test_the_read_out_at_the_cursor_is_the_recorded_step(open_page: Opener, passed: Record) -> None:
-    page, rows = open_page(passed.page), passed.rows()
+def test_the_read_out_at_the_cursor_is_the_recorded_step(open_page: Opener, failed: Record) -> None:
+    page, rows = open_page(failed.page), failed.rows()
     chart = page.locator(".chart").first
     box = chart.locator(".plot").bounding_box()
     assert box

@@ -84,7 +84,8 @@ impl Project {
 }
 
 fn manifest() -> Result<String> {
-    fs::read_to_string(Project::Package.folder().join("pyproject.toml")).context("clients/python has no pyproject.toml")
+    fs::read_to_string(Project::Package.folder().join("pyproject.toml"))
+        .context("clients/python has no pyproject.toml")
 }
 
 fn environment() -> PathBuf {

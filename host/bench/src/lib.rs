@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`atomic_file`] | files that are written completely or not at all |
 //! | [`names`] | names in messages, and the one that was probably meant |
+//! | [`number`] | numbers with the digits that a reader needs |
 //! | [`timing`] | the timing of steps, and its report |
 //! | [`supervisor`] | child processes and signals |
 //! | [`process_plant`] | a plant in another process |
@@ -27,6 +28,7 @@ pub mod capture;
 pub mod device;
 pub mod fault;
 pub mod names;
+pub mod number;
 pub mod process_plant;
 pub mod run;
 pub mod scenario;

@@ -19,7 +19,6 @@
 #![forbid(unsafe_code)]
 
 pub mod demo;
-pub mod number;
 pub mod page;
 pub mod paper;
 pub mod plot;

@@ -14,8 +14,9 @@ use serde::Serialize;
 /// Digits, by their value. None of them has a meaning in JSON, HTML or a script.
 const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
 const MORE: u64 = 32;
-/// Steps between the smallest and the largest value: a curve is 10^3 pixels high, and a zoom magnifies by 10^3 more.
-const STEPS: f64 = 1_048_576.0;
+/// Steps between the smallest and the largest value, from fine to coarse. A curve is 10^3 pixels high, and a zoom magnifies by
+/// 10^3 more; a page whose columns are all noise has less.
+pub(super) const STEPS: [f64; 3] = [1_048_576.0, 65_536.0, 4_096.0];
 
 /// An encoded column.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -28,14 +29,14 @@ pub(super) struct Encoded {
 }
 
 impl Encoded {
-    /// The values, rounded to a millionth of their range.
-    pub(super) fn of(values: &[f64]) -> Self {
+    /// The values, rounded to `steps` steps of their range.
+    pub(super) fn of(values: &[f64], steps: f64) -> Self {
         let finite = || values.iter().copied().filter(|value| value.is_finite());
         let low = finite().fold(f64::INFINITY, f64::min);
         let high = finite().fold(f64::NEG_INFINITY, f64::max);
         let offset = if low.is_finite() { low } else { 0.0 };
         let span = high - low;
-        Self::scaled(values, offset, if span > 0.0 && span.is_finite() { span / STEPS } else { 1.0 })
+        Self::scaled(values, offset, if span > 0.0 && span.is_finite() { span / steps } else { 1.0 })
     }
 
     /// Ascending times, rounded to 1 us.
@@ -47,6 +48,11 @@ impl Encoded {
         let encode = |order| Self { offset, scale, order, digits: digits(values, offset, scale, order) };
         let (once, twice) = (encode(1), encode(2));
         if once.digits.len() <= twice.digits.len() { once } else { twice }
+    }
+
+    /// Number of digits.
+    pub(super) fn len(&self) -> usize {
+        self.digits.len()
     }
 }
 
@@ -104,9 +110,10 @@ mod tests {
 
     /// As `report.js` decodes.
     fn decoded(column: &Encoded) -> Vec<f64> {
-        let mut bytes = column.digits.bytes().map(|byte| {
-            DIGITS.iter().position(|digit| *digit == byte).expect("a digit") as u64
-        });
+        let mut bytes = column
+            .digits
+            .bytes()
+            .map(|byte| DIGITS.iter().position(|digit| *digit == byte).expect("a digit") as u64);
         let mut tokens = std::iter::from_fn(|| {
             let (mut token, mut shift) = (0, 0);
             loop {
@@ -142,33 +149,46 @@ mod tests {
     }
 
     fn largest_error(values: &[f64]) -> f64 {
-        let back = decoded(&Encoded::of(values));
+        let back = decoded(&Encoded::of(values, STEPS[0]));
         assert_eq!(back.len(), values.len());
         let pairs = values.iter().zip(&back);
-        assert!(pairs.clone().all(|(value, back)| value.is_finite() == back.is_finite()), "{values:?} {back:?}");
-        pairs.filter(|(value, _)| value.is_finite()).map(|(value, back)| (value - back).abs()).fold(0.0, f64::max)
+        assert!(
+            pairs.clone().all(|(value, back)| value.is_finite() == back.is_finite()),
+            "{values:?} {back:?}"
+        );
+        pairs
+            .filter(|(value, _)| value.is_finite())
+            .map(|(value, back)| (value - back).abs())
+            .fold(0.0, f64::max)
     }
 
     #[test]
     fn values_come_back_within_half_a_millionth_of_their_range() {
         let sine: Vec<_> = (0..5000).map(|step| 3.0 + (f64::from(step) * 1e-3).sin()).collect();
         let held: Vec<_> = sine.iter().step_by(10).flat_map(|value| [*value; 10]).collect();
-        let noise: Vec<_> = (0_u32..5000).map(|step| f64::from(step.wrapping_mul(2_654_435_761) >> 8) - 1e7).collect();
+        let noise: Vec<_> =
+            (0_u32..5000).map(|step| f64::from(step.wrapping_mul(2_654_435_761) >> 8) - 1e7).collect();
         for values in [&sine, &held, &noise] {
-            let span = values.iter().fold(f64::MIN, |a, b| a.max(*b)) - values.iter().fold(f64::MAX, |a, b| a.min(*b));
-            assert!(largest_error(values) <= span * 0.501 / STEPS);
+            let span = values.iter().fold(f64::MIN, |a, b| a.max(*b))
+                - values.iter().fold(f64::MAX, |a, b| a.min(*b));
+            assert!(largest_error(values) <= span * 0.501 / STEPS[0]);
         }
-        assert!(Encoded::of(&sine).digits.len() < 2 * sine.len());
-        assert!(Encoded::of(&held).digits.len() < held.len());
+        assert!(Encoded::of(&sine, STEPS[0]).digits.len() < 2 * sine.len());
+        assert!(Encoded::of(&held, STEPS[0]).digits.len() < held.len());
     }
 
     #[test]
     fn gaps_and_constants_come_back() {
         let nan = f64::NAN;
-        for values in [vec![], vec![2.5], vec![nan; 3], vec![1.0, 1.0, 1.0, nan, nan, 1.0, 1.0, 4.0, f64::INFINITY, 4.0]] {
+        for values in [
+            vec![],
+            vec![2.5],
+            vec![nan; 3],
+            vec![1.0, 1.0, 1.0, nan, nan, 1.0, 1.0, 4.0, f64::INFINITY, 4.0],
+        ] {
             assert!(largest_error(&values) < 1e-5, "{values:?}");
         }
-        assert!(Encoded::of(&[0.25; 25_000]).digits.len() < 10);
+        assert!(Encoded::of(&[0.25; 25_000], STEPS[0]).digits.len() < 10);
     }
 
     #[test]

@@ -12,10 +12,13 @@ use super::why::{Tone, sentence, verdict};
 const LINKS: [Link; 4] =
     [("runs", "Runs"), ("settings", "What differs"), ("plots", "Plots"), ("metrics", "Metrics")];
 
+/// A quantity of a run: name of its column, and a value for each step.
+type Named = (String, Vec<f64>);
+
 /// Several records over the same axes, as a self-contained HTML document. The first is what the others are compared with.
 #[must_use]
 pub fn comparison(runs: &[Run]) -> String {
-    let data = charts(runs);
+    let (data, ()) = Data::fitted(runs, |data| (charts(runs, data), ()));
     let title = format!("Comparison of {} runs", runs.len());
     let content = html! {
         section #runs {
@@ -84,18 +87,20 @@ fn settings(runs: &[Run]) -> Markup {
     }
 }
 
-fn charts(runs: &[Run]) -> Data {
-    let mut data = Data::new(runs);
-    let mut position = of_all(&mut data, runs, "Load position", "rad", |run| column(run, "load_position_rad"));
+fn charts(runs: &[Run], mut data: Data) -> Data {
+    let mut position =
+        of_all(&mut data, runs, "Load position", "rad", |run| column(run, "load_position_rad"));
     let mut drawn: Vec<&[f64]> = Vec::new();
     for (number, run) in runs.iter().enumerate() {
-        let Some(reference_rad) = run.column("reference_rad").filter(|it| !drawn.contains(it)) else { continue };
+        let Some(reference_rad) = run.column("reference_rad").filter(|it| !drawn.contains(it)) else {
+            continue;
+        };
         drawn.push(reference_rad);
         let id = data.column(number, "reference_rad", || reference_rad.to_vec());
         position.series.push(Series::new("reference", number, id).style("reference").dashed());
     }
     data.charts.push(position);
-    let push = |data: &mut Data, title: &str, unit: &str, quantity: &dyn Fn(&Run) -> Option<(String, Vec<f64>)>| {
+    let push = |data: &mut Data, title: &str, unit: &str, quantity: &dyn Fn(&Run) -> Option<Named>| {
         let chart = of_all(data, runs, title, unit, quantity);
         if !chart.series.is_empty() {
             data.charts.push(chart);
@@ -114,10 +119,11 @@ fn charts(runs: &[Run]) -> Data {
         let unit = runs.iter().find_map(|run| run.record.trace.columns.unit(estimate)).unwrap_or_default();
         let title = format!("Estimate: {}", spelled(truth, unit));
         let mut chart = of_all(&mut data, runs, &title, unit, |run| column(run, estimate));
-        if let Some((number, values)) = runs.iter().enumerate().find_map(|(at, run)| Some((at, run.column(truth)?))) {
-            let id = data.column(number, truth, || values.to_vec());
-            let name = format!("truth of {}", runs[number].name);
-            chart.series.push(Series::new(name, number, id).style("reference").dashed());
+        // One truth for all, such as a gap that no run has changed.
+        let truths: Vec<_> = runs.iter().map(|run| run.column(truth)).collect();
+        if let Some(Some(values)) = truths.first().filter(|first| truths.iter().all(|it| it == *first)) {
+            let id = data.column(0, truth, || values.to_vec());
+            chart.series.push(Series::new("truth", 0, id).style("reference").dashed());
         }
         data.charts.push(chart);
     }
@@ -125,12 +131,24 @@ fn charts(runs: &[Run]) -> Data {
         let trip: Vec<_> = run.timing.iter().map(super::part::timing::round_trip_us).collect();
         trip.iter().any(|value| value.is_finite()).then(|| ("round_trip_us".to_owned(), trip))
     });
-    trail(&mut data, runs, "Phase plane", ["error_rad", "load_velocity_rad_s"], [("position error", "rad"), ("load velocity", "rad/s")]);
-    trail(&mut data, runs, "Hysteresis of gap and shaft", ["twist_rad", "transmitted_torque_nm"], [("twist", "rad"), ("transmitted torque", "N m")]);
+    trail(
+        &mut data,
+        runs,
+        "Phase plane",
+        ["error_rad", "load_velocity_rad_s"],
+        [("position error", "rad"), ("load velocity", "rad/s")],
+    );
+    trail(
+        &mut data,
+        runs,
+        "Hysteresis of gap and shaft",
+        ["twist_rad", "transmitted_torque_nm"],
+        [("twist", "rad"), ("transmitted torque", "N m")],
+    );
     data
 }
 
-fn column(run: &Run, name: &str) -> Option<(String, Vec<f64>)> {
+fn column(run: &Run, name: &str) -> Option<Named> {
     Some((name.to_owned(), run.column(name)?.to_vec()))
 }
 
@@ -140,7 +158,7 @@ fn of_all(
     runs: &[Run],
     title: &str,
     unit: &str,
-    quantity: impl Fn(&Run) -> Option<(String, Vec<f64>)>,
+    quantity: impl Fn(&Run) -> Option<Named>,
 ) -> Chart {
     let mut series = Vec::new();
     for (number, run) in runs.iter().enumerate() {

@@ -2,12 +2,14 @@
 
 use serde::Serialize;
 
-use super::codec::Encoded;
+use super::codec::{Encoded, STEPS};
 use super::input::Run;
-use crate::number::typeset_unit;
+use super::typeset;
 
 /// Most rows of all runs of a page. A run of 25 s at 1 kHz has 25,000.
 const MOST_ROWS: usize = 90_000;
+/// Most digits of all columns of a page; with tables, style and scripts it stays below 3 MB.
+const MOST_DIGITS: usize = 2_600_000;
 
 /// Index of a column of a run.
 pub(super) type ColumnId = usize;
@@ -17,6 +19,9 @@ pub(super) type ColumnId = usize;
 pub(super) struct Data {
     runs: Vec<RunData>,
     pub(super) charts: Vec<Chart>,
+    /// Steps to which the values of a column are rounded.
+    #[serde(skip)]
+    pub(super) steps: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -125,7 +130,7 @@ impl Chart {
     pub(super) fn new(title: impl Into<String>, unit: impl Into<String>, series: Vec<Series>) -> Self {
         Self {
             title: title.into(),
-            unit: typeset_unit(&unit.into()),
+            unit: typeset::unit(&unit.into()),
             part: Part::Motion,
             series,
             shades: Vec::new(),
@@ -147,8 +152,20 @@ impl Chart {
 }
 
 impl Data {
-    /// No chart yet.
-    pub(super) fn new(runs: &[Run]) -> Self {
+    /// The data that `make` gives at the finest rounding that fits into a page, or else at the coarsest.
+    pub(super) fn fitted<T>(runs: &[Run], make: impl Fn(Self) -> (Self, T)) -> (Self, T) {
+        let mut made = make(Self::new(runs, STEPS[0]));
+        for steps in STEPS.into_iter().skip(1) {
+            if made.0.digits() <= MOST_DIGITS {
+                break;
+            }
+            made = make(Self::new(runs, steps));
+        }
+        made
+    }
+
+    /// Without a chart.
+    fn new(runs: &[Run], steps: f64) -> Self {
         let most = MOST_ROWS / runs.len().max(1);
         let of_run = |run: &Run| {
             let times_s = run.times_s();
@@ -156,7 +173,7 @@ impl Data {
             let time = Encoded::of_times(&firsts(times_s, steps_per_pair));
             RunData { time, columns: Vec::new(), names: Vec::new(), steps_per_pair }
         };
-        Self { runs: runs.iter().map(of_run).collect(), charts: Vec::new() }
+        Self { runs: runs.iter().map(of_run).collect(), charts: Vec::new(), steps }
     }
 
     /// The column of a run with this name, encoded on its first use. `values` has a value for each step, or fewer.
@@ -165,9 +182,13 @@ impl Data {
         if let Some(at) = data.names.iter().position(|known| known == name) {
             return at;
         }
-        data.columns.push(Encoded::of(&extremes(&values(), data.steps_per_pair)));
+        data.columns.push(Encoded::of(&extremes(&values(), data.steps_per_pair), self.steps));
         data.names.push(name.to_owned());
         data.names.len() - 1
+    }
+
+    fn digits(&self) -> usize {
+        self.runs.iter().flat_map(|run| run.columns.iter().chain([&run.time])).map(Encoded::len).sum()
     }
 
     /// Steps behind each pair of rows, if the page has fewer rows than the record.
@@ -209,7 +230,7 @@ mod tests {
     #[test]
     fn a_thinned_column_keeps_every_extreme_in_its_order() {
         let values = [0.0, 5.0, 1.0, f64::NAN, 2.0, -3.0, 4.0];
-        assert_eq!(extremes(&values, 3), [0.0, 5.0, -3.0, 2.0, 4.0, 4.0][..].iter().copied().collect::<Vec<_>>());
+        assert_eq!(extremes(&values, 3), [0.0, 5.0, 2.0, -3.0, 4.0, 4.0]);
         assert_eq!(firsts(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], 3), [0.0, 1.0, 3.0, 4.0, 6.0, 6.0]);
         assert!(extremes(&[f64::NAN; 3], 3).iter().all(|value| value.is_nan()));
     }

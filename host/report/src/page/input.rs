@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use lashloop_record::reader::{ReadError, Record};
+use lashloop_record::row::Row;
 use lashloop_record::summary::SUMMARY_FILE;
 use lashloop_record::timing::TimingRow;
-use lashloop_record::row::Row;
 
 use super::summary::Summary;
 
@@ -28,7 +28,8 @@ impl Run {
     pub fn read(name: impl Into<String>, folder: &Path) -> Result<Self, ReadError> {
         let record = Record::read(folder)?;
         let path = folder.join(SUMMARY_FILE);
-        let summary = Summary::read(&path).map_err(|fault| ReadError { path: path.clone(), line: None, fault })?;
+        let summary =
+            Summary::read(&path).map_err(|fault| ReadError { path: path.clone(), line: None, fault })?;
         let timing = record.timing.as_ref().map(TimingRow::read).transpose()?.unwrap_or_default();
         Ok(Self { name: name.into(), record, summary, timing })
     }

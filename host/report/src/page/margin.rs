@@ -81,7 +81,7 @@ mod tests {
             (Some(5.5), None, Some(6.0), Grade::Marginal),
             (Some(6.0), None, Some(6.0), Grade::Marginal),
             (Some(6.1), None, Some(6.0), Grade::Fail),
-            (Some(5.1), Some(5.0), Some(6.0), Grade::Pass),
+            (Some(5.2), Some(5.0), Some(6.0), Grade::Pass),
             (Some(5.95), Some(5.0), Some(6.0), Grade::Marginal),
             (Some(-2.0), Some(-2.1), None, Grade::Marginal),
             (Some(0.5), Some(0.0), None, Grade::Pass),
@@ -93,8 +93,14 @@ mod tests {
 
     #[test]
     fn a_margin_is_the_distance_to_the_nearest_bound() {
-        assert_eq!(Margin::of(4.5, Some(4.0), Some(6.0)), Some(Margin { distance: 0.5, fraction: Some(0.25) }));
-        assert_eq!(Margin::of(7.0, Some(4.0), Some(6.0)), Some(Margin { distance: -1.0, fraction: Some(-0.5) }));
+        assert_eq!(
+            Margin::of(4.5, Some(4.0), Some(6.0)),
+            Some(Margin { distance: 0.5, fraction: Some(0.25) })
+        );
+        assert_eq!(
+            Margin::of(7.0, Some(4.0), Some(6.0)),
+            Some(Margin { distance: -1.0, fraction: Some(-0.5) })
+        );
         assert_eq!(Margin::of(0.5, Some(0.0), None), Some(Margin { distance: 0.5, fraction: None }));
         assert_eq!(Margin::of(0.5, None, None), None);
     }

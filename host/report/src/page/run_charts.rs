@@ -1,5 +1,7 @@
 //! The charts of one run: which ones its signals permit.
 
+use std::slice;
+
 use super::data::{Chart, Data, Mark, Part, Series, Shade};
 use super::input::Run;
 
@@ -12,7 +14,11 @@ const INTERNAL: [&str; 3] = ["time_s", "telemetry_time_s", "contact"];
 
 /// The charts of a single run.
 pub(super) fn charts(run: &Run) -> (Data, Vec<Constant>) {
-    let mut page = Charts { run, data: Data::new(std::slice::from_ref(run)), shown: Vec::new() };
+    Data::fitted(slice::from_ref(run), |data| draw(run, data))
+}
+
+fn draw(run: &Run, data: Data) -> (Data, Vec<Constant>) {
+    let mut page = Charts { run, data, shown: Vec::new() };
     page.position();
     page.error();
     page.torque();
@@ -77,10 +83,15 @@ impl Charts<'_> {
     fn torque(&mut self) {
         let torque = self.series("torque", "torque_nm").map(|it| it.style("c0").held());
         let is_same = self.run.column("torque_nm") == self.run.column("drive.requested_torque_nm");
-        let requested = (!is_same).then(|| self.series("requested by the law", "drive.requested_torque_nm")).flatten();
+        let requested =
+            (!is_same).then(|| self.series("requested by the law", "drive.requested_torque_nm")).flatten();
         let requested = requested.map(|it| it.style("c1").held());
         let transmitted = self.series("transmitted", "transmitted_torque_nm").map(|it| it.style("c2"));
-        self.push(Chart::new("Torque", "N m", [requested, torque, transmitted].into_iter().flatten().collect()));
+        self.push(Chart::new(
+            "Torque",
+            "N m",
+            [requested, torque, transmitted].into_iter().flatten().collect(),
+        ));
     }
 
     /// Twist, with the edges of the gap, and the times in contact.
@@ -89,17 +100,21 @@ impl Charts<'_> {
         let mut series = vec![twist.style("c0")];
         if let Some(half_gap_rad) = self.run.column("dead_zone_rad") {
             self.shown.push("dead_zone_rad".to_owned());
-            for (label, name, sign) in [("upper edge of the gap", "gap_above", 1.0), ("lower edge", "gap_below", -1.0)] {
+            for (label, name, sign) in
+                [("upper edge of the gap", "gap_above", 1.0), ("lower edge", "gap_below", -1.0)]
+            {
                 let edge = || half_gap_rad.iter().map(|half_gap_rad| sign * half_gap_rad).collect();
                 let column = self.data.column(0, name, edge);
                 series.push(Series::new(label, 0, column).style("limit").dashed());
             }
         }
         let mut chart = Chart::new("Twist and gap", "rad", series);
-        chart.shades.extend(self.run.column("contact").map(|contact| Shade {
-            name: "in contact",
-            intervals: intervals(self.run.times_s(), contact),
-        }));
+        chart.shades.extend(
+            self.run.column("contact").map(|contact| Shade {
+                name: "in contact",
+                intervals: intervals(self.run.times_s(), contact),
+            }),
+        );
         self.push(chart);
     }
 
@@ -187,7 +202,11 @@ impl Charts<'_> {
         }
         for (unit, names) in groups {
             let series = names.iter().filter_map(|name| self.series(name, name)).collect();
-            let title = if unit.is_empty() { "Signals without a unit".to_owned() } else { format!("Signals in {unit}") };
+            let title = if unit.is_empty() {
+                "Signals without a unit".to_owned()
+            } else {
+                format!("Signals in {unit}")
+            };
             self.push(Chart::new(title, unit, series).in_part(Part::Further));
         }
         constants
@@ -212,7 +231,8 @@ pub(super) fn estimates(run: &Run) -> Vec<(String, String)> {
 
 /// A signal's name as words, without its unit.
 pub(super) fn spelled(name: &str, unit: &str) -> String {
-    let suffix = format!("_{}", unit.replace([' ', '/'], if unit.contains('/') { "_" } else { "" }).to_lowercase());
+    let suffix =
+        format!("_{}", unit.replace([' ', '/'], if unit.contains('/') { "_" } else { "" }).to_lowercase());
     name.strip_suffix(&suffix).unwrap_or(name).replace('_', " ")
 }
 

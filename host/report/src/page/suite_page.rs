@@ -3,9 +3,10 @@
 use maud::{Markup, html};
 
 use super::margin::{Grade, MARGINAL, Margin};
+use super::part::command::copied;
 use super::shell::document;
-use super::why::{Tone, bound, percent};
-use crate::number::{DIGITS, significant, typeset, typeset_unit};
+use super::typeset::{apart, percent, shown, unit};
+use super::why::Tone;
 
 /// A suite: one row for each run.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -102,7 +103,7 @@ pub fn suite(suite: &Suite) -> String {
             p.badge { (verdict) }
             div {
                 h1 { (suite.title) }
-                p.why { (passed) " of " (suite.rows.len()) " runs passed in " (significant(suite.wall_s, 3)) " s." }
+                p.why { (passed) " of " (suite.rows.len()) " runs passed in " (format!("{:.1}", suite.wall_s)) " s." }
             }
         }
         section #runs {
@@ -122,10 +123,15 @@ pub fn suite(suite: &Suite) -> String {
         }
         section #repeat {
             h2 { "Run it again" }
-            div.command { code { (suite.command) } button type="button" data-copy=(suite.command) { "Copy" } }
+            (copied(&suite.command))
         }
     };
-    document(&format!("{verdict}: {}", suite.title), &[("runs", "Runs"), ("repeat", "Run it again")], None, &content)
+    document(
+        &format!("{verdict}: {}", suite.title),
+        &[("runs", "Runs"), ("repeat", "Run it again")],
+        None,
+        &content,
+    )
 }
 
 fn name(tone: Tone) -> &'static str {
@@ -140,7 +146,8 @@ fn name(tone: Tone) -> &'static str {
 
 fn row(row: &SuiteRow) -> Markup {
     let tone = row.tone();
-    let settings = row.settings.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ");
+    let settings =
+        row.settings.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ");
     html! {
         tr data-tone=(tone.class()) {
             td { span class={ "grade " (tone.class()) } { (name(tone)) } }
@@ -152,11 +159,11 @@ fn row(row: &SuiteRow) -> Markup {
             td.meaning { (row.reason) }
             td.meaning { @if let Some((it, fraction)) = row.tightest() {
                 strong { (percent(fraction)) } " " (it.name) ": "
-                @if let Some(value) = it.value { (typeset(&significant(value, DIGITS))) " " (typeset_unit(&it.unit)) }
-                @if let Some(min) = it.min { ", \u{2265} " (bound(min)) }
-                @if let Some(max) = it.max { ", \u{2264} " (bound(max)) }
+                @if let Some(value) = it.value { (apart(value, it.min, it.max)) " " (unit(&it.unit)) }
+                @if let Some(min) = it.min { ", \u{2265} " (shown(min)) }
+                @if let Some(max) = it.max { ", \u{2264} " (shown(max)) }
             } }
-            td.number { (significant(row.wall_s, 3)) }
+            td.number { (format!("{:.2}", row.wall_s)) }
         }
     }
 }

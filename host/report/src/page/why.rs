@@ -3,7 +3,7 @@
 use super::input::Run;
 use super::margin::Grade;
 use super::summary::{Breach, Expectation, Summary};
-use crate::number::{DIGITS, exact, significant, typeset, typeset_unit};
+use super::typeset::{self, apart, percent, shown};
 
 /// What a page shows as the verdict. The name is a class of the style, too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,7 +21,9 @@ impl Tone {
     pub(super) fn of(run: &Run) -> Self {
         let Some(summary) = &run.summary else { return Self::None };
         match Self::of_verdict(&summary.verdict) {
-            Self::Pass if summary.expectations.iter().any(|it| it.grade() == Grade::Marginal) => Self::Marginal,
+            Self::Pass if summary.expectations.iter().any(|it| it.grade() == Grade::Marginal) => {
+                Self::Marginal
+            }
             tone => tone,
         }
     }
@@ -61,7 +63,8 @@ pub(super) fn sentence(run: &Run) -> String {
     if let Some(gate) = &summary.gate {
         return gate.clone();
     }
-    let early = (summary.end != "complete").then(|| format!("The run ended at {:.3} s: {}.", summary.simulated_s, summary.end));
+    let early = (summary.end != "complete")
+        .then(|| format!("The run ended at {:.3} s: {}.", summary.simulated_s, summary.end));
     match summary.verdict.as_str() {
         "PASS" => passed(summary),
         "INVALID" => early.unwrap_or_else(|| invalid(summary)),
@@ -101,35 +104,32 @@ fn failed(summary: &Summary) -> String {
 
 /// How an expectation is missed.
 fn departure(missed: &Expectation) -> String {
-    let unit = typeset_unit(&missed.unit);
+    let unit = typeset::unit(&missed.unit);
     let Some(value) = missed.value else {
-        return format!("{missed} has no value: {}", missed.reason.as_deref().unwrap_or("the reason is not recorded"));
+        return format!(
+            "{missed} has no value: {}",
+            missed.reason.as_deref().unwrap_or("the reason is not recorded")
+        );
     };
     let side = match (missed.min, missed.max) {
-        (Some(min), _) if value < min => format!("below the limit of {}", bound(min)),
-        (_, Some(max)) => format!("above the limit of {}", bound(max)),
+        (Some(min), _) if value < min => format!("below the limit of {}", shown(min)),
+        (_, Some(max)) => format!("above the limit of {}", shown(max)),
         _ => "outside its limits".to_owned(),
     };
-    format!("{missed} is {} {unit}, {side} {unit}", typeset(&significant(value, DIGITS)))
+    format!("{missed} is {} {unit}, {side} {unit}", apart(value, missed.min, missed.max))
 }
 
 fn invalid(summary: &Summary) -> String {
     let Some((Breach { what, counted, allowed }, others)) = summary.breaches.split_first() else {
-        return "Link or timing exceeded what the scenario allows, so the run is no evidence on the drive.".to_owned();
+        return "Link or timing exceeded what the scenario allows, so the run is no evidence on the drive."
+            .to_owned();
     };
-    let rest = if others.is_empty() { String::new() } else { format!("; {} more limits exceeded", others.len()) };
+    let rest =
+        if others.is_empty() { String::new() } else { format!("; {} more limits exceeded", others.len()) };
     match counted {
-        Some(counted) => format!("{what} is {counted}, allow.{what} is {allowed}{rest}: the run is no evidence on the drive."),
+        Some(counted) => format!(
+            "{what} is {counted}, allow.{what} is {allowed}{rest}: the run is no evidence on the drive."
+        ),
         None => format!("{what} has nothing to measure, allow.{what} is {allowed}{rest}."),
     }
-}
-
-/// A bound for people to read.
-pub(super) fn bound(value: f64) -> String {
-    typeset(&exact(value))
-}
-
-/// A fraction in percent.
-pub(super) fn percent(fraction: f64) -> String {
-    typeset(&format!("{}\u{202f}%", significant(fraction * 100.0, 2)))
 }

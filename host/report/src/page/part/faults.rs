@@ -20,7 +20,9 @@ pub(in super::super) fn section(summary: &Summary) -> Markup {
 
 fn row(fault: &Fault, summary: &Summary) -> Markup {
     let period_s = f64::from(summary.timing.period_us) * 1e-6;
-    let at = |step: u64| if summary.steps == 0 { 0.0 } else { (step as f64 / summary.steps as f64 * 100.0).min(100.0) };
+    let at = |step: u64| {
+        if summary.steps == 0 { 0.0 } else { (step as f64 / summary.steps as f64 * 100.0).min(100.0) }
+    };
     let from = at(fault.step);
     let until = fault.until_step.map_or(100.0, at);
     let start_s = fault.step as f64 * period_s;

@@ -1,5 +1,6 @@
 //! Parts of a page: one section per file.
 
+pub(super) mod command;
 pub(super) mod expectations;
 pub(super) mod faults;
 pub(super) mod metrics;

@@ -46,11 +46,16 @@ fn summary_rows(summary: &Summary) -> Markup {
 pub(in super::super) fn repeat(run: &Run) -> Markup {
     let Some(summary) = &run.summary else { return html! {} };
     let device = summary.device.split(" (").next().unwrap_or(&summary.device);
-    let command = format!("lashloop run {} --device {} --controller {}", quoted(&summary.scenario), quoted(device), quoted(&summary.controller));
+    let command = format!(
+        "lashloop run {} --device {} --controller {}",
+        quoted(&summary.scenario),
+        quoted(device),
+        quoted(&summary.controller)
+    );
     html! {
         section #repeat {
             h2 { "Run it again" }
-            div.command { code { (command) } button type="button" data-copy=(command) { "Copy" } }
+            (super::command::copied(&command))
             p.note { "This record is of an older format: it lacks the settings of the command line, the parameters in force and the host. \
                       A run with --set needs the same settings again." }
         }
@@ -60,5 +65,9 @@ pub(in super::super) fn repeat(run: &Run) -> Markup {
 /// A word of a shell.
 fn quoted(word: &str) -> String {
     let is_plain = |character: char| character.is_ascii_alphanumeric() || "-_./:=,@%+".contains(character);
-    if !word.is_empty() && word.chars().all(is_plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
 }

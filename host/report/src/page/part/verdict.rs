@@ -32,7 +32,7 @@ fn facts(run: &Run) -> Markup {
             div { dt { "simulated" } dd { (format!("{:.3}", summary.simulated_s)) " s" } }
             div { dt { "steps" } dd { (summary.steps) } }
             div { dt { "clock" } dd { (summary.timing.clock.replace('-', " ")) } }
-            @if speed.is_finite() { div { dt { "speed" } dd { (crate::number::significant(speed, 3)) " × real time" } } }
+            @if speed.is_finite() { div { dt { "speed" } dd { (format!("{speed:.1}")) " × real time" } } }
         }
     }
 }

@@ -1,0 +1,121 @@
+//! Pages of made-up records: text of others, size, suites.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+use super::{Run, Suite, SuiteExpectation, SuiteRow, comparison, run, suite};
+
+const HOSTILE: &str = "</script><script>alert(1)</script><img src=x onerror=alert(2)>\"'&";
+
+/// A record whose texts are `text`, with `columns` columns of noise.
+fn record(folder: &Path, text: &str, steps: usize, columns: usize) {
+    let names: Vec<_> = (0..columns).map(|column| format!("drive.noise_{column}")).collect();
+    let mut trace = format!("time_s,reference_rad,load_position_rad,torque_nm,{}\n", names.join(","));
+    let mut noise = 1_u64;
+    for step in 0..steps {
+        write!(trace, "{},0.0,{},1.5", step as f64 * 1e-3, (step as f64 * 1e-3).cos()).expect("a string");
+        for _ in 0..columns {
+            noise = noise.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            write!(trace, ",{}", noise >> 33).expect("a string");
+        }
+        trace.push('\n');
+    }
+    let units: Vec<_> = names.iter().map(|name| serde_json::json!({ "name": name, "unit": text })).collect();
+    let summary = serde_json::json!({
+        "verdict": text, "scenario": text, "device": text, "controller": text, "end": "complete", "title": text,
+        "evidence": { "files": [{ "path": text, "sha256": text }], "bench_build": text, "warnings": [text] },
+        "metrics": { "static_error_rad": 0.25, text: 1.0 }, "metrics_without_value": { text: text },
+        "expectations": [{ "metric": text, "value": 1.0, "unit": text, "min": null, "max": 2.0, "ok": true }],
+        "faults": [{ "kind": text, "step": 1, "until_step": null, "frames": 3 }], "torque_sha256": text,
+        "versions": { text: text }, "timing": { "clock": text },
+    });
+    let json = serde_json::json!({ "columns": units });
+    for (name, content) in
+        [("trace.csv", trace), ("trace.json", json.to_string()), ("summary.json", summary.to_string())]
+    {
+        fs::write(folder.join(name), content).expect("a file");
+    }
+}
+
+fn read(text: &str, steps: usize, columns: usize) -> Run {
+    let folder = tempfile::tempdir().expect("a folder");
+    record(folder.path(), text, steps, columns);
+    Run::read(text, folder.path()).expect("a record")
+}
+
+fn hostile_suite() -> Suite {
+    let text = HOSTILE.to_owned();
+    let limit = |value, ok| SuiteExpectation {
+        name: text.clone(),
+        value: Some(value),
+        min: None,
+        max: Some(2.0),
+        unit: text.clone(),
+        ok,
+    };
+    let row = |verdict: &str, expectation| SuiteRow {
+        name: text.clone(),
+        settings: vec![(text.clone(), text.clone())],
+        device: text.clone(),
+        verdict: Some(verdict.to_owned()),
+        reason: text.clone(),
+        expectations: vec![expectation],
+        wall_s: 0.5,
+        report: Some("javascript:alert(3)".to_owned()),
+    };
+    Suite {
+        title: text.clone(),
+        command: text.clone(),
+        wall_s: 1.0,
+        rows: vec![
+            row("PASS", limit(1.0, true)),
+            row("PASS", limit(1.9, true)),
+            row("FAIL", limit(2.5, false)),
+        ],
+    }
+}
+
+#[test]
+fn text_of_others_is_never_markup() {
+    let one = read(HOSTILE, 10, 1);
+    for page in [run(&one), comparison(&[one.clone(), one.clone()]), suite(&hostile_suite())] {
+        assert!(page.contains("&lt;img src=x"), "the text is shown");
+        assert!(!page.contains("<img"), "no element of the text");
+        assert_eq!(page.matches("<script").count(), 2, "the data and the script");
+        assert!(!page.contains("alert(1)</script"), "no end of a script");
+        assert!(!page.contains("href=\"javascript:"), "no script as an address");
+    }
+}
+
+#[test]
+fn a_page_refers_to_nothing_outside_itself() {
+    let one = read("plain", 10, 1);
+    for page in [run(&one), comparison(&[one.clone(), one.clone()]), suite(&Suite::default())] {
+        for outside in ["http://", "https://", " src=", "@import", "import("] {
+            let found = page.find(outside).map(|at| &page[at.saturating_sub(40)..(at + 40).min(page.len())]);
+            // The name space of drawings is an identifier, not an address that is loaded.
+            assert!(found.is_none_or(|text| text.contains("www.w3.org/2000/svg")), "{outside}: {found:?}");
+        }
+        assert!(
+            page.match_indices("url(").all(|(at, _)| page[at..].starts_with("url(#")),
+            "addresses inside the page alone"
+        );
+    }
+}
+
+#[test]
+fn columns_of_pure_noise_are_rounded_until_the_page_is_small() {
+    let page = run(&read("plain", 25_000, 30));
+    assert!(page.len() < 3_000_000, "{} bytes", page.len());
+    assert!(page.contains("rounded to 1/4096 of"), "coarser than a quiet run");
+}
+
+#[test]
+fn a_suite_counts_passes_with_a_small_margin_apart() {
+    let page = suite(&Suite { title: "nightly".to_owned(), ..hostile_suite() });
+    let rows: Vec<_> =
+        page.match_indices("<tr data-tone=").map(|(at, _)| page[at + 15..].split('"').next()).collect();
+    assert_eq!(rows, [Some("pass"), Some("marginal"), Some("fail")]);
+    assert!(page.contains("2 of 3 runs passed in 1.0 s."));
+}
