@@ -71,6 +71,8 @@
 //! | [`flash`], [`rig`] | firmware onto a drive; benches with hardware: rig file, limits, lock |
 //! | [`commission`], [`identify`] | motions that show a drive train; its estimates from records, and what is written of them |
 //! | [`replay`] | the samples of a record sent to another firmware, and its torques compared |
+//! | [`suite`] | `lashloop test`: folders of scenarios and sweeps, baselines, reports |
+//! | [`journal`], [`workers`] | results of many runs line by line; runs in parallel |
 //! | [`soak`] | a scenario repeated under rising faults |
 
 #![forbid(unsafe_code)]
@@ -87,6 +89,7 @@ mod error;
 pub mod flash;
 pub mod identify;
 pub mod live;
+pub mod journal;
 mod outcome;
 pub mod parameter_set;
 pub mod ports;
@@ -94,6 +97,8 @@ pub mod replay;
 pub mod rig;
 mod run;
 pub mod soak;
+pub mod suite;
+pub mod workers;
 
 pub use bench::Bench;
 pub use error::Error;

@@ -8,9 +8,11 @@ mod command;
 mod counts;
 mod cpu_time;
 mod dissector;
+mod dist;
 mod fuzz;
 mod header;
 mod image;
+mod licences;
 mod log;
 mod paths;
 mod python;
@@ -41,6 +43,9 @@ enum Chore {
     Image,
     /// Build virtual silicon, the program behind `--device silicon`, into target/virtual-silicon
     Silicon,
+    /// Build the program as one static file, run it, and pack it with licences, completions, man pages and a checksum into
+    /// target/dist
+    Dist(dist::Dist),
     /// Print the size of the Arm image and fail if it exceeds its limits
     Size,
     /// Write the C header of the wire contract, protocol/include/lashloop.h, and the tables of the Wireshark dissector, from the
@@ -61,6 +66,7 @@ fn main() -> Result<ExitCode> {
             size::print()?;
         }
         Chore::Silicon => silicon::build()?,
+        Chore::Dist(dist) => dist.make()?,
         Chore::Size => size::check()?,
         Chore::Header => {
             header::write()?;

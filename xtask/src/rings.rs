@@ -10,7 +10,7 @@ use crate::command::{cargo, run};
 use crate::counts::Counts;
 use crate::python::Project;
 use crate::test_programs::{self, TestProgram};
-use crate::{fuzz, image, silicon, size};
+use crate::{dist, fuzz, image, silicon, size};
 
 #[derive(Args)]
 pub(crate) struct Selection {
@@ -155,6 +155,9 @@ impl Selection {
             Ring::Fuzz => {
                 counts.step("fuzz", || fuzz::run_all(self.seconds));
                 return counts;
+            }
+            Ring::Loop if self.timing != Some(Timing::Timed) => {
+                counts.step("static program", || dist::make(dist::Profile::Dev));
             }
             Ring::Unit | Ring::Loop | Ring::Python | Ring::Usb => {}
         }

@@ -3,7 +3,7 @@
 use lashloop_bench::run::RunError;
 
 use super::case::CaseId;
-use super::journal::JournalError;
+use crate::journal::JournalError;
 
 #[derive(Debug, thiserror::Error)]
 pub enum CampaignError {

@@ -6,7 +6,7 @@
 //! | [`plants`], [`sweeps`] | random plants, and the nominal one with one quantity varied |
 //! | [`plan`] | all cases of a campaign |
 //! | [`runs`] | runs the cases |
-//! | [`journal`] | keeps each result as it arrives |
+//! | [`journal`] | what a journal belongs to |
 //! | [`score`], [`quantiles`] | criteria of a run, and quantiles over runs |
 //! | [`limits`] | limits on the random plants |
 //! | [`report`], [`table`] | the tables as text, JSON and CSV |
@@ -35,12 +35,12 @@ use std::num::NonZeroUsize;
 use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_bench::supervisor::Supervisor;
 
+use crate::journal::JournalError;
+use crate::workers::Ended;
 use case::{Case, CaseId, CaseResult};
 pub use error::CampaignError;
-use journal::JournalError;
 use plan::Settings;
 use report::Report;
-use runs::Ended;
 
 /// The cases of a campaign and their results so far.
 #[derive(Debug)]

@@ -4,24 +4,15 @@
 //! does.
 
 use std::num::NonZeroUsize;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc;
-use std::thread;
 
 use super::case::{Case, CaseResult};
 use super::error::CampaignError;
 use super::score::Scores;
+use crate::workers::{self, Ended, Stop};
 use lashloop_bench::device::Device;
 use lashloop_bench::device::kinds::in_process::InProcessDrive;
-use lashloop_bench::run::{self, Clock, End, RunError, StepObserver};
+use lashloop_bench::run::{self, Clock, End, RunError};
 use lashloop_bench::supervisor::Supervisor;
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ended {
-    Complete,
-    /// Stopped by the user. Unfinished runs leave no result.
-    Interrupted,
-}
 
 /// Runs the cases and passes each result to `keep`, on this thread, as it arrives.
 ///
@@ -31,36 +22,9 @@ pub fn run_all(
     cases: &[&Case],
     jobs: NonZeroUsize,
     supervisor: &Supervisor,
-    mut keep: impl FnMut(CaseResult) -> Result<(), CampaignError>,
+    keep: impl FnMut(CaseResult) -> Result<(), CampaignError>,
 ) -> Result<Ended, CampaignError> {
-    let next = AtomicUsize::new(0);
-    let stop = Stop { failed: AtomicBool::new(false), supervisor };
-    let mut count = 0;
-    let kept = thread::scope(|scope| {
-        let (results, ended) = mpsc::channel();
-        for _ in 0..jobs.get().min(cases.len()) {
-            let (results, next, stop) = (results.clone(), &next, &stop);
-            scope.spawn(move || {
-                while !stop.asked() {
-                    let Some(case) = cases.get(next.fetch_add(1, Ordering::Relaxed)) else { break };
-                    let Some(result) = run_one(case, stop).transpose() else { break };
-                    if results.send(result).is_err() {
-                        break;
-                    }
-                }
-            });
-        }
-        drop(results);
-        // Ends with the last worker, or at the first error; the channel then closes, which ends the workers.
-        let kept = ended.into_iter().try_for_each(|result| {
-            count += 1;
-            keep(result?)
-        });
-        stop.failed.store(kept.is_err(), Ordering::Relaxed);
-        kept
-    });
-    kept?;
-    Ok(if count == cases.len() { Ended::Complete } else { Ended::Interrupted })
+    workers::run_all(cases, jobs, supervisor, |case, stop| run_one(case, stop), keep)
 }
 
 /// `None` if the run was stopped.
@@ -80,24 +44,6 @@ fn run_one(case: &Case, stop: &Stop<'_>) -> Result<Option<CaseResult>, CampaignE
         scores: Scores::of(&outcome, case.scenario.encoders.load_counts_per_rev),
         torque_sha256: outcome.torque_sha256,
     }))
-}
-
-/// Stops the workers, on a failure or on the user's signal.
-struct Stop<'a> {
-    failed: AtomicBool,
-    supervisor: &'a Supervisor,
-}
-
-impl Stop<'_> {
-    fn asked(&self) -> bool {
-        self.failed.load(Ordering::Relaxed) || self.supervisor.interrupted()
-    }
-}
-
-impl StepObserver for &Stop<'_> {
-    fn stop_asked(&self) -> bool {
-        self.asked()
-    }
 }
 
 #[cfg(test)]
@@ -174,7 +120,7 @@ mod tests {
         let ended = run_all(&[&case, &short, &case, &case], jobs, &supervisor, |_| {
             count += 1;
             let path = "runs.jsonl".into();
-            Err(crate::campaign::journal::JournalError::InUse { path }.into())
+            Err(crate::journal::JournalError::InUse { path }.into())
         });
         assert!(matches!(ended, Err(CampaignError::Journal(_))), "{ended:?}");
         assert_eq!(count, 1);

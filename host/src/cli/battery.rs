@@ -1,20 +1,19 @@
 //! `lashloop battery`: control laws on plants outside their tuning.
 
-use std::fs;
-use std::io::{self, Write};
+use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::thread;
 
 use crate::bench::Bench;
-use crate::campaign::journal::{Header, Journal};
+use crate::campaign::journal::Header;
 use crate::campaign::law::Law;
 use crate::campaign::plan::Settings;
-use crate::campaign::runs::Ended;
 use crate::campaign::{Campaign, CampaignError, table};
+use crate::journal::{Journal, program_sha256};
+use crate::workers::Ended;
 use clap::Args;
 use lashloop_bench::atomic_file::write_whole;
-use lashloop_bench::run::digest;
 use lashloop_bench::verdict::Exit;
 
 use super::error::{CliError, system};
@@ -143,9 +142,4 @@ fn prepare(
     };
     prepare_folder(folder, &[TABLE, REPORT])?;
     Ok(journal)
-}
-
-/// Plant and drive are part of this program, so another build may give other results.
-fn program_sha256() -> io::Result<String> {
-    std::env::current_exe().and_then(fs::read).map(|bytes| digest::sha256(&bytes))
 }

@@ -2,18 +2,23 @@
 
 use std::error::Error;
 use std::io;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use crate::campaign::CampaignError;
 use crate::commission::MotionError;
+use crate::error::exit_of;
 use crate::flash::FlashError;
 use crate::identify::record::NoSeries;
 use crate::live::LiveError;
+use crate::journal::JournalError;
 use crate::parameter_set::SettingsError;
 use crate::replay::ReplayError;
 use crate::rig::drive_settings::MissingParameter;
 use crate::rig::limits::LimitError;
 use crate::rig::lock::LockError;
+use crate::suite::baseline::BaselineError;
+use crate::suite::files::FilesError;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceError;
 use lashloop_bench::run::RunError;
@@ -46,6 +51,16 @@ pub(crate) enum CliError {
     Input { path: PathBuf, source: io::Error },
     #[error(transparent)]
     Campaign(#[from] CampaignError),
+    #[error("--jobs {jobs} needs as many drives, and {what} is one: take --jobs 1")]
+    Jobs { jobs: NonZeroUsize, what: String },
+    #[error(transparent)]
+    Files(#[from] FilesError),
+    #[error(transparent)]
+    Baseline(#[from] BaselineError),
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    #[error("{} holds the results of an earlier `lashloop test`: --resume to complete it, --force to replace it", folder.display())]
+    Leftovers { folder: PathBuf },
     #[error(transparent)]
     Record(#[from] ReadError),
     #[error(transparent)]
@@ -107,9 +122,8 @@ impl CliError {
             Self::Campaign(CampaignError::Run { source, .. }) if matches!(**source, RunError::Device(_)) => {
                 Exit::DeviceOrLink
             }
-            Self::Run(RunError::Device(DeviceError::NoScale { .. })) => Exit::UsageOrScenario,
-            Self::Run(RunError::Device(_))
-            | Self::Settings(SettingsError::Refused { .. } | SettingsError::Session(_))
+            Self::Run(error) => exit_of(error),
+            Self::Settings(SettingsError::Refused { .. } | SettingsError::Session(_))
             | Self::RigLock(_)
             | Self::RigParameter(_)
             | Self::Replay(ReplayError::Device(_))
@@ -120,7 +134,11 @@ impl CliError {
             Self::RealTimeAlone { .. }
             | Self::Unconfirmed
             | Self::Scenario(_)
-            | Self::Run(_)
+            | Self::Jobs { .. }
+            | Self::Files(_)
+            | Self::Baseline(_)
+            | Self::Journal(_)
+            | Self::Leftovers { .. }
             | Self::Campaign(_)
             | Self::Settings(_)
             | Self::Output { .. }

@@ -3,10 +3,12 @@
 
 mod battery;
 mod budget;
+mod check;
 mod clock_options;
 mod colour;
 mod commission;
 mod compare;
+mod completions;
 mod conformance;
 mod decode;
 mod demo;
@@ -35,11 +37,13 @@ mod rerun;
 mod rig;
 mod run;
 mod run_child;
+mod run_junit;
 mod run_report;
 mod show;
 mod soak;
 mod supervision;
 mod watch_options;
+mod test;
 
 use std::process::ExitCode;
 
@@ -49,12 +53,14 @@ use lashloop_bench::verdict::Exit;
 use crate::bench::Bench;
 
 registry::commands! {
-    "Run a drive on the bench": Run(run), Demo(demo), Paper(paper), Experiment(experiment), Device(device), Battery(battery), Soak(soak);
+    "Run a drive on the bench": Run(run), Test(test), Demo(demo), Paper(paper), Experiment(experiment), Device(device), Battery(battery), Soak(soak);
     "Inspect scenarios, records and lines":
-        Show(show), Plot(plot), Report(report), Decode(decode), Parameters(parameters), Ports(ports), Budget(budget);
+        Show(show), Check(check), Plot(plot), Report(report), Decode(decode), Parameters(parameters), Ports(ports),
+        Budget(budget);
     "Find what a change did to a run": Diff(diff), Rerun(rerun), Replay(replay);
     "Qualify a drive, a line or this machine": Conformance(conformance), Doctor(doctor), Compare(compare);
     "Work on a bench with hardware": Flash(flash), Rig(rig), Commission(commission), Identify(identify);
+    "Set up a shell": Completions(completions);
 }
 
 /// Hardware-in-the-loop bench for drives with gear backlash.
@@ -86,6 +92,7 @@ First steps:
   lashloop show scenarios/smooth-after.toml   every key of the scenario with its value
   lashloop run scenarios/smooth-after.toml    one run on the native twin
   lashloop run scenarios/smooth-after.toml --device qemu --out out/qemu
+  lashloop test scenarios --jobs 2            every scenario of a folder
   lashloop plot out/qemu                      the record of that run as a figure
   lashloop report out/qemu                    the same as a page for a browser: verdict, margins, plots, timing
   lashloop device                             a drive on a pseudo-terminal; in a second shell:

@@ -22,11 +22,12 @@ use super::clock_options::ClockOptions;
 use super::error::CliError;
 use super::options::{RecordOptions, RigOption, ScenarioOptions};
 use super::output::{error_line, outln};
-use super::run_report;
+use super::{run_junit, run_report};
 use super::supervision::start_supervisor;
 use super::watch_options::WatchOptions;
 use crate::identify::gate::{self, Departure, KeyInterval, RecordedMotion};
 use crate::rig::check::check_board;
+use crate::suite::case_result::CaseResult;
 
 /// Run a scenario on a drive and print its verdict
 #[derive(Args)]
@@ -71,10 +72,23 @@ pub(crate) struct Arguments {
     /// File for every frame on the line, for Wireshark or `lashloop decode`
     #[arg(long, value_name = "FILE.pcapng")]
     capture: Option<PathBuf>,
+
+    /// File for the verdict and its reasons as JUnit XML
+    #[arg(long, value_name = "FILE.xml")]
+    junit: Option<PathBuf>,
 }
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let junit = self.junit.clone();
+        let ended = self.run_once(bench);
+        if let (Some(path), Err(error)) = (&junit, &ended) {
+            run_junit::write_error(path, error)?;
+        }
+        ended
+    }
+
+    fn run_once(self, bench: &Bench) -> Result<Exit, CliError> {
         let Executed { scenario, summary, outcome, departure } = self.execute(bench)?;
         if let Some(departure) = departure {
             outln!("GATE   {departure}");
@@ -153,6 +167,11 @@ impl Arguments {
             record.finish(&summary, &outcome.logs)?;
         }
         watch.finish(&outcome, self.record.out.as_deref());
+        if let Some(path) = &self.junit {
+            let mut result = CaseResult::of_run(&scenario.name, summary.device.clone(), &outcome);
+            result.reasons.extend(departure.iter().map(ToString::to_string));
+            run_junit::write(path, &result)?;
+        }
         // A signal before this point would truncate the record.
         drop(signals);
         Ok(Executed { scenario, summary, outcome, departure })

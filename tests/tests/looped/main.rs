@@ -29,6 +29,7 @@ mod retries;
 mod shaft_scenarios;
 mod soak;
 mod speed;
+mod suite;
 mod summary;
 mod tokio_client;
 mod usage;

@@ -52,6 +52,12 @@ impl DeviceChoice {
         self.0.keeps_bench_clock(clock)
     }
 
+    /// Whether each session has a drive of its own, so that several can run at once.
+    #[must_use]
+    pub fn has_drive_per_session(&self) -> bool {
+        self.0.has_drive_per_session()
+    }
+
     /// Path of the terminal that the drive is at; `None` for a drive that is reached in another way.
     #[must_use]
     pub fn terminal(&self) -> Option<&Path> {

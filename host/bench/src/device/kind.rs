@@ -30,6 +30,11 @@ pub trait DeviceKind: fmt::Debug + Send + Sync {
         None
     }
 
+    /// Whether each session has a drive of its own, so that several can run at once.
+    fn has_drive_per_session(&self) -> bool {
+        true
+    }
+
     /// This device with a plant behind the pins of its drive; `None` for a drive whose pins are wired to hardware.
     ///
     /// # Errors

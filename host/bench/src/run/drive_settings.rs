@@ -162,8 +162,8 @@ fn foreign(
 ) -> Result<Use, ScenarioError> {
     let (laws, chosen) = (parameter.laws.names(&session.laws), &scenario.controller);
     let name = &setting.name;
-    match (&chosen.origin, &setting.origin) {
-        (Origin::Option(option), Origin::File { .. }) => Ok(Use::LeaveOut(format!(
+    match (chosen.origin.replacement(), &setting.origin) {
+        (Some(option), Origin::File { .. }) => Ok(Use::LeaveOut(format!(
             "controller.parameters.{name} of {} is left out: it belongs to {laws}, and {option} chooses {}",
             setting.origin, chosen.name
         ))),

@@ -73,6 +73,33 @@ impl ScenarioError {
             if matches!(**error, KeyError::Missing { .. }) && key.starts_with(inside))
     }
 
+    /// File, line and column, both from 1; `None` for an option of the command line.
+    #[must_use]
+    pub fn place(&self) -> Option<(String, usize, usize)> {
+        match self {
+            Self::Read { path, .. } | Self::Unusable { path, .. } => Some((path.display().to_string(), 1, 1)),
+            Self::Syntax { file, line, column, .. } => Some((file.to_string(), *line, *column)),
+            Self::Option { .. } => None,
+            Self::Key { origin, .. } => {
+                origin.place().map(|(file, line, column)| (file.to_string(), line, column))
+            }
+        }
+    }
+
+    /// What is wrong, without the place.
+    #[must_use]
+    pub fn problem(&self) -> String {
+        match self {
+            Self::Read { source, .. } => format!("cannot be read: {source}"),
+            Self::Unusable { reason, .. } | Self::Syntax { reason, .. } => reason.clone(),
+            Self::Option { .. } => self.to_string(),
+            Self::Key { origin: Origin::Sweep { setting, .. }, key, error } => {
+                format!("[sweep] {setting}: {key}: {error}")
+            }
+            Self::Key { key, error, .. } => format!("{key}: {error}"),
+        }
+    }
+
     pub(super) fn order(&self) -> (bool, usize) {
         match self {
             Self::Key { origin, .. } => origin.order(),

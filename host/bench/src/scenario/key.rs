@@ -40,6 +40,8 @@ pub enum KeyKind {
     Text,
     /// A list of any texts.
     Texts,
+    /// A list of numbers, booleans or texts.
+    Values,
     /// One of several names.
     Choice {
         /// The names.

@@ -18,8 +18,10 @@
 //! | `[reference]` | the commanded position | [`lashloop_plant::reference`] |
 //! | `[[fault]]` | faults to inject | [`fault`] |
 //! | `[[expect]]` | bounds on metrics | [`expectation`] |
+//! | `[sweep]` | cases of `lashloop test` | [`sweep`], [`cases`] |
 
 pub mod bench;
+pub mod cases;
 mod catalogue;
 pub mod controller;
 pub mod environment;
@@ -42,12 +44,12 @@ mod run_mode;
 pub mod sections;
 pub mod settings_file;
 mod spelling;
+pub mod sweep;
 mod traps;
 mod tree;
 mod unit;
 
 use std::path::Path;
-use std::sync::Arc;
 
 use serde::Serialize;
 
@@ -70,6 +72,7 @@ use self::sections::{
     Allowance, EncoderSettings, LinkSettings, RecordSettings, RunSettings, TelemetrySettings,
 };
 use self::traps::{Facts, Meant, Nominal};
+use self::tree::Table;
 use lashloop_plant::Plants;
 use lashloop_plant::metrics::SignalTable;
 use lashloop_plant::reference::Reference;
@@ -160,15 +163,22 @@ impl Scenario {
         overrides: &[Override],
         plants: &Plants,
     ) -> Result<Self, ScenarioErrors> {
-        let file: Arc<str> = name.into();
-        let mut tree = tree::parse_file(&file, file::without_mark(text))?;
-        let mut errors: Vec<_> = overrides
-            .iter()
-            .filter_map(|option| option.apply(&mut tree, &|| Self::keys_with(plants)).err())
-            .collect();
+        let keys = || Self::keys_with(plants);
+        let (tree, errors) = overrides::read_tree(&name.into(), text, overrides, &keys)?;
+        Self::from_tree(name, tree, errors, !overrides.is_empty(), plants)
+    }
+
+    /// Reads a document. `errors` are those found before; `is_overridden` means that values differ from the file.
+    fn from_tree(
+        name: &str,
+        mut tree: Table,
+        mut errors: Vec<ScenarioError>,
+        is_overridden: bool,
+        plants: &Plants,
+    ) -> Result<Self, ScenarioErrors> {
         former_names::replace(&mut tree);
         let directory = Path::new(name).parent().unwrap_or(Path::new(""));
-        let start = Origin::File { file, line: 1 };
+        let start = Origin::File { file: name.into(), line: 1, column: 1 };
         let document = reader::read_document(&tree, start, |root| read(root, name, directory, plants));
         let (mut scenario, meant) = document.result;
         errors.extend(document.errors);
@@ -177,7 +187,7 @@ impl Scenario {
                 keys: &document.keys,
                 reference: &scenario.reference,
                 parameters: &scenario.controller.parameters,
-                is_overridden: !overrides.is_empty(),
+                is_overridden,
             };
             errors = traps::check(&facts, &meant);
             errors.extend(expectation::unmeasurable(&scenario.planned_run(), None));
@@ -289,6 +299,14 @@ fn read(root: &mut Section<'_>, name: &str, directory: &Path, plants: &Plants) -
         .sections("fault", |section| fault::read(section, &plant.model, plants, &run));
     let expectations =
         root.doc("Bounds on a metric that the run must meet to pass.").sections("expect", expectation::read);
+    let sweep = root
+        .doc("Cases of `lashloop test`; [suites.md](suites.md) has examples. Other commands reject a scenario with a sweep.")
+        .section("sweep", sweep::read);
+    if let Some(node) = root.node("sweep") {
+        let reason = "cases of a sweep are run by `lashloop test`; for another command remove the section";
+        let (found, reason) = (sweep.count().to_string(), reason.to_owned());
+        root.error("sweep", node, KeyError::Rejected { found, reason });
+    }
     let scenario = Scenario {
         name: name.to_owned(),
         title: title.unwrap_or_default().to_owned(),

@@ -8,10 +8,11 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::error::ScenarioError;
+use super::file::without_mark;
 use super::key::Keys;
 use super::origin::Origin;
 use super::spelling::spell_key;
-use super::tree::{Node, Table, Value, parse_value};
+use super::tree::{Node, Table, Value, parse_file, parse_value};
 
 /// Depth of the deepest key, such as `plant.initial.load_position_rad`.
 const DEEPEST: usize = 3;
@@ -39,7 +40,7 @@ impl fmt::Display for Override {
 
 impl Override {
     /// Replaces or adds the value in `root`. The reader rejects unknown keys. `keys` are those that the reader reads.
-    pub(super) fn apply(&self, root: &mut Table, keys: &dyn Fn() -> Keys) -> Result<(), ScenarioError> {
+    fn apply(&self, root: &mut Table, keys: &dyn Fn() -> Keys) -> Result<(), ScenarioError> {
         let option: Arc<str> = self.to_string().into();
         let origin = Origin::Option(option.clone());
         let (path, value) = match self {
@@ -59,6 +60,18 @@ impl Override {
         });
         placed.map_err(|reason| ScenarioError::Option { option, reason })
     }
+}
+
+/// Reads a text and applies `overrides` in their order. The second value has the overrides that can't be applied.
+pub(super) fn read_tree(
+    file: &Arc<str>,
+    text: &str,
+    overrides: &[Override],
+    keys: &dyn Fn() -> Keys,
+) -> Result<(Table, Vec<ScenarioError>), ScenarioError> {
+    let mut tree = parse_file(file, without_mark(text))?;
+    let errors = overrides.iter().filter_map(|option| option.apply(&mut tree, keys).err()).collect();
+    Ok((tree, errors))
 }
 
 /// A key without a section must be one of the few keys that have none.
@@ -89,7 +102,8 @@ fn read_value(text: &str, origin: &Origin) -> Result<Value, String> {
     }
 }
 
-fn place(root: &mut Table, path: &str, node: Node) -> Result<(), String> {
+/// Puts a value at a path such as `plant.initial.load_position_rad`, of which the sections may be absent.
+pub(super) fn place(root: &mut Table, path: &str, node: Node) -> Result<(), String> {
     let steps: Vec<_> = path.split('.').collect();
     if steps.iter().any(|step| step.is_empty()) {
         return Err("the key is incomplete; it must be section.key=value".to_owned());
@@ -117,6 +131,20 @@ fn place(root: &mut Table, path: &str, node: Node) -> Result<(), String> {
     }
     table.insert(key, node);
     Ok(())
+}
+
+/// The value at a path.
+pub(super) fn find<'a>(root: &'a Table, path: &str) -> Option<&'a Node> {
+    let mut steps = path.split('.');
+    let mut node = root.get(steps.next()?)?;
+    for step in steps {
+        node = match &node.value {
+            Value::Table(table) => table.get(step)?,
+            Value::Array(items) => items.get(step.parse::<usize>().ok()?)?,
+            _ => return None,
+        };
+    }
+    Some(node)
 }
 
 fn no_such_item(name: &str, index: &str, count: usize) -> String {

@@ -34,7 +34,7 @@ pub fn from_str<T>(
 ) -> Result<T, ScenarioErrors> {
     let file: Arc<str> = name.into();
     let tree = tree::parse_file(&file, file::without_mark(text))?;
-    let document = read_document(&tree, Origin::File { file, line: 1 }, read);
+    let document = read_document(&tree, Origin::File { file, line: 1, column: 1 }, read);
     if document.errors.is_empty() { Ok(document.result) } else { Err(document.errors.into()) }
 }
 

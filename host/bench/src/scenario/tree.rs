@@ -58,6 +58,12 @@ impl Table {
         if let Some(Node { value: Value::Text(text), .. }) = self.get_mut(key) { Some(text) } else { None }
     }
 
+    /// Takes a key out.
+    pub(super) fn remove(&mut self, key: &str) -> Option<Node> {
+        let index = self.0.iter().position(|(name, _)| name == key)?;
+        Some(self.0.remove(index).1)
+    }
+
     /// Renames a key, unless the new name is taken.
     pub(super) fn rename(&mut self, from: &str, to: &str) {
         if self.get(to).is_none()
@@ -132,9 +138,9 @@ pub(super) fn parse_file(file: &Arc<str>, text: &str) -> Result<Table, ScenarioE
         let found = if found.is_empty() { String::new() } else { format!(" at {}", spell_text(found)) };
         ScenarioError::Syntax { file: file.clone(), line, column, reason: reason(&error) + &found }
     })?;
-    let origin = |span: Option<Range<usize>>| Origin::File {
-        file: file.clone(),
-        line: lines.place(span.map_or(0, |span| span.start)).0,
+    let origin = |span: Option<Range<usize>>| {
+        let (line, column) = lines.place(span.map_or(0, |span| span.start));
+        Origin::File { file: file.clone(), line, column }
     };
     Ok(from_table(document.as_table(), &origin))
 }

@@ -10,6 +10,7 @@ mod messages;
 mod overrides;
 mod paper;
 mod process;
+mod sweep;
 mod traps;
 mod values;
 

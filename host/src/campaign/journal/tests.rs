@@ -1,9 +1,11 @@
 use std::fs;
+use std::path::{Path, PathBuf};
 
 use super::*;
-use crate::campaign::case::{CaseId, Part};
+use crate::campaign::case::{CaseId, CaseResult, Part};
 use crate::campaign::law::Law;
 use crate::campaign::score::Scores;
+use crate::journal::{Journal, JournalError};
 
 fn header() -> Header {
     let settings = Settings { seed: 1, plants: 2, laws: Law::ALL.to_vec(), sweeps: true };

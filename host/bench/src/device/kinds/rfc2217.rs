@@ -36,6 +36,10 @@ impl DeviceKind for RemotePort {
         format!("{PREFIX}{}", self.address)
     }
 
+    fn has_drive_per_session(&self) -> bool {
+        false
+    }
+
     fn open(&self, baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         let (address, device) = (self.address.clone(), self.name());
         let open = move || {

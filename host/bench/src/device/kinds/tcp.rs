@@ -34,6 +34,10 @@ impl DeviceKind for TcpDrive {
         format!("{PREFIX}{}", self.address)
     }
 
+    fn has_drive_per_session(&self) -> bool {
+        false
+    }
+
     fn open(&self, _baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         let address = self.address.clone();
         let open = move || connect_raw(&address).map(|socket| Box::new(socket) as Box<dyn Link>);

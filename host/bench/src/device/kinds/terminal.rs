@@ -36,6 +36,10 @@ impl DeviceKind for TerminalDrive {
         self.path.display().to_string()
     }
 
+    fn has_drive_per_session(&self) -> bool {
+        false
+    }
+
     fn open(&self, baud: u32, _supervisor: &Supervisor) -> Result<Opened, DeviceError> {
         Ok(Opened { link: open_terminal(&self.path, baud)?, host: DriveHost::External })
     }

@@ -104,6 +104,7 @@ fn property(key: &Key) -> Value {
         }
         KeyKind::Text => json!({ "type": "string" }),
         KeyKind::Texts => json!({ "type": "array", "items": { "type": "string" } }),
+        KeyKind::Values => json!({ "type": "array", "items": { "type": ["number", "boolean", "string"] } }),
         KeyKind::Choice { choices, default } => {
             let names: Vec<_> = choices.iter().map(|choice| choice.name).collect();
             with_default(json!({ "enum": names }), *default)

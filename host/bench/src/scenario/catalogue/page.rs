@@ -154,6 +154,7 @@ fn value(key: &Key) -> String {
         KeyKind::WholeNumber { low, high, .. } => format!("whole number >= {low} and <= {high}"),
         KeyKind::Text => "text".to_owned(),
         KeyKind::Texts => "list of texts".to_owned(),
+        KeyKind::Values => "list of numbers, booleans or texts".to_owned(),
         KeyKind::Choice { choices, .. } => either(choices.iter().map(|choice| choice.name)),
         KeyKind::Choices(choices) => format!("list of {}", either(choices.iter().map(|choice| choice.name))),
         KeyKind::Section(_) => "section".to_owned(),
@@ -166,9 +167,12 @@ fn default(key: &Key) -> String {
         KeyKind::Number { default, .. } => default.map(spell_number),
         KeyKind::WholeNumber { default, .. } => default.map(|default| default.to_string()),
         KeyKind::Choice { default, .. } => default.map(|default| format!("`\"{default}\"`")),
-        KeyKind::Text | KeyKind::Texts | KeyKind::Choices(_) | KeyKind::Section(_) | KeyKind::Sections(_) => {
-            None
-        }
+        KeyKind::Text
+        | KeyKind::Texts
+        | KeyKind::Values
+        | KeyKind::Choices(_)
+        | KeyKind::Section(_)
+        | KeyKind::Sections(_) => None,
     };
     default.unwrap_or_else(|| if key.required { "needed" } else { "-" }.to_owned())
 }

@@ -175,9 +175,10 @@ impl<'a> Section<'a> {
         let mut section = Section::new(String::new(), self.origin.clone(), None, &ignored);
         read(&mut section);
         let chooser = match self.node(key).map(|node| &node.origin) {
-            Some(Origin::Option(option)) => option.to_string(),
-            _ => "the scenario".to_owned(),
+            Some(origin) => origin.replacement(),
+            None => None,
         };
+        let chooser = chooser.unwrap_or_else(|| "the scenario".to_owned());
         self.schema.elsewhere.push(Elsewhere {
             owner: format!("{key} = \"{owner}\""),
             chosen: format!("{chooser} chooses {key} = \"{chosen}\""),
@@ -193,14 +194,14 @@ impl<'a> Section<'a> {
     /// Attributes missing keys to the option that set `key`, if an option did: it is the option that chose a profile that has
     /// to be completed, not the section of the file.
     pub fn attribute_to_option(&mut self, key: &str) {
-        if let Some(origin @ Origin::Option(_)) = self.node(key).map(|node| &node.origin) {
-            self.origin = origin.clone();
+        if let Some(node) = self.node(key).filter(|node| node.origin.replacement().is_some()) {
+            self.origin = node.origin.clone();
         }
     }
 
     /// Whether an option set this key. Of two keys that contradict each other, that one is to be corrected.
     pub fn is_option(&self, key: &str) -> bool {
-        matches!(self.node(key), Some(Node { origin: Origin::Option(_), .. }))
+        self.node(key).is_some_and(|node| node.origin.replacement().is_some())
     }
 
     /// Reports a value that contradicts others. `reason` continues the sentence after the value.
@@ -224,6 +225,16 @@ impl<'a> Section<'a> {
     /// The value of a key, if the scenario gives one.
     pub(in crate::scenario) fn node(&self, key: &str) -> Option<&'a Node> {
         self.table.and_then(|table| table.get(key))
+    }
+
+    /// Whether the scenario has the section.
+    pub(in crate::scenario) fn is_given(&self) -> bool {
+        self.table.is_some()
+    }
+
+    /// Where the section begins.
+    pub(in crate::scenario) fn origin(&self) -> Origin {
+        self.origin.clone()
     }
 
     /// Where a key is written; for an absent one, where the section begins.

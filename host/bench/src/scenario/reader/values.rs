@@ -158,6 +158,25 @@ impl<'a> Section<'a> {
         texts
     }
 
+    /// An optional list of numbers, booleans or texts. `allowed` describes it. `None` if absent or faulty.
+    pub(in crate::scenario) fn optional_values(
+        &mut self,
+        key: &'static str,
+        allowed: &str,
+    ) -> Option<&'a [Node]> {
+        let node = self.look_up(key, "", KeyKind::Values, None)?;
+        let is_scalar = |item: &Node| {
+            matches!(item.value, Value::Text(_) | Value::Integer(_) | Value::Float(_) | Value::Boolean(_))
+        };
+        match &node.value {
+            Value::Array(items) if !items.is_empty() && items.iter().all(is_scalar) => Some(items),
+            _ => {
+                self.wrong_type(key, node, allowed.to_owned());
+                None
+            }
+        }
+    }
+
     /// An optional list of texts, each with its place. `allowed` describes it. `None` if absent or faulty.
     pub(in crate::scenario) fn optional_texts(
         &mut self,

@@ -1,0 +1,102 @@
+"""The recipes for build servers in `docs/ci`: their schemas, and their commands on this machine."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tarfile
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ruamel.yaml import YAML
+
+from support import SOON_S
+from support import program as lashloop_program
+
+ROOT = Path(__file__).parents[3]
+RECIPES = ROOT / "docs" / "ci"
+# The schemas of the services are part of check-jsonschema.
+SCHEMAS = {
+    "github.yml": ["--builtin-schema", "vendor.github-workflows"],
+    "gitlab.yml": ["--builtin-schema", "vendor.gitlab-ci", "--data-transform", "gitlab-ci"],
+}
+
+MAKEFILE = "all:\n\ttouch drive\n"
+
+
+def load(name: str) -> Any:
+    return YAML(typ="safe").load(RECIPES / name)
+
+
+def check(schema: list[str], recipe: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "check_jsonschema", *schema, str(recipe)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=SOON_S, check=False)
+
+
+def scripts(name: str) -> list[str]:
+    """Return the shell commands of a recipe, one string for each shell."""
+    recipe = load(name)
+    if name == "github.yml":
+        return [step["run"] for step in recipe["jobs"]["drive"]["steps"] if "run" in step]
+    return ["\n".join(recipe["lashloop"]["before_script"] + recipe["lashloop"]["script"])]
+
+
+@pytest.mark.parametrize("name", SCHEMAS)
+def test_a_recipe_has_the_keys_of_its_service(name: str, tmp_path: Path) -> None:
+    checked = check(SCHEMAS[name], RECIPES / name)
+    assert checked.returncode == 0, checked.stdout + checked.stderr
+    wrong = tmp_path / name
+    text = (RECIPES / name).read_text()
+    wrong.write_text(text.replace("timeout-minutes:", "timeout-hours:").replace("expire_in:", "expires:"))
+    assert wrong.read_text() != text
+    assert check(SCHEMAS[name], wrong).returncode == 1, "a wrong key is found"
+
+
+@pytest.mark.parametrize("name", SCHEMAS)
+def test_the_commands_of_a_recipe_run_as_they_are(name: str, tmp_path: Path) -> None:
+    program = lashloop_program()
+    archive = tmp_path / "archive.tar.gz"
+    with tarfile.open(archive, "w:gz", compresslevel=1) as packed:
+        packed.add(program, "lashloop-0/lashloop")
+    project = tmp_path / "project"
+    (project / "drive").mkdir(parents=True)
+    (project / "drive" / "Makefile").write_text(MAKEFILE)
+    (project / "scenarios").mkdir()
+    shutil.copy(ROOT / "scenarios" / "commission.toml", project / "scenarios")
+    path_file = tmp_path / "path"
+    path_file.write_text("")
+    environment = os.environ | {
+        "LASHLOOP_URL": archive.as_uri(),
+        "LASHLOOP_SHA256": sha256(archive.read_bytes()).hexdigest(),
+        "DEVICE": "inproc",
+        "HOME": str(tmp_path / "home"),
+        "GITHUB_PATH": str(path_file),
+        "CI_PROJECT_DIR": str(project),
+    }
+    for script in scripts(name):
+        added = ":".join(path_file.read_text().split())
+        step = environment | {"PATH": f"{added}:{environment['PATH']}" if added else environment["PATH"]}
+        ended = subprocess.run(
+            ["bash", "-e", "-o", "pipefail", "-c", script],
+            cwd=project,
+            env=step,
+            capture_output=True,
+            text=True,
+            timeout=SOON_S,
+            check=False,
+        )
+        assert ended.returncode == 0, f"{script}\n{ended.stdout}{ended.stderr}"
+    assert "<testsuites" in (project / "out" / "scenarios.xml").read_text()
+    assert "<html" in (project / "out" / "index.html").read_text()
+
+
+def test_the_hook_of_pre_commit_names_a_command_of_the_program() -> None:
+    [repository] = load("pre-commit-config.yaml")["repos"]
+    [hook] = repository["hooks"]
+    scenario = str(ROOT / "scenarios" / "commission.toml")
+    command = [str(lashloop_program()), *hook["entry"].split()[1:], scenario]
+    assert subprocess.run(command, timeout=SOON_S, check=False).returncode == 0

@@ -1,0 +1,169 @@
+//! `[[sweep.axis]]`: a key of the scenario and the values that it takes.
+
+use std::fmt;
+use std::sync::Arc;
+
+use crate::scenario::key::Choice;
+use crate::scenario::origin::Origin;
+use crate::scenario::reader::Section;
+use crate::scenario::spelling::spell_number;
+use crate::scenario::tree::{Node, Value};
+
+/// Values of one axis at most.
+pub(super) const MAX_VALUES: u32 = 10_000;
+
+/// A key that varies.
+#[derive(Debug, Clone)]
+pub(super) struct Axis {
+    pub(super) key: String,
+    pub(super) origin: Origin,
+    pub(super) values: Values,
+}
+
+/// The values of an axis.
+#[derive(Debug, Clone)]
+pub(super) enum Values {
+    Listed(Vec<Value>),
+    Range(Range),
+}
+
+/// A range that is sampled; `points` of a grid and of a list, `None` in a Latin hypercube.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Range {
+    min: f64,
+    max: f64,
+    scale: Scale,
+    pub(super) points: Option<u32>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Scale {
+    Linear,
+    Logarithmic,
+    Whole,
+}
+
+/// A value of a key in one case. Displayed as `key=value`, as after `--set`.
+#[derive(Debug, Clone)]
+pub struct Setting {
+    /// Path of the key.
+    pub key: String,
+    pub(in crate::scenario) node: Node,
+}
+
+impl Setting {
+    pub(super) fn new(key: &str, value: Value, axis: &Origin) -> Self {
+        let setting: Arc<str> = format!("{key}={}", spell(&value)).into();
+        let origin = match axis.place() {
+            Some((file, line, column)) => Origin::Sweep { file: file.clone(), line, column, setting },
+            None => axis.clone(),
+        };
+        Self { key: key.to_owned(), node: Node { origin, value } }
+    }
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.key, spell(&self.node.value))
+    }
+}
+
+fn spell(value: &Value) -> String {
+    match value {
+        Value::Text(text) => text.clone(),
+        Value::Float(number) => spell_number(*number),
+        other => other.to_string(),
+    }
+}
+
+impl Range {
+    /// The value at a fraction, 0 to 1, of the range. Six significant digits identify a case and repeat it.
+    pub(super) fn at(&self, fraction: f64) -> Value {
+        let Self { min, max, scale, .. } = *self;
+        let exact = match scale {
+            Scale::Linear | Scale::Whole => min + fraction * (max - min),
+            Scale::Logarithmic => min * (max / min).powf(fraction),
+        };
+        match scale {
+            Scale::Whole => Value::Integer(exact.round() as i64),
+            Scale::Linear | Scale::Logarithmic => {
+                let rounded = format!("{exact:.5e}").parse().unwrap_or(exact);
+                Value::Float(f64::clamp(rounded, min.min(max), max.max(min)))
+            }
+        }
+    }
+}
+
+/// Whether a method samples ranges itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Sampling {
+    /// An axis has values, or a range with a number of points.
+    Axis,
+    /// An axis has a range; the sweep has the number of points.
+    Sweep,
+}
+
+pub(super) fn read(axis: &mut Section<'_>, sampling: Sampling) -> Axis {
+    const PATH: &str = "the path of a key, such as \"plant.dead_zone_rad\"";
+    let key = axis.doc("Path of the key, such as `plant.dead_zone_rad`.").text("key", Some(PATH));
+    let values = axis
+        .doc("Values of the key, in place of a range.")
+        .optional_values("values", "a list of numbers, booleans or texts");
+    let bound = -1e12..=1e12;
+    let min = axis.doc("Lower end of the range.").optional_number("min", "", bound.clone());
+    let max = axis.doc("Upper end of the range.").optional_number("max", "", bound);
+    let points = axis
+        .doc("Number of points of the range, both ends included. A Latin hypercube has `sweep.points`.")
+        .optional_integer("points", 2..=MAX_VALUES);
+    let scale = axis
+        .doc("Spacing of points in the range.")
+        .choice_docs(vec![
+            Choice { name: "linear", doc: "equal differences" },
+            Choice { name: "logarithmic", doc: "equal ratios" },
+            Choice { name: "whole", doc: "equal differences, rounded to whole numbers" },
+        ])
+        .choice(
+            "scale",
+            Scale::Linear,
+            &[("linear", Scale::Linear), ("logarithmic", Scale::Logarithmic), ("whole", Scale::Whole)],
+        );
+    let scale = scale.unwrap_or(Scale::Linear);
+    if key.is_some_and(|key| key.split('.').next() == Some("sweep")) {
+        axis.reject("key", "is a key of the sweep itself; name a key of the run".to_owned());
+    }
+    let values = match (values, min, max) {
+        (Some(values), None, None) => {
+            if sampling == Sampling::Sweep {
+                axis.reject("values", "is a list, and a Latin hypercube samples min to max".to_owned());
+            }
+            for key in ["points", "scale"] {
+                axis.reject(key, "belongs to a range, and this axis has values".to_owned());
+            }
+            Values::Listed(values.iter().map(|node| node.value.clone()).collect())
+        }
+        (None, Some(min), Some(max)) => {
+            if min >= max {
+                axis.reject("max", format!("is no upper end; it must be > {}", spell_number(min)));
+            }
+            if scale == Scale::Logarithmic && min <= 0.0 {
+                axis.reject("min", "has no logarithm; it must be > 0".to_owned());
+            }
+            match (sampling, points) {
+                (Sampling::Axis, None) => axis.reject_section("has a range without points; add points"),
+                (Sampling::Sweep, Some(_)) => {
+                    axis.reject("points", "is given twice: sweep.points is for every axis".to_owned());
+                }
+                _ => {}
+            }
+            Values::Range(Range { min, max, scale, points })
+        }
+        _ => {
+            // A faulty list has its own error.
+            if axis.node("values").is_none() || min.is_some() || max.is_some() {
+                axis.reject_section("must give either values, or both min and max");
+            }
+            Values::Listed(Vec::new())
+        }
+    };
+    Axis { key: key.unwrap_or_default().to_owned(), origin: axis.origin_of("key"), values }
+}

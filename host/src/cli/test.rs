@@ -1,0 +1,254 @@
+//! `lashloop test`: every scenario of files and folders, their sweeps included.
+
+use std::fs;
+use std::io::{self, IsTerminal};
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::thread;
+use std::time::Instant;
+
+use clap::Args;
+use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::run::Clock;
+use lashloop_bench::scenario::Override;
+use lashloop_bench::timing::ClockName;
+use lashloop_bench::verdict::Exit;
+use lashloop_report::page;
+
+use super::clock_options::ClockOptions;
+use super::error::{CliError, system};
+use super::options::plants;
+use super::output::{error_line, outln, prepare_folder, write_file};
+use super::progress::Progress;
+use super::run;
+use super::supervision::start_supervisor;
+use crate::bench::Bench;
+use crate::journal::{Journal, program_sha256};
+use crate::suite::baseline::{Baseline, path_of};
+use crate::suite::case_result::Status;
+use crate::suite::files::find;
+use crate::suite::header::Header;
+use crate::suite::index::{self, ReportError};
+use crate::suite::junit::{self, Row};
+use crate::suite::plan::{self, Common};
+use crate::suite::runner::Runner;
+use crate::suite::table::{Table, line, name_width};
+use crate::suite::tally::Tally;
+use crate::workers::{self, Ended};
+
+/// Run every scenario of files and folders, sweeps included, and print one table
+///
+/// A scenario with `[sweep]` is many cases. A metric is compared with its baseline, if the scenario has one: NAME.baseline.toml
+/// next to NAME.toml. Exit code: the largest of any case, 2 if no case could be run. Skipped cases count as none.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Scenarios in TOML, or folders of them
+    #[arg(required = true, value_name = "PATH")]
+    paths: Vec<PathBuf>,
+
+    /// Drive: inproc, native, qemu, qemu:ELF, silicon, silicon:ELF, exec:CMD ARGS, tcp:HOST:PORT, rfc2217:HOST:PORT, or the
+    /// path of a terminal; see `lashloop run --help`
+    #[arg(long, default_value = "native", value_name = "DEVICE")]
+    device: DeviceChoice,
+
+    /// Runs in parallel [default: number of cores; 1 in real time and on a drive that the bench does not start]
+    #[arg(long)]
+    jobs: Option<NonZeroUsize>,
+
+    /// Value in place of that of every scenario, such as link.answer_timeout_ms=10000; repeatable
+    #[arg(long, value_name = "SECTION.KEY=VALUE")]
+    set: Vec<String>,
+
+    #[command(flatten)]
+    clock: ClockOptions,
+
+    /// Folder for results: cases.jsonl grows with each case, records/ has the record of each case that did not pass
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Keep the records of cases that pass too
+    #[arg(long, requires = "out")]
+    keep_passes: bool,
+
+    /// Complete the suite in --out; cases with a result are not run again unless their scenario has changed
+    #[arg(long, requires = "out", conflicts_with = "force")]
+    resume: bool,
+
+    /// Replace the results in --out
+    #[arg(long, requires = "out")]
+    force: bool,
+
+    /// File for the results as JUnit XML
+    #[arg(long, value_name = "FILE.xml")]
+    junit: Option<PathBuf>,
+
+    /// File for the results as a page for a browser; with --out each record has a report.html
+    #[arg(long, value_name = "FILE.html")]
+    html: Option<PathBuf>,
+
+    /// Write the metrics of each case that passes to its baseline, in place of comparing them
+    #[arg(long)]
+    update: bool,
+}
+
+const JOURNAL: &str = "cases.jsonl";
+const RECORDS: &str = "records";
+
+impl Arguments {
+    pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
+        let started = Instant::now();
+        let clock = self.clock.clock()?;
+        let jobs = self.jobs(clock)?;
+        let overrides: Vec<_> = self.set.iter().cloned().map(Override::Set).collect();
+        let plants = plants(bench);
+        let files = find(&self.paths)?;
+        let common =
+            Common { device: &self.device, clock: clock.name(), overrides: &overrides, plants: &plants };
+        let mut tally = Tally::new(plan::cases(&files, &common));
+        let mut journal = match &self.out {
+            Some(folder) => Some(self.open_journal(folder, clock.name(), &mut tally)?),
+            None => None,
+        };
+        let supervisor = start_supervisor()?;
+        let records = self.out.as_ref().map(|folder| folder.join(RECORDS));
+        let runner = Runner {
+            device: &self.device,
+            clock,
+            records: records.as_deref(),
+            keeps_passes: self.keep_passes,
+            summary: run::summary,
+            compares: !self.update,
+            overrides: &overrides,
+            plants: &plants,
+        };
+        let (missing, total) = (tally.missing(), tally.cases.len());
+        let progress = Progress::over(format!("{total} cases"), total as u64);
+        progress.show(tally.done() as u64);
+        let (is_terminal, width) = (io::stderr().is_terminal(), name_width(&tally));
+        let signals = supervisor.guard_signals();
+        let ended = workers::run_all(
+            &missing,
+            jobs,
+            &supervisor,
+            |case, stop| Ok(runner.run(case, stop)?),
+            |result| {
+                if let Some(journal) = &mut journal {
+                    journal.append(&result)?;
+                }
+                if !is_terminal {
+                    let number = tally.done() + 1;
+                    error_line(format_args!("{number:>4}/{total} {}", line(&result, width)));
+                }
+                tally.add(result);
+                progress.show(tally.done() as u64);
+                Ok::<_, CliError>(())
+            },
+        );
+        drop(signals);
+        drop(progress);
+        let is_interrupted = ended? == Ended::Interrupted;
+        let wall_s = started.elapsed().as_secs_f64();
+        outln!("{}", Table { tally: &tally, wall_s });
+        if let Some(path) = &self.html {
+            write_page(path, &tally, wall_s)?;
+        }
+        if let Some(path) = &self.junit {
+            write_junit(path, &tally, is_interrupted)?;
+        }
+        if is_interrupted {
+            let hint = if self.out.is_some() { "--resume completes it" } else { "--out keeps results" };
+            outln!("interrupted; {hint}");
+            return Ok(Exit::Invalid);
+        }
+        if self.update {
+            update_baselines(&tally)?;
+        }
+        Ok(tally.exit())
+    }
+
+    fn jobs(&self, clock: Clock) -> Result<NonZeroUsize, CliError> {
+        let single = if !self.device.has_drive_per_session() {
+            Some(format!("--device {}", self.device))
+        } else if clock.name() == ClockName::RealTime {
+            Some("a machine that keeps real time".to_owned())
+        } else {
+            None
+        };
+        match (self.jobs, single) {
+            (Some(jobs), Some(what)) if jobs > NonZeroUsize::MIN => Err(CliError::Jobs { jobs, what }),
+            (Some(jobs), _) => Ok(jobs),
+            (None, Some(_)) => Ok(NonZeroUsize::MIN),
+            (None, None) => Ok(thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)),
+        }
+    }
+
+    fn open_journal(&self, folder: &Path, clock: ClockName, tally: &mut Tally) -> Result<Journal, CliError> {
+        let failed = |source| CliError::Output { path: folder.to_owned(), source };
+        let path = folder.join(JOURNAL);
+        if path.exists() && !self.resume {
+            if !self.force {
+                return Err(CliError::Leftovers { folder: folder.to_owned() });
+            }
+            fs::remove_file(&path).map_err(failed)?;
+            match fs::remove_dir_all(folder.join(RECORDS)) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(failed(error)),
+                _ => {}
+            }
+        }
+        prepare_folder(folder, &[])?;
+        let header = Header {
+            lashloop: env!("CARGO_PKG_VERSION").to_owned(),
+            program_sha256: program_sha256().map_err(system("read this program"))?,
+            device: self.device.to_string(),
+            clock: clock.to_string(),
+        };
+        Ok(Journal::resume(&path, &header, |result| {
+            tally.restore(result);
+            Ok(())
+        })?)
+    }
+}
+
+fn write_junit(path: &Path, tally: &Tally, is_interrupted: bool) -> Result<(), CliError> {
+    let row = |(case, result): (&plan::Case, _)| {
+        let plan::Case { file, settings, .. } = case;
+        let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let case = if settings.is_empty() { stem } else { settings.join(", ") };
+        Row { file: file.display().to_string(), case, result }
+    };
+    let rows: Vec<_> = tally.rows().map(row).collect();
+    let ended_by = is_interrupted
+        .then(|| format!("interrupted; {} of {} cases have a result", tally.done(), tally.cases.len()));
+    let xml = junit::report("lashloop test", &rows, ended_by.as_deref());
+    let written = xml.map_err(io::Error::other).and_then(|xml| fs::write(path, xml));
+    written.map_err(|source| CliError::Report { path: path.to_owned(), source })
+}
+
+/// Writes the index page, and a report of each record.
+fn write_page(path: &Path, tally: &Tally, wall_s: f64) -> Result<(), CliError> {
+    index::write_reports(tally).map_err(|ReportError { path, source }| CliError::Output { path, source })?;
+    let words: Vec<_> = std::env::args().collect();
+    let command = shlex::try_join(words.iter().map(String::as_str)).unwrap_or_default();
+    write_file(path, &page::suite(&index::suite(tally, path, command, wall_s)))
+}
+
+/// Writes the metrics of each case that has passed to the baseline of its file.
+fn update_baselines(tally: &Tally) -> Result<(), CliError> {
+    let rows: Vec<_> = tally.rows().collect();
+    for group in rows.chunk_by(|(one, _), (next, _)| one.file == next.file) {
+        let path = path_of(&group[0].0.file);
+        let passed = group.iter().filter(|(_, result)| result.status == Status::Pass);
+        let mut baseline = Baseline::read(&path)?.unwrap_or_default();
+        let mut count = 0;
+        for (case, result) in passed {
+            baseline.update(&case.settings, &result.metrics);
+            count += 1;
+        }
+        if count > 0 {
+            baseline.retain(|settings| group.iter().any(|(case, _)| case.settings == settings));
+            baseline.write(&path)?;
+            outln!("updated {}: {count} of {} cases", path.display(), group.len());
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,192 @@
+//! `cargo xtask dist`: the program as one static file, in an archive with its checksum.
+//!
+//! With the target for musl installed the program is built for it. Otherwise only the last step differs from an ordinary
+//! build: `main` is linked once more, with the static C library of this machine. Dependencies are those of the other builds.
+
+use std::env::consts::ARCH;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::{Args, ValueEnum};
+use object::elf;
+use object::read::elf::{ElfFile64, FileHeader, ProgramHeader};
+use serde_json::Value;
+
+use crate::command::{cargo, command, first_line, output, run};
+use crate::{licences, paths};
+
+const NAME: &str = "lashloop";
+
+#[derive(Args)]
+pub(crate) struct Dist {
+    /// Profile of the build
+    #[arg(long, default_value = "release")]
+    profile: Profile,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Profile {
+    /// The one for others
+    Release,
+    /// That of the tests, which have most of it already
+    Dev,
+}
+
+impl Profile {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Release => "release",
+            Self::Dev => "dev",
+        }
+    }
+
+    /// Folder in the target folder.
+    const fn folder(self) -> &'static str {
+        match self {
+            Self::Release => "release",
+            Self::Dev => "debug",
+        }
+    }
+}
+
+/// What the C library of the program is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Library {
+    Musl,
+    Glibc,
+}
+
+impl Dist {
+    pub(crate) fn make(&self) -> Result<()> {
+        make(self.profile)
+    }
+}
+
+/// Builds the program, checks it and packs it.
+pub(crate) fn make(profile: Profile) -> Result<()> {
+    let musl = format!("{ARCH}-unknown-linux-musl");
+    let libraries =
+        output(&mut command("rustc", "--print target-libdir --target").arg(&musl)).unwrap_or_default();
+    let has_musl = Path::new(libraries.trim()).is_dir();
+    let library = if has_musl { Library::Musl } else { Library::Glibc };
+    let version = env!("CARGO_PKG_VERSION");
+    let name = format!("{NAME}-{version}-{ARCH}-linux");
+    let target = paths::root().join("target/dist").join(profile.name());
+    let folder = target.join(&name);
+    if folder.exists() {
+        fs::remove_dir_all(&folder).with_context(|| format!("{} can't be removed", folder.display()))?;
+    }
+    fs::create_dir_all(&folder)?;
+    let program = folder.join(NAME);
+    match library {
+        Library::Musl => build_for_musl(profile, &musl, &program)?,
+        Library::Glibc => link_statically(profile, &program)?,
+    }
+    check(&program)?;
+    for file in ["LICENSE-MIT", "LICENSE-APACHE", "README.md", "CHANGELOG.md"] {
+        fs::copy(paths::root().join(file), folder.join(file))
+            .with_context(|| format!("{file} can't be copied"))?;
+    }
+    fs::write(folder.join("THIRD-PARTY.txt"), licences::collect(NAME, library == Library::Glibc)?)?;
+    complete(&program, &folder)?;
+    let archive = pack(&target, &name)?;
+    println!("{}", archive.display());
+    Ok(())
+}
+
+fn build_for_musl(profile: Profile, target: &str, program: &Path) -> Result<()> {
+    let arguments = format!("build --bin {NAME} --profile {} --target {target}", profile.name());
+    run(cargo(&arguments).env("CARGO_PROFILE_RELEASE_STRIP", "symbols"))?;
+    let built = paths::root().join("target").join(target).join(profile.folder()).join(NAME);
+    fs::copy(&built, program).with_context(|| format!("{} can't be copied", built.display()))?;
+    Ok(())
+}
+
+/// Links `main` and the library of the program with a static C library.
+fn link_statically(profile: Profile, program: &Path) -> Result<()> {
+    let arguments = format!(
+        "build --workspace --bin {NAME} --profile {} --message-format json-render-diagnostics",
+        profile.name()
+    );
+    let messages = output(cargo(&arguments).stderr(Stdio::inherit()))?;
+    let messages = messages.lines().map(serde_json::from_str).collect::<Result<Vec<Value>, _>>();
+    let messages = messages.context("the messages of cargo aren't JSON")?;
+    let of_target = |message: &&Value, kind: &str| {
+        message["target"]["name"] == NAME && message["target"]["kind"][0] == kind
+    };
+    let library = messages.iter().find(|message| of_target(message, "lib"));
+    let files = library.and_then(|message| message["filenames"].as_array()).into_iter().flatten();
+    let mut libraries = files.filter_map(Value::as_str).filter(|file| file.ends_with(".rlib"));
+    let library = libraries.next().context("cargo lists no library of the program")?;
+    let main = messages.iter().find(|message| of_target(message, "bin"));
+    let target = main.map(|message| &message["target"]).context("cargo lists no program")?;
+    let (source, edition) = (target["src_path"].as_str(), target["edition"].as_str());
+    let dependencies = paths::root().join("target").join(profile.folder()).join("deps");
+    let mut link = command("rustc", "--crate-type bin -C target-feature=+crt-static -C strip=symbols");
+    link.args(["--crate-name", NAME, "--edition", edition.context("cargo names no edition")?])
+        .arg(source.context("cargo names no source")?)
+        .arg("--extern")
+        .arg(format!("{NAME}={library}"))
+        .arg("-L")
+        .arg(format!("dependency={}", dependencies.display()))
+        .arg("-o")
+        .arg(program);
+    run(&mut link)
+        .context("the static C library is missing? libc6-dev has it on Debian, glibc-static elsewhere")
+}
+
+/// Checks that the program needs no other file, and runs it.
+fn check(program: &Path) -> Result<()> {
+    let bytes = fs::read(program).with_context(|| format!("{} can't be read", program.display()))?;
+    ensure!(is_static(&bytes)?, "{} loads libraries at its start", program.display());
+    let version = first_line(&mut command(program, "--version"));
+    ensure!(version.is_some_and(|line| line.starts_with(NAME)), "{} has no version", program.display());
+    let mut first_run = command(program, "run scenarios/smooth-after.toml --device inproc");
+    // Only this file: no other library and no configuration is at hand.
+    let printed = output(first_run.env_clear())?;
+    match printed.lines().last() {
+        Some("PASS") => Ok(()),
+        last => bail!("a run of {} ends with {last:?}", program.display()),
+    }
+}
+
+/// Whether a program has neither an interpreter nor needed libraries.
+fn is_static(bytes: &[u8]) -> Result<bool> {
+    let file = ElfFile64::<object::Endianness>::parse(bytes)?;
+    let endian = file.endian();
+    let headers = file.elf_header().program_headers(endian, bytes)?;
+    let is_interpreted = headers.iter().any(|header| header.p_type(endian) == elf::PT_INTERP);
+    let mut needed = 0;
+    for header in headers {
+        if let Some(entries) = header.dynamic(endian, bytes)? {
+            needed += entries.iter().filter(|entry| entry.d_tag.get(endian) == elf::DT_NEEDED).count();
+        }
+    }
+    Ok(!is_interpreted && needed == 0)
+}
+
+/// Writes completions and man pages, which the program makes.
+fn complete(program: &Path, folder: &Path) -> Result<()> {
+    let completions = folder.join("completions");
+    fs::create_dir_all(&completions)?;
+    for shell in ["bash", "zsh", "fish"] {
+        let script = output(&mut command(program, &format!("completions {shell}")))?;
+        fs::write(completions.join(format!("{NAME}.{shell}")), script)?;
+    }
+    run(command(program, "completions --man").arg(folder.join("man")))
+}
+
+/// Packs a folder and writes the checksum of the archive. Equal contents give an equal archive.
+fn pack(target: &Path, name: &str) -> Result<PathBuf> {
+    let archive = format!("{name}.tar.gz");
+    let mut tar =
+        command("tar", "--sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner --mode=u+rw,go=u-w");
+    tar.args(["--use-compress-program=gzip -n", "-cf", &archive, name]).current_dir(target);
+    run(&mut tar)?;
+    let sum = output(command("sha256sum", &archive).current_dir(target))?;
+    fs::write(target.join(format!("{archive}.sha256")), sum)?;
+    run(command("sha256sum", "--quiet --check").arg(format!("{archive}.sha256")).current_dir(target))?;
+    Ok(target.join(archive))
+}
