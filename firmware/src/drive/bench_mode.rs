@@ -10,7 +10,7 @@ use super::clock::Clock;
 use super::lifecycle::Lifecycle;
 use super::machine::Drive;
 use super::pins::PinReadings;
-use super::run::PinStep;
+use super::run::{PinStep, Run};
 use crate::law::LawSet;
 use crate::power_stage::StageCommand;
 
@@ -51,8 +51,17 @@ impl<L: LawSet> Drive<L> {
             }
         }
         if let Some(fault) = fault {
-            self.output.send(fault);
+            self.output.send_later(fault);
         }
+    }
+
+    /// Latches a fault if the drive runs in bench mode: the next tick is overdue, at 1.5 periods after the last one. For an owner
+    /// whose monitor of the tick is more precise than its calls of [`Self::tick`].
+    pub fn miss_tick(&mut self, now: Duration) {
+        let Some(pins) = self.lifecycle.run().and_then(Run::pins) else { return };
+        let violation = pins.overdue(now);
+        let fault = self.latch(violation);
+        self.output.send_later(fault);
     }
 
     /// The control period: the interval of [`Self::sample`].

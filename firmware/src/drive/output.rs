@@ -12,18 +12,27 @@ const CAPACITY: usize = 2 * LONGEST_ANSWER;
 #[derive(Default)]
 pub(super) struct Output {
     bytes: heapless::Vec<u8, CAPACITY>,
+    /// Not encoded yet, see [`Self::send_later`].
+    deferred: Option<FaultReport>,
 }
 
 impl Output {
-    pub(super) fn bytes(&self) -> &[u8] {
+    pub(super) fn bytes(&mut self) -> &[u8] {
+        self.encode_deferred();
         &self.bytes
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.bytes.is_empty() && self.deferred.is_none()
     }
 
     pub(super) fn clear(&mut self) {
         self.bytes.clear();
+        self.deferred = None;
     }
 
-    pub(super) fn fits_an_answer(&self) -> bool {
+    pub(super) fn fits_an_answer(&mut self) -> bool {
+        self.encode_deferred();
         self.bytes.len() + LONGEST_ANSWER <= CAPACITY
     }
 
@@ -33,8 +42,22 @@ impl Output {
         self.append(&message.into());
     }
 
+    /// As [`Self::send`], but encoded by whoever takes the output or sends the next message: encoding costs a quarter of a
+    /// control step, and the power stage goes off first.
+    pub(super) fn send_later(&mut self, report: FaultReport) {
+        self.encode_deferred();
+        self.deferred = Some(report);
+    }
+
+    fn encode_deferred(&mut self) {
+        if let Some(report) = self.deferred.take() {
+            self.append(&report.into());
+        }
+    }
+
     /// One function for all messages: an encoder per message type would cost the image a kilobyte.
     fn append(&mut self, message: &DriveMessage) {
+        self.encode_deferred();
         let _ = self.bytes.extend_from_slice(&message.frame());
     }
 
