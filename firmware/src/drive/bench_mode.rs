@@ -42,12 +42,12 @@ impl<L: LawSet> Drive<L> {
             && self.output.fits_an_answer()
         {
             if is_reported || fault.is_some() {
-                self.output.send(sample);
+                self.output.send_later(sample);
             }
             if let Some(signals) = signals
                 && let Some(telemetry) = self.subscription.telemetry(sample.sequence, &signals)
             {
-                self.output.send(telemetry);
+                self.output.send_later(telemetry);
             }
         }
         if let Some(fault) = fault {

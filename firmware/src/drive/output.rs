@@ -12,8 +12,8 @@ const CAPACITY: usize = 2 * LONGEST_ANSWER;
 #[derive(Default)]
 pub(super) struct Output {
     bytes: heapless::Vec<u8, CAPACITY>,
-    /// Not encoded yet, see [`Self::send_later`].
-    deferred: Option<FaultReport>,
+    /// Not encoded yet, see [`Self::send_later`]: the report of a step, its telemetry, and that of a fault.
+    deferred: heapless::Vec<DriveMessage, 3>,
 }
 
 impl Output {
@@ -23,17 +23,16 @@ impl Output {
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.bytes.is_empty() && self.deferred.is_none()
+        self.bytes.is_empty() && self.deferred.is_empty()
     }
 
     pub(super) fn clear(&mut self) {
         self.bytes.clear();
-        self.deferred = None;
+        self.deferred.clear();
     }
 
-    pub(super) fn fits_an_answer(&mut self) -> bool {
-        self.encode_deferred();
-        self.bytes.len() + LONGEST_ANSWER <= CAPACITY
+    pub(super) fn fits_an_answer(&self) -> bool {
+        self.bytes.len() + self.deferred.len() * MAX_FRAME + LONGEST_ANSWER <= CAPACITY
     }
 
     /// Appends a whole frame. A frame that does not fit is omitted, never cut; the reserve that
@@ -42,23 +41,26 @@ impl Output {
         self.append(&message.into());
     }
 
-    /// As [`Self::send`], but encoded by whoever takes the output or sends the next message: encoding costs a quarter of a
-    /// control step, and the power stage goes off first.
-    pub(super) fn send_later(&mut self, report: FaultReport) {
-        self.encode_deferred();
-        self.deferred = Some(report);
+    /// As [`Self::send`], but encoded with the next answer or for the transmission: in a tick it would cost a quarter of the
+    /// control step, and delay the power stage.
+    pub(super) fn send_later(&mut self, message: impl Into<DriveMessage>) {
+        if self.deferred.is_full() {
+            self.encode_deferred();
+        }
+        let _ = self.deferred.push(message.into());
     }
 
+    #[inline(never)]
     fn encode_deferred(&mut self) {
-        if let Some(report) = self.deferred.take() {
-            self.append(&report.into());
-        }
+        let Self { bytes, deferred } = self;
+        deferred.iter().for_each(|message| encode(bytes, message));
+        deferred.clear();
     }
 
     /// One function for all messages: an encoder per message type would cost the image a kilobyte.
     fn append(&mut self, message: &DriveMessage) {
         self.encode_deferred();
-        let _ = self.bytes.extend_from_slice(&message.frame());
+        encode(&mut self.bytes, message);
     }
 
     /// Appends a log line, unless it would displace an answer.
@@ -69,6 +71,11 @@ impl Output {
             self.send(Log { level, text });
         }
     }
+}
+
+#[inline(never)]
+fn encode(bytes: &mut heapless::Vec<u8, CAPACITY>, message: &DriveMessage) {
+    let _ = bytes.extend_from_slice(&message.frame());
 }
 
 /// The fault report of a failed firmware as a whole frame, for panic and fault handlers that can't reach the drive.
