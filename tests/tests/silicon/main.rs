@@ -50,7 +50,7 @@ fn main() -> ExitCode {
         TRIALS.into_iter().map(|(name, check)| trial(name, missing.clone(), check)).collect();
     for run in RUNS.into_iter().chain([BACKLASH_INVERSE]) {
         let name = format!("runs::{}_has_the_torques_of_the_run_in_process", run.name.replace('-', "_"));
-        trials.push(trial(&name, missing.clone(), move || runs::same_as_in_process(run)));
+        trials.push(trial(&name, missing.clone(), move || run.check_start_on("silicon", 3)));
     }
     trials.push(trial("runs::a_missing_image_is_named_with_its_build_command", None, runs::no_image));
     optional::run(&arguments, "virtual silicon", missing.as_deref(), trials)
