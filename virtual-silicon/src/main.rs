@@ -122,7 +122,8 @@ fn run(Arguments { image, board, socket, lockstep, drive_train }: &Arguments) ->
         None => symbols.board()?,
     };
     let board = board.as_deref().unwrap_or(Wiring::BOARDS[0].0);
-    let wiring = Wiring::of_board(board).with_context(|| format!("the pins of the board {board} are unknown"))?;
+    let wiring =
+        Wiring::of_board(board).with_context(|| format!("the pins of the board {board} are unknown"))?;
     let surroundings = Bench { connect: Some(connect), host: None, host_turn: BOOTED_AT, train };
     let ended = machine::run(image, wiring, surroundings)?;
     if !ended.violations.is_empty() {

@@ -10,10 +10,11 @@
 /// lashloop_firmware::image!(my_law::Laws);
 /// ```
 ///
-/// It has seven tasks. `usart` queues every byte on arrival, and sends queued ones. `tick` counts the device clock and checks the watchdog
-/// every millisecond. `serve` feeds received bytes of the USART and the USB port to the drive and passes its output on. In HIL mode the control law has
-/// no timer: the encoder frame is the tick. `step` is the tick of bench mode; the emulator has no timer for it. `monitor` switches
-/// the power stage off if the next tick is overdue, and `overdue` latches the fault. Each task that may change the state of the drive applies it to the power stage before it ends.
+/// It has seven tasks. `usart` queues every byte on arrival, and sends queued ones. `tick` counts the device clock and checks
+/// the watchdog every millisecond. `serve` feeds received bytes of the USART and the USB port to the drive and passes its
+/// output on. In HIL mode the control law has no timer: the encoder frame is the tick. `step` is the tick of bench mode; the
+/// emulator has no timer for it. `monitor` switches the power stage off if the next tick is overdue, and `overdue` latches
+/// the fault. Each task that may change the state of the drive applies it to the power stage before it ends.
 ///
 /// | task | bound to | priority | why there |
 /// |---|---|---|---|

@@ -9,8 +9,12 @@ use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue};
 use lashloop_protocol::message::{ClearFault, DescribeLaw, EmergencyStop, FaultReport, Hello, Reset, Stop};
 use lashloop_protocol::{HostMessage, PROTOCOL_VERSION};
 use lashloop_silicon::symbols::Symbols;
-use lashloop_silicon::thumb::{Code, FOREVER, MASK_INTERRUPTS, RETURN, UNDEFINED};
+use lashloop_silicon::thumb::{Code, FOREVER, MASK_INTERRUPTS, UNDEFINED};
 
+use crate::failures::{
+    FLAG, interrupting, never_ending, panicking, returning_the_flag, serving_no_more, stopping_the_tick,
+    taking_time,
+};
 use crate::host::{Host, SESSION};
 
 const MS: Duration = Duration::from_millis(1);
@@ -24,10 +28,6 @@ pub const SITE: &str = "send_description";
 /// A function that one law calls in every step, and the index of the law. In place of it, the argument is the value.
 const FUNCTION: &str = "tanhf";
 const LAW_OF_FUNCTION: u32 = 1;
-/// A word of RAM between variables and stack, by which a test controls the code in place of [`FUNCTION`].
-const FLAG: u32 = 0x2001_0000;
-/// Line of the source that a made panic reports.
-pub const PANIC_LINE: u32 = 4_711;
 
 /// A cause of turning the bridge off.
 pub struct Cause {
@@ -356,58 +356,3 @@ fn last_tick(host: &mut Host) -> Duration {
 fn with(image: &Symbols, code: impl FnOnce(u64) -> Code) -> Symbols {
     image.with_code(SITE, code).expect("the site of the failures")
 }
-
-/// A panic of core with the location of a line of its own.
-fn panicking(image: &Symbols) -> impl FnOnce(u64) -> Code {
-    let panic = image.function("option::unwrap_failed").expect("a function of core");
-    move |address| {
-        // Four instructions to load two registers, one to jump, one to align.
-        let location = address as u32 + 20;
-        let jump = Code::default().load(0, location).jump(panic);
-        // File, its length, line, column.
-        jump.halfword(0).word(0x0800_0000).word(0).word(PANIC_LINE).word(1)
-    }
-}
-
-/// Pends the interrupt of TIM7, number 55, which no task handles.
-fn interrupting() -> Code {
-    const ENABLE: u32 = 0xe000_e104;
-    const PEND: u32 = 0xe000_e204;
-    const TIM7: u32 = 1 << 23;
-    // str r1, [r0]
-    let store = |code: Code| code.halfword(0x6001);
-    let enabled = store(Code::default().load(0, ENABLE).load(1, TIM7));
-    store(enabled.load(0, PEND)).halfword(RETURN)
-}
-
-/// An endless loop of the task that serves requests. The priority ceiling ends before it, so the other tasks go on.
-fn serving_no_more() -> Code {
-    // movs r0, #0; msr basepri, r0
-    Code::default().halfwords(&[0x2000, 0xf380, 0x8811, FOREVER])
-}
-
-/// Returns the flag in place of a value, unless it is 0.
-fn returning_the_flag() -> Code {
-    // ldr r1, [r0]; cbz r1, 1f; vmov s0, r1; 1:
-    Code::default().load(0, FLAG).halfwords(&[0x6801, 0xb109, 0xee00, 0x1a10, RETURN])
-}
-
-/// Loops for ever if the flag is not 0.
-fn never_ending() -> Code {
-    // ldr r1, [r0]; cbz r1, 1f; b .; 1:
-    Code::default().load(0, FLAG).halfwords(&[0x6801, 0xb101, FOREVER, RETURN])
-}
-
-/// Clears the flag after as many loops as it says.
-fn taking_time() -> Code {
-    // ldr r1, [r0]; movs r2, #0; str r2, [r0]; cbz r1, 1f; 2: subs r1, #1; bne 2b; 1:
-    Code::default().load(0, FLAG).halfwords(&[0x6801, 0x2200, 0x6002, 0xb109, 0x3901, 0xd1fd, RETURN])
-}
-
-/// Clears the control register of the tick's timer.
-fn stopping_the_tick() -> Code {
-    // movs r1, #0; str r1, [r0]
-    Code::default().load(0, TIM5).halfwords(&[0x2100, 0x6001, RETURN])
-}
-
-const TIM5: u32 = 0x4000_0c00;

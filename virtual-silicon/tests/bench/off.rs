@@ -4,7 +4,8 @@ use std::path::Path;
 use std::time::Duration;
 
 use crate::bench::image;
-use crate::causes::{CAUSES, Cause, PANIC_LINE, SITE, cause, report_of};
+use crate::causes::{CAUSES, Cause, SITE, cause, report_of};
+use crate::failures::PANIC_LINE;
 use crate::report;
 
 /// Number of the interrupt of TIM7.
@@ -16,7 +17,8 @@ const PHASES: [f64; 5] = [0.0, 0.17, 0.39, 0.61, 0.93];
 
 /// The longest times of a cause, at each of [`PERIODS`].
 fn worst(cause: &Cause) -> Vec<Duration> {
-    let instants = |phases: &[f64]| PERIODS.map(|period| phases.iter().map(|phase| (period, *phase)).collect());
+    let instants =
+        |phases: &[f64]| PERIODS.map(|period| phases.iter().map(|phase| (period, *phase)).collect());
     let times: Vec<Vec<_>> = if cause.halts {
         // A drive that halts comes back with a reset only.
         let instants: [Vec<_>; 2] = instants(&PHASES[1..2]);
@@ -35,7 +37,12 @@ fn every_cause_turns_the_bridge_off_within_its_time() {
         let threads: Vec<_> = CAUSES.iter().map(|cause| scope.spawn(|| worst(cause))).collect();
         threads.into_iter().map(|thread| thread.join().expect("a time")).collect()
     });
-    let all = || CAUSES.iter().zip(&measured).flat_map(|(cause, times)| PERIODS.iter().zip(times).map(move |it| (cause, it)));
+    let all = || {
+        CAUSES
+            .iter()
+            .zip(&measured)
+            .flat_map(|(cause, times)| PERIODS.iter().zip(times).map(move |it| (cause, it)))
+    };
     let lines: Vec<String> = all()
         .map(|(cause, (period, off))| {
             let micros = |time: Duration| time.as_secs_f64() * 1e6;
