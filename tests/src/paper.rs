@@ -104,4 +104,36 @@ impl PaperRun {
         assert_eq!(records.trace().len(), 25_000, "{name} on {device}: rows of the trace");
         summary
     }
+
+    /// Runs the first seconds of the scenario on a device, and checks that torques and metrics are those of the run in process,
+    /// and that the link is clean.
+    ///
+    /// # Panics
+    /// A check fails.
+    pub fn check_start_on(&self, device: &str, duration_s: u32) {
+        let duration = format!("run.duration_s={duration_s}");
+        let [on_device, in_process] = [device, "inproc"].map(|device| {
+            let records = Records::new();
+            let arguments = ["run", &self.scenario(), "--device", device, "--out", &records.out()];
+            // Too short for the numbers of the whole run.
+            let settings = ["--set", &duration, "--set", "expect=[]"];
+            let _ = program::run(arguments.into_iter().chain(settings).chain(PATIENCE)).with_code(0);
+            records.summary()
+        });
+        for key in ["torque_sha256", "metrics", "steps", "expectations"] {
+            assert_eq!(on_device[key], in_process[key], "{}: {key}", self.name);
+        }
+        assert_eq!(on_device["steps"], 1_000 * duration_s, "{}", self.name);
+        check_link(&on_device, self.name);
+    }
+}
+
+/// Checks that no frame was damaged, lost or late.
+///
+/// # Panics
+/// One was.
+pub fn check_link(summary: &Value, name: &str) {
+    for key in ["crc_errors", "lost", "late", "damaged_at_drive", "overruns_at_drive"] {
+        assert_eq!(summary["link"][key], 0, "{name}: {key}");
+    }
 }

@@ -89,9 +89,8 @@ fn nothing() -> Action {
 #[test]
 fn the_core_does_not_wait_for_the_line() {
     let (image, requests) = (image(), 20);
-    let [idle, busy] = [0, requests].map(|requests| {
-        run(&image, vec![(BOOTED_AT, send(requests)), (BOOTED_AT + LONG, nothing())])
-    });
+    let [idle, busy] = [0, requests]
+        .map(|requests| run(&image, vec![(BOOTED_AT, send(requests)), (BOOTED_AT + LONG, nothing())]));
     let bytes = busy.surroundings.received.len() - idle.surroundings.received.len();
     assert_eq!(bytes, requests * IDENTITY_BYTES);
     let instructions = (busy.instructions - idle.instructions) as f64;

@@ -14,7 +14,7 @@ use super::request::{Answer, Line, PROGRAMS, Request, User};
 use crate::{program, wait, workspace};
 
 /// Time for the boot and for any answer, far longer than on an idle machine.
-const LIMIT: Duration = Duration::from_secs(180);
+const LIMIT: Duration = Duration::from_secs(600);
 /// Time for a command, in seconds.
 const COMMAND_LIMIT_S: u32 = 120;
 /// The kernel's command line. A panic ends the emulator.

@@ -1,6 +1,6 @@
 //! Runs with the emulated board.
 
-use tests::paper::PaperRun;
+use tests::paper::{PaperRun, check_link};
 use tests::program;
 use tests::records::Records;
 
@@ -11,10 +11,7 @@ pub(crate) fn same_as_in_process(run: PaperRun) {
     for key in ["torque_sha256", "metrics", "steps", "expectations"] {
         assert_eq!(emulated[key], in_process[key], "{}: {key}", run.name);
     }
-    let link = &emulated["link"];
-    for key in ["crc_errors", "lost", "late", "damaged_at_drive", "overruns_at_drive"] {
-        assert_eq!(link[key], 0, "{}: {key}", run.name);
-    }
+    check_link(&emulated, run.name);
 }
 
 pub(crate) fn identity() {

@@ -31,6 +31,42 @@ pub(crate) fn repeats() {
     assert_eq!(digest(), digest());
 }
 
+/// At 4 kHz the line has no capacity for a report of every step.
+pub(crate) fn reports_every_fourth_step() {
+    let settings = ["run.control_period_us=250", "run.duration_s=0.5", "bench.sample_every=4", "expect=[]"];
+    let settings: Vec<_> = settings.iter().flat_map(|setting| ["--set", setting]).collect();
+    let (ended, records) = on_silicon(SMOOTH_AFTER, &settings);
+    let _ = ended.with_code(0);
+    let summary = records.summary();
+    let link = &summary["link"];
+    assert_eq!((&summary["steps"], &link["lost"], &link["late"]), (&2_000.into(), &0.into(), &0.into()));
+    let trace = records.trace();
+    let [torque_nm, time_s] = ["torque_nm", "time_s"].map(|name| trace.column(name));
+    assert!((time_s[1_999] - 1_999.0 * 250e-6).abs() < 1e-9, "{}", time_s[1_999]);
+    for (number, report) in torque_nm.chunks(4).enumerate() {
+        assert!(report.iter().all(|torque| *torque == report[0]), "report {number}: {report:?}");
+    }
+    let changes = torque_nm.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    assert!(changes > 400, "{changes} of 500 reports differ from the one before");
+}
+
+/// The image names its board, and virtual silicon has the pins there.
+pub(crate) fn second_board() {
+    let records = Records::new();
+    let (path, out) = (format!("scenarios/{SMOOTH_AFTER}.toml"), records.out());
+    let image = tests::workspace().join("target/lashloop-firmware-odrive-v3.elf");
+    let device = format!("silicon:{}", image.display());
+    let settings = ["--set", "run.duration_s=0.3", "--set", "expect=[]"];
+    let arguments = [&["run", &path, "--device", &device, "--out", &out], &settings[..], &PATIENCE].concat();
+    let _ = program::run(arguments).with_code(0);
+    let summary = records.summary();
+    let device = summary["device"].as_str().expect("the device");
+    assert!(device.contains("(odrive-v3, firmware "), "{device}");
+    // The load moves by counts of the encoder that the board has at other pins.
+    let load_rad = records.trace().column("load_position_rad");
+    assert!((load_rad[299] - load_rad[0]).abs() > 1e-3, "{} rad", load_rad[299] - load_rad[0]);
+}
+
 pub(crate) fn fails() {
     let (ended, records) = on_silicon(SMOOTH_AFTER, &["--set", "run.duration_s=0.2"]);
     let ended = ended.with_code(1);

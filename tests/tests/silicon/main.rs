@@ -24,7 +24,7 @@ use tests::{fault_table, optional, own_core};
 type Check = fn();
 
 /// Trials that need the image and the program.
-const TRIALS: [(&str, Check); 14] = [
+const TRIALS: [(&str, Check); 16] = [
     ("conversation::the_documented_frames_come_back_byte_by_byte", conversation::byte_by_byte),
     ("runs::the_image_identifies_itself_as_the_board", runs::identity),
     ("runs::the_rate_of_steps_is_reported", runs::speed),
@@ -32,6 +32,8 @@ const TRIALS: [(&str, Check); 14] = [
     ("runs::a_file_that_is_no_image_is_named", runs::stranger),
     ("runs::an_image_without_the_protocol_is_reported_as_silent", runs::silent),
     ("bench_mode::a_run_repeats_bit_for_bit", bench_mode::repeats),
+    ("bench_mode::a_run_at_4_khz_takes_every_fourth_report", bench_mode::reports_every_fourth_step),
+    ("bench_mode::the_second_board_runs_on_its_own_pins", bench_mode::second_board),
     ("bench_mode::a_missed_expectation_fails_the_run", bench_mode::fails),
     ("bench_mode::a_silent_host_trips_the_watchdog", bench_mode::unplugged_for_a_while),
     ("bench_mode::a_disconnected_host_has_no_verdict", bench_mode::unplugged_for_good),
@@ -50,7 +52,7 @@ fn main() -> ExitCode {
         TRIALS.into_iter().map(|(name, check)| trial(name, missing.clone(), check)).collect();
     for run in RUNS.into_iter().chain([BACKLASH_INVERSE]) {
         let name = format!("runs::{}_has_the_torques_of_the_run_in_process", run.name.replace('-', "_"));
-        trials.push(trial(&name, missing.clone(), move || runs::same_as_in_process(run)));
+        trials.push(trial(&name, missing.clone(), move || run.check_start_on("silicon", 3)));
     }
     trials.push(trial("runs::a_missing_image_is_named_with_its_build_command", None, runs::no_image));
     optional::run(&arguments, "virtual silicon", missing.as_deref(), trials)

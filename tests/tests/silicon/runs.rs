@@ -3,37 +3,16 @@
 use std::fs;
 
 use rustix::process::Signal;
-use tests::paper::{PATIENCE, PaperRun};
+use tests::paper::PATIENCE;
 use tests::program;
 use tests::records::Records;
 use tests::{loss, processes};
 
 use crate::equipment;
 
-/// Length of a compared run. A step takes about 0.7 ms.
+/// Length of the run whose speed is reported. A step takes about 0.7 ms.
 const DURATION: &str = "run.duration_s=3";
 const STEPS: u64 = 3_000;
-
-/// The same torques as in process, bit for bit, and no damaged, lost or late frame.
-pub(crate) fn same_as_in_process(run: PaperRun) {
-    let on = |device: &str| {
-        let records = Records::new();
-        let scenario = run.scenario();
-        let arguments = ["run", &scenario, "--device", device, "--out", &records.out(), "--set", DURATION];
-        // Too short for the paper's numbers.
-        let arguments = arguments.into_iter().chain(["--set", "expect=[]"]).chain(PATIENCE);
-        let _ = program::run(arguments).with_code(0);
-        records.summary()
-    };
-    let (silicon, in_process) = (on("silicon"), on("inproc"));
-    for key in ["torque_sha256", "metrics", "steps", "expectations"] {
-        assert_eq!(silicon[key], in_process[key], "{}: {key}", run.name);
-    }
-    assert_eq!(silicon["steps"], STEPS);
-    for key in ["crc_errors", "lost", "late", "damaged_at_drive", "overruns_at_drive"] {
-        assert_eq!(silicon["link"][key], 0, "{}: {key}", run.name);
-    }
-}
 
 pub(crate) fn identity() {
     let records = Records::new();

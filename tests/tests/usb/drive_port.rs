@@ -1,7 +1,7 @@
 //! The USB class code of the firmware on the kernel's `cdc_acm`. The chip's OTG peripheral takes no part.
 
 use crate::machine::{
-    Device, Kind, Machine, RESUMING, await_run, check_resumed, check_torques, finish_run, start_run,
+    Device, Kind, Machine, RESUMING, SHORT, await_run, check_resumed, check_torques, finish_run, start_run,
 };
 
 fn plug(machine: &mut Machine) -> Device<'_> {
@@ -27,7 +27,7 @@ pub(crate) fn healthy(machine: &mut Machine) {
 pub(crate) fn torques(machine: &mut Machine) {
     let device = plug(machine);
     let terminal = device.terminal();
-    check_torques(device.machine, terminal, &[]);
+    check_torques(device.machine, terminal, &[SHORT]);
 }
 
 pub(crate) fn conforming(machine: &mut Machine) {

@@ -7,6 +7,7 @@ mod boot;
 mod causes;
 mod duty;
 mod encoders;
+mod failures;
 mod host;
 mod loader;
 mod mutants;

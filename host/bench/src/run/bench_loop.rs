@@ -35,6 +35,13 @@ const START_TOLERANCE_RAD: f64 = 0.02;
 const SLOWEST_CLOCK: u32 = 10;
 /// Further periods, for the first tick and the last report.
 const MARGIN_PERIODS: u32 = 20;
+/// A step whose report is lost.
+const UNREPORTED: StepTiming = StepTiming {
+    lateness: Duration::ZERO,
+    outcome: StepOutcome::Unanswered,
+    round_trip: None,
+    tick_compute: None,
+};
 /// Time for the report of a fault after the step that caused it.
 const FAULT_REPORT_LIMIT: Duration = Duration::from_millis(100);
 
@@ -46,8 +53,11 @@ pub(super) struct BenchLoop<'a, S> {
     clock: ClockName,
     torque_limit_nm: f32,
     positions: BenchPositions,
-    /// The last measurement.
+    /// The last measurement, and the timing of its step.
     latest: TraceRow,
+    latest_timing: StepTiming,
+    /// Steps for each report of the drive.
+    sample_every: u32,
     /// The next step to be recorded.
     next_step: u32,
     /// When the last report arrived, or the first reference was sent, in the link's time.
@@ -81,6 +91,8 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
                 motor_position_rad: start.motor_position_rad,
                 torque_nm: 0.0,
             },
+            latest_timing: UNREPORTED,
+            sample_every: scenario.bench.sample_every,
             next_step: 0,
             last_report_at: None,
             waiting: (clock == ClockName::Lockstep).then(waiting),
@@ -100,7 +112,7 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         }
     }
 
-    /// Sends the reference of a period, and takes the reports that arrive by `deadline`.
+    /// Sends the reference of a period, and takes the reports that arrive by `deadline`; neither in a period without a report.
     pub(super) fn step(
         &mut self,
         period: u32,
@@ -108,6 +120,9 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         device: &mut Device,
     ) -> Result<Option<End>, RunError> {
         self.miss(period, device)?;
+        if !period.is_multiple_of(self.sample_every) {
+            return Ok(None);
+        }
         // A drive counts from its start on.
         let reference_rad = self.reference_rad(period) - self.positions.load_zero_rad();
         let asked = Instant::now();
@@ -151,7 +166,7 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
 
     /// Completes the record of a drive that has reported fewer steps than the run has.
     pub(super) fn complete(&mut self, device: &Device) -> Result<(), RunError> {
-        self.lose_steps_before(self.scenario.run.steps(), device)
+        self.fill_steps_before(self.scenario.run.steps(), device)
     }
 
     /// Passes the last step on, with the drive's latest signals.
@@ -203,8 +218,12 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         let Some(reference) = nearest_step(reference_number, period).filter(|it| *it <= period) else {
             return broken(AnswerRule::ReferenceSent { number: reference_number });
         };
-        self.lose_steps_before(sample.step, device)?;
+        self.fill_steps_before(sample.step, device)?;
         self.measure(&sample, reference, device)?;
+        let steps = self.scenario.run.steps();
+        if steps - sample.step <= self.sample_every {
+            self.fill_steps_before(steps, device)?;
+        }
         Ok(None)
     }
 
@@ -241,25 +260,26 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
             load_counts: sample.load_counts,
             reference_rad: (self.latest.reference_rad - start_rad) as f32,
         };
-        self.record(
-            Some(reported),
-            StepTiming {
-                lateness: tenths_us(sample.lateness_tenths_us),
-                outcome: StepOutcome::Answered,
-                round_trip: None,
-                tick_compute: Some(tenths_us(sample.compute_tenths_us)),
-            },
-            device,
-        )
+        self.latest_timing = StepTiming {
+            lateness: tenths_us(sample.lateness_tenths_us),
+            outcome: StepOutcome::Answered,
+            round_trip: None,
+            tick_compute: Some(tenths_us(sample.compute_tenths_us)),
+        };
+        self.record(Some(reported), self.latest_timing, device)
     }
 
-    /// Records the steps before `step` whose reports are lost: the last measurement again.
-    fn lose_steps_before(&mut self, step: u32, device: &Device) -> Result<(), RunError> {
+    /// Records the steps before `step` with the last measurement: those without a report after one that has arrived, and those
+    /// whose report is lost.
+    fn fill_steps_before(&mut self, step: u32, device: &Device) -> Result<(), RunError> {
         while self.next_step < step {
-            self.counts.unanswered += 1;
-            let outcome = StepOutcome::Unanswered;
-            let lost = StepTiming { lateness: Duration::ZERO, outcome, round_trip: None, tick_compute: None };
-            self.record(None, lost, device)?;
+            if self.next_step.is_multiple_of(self.sample_every) {
+                self.latest_timing = UNREPORTED;
+            }
+            if self.latest_timing.outcome == StepOutcome::Unanswered {
+                self.counts.unanswered += 1;
+            }
+            self.record(None, self.latest_timing, device)?;
         }
         Ok(())
     }

@@ -18,6 +18,9 @@ use lashloop_plant::TORQUE_DELAY_US;
 /// Key of the scale of the power stage.
 const TORQUE_PER_DUTY_NM: &str = "torque_per_duty_nm";
 
+/// Key of the interval of the reports.
+pub const SAMPLE_EVERY: &str = "sample_every";
+
 /// Numbers of `[bench]`: key, unit, range and meaning. Each is the drive's parameter of that name.
 const NUMBERS: [(&str, &str, f64, f64, &str); 5] = [
     (TORQUE_PER_DUTY_NM, "N m", 1e-3, 1e5, "Torque at the motor for a duty of 1 more than `duty_offset`."),
@@ -40,11 +43,20 @@ const DIRECTIONS: [(&str, &str); 3] = [
     ("torque_direction", "Direction of the power stage."),
 ];
 
-/// `[bench]`: parameters of the drive that describe its pins. An absent one keeps the drive's default.
-#[derive(Debug, Clone, Default, PartialEq)]
+/// `[bench]`: parameters of the drive that describe its pins, of which an absent one keeps the drive's default; and its
+/// reports.
+#[derive(Debug, Clone, PartialEq)]
 pub struct BenchSettings {
     /// The parameters that are given.
     pub parameters: Vec<ParameterSetting>,
+    /// Control steps for each report of the drive, and for each reference of the bench; 1 or more.
+    pub sample_every: u32,
+}
+
+impl Default for BenchSettings {
+    fn default() -> Self {
+        Self { parameters: Vec::new(), sample_every: 1 }
+    }
 }
 
 impl BenchSettings {
@@ -58,13 +70,16 @@ impl BenchSettings {
     /// Whether the section is absent or empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.parameters.is_empty()
+        *self == Self::default()
     }
 }
 
 impl Serialize for BenchSettings {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut keys = serializer.serialize_map(Some(self.parameters.len()))?;
+        let mut keys = serializer.serialize_map(None)?;
+        if self.sample_every > 1 {
+            keys.serialize_entry(SAMPLE_EVERY, &self.sample_every)?;
+        }
         for setting in &self.parameters {
             keys.serialize_entry(&setting.name, &setting.value)?;
         }
@@ -90,7 +105,10 @@ pub(super) fn read(bench: &mut Section<'_>) -> BenchSettings {
             add(bench, key, ParameterValue::Text(name.to_owned()));
         }
     }
-    BenchSettings { parameters }
+    let doc = "Control steps for each report of the drive, and for each reference: a line of 921,600 baud takes one of each in a \
+               millisecond. The record repeats the last measurement in between.";
+    let sample_every = bench.doc(doc).integer(SAMPLE_EVERY, 1, 1..=1000);
+    BenchSettings { parameters, sample_every }
 }
 
 impl ScenarioError {

@@ -1,0 +1,64 @@
+//! Code for failures of the firmware, in place of functions of an image.
+
+use lashloop_silicon::symbols::Symbols;
+use lashloop_silicon::thumb::{Code, FOREVER, RETURN};
+
+/// A word of RAM between variables and stack, by which a test controls code.
+pub const FLAG: u32 = 0x2001_0000;
+/// Line of the source that a made panic reports.
+pub const PANIC_LINE: u32 = 4_711;
+
+/// A panic of core with the location of a line of its own.
+pub fn panicking(image: &Symbols) -> impl FnOnce(u64) -> Code {
+    let panic = image.function("option::unwrap_failed").expect("a function of core");
+    move |address| {
+        // Four instructions to load two registers, one to jump, one to align.
+        let location = address as u32 + 20;
+        let jump = Code::default().load(0, location).jump(panic);
+        // File, its length, line, column.
+        jump.halfword(0).word(0x0800_0000).word(0).word(PANIC_LINE).word(1)
+    }
+}
+
+/// Pends the interrupt of TIM7, number 55, which no task handles.
+pub fn interrupting() -> Code {
+    const ENABLE: u32 = 0xe000_e104;
+    const PEND: u32 = 0xe000_e204;
+    const TIM7: u32 = 1 << 23;
+    // str r1, [r0]
+    let store = |code: Code| code.halfword(0x6001);
+    let enabled = store(Code::default().load(0, ENABLE).load(1, TIM7));
+    store(enabled.load(0, PEND)).halfword(RETURN)
+}
+
+/// An endless loop of the task that serves requests. The priority ceiling ends before it, so the other tasks go on.
+pub fn serving_no_more() -> Code {
+    // movs r0, #0; msr basepri, r0
+    Code::default().halfwords(&[0x2000, 0xf380, 0x8811, FOREVER])
+}
+
+/// Returns the flag in place of a value, unless it is 0.
+pub fn returning_the_flag() -> Code {
+    // ldr r1, [r0]; cbz r1, 1f; vmov s0, r1; 1:
+    Code::default().load(0, FLAG).halfwords(&[0x6801, 0xb109, 0xee00, 0x1a10, RETURN])
+}
+
+/// Loops for ever if the flag is not 0.
+pub fn never_ending() -> Code {
+    // ldr r1, [r0]; cbz r1, 1f; b .; 1:
+    Code::default().load(0, FLAG).halfwords(&[0x6801, 0xb101, FOREVER, RETURN])
+}
+
+/// Clears the flag after as many loops as it says.
+pub fn taking_time() -> Code {
+    // ldr r1, [r0]; movs r2, #0; str r2, [r0]; cbz r1, 1f; 2: subs r1, #1; bne 2b; 1:
+    Code::default().load(0, FLAG).halfwords(&[0x6801, 0x2200, 0x6002, 0xb109, 0x3901, 0xd1fd, RETURN])
+}
+
+/// Clears the control register of the tick's timer.
+pub fn stopping_the_tick() -> Code {
+    // movs r1, #0; str r1, [r0]
+    Code::default().load(0, TIM5).halfwords(&[0x2100, 0x6001, RETURN])
+}
+
+const TIM5: u32 = 0x4000_0c00;
