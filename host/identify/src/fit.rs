@@ -5,9 +5,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::normal::Normal;
+use crate::normal::{Errors, Normal};
 use crate::parameters::{COUNT, Parameter};
 use crate::problem::{OWN, Point, Problem};
+use crate::replay::Substeps;
 
 /// Dampings that are tried in an iteration.
 const TRIES: usize = 8;
@@ -126,9 +127,14 @@ impl Problem<'_> {
                 break;
             }
         }
+        let is_exact = self.motions.iter().all(|motion| motion.altered.is_empty());
         let normal = match last {
-            Some(normal) => normal,
-            None => self.normal(&point, &predictions, &self.noise(&point, &predictions))?,
+            Some(normal) if is_exact || self.substeps == Substeps::Coarse => normal,
+            _ => {
+                let noise = self.noise(&point, &predictions);
+                let errors = if self.substeps == Substeps::Coarse { Errors::Counts } else { Errors::All };
+                self.normal_with(&point, &predictions, &noise, errors)?
+            }
         };
         let inverse = normal.matrix.try_inverse()?;
         let covariance = &inverse * &normal.scatter * &inverse;

@@ -15,8 +15,13 @@ use super::sections::{EncoderSettings, LinkSettings, OnLoss};
 use crate::process_plant;
 use lashloop_plant::TORQUE_DELAY_US;
 
+/// Key of where the load stands at the first step.
+const START: &str = "start";
 /// Key of the scale of the power stage.
 const TORQUE_PER_DUTY_NM: &str = "torque_per_duty_nm";
+
+/// Parameter of the law of a drive that takes its reference as a torque: N m for a reference of 1 rad.
+pub const TORQUE_PER_RAD_NM: &str = "torque_per_rad_nm";
 
 /// Numbers of `[bench]`: key, unit, range and meaning. Each is the drive's parameter of that name.
 const NUMBERS: [(&str, &str, f64, f64, &str); 5] = [
@@ -40,9 +45,26 @@ const DIRECTIONS: [(&str, &str); 3] = [
     ("torque_direction", "Direction of the power stage."),
 ];
 
+/// Where the load stands at the first step.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum BenchStart {
+    /// At `[plant.initial]`, to which the reference is relative. A load that stands elsewhere ends the run.
+    #[default]
+    Initial,
+    /// Anywhere: only for a law whose reference is a torque.
+    Anywhere,
+}
+
+const STARTS: [(&str, BenchStart, &str); 2] = [
+    ("initial", BenchStart::Initial, "at `[plant.initial]`; a load that stands elsewhere ends the run"),
+    ("anywhere", BenchStart::Anywhere, "anywhere; only for a law that takes its reference as a torque"),
+];
+
 /// `[bench]`: parameters of the drive that describe its pins. An absent one keeps the drive's default.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct BenchSettings {
+    /// Where the load stands at the first step.
+    pub start: BenchStart,
     /// The parameters that are given.
     pub parameters: Vec<ParameterSetting>,
 }
@@ -58,13 +80,17 @@ impl BenchSettings {
     /// Whether the section is absent or empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.parameters.is_empty()
+        *self == Self::default()
     }
 }
 
 impl Serialize for BenchSettings {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut keys = serializer.serialize_map(Some(self.parameters.len()))?;
+        let mut keys = serializer.serialize_map(None)?;
+        let chosen = STARTS.iter().find(|(_, start, _)| *start == self.start && !self.is_empty());
+        if let Some((name, ..)) = chosen {
+            keys.serialize_entry(START, name)?;
+        }
         for setting in &self.parameters {
             keys.serialize_entry(&setting.name, &setting.value)?;
         }
@@ -90,7 +116,11 @@ pub(super) fn read(bench: &mut Section<'_>) -> BenchSettings {
             add(bench, key, ParameterValue::Text(name.to_owned()));
         }
     }
-    BenchSettings { parameters }
+    let docs = STARTS.map(|(name, _, doc)| Choice { name, doc }).to_vec();
+    let names = STARTS.map(|(name, start, _)| (name, start));
+    let doc = "Where the load stands at the first step.";
+    let start = bench.doc(doc).choice_docs(docs).choice(START, BenchStart::Initial, &names).unwrap_or_default();
+    BenchSettings { start, parameters }
 }
 
 impl ScenarioError {

@@ -45,7 +45,14 @@ pub enum Halt {
     Moved,
     /// A limit is exceeded.
     Exceeded(Exceeded),
+    /// The drive train still moves from the motion before.
+    NotAtRest,
 }
+
+/// Time without torque at the begin of a motion, in which the drive train has to be at rest, in s.
+pub(super) const REST_S: f64 = 0.05;
+/// Largest motion from the first half of that time to the second, in counts of either encoder.
+const REST_COUNTS: f64 = 1.0;
 
 /// Time over which a speed is formed, in s: long against a count, short against an impact.
 const SPEED_WINDOW_S: f64 = 0.01;
@@ -62,7 +69,35 @@ pub struct Guard {
     origin: Option<i64>,
     recent: VecDeque<[i64; 2]>,
     first_load: Option<i64>,
+    rest: Option<Rest>,
     peaks: Peaks,
+}
+
+/// Sums of the counts in both halves of the time at rest: means, because encoders may be noisy.
+#[derive(Debug, Clone)]
+struct Rest {
+    half: u32,
+    samples: u32,
+    sums: [[i64; 2]; 2],
+}
+
+impl Rest {
+    fn new(period_s: f64) -> Self {
+        let half = (REST_S / period_s / 2.0).floor().max(1.0) as u32;
+        Self { half, samples: 0, sums: [[0; 2]; 2] }
+    }
+
+    /// Whether the drive train is at rest; `None` as long as the time lasts, and after it.
+    fn check(&mut self, counts: [i64; 2]) -> Option<bool> {
+        let sums = self.sums.get_mut((self.samples / self.half) as usize)?;
+        self.samples += 1;
+        sums[0] += counts[0];
+        sums[1] += counts[1];
+        (self.samples == 2 * self.half).then(|| {
+            let moved = |encoder: usize| (self.sums[1][encoder] - self.sums[0][encoder]).abs() as f64;
+            (0..2).all(|encoder| moved(encoder) <= REST_COUNTS * f64::from(self.half))
+        })
+    }
 }
 
 /// Largest values of a motion so far.
@@ -88,8 +123,8 @@ impl Guard {
     ) -> Self {
         let counts_per_rad = [instruments.motor_counts_per_rad(), instruments.load_counts_per_rad()];
         let (recent, first_load) = (VecDeque::new(), None);
-        let peaks = Peaks::default();
-        Self { limits, counts_per_rad, period_s, load_counts, origin, recent, first_load, peaks }
+        let (rest, peaks) = (Some(Rest::new(period_s)), Peaks::default());
+        Self { limits, counts_per_rad, period_s, load_counts, origin, recent, first_load, rest, peaks }
     }
 
     /// A guard that never halts, for records and models.
@@ -102,7 +137,7 @@ impl Guard {
             load_speed_rad_s: none,
             load_travel_rad: none,
         };
-        Self::new(limits, instruments, period_s, None, None)
+        Self { rest: None, ..Self::new(limits, instruments, period_s, None, None) }
     }
 
     /// Takes the counts of a sample. After a halt no torque may be commanded any more.
@@ -136,6 +171,9 @@ impl Guard {
         let exceeded = checks.into_iter().find(|(_, value, limit, _)| value > limit);
         if let Some((quantity, value, limit, unit)) = exceeded {
             return Some(Halt::Exceeded(Exceeded { quantity, value, limit, unit }));
+        }
+        if self.rest.as_mut().and_then(|rest| rest.check([motor_counts, load_counts])) == Some(false) {
+            return Some(Halt::NotAtRest);
         }
         let moved = (load_counts - first).abs();
         self.load_counts.is_some_and(|most| moved >= most).then_some(Halt::Moved)
