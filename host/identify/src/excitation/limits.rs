@@ -51,8 +51,10 @@ pub enum Halt {
 
 /// Time without torque at the begin of a motion, in which the drive train has to be at rest, in s.
 pub(super) const REST_S: f64 = 0.05;
-/// Largest motion from the first half of that time to the second, in counts of either encoder.
-const REST_COUNTS: f64 = 1.0;
+/// Largest motion from the first half of that time to the second, in counts of either encoder, and on top in standard
+/// deviations of what the scatter of the counts explains.
+const REST_COUNTS: f64 = 0.1;
+const REST_DEVIATIONS: f64 = 3.0;
 
 /// Time over which a speed is formed, in s: long against a count, short against an impact.
 const SPEED_WINDOW_S: f64 = 0.01;
@@ -73,31 +75,38 @@ pub struct Guard {
     peaks: Peaks,
 }
 
-/// Sums of the counts in both halves of the time at rest: means, because encoders may be noisy.
+/// The counts of the time at rest. Means of both halves are compared, because encoders may be noisy.
 #[derive(Debug, Clone)]
 struct Rest {
-    half: u32,
-    samples: u32,
-    sums: [[i64; 2]; 2],
+    half: usize,
+    counts: [Vec<f64>; 2],
 }
 
 impl Rest {
     fn new(period_s: f64) -> Self {
-        let half = (REST_S / period_s / 2.0).floor().max(1.0) as u32;
-        Self { half, samples: 0, sums: [[0; 2]; 2] }
+        Self { half: (REST_S / period_s / 2.0).floor().max(1.0) as usize, counts: Default::default() }
     }
 
     /// Takes the counts of a sample. Whether the drive train is at rest; `None` as long as the time lasts.
     fn check(&mut self, counts: [i64; 2]) -> Option<bool> {
-        if let Some(sums) = self.sums.get_mut((self.samples / self.half) as usize) {
-            self.samples += 1;
-            sums[0] += counts[0];
-            sums[1] += counts[1];
+        if self.counts[0].len() < 2 * self.half {
+            for (all, now) in self.counts.iter_mut().zip(counts) {
+                all.push(now as f64);
+            }
         }
-        (self.samples == 2 * self.half).then(|| {
-            let moved = |encoder: usize| (self.sums[1][encoder] - self.sums[0][encoder]).abs() as f64;
-            (0..2).all(|encoder| moved(encoder) <= REST_COUNTS * f64::from(self.half))
-        })
+        (self.counts[0].len() == 2 * self.half).then(|| self.counts.iter().all(|counts| self.is_still(counts)))
+    }
+
+    fn is_still(&self, counts: &[f64]) -> bool {
+        let number = self.half as f64;
+        let of_half = |half: &[f64]| {
+            let mean = half.iter().sum::<f64>() / number;
+            (mean, half.iter().map(|it| (it - mean).powi(2)).sum::<f64>() / number)
+        };
+        let (first, second) = counts.split_at(self.half);
+        let ((before, scatter_before), (after, scatter_after)) = (of_half(first), of_half(second));
+        let deviation = ((scatter_before + scatter_after) / number).sqrt();
+        (after - before).abs() <= REST_COUNTS + REST_DEVIATIONS * deviation
     }
 }
 
