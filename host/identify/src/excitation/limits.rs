@@ -51,10 +51,10 @@ pub enum Halt {
 
 /// Time without torque at the begin of a motion, in which the drive train has to be at rest, in s.
 pub(super) const REST_S: f64 = 0.05;
-/// Largest motion from the first half of that time to the second, in counts of either encoder, and on top in standard
-/// deviations of what the scatter of the counts explains.
-const REST_COUNTS: f64 = 0.1;
-const REST_DEVIATIONS: f64 = 3.0;
+/// Largest standard deviation of the counts of an encoder at rest: less than a count that comes once. On top, in terms of
+/// the noise from sample to sample, which a motion does not raise.
+const REST_COUNTS: f64 = 0.3;
+const REST_NOISE: f64 = 1.5;
 
 /// Time over which a speed is formed, in s: long against a count, short against an impact.
 const SPEED_WINDOW_S: f64 = 0.01;
@@ -75,39 +75,36 @@ pub struct Guard {
     peaks: Peaks,
 }
 
-/// The counts of the time at rest. Means of both halves are compared, because encoders may be noisy.
+/// The counts of the time at rest. An encoder may be noisy.
 #[derive(Debug, Clone)]
 struct Rest {
-    half: usize,
+    samples: usize,
     counts: [Vec<f64>; 2],
 }
 
 impl Rest {
     fn new(period_s: f64) -> Self {
-        Self { half: (REST_S / period_s / 2.0).floor().max(1.0) as usize, counts: Default::default() }
+        Self { samples: ((REST_S / period_s).floor() as usize).max(3), counts: Default::default() }
     }
 
     /// Takes the counts of a sample. Whether the drive train is at rest; `None` as long as the time lasts.
     fn check(&mut self, counts: [i64; 2]) -> Option<bool> {
-        if self.counts[0].len() < 2 * self.half {
+        if self.counts[0].len() < self.samples {
             for (all, now) in self.counts.iter_mut().zip(counts) {
                 all.push(now as f64);
             }
         }
-        (self.counts[0].len() == 2 * self.half).then(|| self.counts.iter().all(|counts| self.is_still(counts)))
+        (self.counts[0].len() == self.samples).then(|| self.counts.iter().all(|counts| is_still(counts)))
     }
+}
 
-    fn is_still(&self, counts: &[f64]) -> bool {
-        let number = self.half as f64;
-        let of_half = |half: &[f64]| {
-            let mean = half.iter().sum::<f64>() / number;
-            (mean, half.iter().map(|it| (it - mean).powi(2)).sum::<f64>() / number)
-        };
-        let (first, second) = counts.split_at(self.half);
-        let ((before, scatter_before), (after, scatter_after)) = (of_half(first), of_half(second));
-        let deviation = ((scatter_before + scatter_after) / number).sqrt();
-        (after - before).abs() <= REST_COUNTS + REST_DEVIATIONS * deviation
-    }
+/// Compares the scatter of all samples with that from one sample to the next, as von Neumann's ratio does.
+fn is_still(counts: &[f64]) -> bool {
+    let number = counts.len() as f64;
+    let mean = counts.iter().sum::<f64>() / number;
+    let variance = counts.iter().map(|it| (it - mean).powi(2)).sum::<f64>() / number;
+    let noise = counts.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>() / (2.0 * (number - 1.0));
+    variance.sqrt() <= REST_COUNTS + REST_NOISE * noise.sqrt()
 }
 
 /// Largest values of a motion so far.
