@@ -5,12 +5,21 @@ use nalgebra::{DMatrix, DVector};
 use crate::noise::Noise;
 use crate::parameters::{COUNT, Parameter};
 use crate::problem::{OFFSET_DEVIATION, OWN, Point, Problem, residual};
-use crate::replay::Prediction;
+use crate::replay::{Altered, Prediction};
 
 /// Difference of an element.
 const STEP: f64 = 1e-4;
 /// Time whose residuals count as one sample of the scatter: errors last.
 const CLUSTER_S: f64 = 0.02;
+
+/// What the scatter is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Errors {
+    /// The residuals.
+    Counts,
+    /// The residuals, and what is known of the errors of the torque.
+    All,
+}
 
 /// Normal equations at a point.
 pub(crate) struct Normal {
@@ -18,14 +27,31 @@ pub(crate) struct Normal {
     pub(crate) gradient: DVector<f64>,
     /// Covariance of the gradient, from clusters of residuals.
     pub(crate) scatter: DMatrix<f64>,
+    /// Root mean square of what the errors of the torque move the counts of motor and load by.
+    pub(crate) explained_counts: [f64; 2],
 }
 
 impl Problem<'_> {
     pub(crate) fn normal(&self, point: &Point, predictions: &[Prediction], noise: &Noise) -> Option<Normal> {
+        self.normal_with(point, predictions, noise, Errors::Counts)
+    }
+
+    /// As [`normal`](Self::normal), with these errors in the scatter.
+    pub(crate) fn normal_with(
+        &self,
+        point: &Point,
+        predictions: &[Prediction],
+        noise: &Noise,
+        errors: Errors,
+    ) -> Option<Normal> {
         let size = self.size();
         let mut matrix = DMatrix::zeros(size, size);
         let mut gradient = DVector::zeros(size);
         let mut scatter = DMatrix::zeros(size, size);
+        let kinds = self.motions.first().map_or(0, |motion| motion.altered.len());
+        let kinds = if errors == Errors::All { kinds } else { 0 };
+        let mut systematic = DMatrix::<f64>::zeros(size, kinds);
+        let (mut squares, mut samples) = ([0.0; 2], [0.0_f64; 2]);
         for (base, &index) in predictions.iter().zip(&self.used) {
             let (motion, own) = (&self.motions[index], point.own[index]);
             let mut columns = Vec::with_capacity(COUNT + 1);
@@ -39,6 +65,11 @@ impl Problem<'_> {
                 columns.push((STEP, motion.predict(&moved, own.twist_rad, self.substeps)?));
             }
             columns.push((STEP, motion.predict(&point.vector, own.twist_rad + STEP, self.substeps)?));
+            let mut moved_by = Vec::with_capacity(kinds);
+            for Altered { held, scale } in &motion.altered[..kinds] {
+                let moved = motion.predict_under(held, &point.vector, own.twist_rad, self.substeps)?;
+                moved_by.push((*scale, moved));
+            }
             let cluster = (CLUSTER_S / motion.period_s).ceil().max(1.0) as usize;
             let first = COUNT + OWN * index;
             let places: Vec<usize> = (0..COUNT).chain(first..first + OWN).collect();
@@ -46,6 +77,7 @@ impl Problem<'_> {
             let mut block = DMatrix::<f64>::zeros(places.len(), places.len());
             let mut spread = DMatrix::<f64>::zeros(places.len(), places.len());
             let mut slope = vec![0.0; places.len()];
+            let mut bias = DMatrix::<f64>::zeros(places.len(), kinds);
             for encoder in 0..2 {
                 let mut sum = vec![0.0; places.len()];
                 for at in 0..motion.samples() {
@@ -59,6 +91,15 @@ impl Problem<'_> {
                         row[COUNT + 1] = 0.0;
                         row[COUNT + 2] = 0.0;
                         row[COUNT + 1 + encoder] = 1.0 / counts;
+                        samples[encoder] += 1.0;
+                        for (kind, (scale, moved)) in moved_by.iter().enumerate() {
+                            let away_counts = scale * (moved[encoder][at] - base[encoder][at]);
+                            squares[encoder] += away_counts.powi(2);
+                            let away = weight * away_counts / counts;
+                            for (i, &left) in row.iter().enumerate() {
+                                bias[(i, kind)] += left * away;
+                            }
+                        }
                         let scaled = weight * residual / counts;
                         for (i, &left) in row.iter().enumerate() {
                             sum[i] += left * scaled;
@@ -81,6 +122,9 @@ impl Problem<'_> {
             }
             for (i, &to) in places.iter().enumerate() {
                 gradient[to] += slope[i];
+                for kind in 0..kinds {
+                    systematic[(to, kind)] += bias[(i, kind)];
+                }
                 for (j, &from) in places.iter().enumerate() {
                     let (low, high) = (i.max(j), i.min(j));
                     matrix[(to, from)] += block[(low, high)];
@@ -109,6 +153,9 @@ impl Problem<'_> {
             // The prior is as uncertain as it states.
             scatter[(at, at)] += precision;
         }
-        Some(Normal { matrix, gradient, scatter })
+        // An error of the instruments is the same in all motions.
+        scatter += &systematic * systematic.transpose();
+        let explained_counts = [0, 1].map(|at| (squares[at] / samples[at].max(1.0)).sqrt());
+        Some(Normal { matrix, gradient, scatter, explained_counts })
     }
 }

@@ -11,9 +11,27 @@ pub struct Instruments {
     pub load_counts_per_rev: u32,
     /// Time from a sample to the arrival of its torque at the motor.
     pub torque_delay_us: u32,
+    /// Standard deviation of that time, as a systematic error.
+    #[serde(default)]
+    pub torque_delay_deviation_us: u32,
+    /// Step of the torque at the motor, in N m: the torque of a sample is off by up to half of it. 0 is exact.
+    #[serde(default)]
+    pub torque_step_nm: f64,
 }
 
 impl Instruments {
+    /// Instruments whose torque is exact.
+    #[must_use]
+    pub fn exact(motor_counts_per_rev: u32, load_counts_per_rev: u32, torque_delay_us: u32) -> Self {
+        Self {
+            motor_counts_per_rev,
+            load_counts_per_rev,
+            torque_delay_us,
+            torque_delay_deviation_us: 0,
+            torque_step_nm: 0.0,
+        }
+    }
+
     pub(crate) fn motor_counts_per_rad(&self) -> f64 {
         f64::from(self.motor_counts_per_rev) / TAU
     }

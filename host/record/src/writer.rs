@@ -45,6 +45,15 @@ impl RecordWriter {
         self.folder.path()
     }
 
+    /// Removes the files of the record.
+    ///
+    /// # Errors
+    /// A file can't be removed.
+    pub fn discard(self) -> Result<(), WriteError> {
+        drop(self.files);
+        self.folder.clear()
+    }
+
     /// Writes what is pending, then the summary.
     ///
     /// # Errors

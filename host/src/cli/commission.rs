@@ -4,10 +4,13 @@ use std::io::{self, IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use lashloop_bench::device::{Device, DeviceChoice};
-use lashloop_bench::scenario::{Override, Scenario};
-use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::device::DeviceChoice;
+use lashloop_bench::run::Clock;
+use lashloop_bench::run::real_time::RealTime;
+use lashloop_bench::scenario::{Override, RunMode, Scenario};
+use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
+use lashloop_identify::Instruments;
 use lashloop_identify::excitation::{Commissioned, CommissioningError, Halt, Limits, commission};
 use lashloop_record::folder::RecordFolder;
 use lashloop_record::source::RunSource;
@@ -15,7 +18,7 @@ use lashloop_record::writer::RecordWriter;
 
 use super::clock_options::ClockOptions;
 use super::error::{CliError, system};
-use super::identify::{instruments, write_estimates};
+use super::identify::write_estimates;
 use super::options::{RigOption, TakenRig, plants};
 use super::output::{error_line, outln, prepare_folder, write_file};
 use super::run::summary;
@@ -23,6 +26,8 @@ use super::supervision::start_supervisor;
 use crate::bench::Bench;
 use crate::commission::{MotionError, OnDevice, RecordError, RunRecord, settings};
 use crate::identify::files::{INSTRUMENTS_FILE, table};
+use crate::identify::power_stage::{TORQUE_DELAY_US, instruments};
+use crate::rig::Rig;
 
 /// The scenario of a command line without one.
 const SCENARIO: &str = include_str!("../../../scenarios/commission.toml");
@@ -48,6 +53,10 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     rig: RigOption,
 
+    /// Mode in place of the scenario's, see `lashloop run --help` [default with --rig: bench]
+    #[arg(long, value_name = "MODE", value_parser = ["hil", "bench"])]
+    mode: Option<String>,
+
     /// Largest torque at the motor, in N m [default: that of the rig]
     #[arg(long, value_name = "N_M", value_parser = positive)]
     torque_limit: Option<f64>,
@@ -67,6 +76,10 @@ pub(crate) struct Arguments {
     /// Confirm the limits without a question
     #[arg(long)]
     yes: bool,
+
+    /// Bench mode: time from a tick to the torque at the motor, in us; its standard deviation is a third of it [default: 75]
+    #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    torque_delay_us: Option<u32>,
 
     /// Scenario whose plant the estimation starts from, within a factor of 50 of the truth [default: the paper's bench]
     #[arg(long, value_name = "SCENARIO")]
@@ -93,7 +106,7 @@ impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let rig = self.rig.take(bench, "commission")?;
         let limits = self.limits(rig.as_ref())?;
-        let scenario = |more: &[String]| self.scenario(&limits, more, bench);
+        let scenario = |more: &[String]| self.scenario(rig.as_ref(), &limits, more, bench);
         let template = scenario(&[])?;
         let choice = match &rig {
             Some(taken) => {
@@ -111,12 +124,12 @@ impl Arguments {
             return Ok(Exit::Invalid);
         }
         let supervisor = start_supervisor()?;
-        let offered = offered(choice, &template, &supervisor)?;
+        let known = self.instruments(&template, rig.as_ref());
         if let Some(folder) = &self.out {
             prepare_folder(folder, &[])?;
         }
         let temporary = tempfile::tempdir().map_err(system("create a temporary folder"))?;
-        let source = RunSource::new(Path::new(&template.name), &self.overrides(&limits, &[]), &plants(bench));
+        let source = RunSource::new(Path::new(&template.name), &self.overrides(&limits, rig.as_ref().map(|taken| &taken.rig), &[]), &plants(bench));
         let writer = |name: &str| {
             let Some(folder) = &self.out else { return Ok(None) };
             let claimed = RecordFolder::claim(&folder.join(name), self.force);
@@ -127,24 +140,25 @@ impl Arguments {
             let end = match run.halt {
                 Some(Halt::Moved) => "until the load moved".to_owned(),
                 Some(Halt::Exceeded(exceeded)) => format!("halted: {exceeded}"),
-                None => run.outcome.end.to_string(),
+                Some(Halt::NotAtRest) | None => run.outcome.end.to_string(),
             };
             outln!("{:<20} {} steps, {end}", run.name, run.outcome.steps);
-            run.writer.take().map_or(Ok(()), |writer| complete(writer, &run))
+            run.writer.take().map_or(Ok(()), |writer| complete(writer, &run, &known))
         };
         let mut drive_train = OnDevice {
             scenario: &scenario,
             device: choice,
-            clock: self.clock.clock()?,
+            clock: self.clock(&template, choice)?,
             supervisor: &supervisor,
-            instruments: instruments(&template),
+            instruments: known,
             period_s: template.run.control_period_s(),
             rig: rig.as_ref().map(|taken| &taken.rig),
             folder: temporary.path(),
             writer: &writer,
             record: &mut record,
+            drive: None,
         };
-        let (known, period_us) = (instruments(&template), template.run.control_period_us);
+        let period_us = template.run.control_period_us;
         let signals = supervisor.guard_signals();
         let commissioned =
             commission(&mut drive_train, &known, &limits, period_us, &start.unwrap_or_default());
@@ -156,7 +170,10 @@ impl Arguments {
         );
         outln!("{}", table(&identified).trim_end());
         if let Some(folder) = &self.out {
-            write_estimates(folder, &identified, |name| offered.iter().any(|it| it == name))?;
+            let offers = |name: &str| {
+                drive_train.drive.as_ref().is_some_and(|it| it.device.session.parameter(name).is_some())
+            };
+            write_estimates(folder, &identified, offers)?;
         }
         Ok(if identified.is_followed() { Exit::Pass } else { Exit::Invalid })
     }
@@ -190,18 +207,39 @@ impl Arguments {
         })
     }
 
-    fn overrides(&self, limits: &Limits, more: &[String]) -> Vec<Override> {
-        let settings = self.set.iter().cloned().chain(settings(limits)).chain(more.iter().cloned());
-        settings.map(Override::Set).collect()
+    fn overrides(&self, limits: &Limits, rig: Option<&Rig>, more: &[String]) -> Vec<Override> {
+        let mode = self.mode.clone().or_else(|| rig.map(|_| "bench".to_owned()));
+        let of_rig = rig.map(encoders_of).unwrap_or_default();
+        let settings =
+            self.set.iter().cloned().chain(of_rig).chain(settings(limits)).chain(more.iter().cloned());
+        mode.map(Override::Mode).into_iter().chain(settings.map(Override::Set)).collect()
+    }
+
+    /// Lockstep, unless the drive is on hardware and has a time of its own.
+    fn clock(&self, template: &Scenario, choice: &DeviceChoice) -> Result<Clock, CliError> {
+        let clock = self.clock.clock()?;
+        let name = ClockName::Lockstep;
+        let is_real = clock == Clock::Lockstep
+            && template.run.mode == RunMode::Bench
+            && !choice.for_run(template, name)?.keeps_bench_clock(name);
+        Ok(if is_real { Clock::RealTime(RealTime::default()) } else { clock })
+    }
+
+    /// What is given of the instruments. In bench mode the power stage has a delay and a step.
+    fn instruments(&self, template: &Scenario, rig: Option<&TakenRig>) -> Instruments {
+        let of_rig = rig.and_then(|taken| taken.rig.power_stage.torque_per_duty_nm);
+        let torque_per_duty_nm = of_rig.or(template.bench.torque_per_duty_nm());
+        instruments(template, torque_per_duty_nm, self.torque_delay_us.unwrap_or(TORQUE_DELAY_US))
     }
 
     fn scenario(
         &self,
+        rig: Option<&TakenRig>,
         limits: &Limits,
         more: &[String],
         bench: &Bench,
     ) -> Result<Scenario, lashloop_bench::scenario::ScenarioErrors> {
-        let settings = self.overrides(limits, more);
+        let settings = self.overrides(limits, rig.map(|taken| &taken.rig), more);
         match &self.scenario {
             Some(file) => Scenario::from_file_with(file, &settings, &plants(bench)),
             None => Scenario::from_str_with(SCENARIO_NAME, SCENARIO, &settings, &plants(bench)),
@@ -233,20 +271,19 @@ fn confirmed(limits: &Limits, device: &str, yes: bool) -> Result<bool, CliError>
     Ok(answer.trim() == "yes")
 }
 
-/// Names of the drive's parameters.
-fn offered(
-    choice: &DeviceChoice,
-    template: &Scenario,
-    supervisor: &Supervisor,
-) -> Result<Vec<String>, CliError> {
-    let device = Device::open(choice, template.link.baud, supervisor)?;
-    Ok(device.session.parameters.iter().map(|it| it.name.clone()).collect())
+/// The resolutions that a rig file has, as settings of a scenario.
+fn encoders_of(rig: &Rig) -> Vec<String> {
+    let [motor, load] = [rig.encoders.motor_counts_per_rev, rig.encoders.load_counts_per_rev];
+    let setting = |key, counts: Option<u32>| counts.map(|counts| format!("encoders.{key}={counts}"));
+    [setting("motor_counts_per_rev", motor), setting("load_counts_per_rev", load)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// Completes the record of a motion, with the facts that `identify` needs.
-fn complete(writer: RecordWriter, run: &RunRecord<'_>) -> Result<(), RecordError> {
-    let known = serde_json::to_string_pretty(&instruments(run.scenario))
-        .map_err(|error| RecordError(Box::new(error)))?;
+fn complete(writer: RecordWriter, run: &RunRecord<'_>, known: &Instruments) -> Result<(), RecordError> {
+    let known = serde_json::to_string_pretty(known).map_err(|error| RecordError(Box::new(error)))?;
     write_file(&writer.folder().join(INSTRUMENTS_FILE), &(known + "\n"))
         .map_err(|error| RecordError(error.to_string().into()))?;
     let summary = summary(run.scenario, run.device, run.outcome);

@@ -21,6 +21,7 @@ use crate::bench::Bench;
 use crate::identify::files::{
     DRIVE_FILE, ESTIMATES_FILE, INSTRUMENTS_FILE, PLANT_FILE, drive_toml, plant_toml, table,
 };
+use crate::identify::power_stage::{TORQUE_DELAY_US, instruments};
 use crate::identify::record::series;
 
 /// Estimate a drive train from records, with 95 % intervals
@@ -64,7 +65,7 @@ impl Arguments {
             .collect::<Result<Vec<_>, CliError>>()?;
         let of_record = scenario(&records[0].1, bench);
         let instruments = self.instruments(&records[0].0.join(INSTRUMENTS_FILE), &of_record)?;
-        let Instruments { motor_counts_per_rev, load_counts_per_rev, torque_delay_us } = instruments;
+        let Instruments { motor_counts_per_rev, load_counts_per_rev, torque_delay_us, .. } = instruments;
         outln!(
             "given: {motor_counts_per_rev} counts per revolution of the motor, {load_counts_per_rev} of the load; torque delay \
              {torque_delay_us} us\n"
@@ -96,18 +97,19 @@ impl Arguments {
     ) -> Result<Instruments, CliError> {
         let given = (self.motor_counts_per_rev, self.load_counts_per_rev, self.torque_delay_us);
         if let (Some(motor_counts_per_rev), Some(load_counts_per_rev), Some(torque_delay_us)) = given {
-            return Ok(Instruments { motor_counts_per_rev, load_counts_per_rev, torque_delay_us });
+            return Ok(Instruments::exact(motor_counts_per_rev, load_counts_per_rev, torque_delay_us));
         }
         let of_file = fs::read(file).ok().and_then(|text| serde_json::from_slice(&text).ok());
         let known = match (of_file, of_record) {
             (Some(known), _) => known,
-            (None, Ok(scenario)) => instruments(scenario),
+            (None, Ok(scenario)) => instruments(scenario, scenario.bench.torque_per_duty_nm(), TORQUE_DELAY_US),
             (None, Err(reason)) => return Err(CliError::Instruments { reason: reason.clone() }),
         };
         Ok(Instruments {
             motor_counts_per_rev: self.motor_counts_per_rev.unwrap_or(known.motor_counts_per_rev),
             load_counts_per_rev: self.load_counts_per_rev.unwrap_or(known.load_counts_per_rev),
             torque_delay_us: self.torque_delay_us.unwrap_or(known.torque_delay_us),
+            ..known
         })
     }
 }
@@ -116,15 +118,6 @@ impl Arguments {
 fn scenario(record: &Record, bench: &Bench) -> Result<Scenario, String> {
     let name = record.summary.as_ref().map(|summary| &summary.scenario).ok_or("the record has no summary")?;
     Scenario::from_file_with(Path::new(name), &[], &plants(bench)).map_err(|error| error.to_string())
-}
-
-/// The instruments of a scenario.
-pub(super) fn instruments(scenario: &Scenario) -> Instruments {
-    Instruments {
-        motor_counts_per_rev: scenario.encoders.motor_counts_per_rev,
-        load_counts_per_rev: scenario.encoders.load_counts_per_rev,
-        torque_delay_us: scenario.plant.torque_delay_us(),
-    }
 }
 
 /// Writes `plant.toml`, `drive.toml` and `estimates.json`. `offers` is whether the drive has a parameter.

@@ -25,7 +25,7 @@ use super::output::{error_line, outln};
 use super::{run_junit, run_report};
 use super::supervision::start_supervisor;
 use super::watch_options::WatchOptions;
-use crate::identify::gate::{self, Departure, KeyInterval, RecordedMotion};
+use crate::identify::gate::{self, Departure, Intervals, RecordedMotion};
 use crate::rig::check::check_board;
 use crate::suite::case_result::CaseResult;
 
@@ -189,7 +189,7 @@ pub(super) struct Executed {
 /// What the gate compares after the run.
 struct Gate {
     recorded: RecordedMotion,
-    intervals: Vec<KeyInterval>,
+    intervals: Intervals,
 }
 
 impl Gate {

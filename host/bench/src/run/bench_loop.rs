@@ -25,6 +25,7 @@ use super::waiting_time::WaitingTime;
 use crate::device::{Device, DeviceError};
 use crate::fault::timeline::Timeline;
 use crate::scenario::Scenario;
+use crate::scenario::bench::BenchStart;
 use crate::session::{AtStep, BenchReport, SessionError};
 use crate::timing::{ClockName, StepOutcome, StepTiming};
 use crate::verdict::{AnswerRule, BrokenRule};
@@ -52,6 +53,8 @@ pub(super) struct BenchLoop<'a, S> {
     pub(super) timeline: Timeline,
     clock: ClockName,
     torque_limit_nm: f32,
+    /// What a reference is relative to: a drive counts from its power-up on, and a torque is relative to nothing.
+    reference_zero_rad: f64,
     positions: BenchPositions,
     /// The last measurement, and the timing of its step.
     latest: TraceRow,
@@ -74,8 +77,9 @@ pub(super) struct BenchLoop<'a, S> {
 impl<'a, S: StepSink> BenchLoop<'a, S> {
     /// The loop for a drive that is about to be started.
     pub(super) fn new(scenario: &'a Scenario, timeline: Timeline, settings: LoopSettings, sink: S) -> Self {
-        let LoopSettings { clock, torque_limit_nm, plant_signals, drive_signals, .. } = settings;
+        let LoopSettings { clock, torque_limit_nm, plant_signals, drive_signals, takes_torque, .. } = settings;
         let start = &scenario.plant.initial;
+        let positions = BenchPositions::new(scenario);
         let waiting = || WaitingTime::new(scenario.link.mean_wait(), scenario.link.answer_timeout());
         Self {
             scenario,
@@ -83,7 +87,8 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
             timeline,
             clock,
             torque_limit_nm,
-            positions: BenchPositions::new(scenario),
+            reference_zero_rad: if takes_torque { 0.0 } else { positions.load_zero_rad() },
+            positions,
             latest: TraceRow {
                 time_s: 0.0,
                 reference_rad: scenario.reference.position_rad(0.0),
@@ -123,8 +128,7 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         if !period.is_multiple_of(self.sample_every) {
             return Ok(None);
         }
-        // A drive counts from its start on.
-        let reference_rad = self.reference_rad(period) - self.positions.load_zero_rad();
+        let reference_rad = self.reference_rad(period) - self.reference_zero_rad;
         let asked = Instant::now();
         let reports = device
             .session
@@ -236,9 +240,9 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
     ) -> Result<(), RunError> {
         let (motor_position_rad, load_position_rad) = self.positions.take(sample);
         let start_rad = self.positions.load_zero_rad();
-        if self.counts.steps == self.counts.unanswered
-            && (load_position_rad - start_rad).abs() > START_TOLERANCE_RAD
-        {
+        let is_first = self.counts.steps == self.counts.unanswered;
+        let is_away = (load_position_rad - start_rad).abs() > START_TOLERANCE_RAD;
+        if is_first && is_away && self.scenario.bench.start == BenchStart::Initial {
             return Err(DeviceError::AwayFromStart {
                 device: device.connection.choice.to_string(),
                 distance_rad: load_position_rad - start_rad,

@@ -60,6 +60,8 @@ pub(super) struct LoopSettings {
     pub(super) drive_signals: usize,
     /// The drive's largest torque in N m, as read from it.
     pub(super) torque_limit_nm: f32,
+    /// Whether the law takes its reference as a torque, not as a position.
+    pub(super) takes_torque: bool,
 }
 
 /// What the loop counts.

@@ -8,6 +8,7 @@ use lashloop_protocol::parameter_names::{
 };
 
 use crate::names::UnknownName;
+use crate::scenario::bench::{BenchStart, TORQUE_PER_RAD_NM};
 use crate::scenario::controller::{self, ParameterSetting};
 use crate::scenario::{Origin, RunMode, Scenario, ScenarioError, ScenarioErrors};
 use crate::session::{Law, Parameter, Session, Subscription, WrittenValue};
@@ -44,6 +45,7 @@ impl<'a> DriveSettings<'a> {
         clock: ClockName,
     ) -> Result<Self, ScenarioErrors> {
         let law = law(scenario, session)?;
+        check_start(scenario, session, law)?;
         let mut errors = Vec::new();
         let mut notes = Vec::new();
         let from_sections = from_sections(scenario, law);
@@ -123,6 +125,27 @@ fn law<'s>(scenario: &Scenario, session: &'s Session) -> Result<&'s Law, Scenari
         let reason = UnknownName::new("the drive", "law", &wanted.name, known);
         ScenarioError::by_drive(&wanted.origin, "controller.name", format!("{:?}", wanted.name), reason)
     })
+}
+
+/// Whether the law of a scenario takes its reference as a torque.
+pub(super) fn takes_torque(scenario: &Scenario, session: &Session) -> bool {
+    law(scenario, session).is_ok_and(|law| commands_torque(session, law))
+}
+
+fn commands_torque(session: &Session, law: &Law) -> bool {
+    session.parameter(TORQUE_PER_RAD_NM).is_some_and(|parameter| parameter.laws.contains(law.index))
+}
+
+/// A law of positions would jump from where the load stands to the first reference.
+fn check_start(scenario: &Scenario, session: &Session, law: &Law) -> Result<(), ScenarioError> {
+    let (start, chosen) = (scenario.bench.start, &scenario.controller);
+    if scenario.run.mode.is_hil() || start == BenchStart::Initial || commands_torque(session, law) {
+        return Ok(());
+    }
+    let reason = format!(
+        "bench.start = \"anywhere\" needs a law that takes its reference as a torque, by the parameter {TORQUE_PER_RAD_NM}"
+    );
+    Err(ScenarioError::by_drive(&chosen.origin, "controller.name", format!("{:?}", law.name), reason))
 }
 
 /// What becomes of a parameter of the scenario.

@@ -7,6 +7,7 @@ use lashloop_link::TimeBase;
 
 use super::control_loop::{Counts, LoopSettings};
 use super::device_under_test::DeviceUnderTest;
+use super::drive_settings::takes_torque;
 use super::error::RunError;
 use super::outcome::{End, Outcome};
 use super::real_time::{self, RealTime, Ring};
@@ -81,6 +82,7 @@ pub fn run(
         plant_signals: signals.plant.len(),
         drive_signals: signals.drive.len(),
         torque_limit_nm,
+        takes_torque: takes_torque(scenario, &device.session),
     };
     let mut recorder = StepRecorder::new(scenario, &measured, clock.name(), observer);
     let (closed, refused) = match clock {

@@ -15,11 +15,15 @@ use super::sections::{EncoderSettings, LinkSettings, OnLoss};
 use crate::process_plant;
 use lashloop_plant::TORQUE_DELAY_US;
 
+/// Key of where the load stands at the first step.
+const START: &str = "start";
 /// Key of the scale of the power stage.
 const TORQUE_PER_DUTY_NM: &str = "torque_per_duty_nm";
 
 /// Key of the interval of the reports.
 pub const SAMPLE_EVERY: &str = "sample_every";
+/// Parameter of the law of a drive that takes its reference as a torque: N m for a reference of 1 rad.
+pub const TORQUE_PER_RAD_NM: &str = "torque_per_rad_nm";
 
 /// Numbers of `[bench]`: key, unit, range and meaning. Each is the drive's parameter of that name.
 const NUMBERS: [(&str, &str, f64, f64, &str); 5] = [
@@ -43,10 +47,27 @@ const DIRECTIONS: [(&str, &str); 3] = [
     ("torque_direction", "Direction of the power stage."),
 ];
 
+/// Where the load stands at the first step.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum BenchStart {
+    /// At `[plant.initial]`, to which the reference is relative. A load that stands elsewhere ends the run.
+    #[default]
+    Initial,
+    /// Anywhere: only for a law whose reference is a torque.
+    Anywhere,
+}
+
+const STARTS: [(&str, BenchStart, &str); 2] = [
+    ("initial", BenchStart::Initial, "at `[plant.initial]`; a load that stands elsewhere ends the run"),
+    ("anywhere", BenchStart::Anywhere, "anywhere; only for a law that takes its reference as a torque"),
+];
+
 /// `[bench]`: parameters of the drive that describe its pins, of which an absent one keeps the drive's default; and its
 /// reports.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BenchSettings {
+    /// Where the load stands at the first step.
+    pub start: BenchStart,
     /// The parameters that are given.
     pub parameters: Vec<ParameterSetting>,
     /// Control steps for each report of the drive, and for each reference of the bench; 1 or more.
@@ -55,7 +76,7 @@ pub struct BenchSettings {
 
 impl Default for BenchSettings {
     fn default() -> Self {
-        Self { parameters: Vec::new(), sample_every: 1 }
+        Self { start: BenchStart::Initial, parameters: Vec::new(), sample_every: 1 }
     }
 }
 
@@ -79,6 +100,10 @@ impl Serialize for BenchSettings {
         let mut keys = serializer.serialize_map(None)?;
         if self.sample_every > 1 {
             keys.serialize_entry(SAMPLE_EVERY, &self.sample_every)?;
+        }
+        let chosen = STARTS.iter().find(|(_, start, _)| *start == self.start && !self.is_empty());
+        if let Some((name, ..)) = chosen {
+            keys.serialize_entry(START, name)?;
         }
         for setting in &self.parameters {
             keys.serialize_entry(&setting.name, &setting.value)?;
@@ -108,7 +133,11 @@ pub(super) fn read(bench: &mut Section<'_>) -> BenchSettings {
     let doc = "Control steps for each report of the drive, and for each reference: a line of 921,600 baud takes one of each in a \
                millisecond. The record repeats the last measurement in between.";
     let sample_every = bench.doc(doc).integer(SAMPLE_EVERY, 1, 1..=1000);
-    BenchSettings { parameters, sample_every }
+    let docs = STARTS.map(|(name, _, doc)| Choice { name, doc }).to_vec();
+    let names = STARTS.map(|(name, start, _)| (name, start));
+    let doc = "Where the load stands at the first step.";
+    let start = bench.doc(doc).choice_docs(docs).choice(START, BenchStart::Initial, &names).unwrap_or_default();
+    BenchSettings { start, parameters, sample_every }
 }
 
 impl ScenarioError {

@@ -45,7 +45,16 @@ pub enum Halt {
     Moved,
     /// A limit is exceeded.
     Exceeded(Exceeded),
+    /// The drive train still moves from the motion before.
+    NotAtRest,
 }
+
+/// Time without torque at the begin of a motion, in which the drive train has to be at rest, in s.
+pub(super) const REST_S: f64 = 0.05;
+/// Largest standard deviation of the counts of an encoder at rest: less than a count that comes once. On top, in terms of
+/// the noise from sample to sample, which a motion does not raise.
+const REST_COUNTS: f64 = 0.3;
+const REST_NOISE: f64 = 1.5;
 
 /// Time over which a speed is formed, in s: long against a count, short against an impact.
 const SPEED_WINDOW_S: f64 = 0.01;
@@ -62,7 +71,40 @@ pub struct Guard {
     origin: Option<i64>,
     recent: VecDeque<[i64; 2]>,
     first_load: Option<i64>,
+    rest: Option<Rest>,
     peaks: Peaks,
+}
+
+/// The counts of the time at rest. An encoder may be noisy.
+#[derive(Debug, Clone)]
+struct Rest {
+    samples: usize,
+    counts: [Vec<f64>; 2],
+}
+
+impl Rest {
+    fn new(period_s: f64) -> Self {
+        Self { samples: ((REST_S / period_s).floor() as usize).max(3), counts: Default::default() }
+    }
+
+    /// Takes the counts of a sample. Whether the drive train is at rest; `None` as long as the time lasts.
+    fn check(&mut self, counts: [i64; 2]) -> Option<bool> {
+        if self.counts[0].len() < self.samples {
+            for (all, now) in self.counts.iter_mut().zip(counts) {
+                all.push(now as f64);
+            }
+        }
+        (self.counts[0].len() == self.samples).then(|| self.counts.iter().all(|counts| is_still(counts)))
+    }
+}
+
+/// Compares the scatter of all samples with that from one sample to the next, as von Neumann's ratio does.
+fn is_still(counts: &[f64]) -> bool {
+    let number = counts.len() as f64;
+    let mean = counts.iter().sum::<f64>() / number;
+    let variance = counts.iter().map(|it| (it - mean).powi(2)).sum::<f64>() / number;
+    let noise = counts.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>() / (2.0 * (number - 1.0));
+    variance.sqrt() <= REST_COUNTS + REST_NOISE * noise.sqrt()
 }
 
 /// Largest values of a motion so far.
@@ -88,8 +130,8 @@ impl Guard {
     ) -> Self {
         let counts_per_rad = [instruments.motor_counts_per_rad(), instruments.load_counts_per_rad()];
         let (recent, first_load) = (VecDeque::new(), None);
-        let peaks = Peaks::default();
-        Self { limits, counts_per_rad, period_s, load_counts, origin, recent, first_load, peaks }
+        let (rest, peaks) = (Some(Rest::new(period_s)), Peaks::default());
+        Self { limits, counts_per_rad, period_s, load_counts, origin, recent, first_load, rest, peaks }
     }
 
     /// A guard that never halts, for records and models.
@@ -102,7 +144,7 @@ impl Guard {
             load_speed_rad_s: none,
             load_travel_rad: none,
         };
-        Self::new(limits, instruments, period_s, None, None)
+        Self { rest: None, ..Self::new(limits, instruments, period_s, None, None) }
     }
 
     /// Takes the counts of a sample. After a halt no torque may be commanded any more.
@@ -136,6 +178,11 @@ impl Guard {
         let exceeded = checks.into_iter().find(|(_, value, limit, _)| value > limit);
         if let Some((quantity, value, limit, unit)) = exceeded {
             return Some(Halt::Exceeded(Exceeded { quantity, value, limit, unit }));
+        }
+        match self.rest.as_mut().map_or(Some(true), |rest| rest.check([motor_counts, load_counts])) {
+            None => return None,
+            Some(false) => return Some(Halt::NotAtRest),
+            Some(true) => {}
         }
         let moved = (load_counts - first).abs();
         self.load_counts.is_some_and(|most| moved >= most).then_some(Halt::Moved)

@@ -1,7 +1,9 @@
 //! The motions of a commissioning as torques over time. Every one begins and ends without torque.
 
+use super::limits::REST_S;
+
 /// Duration of a ramp until the torque limit, in s.
-const RAMP_S: f64 = 4.0;
+const RAMP_S: f64 = 3.0;
 /// The ramp begins at this fraction of the torque limit.
 const RAMP_FROM: f64 = 1e-3;
 
@@ -12,6 +14,17 @@ pub struct PlannedMotion {
     pub name: String,
     /// Torque of each sample in N m.
     pub torque_nm: Vec<f64>,
+    /// Largest twist by the counts of both encoders that the motion explains, whatever their directions and the reduction
+    /// ratio are, in rad at the motor. `None` while nothing is known of the drive train.
+    pub twist_rad: Option<f64>,
+}
+
+impl PlannedMotion {
+    /// A motion that begins with the time at rest.
+    fn from_rest(name: String, torque_nm: impl IntoIterator<Item = f64>, period_s: f64) -> Self {
+        let rest = std::iter::repeat_n(0.0, (REST_S / period_s).ceil() as usize);
+        Self { name, torque_nm: rest.chain(torque_nm).collect(), twist_rad: None }
+    }
 }
 
 /// Torques to breakaway each way, at the motor.
@@ -34,12 +47,12 @@ pub(super) fn ramp(limit_nm: f64, sign: f64, period_s: f64) -> PlannedMotion {
     let samples = (RAMP_S / period_s).round() as usize;
     let torque = |at: usize| sign * limit_nm * RAMP_FROM.powf(1.0 - (at + 1) as f64 / samples as f64);
     let name = if sign < 0.0 { "breakaway-backward" } else { "breakaway-forward" };
-    PlannedMotion { name: name.to_owned(), torque_nm: (0..samples).map(torque).collect() }
+    PlannedMotion::from_rest(name.to_owned(), (0..samples).map(torque), period_s)
 }
 
 /// A reversal within breakaway, then one beyond it. Half cosines leave the motor's swing on the shaft small.
 pub(super) fn slow_reversal(breakaway: &Breakaway, period_s: f64) -> PlannedMotion {
-    const RATE_1_S: f64 = 1.6;
+    const RATE_1_S: f64 = 2.0;
     const CORNERS: [f64; 5] = [0.7, -0.7, 1.15, -1.15, 0.0];
     let mut torque_nm = Vec::new();
     let mut from = 0.0_f64;
@@ -51,33 +64,33 @@ pub(super) fn slow_reversal(breakaway: &Breakaway, period_s: f64) -> PlannedMoti
         }));
         from = to;
     }
-    PlannedMotion { name: "slow-reversal".to_owned(), torque_nm }
+    PlannedMotion::from_rest("slow-reversal".to_owned(), torque_nm, period_s)
 }
 
 /// Steps within breakaway: the motor crosses the gap and swings on the shaft, the load stays at rest.
 pub(super) fn steps(breakaway: &Breakaway, period_s: f64) -> PlannedMotion {
-    const STEPS: [(f64, f64); 5] = [(0.0, 0.02), (0.5, 0.3), (-0.5, 0.3), (0.5, 0.3), (0.0, 0.3)];
+    const STEPS: [(f64, f64); 4] = [(0.5, 0.3), (-0.5, 0.3), (0.5, 0.3), (0.0, 0.3)];
     let held = STEPS.map(|(fraction, duration_s)| (breakaway.along(fraction), duration_s));
-    PlannedMotion { name: "steps".to_owned(), torque_nm: hold(&held, period_s) }
+    PlannedMotion::from_rest("steps".to_owned(), hold(&held, period_s), period_s)
 }
 
 /// Pulses beyond breakaway, there and back: the load accelerates and friction stops it.
 pub(super) fn pulses(breakaway: &Breakaway, pulse: &Pulse, index: usize, period_s: f64) -> PlannedMotion {
-    const REST_S: f64 = 0.4;
+    const STOP_S: f64 = 0.3;
     const FLANK_S: f64 = 0.15;
     const HOLD: f64 = 0.3;
     const EDGE_S: f64 = 0.1;
     // Both flanks first: they show where in the gap the motion begins. Between pulses a torque within breakaway keeps the
     // flank closed, so that the rests show the reduction ratio.
     let hold_nm = |sign: f64| breakaway.along(HOLD * sign);
-    let mut held = vec![(0.0, 0.02), (hold_nm(1.0), FLANK_S), (hold_nm(-1.0), FLANK_S)];
+    let mut held = vec![(hold_nm(1.0), FLANK_S), (hold_nm(-1.0), FLANK_S)];
     for sign in [1.0, -1.0, -1.0, 1.0] {
-        held.extend([(breakaway.along(sign * pulse.breakaways), pulse.duration_s), (hold_nm(sign), REST_S)]);
+        held.extend([(breakaway.along(sign * pulse.breakaways), pulse.duration_s), (hold_nm(sign), STOP_S)]);
     }
     held.push((0.0, 0.1));
     let mut torque_nm = hold(&held, period_s);
     smooth(&mut torque_nm, (EDGE_S / period_s).round() as usize);
-    PlannedMotion { name: format!("pulses-{index}"), torque_nm }
+    PlannedMotion::from_rest(format!("pulses-{index}"), torque_nm, period_s)
 }
 
 /// Height and duration of a pulse.
@@ -89,7 +102,7 @@ pub(super) struct Pulse {
 }
 
 impl Pulse {
-    /// The next pulse: so much longer and higher that the load moves about three times as far.
+    /// The next pulse: so much longer and higher that the load moves about three times as far, up to twice as fast.
     pub(super) fn grown(self) -> Self {
         const FACTOR: f64 = 1.25;
         const LONGEST_S: f64 = 0.4;

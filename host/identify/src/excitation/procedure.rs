@@ -14,6 +14,12 @@ const BREAKAWAY_RAD: f64 = 0.004;
 const TRAVEL: f64 = 0.25;
 /// Fraction of a speed limit from which the pulses don't grow: the next would be up to twice as fast.
 const SPEED: f64 = 0.5;
+/// Most sizes that a pulse grows by at once.
+const GROWTH_MAX: i32 = 3;
+/// Attempts at a motion of a drive train that is not at rest yet.
+const ATTEMPTS: u32 = 200;
+/// Excess of the twist that is explained over the one that is expected.
+const TWIST_MARGIN: f64 = 2.0;
 /// Height of a pulse in breakaway torques from which pulses don't grow: the shaft would wind far.
 const BREAKAWAYS_MAX: f64 = 5.0;
 
@@ -23,11 +29,11 @@ pub trait DriveTrain {
     type Error;
 
     /// Makes a motion from rest, and gives every sample to the guard before its torque is commanded. A halt ends the
-    /// motion and the torque.
+    /// motion and the torque. `None` after [`Halt::NotAtRest`]: the motion has not begun.
     ///
     /// # Errors
     /// The motion can't be made or recorded.
-    fn make(&mut self, motion: &PlannedMotion, guard: Guard) -> Result<Made, Self::Error>;
+    fn make(&mut self, motion: &PlannedMotion, guard: Guard) -> Result<Option<Made>, Self::Error>;
 }
 
 /// A motion that was made.
@@ -81,6 +87,16 @@ pub enum CommissioningError<E> {
         /// Largest excursion of the motor.
         motor_counts: i64,
     },
+    /// The drive train doesn't come to rest.
+    #[error(
+        "{motion}: the drive train moves without torque, {attempts} times in a row; wait until it is at rest, or fasten the load"
+    )]
+    NotAtRest {
+        /// The motion.
+        motion: String,
+        /// Attempts.
+        attempts: u32,
+    },
     /// The two ramps contradict each other.
     #[error(
         "the ramps show different directions of the encoders, {forward:?} and {backward:?}; check the wiring of A and B"
@@ -108,7 +124,8 @@ pub fn commission<T: DriveTrain>(
     start: &Start,
 ) -> Result<Commissioned, CommissioningError<T::Error>> {
     let period_s = f64::from(period_us) / 1e6;
-    let mut bench = Bench { drive_train, instruments, limits, period_s, origin: None };
+    let ratio = start.mechanics.ratio;
+    let mut bench = Bench { drive_train, instruments, limits, period_s, ratio, origin: None, wound: None };
     let (forward, forward_nm) = bench.breakaway(1.0)?;
     let (backward, backward_nm) = bench.breakaway(-1.0)?;
     let shown = [&forward, &backward].map(|it| directions(std::slice::from_ref(it)));
@@ -116,6 +133,7 @@ pub fn commission<T: DriveTrain>(
         return Err(CommissioningError::Directions { forward: shown[0], backward: shown[1] });
     }
     let breakaway = Breakaway { forward_nm, backward_nm };
+    bench.wound = Some(Wound { torque_nm: forward_nm.min(backward_nm), twist_rad: bench.twist_rad(&[&forward, &backward]) });
     let mut records = Vec::new();
     for motion in [motions::slow_reversal(&breakaway, period_s), motions::steps(&breakaway, period_s)] {
         let made = bench.make(&motion, None)?;
@@ -132,8 +150,18 @@ struct Bench<'a, T> {
     instruments: &'a Instruments,
     limits: &'a Limits,
     period_s: f64,
+    /// Reduction ratio near which the estimation starts.
+    ratio: f64,
     /// Load counts at the first sample of all.
     origin: Option<i64>,
+    /// `None` before the ramps.
+    wound: Option<Wound>,
+}
+
+/// How far a torque has turned the motor against a load at rest.
+struct Wound {
+    torque_nm: f64,
+    twist_rad: f64,
 }
 
 impl<T: DriveTrain> Bench<'_, T> {
@@ -144,16 +172,35 @@ impl<T: DriveTrain> Bench<'_, T> {
     ) -> Result<Made, CommissioningError<T::Error>> {
         let guard = Guard::new(*self.limits, self.instruments, self.period_s, self.origin, load_counts);
         let limit_nm = self.limits.torque_nm;
-        let torque_nm = motion.torque_nm.iter().map(|it| it.clamp(-limit_nm, limit_nm)).collect();
-        let limited = PlannedMotion { name: motion.name.clone(), torque_nm };
-        let made = self.drive_train.make(&limited, guard).map_err(CommissioningError::Motion)?;
-        self.origin.get_or_insert(made.series.load_counts()[0]);
-        match made.halt {
-            Some(Halt::Exceeded(exceeded)) => {
-                Err(CommissioningError::Exceeded { motion: motion.name.clone(), exceeded })
-            }
-            Some(Halt::Moved) | None => Ok(made),
+        let torque_nm: Vec<f64> = motion.torque_nm.iter().map(|it| it.clamp(-limit_nm, limit_nm)).collect();
+        let twist_rad = self.explained_twist_rad(&torque_nm);
+        let limited = PlannedMotion { name: motion.name.clone(), torque_nm, twist_rad };
+        let motion = motion.name.clone();
+        for _ in 0..ATTEMPTS {
+            let made = self.drive_train.make(&limited, guard.clone()).map_err(CommissioningError::Motion)?;
+            let Some(made) = made else { continue };
+            self.origin.get_or_insert(made.series.load_counts()[0]);
+            return match made.halt {
+                Some(Halt::Exceeded(exceeded)) => Err(CommissioningError::Exceeded { motion, exceeded }),
+                _ => Ok(made),
+            };
         }
+        Err(CommissioningError::NotAtRest { motion, attempts: ATTEMPTS })
+    }
+
+    /// The shaft winds in proportion to the torque. Where the direction of an encoder is reversed, travel of the load
+    /// appears as twist.
+    fn explained_twist_rad(&self, torque_nm: &[f64]) -> Option<f64> {
+        let Wound { torque_nm: wound_nm, twist_rad } = self.wound.as_ref()?;
+        let peak_nm = torque_nm.iter().fold(*wound_nm, |peak, it| peak.max(it.abs()));
+        let travel_rad = self.ratio * self.limits.load_travel_rad;
+        Some(TWIST_MARGIN * (peak_nm / wound_nm * twist_rad + travel_rad))
+    }
+
+    /// Largest excursion of the motor in these motions, in rad.
+    fn twist_rad(&self, series: &[&Series]) -> f64 {
+        let counts = series.iter().map(|it| excursion(it.motor_counts())).max().unwrap_or(0);
+        counts as f64 / self.instruments.motor_counts_per_rad()
     }
 
     /// Ramps the torque until the load moves. Returns the motion with the torque reached.
@@ -162,8 +209,7 @@ impl<T: DriveTrain> Bench<'_, T> {
         let counts = BREAKAWAY_COUNTS.max(BREAKAWAY_RAD * self.instruments.load_counts_per_rad());
         let made = self.make(&motion, Some(counts.ceil() as i64))?;
         if made.halt.is_none() {
-            let motor = made.series.motor_counts();
-            let motor_counts = motor.iter().map(|count| (count - motor[0]).abs()).max().unwrap_or(0);
+            let motor_counts = excursion(made.series.motor_counts());
             let torque_nm = self.limits.torque_nm;
             return Err(CommissioningError::NoBreakaway { motion: motion.name, torque_nm, motor_counts });
         }
@@ -176,7 +222,7 @@ impl<T: DriveTrain> Bench<'_, T> {
     /// Pulses, each larger than the one before, until the load travels far enough. Returns the last one.
     fn pulses(&mut self, breakaway: &Breakaway) -> Result<(String, Series), CommissioningError<T::Error>> {
         let mut pulse = Pulse { breakaways: 1.3, duration_s: 0.1 };
-        let (mut index, mut last) = (1, None);
+        let (mut index, mut last, mut before) = (1, None, None);
         loop {
             let motion = motions::pulses(breakaway, &pulse, index, self.period_s);
             let Made { series, peaks, .. } = match (self.make(&motion, None), last) {
@@ -193,8 +239,29 @@ impl<T: DriveTrain> Bench<'_, T> {
                 return Ok((motion.name, series));
             }
             last = Some((motion.name, series));
-            pulse = pulse.grown();
+            for _ in 0..before.map_or(1, |before| growth(&before, &peaks, self.limits)) {
+                pulse = pulse.grown();
+            }
+            before = Some(peaks);
             index += 1;
         }
     }
+}
+
+/// Sizes by which the next pulse may grow: a size more multiplies travel and speeds by no more than the last growth did,
+/// because a pulse barely beyond breakaway gains the most.
+fn growth(before: &Peaks, peaks: &Peaks, limits: &Limits) -> i32 {
+    const FACTOR_MIN: f64 = 1.25;
+    let sizes = |before: f64, reached: f64, aim: f64| {
+        let factor = (reached / before.max(1e-9)).max(FACTOR_MIN);
+        (aim / reached.max(1e-9)).log(factor).floor() as i32
+    };
+    let travel = sizes(before.load_travel_rad, peaks.load_travel_rad, TRAVEL * limits.load_travel_rad);
+    let motor = sizes(before.motor_speed_rad_s, peaks.motor_speed_rad_s, SPEED * limits.motor_speed_rad_s);
+    let load = sizes(before.load_speed_rad_s, peaks.load_speed_rad_s, SPEED * limits.load_speed_rad_s);
+    travel.min(motor).min(load).clamp(1, GROWTH_MAX)
+}
+
+fn excursion(counts: &[i64]) -> i64 {
+    counts.iter().map(|count| (count - counts[0]).abs()).max().unwrap_or(0)
 }

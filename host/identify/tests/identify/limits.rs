@@ -4,7 +4,7 @@ use lashloop_identify::excitation::{CommissioningError, Limits, commission};
 
 use lashloop_identify::Start;
 
-use crate::hidden::{HiddenPlant, PERIOD_US};
+use lashloop_identify::coverage::{HiddenPlant, PERIOD_US};
 
 const WIDE: Limits =
     Limits { torque_nm: 20.0, motor_speed_rad_s: 400.0, load_speed_rad_s: 10.0, load_travel_rad: 1.5 };
@@ -55,7 +55,7 @@ fn no_planned_torque_exceeds_the_torque_limit() {
             &mut self,
             motion: &lashloop_identify::excitation::PlannedMotion,
             guard: lashloop_identify::excitation::Guard,
-        ) -> Result<lashloop_identify::excitation::Made, Self::Error> {
+        ) -> Result<Option<lashloop_identify::excitation::Made>, Self::Error> {
             self.1 = motion.torque_nm.iter().fold(self.1, |most, it| most.max(it.abs()));
             self.0.make(motion, guard)
         }

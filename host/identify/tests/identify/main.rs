@@ -1,6 +1,5 @@
 //! Identification of plants that the estimator does not know, from the counts of their encoders.
 
 mod coverage;
-mod hidden;
 mod limits;
 mod observability;

@@ -3,14 +3,14 @@
 use lashloop_identify::excitation::{DriveTrain as _, Guard, PlannedMotion};
 use lashloop_identify::{Direction, IdentifyError, Instruments, Series, Start, directions, identify};
 
-use crate::hidden::HiddenPlant;
+use lashloop_identify::coverage::HiddenPlant;
 
 /// A torque that swings within breakaway: the load stays at rest.
 fn swing_of_the_motor(plant: &mut HiddenPlant) -> Series {
     let torque_nm = (0..2000).map(|at| 0.3 * (f64::from(at) * 0.004).sin()).collect();
-    let motion = PlannedMotion { name: "swing".to_owned(), torque_nm };
+    let motion = PlannedMotion { name: "swing".to_owned(), torque_nm, twist_rad: None };
     let guard = Guard::unlimited(&plant.instruments(), 1e-3);
-    plant.make(&motion, guard).expect("a motion").series
+    plant.make(&motion, guard).expect("a motion").expect("a plant at rest").series
 }
 
 #[test]
@@ -34,7 +34,7 @@ fn load_at_rest_shows_neither_inertia_nor_friction_nor_ratio() {
 fn motor_at_rest_shows_nothing() {
     let series = Series::new(1000, vec![0.001; 500], vec![7; 500], vec![-3; 500]).expect("a series");
     let instruments =
-        Instruments { motor_counts_per_rev: 4000, load_counts_per_rev: 4000, torque_delay_us: 1000 };
+        Instruments::exact(4000, 4000, 1000);
     let error = identify(&[series], &instruments, &Start::default()).expect_err("nothing moves");
     assert_eq!(error, IdentifyError::MotorAtRest);
 }

@@ -113,6 +113,7 @@ fn counted(
         plant_signals: 0,
         drive_signals,
         torque_limit_nm,
+        takes_torque: false,
     };
     device.session.start().expect("a drive that starts");
 

@@ -1,32 +1,47 @@
 //! Hidden plants: drawn at random, reached through torques and counts only.
 //!
+//!
 //! Inertias, stiffness, damping, frictions and lag are within a factor of 2 of the paper's bench, evenly in their logarithm;
 //! the gap is 0.02 to 0.5 rad wide. The plant is integrated in four times as many steps as the estimator's model.
 
-use lashloop_identify::excitation::{DriveTrain, Guard, Made, PlannedMotion};
-use lashloop_identify::{Instruments, Series, SeriesError};
 use lashloop_plant::backlash_shaft::{BacklashShaft, ShaftParameters};
 use lashloop_plant::encoder::Encoder;
 use lashloop_plant::random::{Pcg64Mcg, SeedableRng, uniform};
 use lashloop_plant::{Mechanics, Plant, RunningPlant, Start, TransportDelay};
 
+use crate::excitation::{DriveTrain, Guard, Halt, Made, PlannedMotion};
+use crate::series::{Instruments, Series, SeriesError};
+
+/// Control period of a hidden plant's motions.
 pub const PERIOD_US: u32 = 1000;
 const DELAY_US: u32 = 1000;
 const SUBSTEPS: u32 = 16;
 
-#[derive(Debug, Clone)]
+/// A drive train whose parameters a commissioning doesn't get.
 pub struct HiddenPlant {
+    /// Masses, spring and gap.
     pub mechanics: Mechanics,
+    /// Damping, dry friction and lag.
     pub shaft: ShaftParameters,
     /// Of motor and load.
     pub counts_per_rev: [u32; 2],
     /// 1 or -1, of motor and load.
     pub signs: [i64; 2],
+    /// Where it stands before the first motion.
     pub start: Start,
+    /// The plant in its present state, from the first motion on.
+    present: Option<Present>,
+    noise_counts: f64,
+}
+
+struct Present {
+    plant: RunningPlant<BacklashShaft>,
+    encoders: [Encoder; 2],
 }
 
 impl HiddenPlant {
     /// PCG XSL 128/64, seeded with the number of the plant.
+    #[must_use]
     pub fn draw(seed: u64) -> Self {
         let mut random = Pcg64Mcg::seed_from_u64(seed);
         let mut within = |low: f64, high: f64| low + (high - low) * uniform(&mut random);
@@ -57,15 +72,27 @@ impl HiddenPlant {
         let load_rad = within(-1.0, 1.0);
         let twist_rad = within(-0.9, 0.9) * mechanics.dead_zone_rad;
         let start = Start::at_rest(load_rad, mechanics.ratio * load_rad + twist_rad);
-        Self { mechanics, shaft, counts_per_rev, signs, start }
+        Self { mechanics, shaft, counts_per_rev, signs, start, present: None, noise_counts: 0.0 }
     }
 
+    /// The same plant with encoders whose edges jitter uniformly by up to this either way.
+    #[must_use]
+    pub fn with_noise(self, noise_counts: f64) -> Self {
+        Self { noise_counts, ..self }
+    }
+
+    /// What a commissioning gets of it.
+    #[must_use]
     pub fn instruments(&self) -> Instruments {
-        let [motor_counts_per_rev, load_counts_per_rev] = self.counts_per_rev;
-        Instruments { motor_counts_per_rev, load_counts_per_rev, torque_delay_us: DELAY_US }
+        let [motor, load] = self.counts_per_rev;
+        Instruments::exact(motor, load, DELAY_US)
     }
 
     /// The true value of a quantity by its name.
+    ///
+    /// # Panics
+    /// No quantity has this name.
+    #[must_use]
     pub fn truth(&self, name: &str) -> f64 {
         let Self { mechanics, shaft, .. } = self;
         let asymmetry = shaft.load_asymmetry;
@@ -99,33 +126,49 @@ impl HiddenPlant {
     }
 }
 
+impl HiddenPlant {
+    fn release(&self) -> Present {
+        let plant = BacklashShaft::new(self.mechanics, self.shaft, SUBSTEPS).expect("a plant in its ranges");
+        let mut seeds = 1..;
+        let encoders = self.counts_per_rev.map(|counts_per_rev| {
+            let seed = seeds.next().unwrap_or_default();
+            Encoder::new(counts_per_rev, self.noise_counts, seed).expect("an encoder in its ranges")
+        });
+        Present { plant: RunningPlant::released(plant, self.start), encoders }
+    }
+}
+
 impl DriveTrain for HiddenPlant {
     type Error = SeriesError;
 
-    fn make(&mut self, motion: &PlannedMotion, mut guard: Guard) -> Result<Made, SeriesError> {
-        let plant = BacklashShaft::new(self.mechanics, self.shaft, SUBSTEPS).expect("a plant in its ranges");
-        let mut plant = RunningPlant::released(plant, self.start);
-        let mut encoders = self.counts_per_rev.map(|it| Encoder::new(it, 0.0, 1).expect("an encoder"));
+    /// The motion begins where the one before has ended.
+    fn make(&mut self, motion: &PlannedMotion, mut guard: Guard) -> Result<Option<Made>, SeriesError> {
+        let mut present = self.present.take().unwrap_or_else(|| self.release());
+        let Present { plant, encoders } = &mut present;
         let mut delay = TransportDelay::new(DELAY_US, PERIOD_US);
         let (mut torques_nm, mut counts) = (Vec::new(), [Vec::new(), Vec::new()]);
         let mut halt = None;
         for &planned_nm in &motion.torque_nm {
-            let positions = Plant::positions(&plant);
+            let positions = Plant::positions(plant);
             let read = [positions.motor_position_rad, positions.load_position_rad];
             let now = [0, 1].map(|at| self.signs[at] * encoders[at].read(read[at]));
             counts.iter_mut().zip(now).for_each(|(counts, now)| counts.push(now));
             halt = guard.check(now[0], now[1]);
             let torque_nm = if halt.is_some() { 0.0 } else { planned_nm };
             torques_nm.push(torque_nm);
-            if halt.is_some() {
-                break;
-            }
             for (held_nm, held_s) in delay.step(torque_nm) {
                 plant.step(held_nm, held_s).expect("a plant that can be followed");
             }
+            if halt.is_some() {
+                break;
+            }
+        }
+        self.present = Some(present);
+        if halt == Some(Halt::NotAtRest) {
+            return Ok(None);
         }
         let [motor_counts, load_counts] = counts;
         let series = Series::new(PERIOD_US, torques_nm, motor_counts, load_counts)?;
-        Ok(Made { series, halt, peaks: guard.peaks() })
+        Ok(Some(Made { series, halt, peaks: guard.peaks() }))
     }
 }

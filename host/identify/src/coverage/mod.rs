@@ -1,0 +1,7 @@
+//! How often the intervals contain the truth: hidden plants drawn at random, and the count over them.
+
+mod hidden;
+mod tally;
+
+pub use hidden::{HiddenPlant, PERIOD_US};
+pub use tally::{Coverage, Shown};
