@@ -52,6 +52,12 @@ impl DeviceChoice {
         self.0.keeps_bench_clock(clock)
     }
 
+    /// Whether the drive may be hardware: at a terminal or behind a network port.
+    #[must_use]
+    pub fn may_be_hardware(&self) -> bool {
+        self.0.may_be_hardware()
+    }
+
     /// Path of the terminal that the drive is at; `None` for a drive that is reached in another way.
     #[must_use]
     pub fn terminal(&self) -> Option<&Path> {

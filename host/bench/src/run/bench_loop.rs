@@ -50,6 +50,8 @@ pub(super) struct BenchLoop<'a, S> {
     /// What a reference is relative to: a drive counts from its power-up on, and a torque is relative to nothing.
     reference_zero_rad: f64,
     positions: BenchPositions,
+    /// Zero of the travel; `None` until the first step of a load that starts anywhere.
+    travel_zero_rad: Option<f64>,
     /// The last measurement.
     latest: TraceRow,
     /// The next step to be recorded.
@@ -68,7 +70,8 @@ pub(super) struct BenchLoop<'a, S> {
 impl<'a, S: StepSink> BenchLoop<'a, S> {
     /// The loop for a drive that is about to be started.
     pub(super) fn new(scenario: &'a Scenario, timeline: Timeline, settings: LoopSettings, sink: S) -> Self {
-        let LoopSettings { clock, torque_limit_nm, plant_signals, drive_signals, takes_torque, .. } = settings;
+        let LoopSettings { clock, torque_limit_nm, plant_signals, drive_signals, takes_torque, .. } =
+            settings;
         let start = &scenario.plant.initial;
         let positions = BenchPositions::new(scenario);
         let waiting = || WaitingTime::new(scenario.link.mean_wait(), scenario.link.answer_timeout());
@@ -80,6 +83,10 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
             torque_limit_nm,
             reference_zero_rad: if takes_torque { 0.0 } else { positions.load_zero_rad() },
             positions,
+            travel_zero_rad: match scenario.bench.start {
+                BenchStart::Initial => Some(0.0),
+                BenchStart::Anywhere => None,
+            },
             latest: TraceRow {
                 time_s: 0.0,
                 reference_rad: scenario.reference.position_rad(0.0),
@@ -210,7 +217,16 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         };
         self.lose_steps_before(sample.step, device)?;
         self.measure(&sample, reference, device)?;
-        Ok(None)
+        Ok(self.leave_travel())
+    }
+
+    /// The end of a run whose load has left its travel.
+    fn leave_travel(&mut self) -> Option<End> {
+        let position_rad = self.latest.load_position_rad;
+        let zero_rad = *self.travel_zero_rad.get_or_insert(position_rad);
+        let (reached_rad, limit_rad) =
+            ((position_rad - zero_rad).abs(), self.scenario.bench.load_travel_limit_rad?);
+        (reached_rad > limit_rad).then_some(End::BeyondTravel { reached_rad, limit_rad })
     }
 
     /// Records a step that the drive has reported.

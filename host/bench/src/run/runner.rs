@@ -25,6 +25,7 @@ use crate::timing::ClockName;
 use crate::verdict::{Judgement, LinkCounts};
 use lashloop_plant::metrics::SignalTable;
 use lashloop_plant::{PlantError, Signal};
+use lashloop_protocol::parameter_names::SAMPLE_SOURCE;
 
 /// What paces a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -138,6 +139,9 @@ fn source(scenario: &Scenario, device: &Device, clock: Clock) -> Result<(StepSou
         RunMode::Bench => {
             let (choice, clock) = (&device.connection.choice, clock.name());
             if !choice.keeps_bench_clock(clock) {
+                if device.session.parameter(SAMPLE_SOURCE).is_none() {
+                    return Err(RunError::NoPins { device: choice.to_string() });
+                }
                 return Err(RunError::BenchClock { device: choice.to_string(), clock });
             }
             // The columns of HIL mode, without values.
