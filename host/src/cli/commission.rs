@@ -4,12 +4,15 @@ use std::io::{self, IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use lashloop_bench::device::{Device, DeviceChoice};
+use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::record::summary::SUMMARY_FILE;
 use lashloop_bench::record::trace::TraceWriter;
-use lashloop_bench::scenario::{Override, Scenario};
-use lashloop_bench::supervisor::Supervisor;
+use lashloop_bench::run::Clock;
+use lashloop_bench::run::real_time::RealTime;
+use lashloop_bench::scenario::{Override, RunMode, Scenario};
+use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
+use lashloop_identify::Instruments;
 use lashloop_identify::excitation::{Commissioned, CommissioningError, Halt, Limits, commission};
 use lashloop_plant::metrics::SignalTable;
 
@@ -23,6 +26,12 @@ use super::supervision::start_supervisor;
 use crate::bench::Bench;
 use crate::commission::{MotionError, OnDevice, RecordError, RunRecord, settings};
 use crate::identify::files::{INSTRUMENTS_FILE, table};
+use crate::rig::Rig;
+
+/// Time from a tick of a drive in bench mode to its torque: its step, and two periods of a PWM of 20 kHz at most.
+const TORQUE_DELAY_US: u32 = 75;
+/// Steps of the duty on the boards of the tree: 168 MHz at 20 kHz.
+const DUTY_STEPS: f64 = 8_400.0;
 
 /// The scenario of a command line without one.
 const SCENARIO: &str = include_str!("../../../scenarios/commission.toml");
@@ -48,6 +57,10 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     rig: RigOption,
 
+    /// Mode in place of the scenario's, see `lashloop run --help` [default with --rig: bench]
+    #[arg(long, value_name = "MODE", value_parser = ["hil", "bench"])]
+    mode: Option<String>,
+
     /// Largest torque at the motor, in N m [default: that of the rig]
     #[arg(long, value_name = "N_M", value_parser = positive)]
     torque_limit: Option<f64>,
@@ -67,6 +80,10 @@ pub(crate) struct Arguments {
     /// Confirm the limits without a question
     #[arg(long)]
     yes: bool,
+
+    /// Bench mode: time from a tick to the torque at the motor, in us; its standard deviation is a third of it [default: 75]
+    #[arg(long, value_name = "US", value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    torque_delay_us: Option<u32>,
 
     /// Scenario whose plant the estimation starts from, within a factor of 50 of the truth [default: the paper's bench]
     #[arg(long, value_name = "SCENARIO")]
@@ -89,7 +106,7 @@ impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
         let rig = self.rig.take(bench, "commission")?;
         let limits = self.limits(rig.as_ref())?;
-        let scenario = |more: &[String]| self.scenario(&limits, more, bench);
+        let scenario = |more: &[String]| self.scenario(rig.as_ref(), &limits, more, bench);
         let template = scenario(&[])?;
         let choice = match &rig {
             Some(taken) => {
@@ -104,7 +121,7 @@ impl Arguments {
             return Ok(Exit::Invalid);
         }
         let supervisor = start_supervisor()?;
-        let offered = offered(choice, &template, &supervisor)?;
+        let known = self.instruments(&template, rig.as_ref());
         if let Some(folder) = &self.out {
             prepare_folder(folder, &[])?;
         }
@@ -113,23 +130,24 @@ impl Arguments {
             let end = match run.halt {
                 Some(Halt::Moved) => "until the load moved".to_owned(),
                 Some(Halt::Exceeded(exceeded)) => format!("halted: {exceeded}"),
-                None => run.outcome.end.to_string(),
+                Some(Halt::NotAtRest) | None => run.outcome.end.to_string(),
             };
             outln!("{:<20} {} steps, {end}", run.name, run.outcome.steps);
-            self.out.as_deref().map_or(Ok(()), |folder| write_record(&folder.join(run.name), run))
+            self.out.as_deref().map_or(Ok(()), |folder| write_record(&folder.join(run.name), run, &known))
         };
         let mut drive_train = OnDevice {
             scenario: &scenario,
             device: choice,
-            clock: self.clock.clock()?,
+            clock: self.clock(&template, choice)?,
             supervisor: &supervisor,
-            instruments: instruments(&template),
+            instruments: known,
             period_s: template.run.control_period_s(),
             rig: rig.as_ref().map(|taken| &taken.rig),
             folder: temporary.path(),
             record: &mut record,
+            drive: None,
         };
-        let (known, period_us) = (instruments(&template), template.run.control_period_us);
+        let period_us = template.run.control_period_us;
         let signals = supervisor.guard_signals();
         let commissioned =
             commission(&mut drive_train, &known, &limits, period_us, &start.unwrap_or_default());
@@ -141,7 +159,10 @@ impl Arguments {
         );
         outln!("{}", table(&identified).trim_end());
         if let Some(folder) = &self.out {
-            write_estimates(folder, &identified, |name| offered.iter().any(|it| it == name))?;
+            let offers = |name: &str| {
+                drive_train.drive.as_ref().is_some_and(|it| it.device.session.parameter(name).is_some())
+            };
+            write_estimates(folder, &identified, offers)?;
         }
         Ok(if identified.is_followed() { Exit::Pass } else { Exit::Invalid })
     }
@@ -175,14 +196,45 @@ impl Arguments {
         })
     }
 
+    /// Lockstep, unless the drive is on hardware and has a time of its own.
+    fn clock(&self, template: &Scenario, choice: &DeviceChoice) -> Result<Clock, CliError> {
+        let clock = self.clock.clock()?;
+        let name = ClockName::Lockstep;
+        let is_real = clock == Clock::Lockstep
+            && template.run.mode == RunMode::Bench
+            && !choice.for_run(template, name)?.keeps_bench_clock(name);
+        Ok(if is_real { Clock::RealTime(RealTime::default()) } else { clock })
+    }
+
+    /// What is given of the instruments. In bench mode the power stage has a delay and a step.
+    fn instruments(&self, template: &Scenario, rig: Option<&TakenRig>) -> Instruments {
+        let of_scenario = instruments(template);
+        if template.run.mode.is_hil() {
+            return of_scenario;
+        }
+        let of_rig = rig.and_then(|taken| taken.rig.power_stage.torque_per_duty_nm);
+        let torque_per_duty_nm = of_rig.or(template.bench.torque_per_duty_nm());
+        let delay_us = self.torque_delay_us.unwrap_or(TORQUE_DELAY_US);
+        Instruments {
+            torque_delay_us: delay_us,
+            torque_delay_deviation_us: delay_us.div_ceil(3),
+            torque_step_nm: torque_per_duty_nm.map_or(0.0, |scale_nm| scale_nm.abs() / DUTY_STEPS),
+            ..of_scenario
+        }
+    }
+
     fn scenario(
         &self,
+        rig: Option<&TakenRig>,
         limits: &Limits,
         more: &[String],
         bench: &Bench,
     ) -> Result<Scenario, lashloop_bench::scenario::ScenarioErrors> {
-        let settings = self.set.iter().cloned().chain(settings(limits)).chain(more.iter().cloned());
-        let settings: Vec<_> = settings.map(Override::Set).collect();
+        let mode = self.mode.clone().or_else(|| rig.map(|_| "bench".to_owned()));
+        let of_rig = rig.map(|taken| encoders_of(&taken.rig)).unwrap_or_default();
+        let settings =
+            self.set.iter().cloned().chain(of_rig).chain(settings(limits)).chain(more.iter().cloned());
+        let settings: Vec<_> = mode.map(Override::Mode).into_iter().chain(settings.map(Override::Set)).collect();
         match &self.scenario {
             Some(file) => Scenario::from_file_with(file, &settings, &plants(bench)),
             None => Scenario::from_str_with(SCENARIO_NAME, SCENARIO, &settings, &plants(bench)),
@@ -214,22 +266,21 @@ fn confirmed(limits: &Limits, device: &str, yes: bool) -> Result<bool, CliError>
     Ok(answer.trim() == "yes")
 }
 
-/// Names of the drive's parameters.
-fn offered(
-    choice: &DeviceChoice,
-    template: &Scenario,
-    supervisor: &Supervisor,
-) -> Result<Vec<String>, CliError> {
-    let device = Device::open(choice, template.link.baud, supervisor)?;
-    Ok(device.session.parameters.iter().map(|it| it.name.clone()).collect())
+/// The resolutions that a rig file has, as settings of a scenario.
+fn encoders_of(rig: &Rig) -> Vec<String> {
+    let [motor, load] = [rig.encoders.motor_counts_per_rev, rig.encoders.load_counts_per_rev];
+    let setting = |key, counts: Option<u32>| counts.map(|counts| format!("encoders.{key}={counts}"));
+    [setting("motor_counts_per_rev", motor), setting("load_counts_per_rev", load)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// Writes the record of a motion: trace.csv, trace.json and summary.json.
-fn write_record(folder: &Path, run: &RunRecord<'_>) -> Result<(), RecordError> {
+fn write_record(folder: &Path, run: &RunRecord<'_>, known: &Instruments) -> Result<(), RecordError> {
     let failed = |error: CliError| RecordError(error.to_string().into());
     prepare_folder(folder, &[SUMMARY_FILE]).map_err(failed)?;
-    let known = serde_json::to_string_pretty(&instruments(run.scenario))
-        .map_err(|error| RecordError(Box::new(error)))?;
+    let known = serde_json::to_string_pretty(known).map_err(|error| RecordError(Box::new(error)))?;
     write_file(&folder.join(INSTRUMENTS_FILE), &(known + "\n")).map_err(failed)?;
     let boxed = |error: lashloop_bench::atomic_file::WriteError| RecordError(Box::new(error));
     let signals: &SignalTable = &run.outcome.signals;

@@ -64,7 +64,7 @@ impl Arguments {
             .collect::<Result<Vec<_>, CliError>>()?;
         let of_record = scenario(&records[0].1, bench);
         let instruments = self.instruments(&records[0].0.join(INSTRUMENTS_FILE), &of_record)?;
-        let Instruments { motor_counts_per_rev, load_counts_per_rev, torque_delay_us } = instruments;
+        let Instruments { motor_counts_per_rev, load_counts_per_rev, torque_delay_us, .. } = instruments;
         outln!(
             "given: {motor_counts_per_rev} counts per revolution of the motor, {load_counts_per_rev} of the load; torque delay \
              {torque_delay_us} us\n"
@@ -96,7 +96,7 @@ impl Arguments {
     ) -> Result<Instruments, CliError> {
         let given = (self.motor_counts_per_rev, self.load_counts_per_rev, self.torque_delay_us);
         if let (Some(motor_counts_per_rev), Some(load_counts_per_rev), Some(torque_delay_us)) = given {
-            return Ok(Instruments { motor_counts_per_rev, load_counts_per_rev, torque_delay_us });
+            return Ok(Instruments::exact(motor_counts_per_rev, load_counts_per_rev, torque_delay_us));
         }
         let of_file = fs::read(file).ok().and_then(|text| serde_json::from_slice(&text).ok());
         let known = match (of_file, of_record) {
@@ -108,6 +108,7 @@ impl Arguments {
             motor_counts_per_rev: self.motor_counts_per_rev.unwrap_or(known.motor_counts_per_rev),
             load_counts_per_rev: self.load_counts_per_rev.unwrap_or(known.load_counts_per_rev),
             torque_delay_us: self.torque_delay_us.unwrap_or(known.torque_delay_us),
+            ..known
         })
     }
 }
@@ -120,11 +121,9 @@ fn scenario(record: &Record, bench: &Bench) -> Result<Scenario, String> {
 
 /// The instruments of a scenario.
 pub(super) fn instruments(scenario: &Scenario) -> Instruments {
-    Instruments {
-        motor_counts_per_rev: scenario.encoders.motor_counts_per_rev,
-        load_counts_per_rev: scenario.encoders.load_counts_per_rev,
-        torque_delay_us: scenario.plant.torque_delay_us(),
-    }
+    let encoders = &scenario.encoders;
+    let delay_us = scenario.plant.torque_delay_us();
+    Instruments::exact(encoders.motor_counts_per_rev, encoders.load_counts_per_rev, delay_us)
 }
 
 /// Writes `plant.toml`, `drive.toml` and `estimates.json`. `offers` is whether the drive has a parameter.

@@ -71,35 +71,51 @@ pub struct OnDevice<'a> {
     pub folder: &'a Path,
     /// Called with every run, before the next motion.
     pub record: &'a mut dyn FnMut(&RunRecord<'_>) -> Result<(), RecordError>,
+    /// The drive of all motions: in bench mode each motion begins where the one before has ended, and the encoders count on
+    /// from the power-up. `None` before the first motion.
+    pub drive: Option<DeviceUnderTest>,
+}
+
+impl OnDevice<'_> {
+    /// The drive, opened for the scenario of the first motion.
+    fn take_drive(&mut self, scenario: &Scenario) -> Result<DeviceUnderTest, RunError> {
+        match self.drive.take() {
+            Some(opened) => Ok(opened),
+            None => {
+                let clock = self.clock.name();
+                Ok(DeviceUnderTest::open(scenario, self.device, clock, self.supervisor, |link| link)?)
+            }
+        }
+    }
 }
 
 impl DriveTrain for OnDevice<'_> {
     type Error = MotionError;
 
-    fn make(&mut self, motion: &PlannedMotion, guard: Guard) -> Result<Made, MotionError> {
+    fn make(&mut self, motion: &PlannedMotion, guard: Guard) -> Result<Option<Made>, MotionError> {
         let table = self.folder.join(format!("{}.csv", motion.name));
         let settings = scenario::motion(&motion.torque_nm, self.period_s, &table)
             .map_err(|source| MotionError::Table { path: table.clone(), source })?;
         let mut scenario = (self.scenario)(&settings)?;
+        scenario::explain_twist(&mut scenario, motion.twist_rad);
         if let Some(rig) = self.rig {
             scenario.link.baud = rig.port.baud;
         }
-        let mut device =
-            DeviceUnderTest::open(&scenario, self.device, self.clock.name(), self.supervisor, |link| link)
-                .map_err(RunError::from)?;
+        let mut device = self.take_drive(&scenario)?;
         if let Some(rig) = self.rig {
             check_board(rig, &device.device).map_err(RunError::from)?;
             rig.complete(&mut scenario, &device.device.session.parameters)?;
         }
-        let mut watch = Watch {
-            columns: Columns::default(),
-            guard,
-            halt: None,
-            instruments: self.instruments,
-            supervisor: self.supervisor,
-        };
+        let (supervisor, instruments) = (self.supervisor, self.instruments);
+        let mut watch =
+            Watch { columns: Columns::default(), guard, halt: None, instruments, supervisor };
         let outcome = run::run(&scenario, &mut device, self.clock, &mut watch)?;
         let Watch { columns, guard, halt, .. } = watch;
+        // An error ends the commissioning, and this the session.
+        let device = self.drive.insert(device);
+        if halt == Some(Halt::NotAtRest) {
+            return Ok(None);
+        }
         let name = &motion.name;
         let record = RunRecord {
             name,
@@ -115,7 +131,7 @@ impl DriveTrain for OnDevice<'_> {
         }
         let series = series(&columns, &self.instruments)
             .map_err(|source| MotionError::Series { motion: name.clone(), source })?;
-        Ok(Made { series, halt, peaks: guard.peaks() })
+        Ok(Some(Made { series, halt, peaks: guard.peaks() }))
     }
 }
 

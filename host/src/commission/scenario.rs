@@ -4,6 +4,9 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
+use lashloop_bench::scenario::bench::TORQUE_PER_RAD_NM;
+use lashloop_bench::scenario::controller::{ParameterSetting, ParameterValue};
+use lashloop_bench::scenario::{Origin, RunMode, Scenario};
 use lashloop_identify::excitation::Limits;
 
 /// The law that commands the reference as a torque.
@@ -22,11 +25,35 @@ pub fn settings(limits: &Limits) -> Vec<String> {
     let parameters = parameters.map(|(name, value)| format!("{name} = {value:?}")).join(", ");
     vec![
         format!("controller.name={LAW}"),
-        format!("controller.parameters={{ {parameters}, torque_per_rad_nm = 1.0 }}"),
+        format!("controller.parameters={{ {parameters}, {TORQUE_PER_RAD_NM} = 1.0 }}"),
+        // A motion begins where the one before has ended.
+        "bench.start=anywhere".to_owned(),
         r#"meant=["start", "mismatch", "large-angle"]"#.to_owned(),
         "expect=[]".to_owned(),
         "fault=[]".to_owned(),
     ]
+}
+
+/// Parameter of a drive in bench mode: the change of the twist beyond which an encoder counts as lost.
+const TWIST_LIMIT_RAD: &str = "twist_limit_rad";
+/// Its default. It bounds the first motions, in which nothing is known but that the load hardly moves.
+const TWIST_LIMIT_DEFAULT_RAD: f64 = 10.0;
+
+/// Raises the limit of the twist to what a motion explains.
+pub(super) fn explain_twist(scenario: &mut Scenario, twist_rad: Option<f64>) {
+    let Some(explained_rad) = twist_rad.filter(|_| scenario.run.mode == RunMode::Bench) else { return };
+    let parameters = &mut scenario.bench.parameters;
+    let given = parameters.iter().find(|it| it.name == TWIST_LIMIT_RAD).map(|it| &it.value);
+    let given_rad = match given {
+        Some(ParameterValue::Number(limit_rad)) => *limit_rad,
+        _ => TWIST_LIMIT_DEFAULT_RAD,
+    };
+    parameters.retain(|it| it.name != TWIST_LIMIT_RAD);
+    parameters.push(ParameterSetting {
+        name: TWIST_LIMIT_RAD.to_owned(),
+        value: ParameterValue::Number(given_rad.max(explained_rad)),
+        origin: Origin::Option("lashloop commission".into()),
+    });
 }
 
 /// Settings of one motion: its duration, and its torques as the table of the reference.

@@ -33,8 +33,7 @@ fn commissioned(
     };
     let folder = tempfile::tempdir().expect("a folder");
     let supervisor = Supervisor::without_signals(None).expect("threads");
-    let instruments =
-        Instruments { motor_counts_per_rev: 4000, load_counts_per_rev: 4000, torque_delay_us: 1000 };
+    let instruments = Instruments::exact(4000, 4000, 1000);
     let mut drive_train = OnDevice {
         scenario: &scenario,
         device: &Bench::new().device("inproc").expect("a device"),
@@ -45,6 +44,7 @@ fn commissioned(
         rig: None,
         folder: folder.path(),
         record: &mut |_| Ok(()),
+        drive: None,
     };
     commission(&mut drive_train, &instruments, limits, 1000, &Start::default())
 }

@@ -19,8 +19,7 @@ fn identified(scenario: &str, settings: &[&str]) -> Identified {
     for row in 0..values[0].len() {
         columns.push(values.iter().map(|column| column[row]));
     }
-    let instruments =
-        Instruments { motor_counts_per_rev: 4000, load_counts_per_rev: 4000, torque_delay_us: 1000 };
+    let instruments = Instruments::exact(4000, 4000, 1000);
     let series = series(&columns, &instruments).expect("a series");
     identify(&[series], &instruments, &Start::default()).expect("a motion")
 }

@@ -87,12 +87,13 @@ impl Rest {
         Self { half, samples: 0, sums: [[0; 2]; 2] }
     }
 
-    /// Whether the drive train is at rest; `None` as long as the time lasts, and after it.
+    /// Takes the counts of a sample. Whether the drive train is at rest; `None` as long as the time lasts.
     fn check(&mut self, counts: [i64; 2]) -> Option<bool> {
-        let sums = self.sums.get_mut((self.samples / self.half) as usize)?;
-        self.samples += 1;
-        sums[0] += counts[0];
-        sums[1] += counts[1];
+        if let Some(sums) = self.sums.get_mut((self.samples / self.half) as usize) {
+            self.samples += 1;
+            sums[0] += counts[0];
+            sums[1] += counts[1];
+        }
         (self.samples == 2 * self.half).then(|| {
             let moved = |encoder: usize| (self.sums[1][encoder] - self.sums[0][encoder]).abs() as f64;
             (0..2).all(|encoder| moved(encoder) <= REST_COUNTS * f64::from(self.half))
@@ -172,8 +173,10 @@ impl Guard {
         if let Some((quantity, value, limit, unit)) = exceeded {
             return Some(Halt::Exceeded(Exceeded { quantity, value, limit, unit }));
         }
-        if self.rest.as_mut().and_then(|rest| rest.check([motor_counts, load_counts])) == Some(false) {
-            return Some(Halt::NotAtRest);
+        match self.rest.as_mut().map_or(Some(true), |rest| rest.check([motor_counts, load_counts])) {
+            None => return None,
+            Some(false) => return Some(Halt::NotAtRest),
+            Some(true) => {}
         }
         let moved = (load_counts - first).abs();
         self.load_counts.is_some_and(|most| moved >= most).then_some(Halt::Moved)
