@@ -61,8 +61,8 @@ impl Arguments {
         let scenarios = BENCH_SCENARIOS.map(|(name, text)| scenarios(name, text, rig.as_ref()));
         for scenarios in scenarios.into_iter().collect::<Result<Vec<_>, _>>()? {
             let Both { name, of_bench, of_hil } = scenarios;
-            let (simulation, simulated) = simulate(&of_hil, &supervisor)?;
             let (experiment, judged, description) = experiment(of_bench, choice, rig.as_ref(), &supervisor)?;
+            let (simulation, simulated) = simulate(&of_hil, &supervisor)?;
             outln!("{name:<40} simulation {simulated}, experiment {judged}");
             (worst, drive) = (worst.max(simulated).max(judged), description);
             compared.push(Compared { simulation, experiment });
