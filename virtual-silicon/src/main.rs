@@ -13,6 +13,7 @@ use std::{fs, io};
 
 use anyhow::{Context, Result};
 use clap::Parser;
+use clap::builder::PossibleValuesParser;
 use lashloop_silicon::drive_train::DriveTrain;
 use lashloop_silicon::drive_train_file;
 use lashloop_silicon::host_link::{Clock, HostLink};
@@ -27,6 +28,10 @@ use lashloop_silicon::wiring::Wiring;
 struct Arguments {
     /// The image
     image: PathBuf,
+
+    /// Board with its pins; without this option the one that the image is for, stm32f405 for an image that names none
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(Wiring::BOARDS.map(|(name, _)| name)))]
+    board: Option<String>,
 
     /// Abstract socket to connect USART2 to, in place of standard input and output
     #[arg(long, value_name = "NAME")]
@@ -95,7 +100,7 @@ fn main() -> ExitCode {
 }
 
 /// Runs the image, and returns whether the chip has served all its accesses.
-fn run(Arguments { image, socket, lockstep, drive_train }: &Arguments) -> Result<bool> {
+fn run(Arguments { image, board, socket, lockstep, drive_train }: &Arguments) -> Result<bool> {
     let clock = if *lockstep { Clock::Lockstep } else { Clock::Wall };
     let connect: Connect = match socket.clone() {
         Some(name) => Box::new(move || {
@@ -110,9 +115,16 @@ fn run(Arguments { image, socket, lockstep, drive_train }: &Arguments) -> Result
         drive_train_file::read(&text).with_context(|| path.display().to_string())
     });
     let train = train.transpose()?;
-    let image = Symbols::read(image)?.image()?;
+    let symbols = Symbols::read(image)?;
+    let image = symbols.image()?;
+    let board = match board {
+        Some(board) => Some(board.clone()),
+        None => symbols.board()?,
+    };
+    let board = board.as_deref().unwrap_or(Wiring::BOARDS[0].0);
+    let wiring = Wiring::of_board(board).with_context(|| format!("the pins of the board {board} are unknown"))?;
     let surroundings = Bench { connect: Some(connect), host: None, host_turn: BOOTED_AT, train };
-    let ended = machine::run(image, Wiring::F405_BARE, surroundings)?;
+    let ended = machine::run(image, wiring, surroundings)?;
     if !ended.violations.is_empty() {
         let milliseconds = ended.device_time.as_millis();
         eprintln!(

@@ -11,7 +11,7 @@ use rigless::edge::Pulse;
 use rigless::emulator::{Host, Watch};
 use rigless::session::Session;
 use rigless::soc::Width;
-use rigless::soc::stm32f427::generated::tim1;
+use rigless::soc::stm32f427::generated::{gpioa, tim1};
 use rigless::soc::stm32f427::peripherals::tim::Channel as TimerChannel;
 use rigless::time::VirtualNanos;
 
@@ -102,13 +102,27 @@ impl<'a> Pins<'a> {
         }
     }
 
-    /// High times of a channel of TIM1 and of its complement as fractions of the period; `None` without a pulse.
-    pub fn half_bridge(&mut self, channel: u8) -> (Option<f64>, Option<f64>) {
-        let (timer, registers) = self.session.board_mut().mcu.advanced_timer(TIM1);
+    /// High times of both gates of each half-bridge as fractions of the period; `None` for a gate without a pulse.
+    pub fn half_bridges(&mut self) -> Vec<(Option<f64>, Option<f64>)> {
+        let gates = self.wiring.half_bridges.iter();
+        gates.map(|(channel, high, low)| self.half_bridge(*channel, *high, *low)).collect()
+    }
+
+    fn half_bridge(&mut self, channel: u8, high: Pin, low: Pin) -> (Option<f64>, Option<f64>) {
+        let chip = self.session.board_mut();
+        let are_connected = (is_connected(chip, high), is_connected(chip, low));
+        let (timer, registers) = chip.mcu.advanced_timer(TIM1);
         let channel = TimerChannel::new(channel).expect("a timer has channels 1 to 4");
         let pulses = (timer.pulse(channel, registers), timer.complementary_pulse(channel, registers));
         let duty = |pulse: Pulse| pulse.width.0 as f64 / pulse.period.0 as f64;
-        (pulses.0.map(duty), pulses.1.map(duty))
+        (pulses.0.filter(|_| are_connected.0).map(duty), pulses.1.filter(|_| are_connected.1).map(duty))
+    }
+
+    /// Whether a pin is an output of the image, and its level.
+    pub fn output(&mut self, pin: Pin) -> (bool, bool) {
+        let (gpio, registers) = self.session.board_mut().mcu.port(pin.port);
+        let is_output = registers.get(gpioa::Register::Moder) >> (2 * pin.pin) & 0b11 == 0b01;
+        (is_output, gpio.level(port_pin(pin), registers) == Level::High)
     }
 
     /// What the chip drives at the bridge.

@@ -7,6 +7,9 @@ use std::path::{Path, PathBuf};
 
 use crate::thumb::{Code, NOTHING, RETURN};
 
+/// Start of the symbol that the build script of the firmware makes of the board's name.
+const BOARD: &str = "_lashloop_board_";
+
 /// An image as its file.
 #[derive(Debug, Clone)]
 pub struct Symbols {
@@ -31,6 +34,16 @@ impl Symbols {
     pub fn image(&self) -> Result<Image> {
         let image = Image::new(&self.path, self.bytes.clone(), None);
         image.with_context(|| format!("{} is no image", self.path.display()))
+    }
+
+    /// Name of the board that the image is for.
+    ///
+    /// # Errors
+    /// The file is no ELF file.
+    pub fn board(&self) -> Result<Option<String>> {
+        let file = self.elf()?;
+        let mut names = file.symbols().filter_map(|symbol| symbol.name().ok()?.strip_prefix(BOARD));
+        Ok(names.next().map(str::to_owned))
     }
 
     /// Address of the only variable of this name, without its path.
@@ -121,10 +134,13 @@ impl Symbols {
         Ok(mutant)
     }
 
+    fn elf(&self) -> Result<File<'_>> {
+        File::parse(&self.bytes[..]).with_context(|| format!("{} is no ELF file", self.path.display()))
+    }
+
     /// The only symbol of this name.
     fn find(&self, name: &str, kind: SymbolKind) -> Result<Found> {
-        let file = File::parse(&self.bytes[..])
-            .with_context(|| format!("{} is no ELF file", self.path.display()))?;
+        let file = self.elf()?;
         // Both ways of mangling put the length before the name.
         let mangled: String = name.split("::").map(|segment| format!("{}{segment}", segment.len())).collect();
         let named = |is_it: &dyn Fn(&str) -> bool| -> Vec<_> {

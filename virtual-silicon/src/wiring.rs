@@ -95,6 +95,12 @@ pub struct Wiring {
     pub fault_line: Option<Pin>,
     /// Enable output of the bridge, active high.
     pub enable: Pin,
+    /// Gates of half-bridges: the channel of TIM1, high side, low side.
+    pub half_bridges: &'static [(u8, Pin, Pin)],
+    /// Outputs that stay high.
+    pub high: &'static [Pin],
+    /// Gates that stay off: inputs with pull-downs.
+    pub unused_gates: &'static [Pin],
 }
 
 const A: usize = 0;
@@ -103,6 +109,10 @@ const C: usize = 2;
 const D: usize = 3;
 
 impl Wiring {
+    /// The boards, by the names that their drives report.
+    pub const BOARDS: [(&'static str, Self); 2] =
+        [("stm32f405", Self::F405_BARE), ("odrive-v3", Self::ODRIVE_V3)];
+
     /// The bare STM32F405 board of `docs/bench-drive.md`. Alternate functions are those of the data sheet, table 9.
     pub const F405_BARE: Self = Self {
         motor: EncoderInputs { timer: 1, a: Pin::alternate(C, 6, 2), b: Pin::alternate(C, 7, 2) },
@@ -111,8 +121,11 @@ impl Wiring {
         break_input: Some(Pin::alternate(B, 12, 1)),
         fault_line: None,
         enable: Pin::plain(B, 0),
+        half_bridges: &[],
+        high: &[],
+        unused_gates: &[],
     };
-    /// An ODrive v3.5 or v3.6, phase A of M0, after the pin names of the board's own firmware.
+    /// An ODrive v3.5 or v3.6, phases A and B of M0, after the pin names of the board's own firmware.
     pub const ODRIVE_V3: Self = Self {
         motor: EncoderInputs { timer: 1, a: Pin::alternate(B, 4, 2), b: Pin::alternate(B, 5, 2) },
         load: EncoderInputs { timer: 2, a: Pin::alternate(B, 6, 2), b: Pin::alternate(B, 7, 2) },
@@ -120,7 +133,28 @@ impl Wiring {
         break_input: None,
         fault_line: Some(Pin::plain(D, 2)),
         enable: Pin::plain(B, 12),
+        half_bridges: &[
+            (1, Pin::alternate(A, 8, 1), Pin::alternate(B, 13, 1)),
+            (2, Pin::alternate(A, 9, 1), Pin::alternate(B, 14, 1)),
+        ],
+        high: &[Pin::plain(C, 13), Pin::plain(C, 14)],
+        unused_gates: &[
+            Pin::plain(A, 10),
+            Pin::plain(B, 15),
+            Pin::plain(A, 7),
+            Pin::plain(B, 0),
+            Pin::plain(B, 1),
+            Pin::plain(C, 6),
+            Pin::plain(C, 7),
+            Pin::plain(C, 8),
+        ],
     };
+
+    /// The board of this name.
+    #[must_use]
+    pub fn of_board(name: &str) -> Option<Self> {
+        Self::BOARDS.iter().find(|(board, _)| *board == name).map(|(_, wiring)| *wiring)
+    }
 
     /// Most inputs.
     pub(crate) const INPUTS: usize = 5;
@@ -149,6 +183,7 @@ impl Wiring {
     /// All pins that a timer uses.
     #[must_use]
     pub fn alternate_pins(&self) -> Vec<Pin> {
-        self.inputs().map(|(pin, _)| pin).chain([self.pwm]).collect()
+        let gates = self.half_bridges.iter().flat_map(|(_, high, low)| [*high, *low]);
+        self.inputs().map(|(pin, _)| pin).chain([self.pwm]).chain(gates).collect()
     }
 }

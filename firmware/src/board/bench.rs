@@ -3,6 +3,7 @@
 use core::time::Duration;
 
 use lashloop_protocol::enums::State;
+use rtic::Mutex;
 use stm32f4xx_hal::pac::TIM5;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::timer::{CounterUs, Event, Flag};
@@ -10,6 +11,7 @@ use stm32f4xx_hal::timer::{CounterUs, Event, Flag};
 use super::device_clock::DeviceClock;
 use super::fitted::{Lines, LoadEncoder, MotorEncoder};
 use super::pwm_stage::PwmStage;
+use super::tick_monitor::TickMonitor;
 use crate::drive::{Clock, Drive, PinHardware, PinReadings};
 use crate::law::LawSet;
 use crate::power_stage::Actuator;
@@ -26,6 +28,8 @@ pub(super) const HARDWARE: PinHardware =
 pub struct Tick {
     timer: CounterUs<TIM5>,
     period: Duration,
+    /// The next tick is overdue after this time: 1.5 periods.
+    overdue_us: u32,
     motor: MotorEncoder,
     load: LoadEncoder,
     clock: DeviceClock,
@@ -41,14 +45,20 @@ impl Tick {
     ) -> Self {
         timer.listen(Event::Update);
         let (motor, load) = encoders;
-        let mut tick = Self { timer, period: Duration::ZERO, motor, load, clock };
+        let mut tick = Self { timer, period: Duration::ZERO, overdue_us: u32::MAX, motor, load, clock };
         tick.set_period(period);
         tick
     }
 
     /// Makes the control step that is due. To be called once per interrupt.
-    pub fn step<L: LawSet>(&mut self, drive: &mut Drive<L>, stage: &mut Stage) {
+    pub fn step<L: LawSet>(
+        &mut self,
+        drive: &mut Drive<L>,
+        stage: &mut Stage,
+        monitor: &mut impl Mutex<T = Option<TickMonitor>>,
+    ) {
         self.timer.clear_flags(Flag::Update);
+        self.restart(monitor);
         let since_due = Duration::from_micros(self.timer.now().ticks().into());
         let due = self.clock.now().saturating_sub(since_due);
         let readings =
@@ -58,7 +68,16 @@ impl Tick {
         // The period is no live parameter, and reading it is a tenth of a step.
         if drive.state() != State::Running && drive.period() != self.period {
             self.set_period(drive.period());
+            self.restart(monitor);
         }
+    }
+
+    fn restart(&self, monitor: &mut impl Mutex<T = Option<TickMonitor>>) {
+        monitor.lock(|monitor| {
+            if let Some(monitor) = monitor {
+                monitor.restart(self.overdue_us);
+            }
+        });
     }
 
     /// Sets the period of the tick; one that the timer can't count leaves it unchanged, and the drive doesn't arm.
@@ -66,6 +85,7 @@ impl Tick {
         self.period = period;
         if let Ok(micros) = u32::try_from(period.as_micros()) {
             let _ = self.timer.start(micros.micros());
+            self.overdue_us = micros.saturating_add(micros / 2);
         }
     }
 }

@@ -10,16 +10,18 @@
 /// lashloop_firmware::image!(my_law::Laws);
 /// ```
 ///
-/// It has five tasks. `usart` queues every byte on arrival, and sends queued ones. `tick` counts the device clock and checks the watchdog
+/// It has seven tasks. `usart` queues every byte on arrival, and sends queued ones. `tick` counts the device clock and checks the watchdog
 /// every millisecond. `serve` feeds received bytes of the USART and the USB port to the drive and passes its output on. In HIL mode the control law has
-/// no timer: the encoder frame is the tick. `step` is the tick of bench mode; the emulator has no timer for it. Each task
-/// that may change the state of the drive applies it to the power stage before it ends.
+/// no timer: the encoder frame is the tick. `step` is the tick of bench mode; the emulator has no timer for it. `monitor` switches
+/// the power stage off if the next tick is overdue, and `overdue` latches the fault. Each task that may change the state of the drive applies it to the power stage before it ends.
 ///
 /// | task | bound to | priority | why there |
 /// |---|---|---|---|
+/// | `monitor` | TIM2 | 4 | a step that never ends leaves no torque on |
 /// | `usart` | USART2 | 3 | 11 us from one byte to the next |
 /// | `tick` | SysTick | 2 | the watchdog counts while `serve` is sending |
 /// | `step` | TIM5 | 2 | a control step waits for one request at most |
+/// | `overdue` | EXTI0, pended by `monitor` | 2 | the drive belongs to tasks of this priority |
 /// | `serve` | OTG_FS, pended by the others too | 1 | a pended interrupt is never lost, however often it is pended |
 /// | `idle` | | 0 | sleeps |
 #[macro_export]
@@ -33,9 +35,9 @@ macro_rules! image {
         mod app {
             use core::sync::atomic::{AtomicU32, Ordering};
 
-            use $crate::drive::Drive;
+            use $crate::drive::{Clock, Drive};
             use $crate::board::pac::Interrupt;
-            use $crate::board::{self, Board, DeviceClock, LineError, Lines, Memory, Stage, Tick, Ticker, UsartInterrupt};
+            use $crate::board::{self, Board, DeviceClock, LineError, Lines, Memory, Stage, Tick, TickMonitor, Ticker, UsartInterrupt};
             use $crate::board::{cortex_m, rtic};
 
             use super::LawsOfImage;
@@ -44,12 +46,13 @@ macro_rules! image {
             struct Shared {
                 drive: Drive<LawsOfImage>,
                 stage: Option<Stage>,
+                monitor: Option<TickMonitor>,
+                clock: DeviceClock,
                 line_errors: AtomicU32,
             }
 
             #[local]
             struct Local {
-                clock: DeviceClock,
                 ticker: Ticker,
                 steps: Option<Tick>,
                 usart: UsartInterrupt,
@@ -60,9 +63,10 @@ macro_rules! image {
             fn init(cx: init::Context) -> (Shared, Local) {
                 let Board { drive, bench, clock, ticker, usart, lines } =
                     board::start(cx.core.SYST, cx.device, cx.local.memory);
-                let (stage, steps) = bench.unzip();
-                let shared = Shared { drive, stage, line_errors: AtomicU32::new(0) };
-                (shared, Local { clock, ticker, steps, usart, lines })
+                let (stage, ticks) = bench.unzip();
+                let (steps, monitor) = ticks.unzip();
+                let shared = Shared { drive, stage, monitor, clock, line_errors: AtomicU32::new(0) };
+                (shared, Local { ticker, steps, usart, lines })
             }
 
             #[task(binds = USART2, priority = 3, local = [usart], shared = [&line_errors])]
@@ -87,27 +91,50 @@ macro_rules! image {
                     if drive.enters_loader(now) {
                         board::loader::enter();
                     }
-                    !drive.output().is_empty()
+                    drive.has_output()
                 });
                 if to_send {
                     rtic::pend(Interrupt::OTG_FS);
                 }
             }
 
-            #[task(binds = TIM5, priority = 2, local = [steps], shared = [drive, stage])]
+            #[task(binds = TIM5, priority = 2, local = [steps], shared = [drive, stage, monitor])]
             fn step(cx: step::Context) {
+                let mut monitor = cx.shared.monitor;
                 let to_send = (cx.shared.drive, cx.shared.stage).lock(|drive, stage| {
                     if let (Some(steps), Some(stage)) = (cx.local.steps, stage) {
-                        steps.step(drive, stage);
+                        steps.step(drive, stage, &mut monitor);
                     }
-                    !drive.output().is_empty()
+                    drive.has_output()
                 });
                 if to_send {
                     rtic::pend(Interrupt::OTG_FS);
                 }
             }
 
-            #[task(binds = OTG_FS, priority = 1, local = [clock, lines], shared = [drive, stage, &line_errors])]
+            #[task(binds = TIM2, priority = 4, shared = [monitor])]
+            fn monitor(mut cx: monitor::Context) {
+                cx.shared.monitor.lock(|monitor| {
+                    if let Some(monitor) = monitor {
+                        monitor.trip();
+                    }
+                });
+                rtic::pend(Interrupt::EXTI0);
+            }
+
+            #[task(binds = EXTI0, priority = 2, shared = [drive, stage, &clock])]
+            fn overdue(cx: overdue::Context) {
+                let now = cx.shared.clock.now();
+                (cx.shared.drive, cx.shared.stage).lock(|drive, stage| {
+                    drive.miss_tick(now);
+                    if let Some(stage) = stage {
+                        stage.follow(drive.stage_command());
+                    }
+                });
+                rtic::pend(Interrupt::OTG_FS);
+            }
+
+            #[task(binds = OTG_FS, priority = 1, local = [lines], shared = [drive, stage, &clock, &line_errors])]
             fn serve(mut cx: serve::Context) {
                 let lost = cx.shared.line_errors.swap(0, Ordering::Relaxed);
                 if lost > 0 {
@@ -117,7 +144,7 @@ macro_rules! image {
                 lines.poll();
                 loop {
                     let has_moved = (&mut cx.shared.drive, &mut cx.shared.stage).lock(|drive, stage| {
-                        let has_moved = lines.exchange(drive, cx.local.clock);
+                        let has_moved = lines.exchange(drive, cx.shared.clock);
                         if let Some(stage) = stage {
                             stage.follow(drive.stage_command());
                         }

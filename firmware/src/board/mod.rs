@@ -25,6 +25,7 @@ pub mod loader;
 mod odrive_v3;
 mod ports;
 mod pwm_stage;
+mod tick_monitor;
 mod usb_port;
 
 pub use cortex_m;
@@ -34,6 +35,7 @@ pub use stm32f4xx_hal::pac;
 pub use bench::{Stage, Tick};
 pub use device_clock::{DeviceClock, Ticker};
 pub use link::{LineError, UsartInterrupt};
+pub use tick_monitor::TickMonitor;
 
 use lashloop_protocol::enums::LogLevel;
 use stm32f4xx_hal::gpio::GpioExt;
@@ -73,9 +75,9 @@ impl Default for Memory {
 pub struct Board<L: LawSet> {
     /// The drive, as after power-up.
     pub drive: Drive<L>,
-    /// The power stage, and the tick for the task of TIM5; `None` in the emulator.
-    pub bench: Option<(Stage, Tick)>,
-    /// The clock, for the task that serves the drive.
+    /// The power stage, the tick for the task of TIM5, and its monitor for that of TIM2; `None` in the emulator.
+    pub bench: Option<(Stage, (Tick, TickMonitor))>,
+    /// The clock, for the tasks that need device time.
     pub clock: DeviceClock,
     /// The counter of the clock, for the task of SysTick.
     pub ticker: Ticker,
@@ -126,8 +128,9 @@ pub fn start<L: LawSet>(
             let (motor, load, stage) = fitted::start(ports, timers, &mut rcc);
             let timer = device.TIM5.counter(&mut rcc);
             let tick = Tick::start(timer, (motor, load), clock, drive.period());
+            let monitor = TickMonitor::start(device.TIM2, &mut rcc);
             last_resort::start(device.IWDG, &device.DBGMCU);
-            (drive, Some((Stage::new(stage), tick)))
+            (drive, Some((Stage::new(stage), (tick, monitor))))
         }
     };
     Board { drive, bench, clock, ticker, usart, lines }

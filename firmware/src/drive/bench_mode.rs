@@ -10,7 +10,7 @@ use super::clock::Clock;
 use super::lifecycle::Lifecycle;
 use super::machine::Drive;
 use super::pins::PinReadings;
-use super::run::PinStep;
+use super::run::{PinStep, Run};
 use crate::law::LawSet;
 use crate::power_stage::StageCommand;
 
@@ -42,17 +42,26 @@ impl<L: LawSet> Drive<L> {
             && self.output.fits_an_answer()
         {
             if is_reported || fault.is_some() {
-                self.output.send(sample);
+                self.output.send_later(sample);
             }
             if let Some(signals) = signals
                 && let Some(telemetry) = self.subscription.telemetry(sample.sequence, &signals)
             {
-                self.output.send(telemetry);
+                self.output.send_later(telemetry);
             }
         }
         if let Some(fault) = fault {
-            self.output.send(fault);
+            self.output.send_later(fault);
         }
+    }
+
+    /// Latches a fault if the drive runs in bench mode: the next tick is overdue, at 1.5 periods after the last one. For an owner
+    /// whose monitor of the tick is more precise than its calls of [`Self::tick`].
+    pub fn miss_tick(&mut self, now: Duration) {
+        let Some(pins) = self.lifecycle.run().and_then(Run::pins) else { return };
+        let violation = pins.overdue(now);
+        let fault = self.latch(violation);
+        self.output.send_later(fault);
     }
 
     /// The control period: the interval of [`Self::sample`].

@@ -102,7 +102,7 @@ impl<L: LawSet> Drive<L> {
     pub fn tick(&mut self, now: Duration) {
         if let Err(violation) = self.lifecycle.check_time(now) {
             let fault = self.latch(violation);
-            self.output.send(fault);
+            self.output.send_later(fault);
         }
     }
 
@@ -112,10 +112,16 @@ impl<L: LawSet> Drive<L> {
         self.lifecycle.run().map(|run| run.watchdog().deadline())
     }
 
-    /// The bytes to transmit.
+    /// The bytes to transmit. Encodes a fault report that a tick has left.
     #[must_use]
-    pub fn output(&self) -> &[u8] {
+    pub fn output(&mut self) -> &[u8] {
         self.output.bytes()
+    }
+
+    /// Whether there are bytes to transmit. Cheaper than [`Self::output`], for a task that must end soon.
+    #[must_use]
+    pub fn has_output(&self) -> bool {
+        !self.output.is_empty()
     }
 
     /// Clears the output after its transmission.

@@ -149,12 +149,18 @@ impl PinRun {
         };
         in_time(now.saturating_sub(since), limit)
     }
+
+    /// The next tick has not come in time.
+    pub(super) fn overdue(&self, now: Duration) -> Violation {
+        overrun(now.saturating_sub(self.last_due.unwrap_or(self.started_at)), self.missing_after)
+    }
 }
 
 fn in_time(time: Duration, limit: Duration) -> Result<(), Violation> {
-    if time <= limit {
-        return Ok(());
-    }
+    if time <= limit { Ok(()) } else { Err(overrun(time, limit)) }
+}
+
+fn overrun(time: Duration, limit: Duration) -> Violation {
     let (value, limit) = (time.as_secs_f32(), limit.as_secs_f32());
-    Err(Violation { code: FaultCode::TickOverrun, value, limit, detail: 0 })
+    Violation { code: FaultCode::TickOverrun, value, limit, detail: 0 }
 }

@@ -64,13 +64,14 @@ impl Pins {
         &self.hardware
     }
 
-    /// Forgets everything before this instant.
+    /// Forgets what was implausible before the latest readings. These stay: the ticks go on, and `Arm` may follow at once.
     pub(super) fn reset(&mut self) {
-        let illegal =
-            self.latest.map_or((0, 0), |(it, _)| (it.motor.illegal_transitions, it.load.illegal_transitions));
-        let [motor, load] = [illegal.0, illegal.1]
-            .map(|illegal_at_reset| Observed { illegal_at_reset, fastest_counts_per_s: 0.0 });
-        *self = Self { hardware: self.hardware, latest: None, motor, load };
+        let (readings, _) = self.latest.unwrap_or_default();
+        let [motor, load] = [readings.motor, readings.load].map(|reading| Observed {
+            illegal_at_reset: reading.illegal_transitions,
+            fastest_counts_per_s: 0.0,
+        });
+        *self = Self { motor, load, ..*self };
     }
 
     /// Takes the readings of a period.

@@ -4,10 +4,10 @@ use lashloop_firmware::drive::PinReadings;
 use lashloop_firmware::power_stage::PowerStageFault;
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::{Outcome, ParameterValue, State};
-use lashloop_protocol::message::{Arm, Reset};
+use lashloop_protocol::message::Arm;
 
-use crate::host::{HELLO, SESSION};
-use crate::pin_host::{BENCH, PinHost};
+use crate::host::SESSION;
+use crate::pin_host::PinHost;
 
 /// One cause of a refusal, and its outcome.
 type Cause = (&'static str, fn(&mut PinHost), Outcome);
@@ -79,13 +79,19 @@ fn a_jump_before_arming_counts_until_the_reset() {
     host.tick();
     (0..50).for_each(|_| drop(host.tick()));
     assert_eq!(host.arm(), (Outcome::EncoderImplausible, State::Idle));
-    host.send(Reset {});
-    host.send(HELLO);
-    for (name, value) in BENCH {
-        host.set(name, value);
-    }
-    host.tick();
+    host.reset();
     assert_eq!(host.arm(), (Outcome::Accepted, State::Armed));
+}
+
+#[test]
+fn a_reset_keeps_the_latest_readings_for_arming() {
+    let mut host = PinHost::with(&[]);
+    host.reset();
+    assert_eq!(host.arm(), (Outcome::Accepted, State::Armed));
+    host.readings.stage_fault = Some(PowerStageFault::FaultLine);
+    host.tick();
+    host.reset();
+    assert_eq!(host.arm(), (Outcome::PowerStageFault, State::Idle));
 }
 
 #[test]

@@ -182,6 +182,36 @@ fn ticks_that_stop_are_a_fault_of_the_clock() {
 }
 
 #[test]
+fn a_monitor_of_the_tick_latches_a_fault_in_running_alone() {
+    let overdue = PERIOD * 3 / 2;
+    let mut host = PinHost::under_torque();
+    host.clock.advance(overdue);
+    host.drive.miss_tick(lashloop_firmware::drive::Clock::now(&host.clock));
+    assert_eq!(host.stage_nm(), None, "off before the report is encoded");
+    assert!(host.drive.has_output());
+    let answers = host.take_output();
+    let report = host.assert_faulted(&answers, FaultCode::TickOverrun);
+    assert_eq!((report.value, report.limit), (0.0015, 0.0015));
+    assert!(!host.drive.has_output());
+    for mut host in [PinHost::idle(), PinHost::with(&[])] {
+        host.drive.miss_tick(overdue);
+        assert_eq!((host.take_output(), host.drive.state()), (vec![], State::Idle));
+    }
+}
+
+#[test]
+fn the_report_of_a_fault_goes_ahead_of_the_next_answer() {
+    let mut host = PinHost::under_torque();
+    host.clock.advance(PERIOD * 2);
+    host.drive.tick(lashloop_firmware::drive::Clock::now(&host.clock));
+    let answers = host.send(ClearFault {});
+    let [DriveMessage::FaultReport(_), DriveMessage::CommandResult(result)] = answers[..] else {
+        panic!("{answers:?}")
+    };
+    assert_eq!((result.outcome, result.state), (Outcome::Accepted, State::Idle));
+}
+
+#[test]
 fn an_emergency_stop_turns_the_stage_off_at_once() {
     let mut host = PinHost::under_torque();
     host.send(EmergencyStop {});

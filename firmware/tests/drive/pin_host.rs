@@ -36,6 +36,12 @@ pub struct PinHost {
 impl PinHost {
     /// A host of a drive in a session, whose pins have been read once.
     pub fn idle() -> Self {
+        let mut host = Self::powered_up();
+        assert_eq!(host.tick(), []);
+        host
+    }
+
+    fn powered_up() -> Self {
         let mut host = Self {
             drive: Drive::with_pins("test", HARDWARE),
             clock: ManualClock::default(),
@@ -44,28 +50,34 @@ impl PinHost {
             number: 0,
         };
         host.send(HELLO);
-        assert_eq!(host.tick(), []);
         host
     }
 
-    /// As [`Self::with`], with pins that were not read since the reset.
+    /// As [`Self::with`], with pins that were not read since power-up.
     pub fn unread() -> Self {
-        let mut host = Self::idle();
-        host.send(Reset {});
-        host.send(HELLO);
-        for (name, value) in BENCH {
-            host.set(name, value);
-        }
+        let mut host = Self::powered_up();
+        host.set_all(&[]);
         host
     }
 
     /// As [`Self::idle`], with [`BENCH`] and then these parameters.
     pub fn with(parameters: &[(&str, ParameterValue)]) -> Self {
         let mut host = Self::idle();
-        for (name, value) in BENCH.iter().chain(parameters) {
-            assert_eq!(host.set(name, *value).outcome, Outcome::Accepted, "{name}");
-        }
+        host.set_all(parameters);
         host
+    }
+
+    /// Resets the drive to the same session, with [`BENCH`].
+    pub fn reset(&mut self) {
+        self.send(Reset {});
+        self.send(HELLO);
+        self.set_all(&[]);
+    }
+
+    fn set_all(&mut self, parameters: &[(&str, ParameterValue)]) {
+        for (name, value) in BENCH.iter().chain(parameters) {
+            assert_eq!(self.set(name, *value).outcome, Outcome::Accepted, "{name}");
+        }
     }
 
     /// A host of a drive that runs on its pins.

@@ -186,8 +186,9 @@ impl<O: Observer + Default> CheckedDrive<O> {
 
     /// The unchecked part of the output, which must be whole frames.
     fn take_new_output(&mut self) -> Sent {
-        let mut new = &self.drive.output()[self.checked_bytes..];
-        self.checked_bytes = self.drive.output().len();
+        let output = self.drive.output();
+        let mut new = &output[self.checked_bytes..];
+        self.checked_bytes = output.len();
         let mut decoder = Decoder::new();
         let sent =
             std::iter::from_fn(|| decoder.next(&mut new)).map(|item| item.expect("a good frame")).collect();

@@ -17,6 +17,9 @@ pub struct ChildLine {
     from_drive: OwnedFd,
     /// Keeps the line up until the drive has opened its end. From its first byte on, a closed end is the end of the line.
     until_first_byte: Option<Terminal>,
+    /// Whether nothing was sent yet: what the drive prints at its start is no input of an earlier host, and explains a drive
+    /// that never answers.
+    is_fresh: bool,
 }
 
 impl ChildLine {
@@ -42,7 +45,7 @@ impl ChildLine {
         for line in [&to_drive, &from_drive] {
             rustix::io::ioctl_fionbio(line, true)?;
         }
-        Ok(Self { to_drive, from_drive, until_first_byte })
+        Ok(Self { to_drive, from_drive, until_first_byte, is_fresh: true })
     }
 }
 
@@ -52,6 +55,7 @@ impl Link for ChildLine {
     }
 
     fn send(&mut self, bytes: &[u8]) -> Result<(), LinkError> {
+        self.is_fresh = false;
         send_all(&self.to_drive, bytes)
     }
 
@@ -77,6 +81,9 @@ impl Link for ChildLine {
     }
 
     fn discard_input(&mut self) -> Result<(), LinkError> {
+        if self.is_fresh {
+            return Ok(());
+        }
         // As much as a pipe holds at most. A drive that fills it goes on sending, and the rest is no older.
         let mut rest = vec![0; 1 << 16];
         match rustix::io::read(&self.from_drive, &mut rest[..]) {
@@ -118,6 +125,16 @@ mod tests {
         drop((drive_in, drive_out));
         assert!(matches!(line.receive(&mut buffer, soon()), Err(LinkError::Disconnected)));
         assert!(matches!(line.send(&[1]), Err(LinkError::Disconnected)));
+    }
+
+    #[test]
+    fn what_a_drive_prints_at_its_start_is_kept() {
+        let ((_drive_in, to_drive), (from_drive, mut drive_out)) = (pipe().unwrap(), pipe().unwrap());
+        let mut line = ChildLine::pipes(to_drive, from_drive).unwrap();
+        drive_out.write_all(b"usage").unwrap();
+        line.discard_input().unwrap();
+        let mut buffer = [0; 8];
+        assert_eq!(line.receive(&mut buffer, soon()).unwrap(), 5);
     }
 
     #[test]

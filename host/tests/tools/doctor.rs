@@ -131,7 +131,6 @@ fn a_drive_without_a_terminal_is_examined_as_well() {
 
 #[test]
 fn a_command_that_is_no_drive_is_diagnosed() {
-    // What arrives before the handshake is discarded.
-    let report = wrong(&examination("exec:sh -c 'sleep 0.5; echo usage: drive PORT; exec sleep 100'"));
+    let report = wrong(&examination("exec:sh -c 'echo usage: drive PORT; exec sleep 100'"));
     assert!(report.contains("text, \"usage: drive PORT\""), "{report}");
 }

@@ -31,6 +31,12 @@ fn an_odrive_boots_with_its_gates_off_and_reports_its_board() {
     let mut host = idle();
     assert_eq!(host.shake_hands(SESSION).board.as_str(), "odrive-v3");
     assert_eq!(host.bench.act(|chip, _| chip.unconnected()), [""; 0]);
+    let Wiring { high, unused_gates, .. } = Wiring::ODRIVE_V3;
+    for (pins, wanted) in [(high, (true, true)), (unused_gates, (false, false))] {
+        for pin in pins {
+            assert_eq!(host.bench.act(|chip, _| chip.output(*pin)), wanted, "{pin}");
+        }
+    }
     let (bridge, levels) = host.bench.act(|chip, _| (chip.bridge(), chip.output_levels()));
     assert_eq!((bridge.duty, bridge.has_main_output, levels.0), (None, false, Some(false)));
     assert!(bridge.is_enabled, "EN_GATE is high from the start");
@@ -43,7 +49,8 @@ fn an_odrive_drives_two_half_bridges_against_each_other() {
     for reference_rad in [0.0, 0.2, -0.4] {
         let sample = *host.steps(3, reference_rad).last().expect("samples");
         let duty = 0.5 + f64::from(sample.torque_nm) / 100.0;
-        let halves = host.bench.act(|chip, _| [chip.half_bridge(1), chip.half_bridge(2)]);
+        let halves = host.bench.act(|chip, _| chip.half_bridges());
+        assert_eq!(halves.len(), 2);
         for ((high, low), duty) in halves.into_iter().zip([duty, 1.0 - duty]) {
             let (high, low) = (high.expect("a pulse"), low.expect("a pulse"));
             assert!((high - (duty - DEAD_TIME)).abs() < RESOLUTION, "{reference_rad} rad: {high}, {duty}");
@@ -54,7 +61,7 @@ fn an_odrive_drives_two_half_bridges_against_each_other() {
         }
     }
     assert_eq!(host.command(Stop {}), (Outcome::Accepted, State::Idle));
-    let halves = host.bench.act(|chip, _| [chip.half_bridge(1), chip.half_bridge(2)]);
+    let halves = host.bench.act(|chip, _| chip.half_bridges());
     assert_eq!(halves, [(None, None); 2]);
 }
 

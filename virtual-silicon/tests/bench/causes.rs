@@ -2,6 +2,7 @@
 //!
 //! A failure of the firmware itself is code in place of `Drive::send_description`, the answer to a request that no run needs.
 
+use std::f64::consts::TAU;
 use std::time::Duration;
 
 use lashloop_protocol::enums::{FaultCode, Outcome, ParameterValue};
@@ -12,10 +13,12 @@ use lashloop_silicon::thumb::{Code, FOREVER, MASK_INTERRUPTS, RETURN, UNDEFINED}
 
 use crate::host::{Host, SESSION};
 
-pub const PERIOD: Duration = Duration::from_millis(1);
+const MS: Duration = Duration::from_millis(1);
 /// The default of `watchdog_us`.
 const WATCHDOG: Duration = Duration::from_millis(20);
 const DRIVE_TRAIN_STEP: Duration = Duration::from_micros(50);
+/// Speed of an encoder that exceeds its limit.
+const COUNTS_PER_S: f64 = 16e6;
 /// The function that gets the code of a failure.
 pub const SITE: &str = "send_description";
 /// A function that one law calls in every step, and the index of the law. In place of it, the argument is the value.
@@ -33,8 +36,8 @@ pub struct Cause {
     pub from: &'static str,
     /// What turns the bridge off.
     pub by: &'static str,
-    /// Longest time from the instant to the bridge off.
-    pub limit: Duration,
+    /// Longest time from the instant to the bridge off, at this period.
+    pub limit: fn(Duration) -> Duration,
     /// Puts the failure into the image.
     pub prepare: fn(Symbols) -> Symbols,
     /// Brings the cause about in a running drive. Returns the instant.
@@ -51,7 +54,7 @@ const ON_REQUEST: Cause = Cause {
     name: "",
     from: "last byte received",
     by: "the task that receives it",
-    limit: PERIOD,
+    limit: |period| period,
     prepare: |image| image,
     happen: |_| unreachable!("every cause has its own"),
     fault: None,
@@ -61,13 +64,13 @@ const ON_REQUEST: Cause = Cause {
 const IN_HANDLER: Cause = Cause {
     from: "the instruction",
     by: "its handler",
-    limit: Duration::from_micros(1),
+    limit: |_| Duration::from_micros(1),
     happen: fail,
     halts: true,
     ..ON_REQUEST
 };
 
-pub const CAUSES: [Cause; 17] = [
+pub const CAUSES: [Cause; 18] = [
     Cause {
         name: "panic",
         prepare: |image| with(&image, panicking(&image)),
@@ -111,7 +114,7 @@ pub const CAUSES: [Cause; 17] = [
         prepare: |image| with(&image, |_| serving_no_more()),
         happen: |host| {
             let last = host.refer(1.0);
-            host.bench.advance(PERIOD / 2);
+            host.bench.advance(host.period / 2);
             fail(host);
             last + WATCHDOG
         },
@@ -132,13 +135,14 @@ pub const CAUSES: [Cause; 17] = [
         by: "the next tick",
         happen: |host| {
             host.command(Stop {});
-            // 209 counts of 131,072 in a period.
             let limit = ParameterValue::F32(10.0);
             assert_eq!(host.set("motor_speed_limit_rad_s", limit), Outcome::Accepted);
             host.run_under_torque();
-            host.bench.turn(16e6, 0.0);
-            // The drive train takes the speed at its next step, and 210 counts take 14 us.
-            host.bench.now() + DRIVE_TRAIN_STEP + Duration::from_micros(14)
+            let counts_in_period = 10.0 / TAU * 131_072.0 * host.period.as_secs_f64();
+            host.bench.turn(COUNTS_PER_S, 0.0);
+            // The drive train takes the speed at its next step; one count may be that of a border.
+            let takes = Duration::from_secs_f64((counts_in_period + 1.0) / COUNTS_PER_S);
+            host.bench.now() + DRIVE_TRAIN_STEP + takes
         },
         fault: Some(FaultCode::MotorEncoderJump),
         ..ON_REQUEST
@@ -158,30 +162,47 @@ pub const CAUSES: [Cause; 17] = [
         ..ON_REQUEST
     },
     Cause {
-        name: "step of 1.5 periods",
+        name: "step of 1.4 periods",
         from: "end of its period",
         by: "the step",
         prepare: |image| image.with_code(FUNCTION, |_| taking_time()).expect("a function of the law"),
         happen: |host| {
             set_flag(host, 0);
             run_law_of_function(host);
-            let due = last_tick(host) + PERIOD;
+            let due = last_tick(host) + host.period;
             // Two instructions of 168 MHz each.
-            set_flag(host, 126_000);
-            due + PERIOD
+            set_flag(host, (1.4 * host.period.as_secs_f64() * 84e6) as u32);
+            due + host.period
         },
         fault: Some(FaultCode::TickOverrun),
         ..ON_REQUEST
     },
     Cause {
+        name: "step that never ends",
+        from: "end of its period",
+        by: "the monitor of the tick",
+        prepare: |image| image.with_code(FUNCTION, |_| never_ending()).expect("a function of the law"),
+        happen: |host| {
+            set_flag(host, 0);
+            run_law_of_function(host);
+            // The independent watchdog follows.
+            host.bench.allow_resets();
+            let due = last_tick(host) + host.period;
+            set_flag(host, 1);
+            due + host.period
+        },
+        is_referred: false,
+        halts: true,
+        ..ON_REQUEST
+    },
+    Cause {
         name: "tick missing",
         from: "its due time",
-        by: "the check every millisecond",
-        limit: Duration::from_micros(1_510),
+        by: "the monitor of the tick",
         prepare: |image| with(&image, |_| stopping_the_tick()),
         happen: |host| {
             fail(host);
-            last_tick(host) + PERIOD
+            last_tick(host) + host.period
         },
         halts: true,
         fault: Some(FaultCode::TickOverrun),
@@ -192,7 +213,7 @@ pub const CAUSES: [Cause; 17] = [
         from: "the instruction",
         by: "the independent watchdog, at 32 kHz",
         // 5 ms, and a count of the watchdog.
-        limit: Duration::from_micros(5_200),
+        limit: |_| Duration::from_micros(5_200),
         prepare: |image| with(&image, |_| Code::default().halfwords(&[MASK_INTERRUPTS, FOREVER])),
         happen: |host| {
             host.bench.allow_resets();
@@ -205,7 +226,7 @@ pub const CAUSES: [Cause; 17] = [
         name: "break input",
         from: "the edge",
         by: "the timer, without software",
-        limit: Duration::ZERO,
+        limit: |_| Duration::ZERO,
         happen: |host| switch_break(host, Some(true)),
         fault: Some(FaultCode::PowerStage),
         ..ON_REQUEST
@@ -214,7 +235,7 @@ pub const CAUSES: [Cause; 17] = [
         name: "break wire open",
         from: "the cut",
         by: "the timer, without software",
-        limit: Duration::ZERO,
+        limit: |_| Duration::ZERO,
         happen: |host| switch_break(host, None),
         fault: Some(FaultCode::PowerStage),
         ..ON_REQUEST
@@ -229,26 +250,28 @@ pub fn cause(name: &str) -> &'static Cause {
 }
 
 impl Cause {
-    /// Device time from the cause to the bridge off in this image, for instants of the cause in several phases of the period;
-    /// `None` if the bridge is on for 5 ms more than it may.
-    pub fn times_to_off(&self, image: &Symbols, phases: &[Duration]) -> Vec<Option<Duration>> {
-        let mut host = Host::under_torque(&(self.prepare)(image.clone()));
+    /// Device time from the cause to the bridge off in this image, at each of these control periods and fractions of it at which
+    /// the cause comes; `None` if the bridge is on for 5 ms more than it may.
+    pub fn times_to_off(&self, image: &Symbols, instants: &[(Duration, f64)]) -> Vec<Option<Duration>> {
+        let mut host = Host::under_torque(&(self.prepare)(image.clone()), instants[0].0);
         let mut times = Vec::new();
-        for (k, phase) in phases.iter().enumerate() {
+        for (k, (period, phase)) in instants.iter().enumerate() {
             if k > 0 {
+                host.period = *period;
                 recover(&mut host);
             }
-            host.bench.advance(*phase);
+            host.bench.advance(period.mul_f64(*phase));
             let instant = (self.happen)(&mut host);
-            let end = instant + self.limit + 5 * PERIOD;
+            let limit = (self.limit)(*period);
+            let end = instant + limit + 5 * MS;
             while host.bench.now() < end {
                 if self.is_referred {
                     host.refer(1.0);
                 }
-                host.bench.advance(PERIOD);
+                host.bench.advance(MS);
             }
             let off = host.bench.time_to_off(instant);
-            if off.is_some_and(|off| off <= self.limit) {
+            if off.is_some_and(|off| off <= limit) {
                 let faults: Vec<_> = host.faults().iter().map(|report| report.code).collect();
                 assert_eq!(faults, Vec::from_iter(self.fault), "{}", self.name);
             } else {
@@ -269,7 +292,7 @@ impl Cause {
 fn recover(host: &mut Host) {
     host.bench.turn(0.0, 0.0);
     host.bench.act(|chip, _| chip.drive_break(Some(false)));
-    host.bench.advance(2 * PERIOD);
+    host.bench.advance(2 * MS);
     host.shake_hands(SESSION);
     host.command(ClearFault {});
     // The identity repeats a latched fault.
@@ -277,13 +300,15 @@ fn recover(host: &mut Host) {
     host.command(Reset {});
     host.shake_hands(SESSION);
     host.set_all(&[]);
-    host.bench.advance(2 * PERIOD);
     host.run_under_torque();
+    // Ticks of the former period are no measure of lateness.
+    host.bench.act(|_, site| site.log.ticks.clear());
+    host.steps(3, 1.0);
 }
 
 /// The fault report of a failure of the firmware, which comes while the report of a step is on the line.
 pub fn report_of(cause: &Cause) -> FaultReport {
-    let mut host = Host::under_torque(&(cause.prepare)(crate::bench::image()));
+    let mut host = Host::under_torque(&(cause.prepare)(crate::bench::image()), MS);
     host.expects_cut_frame = true;
     fail(&mut host);
     let [report] = host.faults()[..] else { panic!("{}: one report", cause.name) };
@@ -295,7 +320,7 @@ fn fail(host: &mut Host) -> Duration {
     let site = crate::bench::image().function(SITE).expect("the site of the failures");
     host.bench.act(move |chip, _| chip.watch(site)).expect("a watch");
     host.send(HostMessage::from(DescribeLaw { index: 0 }));
-    host.bench.advance(2 * PERIOD);
+    host.bench.advance(2 * MS);
     host.bench.act(|_, site| site.log.arrivals.last().map(|it| it.at)).expect("the failure happened")
 }
 
@@ -322,7 +347,7 @@ fn set_flag(host: &mut Host, value: u32) {
 fn last_tick(host: &mut Host) -> Duration {
     let ticks = host.bench.act(|_, site| site.log.ticks.clone());
     let last = *ticks.last().expect("a tick");
-    let (period, half) = (PERIOD.as_nanos() as i64, PERIOD.as_nanos() as i64 / 2);
+    let (period, half) = (host.period.as_nanos() as i64, host.period.as_nanos() as i64 / 2);
     let later_than = |tick: &Duration| ((last - *tick).as_nanos() as i64 + half) % period - half;
     let late = ticks.iter().rev().take(8).map(later_than).max().expect("ticks");
     last - Duration::from_nanos(late as u64)
@@ -344,14 +369,14 @@ fn panicking(image: &Symbols) -> impl FnOnce(u64) -> Code {
     }
 }
 
-/// Pends the interrupt of TIM2, which no task handles.
+/// Pends the interrupt of TIM7, number 55, which no task handles.
 fn interrupting() -> Code {
-    const ENABLE: u32 = 0xe000_e100;
-    const PEND: u32 = 0xe000_e200;
-    const TIM2: u32 = 1 << 28;
+    const ENABLE: u32 = 0xe000_e104;
+    const PEND: u32 = 0xe000_e204;
+    const TIM7: u32 = 1 << 23;
     // str r1, [r0]
     let store = |code: Code| code.halfword(0x6001);
-    let enabled = store(Code::default().load(0, ENABLE).load(1, TIM2));
+    let enabled = store(Code::default().load(0, ENABLE).load(1, TIM7));
     store(enabled.load(0, PEND)).halfword(RETURN)
 }
 
@@ -365,6 +390,12 @@ fn serving_no_more() -> Code {
 fn returning_the_flag() -> Code {
     // ldr r1, [r0]; cbz r1, 1f; vmov s0, r1; 1:
     Code::default().load(0, FLAG).halfwords(&[0x6801, 0xb109, 0xee00, 0x1a10, RETURN])
+}
+
+/// Loops for ever if the flag is not 0.
+fn never_ending() -> Code {
+    // ldr r1, [r0]; cbz r1, 1f; b .; 1:
+    Code::default().load(0, FLAG).halfwords(&[0x6801, 0xb101, FOREVER, RETURN])
 }
 
 /// Clears the flag after as many loops as it says.

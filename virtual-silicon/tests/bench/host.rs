@@ -35,6 +35,8 @@ pub struct Host {
     inbox: Vec<DriveMessage>,
     parameters: &'static [String],
     number: u16,
+    /// Control period of the drive, as [`Self::set_all`] sets it.
+    pub period: Duration,
     /// Whether the drive may end a frame before its end, as a handler of a fatal failure does.
     pub expects_cut_frame: bool,
 }
@@ -54,6 +56,7 @@ impl Host {
             inbox: Vec::new(),
             parameters: &[],
             number: 0,
+            period: Duration::from_millis(1),
             expects_cut_frame: false,
         };
         let count = host.shake_hands(SESSION).parameter_count;
@@ -82,9 +85,11 @@ impl Host {
         host
     }
 
-    /// As [`Self::running`], with steps under torque.
-    pub fn under_torque(image: &Symbols) -> Self {
-        let mut host = Self::idle(image, &[]);
+    /// As [`Self::running`], with this period and with steps under torque.
+    pub fn under_torque(image: &Symbols, period: Duration) -> Self {
+        let mut host = Self::at(image, (0, 0));
+        host.period = period;
+        host.set_all(&[]);
         host.run_under_torque();
         host
     }
@@ -97,7 +102,11 @@ impl Host {
     }
 
     pub fn set_all(&mut self, parameters: &[(&str, ParameterValue)]) {
-        for (name, value) in BENCH.iter().chain(parameters) {
+        let period_us = self.period.as_micros() as u32;
+        // The line carries a sample in every millisecond.
+        let periods = [("period_us", period_us), ("bench_sample_every", (1_000 / period_us).max(1))];
+        let periods = periods.map(|(name, value)| (name, ParameterValue::U32(value)));
+        for (name, value) in BENCH.iter().chain(&periods).chain(parameters) {
             assert_eq!(self.set(name, *value), Outcome::Accepted, "{name}");
         }
     }
@@ -178,9 +187,9 @@ impl Host {
         self.send(Reference { number: self.number, reference_rad })
     }
 
-    /// Runs the drive for `periods` of 1 ms with a reference in each. Returns the samples.
-    pub fn steps(&mut self, periods: u32, reference_rad: f32) -> Vec<BenchSample> {
-        for _ in 0..periods {
+    /// Runs the drive for some milliseconds with a reference in each. Returns the samples.
+    pub fn steps(&mut self, milliseconds: u32, reference_rad: f32) -> Vec<BenchSample> {
+        for _ in 0..milliseconds {
             self.refer(reference_rad);
             self.bench.advance(Duration::from_millis(1));
         }

@@ -8,10 +8,13 @@ use lashloop_silicon::thumb::{Code, FOREVER, RETURN};
 use crate::bench::image;
 use crate::causes::{CAUSES, Cause, cause};
 
+/// Control period, and the fraction of it at which a cause comes.
+const INSTANT: (Duration, f64) = (Duration::from_millis(1), 0.17);
+
 /// Whether the measurement of a cause notices this image.
 fn is_noticed(cause: &Cause, image: &Symbols) -> bool {
-    let times = cause.times_to_off(image, &[Duration::from_micros(170)]);
-    times.iter().any(|off| off.is_none_or(|off| off > cause.limit))
+    let times = cause.times_to_off(image, &[INSTANT]);
+    times.iter().any(|off| off.is_none_or(|off| off > (cause.limit)(INSTANT.0)))
 }
 
 #[test]
@@ -55,11 +58,17 @@ fn a_watchdog_that_never_times_out_is_noticed() {
 }
 
 #[test]
+fn a_monitor_of_the_tick_that_does_nothing_is_noticed() {
+    let careless = image().without_calls("TIM2", "switch_off").expect("a call");
+    assert!(is_noticed(cause("step that never ends"), &careless));
+}
+
+#[test]
 fn a_request_that_is_not_applied_to_the_stage_is_noticed() {
     // The image without the call of `Actuator::follow` in the task that serves requests: later tasks switch off.
     let careless = image().without_calls("OTG_FS", "follow").expect("a call");
-    let off = cause("Stop").times_to_off(&careless, &[Duration::from_micros(170)])[0];
-    let careful = cause("Stop").times_to_off(&image(), &[Duration::from_micros(170)])[0];
+    let off = cause("Stop").times_to_off(&careless, &[INSTANT])[0];
+    let careful = cause("Stop").times_to_off(&image(), &[INSTANT])[0];
     assert!(off > careful, "{off:?} {careful:?}");
 }
 

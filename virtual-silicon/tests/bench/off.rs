@@ -4,61 +4,64 @@ use std::path::Path;
 use std::time::Duration;
 
 use crate::bench::image;
-use crate::causes::{CAUSES, Cause, PANIC_LINE, PERIOD, SITE, cause, report_of};
+use crate::causes::{CAUSES, Cause, PANIC_LINE, SITE, cause, report_of};
 use crate::report;
 
-/// Number of the interrupt of TIM2.
-const TIM2: u32 = 28;
-/// Instants within the period at which a cause comes, the worst of which counts.
-const PHASES: [Duration; 5] = [
-    Duration::ZERO,
-    Duration::from_micros(170),
-    Duration::from_micros(390),
-    Duration::from_micros(610),
-    Duration::from_micros(930),
-];
+/// Number of the interrupt of TIM7.
+const TIM7: u32 = 55;
+/// Control periods.
+const PERIODS: [Duration; 2] = [Duration::from_micros(1_000), Duration::from_micros(250)];
+/// Instants at which a cause comes, as fractions of the period. The worst counts.
+const PHASES: [f64; 5] = [0.0, 0.17, 0.39, 0.61, 0.93];
 
-fn worst(cause: &Cause) -> Duration {
-    // A drive that halts comes back with a reset only.
-    let phases = if cause.halts { &PHASES[1..2] } else { &PHASES[..] };
-    let times = cause.times_to_off(&image(), phases);
-    let times =
-        times.into_iter().map(|off| off.unwrap_or_else(|| panic!("{}: the bridge stays on", cause.name)));
-    times.max().expect("phases")
+/// The longest times of a cause, at each of [`PERIODS`].
+fn worst(cause: &Cause) -> Vec<Duration> {
+    let instants = |phases: &[f64]| PERIODS.map(|period| phases.iter().map(|phase| (period, *phase)).collect());
+    let times: Vec<Vec<_>> = if cause.halts {
+        // A drive that halts comes back with a reset only.
+        let instants: [Vec<_>; 2] = instants(&PHASES[1..2]);
+        instants.iter().map(|instants| cause.times_to_off(&image(), instants)).collect()
+    } else {
+        let times = cause.times_to_off(&image(), &instants(&PHASES).concat());
+        times.chunks(PHASES.len()).map(<[_]>::to_vec).collect()
+    };
+    let off = |off: Option<Duration>| off.unwrap_or_else(|| panic!("{}: the bridge stays on", cause.name));
+    times.into_iter().map(|times| times.into_iter().map(off).max().expect("phases")).collect()
 }
 
 #[test]
 fn every_cause_turns_the_bridge_off_within_its_time() {
-    let measured: Vec<Duration> = std::thread::scope(|scope| {
+    let measured: Vec<_> = std::thread::scope(|scope| {
         let threads: Vec<_> = CAUSES.iter().map(|cause| scope.spawn(|| worst(cause))).collect();
         threads.into_iter().map(|thread| thread.join().expect("a time")).collect()
     });
-    let lines: Vec<String> = CAUSES
-        .iter()
-        .zip(&measured)
-        .map(|(cause, off)| {
+    let all = || CAUSES.iter().zip(&measured).flat_map(|(cause, times)| PERIODS.iter().zip(times).map(move |it| (cause, it)));
+    let lines: Vec<String> = all()
+        .map(|(cause, (period, off))| {
             let micros = |time: Duration| time.as_secs_f64() * 1e6;
             format!(
-                "bridge off, {}: {:.1} us = {:.3} periods after {}, by {}; limit {:.0} us",
+                "bridge off, period {:.0} us, {}: {:.1} us = {:.3} periods after {}, by {}; limit {:.0} us",
+                micros(*period),
                 cause.name,
                 micros(*off),
-                off.as_secs_f64() / PERIOD.as_secs_f64(),
+                off.as_secs_f64() / period.as_secs_f64(),
                 cause.from,
                 cause.by,
-                micros(cause.limit),
+                micros((cause.limit)(*period)),
             )
         })
         .collect();
     report::write("bridge-off", &lines);
-    for (cause, off) in CAUSES.iter().zip(measured) {
-        assert!(off <= cause.limit, "{}: off after {off:?}, limit {:?}", cause.name, cause.limit);
+    for (cause, (period, off)) in all() {
+        let limit = (cause.limit)(*period);
+        assert!(*off <= limit, "{} at {period:?}: off after {off:?}, limit {limit:?}", cause.name);
     }
 }
 
 #[test]
 fn the_report_of_a_fatal_failure_has_its_place() {
     let site = image().function(SITE).expect("the site of the failures") as u32;
-    for (name, detail) in [("panic", PANIC_LINE), ("HardFault", site), ("unexpected interrupt", TIM2)] {
+    for (name, detail) in [("panic", PANIC_LINE), ("HardFault", site), ("unexpected interrupt", TIM7)] {
         assert_eq!(report_of(cause(name)).detail, detail, "{name}");
     }
 }

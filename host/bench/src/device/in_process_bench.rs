@@ -162,7 +162,7 @@ impl<L: LawSet> Link for InProcessBench<L> {
     fn set_time_base(&mut self, _: TimeBase) {}
 
     fn send(&mut self, mut bytes: &[u8]) -> Result<(), LinkError> {
-        // Arming needs readings since the last reset, so a request takes a tick; a reference takes none.
+        // Arming needs readings, and a new period begins with a tick, so a request takes one; a reference takes none.
         if self.drive.stage_command() == StageCommand::Off {
             let until = self.boot + self.next_sample;
             self.advance(until)?;

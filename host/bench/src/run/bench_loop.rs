@@ -37,6 +37,13 @@ const START_TOLERANCE_RAD: f64 = 0.02;
 const SLOWEST_CLOCK: u32 = 10;
 /// Further periods, for the first tick and the last report.
 const MARGIN_PERIODS: u32 = 20;
+/// A step whose report is lost.
+const UNREPORTED: StepTiming = StepTiming {
+    lateness: Duration::ZERO,
+    outcome: StepOutcome::Unanswered,
+    round_trip: None,
+    tick_compute: None,
+};
 /// Time for the report of a fault after the step that caused it.
 const FAULT_REPORT_LIMIT: Duration = Duration::from_millis(100);
 
@@ -52,8 +59,11 @@ pub(super) struct BenchLoop<'a, S> {
     positions: BenchPositions,
     /// Zero of the travel; `None` until the first step of a load that starts anywhere.
     travel_zero_rad: Option<f64>,
-    /// The last measurement.
+    /// The last measurement, and the timing of its step.
     latest: TraceRow,
+    latest_timing: StepTiming,
+    /// Steps for each report of the drive.
+    sample_every: u32,
     /// The next step to be recorded.
     next_step: u32,
     /// When the last report arrived, or the first reference was sent, in the link's time.
@@ -94,6 +104,8 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
                 motor_position_rad: start.motor_position_rad,
                 torque_nm: 0.0,
             },
+            latest_timing: UNREPORTED,
+            sample_every: scenario.bench.sample_every,
             next_step: 0,
             last_report_at: None,
             waiting: (clock == ClockName::Lockstep).then(waiting),
@@ -113,7 +125,7 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         }
     }
 
-    /// Sends the reference of a period, and takes the reports that arrive by `deadline`.
+    /// Sends the reference of a period, and takes the reports that arrive by `deadline`; neither in a period without a report.
     pub(super) fn step(
         &mut self,
         period: u32,
@@ -121,6 +133,9 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         device: &mut Device,
     ) -> Result<Option<End>, RunError> {
         self.miss(period, device)?;
+        if !period.is_multiple_of(self.sample_every) {
+            return Ok(None);
+        }
         let reference_rad = self.reference_rad(period) - self.reference_zero_rad;
         let asked = Instant::now();
         let reports = device
@@ -163,7 +178,7 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
 
     /// Completes the record of a drive that has reported fewer steps than the run has.
     pub(super) fn complete(&mut self, device: &Device) -> Result<(), RunError> {
-        self.lose_steps_before(self.scenario.run.steps(), device)
+        self.fill_steps_before(self.scenario.run.steps(), device)
     }
 
     /// Passes the last step on, with the drive's latest signals.
@@ -215,9 +230,14 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         let Some(reference) = nearest_step(reference_number, period).filter(|it| *it <= period) else {
             return broken(AnswerRule::ReferenceSent { number: reference_number });
         };
-        self.lose_steps_before(sample.step, device)?;
+        self.fill_steps_before(sample.step, device)?;
         self.measure(&sample, reference, device)?;
-        Ok(self.leave_travel())
+        let end = self.leave_travel();
+        let steps = self.scenario.run.steps();
+        if end.is_none() && steps - sample.step <= self.sample_every {
+            self.fill_steps_before(steps, device)?;
+        }
+        Ok(end)
     }
 
     /// The end of a run whose load has left its travel.
@@ -256,24 +276,26 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
             torque_nm: sample.torque_nm.into(),
         };
         let tenths_us = |count: u16| Duration::from_nanos(100 * u64::from(count));
-        self.record(
-            StepTiming {
-                lateness: tenths_us(sample.lateness_tenths_us),
-                outcome: StepOutcome::Answered,
-                round_trip: None,
-                tick_compute: Some(tenths_us(sample.compute_tenths_us)),
-            },
-            device,
-        )
+        self.latest_timing = StepTiming {
+            lateness: tenths_us(sample.lateness_tenths_us),
+            outcome: StepOutcome::Answered,
+            round_trip: None,
+            tick_compute: Some(tenths_us(sample.compute_tenths_us)),
+        };
+        self.record(self.latest_timing, device)
     }
 
-    /// Records the steps before `step` whose reports are lost: the last measurement again.
-    fn lose_steps_before(&mut self, step: u32, device: &Device) -> Result<(), RunError> {
+    /// Records the steps before `step` with the last measurement: those without a report after one that has arrived, and those
+    /// whose report is lost.
+    fn fill_steps_before(&mut self, step: u32, device: &Device) -> Result<(), RunError> {
         while self.next_step < step {
-            self.counts.unanswered += 1;
-            let outcome = StepOutcome::Unanswered;
-            let lost = StepTiming { lateness: Duration::ZERO, outcome, round_trip: None, tick_compute: None };
-            self.record(lost, device)?;
+            if self.next_step.is_multiple_of(self.sample_every) {
+                self.latest_timing = UNREPORTED;
+            }
+            if self.latest_timing.outcome == StepOutcome::Unanswered {
+                self.counts.unanswered += 1;
+            }
+            self.record(self.latest_timing, device)?;
         }
         Ok(())
     }

@@ -15,7 +15,8 @@ use crate::session::{Law, Parameter, Session, Subscription, WrittenValue};
 use crate::timing::ClockName;
 
 /// Parameters of bench mode that the bench sets itself, and the keys that they follow.
-const OF_BENCH_MODE: [(&str, &str); 2] = [(SAMPLE_SOURCE, "run.mode"), (BENCH_SAMPLE_EVERY, "run.mode")];
+const OF_BENCH_MODE: [(&str, &str); 2] = 
+    [(SAMPLE_SOURCE, "run.mode"), (BENCH_SAMPLE_EVERY, "bench.sample_every")];
 /// Choice `pins` of [`SAMPLE_SOURCE`].
 const PINS: f64 = 1.0;
 
@@ -86,7 +87,7 @@ impl<'a> DriveSettings<'a> {
             RunMode::Bench => &scenario.bench.parameters,
         };
         if !scenario.run.mode.is_hil() {
-            required.extend([(SAMPLE_SOURCE, PINS), (BENCH_SAMPLE_EVERY, 1.0)]);
+            required.extend([(SAMPLE_SOURCE, PINS), (BENCH_SAMPLE_EVERY, scenario.bench.sample_every.into())]);
         } else if clock == ClockName::Lockstep {
             // The watchdog must tolerate a slow bench but not a dead one: it waits as long for the bench as the bench does
             // for the drive. In real time it stays as on a real bench.

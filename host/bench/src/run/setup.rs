@@ -16,7 +16,7 @@ use crate::scenario::{RunMode, Scenario, ScenarioError};
 use crate::session::{SessionError, SetError, SubscribeError};
 use crate::timing::ClockName;
 
-/// Time for the first reading after a reset: two of the longest control periods, of 100 ms.
+/// Time for the first reading after power-up: two of the longest control periods, of 100 ms.
 const FIRST_READING_LIMIT: Duration = Duration::from_millis(200);
 /// Time between two attempts.
 const FIRST_READING_INTERVAL: Duration = Duration::from_millis(10);
@@ -118,7 +118,7 @@ pub(super) fn resume(
     torque_limit_nm(device)
 }
 
-/// Starts the drive. In bench mode it needs a reading of its encoders since the reset, which comes with its next tick.
+/// Starts the drive. In bench mode it needs a reading of its encoders, which comes with the first tick after power-up.
 pub(super) fn start(device: &mut Device, mode: RunMode) -> Result<(), SessionError> {
     let give_up = device.session.line.now() + FIRST_READING_LIMIT;
     loop {

@@ -25,6 +25,8 @@ const TORQUE_PER_DUTY_NM: &str = "torque_per_duty_nm";
 
 /// Parameter of the law of a drive that takes its reference as a torque: N m for a reference of 1 rad.
 pub const TORQUE_PER_RAD_NM: &str = "torque_per_rad_nm";
+/// Key of the interval of the reports.
+pub const SAMPLE_EVERY: &str = "sample_every";
 
 /// Numbers of `[bench]`: key, unit, range and meaning. Each is the drive's parameter of that name.
 const NUMBERS: [(&str, &str, f64, f64, &str); 5] = [
@@ -63,8 +65,9 @@ const STARTS: [(&str, BenchStart, &str); 2] = [
     ("anywhere", BenchStart::Anywhere, "anywhere; only for a law that takes its reference as a torque"),
 ];
 
-/// `[bench]`: parameters of the drive that describe its pins. An absent one keeps the drive's default.
-#[derive(Debug, Clone, Default, PartialEq)]
+/// `[bench]`: parameters of the drive that describe its pins, of which an absent one keeps the drive's default; and its
+/// reports.
+#[derive(Debug, Clone, PartialEq)]
 pub struct BenchSettings {
     /// Where the load stands at the first step.
     pub start: BenchStart,
@@ -72,6 +75,19 @@ pub struct BenchSettings {
     pub load_travel_limit_rad: Option<f64>,
     /// The parameters that are given.
     pub parameters: Vec<ParameterSetting>,
+    /// Control steps for each report of the drive, and for each reference of the bench; 1 or more.
+    pub sample_every: u32,
+}
+
+impl Default for BenchSettings {
+    fn default() -> Self {
+        Self {
+            start: BenchStart::default(),
+            load_travel_limit_rad: None,
+            parameters: Vec::new(),
+            sample_every: 1,
+        }
+    }
 }
 
 impl BenchSettings {
@@ -98,6 +114,9 @@ impl Serialize for BenchSettings {
         }
         if let Some(limit_rad) = self.load_travel_limit_rad {
             keys.serialize_entry(LOAD_TRAVEL_LIMIT_RAD, &limit_rad)?;
+        }
+        if self.sample_every > 1 {
+            keys.serialize_entry(SAMPLE_EVERY, &self.sample_every)?;
         }
         for setting in &self.parameters {
             keys.serialize_entry(&setting.name, &setting.value)?;
@@ -131,7 +150,10 @@ pub(super) fn read(bench: &mut Section<'_>) -> BenchSettings {
         bench.doc(doc).choice_docs(docs).choice(START, BenchStart::Initial, &names).unwrap_or_default();
     let doc = "Largest distance of the load from zero, either way, or from its first position with `start = \"anywhere\"`. A load beyond it ends the run.";
     let load_travel_limit_rad = bench.doc(doc).optional_number(LOAD_TRAVEL_LIMIT_RAD, "rad", positive(1e4));
-    BenchSettings { start, load_travel_limit_rad, parameters }
+    let doc = "Control steps for each report of the drive, and for each reference: a line of 921,600 baud takes one of each in a \
+               millisecond. The record repeats the last measurement in between.";
+    let sample_every = bench.doc(doc).integer(SAMPLE_EVERY, 1, 1..=1000);
+    BenchSettings { start, load_travel_limit_rad, parameters, sample_every }
 }
 
 impl ScenarioError {
