@@ -21,15 +21,19 @@ pub struct Elf {
 }
 
 impl Elf {
-    /// An image with `size` bytes from the start of the flash on, with vectors that a chip starts from, of this build.
+    /// An image with `size` bytes from the start of the flash on, with vectors that a chip starts from, of this build. Its board
+    /// is that of the native twin.
     #[must_use]
     pub fn image(size: usize, build_id: u32, is_dirty: bool) -> Self {
         let mut bytes: Vec<u8> =
             (0..size as u32).map(|at| (at.wrapping_mul(0x9e37_79b9) >> 24) as u8).collect();
         bytes[..4].copy_from_slice(&0x2002_0000_u32.to_le_bytes());
         bytes[4..8].copy_from_slice(&0x0800_0009_u32.to_le_bytes());
-        let symbols =
-            vec![("_lashloop_build_id", build_id), ("_lashloop_build_is_dirty", u32::from(is_dirty))];
+        let symbols = vec![
+            ("_lashloop_build_id", build_id),
+            ("_lashloop_build_is_dirty", u32::from(is_dirty)),
+            ("_lashloop_board_native-twin", 1),
+        ];
         Self { machine: 40, segments: vec![(0x0800_0000, bytes)], symbols }
     }
 

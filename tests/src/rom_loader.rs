@@ -113,7 +113,7 @@ fn drive_until_left(line: &mut File) -> io::Result<()> {
             self.0.elapsed()
         }
     }
-    let (mut drive, clock) = (Drive::new("with-loader").with_loader(), SinceStart(Instant::now()));
+    let (mut drive, clock) = (Drive::new("native-twin").with_loader(), SinceStart(Instant::now()));
     let mut bytes = [0; 256];
     while !drive.enters_loader(clock.now()) {
         let timeout = Timespec { tv_sec: 0, tv_nsec: 1_000_000 };

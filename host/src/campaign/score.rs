@@ -204,9 +204,14 @@ impl Scores {
         let score = |metric: Metric| match (end, metrics.get(metric)) {
             (End::Diverged(_), _) | (_, Measured::NotFinite) => Score::Missing(MissingReason::NotFinite),
             // A metric measured up to the fault does not describe the whole run.
-            (End::DriveFault(_) | End::RuleBroken(_) | End::DriveRestarted | End::Interrupted, _) => {
-                Score::Missing(MissingReason::CutShort)
-            }
+            (
+                End::DriveFault(_)
+                | End::RuleBroken(_)
+                | End::DriveRestarted
+                | End::BeyondTravel { .. }
+                | End::Interrupted,
+                _,
+            ) => Score::Missing(MissingReason::CutShort),
             _ if verdict == Verdict::Invalid => Score::Missing(MissingReason::CutShort),
             (End::Complete, Measured::Value(value)) => Score::Value(value),
             (End::Complete, Measured::Never) => Score::Missing(MissingReason::Never),

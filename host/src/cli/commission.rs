@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lashloop_bench::device::DeviceChoice;
-use lashloop_bench::run::Clock;
 use lashloop_bench::run::real_time::RealTime;
+use lashloop_bench::run::{Clock, DeviceUnderTest, check_bench_mode};
 use lashloop_bench::scenario::{Override, RunMode, Scenario};
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
@@ -28,6 +28,7 @@ use crate::commission::{MotionError, OnDevice, RecordError, RunRecord, settings}
 use crate::identify::files::{INSTRUMENTS_FILE, table};
 use crate::identify::power_stage::{TORQUE_DELAY_US, instruments};
 use crate::rig::Rig;
+use crate::rig::check::check_board;
 
 /// The scenario of a command line without one.
 const SCENARIO: &str = include_str!("../../../scenarios/commission.toml");
@@ -58,19 +59,19 @@ pub(crate) struct Arguments {
     mode: Option<String>,
 
     /// Largest torque at the motor, in N m [default: that of the rig]
-    #[arg(long, value_name = "N_M", value_parser = positive)]
+    #[arg(long, value_name = "N_M", value_parser = positive, allow_negative_numbers = true)]
     torque_limit: Option<f64>,
 
     /// Largest speed of the motor, in rad/s [default: that of the rig]
-    #[arg(long, value_name = "RAD_S", value_parser = positive)]
+    #[arg(long, value_name = "RAD_S", value_parser = positive, allow_negative_numbers = true)]
     motor_speed_limit: Option<f64>,
 
     /// Largest speed of the load, in rad/s [default: that of the rig]
-    #[arg(long, value_name = "RAD_S", value_parser = positive)]
+    #[arg(long, value_name = "RAD_S", value_parser = positive, allow_negative_numbers = true)]
     load_speed_limit: Option<f64>,
 
     /// Largest distance of the load from its first position, in rad [default: that of the rig]
-    #[arg(long, value_name = "RAD", value_parser = positive)]
+    #[arg(long, value_name = "RAD", value_parser = positive, allow_negative_numbers = true)]
     travel_limit: Option<f64>,
 
     /// Confirm the limits without a question
@@ -115,15 +116,26 @@ impl Arguments {
             }
             None => &self.device,
         };
+        if let Some(taken) = &rig {
+            taken.rig.allows(&template)?;
+        }
         let start = self.start.as_deref().map(|file| super::identify::start(file, bench)).transpose()?;
         if let Some(folder) = &self.out {
             RecordFolder::check_inside(folder, self.force)?;
+        }
+        let supervisor = start_supervisor()?;
+        let clock = self.clock(&template, choice)?;
+        let drive = DeviceUnderTest::open(&template, choice, clock.name(), &supervisor, |link| link)?;
+        if let Some(taken) = &rig {
+            check_board(&taken.rig, &drive.device)?;
+        }
+        if !template.run.mode.is_hil() {
+            check_bench_mode(&drive.device, clock.name())?;
         }
         if !confirmed(&limits, &choice.to_string(), self.yes)? {
             outln!("not confirmed: nothing was moved");
             return Ok(Exit::Invalid);
         }
-        let supervisor = start_supervisor()?;
         let known = self.instruments(&template, rig.as_ref());
         if let Some(folder) = &self.out {
             prepare_folder(folder, &[])?;
@@ -148,7 +160,7 @@ impl Arguments {
         let mut drive_train = OnDevice {
             scenario: &scenario,
             device: choice,
-            clock: self.clock(&template, choice)?,
+            clock,
             supervisor: &supervisor,
             instruments: known,
             period_s: template.run.control_period_s(),
@@ -156,7 +168,7 @@ impl Arguments {
             folder: temporary.path(),
             writer: &writer,
             record: &mut record,
-            drive: None,
+            drive: Some(drive),
         };
         let period_us = template.run.control_period_us;
         let signals = supervisor.guard_signals();
@@ -181,29 +193,45 @@ impl Arguments {
     /// The limits of the options; those of the rig where an option is absent.
     fn limits(&self, rig: Option<&TakenRig>) -> Result<Limits, CliError> {
         let of_rig = rig.map(|taken| &taken.rig.limits);
-        let limit = |option: &'static str, given: Option<f64>, of_rig: Option<f64>| match (given, of_rig) {
+        let absent = |key: &str| match rig {
+            Some(taken) => format!("is missing, and {} has no limits.{key}", taken.rig.file.display()),
+            None => "is missing, and there is no --rig to have it".to_owned(),
+        };
+        let limit = |option: &'static str, key, given: Option<f64>, of_rig: Option<f64>| match (given, of_rig)
+        {
             (Some(given), Some(largest)) if given > largest => Err(CliError::CommissionLimit {
                 option,
                 problem: format!("{given} exceeds the rig's {largest}"),
             }),
-            (given, of_rig) => given.or(of_rig).ok_or_else(|| CliError::CommissionLimit {
-                option,
-                problem: "is missing, and no rig file has it".to_owned(),
-            }),
+            (given, of_rig) => {
+                given.or(of_rig).ok_or_else(|| CliError::CommissionLimit { option, problem: absent(key) })
+            }
         };
         Ok(Limits {
-            torque_nm: limit("--torque-limit", self.torque_limit, of_rig.map(|it| it.torque_nm))?,
+            torque_nm: limit(
+                "--torque-limit",
+                "torque_nm",
+                self.torque_limit,
+                of_rig.map(|it| it.torque_nm),
+            )?,
             motor_speed_rad_s: limit(
                 "--motor-speed-limit",
+                "motor_speed_rad_s",
                 self.motor_speed_limit,
                 of_rig.and_then(|it| it.motor_speed_rad_s),
             )?,
             load_speed_rad_s: limit(
                 "--load-speed-limit",
+                "load_speed_rad_s",
                 self.load_speed_limit,
                 of_rig.and_then(|it| it.load_speed_rad_s),
             )?,
-            load_travel_rad: limit("--travel-limit", self.travel_limit, of_rig.map(|it| it.load_travel_rad))?,
+            load_travel_rad: limit(
+                "--travel-limit",
+                "load_travel_rad",
+                self.travel_limit,
+                of_rig.map(|it| it.load_travel_rad),
+            )?,
         })
     }
 

@@ -165,8 +165,13 @@ impl CliError {
 fn flash_exit(error: &FlashError) -> Exit {
     match error {
         error if error.is_interruption() => Exit::Invalid,
-        FlashError::OtherBuild { .. } | FlashError::NoBuild { .. } => Exit::Fail,
-        FlashError::Image(_) | FlashError::NoImage(_) | FlashError::Ports(_) => Exit::UsageOrScenario,
+        FlashError::OtherBuild { .. } | FlashError::OtherBoard { .. } | FlashError::NoBuild(_) => Exit::Fail,
+        FlashError::Image(_)
+        | FlashError::NoImage(_)
+        | FlashError::NoBoard(_)
+        | FlashError::Board { .. }
+        | FlashError::Simulator(_)
+        | FlashError::Ports(_) => Exit::UsageOrScenario,
         FlashError::NoWay(_)
         | FlashError::Unreached(_)
         | FlashError::Writing { .. }

@@ -7,7 +7,7 @@ use crate::bench::Bench;
 use clap::Args;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::real_time::RealTime;
-use lashloop_bench::run::{Clock, DeviceUnderTest};
+use lashloop_bench::run::{Clock, DeviceUnderTest, check_bench_mode};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
@@ -58,11 +58,11 @@ impl Arguments {
         let supervisor = start_supervisor()?;
         prepare_folder(&self.out, &[INDEX])?;
         let (mut worst, mut compared, mut drive) = (Verdict::Pass, Vec::new(), String::new());
-        for (name, text) in BENCH_SCENARIOS {
-            let of_bench = Scenario::from_str(name, text, &[])?;
-            let of_hil = Scenario::from_str(name, text, &[Override::Mode("hil".to_owned())])?;
-            let (simulation, simulated) = simulate(&of_hil, &supervisor)?;
+        let scenarios = BENCH_SCENARIOS.map(|(name, text)| scenarios(name, text, rig.as_ref()));
+        for scenarios in scenarios.into_iter().collect::<Result<Vec<_>, _>>()? {
+            let Both { name, of_bench, of_hil } = scenarios;
             let (experiment, judged, description) = experiment(of_bench, choice, rig.as_ref(), &supervisor)?;
+            let (simulation, simulated) = simulate(&of_hil, &supervisor)?;
             outln!("{name:<40} simulation {simulated}, experiment {judged}");
             (worst, drive) = (worst.max(simulated).max(judged), description);
             compared.push(Compared { simulation, experiment });
@@ -99,6 +99,28 @@ impl Arguments {
     }
 }
 
+/// A scenario in both modes.
+struct Both {
+    name: &'static str,
+    of_bench: Scenario,
+    of_hil: Scenario,
+}
+
+/// A scenario in both modes. Its limits become those of the rig, as far as they exceed them.
+fn scenarios(name: &'static str, text: &str, rig: Option<&TakenRig>) -> Result<Both, CliError> {
+    let mut of_bench = Scenario::from_str(name, text, &[])?;
+    let mut of_hil = Scenario::from_str(name, text, &[Override::Mode("hil".to_owned())])?;
+    if let Some(TakenRig { rig, .. }) = rig {
+        for reduced in rig.limits.reduce(&mut of_bench) {
+            error_line(format_args!("lashloop: warning: {name}: {reduced}"));
+        }
+        let _ = rig.limits.reduce(&mut of_hil);
+        rig.allows(&of_bench)?;
+        of_bench.link.baud = rig.port.baud;
+    }
+    Ok(Both { name, of_bench, of_hil })
+}
+
 fn simulate(scenario: &Scenario, supervisor: &Supervisor) -> Result<(Run, Verdict), CliError> {
     let choice: DeviceChoice = "inproc".parse().expect("a kind of device");
     let mut device = DeviceUnderTest::open(scenario, &choice, ClockName::Lockstep, supervisor, |link| link)?;
@@ -114,16 +136,21 @@ fn experiment(
 ) -> Result<(Run, Verdict, String), CliError> {
     let has_plant = choice.for_run(&scenario, ClockName::Lockstep)?.keeps_bench_clock(ClockName::Lockstep);
     let clock = if has_plant { Clock::Lockstep } else { Clock::RealTime(RealTime::default()) };
-    if let Some(taken) = rig {
-        taken.rig.limits.check(&scenario, &taken.rig.file)?;
-        scenario.link.baud = taken.rig.port.baud;
-    }
+    let open = |scenario: &Scenario| -> Result<DeviceUnderTest, CliError> {
+        let device = DeviceUnderTest::open(scenario, choice, clock.name(), supervisor, |link| link)?;
+        if let Some(taken) = rig {
+            check_board(&taken.rig, &device.device)?;
+        }
+        check_bench_mode(&device.device, clock.name())?;
+        Ok(device)
+    };
     if !has_plant {
+        // Nobody moves a load for a drive that is not there. The port is free while its drive is powered off and on.
+        drop(open(&scenario)?);
         wait_for_start(&scenario)?;
     }
-    let mut device = DeviceUnderTest::open(&scenario, choice, clock.name(), supervisor, |link| link)?;
+    let mut device = open(&scenario)?;
     if let Some(taken) = rig {
-        check_board(&taken.rig, &device.device)?;
         taken.rig.complete(&mut scenario, &device.device.session.parameters)?;
     }
     for warning in device.device.warnings() {

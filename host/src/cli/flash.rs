@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use std::{io, thread};
+use std::{fmt, io, thread};
 
 use clap::Args;
-use lashloop_bench::device::{Build, Device, DeviceChoice, find_image, open_terminal};
+use lashloop_bench::device::{Build, Device, DeviceChoice, find_image_for_board, open_terminal};
 use lashloop_bench::session::printable;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
@@ -15,20 +15,22 @@ use super::options::{BaudOption, RigOption};
 use super::output::outln;
 use super::supervision::start_supervisor;
 use crate::bench::Bench;
+use crate::flash::confirmation::Expected;
 use crate::flash::program::Runner;
 use crate::flash::{FlashError, Image, Target, Way, confirmation, way, writer};
 use crate::ports;
-use crate::rig::check::check_board;
 use crate::rig::file::Loader;
 
 /// Write firmware to a drive, and confirm it by the drive's own report
 ///
 /// Finds the way that is there: a debug probe (probe-rs), the chip's boot loader over USB (dfu-util) or over a UART (stm32flash).
-/// The flash is read back. The drive then has to report the build of the image: only that is "flashed". For the boot loader hold
-/// BOOT0 high during a reset first. Exit code 1 if the drive reports another build, 4 if no way or no drive is there.
+/// The flash is read back. The drive then has to report build and board of the image: only that is "flashed". A running drive
+/// on --device enters its boot loader by request if a program reaches it there; without one, hold BOOT0 high during a reset
+/// first. Exit code 1 if the drive reports another build or the image has none, 2 if the image is for another board, 4 if no way
+/// or no drive is there.
 #[derive(Args)]
 pub(crate) struct Arguments {
-    /// Image of the firmware; without it, that of `cargo xtask image`, found as for `--device qemu`
+    /// Image of the firmware; without it, that of `cargo xtask image` for the board of the rig, else for the bare board
     elf: Option<PathBuf>,
 
     /// Way onto the chip; without it, the first one that is there
@@ -45,7 +47,8 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     line: BaudOption,
 
-    /// Terminal at USART1 or USART3 of the chip, for `uart`; without it, that of the drive
+    /// Terminal at USART1 or USART3 of the chip, for `uart`; without it, that of the drive, which is then sent no request to
+    /// enter its boot loader
     #[arg(long, value_name = "PATH")]
     loader_port: Option<PathBuf>,
 
@@ -56,43 +59,56 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
-        let image = find_image("qemu", self.elf.as_deref()).map_err(FlashError::NoImage)?;
-        let image = Image::read(&image).map_err(FlashError::Image)?;
         let rig = self.rig.take(bench, "flash")?;
         let rig = rig.as_ref().map(|taken| &taken.rig);
+        let found = || find_image_for_board(rig.map(|rig| &*rig.board)).map_err(FlashError::NoImage);
+        let image = Image::read(&self.elf.map_or_else(found, Ok)?).map_err(FlashError::Image)?;
+        let expected = Expected::of(&image)?;
+        if let Some(rig) = rig.filter(|rig| rig.board != expected.board) {
+            return Err(other_board(&image, &expected, rig.file.display(), &rig.board, false).into());
+        }
         let device = self.device.or_else(|| Some(rig?.port.device.clone()));
+        if let Some(simulator) = device.as_ref().filter(|device| !device.may_be_hardware()) {
+            return Err(FlashError::Simulator(simulator.to_string()).into());
+        }
         let baud = rig.map_or(self.line.baud, |rig| rig.port.baud);
         let Loader { via, chip, probe, port } = rig.map(|rig| rig.loader.clone()).unwrap_or_default();
         let terminal = || device.as_ref()?.terminal().map(PathBuf::from);
-        let target = Target {
+        let loader_port = self.loader_port.or(port);
+        let has_loader_port = loader_port.is_some();
+        let mut target = Target {
             chip,
             probe: self.probe.or(probe),
-            loader_port: self.loader_port.or(port).or_else(terminal),
+            under_reset: true,
+            loader_port: loader_port.or_else(terminal),
         };
         let known = ports::on_usb();
         if device.is_none() && known.len() > 1 {
             return Err(FlashError::Ports(known.len()).into());
         }
 
+        // A search by `uart` sends bytes.
+        for port in terminal().iter().chain(&target.loader_port).filter(|port| port.exists()) {
+            drop(open_terminal(port, baud)?);
+        }
         let supervisor = start_supervisor()?;
         let signals = supervisor.guard_signals();
         let interrupted = || supervisor.interrupted();
         let runner = Runner { interrupted: &interrupted };
-        print_image(&image);
+        print_image(&image, &expected);
         let via = self.via.or(via);
+        let known_drive = Known { image: &image, expected: &expected, has_rig: rig.is_some() };
         let way = writer::find(via, &target, &runner).or_else(|none| {
             // Without a program for its boot loader the drive would be lost to its host.
-            let has_program = way::installed(via).into_iter().any(|way| way != Way::Probe);
-            let drive = device.as_ref().filter(|_| has_program);
-            if drive.is_some_and(|drive| enter_loader(drive, baud, &supervisor)) {
-                find_loader(via, &target, &runner)
-            } else {
-                Err(none)
-            }
+            let drive = device.as_ref().filter(|_| way::reaches_loader(via, has_loader_port));
+            let drive = drive.and_then(|drive| Device::open(drive, baud, &supervisor).ok());
+            let Some(drive) = drive else { return Err(none) };
+            known_drive.check(&drive)?;
+            if enter_loader(drive) { find_loader(via, &target, &runner) } else { Err(none) }
         })?;
         outln!("way        {}: {}", way.name(), way.meaning());
-        if let Some(device) = &device {
-            quiet(way, device, baud, &supervisor)?;
+        if way == Way::Probe {
+            target.under_reset = !known_drive.disarm(device.as_ref(), baud, &supervisor)?;
         }
         let began = Instant::now();
         writer::write(way, &image, &target, &runner)?;
@@ -102,19 +118,71 @@ impl Arguments {
             Some(device) => device,
             None => new_port(bench, &known, &supervisor)?,
         };
-        let confirmed = confirmation::confirm(way, &image, &device, baud, &supervisor)?;
+        let confirmed = confirmation::confirm(way, &expected, &device, baud, &supervisor)?;
         drop(signals);
-        if let Some(rig) = rig {
-            check_board(rig, &confirmed)?;
-        }
         print_drive(&confirmed);
         Ok(Exit::Pass)
     }
 }
 
+fn other_board(
+    image: &Image,
+    expected: &Expected,
+    of: impl fmt::Display,
+    board: &str,
+    is_drive: bool,
+) -> FlashError {
+    let (path, image) = (image.path.clone(), expected.board.clone());
+    FlashError::Board { path, image, of: of.to_string(), board: board.to_owned(), is_drive }
+}
+
+/// The image, for the drive that runs before it.
+struct Known<'a> {
+    image: &'a Image,
+    expected: &'a Expected,
+    /// The board of a rig file counts, and a drive with another one has the wrong image.
+    has_rig: bool,
+}
+
+impl Known<'_> {
+    /// Rejects a drive on another board than that of the image.
+    fn check(&self, drive: &Device) -> Result<(), FlashError> {
+        let board = drive.session.identity.board;
+        if self.has_rig || board.as_str() == self.expected.board {
+            return Ok(());
+        }
+        let of = format!("the drive on {}", drive.connection.choice);
+        Err(other_board(self.image, self.expected, of, board.as_str(), true))
+    }
+
+    /// Disarms a drive by a handshake before a probe halts its core. Returns whether one has answered.
+    fn disarm(
+        &self,
+        device: Option<&DeviceChoice>,
+        baud: u32,
+        supervisor: &Supervisor,
+    ) -> Result<bool, FlashError> {
+        let drive = device.map(|device| Device::open(device, baud, supervisor));
+        match (&drive, device) {
+            (Some(Ok(drive)), _) => {
+                self.check(drive)?;
+                outln!("before     {}, disarmed", drive.description());
+            }
+            (_, Some(device)) => {
+                outln!(
+                    "before     no drive answers on {device}: the probe connects under reset, which needs NRST"
+                );
+            }
+            (_, None) => {
+                outln!("before     no --device to disarm: the probe connects under reset, which needs NRST")
+            }
+        }
+        Ok(matches!(drive, Some(Ok(_))))
+    }
+}
+
 /// Requests a running drive to enter its boot loader. Returns whether it does.
-fn enter_loader(device: &DeviceChoice, baud: u32, supervisor: &Supervisor) -> bool {
-    let Ok(mut drive) = Device::open(device, baud, supervisor) else { return false };
+fn enter_loader(mut drive: Device) -> bool {
     let description = drive.description();
     let entered = drive.session.enter_loader();
     match &entered {
@@ -143,28 +211,9 @@ fn find_loader(via: Option<Way>, target: &Target, runner: &Runner<'_>) -> Result
     }
 }
 
-/// Leaves no motion and no other program on the drive before its firmware stops. A probe halts the core, and a halted core
-/// leaves the power stage at its last duty; the handshake disarms. A chip in its boot loader drives nothing, and bytes of a
-/// handshake would spoil its measurement of the speed.
-///
-/// # Errors
-/// Another program holds the port, or it can't be opened.
-fn quiet(way: Way, device: &DeviceChoice, baud: u32, supervisor: &Supervisor) -> Result<(), CliError> {
-    let Some(terminal) = device.terminal().filter(|terminal| terminal.exists()) else { return Ok(()) };
-    drop(open_terminal(terminal, baud)?);
-    if way == Way::Probe {
-        match Device::open(device, baud, supervisor) {
-            Ok(drive) => outln!("before     {}, disarmed", drive.description()),
-            Err(_) => outln!("before     no drive answers on {device}"),
-        }
-    }
-    Ok(())
-}
-
-fn print_image(image: &Image) {
-    let Image { path, bytes, build } = image;
-    let build = build.map_or_else(|| "no build to compare".to_owned(), |build| build.to_string());
-    outln!("image      {}, {} B, {build}", path.display(), bytes.len());
+fn print_image(image: &Image, expected: &Expected) {
+    let (size, Expected { build, board }) = (image.bytes.len(), expected);
+    outln!("image      {}, {size} B, for {}, {build}", image.path.display(), printable(board));
     outln!("sha256     {}", image.sha256());
 }
 

@@ -111,7 +111,7 @@ impl Arguments {
         let rig = self.rig.take(bench, &format!("run {}", scenario.name))?;
         let choice = match &rig {
             Some(taken) => {
-                taken.rig.limits.check(&scenario, &taken.rig.file)?;
+                taken.rig.allows(&scenario)?;
                 taken.check_present()?;
                 scenario.link.baud = taken.rig.port.baud;
                 &taken.rig.port.device

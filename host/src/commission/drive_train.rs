@@ -109,7 +109,10 @@ impl DriveTrain for OnDevice<'_> {
         let mut device = self.take_drive(&scenario)?;
         if let Some(rig) = self.rig {
             check_board(rig, &device.device).map_err(RunError::from)?;
+            let _ = rig.limits.reduce(&mut scenario);
             rig.complete(&mut scenario, &device.device.session.parameters)?;
+            // The guard holds the travel, from the load's position at the first motion on.
+            scenario.bench.load_travel_limit_rad = None;
         }
         let (supervisor, instruments) = (self.supervisor, self.instruments);
         let mut watch = Watch { columns: Columns::default(), guard, halt: None, instruments, supervisor };

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use lashloop_bench::device::{Build, DeviceError};
+use lashloop_bench::session::printable;
 
 use super::image::{FLASH, ImageError};
 use super::program::ProgramError;
@@ -14,8 +15,48 @@ pub enum FlashError {
     #[error(transparent)]
     Image(#[from] ImageError),
     /// The image is missing.
-    #[error(transparent)]
-    NoImage(DeviceError),
+    #[error(
+        "no image of the firmware at {}: build it with `cargo xtask image`, or name the ELF as argument or by LASHLOOP_IMAGE",
+        .0.iter().map(|place| place.display().to_string()).collect::<Vec<_>>().join(", ")
+    )]
+    NoImage(Vec<PathBuf>),
+    /// The ELF has no build to compare with. Nothing was written.
+    #[error(
+        "nothing is written: {} has no build to compare with, so no drive could confirm it: build the image in a git repository, \
+         with the linker script of lashloop-firmware",
+        .0.display()
+    )]
+    NoBuild(PathBuf),
+    /// The ELF has no board. Nothing was written.
+    #[error(
+        "nothing is written: {} does not name its board, and the image of another board drives wrong pins: build it anew with \
+         `cargo xtask image`, or with the linker script of lashloop-firmware",
+        .0.display()
+    )]
+    NoBoard(PathBuf),
+    /// The image is for another board. Nothing was written.
+    #[error(
+        "nothing is written: {} is for the board {}, and that of {of} is {}: the pins differ; name the image of that board{}",
+        path.display(),
+        printable(image),
+        printable(board),
+        if *is_drive { ", or describe the board by a rig file if the drive has the wrong image" } else { "" }
+    )]
+    Board {
+        /// The image.
+        path: PathBuf,
+        /// Its board.
+        image: String,
+        /// What has the other one: the rig file or the drive.
+        of: String,
+        board: String,
+        is_drive: bool,
+    },
+    /// The device is no board. Nothing was written.
+    #[error(
+        "nothing is written: {0} is a simulator, which no loader reaches; name a terminal, tcp:HOST:PORT or rfc2217:HOST:PORT"
+    )]
+    Simulator(String),
     /// No way leads to the chip, or the chosen one doesn't. Nothing was written.
     #[error("no way onto the chip:\n{}", listed(.0))]
     NoWay(Vec<(Way, String)>),
@@ -51,13 +92,14 @@ pub enum FlashError {
          the reset failed; check --device, then power the board off and on"
     )]
     OtherBuild { drive: Build, image: Build },
-    /// The ELF has no build to compare with.
+    /// A drive on another board than that of the image reports its build.
     #[error(
-        "written and compared, but not confirmed: the drive reports {drive}, and {} has no build to compare with: build the image \
-         in a git repository, with the linker script of lashloop-firmware",
-        image.display()
+        "written and compared, but the drive reports the board {}, and the image is for {}: another drive answers on this port; \
+         check --device",
+        printable(drive),
+        printable(image)
     )]
-    NoBuild { drive: Build, image: PathBuf },
+    OtherBoard { drive: String, image: String },
     /// Which port the drive is at, is not clear.
     #[error(
         "{0} serial ports on USB: name that of the drive by --device, or the rig by --rig; `lashloop ports` lists them"

@@ -21,6 +21,8 @@ const ERASED: u8 = 0xff;
 /// Symbols of the linker script, see `firmware/build.rs`.
 const BUILD_ID: &str = "_lashloop_build_id";
 const BUILD_IS_DIRTY: &str = "_lashloop_build_is_dirty";
+/// Start of the symbol that ends with the board's name.
+const BOARD: &str = "_lashloop_board_";
 
 /// Why an ELF can't be flashed.
 #[derive(Debug, thiserror::Error)]
@@ -66,6 +68,8 @@ pub struct Image {
     pub bytes: Vec<u8>,
     /// The build that the drive reports once it runs this image; `None` if the ELF doesn't have it.
     pub build: Option<Build>,
+    /// The board that it is for, as its drive reports it; `None` if the ELF doesn't have it.
+    pub board: Option<String>,
 }
 
 impl Image {
@@ -97,8 +101,8 @@ impl Image {
         }
         let bytes = flatten(segments)?;
         check_vectors(&bytes)?;
-        let build = build(&file);
-        Ok(Self { path: path.to_owned(), bytes, build })
+        let (build, board) = (build(&file), board(&file));
+        Ok(Self { path: path.to_owned(), bytes, build, board })
     }
 
     /// SHA-256 of the bytes in hexadecimal.
@@ -150,4 +154,9 @@ fn build(file: &ElfFile32<'_, LittleEndian>) -> Option<Build> {
     };
     let commit = NonZeroU32::new(value(BUILD_ID)?)?;
     Some(Build { commit: Some(commit), is_dirty: value(BUILD_IS_DIRTY)? != 0 })
+}
+
+fn board(file: &ElfFile32<'_, LittleEndian>) -> Option<String> {
+    let mut names = file.symbols().filter_map(|symbol| symbol.name().ok()?.strip_prefix(BOARD));
+    names.next().map(str::to_owned)
 }

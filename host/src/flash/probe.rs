@@ -1,4 +1,7 @@
 //! A debug probe, by probe-rs. It halts the core, so the firmware on the chip doesn't matter.
+//!
+//! A halted core leaves a power stage at its last duty until the independent watchdog resets the chip. In reset the pins are
+//! inputs.
 
 use std::ffi::OsString;
 use std::time::Duration;
@@ -32,6 +35,9 @@ pub(super) fn look(target: &Target, runner: &Runner<'_>) -> Result<(), String> {
 /// Writes the ELF, compares it with the flash, and resets the chip.
 pub(super) fn write(image: &Image, target: &Target, runner: &Runner<'_>) -> Result<(), ProgramError> {
     let mut download = arguments("download", target);
+    if target.under_reset {
+        download.push("--connect-under-reset".into());
+    }
     download.extend(["--verify".into(), image.path.clone().into_os_string()]);
     runner.run(Way::Probe, download, WRITE_LIMIT)?;
     runner.run(Way::Probe, arguments("reset", target), RESET_LIMIT).map(drop)

@@ -11,6 +11,8 @@ pub struct Target {
     pub chip: String,
     /// The debug probe, as `VID:PID:SERIAL`; `None` for the only one.
     pub probe: Option<String>,
+    /// Whether a probe holds the chip in reset while it connects: no drive has confirmed that its power stage is off.
+    pub under_reset: bool,
     /// Terminal at USART1 or USART3, where the ROM loader listens.
     pub loader_port: Option<PathBuf>,
 }

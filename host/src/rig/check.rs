@@ -1,12 +1,13 @@
 //! Everything that can be found out about a rig without moving it: lock, port, line, drive, board, pins, limits, loader.
 
 use lashloop_bench::device::{Build, Device, DeviceError};
+use lashloop_bench::scenario::RunMode;
 use lashloop_bench::scenario::controller::ParameterValue;
 use lashloop_bench::session::{Parameter, Session, WrittenValue, printable};
 use lashloop_bench::supervisor::Supervisor;
-use lashloop_protocol::parameter_names::{LOAD_COUNTS_PER_REV, MOTOR_COUNTS_PER_REV};
+use lashloop_protocol::parameter_names::{LOAD_COUNTS_PER_REV, MOTOR_COUNTS_PER_REV, SAMPLE_SOURCE};
 
-use super::file::Rig;
+use super::file::{Loader, Rig};
 use crate::doctor;
 use crate::doctor::finding::Finding;
 use crate::flash::way;
@@ -101,7 +102,9 @@ fn drive(rig: &Rig, device: &Device) -> Vec<Finding> {
         )
     };
     let mut findings = vec![board, build, pins(rig, session)];
-    findings.extend(rig.limits.of_drive().into_iter().map(|limit| {
+    let has_pins = session.parameter(SAMPLE_SOURCE).is_some();
+    let mode = if has_pins { RunMode::Bench } else { RunMode::Hil };
+    findings.extend(rig.limits.of_drive(mode).into_iter().map(|limit| {
         let subject = "limit";
         match session.parameter(limit.parameter) {
             Some(parameter) => value(subject, limit.key, parameter, WrittenValue::Number(limit.largest)),
@@ -114,7 +117,7 @@ fn drive(rig: &Rig, device: &Device) -> Vec<Finding> {
 /// The settings of pins against the drive's description.
 fn pins(rig: &Rig, session: &Session) -> Finding {
     let subject = "pins";
-    if session.parameter("sample_source").is_none() {
+    if session.parameter(SAMPLE_SOURCE).is_none() {
         return Finding::not_applicable(subject, "the drive offers none: it runs hardware in the loop only");
     }
     let counts = [
@@ -123,7 +126,8 @@ fn pins(rig: &Rig, session: &Session) -> Finding {
     ];
     let counts =
         counts.into_iter().filter_map(|(name, counts)| Some((name, ParameterValue::Number(counts?.into()))));
-    let settings: Vec<_> = rig.pins().into_iter().chain(counts).collect();
+    let pins = rig.pins().into_iter().map(|pin| (pin.parameter, pin.value));
+    let settings: Vec<_> = pins.chain(counts).collect();
     let findings = settings.iter().map(|(name, setting)| match (session.parameter(name), setting) {
         (None, _) => Finding::wrong(
             subject,
@@ -157,6 +161,9 @@ fn value(subject: &'static str, key: &str, parameter: &Parameter, written: Writt
 
 /// Whether the program of a loader is installed. Nothing is sent to the chip.
 fn loader(rig: &Rig) -> Finding {
+    if rig.loader == Loader::default() {
+        return Finding::not_applicable("loader", "the rig file has no [loader]");
+    }
     let installed = way::installed(rig.loader.via);
     match (&installed[..], rig.loader.via) {
         ([], Some(chosen)) => Finding::wrong(

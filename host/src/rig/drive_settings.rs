@@ -1,13 +1,14 @@
 //! What a rig sets on its drive, as parameters of the scenario: limits, encoders and power stage.
 //!
-//! A drive offers the parameters that its pins need. A drive without pins lacks them, and then nothing is set.
+//! A drive offers the parameters that its pins need. A drive without pins lacks them: in HIL mode nothing is set, in bench mode
+//! that is an error.
 
 use lashloop_bench::scenario::controller::{ParameterSetting, ParameterValue};
 use lashloop_bench::scenario::{Origin, RunMode, Scenario};
 use lashloop_bench::session::Parameter;
 use lashloop_protocol::enums::ParameterValue as WireValue;
 
-use super::file::{Direction, Level, Rig};
+use super::file::{Direction, Rig};
 
 /// A parameter that the drive of a rig must have.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -21,10 +22,18 @@ pub struct MissingParameter {
     pub key: &'static str,
 }
 
+/// A key of the rig file that is a parameter of a drive with pins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PinSetting {
+    pub key: &'static str,
+    pub parameter: &'static str,
+    pub value: ParameterValue,
+}
+
 impl Rig {
-    /// The parameters that describe the pins: name and value.
+    /// The parameters that describe the pins.
     #[must_use]
-    pub fn pins(&self) -> Vec<(&'static str, ParameterValue)> {
+    pub fn pins(&self) -> Vec<PinSetting> {
         let Self { encoders, power_stage, .. } = self;
         let number = |number: Option<f64>| number.map(ParameterValue::Number);
         let direction = |direction: Option<Direction>| {
@@ -35,47 +44,62 @@ impl Rig {
                 })
             })
         };
-        let level = |level: Option<Level>| {
-            level.map(|level| {
-                ParameterValue::Text(match level {
-                    Level::High => "high".to_owned(),
-                    Level::Low => "low".to_owned(),
-                })
-            })
-        };
         let torque_direction = power_stage
             .torque_per_duty_nm
             .map(|scale| if scale < 0.0 { Direction::Reversed } else { Direction::Normal });
+        let scale = "power_stage.torque_per_duty_nm";
         let pins = [
-            ("torque_per_duty_nm", number(power_stage.torque_per_duty_nm.map(f64::abs))),
-            ("torque_direction", direction(torque_direction)),
-            ("duty_offset", number(power_stage.duty_offset)),
-            ("duty_min", number(power_stage.duty_min)),
-            ("duty_max", number(power_stage.duty_max)),
-            ("enable_level", level(power_stage.enable_level)),
-            ("fault_level", level(power_stage.fault_level)),
-            ("motor_direction", direction(encoders.motor_direction)),
-            ("load_direction", direction(encoders.load_direction)),
+            (scale, "torque_per_duty_nm", number(power_stage.torque_per_duty_nm.map(f64::abs))),
+            (scale, "torque_direction", direction(torque_direction)),
+            ("power_stage.duty_offset", "duty_offset", number(power_stage.duty_offset)),
+            ("power_stage.duty_min", "duty_min", number(power_stage.duty_min)),
+            ("power_stage.duty_max", "duty_max", number(power_stage.duty_max)),
+            ("encoders.motor_direction", "motor_direction", direction(encoders.motor_direction)),
+            ("encoders.load_direction", "load_direction", direction(encoders.load_direction)),
         ];
-        pins.into_iter().filter_map(|(name, value)| Some((name, value?))).collect()
+        let setting =
+            |(key, parameter, value): (_, _, Option<_>)| Some(PinSetting { key, parameter, value: value? });
+        pins.into_iter().filter_map(setting).collect()
+    }
+
+    /// Gives a scenario in bench mode the resolution of the rig's encoders and its travel.
+    pub fn equip(&self, scenario: &mut Scenario) {
+        if scenario.run.mode.is_hil() {
+            return;
+        }
+        let encoders = &mut scenario.encoders;
+        for (counts, of_rig) in [
+            (&mut encoders.motor_counts_per_rev, self.encoders.motor_counts_per_rev),
+            (&mut encoders.load_counts_per_rev, self.encoders.load_counts_per_rev),
+        ] {
+            *counts = of_rig.unwrap_or(*counts);
+        }
+        let travel_rad = &mut scenario.bench.load_travel_limit_rad;
+        *travel_rad =
+            Some(travel_rad.map_or(self.limits.load_travel_rad, |own| own.min(self.limits.load_travel_rad)));
     }
 
     /// Completes a scenario that keeps the limits: a limit that it leaves to the drive becomes the smaller of the drive's
-    /// default and the limit of the rig, and a drive with pins gets their settings. In bench mode the encoders are those of the
-    /// rig. `parameters` are those of the drive.
+    /// default and the limit of the rig, and a drive with pins gets their settings. [`equip`](Self::equip) is part of it.
+    /// `parameters` are those of the drive.
     ///
     /// # Errors
-    /// The drive lacks the parameter of a limit.
+    /// The drive lacks the parameter of a limit, or in bench mode that of a pin.
     pub fn complete(
         &self,
         scenario: &mut Scenario,
         parameters: &[Parameter],
     ) -> Result<(), MissingParameter> {
         let origin = Origin::Option(format!("--rig {}", self.file.display()).into());
+        self.equip(scenario);
+        let mode = scenario.run.mode;
+        let of_bench: &[ParameterSetting] = if mode.is_hil() { &[] } else { &scenario.bench.parameters };
         let settings = &mut scenario.controller.parameters;
-        let is_set = |settings: &[ParameterSetting], name: &str| settings.iter().any(|it| it.name == name);
+        let is_set = |settings: &[ParameterSetting], name: &str| {
+            settings.iter().chain(of_bench).any(|it| it.name == name)
+        };
         let find = |name: &str| parameters.iter().find(|parameter| parameter.name == name);
-        for limit in self.limits.of_drive() {
+        for limit in self.limits.of_drive(mode) {
             let missing = MissingParameter { parameter: limit.parameter, key: limit.key };
             let default = number(find(limit.parameter).ok_or(missing)?.default);
             if !is_set(settings, limit.parameter) {
@@ -84,19 +108,12 @@ impl Rig {
                 settings.push(ParameterSetting { name, value, origin });
             }
         }
-        if scenario.run.mode == RunMode::Bench {
-            let encoders = &mut scenario.encoders;
-            for (counts, of_rig) in [
-                (&mut encoders.motor_counts_per_rev, self.encoders.motor_counts_per_rev),
-                (&mut encoders.load_counts_per_rev, self.encoders.load_counts_per_rev),
-            ] {
-                *counts = of_rig.unwrap_or(*counts);
-            }
-        }
-        for (name, value) in self.pins() {
-            if find(name).is_some() {
-                settings.retain(|setting| setting.name != name);
-                settings.push(ParameterSetting { name: name.to_owned(), value, origin: origin.clone() });
+        for PinSetting { key, parameter, value } in self.pins() {
+            if find(parameter).is_some() {
+                settings.retain(|setting| setting.name != parameter);
+                settings.push(ParameterSetting { name: parameter.to_owned(), value, origin: origin.clone() });
+            } else if mode == RunMode::Bench {
+                return Err(MissingParameter { parameter, key });
             }
         }
         Ok(())
@@ -112,7 +129,13 @@ fn number(value: WireValue) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use lashloop_bench::atomic_file::WriteError;
+    use lashloop_bench::run::{Clock, DeviceUnderTest, RunError, Step, StepObserver, run};
     use lashloop_bench::session::LawMask;
+    use lashloop_bench::supervisor::Supervisor;
+    use lashloop_bench::timing::ClockName;
+    use lashloop_firmware::drive::PinParameters;
+    use lashloop_firmware::law::ParameterGroup as _;
 
     use super::*;
 
@@ -174,8 +197,77 @@ mod tests {
         let text = RIG.replace("[encoders]", "[power_stage]\ntorque_per_duty_nm = -6.4\n[encoders]");
         let rig = Rig::from_str("rig.toml", &text).unwrap_or_else(|errors| panic!("{errors}"));
         let pins = rig.pins();
-        assert!(pins.contains(&("torque_per_duty_nm", ParameterValue::Number(6.4))), "{pins:?}");
-        assert!(pins.contains(&("torque_direction", ParameterValue::Text("reverse".to_owned()))), "{pins:?}");
+        let has = |parameter, value| pins.iter().any(|it| it.parameter == parameter && it.value == value);
+        assert!(has("torque_per_duty_nm", ParameterValue::Number(6.4)), "{pins:?}");
+        assert!(has("torque_direction", ParameterValue::Text("reverse".to_owned())), "{pins:?}");
+    }
+
+    /// A rig with every key of a pin.
+    fn with_every_pin() -> Rig {
+        let text = RIG.replace(
+            "[encoders]\n",
+            "[power_stage]\ntorque_per_duty_nm = 62.5\nduty_offset = 0.5\nduty_min = 0.1\nduty_max = 0.9\n\
+             [encoders]\nload_direction = \"normal\"\n",
+        );
+        Rig::from_str("rig.toml", &text).unwrap_or_else(|errors| panic!("{errors}"))
+    }
+
+    #[test]
+    fn every_key_of_a_pin_is_a_parameter_of_a_drive_with_pins() {
+        let keys = Rig::keys().to_page("");
+        for PinSetting { key, parameter, .. } in with_every_pin().pins() {
+            assert!(PinParameters::TABLE.iter().any(|it| it.name == parameter), "{parameter}");
+            assert!(keys.contains(key.rsplit('.').next().expect("a name")), "{key}");
+        }
+    }
+
+    #[test]
+    fn a_pin_that_the_drive_lacks_is_an_error_in_bench_mode() {
+        let path =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/bench-smooth-after.toml");
+        let mut scenario = crate::Bench::new().scenario(path, &[]).expect("a scenario");
+        let drive = ["torque_limit_nm", "watchdog_us", "twist_limit_rad"].map(|name| parameter(name, 3.0));
+        let error = rig().complete(&mut scenario, &drive).expect_err("no direction");
+        assert_eq!((error.key, error.parameter), ("encoders.motor_direction", "motor_direction"));
+    }
+
+    /// 0.1 s of the paper's move on a drive in this process, whose amplifier has 62.5 N m per duty of 1 around 0.5.
+    fn on_amplifier(rig: Option<&Rig>) -> Result<String, RunError> {
+        let path =
+            std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/bench-smooth-after.toml");
+        let short = ["run.duration_s=0.1", "expect=[]", "controller.parameters.torque_limit_nm=5"];
+        let mut scenario = crate::Bench::new().scenario(path, &short).expect("a scenario");
+        let supervisor = Supervisor::without_signals(None::<std::path::PathBuf>).expect("a supervisor");
+        let choice = "inproc".parse().expect("a device");
+        let mut device =
+            DeviceUnderTest::open(&scenario, &choice, ClockName::Lockstep, &supervisor, |link| link)?;
+        if let Some(rig) = rig {
+            rig.complete(&mut scenario, &device.device.session.parameters).expect("a drive with pins");
+        }
+        Ok(run(&scenario, &mut device, Clock::Lockstep, &mut Ignore)?.torque_sha256)
+    }
+
+    struct Ignore;
+
+    impl StepObserver for Ignore {
+        fn step(&mut self, _step: &Step) -> Result<(), WriteError> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn the_scale_of_a_rig_is_that_of_the_drive() {
+        let mut rig = with_every_pin();
+        rig.encoders.motor_direction = Some(Direction::Normal);
+        let alike = on_amplifier(Some(&rig)).expect("a run");
+        assert_eq!(alike, on_amplifier(None).expect("a run"));
+        // The duty of each torque is half of what the amplifier needs, so the load moves otherwise.
+        rig.power_stage.torque_per_duty_nm = Some(125.0);
+        assert_ne!(on_amplifier(Some(&rig)).expect("a run"), alike);
+        // 5 N m need a duty of 0.4 above the offset, not of 0.2.
+        rig.power_stage.torque_per_duty_nm = Some(12.4);
+        let error = on_amplifier(Some(&rig)).expect_err("a limit without a duty").to_string();
+        assert!(error.contains("torque_limit_nm"), "{error}");
     }
 
     #[test]
@@ -188,7 +280,8 @@ mod tests {
             let own = [format!("run.mode={mode}")];
             let own: Vec<_> = own.iter().map(String::as_str).collect();
             let mut scenario = crate::Bench::new().scenario(&path, &own).expect("a scenario");
-            rig.complete(&mut scenario, &[parameter("torque_limit_nm", 3.0)]).expect("a torque limit");
+            let drive = ["torque_limit_nm", "watchdog_us", "twist_limit_rad", "motor_direction"];
+            rig.complete(&mut scenario, &drive.map(|name| parameter(name, 3.0))).expect("a drive with pins");
             assert_eq!(scenario.encoders.motor_counts_per_rev, want, "{mode}");
         }
     }

@@ -7,12 +7,21 @@ use lashloop_bench::device::kinds::native::NativeTwin;
 use lashloop_bench::scenario::key::{Choice, Keys};
 use lashloop_bench::scenario::range::positive;
 use lashloop_bench::scenario::{ScenarioErrors, Section, settings_file};
+use lashloop_firmware::drive::PinParameters;
+use lashloop_firmware::law::ParameterGroup as _;
 use lashloop_plant::encoder::{MAX_COUNTS_PER_REV, MIN_COUNTS_PER_REV};
+use lashloop_protocol::enums::ParameterValue;
 
 use crate::flash::way::Way;
 
 /// Speed of a serial port, in bit/s.
 const BAUD: u32 = 921_600;
+/// Longest time of a silent host in bench mode, unless the rig has another.
+const WATCHDOG_US: u32 = 100_000;
+/// Largest limit of the twist in bench mode, unless the rig has another: the paper's soft shaft twists by 12 rad.
+const TWIST_RAD: f64 = 20.0;
+/// Smallest scale of the drive, either way.
+const SMALLEST_SCALE_NM: f64 = 1e-3;
 /// The chip of the boards that Lashloop supports, as probe-rs names it.
 const CHIP: &str = "STM32F405RGTx";
 
@@ -26,7 +35,9 @@ A rig file describes one bench with hardware. This page lists its keys. It is ge
 - The reader rejects an unknown key and a value out of range, with file, line, allowed values and remedy.
 - A scenario can't exceed `[limits]`: a higher limit in the scenario is an error before the run, and an absent one becomes the
   smaller of the drive's default and the limit of the rig.
-- `[encoders]` and `[power_stage]` are parameters of a drive with pins. A drive without pins lacks them, and a run leaves them out.
+- `[encoders]` and `[power_stage]` are parameters of a drive with pins. A run in bench mode rejects a drive that lacks one of them; a run
+  in HIL mode sets those that the drive has.
+- Bench mode needs `torque_per_duty_nm`: the scale of a scenario belongs to another amplifier.
 - \"Needed\" in the column of defaults marks a key that a rig file has to give; a dash marks one that may be absent.
 ";
 
@@ -65,15 +76,13 @@ pub struct Encoders {
     pub load_direction: Option<Direction>,
 }
 
-/// `[power_stage]`: from torque to duty, and the polarity of the pins.
+/// `[power_stage]`: from torque to duty. The levels of enable, ready and fault pins are those of the board's file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PowerStage {
     pub torque_per_duty_nm: Option<f64>,
     pub duty_offset: Option<f64>,
     pub duty_min: Option<f64>,
     pub duty_max: Option<f64>,
-    pub enable_level: Option<Level>,
-    pub fault_level: Option<Level>,
 }
 
 /// `[limits]`: what the bench bears.
@@ -85,8 +94,12 @@ pub struct Limits {
     pub motor_speed_rad_s: Option<f64>,
     /// Largest speed of the load, either way.
     pub load_speed_rad_s: Option<f64>,
-    /// Largest distance of the reference from zero, either way.
+    /// Largest distance of reference and load from zero, either way.
     pub load_travel_rad: f64,
+    /// Bench mode: longest watchdog time of the drive.
+    pub watchdog_us: u32,
+    /// Bench mode: largest limit of the twist.
+    pub twist_rad: f64,
 }
 
 /// `[loader]`: how firmware gets onto the chip.
@@ -109,13 +122,6 @@ pub enum Direction {
     Normal,
     /// Counts fall with the position.
     Reversed,
-}
-
-/// Level of a pin.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Level {
-    High,
-    Low,
 }
 
 /// Parses the name of a device.
@@ -196,7 +202,14 @@ fn read_port(port: &mut Section<'_>, parse: ParseDevice<'_>) -> Port {
                           /dev/serial/by-id that `lashloop ports` prints";
             port.reject("device", reason.to_owned());
         }
-        parse(text).map_err(|problem| port.reject("device", format!("is no device: {problem}"))).ok()
+        let device =
+            parse(text).map_err(|problem| port.reject("device", format!("is no device: {problem}"))).ok()?;
+        if !device.may_be_hardware() {
+            let reason = "is a simulator, and a rig is hardware: write a name under /dev/serial/by-id, tcp:HOST:PORT or \
+                          rfc2217:HOST:PORT; for a simulator omit --rig";
+            port.reject("device", reason.to_owned());
+        }
+        Some(device)
     });
     Port {
         // The stand-in of a faulty key; the file is rejected.
@@ -238,36 +251,48 @@ fn read_encoders(encoders: &mut Section<'_>) -> Encoders {
 }
 
 fn read_power_stage(stage: &mut Section<'_>) -> PowerStage {
-    let levels = [("high", Level::High), ("low", Level::Low)];
     let mut number = |doc, key, unit, low, high| stage.doc(doc).optional_number(key, unit, low..=high);
     let settings = PowerStage {
         torque_per_duty_nm: number(
-            "Torque at the motor from the centre of the duty to full duty; negative if the amplifier turns the other way.",
+            "Torque at the motor for a duty of 1 more than `duty_offset`; negative if the amplifier turns the other way. At an offset of 0.5, full duty has half of it.",
             "torque_per_duty_nm",
             "N m",
-            -1000.0,
-            1000.0,
+            -1e5,
+            1e5,
         ),
-        duty_offset: number(
-            "Duty that the centre is displaced by at zero torque.",
-            "duty_offset",
-            "",
-            -0.5,
-            0.5,
-        ),
-        duty_min: number("Smallest duty that the amplifier takes.", "duty_min", "", 0.0, 0.5),
-        duty_max: number("Largest duty that the amplifier takes.", "duty_max", "", 0.5, 1.0),
-        enable_level: stage
-            .doc("Level of the enable pin that switches the amplifier on.")
-            .optional_choice("enable_level", &levels),
-        fault_level: stage
-            .doc("Level of the fault pin by which the amplifier reports a fault.")
-            .optional_choice("fault_level", &levels),
+        duty_offset: number("Duty of no torque.", "duty_offset", "", 0.0, 1.0),
+        duty_min: number("Smallest duty of the amplifier, at most `duty_offset`.", "duty_min", "", 0.0, 1.0),
+        duty_max: number("Largest duty of the amplifier, at least `duty_offset`.", "duty_max", "", 0.0, 1.0),
     };
-    if settings.torque_per_duty_nm == Some(0.0) {
-        stage.reject("torque_per_duty_nm", "gives no torque at any duty; it must not be 0 N m".to_owned());
+    if settings.torque_per_duty_nm.is_some_and(|scale_nm| scale_nm.abs() < SMALLEST_SCALE_NM) {
+        let reason = format!(
+            "gives hardly a torque at any duty; it must be {SMALLEST_SCALE_NM} N m or more, either way"
+        );
+        stage.reject("torque_per_duty_nm", reason);
+    }
+    let [min, offset, max] = [
+        ("duty_min", settings.duty_min),
+        ("duty_offset", settings.duty_offset),
+        ("duty_max", settings.duty_max),
+    ]
+    .map(|(name, given)| given.unwrap_or_else(|| default_duty(name)));
+    if !(min <= offset && offset <= max) {
+        stage.reject_section(&format!(
+            "has duty_min = {min}, duty_offset = {offset}, duty_max = {max}, defaults of the drive included; the offset is the \
+             duty of no torque and lies between the others"
+        ));
     }
     settings
+}
+
+/// Default of a duty of the drive.
+fn default_duty(name: &str) -> f64 {
+    let parameter = PinParameters::TABLE.iter().find(|parameter| parameter.name == name);
+    match parameter.map(|parameter| parameter.range.default()) {
+        // Decimal, as it is written: 0.1 is no number of either precision.
+        Some(ParameterValue::F32(default)) => default.to_string().parse().unwrap_or(f64::NAN),
+        _ => f64::NAN,
+    }
 }
 
 fn read_limits(limits: &mut Section<'_>) -> Limits {
@@ -282,8 +307,14 @@ fn read_limits(limits: &mut Section<'_>) -> Limits {
             .doc("Largest speed of the load, either way. Limit of the reference, except for steps, and of the drive's parameter `load_speed_limit_rad_s`.")
             .optional_number("load_speed_rad_s", "rad/s", positive(1e6)),
         load_travel_rad: limits
-            .doc("Largest distance of the reference from zero, either way.")
+            .doc("Largest distance of the load from zero, either way. A reference beyond it is an error; in bench mode, a load beyond it ends the run.")
             .number("load_travel_rad", None, positive(1e4)),
+        watchdog_us: limits
+            .doc("Bench mode: limit of the drive's parameter `watchdog_us`, after which a silent host ends the run.")
+            .integer("watchdog_us", WATCHDOG_US, 1000..=1_000_000),
+        twist_rad: limits
+            .doc("Bench mode: limit of the drive's parameter `twist_limit_rad`, beyond which an encoder counts as lost. Choose little more than gap and shaft explain.")
+            .number("twist_rad", TWIST_RAD, positive(1e4)),
     }
 }
 
@@ -318,54 +349,4 @@ impl Default for Loader {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::fs;
-
-    use super::*;
-
-    const SHORTEST: &str = "title = \"t\"\ncontact = \"c\"\nboard = \"b\"\n[port]\ndevice = \"/dev/serial/by-id/x\"\n\
-                            [limits]\ntorque_nm = 5.0\nload_travel_rad = 4.0\n";
-
-    fn document(name: &str) -> String {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs").join(name);
-        fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
-    }
-
-    #[test]
-    fn page_and_schema_list_the_keys_of_the_reader() {
-        assert!(
-            document("rig.md").trim_end() == Rig::page().trim_end(),
-            "stale: lashloop rig keys > docs/rig.md"
-        );
-        let schema: serde_json::Value = serde_json::from_str(&document("rig.schema.json")).unwrap();
-        assert!(schema == Rig::json_schema(), "stale: lashloop rig keys --schema > docs/rig.schema.json");
-    }
-
-    #[test]
-    fn the_example_of_the_documents_is_a_rig() {
-        let page = document("bench-drive.md");
-        let example =
-            page.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
-        let rig = Rig::from_str("rig.toml", example).unwrap_or_else(|errors| panic!("{errors}"));
-        assert_eq!(rig.encoders.load_direction, Some(Direction::Reversed));
-        assert_eq!(rig.loader.via, Some(Way::Dfu));
-    }
-
-    #[test]
-    fn an_absent_section_leaves_the_defaults_of_the_drive() {
-        let rig = Rig::from_str("rig.toml", SHORTEST).unwrap_or_else(|errors| panic!("{errors}"));
-        assert_eq!((rig.encoders, rig.power_stage), (Encoders::default(), PowerStage::default()));
-        assert_eq!((rig.port.baud, rig.loader), (BAUD, Loader::default()));
-    }
-
-    #[test]
-    fn every_error_of_a_file_is_reported_with_its_line() {
-        let wrong = SHORTEST
-            .replace("torque_nm = 5.0", "torque_nm = 0.0")
-            .replace("contact = \"c\"\n", "")
-            .replace("/dev/serial/by-id/x", "/dev/ttyACM0")
-            + "[power_stage]\ntorque_per_duty_nm = 0\nduty_mn = 0.1\n[loader]\nvia = \"jtag\"\n";
-        let errors = Rig::from_str("rig.toml", &wrong).expect_err("a faulty file").to_string();
-        insta::assert_snapshot!(errors);
-    }
-}
+mod tests;

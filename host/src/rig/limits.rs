@@ -2,12 +2,18 @@
 
 use std::path::PathBuf;
 
+use lashloop_bench::scenario::bench::TORQUE_PER_RAD_NM;
 use lashloop_bench::scenario::controller::{ParameterSetting, ParameterValue};
-use lashloop_bench::scenario::{Scenario, ScenarioError, ScenarioErrors};
+use lashloop_bench::scenario::{RunMode, Scenario, ScenarioError, ScenarioErrors};
+use lashloop_firmware::control::open_loop::OpenLoop;
+use lashloop_firmware::law::ControlLaw as _;
 use lashloop_plant::reference::Reference;
-use lashloop_protocol::parameter_names::TORQUE_LIMIT_NM;
+use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
 
-use super::file::Limits;
+use super::file::{Limits, Rig};
+
+/// Parameter of a drive with pins.
+const TWIST_LIMIT_RAD: &str = "twist_limit_rad";
 
 /// A limit of the rig that is a parameter of the drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,12 +50,35 @@ pub enum LimitError {
         largest: f64,
         unit: &'static str,
     },
+    /// The amplifier has no scale.
+    #[error(
+        "{}: power_stage.torque_per_duty_nm is missing: bench mode needs the scale of this amplifier, and that of a scenario \
+         belongs to another one; measure it, or take it from the amplifier's settings",
+        rig.display()
+    )]
+    NoScale {
+        /// The rig file.
+        rig: PathBuf,
+    },
+}
+
+impl Rig {
+    /// Checks a scenario before anything is opened.
+    ///
+    /// # Errors
+    /// As [`Limits::check`]; in bench mode the rig needs the scale of its amplifier.
+    pub fn allows(&self, scenario: &Scenario) -> Result<(), LimitError> {
+        if !scenario.run.mode.is_hil() && self.power_stage.torque_per_duty_nm.is_none() {
+            return Err(LimitError::NoScale { rig: self.file.clone() });
+        }
+        self.limits.check(scenario, &self.file)
+    }
 }
 
 impl Limits {
-    /// The limits that are parameters of the drive.
+    /// The limits that are parameters of the drive in this mode.
     #[must_use]
-    pub fn of_drive(&self) -> Vec<DriveLimit> {
+    pub fn of_drive(&self, mode: RunMode) -> Vec<DriveLimit> {
         let limit = |key, parameter, largest, unit| DriveLimit { key, parameter, largest, unit };
         let speeds = [
             ("limits.motor_speed_rad_s", "motor_speed_limit_rad_s", self.motor_speed_rad_s),
@@ -58,10 +87,34 @@ impl Limits {
         let speeds = speeds
             .into_iter()
             .filter_map(|(key, parameter, largest)| Some(limit(key, parameter, largest?, "rad/s")));
+        let of_pins = [
+            limit("limits.watchdog_us", WATCHDOG_US, self.watchdog_us.into(), "us"),
+            limit("limits.twist_rad", TWIST_LIMIT_RAD, self.twist_rad, "rad"),
+        ];
         [limit("limits.torque_nm", TORQUE_LIMIT_NM, self.torque_nm, "N m")]
             .into_iter()
             .chain(speeds)
+            .chain(of_pins.into_iter().filter(|_| mode == RunMode::Bench))
             .collect()
+    }
+
+    /// Reduces what a scenario exceeds to the limits, for a scenario of this program that fits other benches too. Returns a
+    /// sentence for each parameter.
+    pub fn reduce(&self, scenario: &mut Scenario) -> Vec<String> {
+        let limits = self.of_drive(scenario.run.mode);
+        let settings = scenario.controller.parameters.iter_mut().chain(&mut scenario.bench.parameters);
+        let mut reduced = Vec::new();
+        for setting in settings {
+            let limit = limits.iter().find(|limit| limit.parameter == setting.name);
+            if let (Some(limit), ParameterValue::Number(number)) = (limit, &mut setting.value)
+                && *number > limit.largest
+            {
+                let DriveLimit { key, largest, unit, .. } = limit;
+                reduced.push(format!("{} is {largest} {unit} by {key}, not {number}", setting.name));
+                *number = *largest;
+            }
+        }
+        reduced
     }
 
     /// Checks the parameters and the reference of a scenario. `rig` is the rig file, for messages.
@@ -69,18 +122,24 @@ impl Limits {
     /// # Errors
     /// Every parameter beyond its limit; else the first limit that the reference exceeds.
     pub fn check(&self, scenario: &Scenario, rig: &std::path::Path) -> Result<(), LimitError> {
-        let limits = self.of_drive();
-        let exceeded: Vec<_> = scenario
-            .controller
-            .parameters
-            .iter()
-            .filter_map(|setting| {
-                let limit = limits.iter().find(|limit| limit.parameter == setting.name)?;
-                limit.exceeded_by(setting, rig)
-            })
-            .collect();
+        let limits = self.of_drive(scenario.run.mode);
+        let exceeded_by = |setting: &ParameterSetting| {
+            let limit = limits.iter().find(|limit| limit.parameter == setting.name)?;
+            limit.exceeded_by(setting, rig)
+        };
+        let of_law = scenario.controller.parameters.iter().filter_map(|setting| {
+            exceeded_by(setting).map(|reason| ScenarioError::parameter(setting, reason))
+        });
+        let of_bench = scenario.bench.parameters.iter().filter_map(|setting| {
+            exceeded_by(setting).map(|reason| ScenarioError::of_bench(setting, reason))
+        });
+        let exceeded: Vec<_> = of_law.chain(of_bench).collect();
         if !exceeded.is_empty() {
             return Err(ScenarioErrors::from(exceeded).into());
+        }
+        if takes_torque(scenario) {
+            // The drive limits the torque; in bench mode the run ends where the load leaves the travel.
+            return Ok(());
         }
         let extremes = Extremes::of(scenario);
         let error = |key, reached, largest, unit| LimitError::Reference {
@@ -104,16 +163,22 @@ impl Limits {
 }
 
 impl DriveLimit {
-    fn exceeded_by(&self, setting: &ParameterSetting, rig: &std::path::Path) -> Option<ScenarioError> {
+    /// The reason against a value beyond the limit.
+    fn exceeded_by(&self, setting: &ParameterSetting, rig: &std::path::Path) -> Option<String> {
         let Self { key, largest, unit, .. } = self;
         match setting.value {
-            ParameterValue::Number(number) if number > *largest => Some(ScenarioError::parameter(
-                setting,
-                format!("exceeds the rig; {} allows {key} = {largest} {unit}", rig.display()),
-            )),
+            ParameterValue::Number(number) if number > *largest => {
+                Some(format!("exceeds the rig; {} allows {key} = {largest} {unit}", rig.display()))
+            }
             _ => None,
         }
     }
+}
+
+/// Whether the reference of a scenario is a torque: that of `open-loop`, or of a law with its parameter.
+fn takes_torque(scenario: &Scenario) -> bool {
+    let controller = &scenario.controller;
+    controller.name == OpenLoop::NAME || controller.parameters.iter().any(|it| it.name == TORQUE_PER_RAD_NM)
 }
 
 /// The extremes of a reference during a run.
@@ -158,7 +223,14 @@ mod tests {
     }
 
     fn limits() -> Limits {
-        Limits { torque_nm: 1000.0, motor_speed_rad_s: None, load_speed_rad_s: None, load_travel_rad: 10.0 }
+        Limits {
+            torque_nm: 1000.0,
+            motor_speed_rad_s: None,
+            load_speed_rad_s: None,
+            load_travel_rad: 10.0,
+            watchdog_us: 50_000,
+            twist_rad: 20.0,
+        }
     }
 
     fn check(limits: &Limits, settings: &[&str]) -> Result<(), String> {
@@ -178,6 +250,49 @@ mod tests {
         let errors = check(&limits, &set).expect_err("beyond both limits");
         assert!(errors.contains("rig.toml allows limits.torque_nm = 5 N m"), "{errors}");
         assert!(errors.contains("rig.toml allows limits.motor_speed_rad_s = 90 rad/s"), "{errors}");
+    }
+
+    #[test]
+    fn watchdog_and_twist_are_limited_in_bench_mode_only() {
+        let scenario = |mode: &str, set: &[&str]| {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/bench-smooth-after.toml");
+            let mode = format!("run.mode={mode}");
+            crate::Bench::new().scenario(path, &[&[&*mode], set].concat()).expect("a scenario")
+        };
+        let check = |scenario: &Scenario| limits().check(scenario, Path::new("rig.toml"));
+        let watchdog = ["controller.parameters.watchdog_us=60000"];
+        assert!(check(&scenario("hil", &watchdog)).is_ok() && check(&scenario("bench", &[])).is_ok());
+        for (set, key) in [
+            (watchdog, "limits.watchdog_us = 50000 us"),
+            (["bench.twist_limit_rad=20.1"], "limits.twist_rad = 20 rad"),
+        ] {
+            let error = check(&scenario("bench", &set)).expect_err("beyond the rig").to_string();
+            assert!(error.contains(key), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_reference_that_is_a_torque_is_no_travel() {
+        let limits = Limits { load_travel_rad: 0.49, ..limits() };
+        assert!(check(&limits, &SINE).is_err());
+        assert_eq!(
+            check(&limits, &[&SINE[..], &["controller.name=open-loop", "controller.parameters={}"]].concat()),
+            Ok(())
+        );
+    }
+
+    #[test]
+    fn a_reduced_scenario_is_allowed_and_keeps_what_was_within() {
+        let limits = Limits { torque_nm: 5.0, motor_speed_rad_s: Some(90.0), ..limits() };
+        let set = [
+            "controller.parameters.torque_limit_nm=5.01",
+            "controller.parameters.motor_speed_limit_rad_s=80",
+        ];
+        let mut scenario = scenario(&set);
+        let notes = limits.reduce(&mut scenario);
+        assert_eq!(notes, ["torque_limit_nm is 5 N m by limits.torque_nm, not 5.01"]);
+        assert!(limits.check(&scenario, Path::new("rig.toml")).is_ok());
+        assert!(limits.reduce(&mut scenario).is_empty());
     }
 
     const SINE: [&str; 6] = [

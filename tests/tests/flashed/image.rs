@@ -23,7 +23,7 @@ pub(crate) fn gaps() {
     let want = [&elf.segments[1].1[..], &[0xff; 0x70 - 101], &[1, 2, 3]].concat();
     assert_eq!(image.bytes, want);
     let build = Build { commit: 0xc0ff_ee00.try_into().ok(), is_dirty: true };
-    assert_eq!(image.build, Some(build));
+    assert_eq!((image.build, image.board.as_deref()), (Some(build), Some("native-twin")));
 }
 
 pub(crate) fn beyond() {
@@ -72,6 +72,10 @@ pub(crate) fn no_elf() {
     assert!(matches!(problem(&x86.bytes()), ImageProblem::NotAnElf(_)));
     let empty = Elf { segments: Vec::new(), ..bench.elf.clone() };
     assert!(matches!(problem(&empty.bytes()), ImageProblem::Empty));
+    fs::remove_file(bench.image()).expect("a file");
+    let missing = bench.flash_with(&[]).with_code(2).stderr;
+    assert!(missing.contains("image.elf: can't be read") && !missing.contains("qemu"), "{missing}");
+    fs::write(bench.image(), "no ELF").expect("a file");
     let ended = bench.flash_with(&["--device", "/dev/pts/0"]).with_code(2);
     assert!(ended.stderr.contains("`cargo xtask image`"), "{}", ended.stderr);
 }

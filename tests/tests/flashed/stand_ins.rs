@@ -3,6 +3,7 @@
 
 use std::fs;
 
+use lashloop_firmware::drive::{BUILD_ID, BUILD_IS_DIRTY};
 use tests::elf::Elf;
 use tests::program::Ended;
 use tests::twin::Twin;
@@ -57,10 +58,14 @@ pub(crate) fn probe() {
 
 /// A rig file with a native twin as the drive.
 fn rig(bench: &Workbench, twin: &Twin, loader: &str) -> String {
+    rig_with(bench, twin, "native-twin", loader)
+}
+
+fn rig_with(bench: &Workbench, twin: &Twin, board: &str, loader: &str) -> String {
     let rig = bench.path("rig.toml");
     let device = twin.device();
     let text = format!(
-        "title = \"twin\"\ncontact = \"the tester\"\nboard = \"native-twin\"\n[port]\ndevice = \"{device}\"\n\
+        "title = \"twin\"\ncontact = \"the tester\"\nboard = \"{board}\"\n[port]\ndevice = \"{device}\"\n\
          [limits]\ntorque_nm = 20\nload_travel_rad = 4\n[loader]\n{loader}\n"
     );
     fs::write(&rig, text).expect("a rig file");
@@ -76,6 +81,47 @@ pub(crate) fn probe_of_rig() {
     let calls = bench.calls();
     let want = "probe-rs download --chip STM32F407VG --probe 0483:374b:0670FF --verify BENCH/image.elf\n";
     assert!(calls.contains(want), "{calls}");
+}
+
+pub(crate) fn under_reset() {
+    let bench = Workbench::new();
+    bench.program("probe-rs", &PROBE_RS.replace("esac", "download) exit 1;;\nesac"));
+    let terminal = tests::terminal::open();
+    let silent = tests::terminal::device(&terminal);
+    for device in [&["--device", &silent][..], &["--device", "tcp:127.0.0.1:1"]] {
+        let ended = bench.flash_with(&[&["--via", "probe"], device].concat()).with_code(4);
+        assert!(ended.stdout.contains("the probe connects under reset"), "{}", ended.stdout);
+    }
+    let want = "probe-rs list\nprobe-rs download --chip STM32F405RGTx --connect-under-reset --verify BENCH/image.elf\n";
+    assert_eq!(bench.calls(), want.repeat(2));
+}
+
+pub(crate) fn other_board() {
+    let mut elf = Elf::image(SIZE, BUILD_ID, BUILD_IS_DIRTY);
+    elf.symbols[2].0 = "_lashloop_board_odrive-v3";
+    let (bench, twin) = (Workbench::with(elf), Twin::start());
+    bench.program("probe-rs", PROBE_RS);
+    let message = flash(&bench, &twin).with_code(2).stderr;
+    assert!(message.contains("is for the board odrive-v3, and that of the drive on "), "{message}");
+    let rig = rig(&bench, &twin, "");
+    let message = bench.flash_with(&["--rig", &rig]).with_code(2).stderr;
+    assert!(message.contains("rig.toml is native-twin: the pins differ"), "{message}");
+    assert_eq!(bench.calls(), "probe-rs list\n", "something was written");
+    // A drive with the wrong image takes the right one, because the rig file has the board.
+    let rig = rig_with(&bench, &twin, "odrive-v3", "");
+    let ended = bench.flash_with(&["--rig", &rig]).with_code(1);
+    assert!(ended.stderr.contains("reports the board native-twin"), "{}", ended.stderr);
+    assert!(bench.calls().contains("probe-rs download") && !claims_success(&ended), "{}", ended.stdout);
+}
+
+pub(crate) fn simulator() {
+    let bench = Workbench::new();
+    bench.program("probe-rs", PROBE_RS);
+    for device in ["native", "inproc", "qemu"] {
+        let message = bench.flash_with(&["--device", device]).with_code(2).stderr;
+        assert!(message.contains(&format!("{device} is a simulator, which no loader reaches")), "{message}");
+    }
+    assert_eq!(bench.calls(), "", "something was written");
 }
 
 pub(crate) fn two_probes() {
@@ -160,9 +206,12 @@ pub(crate) fn run_in_progress() {
     let (bench, twin) = (Workbench::new(), Twin::start());
     bench.program("probe-rs", PROBE_RS);
     let (run, _records) = tests::loss::run_in_progress(&twin.device());
-    let message = flash(&bench, &twin).with_code(4).stderr;
-    assert!(message.contains("another program holds it"), "{message}");
-    assert_eq!(bench.calls(), "probe-rs list\n", "the core of a running drive was halted");
+    bench.program("stm32flash", "echo \"stm32flash $*\" >> \"$BENCH/calls\"");
+    for via in [&[][..], &["--via", "uart"]] {
+        let message = bench.flash_with(&[&["--device", &twin.device()], via].concat()).with_code(4).stderr;
+        assert!(message.contains("another program holds it"), "{message}");
+        assert_eq!(bench.calls(), "", "a program reached for a running drive");
+    }
     run.signal(rustix::process::Signal::INT);
     let _ = run.wait().with_code(3);
 }

@@ -59,16 +59,26 @@ pub(crate) fn found() {
 pub(crate) fn by_request() {
     for via in [&["--via", "uart"][..], &[]] {
         let (bench, chip) = (right(), RomLoader::behind_a_drive());
-        let ended = bench.flash_with(&[via, &["--device", &chip.device]].concat()).with_code(0);
+        let port = ["--device", &chip.device, "--loader-port", &chip.device];
+        let ended = bench.flash_with(&[via, &port].concat()).with_code(0);
         assert!(chip.flash(SIZE) == bench.flash(), "the flash differs from the image");
         let before = ended.stdout.lines().find(|line| line.starts_with("before ")).unwrap_or_default();
         assert!(
-            before.contains("with-loader") && before.ends_with("enters its boot loader"),
+            before.contains("native-twin") && before.ends_with("enters its boot loader"),
             "{}",
             ended.stdout
         );
         assert!(claims_success(&ended), "{}", ended.stdout);
     }
+}
+
+pub(crate) fn no_request() {
+    let (bench, chip) = (right(), RomLoader::behind_a_drive());
+    let ended = bench.flash_with(&["--via", "uart", "--device", &chip.device]).with_code(4);
+    assert!(!ended.stdout.contains("enters"), "{}", ended.stdout);
+    // It still runs its firmware.
+    let doctor = tests::program::run(["doctor", "--device", &chip.device]);
+    assert!(doctor.stdout.contains("native-twin"), "{}{}", doctor.stdout, doctor.stderr);
 }
 
 pub(crate) fn unreached() {
@@ -94,11 +104,29 @@ pub(crate) fn other_build() {
     assert!(!claims_success(&ended), "{}", ended.stdout);
 }
 
-pub(crate) fn no_build() {
-    let bench = with(Elf { symbols: Vec::new(), ..Elf::image(SIZE, 0, false) });
-    let ended = flash(&bench, &RomLoader::start(Defect::None)).with_code(1);
-    assert!(ended.stderr.contains("has no build to compare with"), "{}", ended.stderr);
+pub(crate) fn other_board() {
+    let mut elf = Elf::image(SIZE, BUILD_ID, BUILD_IS_DIRTY);
+    elf.symbols[2].0 = "_lashloop_board_stm32f405";
+    let ended = flash(&with(elf), &RomLoader::start(Defect::None)).with_code(1);
+    assert!(
+        ended.stderr.contains("reports the board native-twin, and the image is for stm32f405"),
+        "{}",
+        ended.stderr
+    );
     assert!(!claims_success(&ended), "{}", ended.stdout);
+}
+
+pub(crate) fn no_build() {
+    for (lacks, code, message) in [(0, 1, "has no build to compare with"), (2, 2, "does not name its board")]
+    {
+        let mut elf = Elf::image(SIZE, BUILD_ID, BUILD_IS_DIRTY);
+        let _ = elf.symbols.remove(lacks);
+        let loader = RomLoader::start(Defect::None);
+        let ended = flash(&with(elf), &loader).with_code(code);
+        assert!(ended.stderr.contains(message), "{}", ended.stderr);
+        assert!(loader.flash(SIZE).iter().all(|byte| *byte == 0xff), "something was written");
+        assert!(!claims_success(&ended), "{}", ended.stdout);
+    }
 }
 
 fn failed(defect: Defect) -> String {

@@ -122,11 +122,70 @@ fn a_rig_and_a_device_exclude_each_other() {
 #[test]
 fn bench_mode_on_a_drive_without_pins_names_the_missing_parameter() {
     let twin = Twin::start();
-    let rig = RigFile::new(&twin.device());
-    let bench = |clock: &str| run(&rig, &["--mode", "bench", "--clock", clock, "--set", "run.duration_s=1"]);
-    let refused = bench("real-time").with_code(4).stderr;
+    let rig = with_scale(&twin.device(), "torque_nm = 50.0\nload_travel_rad = 2.0");
+    let bench = |rig: &RigFile, clock: &str| {
+        run(rig, &["--mode", "bench", "--clock", clock, "--set", "run.duration_s=1"])
+    };
+    let refused = bench(&rig, "real-time").with_code(4).stderr;
     assert!(refused.contains("no parameter sample_source, so it has no bench mode"), "{refused}");
-    // A drive with a time of its own can't wait for its host.
-    let lockstep = bench("lockstep").with_code(2).stderr;
-    assert!(lockstep.contains("needs --clock real-time"), "{lockstep}");
+    // Another clock gives the twin no pins.
+    let lockstep = bench(&rig, "lockstep").with_code(2).stderr;
+    assert!(
+        lockstep.contains("has no encoders and no power stage") && !lockstep.contains("real-time"),
+        "{lockstep}"
+    );
+    let unscaled = bench(&RigFile::new(&twin.device()), "real-time").with_code(2).stderr;
+    assert!(unscaled.contains("power_stage.torque_per_duty_nm is missing"), "{unscaled}");
+}
+
+/// A rig that bench mode is allowed on.
+fn with_scale(device: &str, limits: &str) -> RigFile {
+    RigFile::with(device, "native-twin", &format!("{limits}\n[power_stage]\ntorque_per_duty_nm = 62.5"))
+}
+
+#[test]
+fn an_experiment_takes_the_limits_of_the_rig_and_moves_no_load_without_a_drive() {
+    let twin = Twin::start();
+    let rig = with_scale(&twin.device(), "torque_nm = 2.0\nload_travel_rad = 3.2");
+    let ended = program::run(["experiment", "--rig", &rig.path()]).with_code(4);
+    let reduced = "bench-smooth-before.toml: torque_limit_nm is 2 N m by limits.torque_nm, not 25";
+    assert!(ended.stderr.contains(reduced), "{}", ended.stderr);
+    assert!(ended.stderr.contains("no parameter sample_source"), "{}", ended.stderr);
+    assert!(!ended.stdout.contains("bring the load"), "{}", ended.stdout);
+    let absent = program::run(["experiment", "--device", "/dev/serial/by-id/usb-none"]).with_code(4);
+    assert!(!absent.stdout.contains("bring the load"), "{}", absent.stdout);
+}
+
+#[test]
+fn commissioning_names_the_missing_limit_of_the_rig_and_opens_the_drive_before_it_asks() {
+    let twin = Twin::start();
+    let commission = |limits: &str, more: &[&str]| {
+        let rig = with_scale(&twin.device(), limits);
+        program::run([&["commission", "--rig", &rig.path(), "--yes"], more].concat())
+    };
+    let missing = commission("torque_nm = 2.0\nload_travel_rad = 3.2", &[]).with_code(2).stderr;
+    assert!(
+        missing.contains("--motor-speed-limit is missing, and ")
+            && missing.contains("no limits.motor_speed_rad_s"),
+        "{missing}"
+    );
+    let negative =
+        commission("torque_nm = 2.0\nload_travel_rad = 3.2", &["--torque-limit", "-1"]).with_code(2).stderr;
+    assert!(negative.contains("-1 is not above 0"), "{negative}");
+    let limits = "torque_nm = 2.0\nload_travel_rad = 3.2\nmotor_speed_rad_s = 90.0\nload_speed_rad_s = 10.0";
+    let without_pins = commission(limits, &[]).with_code(4).stderr;
+    assert!(
+        without_pins.contains("no parameter sample_source") && !without_pins.contains("about to move"),
+        "{without_pins}"
+    );
+}
+
+#[test]
+fn a_gate_names_a_file_that_has_no_estimates() {
+    let records = Records::new();
+    let file = records.path("bad.toml");
+    fs::write(&file, "title = 3\n").expect("a file");
+    let gate = format!("--gate={}", file.display());
+    let ended = program::run(["run", &RUNS[1].scenario(), "--device", "inproc", &gate]).with_code(2);
+    assert!(ended.stderr.contains("it is no estimates.json of `lashloop commission`"), "{}", ended.stderr);
 }

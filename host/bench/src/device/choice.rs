@@ -58,6 +58,12 @@ impl DeviceChoice {
         self.0.has_drive_per_session()
     }
 
+    /// Whether the drive may be hardware: at a terminal or behind a network port.
+    #[must_use]
+    pub fn may_be_hardware(&self) -> bool {
+        self.0.may_be_hardware()
+    }
+
     /// Path of the terminal that the drive is at; `None` for a drive that is reached in another way.
     #[must_use]
     pub fn terminal(&self) -> Option<&Path> {

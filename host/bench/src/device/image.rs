@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 
 use super::error::DeviceError;
 
-/// Name of the image that `cargo xtask image` builds.
+/// Names of the images that `cargo xtask image` builds: this one for its default board, the others with the name of theirs.
 const IMAGE: &str = "lashloop-firmware.elf";
+/// Board of [`IMAGE`].
+const DEFAULT_BOARD: &str = "stm32f405";
 /// Variable of the environment with the path of an image.
 pub(super) const VARIABLE: &str = "LASHLOOP_IMAGE";
 /// The workspace that this program was built in. The build puts the image into its target folder.
@@ -21,22 +23,37 @@ const WORKSPACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 pub fn find(kind: &'static str, given: Option<&Path>) -> Result<PathBuf, DeviceError> {
     let places = match given {
         Some(image) => vec![image.to_owned()],
-        None => places(env::var_os(VARIABLE), env::current_exe().ok().as_deref()),
+        None => places(IMAGE, env::var_os(VARIABLE), env::current_exe().ok().as_deref()),
     };
-    let found = places.iter().find(|image| image.is_file()).cloned();
-    found.ok_or(DeviceError::NoImage { kind, places })
+    first(places).map_err(|places| DeviceError::NoImage { kind, places })
+}
+
+/// The image of `cargo xtask image` for a board, for the default board without one.
+///
+/// # Errors
+/// No image is there: the places.
+pub fn find_for_board(board: Option<&str>) -> Result<PathBuf, Vec<PathBuf>> {
+    let image = match board {
+        None | Some(DEFAULT_BOARD) => IMAGE.to_owned(),
+        Some(board) => format!("lashloop-firmware-{board}.elf"),
+    };
+    first(places(&image, env::var_os(VARIABLE), env::current_exe().ok().as_deref()))
+}
+
+fn first(places: Vec<PathBuf>) -> Result<PathBuf, Vec<PathBuf>> {
+    places.iter().find(|image| image.is_file()).cloned().ok_or(places)
 }
 
 /// Where an image is looked for, in this order. One that the environment names is the only one.
-fn places(variable: Option<OsString>, program: Option<&Path>) -> Vec<PathBuf> {
+fn places(image: &str, variable: Option<OsString>, program: Option<&Path>) -> Vec<PathBuf> {
     if let Some(image) = variable.filter(|image| !image.is_empty()) {
         return vec![image.into()];
     }
     let workspace = Path::new(WORKSPACE);
-    let built = workspace.canonicalize().unwrap_or_else(|_| workspace.to_owned()).join("target").join(IMAGE);
+    let built = workspace.canonicalize().unwrap_or_else(|_| workspace.to_owned()).join("target").join(image);
     // Next to the program, and above target/debug for one that Cargo has built in another target folder.
-    let near = program.into_iter().flat_map(Path::ancestors).skip(1).take(3).map(|folder| folder.join(IMAGE));
-    let here = env::current_dir().unwrap_or_default().join("target").join(IMAGE);
+    let near = program.into_iter().flat_map(Path::ancestors).skip(1).take(3).map(|folder| folder.join(image));
+    let here = env::current_dir().unwrap_or_default().join("target").join(image);
     let mut places: Vec<PathBuf> = Vec::new();
     for place in [built].into_iter().chain(near).chain([here]) {
         if !places.contains(&place) {
@@ -53,8 +70,8 @@ mod tests {
     #[test]
     fn the_environment_is_the_only_place_and_the_workspace_the_first() {
         let program = Path::new("/opt/lashloop/bin/lashloop");
-        assert_eq!(places(Some("x.elf".into()), Some(program)), [PathBuf::from("x.elf")]);
-        let places = places(Some(OsString::new()), Some(program));
+        assert_eq!(places(IMAGE, Some("x.elf".into()), Some(program)), [PathBuf::from("x.elf")]);
+        let places = places(IMAGE, Some(OsString::new()), Some(program));
         let workspace = Path::new(WORKSPACE).canonicalize().unwrap();
         assert_eq!(places[0], workspace.join("target/lashloop-firmware.elf"));
         assert_eq!(places[1], Path::new("/opt/lashloop/bin/lashloop-firmware.elf"));

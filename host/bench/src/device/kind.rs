@@ -35,6 +35,11 @@ pub trait DeviceKind: fmt::Debug + Send + Sync {
         true
     }
 
+    /// Whether the drive may be hardware. A simulator is always one.
+    fn may_be_hardware(&self) -> bool {
+        false
+    }
+
     /// This device with a plant behind the pins of its drive; `None` for a drive whose pins are wired to hardware.
     ///
     /// # Errors

@@ -39,7 +39,7 @@ pub use drive_host::DriveHost;
 pub use error::DeviceError;
 pub use evidence::{Build, DriveFiles, Evidence, FileHash};
 pub use handle::Device;
-pub use image::find as find_image;
+pub use image::{find as find_image, find_for_board as find_image_for_board};
 pub use kind::{DeviceKind, Opened, ParsedKind, Syntax};
 pub use kinds::terminal::open_terminal;
 pub use pin_plant::PinPlant;

@@ -56,6 +56,8 @@ pub(super) struct BenchLoop<'a, S> {
     /// What a reference is relative to: a drive counts from its power-up on, and a torque is relative to nothing.
     reference_zero_rad: f64,
     positions: BenchPositions,
+    /// Zero of the travel; `None` until the first step of a load that starts anywhere.
+    travel_zero_rad: Option<f64>,
     /// The last measurement, and the timing of its step.
     latest: TraceRow,
     latest_timing: StepTiming,
@@ -77,7 +79,8 @@ pub(super) struct BenchLoop<'a, S> {
 impl<'a, S: StepSink> BenchLoop<'a, S> {
     /// The loop for a drive that is about to be started.
     pub(super) fn new(scenario: &'a Scenario, timeline: Timeline, settings: LoopSettings, sink: S) -> Self {
-        let LoopSettings { clock, torque_limit_nm, plant_signals, drive_signals, takes_torque, .. } = settings;
+        let LoopSettings { clock, torque_limit_nm, plant_signals, drive_signals, takes_torque, .. } =
+            settings;
         let start = &scenario.plant.initial;
         let positions = BenchPositions::new(scenario);
         let waiting = || WaitingTime::new(scenario.link.mean_wait(), scenario.link.answer_timeout());
@@ -89,6 +92,10 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
             torque_limit_nm,
             reference_zero_rad: if takes_torque { 0.0 } else { positions.load_zero_rad() },
             positions,
+            travel_zero_rad: match scenario.bench.start {
+                BenchStart::Initial => Some(0.0),
+                BenchStart::Anywhere => None,
+            },
             latest: TraceRow {
                 time_s: 0.0,
                 reference_rad: scenario.reference.position_rad(0.0),
@@ -224,11 +231,21 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
         };
         self.fill_steps_before(sample.step, device)?;
         self.measure(&sample, reference, device)?;
+        let end = self.leave_travel();
         let steps = self.scenario.run.steps();
-        if steps - sample.step <= self.sample_every {
+        if end.is_none() && steps - sample.step <= self.sample_every {
             self.fill_steps_before(steps, device)?;
         }
-        Ok(None)
+        Ok(end)
+    }
+
+    /// The end of a run whose load has left its travel.
+    fn leave_travel(&mut self) -> Option<End> {
+        let position_rad = self.latest.load_position_rad;
+        let zero_rad = *self.travel_zero_rad.get_or_insert(position_rad);
+        let (reached_rad, limit_rad) =
+            ((position_rad - zero_rad).abs(), self.scenario.bench.load_travel_limit_rad?);
+        (reached_rad > limit_rad).then_some(End::BeyondTravel { reached_rad, limit_rad })
     }
 
     /// Records a step that the drive has reported.

@@ -49,6 +49,14 @@ pub enum RunError {
     /// A fault of the scenario is not supported on this device.
     #[error(transparent)]
     Fault(#[from] UnsupportedFault),
+    /// The drive has no pins.
+    #[error(
+        "{device} has no encoders and no power stage, so it has no bench mode: take inproc, silicon or a board, or --mode hil"
+    )]
+    NoPins {
+        /// The device.
+        device: String,
+    },
     /// The device has another time in bench mode.
     #[error(
         "{device} can't run in bench mode in {clock}: a drive with a time of its own needs --clock real-time, and inproc needs \

@@ -52,6 +52,6 @@ mod waiting_time;
 pub use device_under_test::DeviceUnderTest;
 pub use error::RunError;
 pub use outcome::{End, Outcome};
-pub use runner::{Clock, run};
+pub use runner::{Clock, check_bench_mode, run};
 pub use step::{DriveValues, Observation, Step, TraceRow, TruthValues};
 pub use step_sink::{Observers, RunStart, StepObserver};

@@ -25,6 +25,13 @@ pub enum End {
     DriveRestarted,
     /// The plant could not be integrated any further; as a rule its state overflowed.
     Diverged(PlantError),
+    /// Bench mode: the load left its travel.
+    BeyondTravel {
+        /// Distance of the load from zero, or from its first position if it starts anywhere.
+        reached_rad: f64,
+        /// The travel.
+        limit_rad: f64,
+    },
     /// The user asked the bench to stop.
     Interrupted,
 }
@@ -37,7 +44,7 @@ impl End {
             Self::DriveFault(fault) => !matches!(fault.code, FaultCode::Panic | FaultCode::ProcessorFault),
             // Of a drive that breaks a rule nothing is expected any more.
             Self::RuleBroken(_) | Self::DriveRestarted => false,
-            Self::Complete | Self::Diverged(_) | Self::Interrupted => true,
+            Self::Complete | Self::Diverged(_) | Self::BeyondTravel { .. } | Self::Interrupted => true,
         }
     }
 
@@ -50,6 +57,7 @@ impl End {
             | Self::DriveFault(_)
             | Self::DriveRestarted
             | Self::Diverged(_)
+            | Self::BeyondTravel { .. }
             | Self::Interrupted => None,
         }
     }
@@ -64,7 +72,9 @@ impl End {
             Self::Diverged(PlantError::Chattering { .. } | PlantError::TooStiff { .. }) => {
                 Some(Verdict::Invalid)
             }
-            Self::DriveFault(_) | Self::RuleBroken(_) | Self::Diverged(_) => Some(Verdict::Fail),
+            Self::DriveFault(_) | Self::RuleBroken(_) | Self::Diverged(_) | Self::BeyondTravel { .. } => {
+                Some(Verdict::Fail)
+            }
             Self::DriveRestarted | Self::Interrupted => Some(Verdict::Invalid),
         }
     }
@@ -78,6 +88,10 @@ impl fmt::Display for End {
             Self::DriveRestarted => write!(
                 out,
                 "the drive started anew in the middle of the run; with link.on_loss = \"resume\" the bench would go on"
+            ),
+            Self::BeyondTravel { reached_rad, limit_rad } => write!(
+                out,
+                "the load reached {reached_rad:.4} rad, beyond its travel of {limit_rad} rad; the torque is off"
             ),
             Self::Interrupted => write!(out, "interrupted by the user"),
             Self::Diverged(error) => write!(out, "the plant can't be followed any further: {error}"),

@@ -25,6 +25,7 @@ use crate::timing::ClockName;
 use crate::verdict::{Judgement, LinkCounts};
 use lashloop_plant::metrics::SignalTable;
 use lashloop_plant::{PlantError, Signal};
+use lashloop_protocol::parameter_names::SAMPLE_SOURCE;
 
 /// What paces a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -136,14 +137,31 @@ fn source(scenario: &Scenario, device: &Device, clock: Clock) -> Result<(StepSou
             Ok((StepSource::Simulator(Box::new(simulator)), signals))
         }
         RunMode::Bench => {
-            let (choice, clock) = (&device.connection.choice, clock.name());
-            if !choice.keeps_bench_clock(clock) {
-                return Err(RunError::BenchClock { device: choice.to_string(), clock });
-            }
+            check_bench_mode(device, clock.name())?;
             // The columns of HIL mode, without values.
             let plant = scenario.plant.release(scenario.run.control_period_s())?;
             Ok((StepSource::Pins, plant.signals().to_vec()))
         }
+    }
+}
+
+/// Whether a drive can make a run in bench mode under this clock.
+///
+/// # Errors
+/// It has no pins, or another time.
+pub fn check_bench_mode(device: &Device, clock: ClockName) -> Result<(), RunError> {
+    let choice = &device.connection.choice;
+    let has_pins = device.session.parameter(SAMPLE_SOURCE).is_some();
+    match (choice.keeps_bench_clock(clock), has_pins) {
+        (true, true) => Ok(()),
+        (true, false) => Err(device
+            .unfit(format!(
+                "it has no parameter {SAMPLE_SOURCE}, so it has no bench mode: take a board with encoders and a power stage, or \
+                 run.mode = \"hil\""
+            ))
+            .into()),
+        (false, true) => Err(RunError::BenchClock { device: choice.to_string(), clock }),
+        (false, false) => Err(RunError::NoPins { device: choice.to_string() }),
     }
 }
 

@@ -7,7 +7,7 @@ use std::time::Duration;
 use lashloop_plant::Signal;
 use lashloop_protocol::enums::{Outcome, ParameterValue};
 use lashloop_protocol::message::Identity;
-use lashloop_protocol::parameter_names::{SAMPLE_SOURCE, TORQUE_LIMIT_NM, WATCHDOG_US};
+use lashloop_protocol::parameter_names::{TORQUE_LIMIT_NM, WATCHDOG_US};
 
 use super::drive_settings::{DriveSettings, written};
 use super::error::RunError;
@@ -35,14 +35,6 @@ pub fn set_up(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Res
 /// Applies all settings to a drive that was just reset.
 fn configure(device: &mut Device, scenario: &Scenario, clock: ClockName) -> Result<(), RunError> {
     let settings = DriveSettings::new(scenario, &device.session, clock)?;
-    if !scenario.run.mode.is_hil() && device.session.parameter(SAMPLE_SOURCE).is_none() {
-        return Err(device
-            .unfit(format!(
-                "it has no parameter {SAMPLE_SOURCE}, so it has no bench mode: take a board with encoders and a power stage, or \
-                 run.mode = \"hil\""
-            ))
-            .into());
-    }
     for (name, number) in settings.required {
         set_required(device, name, number)?;
     }

@@ -10,6 +10,7 @@ use super::error::ScenarioError;
 use super::key::Choice;
 use super::key_error::KeyError;
 use super::plant::PlantSettings;
+use super::range::positive;
 use super::reader::Section;
 use super::sections::{EncoderSettings, LinkSettings, OnLoss};
 use crate::process_plant;
@@ -17,6 +18,8 @@ use lashloop_plant::TORQUE_DELAY_US;
 
 /// Key of where the load stands at the first step.
 const START: &str = "start";
+/// Key of the travel.
+const LOAD_TRAVEL_LIMIT_RAD: &str = "load_travel_limit_rad";
 /// Key of the scale of the power stage.
 const TORQUE_PER_DUTY_NM: &str = "torque_per_duty_nm";
 
@@ -68,6 +71,8 @@ const STARTS: [(&str, BenchStart, &str); 2] = [
 pub struct BenchSettings {
     /// Where the load stands at the first step.
     pub start: BenchStart,
+    /// Largest distance of the load from zero, or from its first position if it starts anywhere; `None` for no limit.
+    pub load_travel_limit_rad: Option<f64>,
     /// The parameters that are given.
     pub parameters: Vec<ParameterSetting>,
     /// Control steps for each report of the drive, and for each reference of the bench; 1 or more.
@@ -76,7 +81,12 @@ pub struct BenchSettings {
 
 impl Default for BenchSettings {
     fn default() -> Self {
-        Self { start: BenchStart::Initial, parameters: Vec::new(), sample_every: 1 }
+        Self {
+            start: BenchStart::default(),
+            load_travel_limit_rad: None,
+            parameters: Vec::new(),
+            sample_every: 1,
+        }
     }
 }
 
@@ -98,12 +108,15 @@ impl BenchSettings {
 impl Serialize for BenchSettings {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut keys = serializer.serialize_map(None)?;
-        if self.sample_every > 1 {
-            keys.serialize_entry(SAMPLE_EVERY, &self.sample_every)?;
-        }
         let chosen = STARTS.iter().find(|(_, start, _)| *start == self.start && !self.is_empty());
         if let Some((name, ..)) = chosen {
             keys.serialize_entry(START, name)?;
+        }
+        if let Some(limit_rad) = self.load_travel_limit_rad {
+            keys.serialize_entry(LOAD_TRAVEL_LIMIT_RAD, &limit_rad)?;
+        }
+        if self.sample_every > 1 {
+            keys.serialize_entry(SAMPLE_EVERY, &self.sample_every)?;
         }
         for setting in &self.parameters {
             keys.serialize_entry(&setting.name, &setting.value)?;
@@ -130,14 +143,17 @@ pub(super) fn read(bench: &mut Section<'_>) -> BenchSettings {
             add(bench, key, ParameterValue::Text(name.to_owned()));
         }
     }
-    let doc = "Control steps for each report of the drive, and for each reference: a line of 921,600 baud takes one of each in a \
-               millisecond. The record repeats the last measurement in between.";
-    let sample_every = bench.doc(doc).integer(SAMPLE_EVERY, 1, 1..=1000);
     let docs = STARTS.map(|(name, _, doc)| Choice { name, doc }).to_vec();
     let names = STARTS.map(|(name, start, _)| (name, start));
     let doc = "Where the load stands at the first step.";
-    let start = bench.doc(doc).choice_docs(docs).choice(START, BenchStart::Initial, &names).unwrap_or_default();
-    BenchSettings { start, parameters, sample_every }
+    let start =
+        bench.doc(doc).choice_docs(docs).choice(START, BenchStart::Initial, &names).unwrap_or_default();
+    let doc = "Largest distance of the load from zero, either way, or from its first position with `start = \"anywhere\"`. A load beyond it ends the run.";
+    let load_travel_limit_rad = bench.doc(doc).optional_number(LOAD_TRAVEL_LIMIT_RAD, "rad", positive(1e4));
+    let doc = "Control steps for each report of the drive, and for each reference: a line of 921,600 baud takes one of each in a \
+               millisecond. The record repeats the last measurement in between.";
+    let sample_every = bench.doc(doc).integer(SAMPLE_EVERY, 1, 1..=1000);
+    BenchSettings { start, load_travel_limit_rad, parameters, sample_every }
 }
 
 impl ScenarioError {

@@ -120,6 +120,35 @@ fn a_reversed_encoder_faults_before_the_twist_leaves_its_range() {
 }
 
 #[test]
+fn a_load_beyond_its_travel_ends_the_run() {
+    // The open loop pushes the load away from its start at pi/2 rad.
+    let push = [
+        "controller.name=open-loop",
+        "controller.parameters={}",
+        "reference.position_rad=4",
+        "bench.twist_limit_rad=1000",
+        "run.duration_s=5",
+        "expect=[]",
+        "meant=[\"start\", \"large-angle\", \"mismatch\"]",
+    ];
+    for (limit, start, zero_rad, limit_rad) in [
+        ("bench.load_travel_limit_rad=2", "initial", 0.0, 2.0),
+        ("bench.load_travel_limit_rad=0.5", "anywhere", std::f64::consts::FRAC_PI_2, 0.5),
+    ] {
+        let start = format!("bench.start={start}");
+        let run = on_pins(&scenario(SMOOTH_AFTER, &[&push[..], &[limit, &start]].concat()), Line::default())
+            .expect("a run");
+        let End::BeyondTravel { reached_rad, .. } = run.outcome.end else { panic!("{}", run.outcome.end) };
+        assert_eq!(run.outcome.judgement.verdict, Verdict::Fail);
+        assert!(reached_rad > limit_rad && reached_rad < limit_rad + 0.02, "{reached_rad}");
+        let travels: Vec<_> =
+            run.steps.iter().map(|step| (step.row.load_position_rad - zero_rad).abs()).collect();
+        let (last, before) = travels.split_last().expect("steps");
+        assert!(*last == reached_rad && before.iter().all(|travel| *travel <= limit_rad), "ended at once");
+    }
+}
+
+#[test]
 fn a_cut_link_ends_the_run_without_a_verdict() {
     let cut = format!("{SMOOTH_AFTER}\n[[fault]]\nat_s = 0.1\nfor_s = 1.0\nkind = \"link-cut\"\n");
     let error = on_pins(&scenario(&cut, &SHORT), Line::default()).expect_err("a lost drive");

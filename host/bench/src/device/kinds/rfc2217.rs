@@ -53,6 +53,10 @@ impl DeviceKind for RemotePort {
         Ok(Opened { link: Box::new(Reopening::new(open)?), host: DriveHost::External })
     }
 
+    fn may_be_hardware(&self) -> bool {
+        true
+    }
+
     fn check_modelled_uart(&self, baud: u32) -> Result<(), DeviceError> {
         Err(DeviceError::HasUart { device: self.name(), baud })
     }

@@ -46,4 +46,8 @@ impl DeviceKind for TcpDrive {
             Err(source) => Err(DeviceError::Connect { device: self.name(), source }),
         }
     }
+
+    fn may_be_hardware(&self) -> bool {
+        true
+    }
 }

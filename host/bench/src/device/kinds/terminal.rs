@@ -48,6 +48,10 @@ impl DeviceKind for TerminalDrive {
         Some(&self.path)
     }
 
+    fn may_be_hardware(&self) -> bool {
+        true
+    }
+
     fn check_modelled_uart(&self, baud: u32) -> Result<(), DeviceError> {
         let path = &self.path;
         let resolved =
