@@ -141,7 +141,11 @@ impl Arguments {
             prepare_folder(folder, &[])?;
         }
         let temporary = tempfile::tempdir().map_err(system("create a temporary folder"))?;
-        let source = RunSource::new(Path::new(&template.name), &self.overrides(&limits, rig.as_ref().map(|taken| &taken.rig), &[]), &plants(bench));
+        let source = RunSource::new(
+            Path::new(&template.name),
+            &self.overrides(&limits, rig.as_ref().map(|taken| &taken.rig), &[]),
+            &plants(bench),
+        );
         let writer = |name: &str| {
             let Some(folder) = &self.out else { return Ok(None) };
             let claimed = RecordFolder::claim(&folder.join(name), self.force);

@@ -10,8 +10,8 @@ use crate::commission::MotionError;
 use crate::error::exit_of;
 use crate::flash::FlashError;
 use crate::identify::record::NoSeries;
-use crate::live::LiveError;
 use crate::journal::JournalError;
+use crate::live::LiveError;
 use crate::parameter_set::SettingsError;
 use crate::replay::ReplayError;
 use crate::rig::drive_settings::MissingParameter;
@@ -26,8 +26,8 @@ use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::IdentifyError;
 use lashloop_identify::excitation::CommissioningError;
-use lashloop_record::folder::FolderError;
 use lashloop_record::diff::DiffError;
+use lashloop_record::folder::FolderError;
 use lashloop_record::reader::ReadError;
 use lashloop_report::png::PngError;
 use lashloop_report::runs::DrawError;
@@ -65,6 +65,7 @@ pub(crate) enum CliError {
     Record(#[from] ReadError),
     #[error(transparent)]
     Folder(#[from] FolderError),
+    #[error(transparent)]
     Diff(#[from] DiffError),
     #[error("{}: can't be run again: {problem}", record.display())]
     Rerun { record: PathBuf, problem: String },

@@ -42,8 +42,8 @@ mod run_report;
 mod show;
 mod soak;
 mod supervision;
-mod watch_options;
 mod test;
+mod watch_options;
 
 use std::process::ExitCode;
 

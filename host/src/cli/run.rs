@@ -22,9 +22,9 @@ use super::clock_options::ClockOptions;
 use super::error::CliError;
 use super::options::{RecordOptions, RigOption, ScenarioOptions};
 use super::output::{error_line, outln};
-use super::{run_junit, run_report};
 use super::supervision::start_supervisor;
 use super::watch_options::WatchOptions;
+use super::{run_junit, run_report};
 use crate::identify::gate::{self, Departure, Intervals, RecordedMotion};
 use crate::rig::check::check_board;
 use crate::suite::case_result::CaseResult;
@@ -89,7 +89,11 @@ impl Arguments {
     }
 
     fn run_once(self, bench: &Bench) -> Result<Exit, CliError> {
+        let page = self.record.page();
         let Executed { scenario, summary, outcome, departure } = self.execute(bench)?;
+        if let Some(folder) = page {
+            super::report::write(&folder)?;
+        }
         if let Some(departure) = departure {
             outln!("GATE   {departure}");
         }

@@ -126,7 +126,9 @@ impl DriveTrain for OnDevice<'_> {
         let device = self.drive.insert(device);
         if halt == Some(Halt::NotAtRest) {
             let discarded = writer.map_or(Ok(()), RecordWriter::discard);
-            return discarded.map(|()| None).map_err(|error| MotionError::Record(RecordError(Box::new(error))));
+            return discarded
+                .map(|()| None)
+                .map_err(|error| MotionError::Record(RecordError(Box::new(error))));
         }
         let record =
             RunRecord { name, scenario: &scenario, device: &device.device, outcome: &outcome, writer, halt };

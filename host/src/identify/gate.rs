@@ -20,7 +20,6 @@ use lashloop_bench::run::RunError;
 use lashloop_bench::scenario::Scenario;
 use lashloop_identify::Instruments;
 use lashloop_plant::PlantValue;
-use lashloop_record::columns::Columns;
 use serde::Deserialize;
 
 use self::model::Model;
@@ -67,11 +66,12 @@ struct Interval {
 /// # Errors
 /// The file can't be read or isn't a file of `identify` or `commission`.
 pub fn intervals(path: &Path) -> io::Result<Intervals> {
-    let Estimates { quantities, instruments } = serde_json::from_slice(&fs::read(path)?).map_err(|error| {
-        io::Error::other(format!(
-            "it is no estimates.json of `lashloop commission` or `lashloop identify`: {error}"
-        ))
-    })?;
+    let Estimates { quantities, instruments } =
+        serde_json::from_slice(&fs::read(path)?).map_err(|error| {
+            io::Error::other(format!(
+                "it is no estimates.json of `lashloop commission` or `lashloop identify`: {error}"
+            ))
+        })?;
     let interval = |Quantity { name: key, estimate }| {
         let Interval { value, low, high } = estimate?;
         Some(KeyInterval { key, below: value - low, above: high - value })
@@ -128,7 +128,8 @@ pub fn check(
     }
     let period_s = scenario.run.control_period_s();
     let mut worst: Option<Departure> = None;
-    for (step, (positions, model_rad)) in recorded.positions_rad.iter().zip(&model.positions_rad).enumerate() {
+    for (step, (positions, model_rad)) in recorded.positions_rad.iter().zip(&model.positions_rad).enumerate()
+    {
         for (at, encoder) in ["motor", "load"].into_iter().enumerate() {
             let distance_rad = (positions[at] - model_rad[at]).abs();
             let limit_rad = model.squares[step][at].sqrt();

@@ -7,8 +7,8 @@ mod dissector;
 mod doctor;
 mod live;
 mod plot;
-mod rerun;
 mod progress;
+mod rerun;
 mod support;
 
 /// The messages that protocol version 1 is pinned by.

@@ -39,7 +39,9 @@ fn coverage(seeds: Range<u64>, noise_counts: f64) -> Coverage {
         let shown = [identified.directions.motor, identified.directions.load];
         let directions = shown.map(|it| it.map(Direction::sign));
         assert_eq!(directions, plant.signs.map(Some), "directions of seed {seed}");
-        if !identified.is_followed() { eprintln!("seed {seed} {:?} start {:?}", identified.residual_counts, plant.counts_per_rev); }
+        if !identified.is_followed() {
+            eprintln!("seed {seed} {:?} start {:?}", identified.residual_counts, plant.counts_per_rev);
+        }
         coverage.plant(identified.is_followed());
         for quantity in &identified.quantities {
             let truth = plant.truth(quantity.name);

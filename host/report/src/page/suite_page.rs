@@ -95,7 +95,8 @@ pub fn suite(suite: &Suite) -> String {
     let count = |tone| suite.rows.iter().filter(|row| row.tone() == tone).count();
     // A case that the device can't run by design has a reason and no verdict.
     let is_skipped = |row: &SuiteRow| row.verdict.as_deref() == Some("SKIPPED");
-    let is_good = suite.rows.iter().all(|row| is_skipped(row) || matches!(row.tone(), Tone::Pass | Tone::Marginal));
+    let is_good =
+        suite.rows.iter().all(|row| is_skipped(row) || matches!(row.tone(), Tone::Pass | Tone::Marginal));
     let verdict = if is_good { "PASS" } else { "FAIL" };
     let passed = count(Tone::Pass) + count(Tone::Marginal);
     let content = html! {
