@@ -18,10 +18,13 @@
 
 pub mod columns;
 mod digits;
+pub mod export;
 pub mod file_names;
 pub mod folder;
 pub mod host_facts;
 pub mod manifest;
+#[cfg(feature = "parquet")]
+mod parquet;
 pub mod reader;
 pub mod resolved;
 pub mod row;

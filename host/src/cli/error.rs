@@ -19,6 +19,7 @@ use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::IdentifyError;
 use lashloop_identify::excitation::CommissioningError;
+use lashloop_record::export::ExportError;
 use lashloop_record::folder::FolderError;
 use lashloop_record::reader::ReadError;
 use lashloop_report::runs::DrawError;
@@ -44,6 +45,8 @@ pub(crate) enum CliError {
     Campaign(#[from] CampaignError),
     #[error(transparent)]
     Record(#[from] ReadError),
+    #[error(transparent)]
+    Export(#[from] ExportError),
     #[error(transparent)]
     Folder(#[from] FolderError),
     #[error(transparent)]
@@ -112,6 +115,7 @@ impl CliError {
             | Self::Input { .. }
             | Self::Record(_)
             | Self::Folder(_)
+            | Self::Export(_)
             | Self::Draw(_)
             | Self::CommissionLimit { .. }
             | Self::Motion { .. }

@@ -13,6 +13,7 @@ mod device;
 mod doctor;
 mod error;
 mod experiment;
+mod export;
 mod flash;
 mod history;
 mod identify;
@@ -44,7 +45,7 @@ use crate::bench::Bench;
 registry::commands! {
     "Run a drive on the bench": Run(run), Demo(demo), Paper(paper), Experiment(experiment), Device(device), Battery(battery), Soak(soak);
     "Inspect scenarios, records and lines":
-        Show(show), Plot(plot), Decode(decode), Parameters(parameters), Ports(ports), Budget(budget);
+        Show(show), Plot(plot), Export(export), Decode(decode), Parameters(parameters), Ports(ports), Budget(budget);
     "Qualify a drive, a line or this machine": Conformance(conformance), Doctor(doctor), Compare(compare);
     "Work on a bench with hardware": Flash(flash), Rig(rig), Commission(commission), Identify(identify);
 }

@@ -65,15 +65,7 @@ impl SampleWriter {
         period_us: u32,
         attached: &[(&str, String)],
     ) -> Result<Self, McapError> {
-        let mut file = WriteOptions::new()
-            .profile("ros1")
-            .library(concat!("lashloop ", env!("CARGO_PKG_VERSION")))
-            .disable_seeking(true)
-            .chunk_size(None)
-            .compression_threads(0)
-            .emit_message_indexes(false)
-            .emit_chunk_indexes(false)
-            .create(NoSeek::new(Sink::new(growing)))?;
+        let mut file = open(growing)?;
         for (name, text) in attached {
             attach(&mut file, name, text)?;
         }
@@ -207,7 +199,20 @@ fn attach(file: &mut Writer<NoSeek<Sink>>, name: &str, text: &str) -> Result<(),
     })
 }
 
-fn written(path: &Path, error: McapError) -> WriteError {
+/// A writer whose chunks get to the file whole, by a flush.
+pub(super) fn open(file: GrowingFile) -> Result<Writer<NoSeek<Sink>>, McapError> {
+    WriteOptions::new()
+        .profile("ros1")
+        .library(concat!("lashloop ", env!("CARGO_PKG_VERSION")))
+        .disable_seeking(true)
+        .chunk_size(None)
+        .compression_threads(0)
+        .emit_message_indexes(false)
+        .emit_chunk_indexes(false)
+        .create(NoSeek::new(Sink::new(file)))
+}
+
+pub(super) fn written(path: &Path, error: McapError) -> WriteError {
     let source = match error {
         McapError::Io(source) => source,
         other => io::Error::other(other),
