@@ -34,4 +34,5 @@ pub mod summary;
 pub mod table;
 pub mod timing;
 pub mod trace;
+pub mod window;
 pub mod writer;
