@@ -4,7 +4,7 @@
 |---|---|
 | `record.json` | what was run: command line, scenario, overrides, parameters, host, versions |
 | `run.mcap` | every step with all its bits: positions, torque, signals of plant and drive, timing |
-| `trace.csv`, `trace.json`, `timing.csv` | columns, rounded, and their units; what older versions have left has no `run.mcap` |
+| `trace.csv`, `trace.json`, `timing.csv` | columns, rounded, with units; older records have no `run.mcap` |
 | `summary.json` | verdict, metrics, expectations, counters of the link; absent if the run was interrupted |
 """
 
