@@ -93,6 +93,14 @@ impl Columns {
         Self { signals: self.signals.clone(), values: self.values.iter().map(kept).collect() }
     }
 
+    /// The values of a row, in the order of the columns.
+    ///
+    /// # Panics
+    /// There is no such row.
+    pub fn row(&self, row: usize) -> impl Iterator<Item = f64> {
+        self.values.iter().map(move |column| column[row])
+    }
+
     /// Number of rows.
     #[must_use]
     pub fn len(&self) -> usize {

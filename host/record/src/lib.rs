@@ -19,10 +19,13 @@
 pub mod columns;
 pub mod diff;
 mod digits;
+pub mod export;
 pub mod file_names;
 pub mod folder;
 pub mod host_facts;
 pub mod manifest;
+#[cfg(feature = "parquet")]
+mod parquet;
 pub mod reader;
 pub mod resolved;
 pub mod row;
@@ -32,4 +35,5 @@ pub mod summary;
 pub mod table;
 pub mod timing;
 pub mod trace;
+pub mod window;
 pub mod writer;

@@ -27,6 +27,7 @@ use lashloop_bench::verdict::Exit;
 use lashloop_identify::IdentifyError;
 use lashloop_identify::excitation::CommissioningError;
 use lashloop_record::diff::DiffError;
+use lashloop_record::export::ExportError;
 use lashloop_record::folder::FolderError;
 use lashloop_record::reader::ReadError;
 use lashloop_report::png::PngError;
@@ -63,6 +64,8 @@ pub(crate) enum CliError {
     Leftovers { folder: PathBuf },
     #[error(transparent)]
     Record(#[from] ReadError),
+    #[error(transparent)]
+    Export(#[from] ExportError),
     #[error(transparent)]
     Folder(#[from] FolderError),
     #[error(transparent)]
@@ -150,6 +153,7 @@ impl CliError {
             | Self::Diff(_)
             | Self::Rerun { .. }
             | Self::Replay(_)
+            | Self::Export(_)
             | Self::Draw(_)
             | Self::Picture(_)
             | Self::NoSteps { .. }

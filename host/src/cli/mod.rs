@@ -17,6 +17,7 @@ mod diff;
 mod doctor;
 mod error;
 mod experiment;
+mod export;
 mod flash;
 mod history;
 mod identify;
@@ -55,8 +56,8 @@ use crate::bench::Bench;
 registry::commands! {
     "Run a drive on the bench": Run(run), Test(test), Demo(demo), Paper(paper), Experiment(experiment), Device(device), Battery(battery), Soak(soak);
     "Inspect scenarios, records and lines":
-        Show(show), Check(check), Plot(plot), Report(report), Decode(decode), Parameters(parameters), Ports(ports),
-        Budget(budget);
+        Show(show), Check(check), Plot(plot), Report(report), Export(export), Decode(decode), Parameters(parameters),
+        Ports(ports), Budget(budget);
     "Find what a change did to a run": Diff(diff), Rerun(rerun), Replay(replay);
     "Qualify a drive, a line or this machine": Conformance(conformance), Doctor(doctor), Compare(compare);
     "Work on a bench with hardware": Flash(flash), Rig(rig), Commission(commission), Identify(identify);

@@ -15,7 +15,9 @@ mod columns;
 mod layout;
 mod reader;
 mod sink;
+mod table;
 mod writer;
 
 pub use reader::{Samples, SamplesError};
+pub use table::write_table;
 pub use writer::SampleWriter;

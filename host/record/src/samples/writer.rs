@@ -42,7 +42,7 @@ struct Topic {
 }
 
 impl SampleWriter {
-    /// Creates `run.mcap` in `folder`, with these files attached.
+    /// Creates `run.mcap` in `folder`, with these files attached. `first_step` is the number of the first step to come.
     ///
     /// # Errors
     /// The file can't be created or written.
@@ -50,11 +50,12 @@ impl SampleWriter {
         folder: &Path,
         signals: &SignalTable,
         period_us: u32,
+        first_step: u64,
         attached: &[(&str, String)],
     ) -> Result<Self, WriteError> {
         let path = folder.join(SAMPLES_FILE);
         let growing = GrowingFile::create(&path, ".samples-", b"")?;
-        Self::begin(path.clone(), growing, signals, period_us, attached)
+        Self::begin(path.clone(), growing, signals, period_us, first_step, attached)
             .map_err(|error| written(&path, error))
     }
 
@@ -63,17 +64,10 @@ impl SampleWriter {
         growing: GrowingFile,
         signals: &SignalTable,
         period_us: u32,
+        first_step: u64,
         attached: &[(&str, String)],
     ) -> Result<Self, McapError> {
-        let mut file = WriteOptions::new()
-            .profile("ros1")
-            .library(concat!("lashloop ", env!("CARGO_PKG_VERSION")))
-            .disable_seeking(true)
-            .chunk_size(None)
-            .compression_threads(0)
-            .emit_message_indexes(false)
-            .emit_chunk_indexes(false)
-            .create(NoSeek::new(Sink::new(growing)))?;
+        let mut file = open(growing)?;
         for (name, text) in attached {
             attach(&mut file, name, text)?;
         }
@@ -92,7 +86,7 @@ impl SampleWriter {
             step,
             drive,
             period_ns: 1000 * u64::from(period_us),
-            steps: 0,
+            steps: first_step,
             telemetry_time_s: None,
             message: Vec::new(),
         })
@@ -207,7 +201,20 @@ fn attach(file: &mut Writer<NoSeek<Sink>>, name: &str, text: &str) -> Result<(),
     })
 }
 
-fn written(path: &Path, error: McapError) -> WriteError {
+/// A writer whose chunks get to the file whole, by a flush.
+pub(super) fn open(file: GrowingFile) -> Result<Writer<NoSeek<Sink>>, McapError> {
+    WriteOptions::new()
+        .profile("ros1")
+        .library(concat!("lashloop ", env!("CARGO_PKG_VERSION")))
+        .disable_seeking(true)
+        .chunk_size(None)
+        .compression_threads(0)
+        .emit_message_indexes(false)
+        .emit_chunk_indexes(false)
+        .create(NoSeek::new(Sink::new(file)))
+}
+
+pub(super) fn written(path: &Path, error: McapError) -> WriteError {
     let source = match error {
         McapError::Io(source) => source,
         other => io::Error::other(other),

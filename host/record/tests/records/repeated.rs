@@ -26,12 +26,8 @@ fn every_scenario_of_the_tree_repeats_from_its_record() {
         let scenario = Scenario::from_file(&path, &overrides).unwrap_or_else(|error| panic!("{error}"));
         let again = read_back(&scenario);
         with_table += usize::from(resolved::files(&scenario).expect("files").len() == 2);
-        let [first, second] = [&scenario, &again].map(|it| run_in_process(it, Vec::new()));
-        let digest = |run: Result<lashloop_bench::run::Outcome, _>| match run {
-            Ok(outcome) => outcome.torque_sha256,
-            Err(error) => format!("{error:?}"),
-        };
-        assert_eq!(digest(first), digest(second), "{}", path.display());
+        let [first, second] = [&scenario, &again].map(|it| run_in_process(it, Vec::new()).expect("a run"));
+        assert_eq!(first.torque_sha256, second.torque_sha256, "{}", path.display());
     }
-    assert_eq!(with_table, 1, "scenarios with a reference by table");
+    assert!(with_table > 0, "a scenario with a reference by table");
 }

@@ -4,7 +4,7 @@ use std::fs;
 
 use lashloop_bench::run::StepObserver;
 use lashloop_record::folder::RecordFolder;
-use lashloop_record::manifest::Manifest;
+use lashloop_record::manifest::{Manifest, Number};
 use lashloop_record::reader::Record;
 use lashloop_record::source::RunSource;
 use lashloop_record::writer::RecordWriter;
@@ -15,13 +15,14 @@ use super::{Memory, bits, run_in_process, scenario};
 fn samples_read_back_to_the_bits_of_the_run() {
     let parent = tempfile::tempdir().expect("a folder");
     let folder = RecordFolder::claim(&parent.path().join("run"), false).expect("a folder");
-    // Lost answers, a fault of an encoder, telemetry in every third step, and chunks that don't end with the run.
+    // A fault of an encoder, telemetry in every third step, and chunks that don't end with the run.
     let settings = [
         "run.duration_s=1.2347",
         "telemetry.every_steps=3",
         "record.flush_rows=100",
         "expect=[]",
-        "fault=[{ kind=\"drop\", from_s=0.3, to_s=0.32 }]",
+        "controller.parameters.torque_limit_nm=12.5",
+        "fault=[{ kind=\"encoder-offset\", side=\"load\", counts=60, over_s=0.1, at_s=0.2 }]",
     ];
     let scenario = scenario("shaft-sine.toml", &settings);
     let mut memory = Memory::default();
@@ -40,5 +41,9 @@ fn samples_read_back_to_the_bits_of_the_run() {
     assert_eq!(manifest.to_json(), text, "both ways");
     let limit =
         manifest.parameters.iter().find(|it| it.name == "torque_limit_nm").expect("every drive has it");
-    assert_ne!(limit.value, limit.default, "the value in force, which the scenario sets");
+    assert_eq!(
+        (limit.value, limit.default),
+        (Number::Real(12.5), Number::Real(20.0)),
+        "in force and default"
+    );
 }
