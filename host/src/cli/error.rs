@@ -21,6 +21,8 @@ use lashloop_bench::verdict::Exit;
 use lashloop_identify::IdentifyError;
 use lashloop_identify::excitation::CommissioningError;
 use lashloop_record::diff::DiffError;
+use lashloop_record::export::ExportError;
+use lashloop_record::folder::FolderError;
 use lashloop_record::reader::ReadError;
 use lashloop_report::runs::DrawError;
 
@@ -51,6 +53,10 @@ pub(crate) enum CliError {
     Rerun { record: PathBuf, problem: String },
     #[error(transparent)]
     Replay(#[from] ReplayError),
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    #[error(transparent)]
+    Folder(#[from] FolderError),
     #[error(transparent)]
     Draw(#[from] DrawError),
     #[error("--from {from} --until {until} is an empty range; --until must be later than --from")]
@@ -120,6 +126,8 @@ impl CliError {
             | Self::Diff(_)
             | Self::Rerun { .. }
             | Self::Replay(_)
+            | Self::Folder(_)
+            | Self::Export(_)
             | Self::Draw(_)
             | Self::CommissionLimit { .. }
             | Self::Motion { .. }

@@ -14,6 +14,7 @@ mod diff;
 mod doctor;
 mod error;
 mod experiment;
+mod export;
 mod flash;
 mod history;
 mod identify;
@@ -48,7 +49,7 @@ use crate::bench::Bench;
 registry::commands! {
     "Run a drive on the bench": Run(run), Demo(demo), Paper(paper), Experiment(experiment), Device(device), Battery(battery), Soak(soak);
     "Inspect scenarios, records and lines":
-        Show(show), Plot(plot), Report(report), Decode(decode), Parameters(parameters), Ports(ports), Budget(budget);
+        Show(show), Plot(plot), Report(report), Export(export), Decode(decode), Parameters(parameters), Ports(ports), Budget(budget);
     "Find what a change did to a run": Diff(diff), Rerun(rerun), Replay(replay);
     "Qualify a drive, a line or this machine": Conformance(conformance), Doctor(doctor), Compare(compare);
     "Work on a bench with hardware": Flash(flash), Rig(rig), Commission(commission), Identify(identify);

@@ -2,9 +2,9 @@
 
 | file | content |
 |---|---|
-| `trace.csv` | one row per control step: reference, positions, torque, signals of the plant, signals `drive.NAME` |
-| `trace.json` | the columns of the trace with their units |
-| `timing.csv` | timing of each step |
+| `record.json` | what was run: command line, scenario, overrides, parameters, host, versions |
+| `run.mcap` | every step with all its bits: positions, torque, signals of plant and drive, timing |
+| `trace.csv`, `trace.json`, `timing.csv` | columns, rounded, and their units; what older versions have left has no `run.mcap` |
 | `summary.json` | verdict, metrics, expectations, counters of the link; absent if the run was interrupted |
 """
 
@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lashloop.plot import draw
+from lashloop.samples import Samples
 from lashloop.table import RecordError, Table
 
 if TYPE_CHECKING:
@@ -53,11 +54,13 @@ class Record:
     folder: Path | None
     """Where the files are; None if they were temporary."""
     trace: Table
-    """Every column of `trace.csv`; `record["torque_nm"]` is short for `record.trace["torque_nm"]`."""
+    """Every column of the run; `record["torque_nm"]` is short for `record.trace["torque_nm"]`."""
     units: Mapping[str, str]
     """Unit of each column; empty for a pure number."""
     timing: Table | None
     """Timing of each step in us, if the run has recorded it."""
+    manifest: Mapping[str, Any]
+    """`record.json`: what was run; empty for a record of an older version."""
     summary: Mapping[str, Any]
     """`summary.json`; empty if the run was interrupted."""
 
@@ -65,17 +68,18 @@ class Record:
     def read(cls, folder: str | os.PathLike[str]) -> Record:
         """Read the record in a folder; `RecordError` names the file that can't be read."""
         path = Path(folder)
-        trace = Table.read(path / "trace.csv")
-        units = _units(path / "trace.json")
-        if list(units) != list(trace):
-            raise RecordError(path / "trace.json", "lists other columns than trace.csv: the files are of two runs")
-        timing = path / "timing.csv"
-        summary = path / "summary.json"
+        samples, summary, manifest = path / "run.mcap", path / "summary.json", path / "record.json"
+        if samples.exists():
+            read = Samples.read(samples)
+            trace, units, timing = read.trace, read.units, read.timing
+        else:
+            trace, units, timing = _tables(path)
         return cls(
             folder=path,
             trace=trace,
             units=units,
-            timing=Table.read(timing) if timing.exists() else None,
+            timing=timing,
+            manifest=_json(manifest) if manifest.exists() else {},
             summary=_summary(summary) if summary.exists() else {},
         )
 
@@ -120,6 +124,16 @@ class Record:
     ) -> Figure:
         """Draw columns over time: one diagram for each unit, or all of them into `axes`. Requires matplotlib."""
         return draw(self.trace, self.units, columns, from_s, to_s, axes)
+
+
+def _tables(folder: Path) -> tuple[Table, dict[str, str], Table | None]:
+    """Read a record without samples from its tables."""
+    trace = Table.read(folder / "trace.csv")
+    units = _units(folder / "trace.json")
+    if list(units) != list(trace):
+        raise RecordError(folder / "trace.json", "lists other columns than trace.csv: the files are of two runs")
+    timing = folder / "timing.csv"
+    return trace, units, Table.read(timing) if timing.exists() else None
 
 
 def _units(path: Path) -> dict[str, str]:

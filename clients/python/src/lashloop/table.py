@@ -45,6 +45,10 @@ class UnknownColumnError(LashloopError, KeyError):
         return self._sentence
 
 
+def _number(field: str) -> float:
+    return float(field) if field else float("nan")
+
+
 class Table(Mapping[str, "NDArray[np.float64]"]):
     """Columns by name, each an array with one number per row. The arrays can't be written to."""
 
@@ -66,7 +70,8 @@ class Table(Mapping[str, "NDArray[np.float64]"]):
         if not rows:
             raise RecordError(path, "has no rows")
         try:
-            numbers = np.loadtxt(io.StringIO(rows), delimiter=",", ndmin=2)
+            # An empty field stands for no value.
+            numbers = np.loadtxt(io.StringIO(rows), delimiter=",", ndmin=2, converters=_number)
         except ValueError as error:
             raise RecordError(path, f"is not a table of numbers: {error}") from error
         if numbers.shape[1] != len(names):

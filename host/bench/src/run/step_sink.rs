@@ -46,6 +46,23 @@ pub trait StepObserver {
     }
 }
 
+/// Several observers of one run, in this order.
+pub struct Observers<'a>(pub Vec<&'a mut dyn StepObserver>);
+
+impl StepObserver for Observers<'_> {
+    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
+        self.0.iter_mut().try_for_each(|it| it.begin(start))
+    }
+
+    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
+        self.0.iter_mut().try_for_each(|it| it.step(step))
+    }
+
+    fn stop_asked(&self) -> bool {
+        self.0.iter().any(|it| it.stop_asked())
+    }
+}
+
 /// Takes steps on the loop's own thread.
 pub(super) trait StepSink {
     /// Takes the next step.

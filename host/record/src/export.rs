@@ -1,0 +1,129 @@
+//! A record in another format: chosen columns, every n-th step, a part of the time.
+
+use std::path::Path;
+
+use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::names::UnknownName;
+
+use crate::columns::Columns;
+use crate::digits::Digits;
+use crate::reader::Record;
+use crate::samples;
+use crate::table::TableWriter;
+use crate::trace::TIME;
+
+/// What of a record is exported.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Selection {
+    /// Columns besides the time; all columns, and those of the timing, if empty.
+    pub signals: Vec<String>,
+    /// Every n-th step, from the first one in the range; 0 counts as 1.
+    pub every: usize,
+    /// The first time.
+    pub from_s: f64,
+    /// The last time.
+    pub until_s: f64,
+}
+
+/// A format to export to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Text with the digits that restore every bit.
+    Csv,
+    /// Apache Parquet; only with the feature `parquet`.
+    Parquet,
+    /// MCAP with one message per row.
+    Mcap,
+}
+
+/// Why a record can't be exported.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// No column has this name.
+    #[error(transparent)]
+    Unknown(#[from] UnknownName),
+    /// Nothing is selected.
+    #[error("no step of the record lies from {from_s} s to {until_s} s; it ends at {end_s} s")]
+    Nothing {
+        /// The first time asked for.
+        from_s: f64,
+        /// The last time asked for.
+        until_s: f64,
+        /// The last time of the record.
+        end_s: f64,
+    },
+    /// The program was built without Parquet.
+    #[error(
+        "this lashloop has no Parquet; build it with the feature: cargo build --release -p lashloop --features parquet"
+    )]
+    NoParquet,
+    /// The file can't be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+impl Selection {
+    /// The columns and rows selected, the time first.
+    ///
+    /// # Errors
+    /// A signal is unknown, or no row is selected.
+    pub fn of(&self, record: &Record) -> Result<Columns, ExportError> {
+        let trace = &record.trace.columns;
+        let timing = record.timing.as_ref().map(|timing| &timing.columns);
+        let all = || {
+            let timing =
+                timing.into_iter().flat_map(|it| it.signals().iter().skip(1).map(move |signal| (it, signal)));
+            trace.signals().iter().map(|signal| (trace, signal)).chain(timing)
+        };
+        let column = |name: &String| {
+            let known = || all().map(|(_, signal)| &*signal.name);
+            all()
+                .find(|(_, signal)| signal.name == *name)
+                .ok_or_else(|| UnknownName::new("the record", "signal", name, known()))
+        };
+        let chosen = match &self.signals[..] {
+            [] => all().collect(),
+            names => {
+                let names = names.iter().filter(|name| *name != TIME);
+                let time = all().find(|(_, signal)| signal.name == TIME);
+                time.into_iter().map(Ok).chain(names.map(column)).collect::<Result<Vec<_>, _>>()?
+            }
+        };
+        let time_s = trace.get(TIME).unwrap_or_default();
+        let range = self.from_s..=self.until_s;
+        let rows = (0..time_s.len()).filter(|row| range.contains(&time_s[*row]));
+        let rows: Vec<_> = rows.step_by(self.every.max(1)).collect();
+        if rows.is_empty() {
+            let end_s = time_s.last().copied().unwrap_or(f64::NAN);
+            return Err(ExportError::Nothing { from_s: self.from_s, until_s: self.until_s, end_s });
+        }
+        Ok(Columns::from_parts(chosen.into_iter().map(|(table, signal)| {
+            let values = table.get(&signal.name).unwrap_or_default();
+            (signal.clone(), rows.iter().map(|row| values.get(*row).copied().unwrap_or(f64::NAN)).collect())
+        })))
+    }
+}
+
+/// Writes the columns to a file.
+///
+/// # Errors
+/// The file can't be written, or the format isn't part of this build.
+pub fn export(columns: &Columns, format: Format, path: &Path) -> Result<(), ExportError> {
+    match format {
+        Format::Csv => Ok(csv(columns, path)?),
+        Format::Mcap => Ok(samples::write_table(columns, path)?),
+        #[cfg(feature = "parquet")]
+        Format::Parquet => Ok(crate::parquet::write(columns, path)?),
+        #[cfg(not(feature = "parquet"))]
+        Format::Parquet => Err(ExportError::NoParquet),
+    }
+}
+
+fn csv(columns: &Columns, path: &Path) -> Result<(), WriteError> {
+    let header = columns.signals().iter().map(|signal| (&*signal.name, Digits::Exact));
+    let mut table = TableWriter::create(path, header, 1000)?;
+    for row in 0..columns.len() {
+        table.push(columns.row(row))?;
+    }
+    table.finish()
+}
