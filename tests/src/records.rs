@@ -32,7 +32,9 @@ impl Records {
     /// The system can't create a folder.
     #[must_use]
     pub fn new() -> Self {
-        Self { folder: tempfile::tempdir().expect("a temporary folder") }
+        let records = Self { folder: tempfile::tempdir().expect("a temporary folder") };
+        fs::create_dir(records.path("")).expect("a folder in it");
+        records
     }
 
     /// The folder as an argument of `--out`.

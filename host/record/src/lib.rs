@@ -35,4 +35,5 @@ pub mod summary;
 pub mod table;
 pub mod timing;
 pub mod trace;
+pub mod window;
 pub mod writer;

@@ -4,6 +4,8 @@ use std::path::Path;
 
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::run::{RunStart, Step, StepObserver};
+use lashloop_bench::scenario::Scenario;
+use lashloop_plant::metrics::SignalTable;
 
 use crate::file_names::{MANIFEST_FILE, SCENARIO_FILE, SUMMARY_FILE};
 use crate::folder::RecordFolder;
@@ -24,14 +26,6 @@ pub struct RecordWriter {
     files: Option<Files>,
 }
 
-struct Files {
-    samples: SampleWriter,
-    trace: TraceWriter,
-    timing: TimingWriter,
-    flush_rows: u64,
-    steps: u64,
-}
-
 impl RecordWriter {
     /// Writes to this folder.
     #[must_use]
@@ -50,54 +44,95 @@ impl RecordWriter {
     /// # Errors
     /// A file can't be written.
     pub fn finish(self, summary: &Summary, logs: &[String]) -> Result<(), WriteError> {
-        if let Some(Files { samples, trace, timing, .. }) = self.files {
-            trace.finish()?;
-            timing.finish()?;
-            let text = serde_json::to_string_pretty(summary).unwrap_or_default();
-            samples.finish(&summary.faults, logs, (SUMMARY_FILE, &text))?;
+        match self.files {
+            Some(files) => files.finish(self.folder.path(), summary, logs),
+            None => summary.write(&self.folder.path().join(SUMMARY_FILE)),
         }
-        summary.write(&self.folder.path().join(SUMMARY_FILE))
     }
 }
 
 impl StepObserver for RecordWriter {
     fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
-        let folder = self.folder.path();
-        let scenario = start.scenario;
-        self.folder.clear()?;
-        let manifest = Manifest::new(start, &self.source);
-        let resolved = resolved::files(scenario).map_err(|error| WriteError {
-            path: folder.join(SCENARIO_FILE),
-            action: "written",
-            source: std::io::Error::other(error),
-        })?;
-        resolved::write(folder, &resolved)?;
-        let mut attached = vec![(MANIFEST_FILE, manifest.to_json())];
-        attached.extend(resolved);
-        let flush_rows = scenario.record.flush_rows;
-        let period_us = scenario.run.control_period_us;
-        self.files = Some(Files {
-            samples: SampleWriter::create(folder, start.signals, period_us, &attached)?,
-            trace: TraceWriter::create(folder, start.signals, &scenario.encoders, flush_rows)?,
-            timing: TimingWriter::create(folder, flush_rows)?,
-            flush_rows: flush_rows.into(),
-            steps: 0,
-        });
-        // Last of all: where it is, the folder is a record.
-        manifest.write(folder)?;
-        // The link is a shortcut. In a folder of all users, such as /tmp, it may belong to another one.
-        let _ = self.folder.link_latest();
+        let begin = Beginning::new(start, &self.source);
+        self.files = Some(begin.write(&self.folder, 0)?);
         Ok(())
     }
 
     fn step(&mut self, step: &Step) -> Result<(), WriteError> {
-        let Some(Files { samples, trace, timing, flush_rows, steps }) = &mut self.files else {
-            return Ok(());
+        self.files.as_mut().map_or(Ok(()), |files| files.push(step))
+    }
+}
+
+/// What a record has before its first step.
+pub(crate) struct Beginning {
+    manifest: Manifest,
+    scenario: Scenario,
+    signals: SignalTable,
+}
+
+impl Beginning {
+    pub(crate) fn new(start: &RunStart<'_>, source: &RunSource) -> Self {
+        Self {
+            manifest: Manifest::new(start, source),
+            scenario: start.scenario.clone(),
+            signals: start.signals.clone(),
+        }
+    }
+
+    /// Replaces what the folder holds. `first_step` is the number of the first step to come.
+    pub(crate) fn write(&self, folder: &RecordFolder, first_step: u64) -> Result<Files, WriteError> {
+        let Self { manifest, scenario, signals } = self;
+        folder.clear()?;
+        let path = folder.path();
+        let resolved = resolved::files(scenario).map_err(|error| WriteError {
+            path: path.join(SCENARIO_FILE),
+            action: "written",
+            source: std::io::Error::other(error),
+        })?;
+        resolved::write(path, &resolved)?;
+        let mut attached = vec![(MANIFEST_FILE, manifest.to_json())];
+        attached.extend(resolved);
+        let flush_rows = scenario.record.flush_rows;
+        let period_us = scenario.run.control_period_us;
+        let files = Files {
+            samples: SampleWriter::create(path, signals, period_us, first_step, &attached)?,
+            trace: TraceWriter::create(path, signals, &scenario.encoders, flush_rows)?,
+            timing: TimingWriter::create(path, flush_rows)?,
+            flush_rows: flush_rows.into(),
+            next_step: first_step,
         };
-        samples.push(step)?;
-        trace.push(step)?;
-        timing.push(&TimingRow::new(*steps, &step.timing))?;
-        *steps += 1;
-        if steps.is_multiple_of(*flush_rows) { samples.flush() } else { Ok(()) }
+        // Last of all: where it is, the folder is a record.
+        manifest.write(path)?;
+        // The link is a shortcut. In a folder of all users, such as /tmp, it may belong to another one.
+        let _ = folder.link_latest();
+        Ok(files)
+    }
+}
+
+/// The files that grow.
+pub(crate) struct Files {
+    samples: SampleWriter,
+    trace: TraceWriter,
+    timing: TimingWriter,
+    flush_rows: u64,
+    next_step: u64,
+}
+
+impl Files {
+    pub(crate) fn push(&mut self, step: &Step) -> Result<(), WriteError> {
+        self.samples.push(step)?;
+        self.trace.push(step)?;
+        self.timing.push(&TimingRow::new(self.next_step, &step.timing))?;
+        self.next_step += 1;
+        if self.next_step.is_multiple_of(self.flush_rows) { self.samples.flush() } else { Ok(()) }
+    }
+
+    pub(crate) fn finish(self, folder: &Path, summary: &Summary, logs: &[String]) -> Result<(), WriteError> {
+        let Self { samples, trace, timing, .. } = self;
+        trace.finish()?;
+        timing.finish()?;
+        let text = serde_json::to_string_pretty(summary).unwrap_or_default();
+        samples.finish(&summary.faults, logs, (SUMMARY_FILE, &text))?;
+        summary.write(&folder.join(SUMMARY_FILE))
     }
 }

@@ -54,7 +54,8 @@ impl Arguments {
         let mut runs = Vec::new();
         let mut dead_zone_rad = f64::NAN;
         for (scenario, (what, metric, paper)) in scenarios.into_iter().zip(PAPER) {
-            let (run, verdict) = run_for_figure(&scenario, 0.0, &mut device, Clock::Lockstep, &supervisor)?;
+            let (run, verdict) =
+                run_for_figure(&scenario, 0.0, &mut device, Clock::Lockstep, &supervisor, None)?;
             let here = here(run.metrics.get(metric), metric);
             dead_zone_rad = scenario.plant.number("dead_zone_rad").unwrap_or(f64::NAN);
             runs.push(run);

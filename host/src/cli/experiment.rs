@@ -1,7 +1,7 @@
 //! `lashloop experiment`: the paper's experiment on a drive in bench mode, next to its simulation.
 
 use std::io::{self, BufRead, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::bench::Bench;
 use clap::Args;
@@ -12,6 +12,9 @@ use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::{Exit, Verdict};
+use lashloop_record::folder::RecordFolder;
+use lashloop_record::source::RunSource;
+use lashloop_record::writer::RecordWriter;
 use lashloop_report::paper::{
     BeforeAfter, COMPARISON, Compared, Experiment, Run, comparison_figures, comparison_table, file_name, page,
 };
@@ -40,9 +43,13 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     rig: RigOption,
 
-    /// Folder for the figures and index.html
+    /// Folder for the figures, index.html and a record of each run
     #[arg(long, default_value = "out/experiment", value_name = "DIR")]
     out: PathBuf,
+
+    /// Replace the records that the folder of --out holds
+    #[arg(long)]
+    force: bool,
 }
 
 impl Arguments {
@@ -55,14 +62,17 @@ impl Arguments {
             }
             None => &self.device,
         };
+        RecordFolder::check_inside(&self.out, self.force)?;
         let supervisor = start_supervisor()?;
         prepare_folder(&self.out, &[INDEX])?;
         let (mut worst, mut compared, mut drive) = (Verdict::Pass, Vec::new(), String::new());
         for (name, text) in BENCH_SCENARIOS {
             let of_bench = Scenario::from_str(name, text, &[])?;
             let of_hil = Scenario::from_str(name, text, &[Override::Mode("hil".to_owned())])?;
-            let (simulation, simulated) = simulate(&of_hil, &supervisor)?;
-            let (experiment, judged, description) = experiment(of_bench, choice, rig.as_ref(), &supervisor)?;
+            let (simulation, simulated) = simulate(&of_hil, &supervisor, self.recorder(name, "simulation")?)?;
+            let recorder = self.recorder(name, "experiment")?;
+            let (experiment, judged, description) =
+                experiment(of_bench, choice, rig.as_ref(), &supervisor, recorder)?;
             outln!("{name:<40} simulation {simulated}, experiment {judged}");
             (worst, drive) = (worst.max(simulated).max(judged), description);
             compared.push(Compared { simulation, experiment });
@@ -82,6 +92,14 @@ impl Arguments {
         Ok(worst.into())
     }
 
+    /// Records one of the runs with the scenario of this name.
+    fn recorder(&self, scenario: &str, of: &str) -> Result<RecordWriter, CliError> {
+        let stem = Path::new(scenario).file_stem().unwrap_or_default().to_string_lossy();
+        let folder = RecordFolder::claim(&self.out.join(format!("{stem}-{of}")), self.force)?;
+        let command_line = std::env::args().collect();
+        Ok(RecordWriter::new(folder, RunSource { command_line, ..RunSource::default() }))
+    }
+
     /// Prints the table and writes the figures, the page that shows them last.
     fn report(&self, runs: &Experiment, drive: &str) -> Result<(), CliError> {
         let table = comparison_table(runs);
@@ -99,10 +117,14 @@ impl Arguments {
     }
 }
 
-fn simulate(scenario: &Scenario, supervisor: &Supervisor) -> Result<(Run, Verdict), CliError> {
+fn simulate(
+    scenario: &Scenario,
+    supervisor: &Supervisor,
+    recorder: RecordWriter,
+) -> Result<(Run, Verdict), CliError> {
     let choice: DeviceChoice = "inproc".parse().expect("a kind of device");
     let mut device = DeviceUnderTest::open(scenario, &choice, ClockName::Lockstep, supervisor, |link| link)?;
-    run_for_figure(scenario, 0.0, &mut device, Clock::Lockstep, supervisor)
+    run_for_figure(scenario, 0.0, &mut device, Clock::Lockstep, supervisor, Some(recorder))
 }
 
 /// Runs a scenario in bench mode. Also returns what the drive is.
@@ -111,6 +133,7 @@ fn experiment(
     choice: &DeviceChoice,
     rig: Option<&TakenRig>,
     supervisor: &Supervisor,
+    recorder: RecordWriter,
 ) -> Result<(Run, Verdict, String), CliError> {
     let has_plant = choice.for_run(&scenario, ClockName::Lockstep)?.keeps_bench_clock(ClockName::Lockstep);
     let clock = if has_plant { Clock::Lockstep } else { Clock::RealTime(RealTime::default()) };
@@ -129,7 +152,7 @@ fn experiment(
     for warning in device.device.warnings() {
         error_line(format_args!("lashloop: warning: {warning}"));
     }
-    let (run, verdict) = run_for_figure(&scenario, 0.0, &mut device, clock, supervisor)?;
+    let (run, verdict) = run_for_figure(&scenario, 0.0, &mut device, clock, supervisor, Some(recorder))?;
     Ok((run, verdict, device.device.description()))
 }
 

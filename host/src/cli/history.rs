@@ -1,16 +1,18 @@
 //! One run for a figure: its trace in memory, with a progress bar.
 
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::run::{self, Clock, DeviceUnderTest, RunStart, Step, StepObserver};
+use lashloop_bench::run::{self, Clock, DeviceUnderTest, Observers, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Verdict;
 use lashloop_record::columns::Columns;
 use lashloop_record::trace::{columns, row};
+use lashloop_record::writer::RecordWriter;
 use lashloop_report::paper::Run;
 
 use super::error::CliError;
 use super::progress::Progress;
+use super::run::summary;
 
 struct History<'a> {
     trace: Columns,
@@ -38,17 +40,23 @@ impl StepObserver for History<'_> {
     }
 }
 
-/// Runs a scenario and keeps its trace from `shown_from_s` on.
+/// Runs a scenario, keeps its trace from `shown_from_s` on, and writes its record.
 pub(super) fn run_for_figure(
     scenario: &Scenario,
     shown_from_s: f64,
     device: &mut DeviceUnderTest,
     clock: Clock,
     supervisor: &Supervisor,
+    mut record: Option<RecordWriter>,
 ) -> Result<(Run, Verdict), CliError> {
     let progress = Progress::of(scenario);
     let mut history = History { trace: Columns::default(), shown_from_s, progress, supervisor };
     let _signals = supervisor.guard_signals();
-    let outcome = run::run(scenario, device, clock, &mut history)?;
+    let mut observers: Vec<&mut dyn StepObserver> = vec![&mut history];
+    observers.extend(record.as_mut().map(|it| it as &mut dyn StepObserver));
+    let outcome = run::run(scenario, device, clock, &mut Observers(observers))?;
+    if let Some(record) = record {
+        record.finish(&summary(scenario, &device.device, &outcome), &outcome.logs)?;
+    }
     Ok((Run { trace: history.trace, metrics: outcome.metrics }, outcome.judgement.verdict))
 }

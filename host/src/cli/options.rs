@@ -66,16 +66,7 @@ pub(super) struct ScenarioOptions {
 }
 
 impl ScenarioOptions {
-    /// `more` applies after the settings.
-    pub(super) fn read(
-        self,
-        more: impl IntoIterator<Item = Override>,
-        bench: &Bench,
-    ) -> Result<Scenario, CliError> {
-        self.read_with_source(more, bench).map(|(scenario, _)| scenario)
-    }
-
-    /// As [`read`](Self::read), with what a record keeps of the scenario's origin.
+    /// The scenario, and what a record keeps of its origin. `more` applies after the settings.
     pub(super) fn read_with_source(
         self,
         more: impl IntoIterator<Item = Override>,

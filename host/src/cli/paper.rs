@@ -94,6 +94,7 @@ impl Arguments {
                     &mut device,
                     Clock::Lockstep,
                     &supervisor,
+                    None,
                 )?;
                 outln!("{:<40} {:<14} {verdict}", scenario.name, scenario.controller.name);
                 laws.push(run);

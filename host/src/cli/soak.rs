@@ -1,5 +1,6 @@
 //! `lashloop soak`: one scenario repeated under rising faults.
 
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -13,15 +14,20 @@ use clap::Args;
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::run::DeviceUnderTest;
-use lashloop_bench::run::{self, Clock, Outcome, RunError, Step, StepObserver};
+use lashloop_bench::run::{self, Clock, Observers, Outcome, RunError, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::Exit;
 
+use lashloop_record::folder::RecordFolder;
+use lashloop_record::summary::Summary;
+use lashloop_record::window::WindowRecorder;
+
 use super::error::{CliError, system};
 use super::options::{DeviceOption, ScenarioOptions};
 use super::output::{self, outln};
+use super::run::summary;
 use super::supervision::start_supervisor;
 
 /// Time without a step after which a run counts as hung.
@@ -45,11 +51,26 @@ pub(crate) struct Arguments {
 
     #[command(flatten)]
     scenario: ScenarioOptions,
+
+    /// Folder for a record of each run that goes wrong, `run-NUMBER`; other runs leave none
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Time of a record before and after the longest silence of the drive, in s; the end of the run if there was none
+    #[arg(long, value_name = "S", default_value_t = 5.0, requires = "out", value_parser = positive_s)]
+    keep_around: f64,
+
+    /// Replace the records that the folder of --out holds
+    #[arg(long, requires = "out")]
+    force: bool,
 }
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
-        let scenario = self.scenario.read(None, bench)?;
+        let (scenario, source) = self.scenario.read_with_source(None, bench)?;
+        if let Some(folder) = &self.out {
+            RecordFolder::check_inside(folder, self.force)?;
+        }
         let supervisor = start_supervisor()?;
         let _signals = supervisor.guard_signals();
         let shared = Arc::new(Shared::default());
@@ -66,7 +87,8 @@ impl Arguments {
                 step: 0,
             };
             let begun = Instant::now();
-            let result = one_run(&plan, &self.drive.device, &supervisor, &mut watcher);
+            let window = self.out.as_ref().map(|_| WindowRecorder::new(self.keep_around, source.clone()));
+            let (result, window) = one_run(&plan, &self.drive.device, &supervisor, &mut watcher, window);
             let drive = watcher.growth;
             let bench = resource_usage::read(None).map_err(system("read /proc"))?;
             let mut tally = shared.tally();
@@ -85,6 +107,14 @@ impl Arguments {
             for problem in &tally.problems[before..] {
                 outln!("WRONG {problem}");
             }
+            if let (Some(Window { steps, summary }), Some(folder), true) =
+                (window, &self.out, tally.problems.len() > before)
+            {
+                let folder = RecordFolder::claim(&folder.join(format!("run-{number}")), self.force)?;
+                let logs = result.as_ref().map_or(&[][..], |outcome| &outcome.logs);
+                steps.write(&folder, summary.as_ref().map(|summary| (summary, logs)))?;
+                outln!("record {}", folder.path().display());
+            }
         }
         let tally = shared.tally();
         outln!("");
@@ -93,15 +123,31 @@ impl Arguments {
     }
 }
 
+/// The steps of a run that a record of it would have.
+struct Window {
+    steps: WindowRecorder,
+    /// `None` of a run without a verdict.
+    summary: Option<Summary>,
+}
+
 fn one_run(
     scenario: &Scenario,
     choice: &DeviceChoice,
     supervisor: &Supervisor,
     watcher: &mut SoakWatcher<'_>,
-) -> Result<Outcome, RunError> {
-    let mut device = DeviceUnderTest::open(scenario, choice, ClockName::Lockstep, supervisor, |link| link)?;
+    mut window: Option<WindowRecorder>,
+) -> (Result<Outcome, RunError>, Option<Window>) {
+    let opened = DeviceUnderTest::open(scenario, choice, ClockName::Lockstep, supervisor, |link| link);
+    let mut device = match opened {
+        Ok(device) => device,
+        Err(error) => return (Err(error.into()), None),
+    };
     watcher.process = device.device.connection.host.process().map(|process| process.id);
-    run::run(scenario, &mut device, Clock::Lockstep, watcher)
+    let mut observers: Vec<&mut dyn StepObserver> = vec![watcher];
+    observers.extend(window.as_mut().map(|it| it as &mut dyn StepObserver));
+    let result = run::run(scenario, &mut device, Clock::Lockstep, &mut Observers(observers));
+    let summary = result.as_ref().ok().map(|outcome| summary(scenario, &device.device, outcome));
+    (result, window.map(|steps| Window { steps, summary }))
 }
 
 fn line_of(result: &Result<Outcome, RunError>) -> String {
@@ -181,6 +227,15 @@ impl StepObserver for SoakWatcher<'_> {
 
     fn stop_asked(&self) -> bool {
         self.supervisor.interrupted()
+    }
+}
+
+fn positive_s(text: &str) -> Result<f64, String> {
+    let time_s = text.parse().map_err(|_| format!("{text:?} is no number"))?;
+    if (1e-3..=3600.0).contains(&time_s) {
+        Ok(time_s)
+    } else {
+        Err("it must be from 0.001 s to 3600 s".to_owned())
     }
 }
 

@@ -1,11 +1,11 @@
 //! The record after a kill of the bench, on a full disk, and with a closed reader.
 
 use std::fs;
-use std::os::unix::fs::symlink;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use lashloop_record::reader::Table;
 use rustix::process::Signal;
 use tests::paper::RUNS;
 use tests::program::Running;
@@ -59,7 +59,15 @@ fn with_files_up_to(blocks: u32, records: &Records, settings: &[&str]) -> (Optio
     let output = Command::new("sh")
         .args(["-c", &script])
         .arg(program::lashloop())
-        .args(["run", "scenarios/smooth-after.toml", "--device", "native", "--out", &records.out()])
+        .args([
+            "run",
+            "scenarios/smooth-after.toml",
+            "--device",
+            "native",
+            "--force",
+            "--out",
+            &records.out(),
+        ])
         .args(settings.iter().flat_map(|setting| ["--set", setting]))
         .current_dir(workspace())
         .output()
@@ -74,13 +82,15 @@ fn a_disk_that_fills_up_ends_the_run_and_leaves_whole_rows() {
         fs::write(records.path("summary.json"), "{}\n").expect("the summary of an earlier run");
         let (code, stderr) = with_files_up_to(400, &records, &[flush_rows]);
         assert_eq!(code, Some(2), "{stderr}");
-        assert!(stderr.contains("trace.csv: cannot be written: ") && stderr.lines().count() == 1, "{stderr}");
+        assert!(stderr.contains("run.mcap: cannot be written: ") && stderr.lines().count() == 1, "{stderr}");
         let rows = records.trace().len();
         assert!(
             (1..25_000).contains(&rows) || flush_rows.ends_with("=1000"),
             "{rows} rows with {flush_rows}"
         );
-        assert!(records.timing().len() <= rows + 1_000);
+        assert_eq!(records.timing().len(), rows);
+        let rows_of_table = Table::read(&records.path("trace.csv")).expect("a table").len();
+        assert!(rows_of_table.abs_diff(rows) <= 1_000, "{rows_of_table} rows in trace.csv, {rows} steps");
         assert_eq!(records.summary_text(), None, "the old summary is removed ahead of the new trace");
     }
 }
@@ -88,23 +98,48 @@ fn a_disk_that_fills_up_ends_the_run_and_leaves_whole_rows() {
 #[test]
 fn a_disk_full_at_the_start_is_named_before_the_run() {
     let records = Records::new();
-    symlink("/dev/full", records.path("trace.csv")).expect("a link");
-    let (code, stderr) = with_files_up_to(1_000_000, &records, &[]);
+    let (code, stderr) = with_files_up_to(0, &records, &[]);
     assert_eq!(code, Some(2), "{stderr}");
-    assert!(stderr.contains("trace.csv: cannot be written: No space left on device"), "{stderr}");
+    assert!(stderr.contains("scenario.toml: cannot be written: File too large"), "{stderr}");
 }
 
 #[test]
-fn a_summary_that_does_not_fit_leaves_a_whole_trace_alone() {
-    // The tables of two steps and their columns fit; the summary, of more than 3,072 bytes, does not.
+fn a_summary_that_does_not_fit_leaves_whole_samples() {
+    // Manifest, scenario and two steps fit into run.mcap; the summary, of more than 3,072 bytes, does not.
     let records = Records::new();
-    let (code, stderr) = with_files_up_to(6, &records, &["run.duration_s=0.002"]);
+    let (code, stderr) = with_files_up_to(32, &records, &["run.duration_s=0.002"]);
     assert_eq!(code, Some(2), "{stderr}");
-    assert!(stderr.contains("summary.json: cannot be written: "), "{stderr}");
+    assert!(stderr.contains("run.mcap: cannot be written: "), "{stderr}");
     assert_eq!((records.trace().len(), records.summary_text()), (2, None));
     let files: Vec<_> =
         fs::read_dir(records.out()).expect("the folder").flatten().map(|it| it.file_name()).collect();
-    assert_eq!(files.len(), 3, "the tables and their columns alone: {files:?}");
+    assert_eq!(files.len(), 6, "all but the summary: {files:?}");
+    let ended = program::run(["export", &records.out(), "--to", "csv"]).with_code(0);
+    assert!(
+        ended.stderr.contains("interrupted: no summary.json, 2 steps reached the disk"),
+        "{}",
+        ended.stderr
+    );
+}
+
+#[test]
+fn a_record_is_replaced_by_force_only_and_latest_follows() {
+    let records = Records::new();
+    let out = records.out();
+    let short = ["--device", "inproc", "--set", "run.duration_s=0.1", "--set", "expect=[]", "--out", &out];
+    let run =
+        |more: &[&str]| program::run(["run", "scenarios/shaft-pd.toml"].iter().chain(&short).chain(more));
+    let _ = run(&[]).with_code(0);
+    let refused = run(&[]).with_code(2);
+    assert!(
+        refused.stderr.contains("holds a record") && refused.stderr.contains("--force"),
+        "{}",
+        refused.stderr
+    );
+    let _ = run(&["--force", "--set", "run.seed=5"]).with_code(0);
+    assert_eq!(records.record().manifest.expect("a manifest").seed, 5);
+    let latest = records.path("../latest").canonicalize().expect("a link");
+    assert_eq!(latest, records.path("").canonicalize().expect("the folder"));
 }
 
 #[test]
@@ -118,6 +153,7 @@ fn a_refused_run_keeps_the_record_of_an_earlier_run() {
             "scenarios/shaft-pd.toml",
             "--device",
             "inproc",
+            "--force",
             "--out",
             &out,
             "--set",
@@ -125,7 +161,7 @@ fn a_refused_run_keeps_the_record_of_an_earlier_run() {
         ])
     };
     let files = || {
-        ["trace.csv", "trace.json", "timing.csv", "summary.json"]
+        ["record.json", "run.mcap", "trace.csv", "trace.json", "timing.csv", "summary.json"]
             .map(|name| fs::read(records.path(name)).unwrap_or_else(|error| panic!("{name}: {error}")))
     };
     let _ = run(25).with_code(0);

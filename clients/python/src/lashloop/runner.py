@@ -67,6 +67,7 @@ def run(
     set: Mapping[str, Any] | None = None,  # noqa: A002 - the option of the program has this name
     device: str | Drive | None = None,
     out: str | os.PathLike[str] | None = None,
+    force: bool = False,
     program: str | os.PathLike[str] | None = None,
     timeout_s: float | None = None,
 ) -> Record:
@@ -75,7 +76,7 @@ def run(
     `set` replaces values of the scenario by key: `{"plant.dead_zone_rad": 0.2, "controller.name": "pd"}`. A value is a
     text, a truth value, a number, a list or a table. `device` is the drive: an option `--device` of the program, or a
     `Drive` of this package, which runs in this process; by default that of the program. `out` is a folder for the
-    record, which stays there; without it the record is in memory only. `program` is found by `find_program`.
+    record, which stays there; without it the record is in memory only. `force` replaces a record that the folder holds. `program` is found by `find_program`.
     `timeout_s` limits the run in wall-clock time.
 
     `ScenarioError` and `DeviceError` have the text of the program. An error of a control law in a `Drive` is raised.
@@ -83,6 +84,8 @@ def run(
     words = [str(program or find_program()), "run", os.fspath(scenario)]
     for key, value in (set or {}).items():
         words += ["--set", f"{key}={toml(value)}"]
+    if force and out is not None:
+        words.append("--force")
     if isinstance(device, Drive):
         return _run_on(device, words, out, timeout_s)
     if device is not None:
@@ -105,7 +108,8 @@ def _run(words: list[str], out: str | os.PathLike[str] | None, timeout_s: float 
     if out is not None:
         return _recorded(words, Path(out), timeout_s)
     with tempfile.TemporaryDirectory(prefix="lashloop-") as folder:
-        return replace(_recorded(words, Path(folder), timeout_s), folder=None)
+        # In a folder of its own: the link to the latest record goes next to it.
+        return replace(_recorded(words, Path(folder, "record"), timeout_s), folder=None)
 
 
 def _recorded(words: list[str], out: Path, timeout_s: float | None) -> Record:

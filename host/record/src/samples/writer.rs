@@ -42,7 +42,7 @@ struct Topic {
 }
 
 impl SampleWriter {
-    /// Creates `run.mcap` in `folder`, with these files attached.
+    /// Creates `run.mcap` in `folder`, with these files attached. `first_step` is the number of the first step to come.
     ///
     /// # Errors
     /// The file can't be created or written.
@@ -50,11 +50,12 @@ impl SampleWriter {
         folder: &Path,
         signals: &SignalTable,
         period_us: u32,
+        first_step: u64,
         attached: &[(&str, String)],
     ) -> Result<Self, WriteError> {
         let path = folder.join(SAMPLES_FILE);
         let growing = GrowingFile::create(&path, ".samples-", b"")?;
-        Self::begin(path.clone(), growing, signals, period_us, attached)
+        Self::begin(path.clone(), growing, signals, period_us, first_step, attached)
             .map_err(|error| written(&path, error))
     }
 
@@ -63,6 +64,7 @@ impl SampleWriter {
         growing: GrowingFile,
         signals: &SignalTable,
         period_us: u32,
+        first_step: u64,
         attached: &[(&str, String)],
     ) -> Result<Self, McapError> {
         let mut file = open(growing)?;
@@ -84,7 +86,7 @@ impl SampleWriter {
             step,
             drive,
             period_ns: 1000 * u64::from(period_us),
-            steps: 0,
+            steps: first_step,
             telemetry_time_s: None,
             message: Vec::new(),
         })
