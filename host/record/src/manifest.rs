@@ -90,6 +90,8 @@ pub struct ParameterInForce {
     pub unit: String,
     /// Its value after power-up.
     pub default: Number,
+    /// Whether the law in force has it.
+    pub of_law: bool,
 }
 
 /// A number of the drive, with the digits that restore its bits.
@@ -112,13 +114,14 @@ impl From<ParameterValue> for Number {
 }
 
 impl ParameterInForce {
-    fn new(parameter: &Parameter, value: ParameterValue) -> Self {
+    fn new(parameter: &Parameter, value: ParameterValue, of_law: bool) -> Self {
         Self {
             name: parameter.name.clone(),
             value: value.into(),
             choice: parameter.choice(value).map(str::to_owned),
             unit: parameter.unit.clone(),
             default: parameter.default.into(),
+            of_law,
         }
     }
 }
@@ -157,7 +160,9 @@ impl Manifest {
         let session = &device.session;
         let subscription = session.subscription();
         let is_subscribed = |index| subscription.signals().iter().any(|it| it.index == index);
-        let parameter = |it| ParameterInForce::new(it, session.in_force(it));
+        let law = session.laws.iter().find(|law| law.name == scenario.controller.name);
+        let is_of_law = |it: &Parameter| law.is_none_or(|law| it.laws.contains(law.index));
+        let parameter = |it| ParameterInForce::new(it, session.in_force(it), is_of_law(it));
         Self {
             format: FORMAT,
             command_line: source.command_line.clone(),

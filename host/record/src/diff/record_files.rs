@@ -10,6 +10,7 @@ use serde_json::Value;
 use toml_edit::de;
 
 use super::error::DiffError;
+use crate::file_names::{MANIFEST_FILE, SAMPLES_FILE, SCENARIO_FILE, SUMMARY_FILE};
 use crate::reader::Record;
 
 /// A record with everything that says what was run. Manifest and summary are read as they are, so that a comparison
@@ -44,19 +45,19 @@ impl RecordFiles {
             text.map(|text| serde_json::from_str(&text).map_err(|error| unusable(error.to_string())))
                 .transpose()
         };
-        let path = folder.join("scenario.toml");
+        let path = folder.join(SCENARIO_FILE);
         let scenario = text_if_it_exists(&path)?.map(|text| {
             de::from_str(&text)
                 .map_err(|error| DiffError::File { path, problem: error.message().replace('\n', "; ") })
         });
-        let manifest = json("record.json")?;
+        let manifest = json(MANIFEST_FILE)?;
         Ok(Self {
-            has_every_bit: manifest.is_none() || folder.join("run.mcap").exists(),
+            has_every_bit: manifest.is_none() || folder.join(SAMPLES_FILE).exists(),
             name: folder.display().to_string(),
             record,
             manifest,
             scenario: scenario.transpose()?,
-            summary: json("summary.json")?,
+            summary: json(SUMMARY_FILE)?,
         })
     }
 
