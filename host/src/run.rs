@@ -2,11 +2,10 @@
 
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::DeviceChoice;
-use lashloop_bench::run::{Clock, DeviceUnderTest, Step, StepObserver};
+use lashloop_bench::run::{Clock, DeviceUnderTest, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
-use lashloop_plant::metrics::SignalTable;
 use lashloop_record::columns::Columns;
 use lashloop_record::trace::{columns, row};
 
@@ -34,8 +33,8 @@ pub fn run(scenario: &Scenario, device: &DeviceChoice) -> Result<Outcome, Error>
 struct Memory(Columns);
 
 impl StepObserver for Memory {
-    fn begin(&mut self, signals: &SignalTable) -> Result<(), WriteError> {
-        self.0 = Columns::new(columns(signals));
+    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
+        self.0 = Columns::new(columns(start.signals));
         Ok(())
     }
 

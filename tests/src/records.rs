@@ -3,7 +3,8 @@
 use std::fs;
 use std::path::PathBuf;
 
-use lashloop_record::reader::Table;
+use lashloop_record::file_names::{SAMPLES_FILE, SUMMARY_FILE};
+use lashloop_record::reader::{Record, Table};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -37,13 +38,14 @@ impl Records {
     /// The folder as an argument of `--out`.
     #[must_use]
     pub fn out(&self) -> String {
-        self.folder.path().display().to_string()
+        self.path("").display().to_string()
     }
 
     /// Path of a file in the folder.
     #[must_use]
     pub fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
+        // In a folder of its own: a record is followed by the link `latest` next to it.
+        self.folder.path().join("record").join(name)
     }
 
     /// Text of `summary.json`; `None` without the file.
@@ -62,34 +64,43 @@ impl Records {
         serde_json::from_str(&text).expect("summary.json is JSON")
     }
 
-    /// `trace.csv`.
+    /// The record.
     ///
     /// # Panics
-    /// The file is missing, or its last row is torn.
+    /// It can't be read.
+    #[must_use]
+    pub fn record(&self) -> Record {
+        Record::read(&self.path("")).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// The columns of the run.
+    ///
+    /// # Panics
+    /// There is no record, or a whole run has left a torn one.
     #[must_use]
     pub fn trace(&self) -> Trace {
-        self.table("trace.csv")
+        self.whole(self.record().trace)
     }
 
-    /// `timing.csv`.
+    /// Timing of each step.
     ///
     /// # Panics
-    /// The file is missing, or its last row is torn.
+    /// As [`trace`](Self::trace).
     #[must_use]
     pub fn timing(&self) -> Trace {
-        self.table("timing.csv")
+        self.whole(self.record().timing.expect("timing"))
     }
 
-    fn table(&self, name: &str) -> Trace {
-        let table = Table::read(&self.path(name)).unwrap_or_else(|error| panic!("{error}"));
-        assert!(!table.is_torn, "{name} ends within a row");
+    fn whole(&self, table: Table) -> Trace {
+        let has_ended = self.path(SUMMARY_FILE).exists();
+        assert!(!(has_ended && table.is_torn), "the samples of a whole run are torn");
         Trace(table)
     }
 
-    /// Waits until a run has written rows.
+    /// Waits until a run has written samples.
     pub fn wait_for_rows(&self) {
-        wait::until("rows in trace.csv", || {
-            fs::metadata(self.path("trace.csv")).is_ok_and(|file| file.len() > 4096).then_some(())
+        wait::until("samples in run.mcap", || {
+            fs::metadata(self.path(SAMPLES_FILE)).is_ok_and(|file| file.len() > 40_000).then_some(())
         });
     }
 }

@@ -26,8 +26,17 @@ impl Signal {
 pub const DRIVE_PREFIX: &str = "drive.";
 
 /// Columns that every record has, in their order: no plant's signal may have their names.
-pub const FIXED_COLUMNS: [&str; 6] =
-    ["time_s", "reference_rad", "load_position_rad", "motor_position_rad", "torque_nm", "telemetry_time_s"];
+pub const FIXED_COLUMNS: [&str; 9] = [
+    "time_s",
+    "reference_rad",
+    "load_position_rad",
+    "motor_position_rad",
+    "torque_nm",
+    "telemetry_time_s",
+    "motor_counts",
+    "load_counts",
+    "sent_reference_rad",
+];
 
 /// Checks that the signals of a plant fit into a record: not too many, and each name once.
 pub(crate) fn validate_signals(signals: &[Signal]) -> Result<(), PlantError> {

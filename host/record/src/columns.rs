@@ -17,6 +17,12 @@ impl Columns {
         Self { signals, values }
     }
 
+    /// Columns with their values, which are of one length.
+    pub(crate) fn from_parts(parts: impl IntoIterator<Item = (Signal, Vec<f64>)>) -> Self {
+        let (signals, values) = parts.into_iter().unzip();
+        Self { signals, values }
+    }
+
     /// Appends a row: a value for each signal, in their order.
     ///
     /// # Panics
@@ -51,6 +57,29 @@ impl Columns {
     pub(crate) fn set_unit(&mut self, name: &str, unit: String) {
         if let Some(at) = self.position(name) {
             self.signals[at].unit = unit.into();
+        }
+    }
+
+    /// Repeats the value of the row before in each row of `names` in which `given` is NaN.
+    pub(crate) fn repeat_telemetry(&mut self, names: &[String], given: &str) {
+        let Some(given) = self.get(given).map(<[f64]>::to_vec) else { return };
+        for name in names {
+            let Some(at) = self.position(name) else { continue };
+            let column = &mut self.values[at];
+            for row in 1..given.len() {
+                if given[row].is_nan() {
+                    column[row] = column[row - 1];
+                }
+            }
+        }
+    }
+
+    /// Adds a first column with the index of each row, if there is none of this name.
+    pub(crate) fn number_rows(&mut self, name: &'static str) {
+        if self.position(name).is_none() {
+            let numbers = (0..self.len()).map(|row| row as f64).collect();
+            self.signals.insert(0, Signal::new(name, ""));
+            self.values.insert(0, numbers);
         }
     }
 

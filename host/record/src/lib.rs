@@ -1,23 +1,34 @@
 //! The record of a run: everything that it leaves behind.
 //!
-//! | file | content | module |
-//! |---|---|---|
-//! | `trace.csv` | the plant's true state, the torque and the drive's signals, one row per control step | [`trace`] |
-//! | `trace.json` | the columns of `trace.csv` with their units | [`trace`] |
-//! | `timing.csv` | timing of each control step | [`timing`] |
-//! | `summary.json` | the verdict and all that is needed to check and repeat it | [`summary`] |
+//! | file | content | written | module |
+//! |---|---|---|---|
+//! | `record.json` | the manifest: what was run | before the first step | [`manifest`] |
+//! | `scenario.toml` | the scenario with every key; it runs again as it is | before the first step | [`resolved`] |
+//! | `run.mcap` | every sample with all its bits, schemas inside, the other files attached | by whole chunks | [`samples`] |
+//! | `trace.csv` | what bench and drive have exchanged, rounded, one row per control step | by whole rows | [`trace`] |
+//! | `trace.json` | the columns of `trace.csv` with their units | before the first step | [`trace`] |
+//! | `timing.csv` | timing of each control step, rounded | by whole rows | [`timing`] |
+//! | `summary.json` | the verdict, and the metrics | at the end | [`summary`] |
 //!
-//! [`reader`] reads them back, and [`columns`] holds them in memory. Rows are written whole, and a summary takes its name
-//! only when it is complete, so that an interrupted run leaves neither half a row nor half a summary.
+//! [`writer`] writes them during a run, [`reader`] reads them back, and [`columns`] holds them in memory. Chunks and rows are
+//! written whole, and a summary takes its name only when it is complete: a record without a summary was interrupted.
 
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
 pub mod columns;
-mod file_names;
+mod digits;
+pub mod file_names;
+pub mod folder;
+pub mod host_facts;
+pub mod manifest;
 pub mod reader;
+pub mod resolved;
 pub mod row;
+pub mod samples;
+pub mod source;
 pub mod summary;
 pub mod table;
 pub mod timing;
 pub mod trace;
+pub mod writer;

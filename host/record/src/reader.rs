@@ -1,16 +1,20 @@
 //! Reads the record of a run, also of an interrupted one.
 
+use std::fmt;
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use lashloop_plant::Signal;
+use lashloop_plant::metrics::DRIVE_PREFIX;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use crate::columns::Columns;
-use crate::file_names::{COLUMNS_FILE, TIMING_FILE, TRACE_FILE};
-use crate::summary::SUMMARY_FILE;
+use crate::file_names::{COLUMNS_FILE, MANIFEST_FILE, SAMPLES_FILE, SUMMARY_FILE, TIMING_FILE, TRACE_FILE};
+use crate::manifest::Manifest;
+use crate::samples::{Samples, SamplesError};
+use crate::trace::TELEMETRY_TIME;
 use lashloop_bench::scenario::RunMode;
 
 /// A table of numbers from a file.
@@ -26,12 +30,42 @@ pub struct Table {
 /// The folder of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
-    /// `trace.csv`, with the units of `trace.json`.
+    /// Where it is.
+    pub folder: PathBuf,
+    /// The manifest; `None` in format 1.
+    pub manifest: Option<Manifest>,
+    /// The columns of the run with their units: of `run.mcap`, or of `trace.csv` without it.
     pub trace: Table,
-    /// `timing.csv`, if it exists.
+    /// Timing of each step, if it was recorded.
     pub timing: Option<Table>,
     /// Head of `summary.json`, if the run has a verdict.
     pub summary: Option<SummaryHead>,
+}
+
+/// Whether a record has all that its run was to leave.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Completeness {
+    /// The run has ended by itself and has its summary.
+    Complete,
+    /// There is no summary: the run was interrupted, or is still going on.
+    Interrupted {
+        /// The steps up to the last whole chunk.
+        steps: usize,
+        /// Whether a chunk or a row after them was cut and is omitted.
+        is_cut: bool,
+    },
+}
+
+impl fmt::Display for Completeness {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Complete => out.write_str("complete"),
+            Self::Interrupted { steps, is_cut } => {
+                let cut = if *is_cut { "; what follows is cut and omitted" } else { "" };
+                write!(out, "interrupted: no {SUMMARY_FILE}, {steps} steps reached the disk{cut}")
+            }
+        }
+    }
 }
 
 /// The part of a [`Summary`](crate::summary::Summary) that identifies the run and its result.
@@ -112,6 +146,12 @@ pub enum ReadFault {
     /// Not a summary.
     #[error("is not the summary of a run: {0}")]
     Summary(serde_json::Error),
+    /// Not a manifest.
+    #[error("is not the manifest of a record: {0}")]
+    Manifest(serde_json::Error),
+    /// Not samples.
+    #[error(transparent)]
+    Samples(SamplesError),
     /// Not a list of columns.
     #[error("is not the list of a trace's columns: {0}")]
     Columns(serde_json::Error),
@@ -144,11 +184,14 @@ impl Table {
             }
             numbers.clear();
             for (field, signal) in row.iter().zip(columns.signals()) {
-                let number = field.trim().parse().map_err(|_| {
+                let number = match field.trim() {
+                    "" => Ok(f64::NAN),
+                    field => field.parse(),
+                };
+                numbers.push(number.map_err(|_| {
                     let column = signal.name.to_string();
                     error(line, ReadFault::NotANumber { column, found: field.to_owned() })
-                })?;
-                numbers.push(number);
+                })?);
             }
             columns.push(numbers.iter().copied());
         }
@@ -183,20 +226,28 @@ impl Record {
     /// Reads the folder that a run wrote with `--out`.
     ///
     /// # Errors
-    /// `trace.csv` is missing or has no rows, or one of the files is unusable.
+    /// There are neither samples nor a trace, they have no rows, or one of the files is unusable.
     pub fn read(folder: &Path) -> Result<Self, ReadError> {
-        let mut trace = Table::read(&folder.join(TRACE_FILE))?;
+        let manifest = if_it_exists(read_json(&folder.join(MANIFEST_FILE), ReadFault::Manifest))?;
+        let (trace, timing) = match if_it_exists(read_samples(&folder.join(SAMPLES_FILE)))? {
+            Some((trace, timing)) => (trace, Some(timing)),
+            None => (read_trace(folder)?, if_it_exists(read_timing(&folder.join(TIMING_FILE)))?),
+        };
         if trace.is_empty() {
             return Err(ReadError { path: trace.path, line: None, fault: ReadFault::Empty });
         }
-        if let Some(list) = if_it_exists(ColumnList::read(&folder.join(COLUMNS_FILE)))? {
-            for ListedColumn { name, unit } in list.columns {
-                trace.columns.set_unit(&name, unit);
-            }
-        }
-        let timing = if_it_exists(Table::read(&folder.join(TIMING_FILE)))?;
         let summary = if_it_exists(SummaryHead::read(&folder.join(SUMMARY_FILE)))?;
-        Ok(Self { trace, timing, summary })
+        Ok(Self { folder: folder.to_owned(), manifest, trace, timing, summary })
+    }
+
+    /// Whether the record has all that its run was to leave.
+    #[must_use]
+    pub fn completeness(&self) -> Completeness {
+        let is_cut = self.trace.is_torn || self.timing.as_ref().is_some_and(|timing| timing.is_torn);
+        match self.summary {
+            Some(_) => Completeness::Complete,
+            None => Completeness::Interrupted { steps: self.trace.len(), is_cut },
+        }
     }
 }
 
@@ -226,6 +277,42 @@ impl ColumnList {
     fn read(path: &Path) -> Result<Self, ReadError> {
         read_json(path, ReadFault::Columns)
     }
+}
+
+/// Trace and timing of `run.mcap`.
+fn read_samples(path: &Path) -> Result<(Table, Table), ReadError> {
+    let read = Samples::read(path).map_err(|error| {
+        let fault = match error {
+            SamplesError::Read(source) => ReadFault::Read(source),
+            other => ReadFault::Samples(other),
+        };
+        ReadError { path: path.to_owned(), line: None, fault }
+    });
+    let Samples { trace, timing, is_torn } = read?;
+    let table = |columns| Table { path: path.to_owned(), columns, is_torn };
+    Ok((table(trace), table(timing)))
+}
+
+/// `trace.csv`, with the units of `trace.json` and the drive's signals repeated until the next telemetry.
+fn read_trace(folder: &Path) -> Result<Table, ReadError> {
+    let mut trace = Table::read(&folder.join(TRACE_FILE))?;
+    if let Some(list) = if_it_exists(ColumnList::read(&folder.join(COLUMNS_FILE)))? {
+        for ListedColumn { name, unit } in list.columns {
+            trace.columns.set_unit(&name, unit);
+        }
+    }
+    let signals = trace.columns.signals().iter().map(|signal| signal.name.to_string());
+    let of_telemetry = signals.filter(|name| name.starts_with(DRIVE_PREFIX) || name == TELEMETRY_TIME);
+    let of_telemetry: Vec<_> = of_telemetry.collect();
+    trace.columns.repeat_telemetry(&of_telemetry, TELEMETRY_TIME);
+    Ok(trace)
+}
+
+/// `timing.csv`, with the number of each step.
+fn read_timing(path: &Path) -> Result<Table, ReadError> {
+    let mut timing = Table::read(path)?;
+    timing.columns.number_rows("step");
+    Ok(timing)
 }
 
 fn read_json<T: DeserializeOwned>(

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use lashloop_protocol::PROTOCOL_VERSION;
 use lashloop_protocol::message::Identity;
-use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
+use serde::{Deserialize, Serialize};
 
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::atomic_file::write_whole;
@@ -85,7 +85,7 @@ impl Serialize for Reasons<'_> {
 }
 
 /// Versions of everything that can change the result.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Versions {
     /// This tool.
     pub lashloop: String,
@@ -129,9 +129,6 @@ impl Versions {
         }
     }
 }
-
-/// Name of the summary in the folder of a run.
-pub const SUMMARY_FILE: &str = "summary.json";
 
 impl Summary {
     /// Writes the summary to a temporary file in the same directory, then renames it, so that the name stands for a complete

@@ -1,8 +1,9 @@
-//! `timing.csv`: timing of each control step. Apart from the trace, because timing differs from run to run.
+//! `timing.csv`: timing of each control step, one row each, in whole us from 10 us on. Apart from the trace, because timing differs from run to run.
 
 use std::path::Path;
 use std::time::Duration;
 
+use crate::digits::Digits;
 use crate::file_names::TIMING_FILE;
 use crate::row::{Row, row};
 use crate::table::TableWriter;
@@ -73,7 +74,11 @@ impl TimingWriter {
     /// # Errors
     /// The file can't be created or written.
     pub fn create(folder: &Path, flush_rows: u32) -> Result<Self, WriteError> {
-        let header = TimingRow::COLUMNS.iter().map(|(name, _)| *name);
+        // The first one is the number of the row.
+        let header = TimingRow::COLUMNS.iter().skip(1).map(|(name, unit)| {
+            // Less than 10 us with decimals.
+            (*name, if unit.is_empty() { Digits::Decimals(0) } else { Digits::Significant(2) })
+        });
         TableWriter::create(&folder.join(TIMING_FILE), header, flush_rows).map(Self)
     }
 
@@ -82,7 +87,7 @@ impl TimingWriter {
     /// # Errors
     /// As [`TableWriter::push`].
     pub fn push(&mut self, row: &TimingRow) -> Result<(), WriteError> {
-        self.0.push(row.values())
+        self.0.push(row.values().skip(1))
     }
 
     /// Writes the pending rows.

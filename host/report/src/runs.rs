@@ -182,7 +182,7 @@ impl<'a> Run<'a> {
     }
 
     fn caption(&self) -> String {
-        let Record { trace, timing: timing_table, summary } = self.record;
+        let Record { trace, timing: timing_table, summary, .. } = self.record;
         let mut text = match summary {
             Some(it) => {
                 let end = if it.end == "complete" { String::new() } else { format!(", {}", it.end) };

@@ -9,9 +9,9 @@ use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::excitation::{Commissioned, CommissioningError, Halt, Limits, commission};
-use lashloop_plant::metrics::SignalTable;
-use lashloop_record::summary::SUMMARY_FILE;
-use lashloop_record::trace::TraceWriter;
+use lashloop_record::folder::RecordFolder;
+use lashloop_record::source::RunSource;
+use lashloop_record::writer::RecordWriter;
 
 use super::clock_options::ClockOptions;
 use super::error::{CliError, system};
@@ -78,6 +78,10 @@ pub(crate) struct Arguments {
     /// Folder for plant.toml, drive.toml, estimates.json and a record of each motion
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+
+    /// Replace the records that the folder of --out holds
+    #[arg(long, requires = "out")]
+    force: bool,
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -99,6 +103,9 @@ impl Arguments {
             None => &self.device,
         };
         let start = self.start.as_deref().map(|file| super::identify::start(file, bench)).transpose()?;
+        if let Some(folder) = &self.out {
+            RecordFolder::check_inside(folder, self.force)?;
+        }
         if !confirmed(&limits, &choice.to_string(), self.yes)? {
             outln!("not confirmed: nothing was moved");
             return Ok(Exit::Invalid);
@@ -109,14 +116,21 @@ impl Arguments {
             prepare_folder(folder, &[])?;
         }
         let temporary = tempfile::tempdir().map_err(system("create a temporary folder"))?;
-        let mut record = |run: &RunRecord<'_>| {
+        let source = RunSource::new(Path::new(&template.name), &self.overrides(&limits, &[]), &plants(bench));
+        let writer = |name: &str| {
+            let Some(folder) = &self.out else { return Ok(None) };
+            let claimed = RecordFolder::claim(&folder.join(name), self.force);
+            let claimed = claimed.map_err(|error| RecordError(Box::new(error)))?;
+            Ok(Some(RecordWriter::new(claimed, source.clone())))
+        };
+        let mut record = |mut run: RunRecord<'_>| {
             let end = match run.halt {
                 Some(Halt::Moved) => "until the load moved".to_owned(),
                 Some(Halt::Exceeded(exceeded)) => format!("halted: {exceeded}"),
                 None => run.outcome.end.to_string(),
             };
             outln!("{:<20} {} steps, {end}", run.name, run.outcome.steps);
-            self.out.as_deref().map_or(Ok(()), |folder| write_record(&folder.join(run.name), run))
+            run.writer.take().map_or(Ok(()), |writer| complete(writer, &run))
         };
         let mut drive_train = OnDevice {
             scenario: &scenario,
@@ -127,6 +141,7 @@ impl Arguments {
             period_s: template.run.control_period_s(),
             rig: rig.as_ref().map(|taken| &taken.rig),
             folder: temporary.path(),
+            writer: &writer,
             record: &mut record,
         };
         let (known, period_us) = (instruments(&template), template.run.control_period_us);
@@ -175,14 +190,18 @@ impl Arguments {
         })
     }
 
+    fn overrides(&self, limits: &Limits, more: &[String]) -> Vec<Override> {
+        let settings = self.set.iter().cloned().chain(settings(limits)).chain(more.iter().cloned());
+        settings.map(Override::Set).collect()
+    }
+
     fn scenario(
         &self,
         limits: &Limits,
         more: &[String],
         bench: &Bench,
     ) -> Result<Scenario, lashloop_bench::scenario::ScenarioErrors> {
-        let settings = self.set.iter().cloned().chain(settings(limits)).chain(more.iter().cloned());
-        let settings: Vec<_> = settings.map(Override::Set).collect();
+        let settings = self.overrides(limits, more);
         match &self.scenario {
             Some(file) => Scenario::from_file_with(file, &settings, &plants(bench)),
             None => Scenario::from_str_with(SCENARIO_NAME, SCENARIO, &settings, &plants(bench)),
@@ -224,23 +243,14 @@ fn offered(
     Ok(device.session.parameters.iter().map(|it| it.name.clone()).collect())
 }
 
-/// Writes the record of a motion: trace.csv, trace.json and summary.json.
-fn write_record(folder: &Path, run: &RunRecord<'_>) -> Result<(), RecordError> {
-    let failed = |error: CliError| RecordError(error.to_string().into());
-    prepare_folder(folder, &[SUMMARY_FILE]).map_err(failed)?;
+/// Completes the record of a motion, with the facts that `identify` needs.
+fn complete(writer: RecordWriter, run: &RunRecord<'_>) -> Result<(), RecordError> {
     let known = serde_json::to_string_pretty(&instruments(run.scenario))
         .map_err(|error| RecordError(Box::new(error)))?;
-    write_file(&folder.join(INSTRUMENTS_FILE), &(known + "\n")).map_err(failed)?;
-    let boxed = |error: lashloop_bench::atomic_file::WriteError| RecordError(Box::new(error));
-    let signals: &SignalTable = &run.outcome.signals;
-    let mut trace = TraceWriter::create(folder, signals, run.scenario.record.flush_rows).map_err(boxed)?;
-    for row in 0..run.columns.len() {
-        let names = run.columns.signals();
-        let values = names.iter().filter_map(|signal| Some(run.columns.get(&signal.name)?[row]));
-        trace.push(values).map_err(boxed)?;
-    }
-    trace.finish().map_err(boxed)?;
-    summary(run.scenario, run.device, run.outcome).write(&folder.join(SUMMARY_FILE)).map_err(boxed)
+    write_file(&writer.folder().join(INSTRUMENTS_FILE), &(known + "\n"))
+        .map_err(|error| RecordError(error.to_string().into()))?;
+    let summary = summary(run.scenario, run.device, run.outcome);
+    writer.finish(&summary, &run.outcome.logs).map_err(|error| RecordError(Box::new(error)))
 }
 
 fn failed(error: CommissioningError<MotionError>) -> CliError {

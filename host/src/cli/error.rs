@@ -19,6 +19,7 @@ use lashloop_bench::scenario::ScenarioErrors;
 use lashloop_bench::verdict::Exit;
 use lashloop_identify::IdentifyError;
 use lashloop_identify::excitation::CommissioningError;
+use lashloop_record::folder::FolderError;
 use lashloop_record::reader::ReadError;
 use lashloop_report::runs::DrawError;
 
@@ -43,6 +44,8 @@ pub(crate) enum CliError {
     Campaign(#[from] CampaignError),
     #[error(transparent)]
     Record(#[from] ReadError),
+    #[error(transparent)]
+    Folder(#[from] FolderError),
     #[error(transparent)]
     Draw(#[from] DrawError),
     #[error("--from {from} --until {until} is an empty range; --until must be later than --from")]
@@ -108,6 +111,7 @@ impl CliError {
             | Self::Report { .. }
             | Self::Input { .. }
             | Self::Record(_)
+            | Self::Folder(_)
             | Self::Draw(_)
             | Self::CommissionLimit { .. }
             | Self::Motion { .. }

@@ -1,11 +1,10 @@
 //! One run for a figure: its trace in memory, with a progress bar.
 
 use lashloop_bench::atomic_file::WriteError;
-use lashloop_bench::run::{self, Clock, DeviceUnderTest, Step, StepObserver};
+use lashloop_bench::run::{self, Clock, DeviceUnderTest, RunStart, Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::verdict::Verdict;
-use lashloop_plant::metrics::SignalTable;
 use lashloop_record::columns::Columns;
 use lashloop_record::trace::{columns, row};
 use lashloop_report::paper::Run;
@@ -21,8 +20,8 @@ struct History<'a> {
 }
 
 impl StepObserver for History<'_> {
-    fn begin(&mut self, signals: &SignalTable) -> Result<(), WriteError> {
-        self.trace = Columns::new(columns(signals));
+    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
+        self.trace = Columns::new(columns(start.signals));
         Ok(())
     }
 

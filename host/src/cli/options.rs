@@ -7,6 +7,8 @@ use lashloop_bench::device::DeviceChoice;
 use lashloop_bench::process_plant;
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_plant::Plants;
+use lashloop_record::folder::RecordFolder;
+use lashloop_record::source::RunSource;
 
 use super::error::CliError;
 use crate::bench::Bench;
@@ -67,8 +69,19 @@ impl ScenarioOptions {
         more: impl IntoIterator<Item = Override>,
         bench: &Bench,
     ) -> Result<Scenario, CliError> {
+        self.read_with_source(more, bench).map(|(scenario, _)| scenario)
+    }
+
+    /// As [`read`](Self::read), with what a record keeps of the scenario's origin.
+    pub(super) fn read_with_source(
+        self,
+        more: impl IntoIterator<Item = Override>,
+        bench: &Bench,
+    ) -> Result<(Scenario, RunSource), CliError> {
         let overrides: Vec<_> = self.set.into_iter().map(Override::Set).chain(more).collect();
-        Ok(Scenario::from_file_with(&self.scenario, &overrides, &plants(bench))?)
+        let plants = plants(bench);
+        let scenario = Scenario::from_file_with(&self.scenario, &overrides, &plants)?;
+        Ok((scenario, RunSource::new(&self.scenario, &overrides, &plants)))
     }
 }
 
@@ -104,5 +117,25 @@ impl TakenRig {
     /// The port of the rig doesn't exist.
     pub(super) fn check_present(&self) -> Result<(), CliError> {
         absent(&self.rig).map_or(Ok(()), |problem| Err(CliError::HardwareAbsent { problem }))
+    }
+}
+
+/// Where a record goes.
+#[derive(Args)]
+pub(super) struct RecordOptions {
+    /// Folder for the record: manifest, scenario, samples, tables and summary, see docs/records.md
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+
+    /// Replace the record that the folder of --out holds
+    #[arg(long, requires = "out")]
+    pub(super) force: bool,
+}
+
+impl RecordOptions {
+    /// Claims the folder; `None` without one.
+    pub(super) fn claim(&self) -> Result<Option<RecordFolder>, CliError> {
+        let claimed = self.out.as_deref().map(|path| RecordFolder::claim(path, self.force));
+        Ok(claimed.transpose()?)
     }
 }

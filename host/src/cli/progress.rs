@@ -1,6 +1,8 @@
 //! A progress bar on a terminal, and no output elsewhere.
 
 use indicatif::{ProgressBar, ProgressStyle};
+use lashloop_bench::atomic_file::WriteError;
+use lashloop_bench::run::{Step, StepObserver};
 use lashloop_bench::scenario::Scenario;
 
 /// Steps between two updates of the bar: a run makes tens of thousands per second.
@@ -35,6 +37,13 @@ impl Progress {
         if self.steps.is_multiple_of(STRIDE) {
             self.bar.set_position(self.steps);
         }
+    }
+}
+
+impl StepObserver for Progress {
+    fn step(&mut self, _: &Step) -> Result<(), WriteError> {
+        Progress::step(self);
+        Ok(())
     }
 }
 

@@ -4,26 +4,24 @@ use std::path::{Path, PathBuf};
 
 use crate::bench::Bench;
 use clap::Args;
-use lashloop_bench::atomic_file::{WriteError, remove_if_present};
+use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::capture::link::Captured;
 use lashloop_bench::capture::{self, Capture, WhenFull};
 use lashloop_bench::device::{Device, DeviceChoice};
 use lashloop_bench::link::Link;
 use lashloop_bench::run::DeviceUnderTest;
-use lashloop_bench::run::{self, Outcome, Step, StepObserver};
+use lashloop_bench::run::{self, Observers, Outcome, Step, StepObserver};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
 use lashloop_bench::verdict::{Exit, Verdict};
-use lashloop_plant::metrics::SignalTable;
-use lashloop_record::summary::{SUMMARY_FILE, Summary, Telemetry, Versions};
-use lashloop_record::timing::{TimingRow, TimingWriter};
-use lashloop_record::trace::{TraceWriter, row};
+use lashloop_record::summary::{Summary, Telemetry, Versions};
+use lashloop_record::writer::RecordWriter;
 
 use super::clock_options::ClockOptions;
 use super::error::CliError;
-use super::options::{RigOption, ScenarioOptions};
-use super::output::{error_line, outln, prepare_folder};
+use super::options::{RecordOptions, RigOption, ScenarioOptions};
+use super::output::{error_line, outln};
 use super::progress::Progress;
 use super::run_report;
 use super::supervision::start_supervisor;
@@ -59,9 +57,8 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     clock: ClockOptions,
 
-    /// Folder for the record: summary.json, trace.csv, trace.json with the units of its columns, and timing.csv
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    record: RecordOptions,
 
     /// Give no verdict if the plant model of the scenario does not follow the recorded motion: the law then ran on another
     /// plant. FILE is the estimates.json of `commission` or `identify`, whose intervals the model may use
@@ -75,9 +72,9 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self, bench: &Bench) -> Result<Exit, CliError> {
-        let mut scenario = {
+        let (mut scenario, source) = {
             let law = self.controller.map(Override::Controller);
-            self.scenario.read(law.into_iter().chain(self.mode.map(Override::Mode)), bench)?
+            self.scenario.read_with_source(law.into_iter().chain(self.mode.map(Override::Mode)), bench)?
         };
         let clock = self.clock.clock()?;
         let when_full = match clock.name() {
@@ -94,7 +91,8 @@ impl Arguments {
             }
             None => &self.device,
         };
-        let gate = self.gate.as_ref().map(|file| Gate::read(file.as_deref())).transpose()?;
+        let mut gate = self.gate.as_ref().map(|file| Gate::read(file.as_deref())).transpose()?;
+        let folder = self.record.claim()?;
         let capture = self.capture.as_deref().map(|path| capture::create(path, when_full)).transpose()?;
         let (recorder, capture) = capture.unzip();
         let supervisor = start_supervisor()?;
@@ -110,18 +108,16 @@ impl Arguments {
         for warning in device.device.warnings() {
             error_line(format_args!("lashloop: warning: {warning}"));
         }
-        let record = self.out.as_deref().map(|folder| Folder::prepare(folder, &scenario)).transpose()?;
-        let progress = Progress::of(&scenario);
-        let mut watcher =
-            RunWatcher { record, tables: None, capture, supervisor: &supervisor, progress, gate };
+        let mut progress = Progress::of(&scenario);
+        let mut interrupt = Interrupt { supervisor: &supervisor, capture };
+        let mut record = folder.map(|folder| RecordWriter::new(folder, source));
         let signals = supervisor.guard_signals();
-        let mut outcome = run::run(&scenario, &mut device, clock, &mut watcher)?;
-        let RunWatcher { tables, capture, progress, gate, .. } = watcher;
+        let mut observers: Vec<&mut dyn StepObserver> = vec![&mut progress, &mut interrupt];
+        observers.extend(gate.as_mut().map(|it| it as &mut dyn StepObserver));
+        observers.extend(record.as_mut().map(|it| it as &mut dyn StepObserver));
+        let mut outcome = run::run(&scenario, &mut device, clock, &mut Observers(observers))?;
+        let Interrupt { capture, .. } = interrupt;
         drop(progress);
-        if let Some(Tables { trace, timing, .. }) = tables {
-            trace.finish()?;
-            timing.finish()?;
-        }
         // The warnings at the start have it for an adapter that was not reconnected.
         let reconnected = (outcome.link.resumes > 0).then(|| device.device.connection.long_latency_timer());
         if let Some(warning) = reconnected.flatten() {
@@ -138,8 +134,8 @@ impl Arguments {
         if let Some(capture) = capture {
             capture.finish()?;
         }
-        if let Some(folder) = &self.out {
-            summary.write(&folder.join(SUMMARY_FILE))?;
+        if let Some(record) = record {
+            record.finish(&summary, &outcome.logs)?;
         }
         // A signal before this point would truncate the record.
         drop(signals);
@@ -168,26 +164,6 @@ impl Gate {
     }
 }
 
-/// The folder of the record.
-#[derive(Clone, Copy)]
-struct Folder<'a> {
-    path: &'a Path,
-    flush_rows: u32,
-}
-
-impl<'a> Folder<'a> {
-    fn prepare(path: &'a Path, scenario: &Scenario) -> Result<Self, CliError> {
-        prepare_folder(path, &[])?;
-        Ok(Self { path, flush_rows: scenario.record.flush_rows })
-    }
-}
-
-struct Tables {
-    trace: TraceWriter,
-    timing: TimingWriter,
-    steps: u64,
-}
-
 pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -> Summary {
     Summary {
         verdict: outcome.judgement.verdict,
@@ -213,42 +189,22 @@ pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -
     }
 }
 
-struct RunWatcher<'a> {
-    record: Option<Folder<'a>>,
-    /// Created at the start, when the signals are known.
-    tables: Option<Tables>,
-    capture: Option<Capture>,
-    supervisor: &'a Supervisor,
-    progress: Progress,
-    gate: Option<Gate>,
-}
-
-impl StepObserver for RunWatcher<'_> {
-    fn begin(&mut self, signals: &SignalTable) -> Result<(), WriteError> {
-        let Some(Folder { path, flush_rows }) = self.record else { return Ok(()) };
-        // Only now: a run that the drive refuses keeps the old record whole.
-        remove_if_present(&path.join(SUMMARY_FILE))?;
-        self.tables = Some(Tables {
-            trace: TraceWriter::create(path, signals, flush_rows)?,
-            timing: TimingWriter::create(path, flush_rows)?,
-            steps: 0,
-        });
+impl StepObserver for Gate {
+    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
+        self.recorded.push(step);
         Ok(())
     }
+}
 
-    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
-        self.progress.step();
-        if let Some(gate) = &mut self.gate {
-            gate.recorded.push(step);
-        }
-        if let Some(capture) = &self.capture {
-            capture.check()?;
-        }
-        let Some(Tables { trace, timing, steps }) = &mut self.tables else { return Ok(()) };
-        trace.push(row(step))?;
-        timing.push(&TimingRow::new(*steps, &step.timing))?;
-        *steps += 1;
-        Ok(())
+/// What ends a run early: the user, or a capture that can't be written.
+struct Interrupt<'a> {
+    supervisor: &'a Supervisor,
+    capture: Option<Capture>,
+}
+
+impl StepObserver for Interrupt<'_> {
+    fn step(&mut self, _: &Step) -> Result<(), WriteError> {
+        self.capture.as_ref().map_or(Ok(()), Capture::check)
     }
 
     fn stop_asked(&self) -> bool {

@@ -5,14 +5,16 @@ use std::path::Path;
 
 use lashloop_bench::atomic_file::WriteError;
 use lashloop_bench::device::{Device, DeviceChoice};
-use lashloop_bench::run::{self, Clock, DeviceUnderTest, End, Outcome, RunError, Step, StepObserver};
+use lashloop_bench::run::{
+    self, Clock, DeviceUnderTest, End, Observers, Outcome, RunError, RunStart, Step, StepObserver,
+};
 use lashloop_bench::scenario::{Scenario, ScenarioErrors};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_identify::Instruments;
 use lashloop_identify::excitation::{DriveTrain, Guard, Halt, Made, PlannedMotion};
-use lashloop_plant::metrics::SignalTable;
 use lashloop_record::columns::Columns;
 use lashloop_record::trace::{columns, row};
+use lashloop_record::writer::RecordWriter;
 
 use super::scenario;
 use crate::identify::record::{NoSeries, counts, series};
@@ -51,7 +53,8 @@ pub struct RunRecord<'a> {
     pub scenario: &'a Scenario,
     pub device: &'a Device,
     pub outcome: &'a Outcome,
-    pub columns: &'a Columns,
+    /// What has recorded it.
+    pub writer: Option<RecordWriter>,
     /// Why the guard ended it early.
     pub halt: Option<Halt>,
 }
@@ -69,8 +72,10 @@ pub struct OnDevice<'a> {
     pub rig: Option<&'a Rig>,
     /// Folder for the tables of torques.
     pub folder: &'a Path,
+    /// What records the run of this name; `None` for no record.
+    pub writer: &'a dyn Fn(&str) -> Result<Option<RecordWriter>, RecordError>,
     /// Called with every run, before the next motion.
-    pub record: &'a mut dyn FnMut(&RunRecord<'_>) -> Result<(), RecordError>,
+    pub record: &'a mut dyn FnMut(RunRecord<'_>) -> Result<(), RecordError>,
 }
 
 impl DriveTrain for OnDevice<'_> {
@@ -98,18 +103,15 @@ impl DriveTrain for OnDevice<'_> {
             instruments: self.instruments,
             supervisor: self.supervisor,
         };
-        let outcome = run::run(&scenario, &mut device, self.clock, &mut watch)?;
-        let Watch { columns, guard, halt, .. } = watch;
         let name = &motion.name;
-        let record = RunRecord {
-            name,
-            scenario: &scenario,
-            device: &device.device,
-            outcome: &outcome,
-            columns: &columns,
-            halt,
-        };
-        (self.record)(&record).map_err(MotionError::Record)?;
+        let mut writer = (self.writer)(name).map_err(MotionError::Record)?;
+        let mut observers: Vec<&mut dyn StepObserver> = vec![&mut watch];
+        observers.extend(writer.as_mut().map(|it| it as &mut dyn StepObserver));
+        let outcome = run::run(&scenario, &mut device, self.clock, &mut Observers(observers))?;
+        let Watch { columns, guard, halt, .. } = watch;
+        let record =
+            RunRecord { name, scenario: &scenario, device: &device.device, outcome: &outcome, writer, halt };
+        (self.record)(record).map_err(MotionError::Record)?;
         if halt.is_none() && outcome.end != End::Complete {
             return Err(MotionError::Ended { motion: name.clone(), end: outcome.end.to_string() });
         }
@@ -130,8 +132,8 @@ struct Watch<'a> {
 }
 
 impl StepObserver for Watch<'_> {
-    fn begin(&mut self, signals: &SignalTable) -> Result<(), WriteError> {
-        self.columns = Columns::new(columns(signals));
+    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
+        self.columns = Columns::new(columns(start.signals));
         Ok(())
     }
 

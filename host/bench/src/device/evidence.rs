@@ -9,7 +9,7 @@ use std::time::SystemTime;
 
 use lashloop_firmware::drive::{BUILD_ID, BUILD_IS_DIRTY};
 use lashloop_protocol::message::Identity;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 /// The files that run as a drive, as its kind gives them.
@@ -22,7 +22,7 @@ pub struct DriveFiles {
 }
 
 /// What a record keeps of the drive's origin.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Evidence {
     /// The files that ran as the drive; none for a board.
     pub files: Vec<FileHash>,
@@ -33,7 +33,7 @@ pub struct Evidence {
 }
 
 /// A file and its contents.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FileHash {
     /// Path at the start of the session.
     pub path: String,

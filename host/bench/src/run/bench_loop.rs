@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use lashloop_plant::limits::MAX_SIGNALS;
 use lashloop_protocol::DriveMessage;
 use lashloop_protocol::enums::State;
-use lashloop_protocol::message::BenchSample;
+use lashloop_protocol::message::{BenchSample, EncoderSample};
 use lashloop_protocol::sequence::nearest_step;
 
 use super::answer_check::broken_torque_rule;
@@ -235,7 +235,14 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
             torque_nm: sample.torque_nm.into(),
         };
         let tenths_us = |count: u16| Duration::from_nanos(100 * u64::from(count));
+        let reported = EncoderSample {
+            sequence: sample.sequence,
+            motor_counts: sample.motor_counts,
+            load_counts: sample.load_counts,
+            reference_rad: (self.latest.reference_rad - start_rad) as f32,
+        };
         self.record(
+            Some(reported),
             StepTiming {
                 lateness: tenths_us(sample.lateness_tenths_us),
                 outcome: StepOutcome::Answered,
@@ -252,17 +259,23 @@ impl<'a, S: StepSink> BenchLoop<'a, S> {
             self.counts.unanswered += 1;
             let outcome = StepOutcome::Unanswered;
             let lost = StepTiming { lateness: Duration::ZERO, outcome, round_trip: None, tick_compute: None };
-            self.record(lost, device)?;
+            self.record(None, lost, device)?;
         }
         Ok(())
     }
 
-    fn record(&mut self, timing: StepTiming, device: &Device) -> Result<(), RunError> {
+    fn record(
+        &mut self,
+        sample: Option<EncoderSample>,
+        timing: StepTiming,
+        device: &Device,
+    ) -> Result<(), RunError> {
         self.finish(device)?;
         let time_s = f64::from(self.next_step) * self.scenario.run.control_period_s();
         let plant: TruthValues = std::iter::repeat_n(f64::NAN, self.plant_signals.min(MAX_SIGNALS)).collect();
         let row = TraceRow { time_s, ..self.latest };
-        self.unfinished = Some(Step { row, plant, drive: DriveValues::unknown(self.drive_signals), timing });
+        let drive = DriveValues::unknown(self.drive_signals);
+        self.unfinished = Some(Step { row, sample, plant, drive, timing });
         self.next_step += 1;
         self.counts.steps += 1;
         Ok(())

@@ -6,7 +6,7 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use lashloop_protocol::message::TorqueAnswer;
+use lashloop_protocol::message::{EncoderSample, TorqueAnswer};
 
 use super::answer_check::AnswerCheck;
 use super::error::RunError;
@@ -121,7 +121,9 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         }
         self.begin(step, device)?;
         let (sample, observation) = self.simulator.observe(step)?;
-        let exchanged = match self.phase.request(step, sample, &self.simulator)? {
+        let request = self.phase.request(step, sample, &self.simulator)?;
+        let sent = request.as_ref().map(|it| it.sample);
+        let exchanged = match request {
             Some(request) => self.exchange(step, &request, deadline, device)?,
             // The drive was lost again or started too late: the next step retries the start.
             None => self.give_up(),
@@ -137,17 +139,14 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
                     round_trip: None,
                     tick_compute: None,
                 };
-                self.hold(step, observation, timing)?;
+                self.hold(step, sent, observation, timing)?;
                 Ok(Some(end))
             }
             ControlFlow::Break(end) => Ok(Some(end)),
             ControlFlow::Continue((outcome, round_trip)) => {
                 self.finish(device)?;
-                self.hold(
-                    step,
-                    observation,
-                    StepTiming { lateness, outcome, round_trip, tick_compute: None },
-                )?;
+                let timing = StepTiming { lateness, outcome, round_trip, tick_compute: None };
+                self.hold(step, sent, observation, timing)?;
                 Ok(None)
             }
         }
@@ -158,16 +157,10 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
         self.begin(step, device)?;
         let (_, observation) = self.simulator.observe(step)?;
         self.finish(device)?;
-        self.hold(
-            step,
-            observation,
-            StepTiming {
-                lateness: Duration::ZERO,
-                outcome: StepOutcome::Missed,
-                round_trip: None,
-                tick_compute: None,
-            },
-        )
+        let lateness = Duration::ZERO;
+        let outcome = StepOutcome::Missed;
+        let timing = StepTiming { lateness, outcome, round_trip: None, tick_compute: None };
+        self.hold(step, None, observation, timing)
     }
 
     /// Passes the last step on, with the drive's latest signals.
@@ -303,11 +296,18 @@ impl<'a, S: StepSink> ControlLoop<'a, S> {
     }
 
     /// Lets the plant go on for a period under the torque of the step.
-    fn hold(&mut self, step: u32, observed: Observation, timing: StepTiming) -> Result<(), RunError> {
+    fn hold(
+        &mut self,
+        step: u32,
+        sample: Option<EncoderSample>,
+        observed: Observation,
+        timing: StepTiming,
+    ) -> Result<(), RunError> {
         let torque_nm = self.torque.advance(timing.outcome == StepOutcome::Answered);
         let Observation { mut row, plant } = observed;
         row.torque_nm = torque_nm.into();
-        self.unfinished = Some(Step { row, plant, drive: DriveValues::unknown(self.drive_signals), timing });
+        let drive = DriveValues::unknown(self.drive_signals);
+        self.unfinished = Some(Step { row, sample, plant, drive, timing });
         self.counts.steps += 1;
         Ok(self.simulator.step(step, torque_nm)?)
     }

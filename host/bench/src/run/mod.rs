@@ -54,4 +54,4 @@ pub use error::RunError;
 pub use outcome::{End, Outcome};
 pub use runner::{Clock, run};
 pub use step::{DriveValues, Observation, Step, TraceRow, TruthValues};
-pub use step_sink::StepObserver;
+pub use step_sink::{Observers, RunStart, StepObserver};

@@ -13,7 +13,7 @@ use super::real_time::{self, RealTime, Ring};
 use super::run_loop::{RunLoop, StepSource};
 use super::simulator::Simulator;
 use super::step_recorder::StepRecorder;
-use super::step_sink::{StepObserver, StepSink};
+use super::step_sink::{RunStart, StepObserver, StepSink};
 use super::{lockstep, setup};
 use crate::device::Device;
 use crate::fault::log::FaultRecord;
@@ -73,7 +73,7 @@ pub fn run(
         Clock::RealTime(_) => Some(setup::watchdog(device)?),
     };
     let torque_limit_nm = setup::torque_limit_nm(device)?;
-    observer.begin(&signals)?;
+    observer.begin(&RunStart { scenario, clock: clock.name(), device, signals: &signals })?;
     let before = device.session.traffic();
     let settings = LoopSettings {
         clock: clock.name(),

@@ -3,7 +3,7 @@
 use heapless::Vec;
 use lashloop_plant::limits::MAX_SIGNALS;
 use lashloop_protocol::limits::MAX_TELEMETRY_VALUES;
-use lashloop_protocol::message::Telemetry;
+use lashloop_protocol::message::{EncoderSample, Telemetry};
 
 use super::error::RunError;
 use crate::device::Device;
@@ -30,6 +30,9 @@ pub struct TraceRow {
 pub struct Step {
     /// Time, reference, positions and torque.
     pub row: TraceRow,
+    /// The sample that was sent, with the faults of the encoders; in bench mode the counts that the drive has reported, with
+    /// the reference that it steps by. `None` in a step without a sample or without a report.
+    pub sample: Option<EncoderSample>,
     /// The plant's truth at that time, in the order of its signals.
     pub plant: TruthValues,
     /// The drive's signals, in the order of the subscription.

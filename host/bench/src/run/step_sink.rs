@@ -5,14 +5,30 @@ use lashloop_plant::metrics::SignalTable;
 use super::error::RunError;
 use super::step::Step;
 use crate::atomic_file::WriteError;
+use crate::device::Device;
+use crate::scenario::Scenario;
+use crate::timing::ClockName;
+
+/// A run that is about to start: its drive is set up, and its scenario resolved.
+#[derive(Clone, Copy)]
+pub struct RunStart<'a> {
+    /// What is run.
+    pub scenario: &'a Scenario,
+    /// What paces it.
+    pub clock: ClockName,
+    /// The drive, with its parameters in force.
+    pub device: &'a Device,
+    /// The values of every step.
+    pub signals: &'a SignalTable,
+}
 
 /// Observes the steps of a run: a record, a progress bar, a plot. Never on the loop's thread in real time.
 pub trait StepObserver {
-    /// The drive is set up and about to start. `signals` names the values of every step.
+    /// The drive is set up and about to start.
     ///
     /// # Errors
     /// The run can't be recorded; it ends before its first step.
-    fn begin(&mut self, _signals: &SignalTable) -> Result<(), WriteError> {
+    fn begin(&mut self, _start: &RunStart<'_>) -> Result<(), WriteError> {
         Ok(())
     }
 
@@ -27,6 +43,23 @@ pub trait StepObserver {
     /// Whether the run is to end early. Polled in every step.
     fn stop_asked(&self) -> bool {
         false
+    }
+}
+
+/// Several observers of one run, in this order.
+pub struct Observers<'a>(pub Vec<&'a mut dyn StepObserver>);
+
+impl StepObserver for Observers<'_> {
+    fn begin(&mut self, start: &RunStart<'_>) -> Result<(), WriteError> {
+        self.0.iter_mut().try_for_each(|it| it.begin(start))
+    }
+
+    fn step(&mut self, step: &Step) -> Result<(), WriteError> {
+        self.0.iter_mut().try_for_each(|it| it.step(step))
+    }
+
+    fn stop_asked(&self) -> bool {
+        self.0.iter().any(|it| it.stop_asked())
     }
 }
 

@@ -1,8 +1,10 @@
 //! The host's side of a session.
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use lashloop_link::Link;
+use lashloop_protocol::enums::ParameterValue;
 use lashloop_protocol::message::Identity;
 
 use super::description::Description;
@@ -38,6 +40,8 @@ pub struct Session {
     pub laws: Vec<Law>,
     /// The drive's parameters, in the order of their index.
     pub parameters: Vec<Parameter>,
+    /// Values that were set since the last reset, by the index of the parameter.
+    pub(super) values_set: BTreeMap<u8, ParameterValue>,
     /// The drive's signals, in the order of their index.
     pub signals: Vec<DriveSignal>,
     pub(super) subscription: Subscription,
@@ -69,6 +73,7 @@ impl Session {
             identity,
             laws,
             parameters,
+            values_set: BTreeMap::new(),
             signals,
             subscription,
             late: 0,

@@ -30,6 +30,7 @@ impl Session {
         }
         self.command(Reset {}, State::Boot)?;
         self.forget_run();
+        self.values_set.clear();
         self.subscription = Subscription::default();
         self.number = self.number.wrapping_add(1);
         self.identity = shake_hands(&mut self.line, self.number)?;

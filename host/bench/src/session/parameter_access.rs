@@ -32,10 +32,17 @@ impl Session {
         let (index, value) = self.on_wire(name, value.into())?;
         let report = self.report_of(index, &SetParameter { index, value }.into())?;
         if report.outcome == Outcome::Accepted && report.value == value {
+            self.values_set.insert(index, value);
             Ok(())
         } else {
             Err(SetError::Refused { outcome: report.outcome, in_force: report.value })
         }
+    }
+
+    /// The value in force since the last reset: as it was set and read back, else the default. Nothing is sent.
+    #[must_use]
+    pub fn in_force(&self, parameter: &Parameter) -> ParameterValue {
+        self.values_set.get(&parameter.index).copied().unwrap_or(parameter.default)
     }
 
     /// Reads the value in force of the parameter with this index.

@@ -103,6 +103,13 @@ impl Table {
         Ok(Self { file: file.to_owned(), interpolation, points })
     }
 
+    /// The points as a CSV file, which reads back to the same bits.
+    #[must_use]
+    pub fn to_csv(&self) -> String {
+        let line = |point: &Point| format!("{:?},{:?}\n", point.time_s, point.position_rad);
+        self.points.iter().map(line).fold(COLUMNS.join(",") + "\n", |text, line| text + &line)
+    }
+
     /// Reference position in rad at a time of the run.
     #[must_use]
     pub fn position_rad(&self, t_s: f64) -> f64 {

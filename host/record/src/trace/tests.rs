@@ -1,41 +1,71 @@
-//! Traces as bytes in a file.
+//! Traces as text in a file.
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use super::{TraceRow, TraceWriter, columns};
-use crate::columns::Columns;
+use super::{TraceWriter, columns, position_decimals};
+use crate::digits::Digits;
 use crate::reader::{Record, Table};
-use crate::row::Row;
 use crate::table::TableWriter;
+use lashloop_bench::run::{DriveValues, Step, TraceRow};
+use lashloop_bench::scenario::sections::EncoderSettings;
+use lashloop_bench::timing::{StepOutcome, StepTiming};
 use lashloop_plant::Signal;
 use lashloop_plant::metrics::SignalTable;
+use lashloop_protocol::EncoderCounts;
+use lashloop_protocol::message::EncoderSample;
+
+const ENCODERS: EncoderSettings =
+    EncoderSettings { motor_counts_per_rev: 131_072, load_counts_per_rev: 4096, noise_counts: 0.0 };
 
 fn signals() -> SignalTable {
     SignalTable {
-        plant: vec![Signal::new("twist_rad", "rad"), Signal::new("middle mass, speed", "rad/s")],
-        drive: vec![Signal::new("requested_torque_nm", "N m"), Signal::new("backlash", "")],
+        plant: vec![Signal::new("twist_rad", "rad")],
+        drive: vec![Signal::new("requested_torque_nm", "N m"), Signal::new("backlash, wide", "")],
     }
 }
 
-fn row(step: u32) -> Vec<f64> {
-    let value = f64::from(step);
-    let fixed = TraceRow {
-        time_s: value * 0.001,
-        reference_rad: 0.0,
-        load_position_rad: std::f64::consts::FRAC_PI_2 / (value + 1.0),
-        motor_position_rad: 1e-7 * value,
-        torque_nm: f64::from(0.1_f32),
-    };
-    let values = [f64::MIN_POSITIVE, -1.0 / 3.0, 1e300, -0.0, value * 0.001];
-    fixed.values().chain(values).collect()
+/// Every fifth step has telemetry of its own, every seventh no sample.
+fn step(number: u32) -> Step {
+    let value = f64::from(number);
+    let telemetry = number / 5 * 5;
+    Step {
+        row: TraceRow {
+            time_s: value * 0.001,
+            reference_rad: 0.0,
+            load_position_rad: std::f64::consts::FRAC_PI_2 / (value + 1.0),
+            motor_position_rad: -1e-7 * value,
+            torque_nm: f64::from(0.1_f32),
+        },
+        sample: (number % 7 != 6).then(|| EncoderSample {
+            sequence: number as u16,
+            motor_counts: EncoderCounts::wrapping(-8_388_608 + i64::from(number)),
+            load_counts: EncoderCounts::wrapping(512),
+            reference_rad: 0.0,
+        }),
+        plant: [-1.0 / 3.0].into_iter().collect(),
+        drive: DriveValues {
+            values: [f64::from(telemetry), 1e-9].into_iter().collect(),
+            time_s: Some(f64::from(telemetry) * 0.001),
+        },
+        timing: StepTiming {
+            lateness: Duration::ZERO,
+            outcome: StepOutcome::Answered,
+            round_trip: None,
+            tick_compute: None,
+        },
+    }
 }
 
-/// A folder for the record of a run, and the path of its trace.
 fn place() -> (tempfile::TempDir, PathBuf) {
     let directory = tempfile::tempdir().expect("a temporary directory");
     let path = directory.path().join("trace.csv");
     (directory, path)
+}
+
+fn create(folder: &Path, flush_rows: u32) -> TraceWriter {
+    TraceWriter::create(folder, &signals(), &ENCODERS, flush_rows).expect("a trace")
 }
 
 fn data_rows(path: &Path) -> usize {
@@ -45,31 +75,32 @@ fn data_rows(path: &Path) -> usize {
 }
 
 #[test]
-fn a_trace_is_a_header_and_one_line_per_step() {
+fn a_trace_has_new_telemetry_only_and_no_truth_of_the_plant() {
     let (directory, path) = place();
-    let mut writer = TraceWriter::create(directory.path(), &signals(), 1000).expect("a trace");
-    writer.push(row(0)).expect("a row");
-    let mut unknown = row(1);
-    unknown[4] = f64::NAN;
-    writer.push(unknown).expect("a row");
+    let mut writer = create(directory.path(), 1000);
+    (4..8).for_each(|number| writer.push(&step(number)).expect("a row"));
     writer.finish().expect("the rows");
     insta::assert_snapshot!(fs::read_to_string(&path).expect("a trace"), @r#"
-    time_s,reference_rad,load_position_rad,motor_position_rad,torque_nm,twist_rad,"middle mass, speed",drive.requested_torque_nm,drive.backlash,telemetry_time_s
-    0.0,0.0,1.5707963267948966,0.0,0.10000000149011612,2.2250738585072014e-308,-0.3333333333333333,1e+300,-0.0,0.0
-    0.001,0.0,0.7853981633974483,1e-7,NaN,2.2250738585072014e-308,-0.3333333333333333,1e+300,-0.0,0.001
+    time_s,reference_rad,load_position_rad,motor_position_rad,torque_nm,drive.requested_torque_nm,"drive.backlash, wide",telemetry_time_s,motor_counts,load_counts
+    0.004,0,0.31416,0,0.1,0,1.0000e-9,0,-8388604,512
+    0.005,0,0.2618,0,0.1,5,1.0000e-9,0.005,-8388603,512
+    0.006,0,0.2244,0,0.1,,,,,
+    0.007,0,0.19635,0,0.1,,,,-8388601,512
     "#);
 }
 
 #[test]
-fn columns_read_back_with_their_units() {
+fn a_trace_without_samples_reads_back_with_units_and_repeated_telemetry() {
     let (directory, path) = place();
-    let mut writer = TraceWriter::create(directory.path(), &signals(), 1).expect("a trace");
-    writer.push(row(0)).expect("a row");
+    let mut writer = create(directory.path(), 1);
+    (0..12).for_each(|number| writer.push(&step(number)).expect("a row"));
     drop(writer);
     let trace = Record::read(directory.path()).expect("a record").trace;
-    assert_eq!(trace.columns.signals(), super::columns(&signals()));
-    let units = ["time_s", "middle mass, speed", "drive.requested_torque_nm", "drive.backlash"];
-    assert_eq!(units.map(|name| trace.columns.unit(name)), [Some("s"), Some("rad/s"), Some("N m"), Some("")]);
+    let units = ["time_s", "motor_counts", "drive.requested_torque_nm", "drive.backlash, wide"];
+    assert_eq!(units.map(|it| trace.columns.unit(it)), [Some("s"), Some("counts"), Some("N m"), Some("")]);
+    let repeated: Vec<_> = (0..12).map(|number| f64::from(number / 5 * 5)).collect();
+    assert_eq!(trace.columns.get("drive.requested_torque_nm"), Some(&repeated[..]));
+    assert!(trace.columns.get("motor_counts").expect("counts")[6].is_nan(), "no sample, no counts");
 
     // The trace alone has no units, and a damaged list is an error of its own.
     assert_eq!(Table::read(&path).expect("a table").columns.unit("time_s"), Some(""));
@@ -79,32 +110,23 @@ fn columns_read_back_with_their_units() {
 }
 
 #[test]
-fn numbers_read_back_to_the_same_bits() {
-    let (directory, path) = place();
-    let mut writer = TraceWriter::create(directory.path(), &signals(), 7).expect("a trace");
-    let mut written = Columns::new(super::columns(&signals()));
-    for step in 0..100 {
-        writer.push(row(step)).expect("a row");
-        written.push(row(step));
-    }
-    writer.finish().expect("the rows");
-    let read = Table::read(&path).expect("a trace").columns;
-    assert_eq!(read.len(), 100);
-    for Signal { name, .. } in written.signals() {
-        let bits = |columns: &Columns| -> Vec<u64> {
-            columns.get(name).expect("the column").iter().map(|value| value.to_bits()).collect()
-        };
-        assert_eq!(bits(&read), bits(&written), "{name}");
+fn positions_are_rounded_to_an_eighth_of_a_count() {
+    for (counts_per_rev, decimals) in [(4, 1), (4096, 4), (131_072, 5), (1 << 24, 8)] {
+        let encoders =
+            EncoderSettings { load_counts_per_rev: counts_per_rev, motor_counts_per_rev: 4, ..ENCODERS };
+        assert_eq!(position_decimals(&encoders), decimals, "{counts_per_rev} counts/rev");
+        let count_rad = std::f64::consts::TAU / f64::from(counts_per_rev);
+        assert!(0.5 * 10_f64.powi(-i32::from(decimals)) <= count_rad / 8.0);
     }
 }
 
 #[test]
 fn rows_reach_the_file_whole_and_flush_rows_at_a_time() {
     let (directory, path) = place();
-    let mut writer = TraceWriter::create(directory.path(), &signals(), 10).expect("a trace");
-    for step in 0..25 {
-        writer.push(row(step)).expect("a row");
-        assert_eq!(data_rows(&path), (step as usize + 1) / 10 * 10, "after step {step}");
+    let mut writer = create(directory.path(), 10);
+    for number in 0..25 {
+        writer.push(&step(number)).expect("a row");
+        assert_eq!(data_rows(&path), (number as usize + 1) / 10 * 10, "after step {number}");
     }
     drop(writer);
     assert_eq!(data_rows(&path), 25);
@@ -114,13 +136,14 @@ fn rows_reach_the_file_whole_and_flush_rows_at_a_time() {
 fn an_existing_trace_is_replaced() {
     let (directory, path) = place();
     fs::write(&path, "x".repeat(10_000)).expect("an old trace");
-    TraceWriter::create(directory.path(), &signals(), 1).and_then(TraceWriter::finish).expect("a trace");
+    create(directory.path(), 1).finish().expect("a trace");
     assert_eq!(data_rows(&path), 0);
 }
 
 #[test]
 fn a_file_that_cannot_be_made_is_named() {
-    let error = TraceWriter::create(Path::new("no/such"), &signals(), 1).expect_err("no directory");
+    let error =
+        TraceWriter::create(Path::new("no/such"), &signals(), &ENCODERS, 1).expect_err("no directory");
     assert_eq!(
         error.to_string(),
         "no/such/trace.json: cannot be created: No such file or directory (os error 2)"
@@ -131,7 +154,8 @@ fn a_file_that_cannot_be_made_is_named() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_reported_with_the_path() {
-    let error = TableWriter::create(Path::new("/dev/full"), ["time_s"], 1).expect_err("a full disk");
+    let column = [("time_s", Digits::Exact)];
+    let error = TableWriter::create(Path::new("/dev/full"), column, 1).expect_err("a full disk");
     assert_eq!(error.to_string(), "/dev/full: cannot be written: No space left on device (os error 28)");
 }
 
@@ -140,6 +164,6 @@ fn a_plant_may_take_none_of_the_columns_of_every_trace() {
     let columns = columns(&SignalTable::default());
     let names: Vec<_> = columns.iter().map(|column| &*column.name).collect();
     assert_eq!(names, lashloop_plant::FIXED_COLUMNS);
-    // Between the two times: what expectations may name in every run, with the same units.
-    assert_eq!(columns[1..columns.len() - 1], lashloop_plant::metrics::FIXED_SIGNALS);
+    // What expectations may name in every run, with the same units, is all but the times and what was sent.
+    assert_eq!(columns[1..columns.len() - 4], lashloop_plant::metrics::FIXED_SIGNALS);
 }

@@ -23,7 +23,7 @@ fn record(folder: &Path, text: &str, steps: usize, columns: usize) {
     }
     let units: Vec<_> = names.iter().map(|name| serde_json::json!({ "name": name, "unit": text })).collect();
     let summary = serde_json::json!({
-        "verdict": text, "scenario": text, "device": text, "controller": text, "end": "complete", "title": text,
+        "verdict": text, "scenario": text, "device": text, "controller": text, "end": "complete",
         "evidence": { "files": [{ "path": text, "sha256": text }], "bench_build": text, "warnings": [text] },
         "metrics": { "static_error_rad": 0.25, text: 1.0 }, "metrics_without_value": { text: text },
         "expectations": [{ "metric": text, "value": 1.0, "unit": text, "min": null, "max": 2.0, "ok": true }],

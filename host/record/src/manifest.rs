@@ -1,0 +1,211 @@
+//! `record.json`: what was run. Written before the first step.
+
+use std::io::Write;
+use std::path::Path;
+use std::time::SystemTime;
+
+use lashloop_bench::atomic_file::{WriteError, write_whole};
+use lashloop_bench::device::Evidence;
+use lashloop_bench::run::RunStart;
+use lashloop_bench::scenario::RunMode;
+use lashloop_bench::session::Parameter;
+use lashloop_bench::timing::ClockName;
+use lashloop_plant::Signal;
+use lashloop_protocol::enums::ParameterValue;
+use serde::{Deserialize, Serialize};
+
+use crate::file_names::MANIFEST_FILE;
+use crate::host_facts::HostFacts;
+use crate::source::{Overridden, RunSource};
+use crate::summary::Versions;
+
+/// The format of the folder. Format 1 has no manifest.
+pub const FORMAT: u32 = 2;
+
+/// What was run, with what, and where.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Format of the folder.
+    pub format: u32,
+    /// The words of the command line.
+    pub command_line: Vec<String>,
+    /// Start of the run in UTC, as RFC 3339.
+    pub started: String,
+    /// The scenario; `scenario.toml` has every key of it.
+    pub scenario: ScenarioFile,
+    /// What was set in place of the file's values.
+    pub overrides: Vec<Overridden>,
+    /// Seed of every random stream of the run.
+    pub seed: u64,
+    /// The mode.
+    pub mode: RunMode,
+    /// What paced the run.
+    pub clock: ClockName,
+    /// Control period.
+    pub period_us: u32,
+    /// The device as `--device` takes it.
+    pub device: String,
+    /// The device as one line of text.
+    pub device_description: String,
+    /// The files that ran as the drive, with their hashes, and what casts doubt on their origin.
+    pub evidence: Evidence,
+    /// The computer.
+    pub host: HostFacts,
+    /// Versions of tool, protocol and firmware.
+    pub versions: Versions,
+    /// The control law.
+    pub law: String,
+    /// Every parameter of the drive with its value at the start.
+    pub parameters: Vec<ParameterInForce>,
+    /// Period of the telemetry in steps; 0 for none.
+    pub telemetry_every_steps: u16,
+    /// Every signal that the drive has described.
+    pub signals: Vec<DescribedSignal>,
+    /// The signals of the plant.
+    pub plant_signals: Vec<NamedUnit>,
+}
+
+/// The file of a scenario.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ScenarioFile {
+    /// The title.
+    pub name: String,
+    /// Path as the user named it.
+    pub path: String,
+    /// SHA-256 of the file in hexadecimal; null without a file.
+    pub sha256: Option<String>,
+}
+
+/// A parameter of the drive.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ParameterInForce {
+    /// Its name.
+    pub name: String,
+    /// Its value.
+    pub value: Number,
+    /// Name of the value, for a parameter with choices.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub choice: Option<String>,
+    /// Its unit; empty for a pure number.
+    pub unit: String,
+    /// Its value after power-up.
+    pub default: Number,
+}
+
+/// A number of the drive, with the digits that restore its bits.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Number {
+    /// A whole number.
+    Whole(u32),
+    /// A real number.
+    Real(f32),
+}
+
+impl From<ParameterValue> for Number {
+    fn from(value: ParameterValue) -> Self {
+        match value {
+            ParameterValue::U32(value) => Self::Whole(value),
+            ParameterValue::F32(value) => Self::Real(value),
+        }
+    }
+}
+
+impl ParameterInForce {
+    fn new(parameter: &Parameter, value: ParameterValue) -> Self {
+        Self {
+            name: parameter.name.clone(),
+            value: value.into(),
+            choice: parameter.choice(value).map(str::to_owned),
+            unit: parameter.unit.clone(),
+            default: parameter.default.into(),
+        }
+    }
+}
+
+/// A signal of the drive.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DescribedSignal {
+    /// Its name.
+    pub name: String,
+    /// Its unit; empty for a pure number.
+    pub unit: String,
+    /// Whether telemetry carried it.
+    pub subscribed: bool,
+}
+
+/// Name and unit of a column.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct NamedUnit {
+    /// The name.
+    pub name: String,
+    /// The unit; empty for a pure number.
+    pub unit: String,
+}
+
+impl From<&Signal> for NamedUnit {
+    fn from(Signal { name, unit }: &Signal) -> Self {
+        Self { name: name.to_string(), unit: unit.to_string() }
+    }
+}
+
+impl Manifest {
+    /// The manifest of a run that starts now.
+    #[must_use]
+    pub fn new(start: &RunStart<'_>, source: &RunSource) -> Self {
+        let RunStart { scenario, clock, device, signals } = *start;
+        let session = &device.session;
+        let subscription = session.subscription();
+        let is_subscribed = |index| subscription.signals().iter().any(|it| it.index == index);
+        let parameter = |it| ParameterInForce::new(it, session.in_force(it));
+        Self {
+            format: FORMAT,
+            command_line: source.command_line.clone(),
+            started: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
+            scenario: ScenarioFile {
+                name: scenario.title.clone(),
+                path: scenario.name.clone(),
+                sha256: source.scenario_sha256.clone(),
+            },
+            overrides: source.overrides.clone(),
+            seed: scenario.run.seed,
+            mode: scenario.run.mode,
+            clock,
+            period_us: scenario.run.control_period_us,
+            device: device.connection.choice.to_string(),
+            device_description: device.description(),
+            evidence: device.evidence(),
+            host: HostFacts::read(),
+            versions: Versions::of(&session.identity),
+            law: scenario.controller.name.clone(),
+            parameters: session.parameters.iter().map(parameter).collect(),
+            telemetry_every_steps: subscription.every,
+            signals: session
+                .signals
+                .iter()
+                .map(|it| DescribedSignal {
+                    name: it.signal.name.to_string(),
+                    unit: it.signal.unit.to_string(),
+                    subscribed: is_subscribed(it.index),
+                })
+                .collect(),
+            plant_signals: signals.plant.iter().map(NamedUnit::from).collect(),
+        }
+    }
+
+    /// The content of `record.json`.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        // No map in it has keys other than texts.
+        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+
+    /// Writes `record.json`, whole.
+    ///
+    /// # Errors
+    /// The folder doesn't exist or can't be written to.
+    pub fn write(&self, folder: &Path) -> Result<(), WriteError> {
+        let text = self.to_json();
+        write_whole(&folder.join(MANIFEST_FILE), ".record-", |file| file.write_all(text.as_bytes()))
+    }
+}

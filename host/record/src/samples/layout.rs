@@ -1,0 +1,165 @@
+//! The layout of a message: fields of fixed size, little endian, without padding, as ROS 1 packs them. The schema is the
+//! text of a ROS message; the comment of a field has the name and the unit of its column.
+
+use std::fmt::Write;
+
+use lashloop_plant::Signal;
+
+/// Encoding of the messages, as MCAP names it.
+pub(crate) const MESSAGE_ENCODING: &str = "ros1";
+/// Encoding of the schemas, as MCAP names it.
+pub(crate) const SCHEMA_ENCODING: &str = "ros1msg";
+
+/// Type of a field.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FieldType {
+    Float64,
+    Float32,
+    Int32,
+    UInt8,
+}
+
+const TYPES: [(&str, FieldType); 4] = [
+    ("float64", FieldType::Float64),
+    ("float32", FieldType::Float32),
+    ("int32", FieldType::Int32),
+    ("uint8", FieldType::UInt8),
+];
+
+/// A field with the column that it holds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Field {
+    pub(crate) ty: FieldType,
+    pub(crate) column: Signal,
+}
+
+impl FieldType {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Float64 => "float64",
+            Self::Float32 => "float32",
+            Self::Int32 => "int32",
+            Self::UInt8 => "uint8",
+        }
+    }
+
+    /// Appends a value that fits the type.
+    fn push(self, value: f64, bytes: &mut Vec<u8>) {
+        match self {
+            Self::Float64 => bytes.extend_from_slice(&value.to_le_bytes()),
+            Self::Float32 => bytes.extend_from_slice(&(value as f32).to_le_bytes()),
+            Self::Int32 => bytes.extend_from_slice(&(value as i32).to_le_bytes()),
+            Self::UInt8 => bytes.push(value as u8),
+        }
+    }
+
+    /// Takes a value off the front of `bytes`; `None` if they are too few.
+    fn take(self, bytes: &mut &[u8]) -> Option<f64> {
+        fn split<const N: usize>(bytes: &mut &[u8]) -> Option<[u8; N]> {
+            let (first, rest) = bytes.split_first_chunk()?;
+            *bytes = rest;
+            Some(*first)
+        }
+        Some(match self {
+            Self::Float64 => f64::from_le_bytes(split(bytes)?),
+            Self::Float32 => f32::from_le_bytes(split(bytes)?).into(),
+            Self::Int32 => i32::from_le_bytes(split(bytes)?).into(),
+            Self::UInt8 => split::<1>(bytes)?[0].into(),
+        })
+    }
+}
+
+/// The fields as the text of a ROS message.
+pub(crate) fn schema(fields: &[Field]) -> String {
+    let mut used = Vec::new();
+    fields.iter().fold(String::new(), |mut text, Field { ty, column: Signal { name, unit } }| {
+        let field = identifier(name, &used);
+        // A String takes every character.
+        let _ = writeln!(text, "{} {field} # {name} [{unit}]", ty.name());
+        used.push(field);
+        text
+    })
+}
+
+/// The fields of a schema; `None` if it isn't one of this layout.
+pub(crate) fn fields(schema: &str) -> Option<Vec<Field>> {
+    let field = |line: &str| {
+        let (declaration, comment) = line.split_once(" # ")?;
+        let (ty, _) = declaration.split_once(' ')?;
+        let (_, ty) = *TYPES.iter().find(|(name, _)| *name == ty)?;
+        let (name, unit) = comment.strip_suffix(']')?.rsplit_once(" [")?;
+        let column = Signal { name: name.to_owned().into(), unit: unit.to_owned().into() };
+        Some(Field { ty, column })
+    };
+    schema.lines().map(field).collect()
+}
+
+/// Appends the values of a message.
+pub(crate) fn encode(fields: &[Field], values: impl IntoIterator<Item = f64>, bytes: &mut Vec<u8>) {
+    for (field, value) in fields.iter().zip(values) {
+        field.ty.push(value, bytes);
+    }
+}
+
+/// Appends the values of a message to `values`; `false` if it is shorter than its fields.
+pub(crate) fn decode(fields: &[Field], mut bytes: &[u8], values: &mut Vec<f64>) -> bool {
+    fields.iter().all(|field| field.ty.take(&mut bytes).map(|value| values.push(value)).is_some())
+}
+
+/// A name as ROS allows it, unlike those before.
+fn identifier(name: &str, used: &[String]) -> String {
+    let name = name.strip_prefix(lashloop_plant::metrics::DRIVE_PREFIX).unwrap_or(name);
+    let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
+    let mut field: String = name.chars().map(plain).collect();
+    if !field.starts_with(|c: char| c.is_ascii_lowercase()) {
+        field.insert_str(0, "f_");
+    }
+    while used.contains(&field) {
+        field.push_str("_2");
+    }
+    field
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn field(ty: FieldType, name: &'static str, unit: &'static str) -> Field {
+        Field { ty, column: Signal::new(name, unit) }
+    }
+
+    #[test]
+    fn a_schema_reads_back_with_any_name() {
+        let fields_written = [
+            field(FieldType::Float64, "twist_rad", "rad"),
+            field(FieldType::Float32, "middle mass, [2] # speed", "N m s/rad"),
+            field(FieldType::Int32, "Middle_mass, [2] # speed", ""),
+            field(FieldType::UInt8, "3rd", "1"),
+            field(FieldType::Float32, "drive.load_error_rad", "rad"),
+        ];
+        let text = schema(&fields_written);
+        assert_eq!(fields(&text).as_deref(), Some(&fields_written[..]));
+        let names: Vec<_> = text.lines().filter_map(|line| line.split(' ').nth(1)).collect();
+        let plain = "middle_mass___2____speed";
+        let second = format!("{plain}_2");
+        assert_eq!(names, ["twist_rad", plain, &second, "f_3rd", "load_error_rad"]);
+    }
+
+    #[test]
+    fn values_read_back_to_the_same_bits() {
+        let fields = [
+            field(FieldType::Float64, "a", ""),
+            field(FieldType::Float32, "b", ""),
+            field(FieldType::Int32, "c", ""),
+            field(FieldType::UInt8, "d", ""),
+        ];
+        let values = [-1.0 / 3.0, f64::from(0.1_f32), -8_388_608.0, 1.0];
+        let mut bytes = Vec::new();
+        encode(&fields, values, &mut bytes);
+        assert_eq!(bytes.len(), 8 + 4 + 4 + 1);
+        let mut read = Vec::new();
+        assert!(decode(&fields, &bytes, &mut read));
+        assert_eq!(read.iter().map(|it| it.to_bits()).collect::<Vec<_>>(), values.map(f64::to_bits));
+        assert!(!decode(&fields, &bytes[..16], &mut read));
+    }
+}

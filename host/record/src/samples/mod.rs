@@ -1,0 +1,21 @@
+//! `run.mcap`: every sample, with the bits that it had in the run.
+//!
+//! | topic | message | log time | publish time |
+//! |---|---|---|---|
+//! | `/step` | truth, torque, counts and reference as sent, timing; one per control step | time of the step | the same |
+//! | `/drive` | the subscribed signals; one per telemetry | time of the sample that they belong to | time of the step that it came in |
+//! | `/fault` | kind, first step and first step after an injected fault; written at the end | its begin | end of the run |
+//! | `/log` | a text of the drive or about it; written at the end | end of the run | the same |
+//!
+//! Times are in ns since the start of the run, and the sequence number of `/step` and `/drive` is the step. Chunks are
+//! compressed by Zstandard and written whole, at the same steps as the rows of the tables. There are no message indexes,
+//! which would add a fifth to the file.
+
+mod columns;
+mod layout;
+mod reader;
+mod sink;
+mod writer;
+
+pub use reader::{Samples, SamplesError};
+pub use writer::SampleWriter;

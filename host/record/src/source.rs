@@ -1,0 +1,111 @@
+//! Where a run comes from: the command line, the scenario's file, and what was set in its place.
+
+use std::fs;
+use std::path::Path;
+
+use lashloop_bench::run::digest::sha256;
+use lashloop_bench::scenario::{Override, Scenario};
+use lashloop_plant::Plants;
+use serde::{Deserialize, Serialize};
+use toml_edit::{DocumentMut, Item, Value};
+
+/// Where a run comes from.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct RunSource {
+    /// The words of the command line.
+    pub command_line: Vec<String>,
+    /// SHA-256 of the scenario's file in hexadecimal; `None` for a scenario without a file.
+    pub scenario_sha256: Option<String>,
+    /// What was set in place of the file's values.
+    pub overrides: Vec<Overridden>,
+}
+
+/// A key that was set in place of the scenario's value.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Overridden {
+    /// Path of the key, such as `plant.dead_zone_rad`.
+    pub key: String,
+    /// The value as it was set.
+    pub value: String,
+    /// The value of the file, or the default; `None` if the scenario has none.
+    pub was: Option<String>,
+}
+
+impl RunSource {
+    /// The source of a run of this process.
+    #[must_use]
+    pub fn new(scenario: &Path, overrides: &[Override], plants: &Plants) -> Self {
+        let text = fs::read(scenario).ok();
+        // With the defaults, if the file is a scenario without the overrides as well.
+        let resolved = || Scenario::from_file_with(scenario, &[], plants).ok()?.to_toml().ok();
+        let before = match (&text, overrides) {
+            (Some(text), [_, ..]) => resolved().or_else(|| String::from_utf8(text.clone()).ok()),
+            _ => None,
+        };
+        let before = before.and_then(|text| text.parse::<DocumentMut>().ok());
+        Self {
+            command_line: std::env::args().collect(),
+            scenario_sha256: text.as_deref().map(sha256),
+            overrides: overrides.iter().map(|it| Overridden::new(it, before.as_ref())).collect(),
+        }
+    }
+}
+
+impl Overridden {
+    fn new(set: &Override, before: Option<&DocumentMut>) -> Self {
+        let (key, value) = match set {
+            Override::Set(assignment) => assignment.split_once('=').unwrap_or((assignment, "")),
+            Override::Controller(name) => ("controller.name", name.as_str()),
+            Override::Mode(mode) => ("run.mode", mode.as_str()),
+        };
+        let (key, value) = (key.trim().to_owned(), value.trim().to_owned());
+        let was = before.and_then(|document| at(document.as_item(), &key));
+        Self { key, value, was }
+    }
+}
+
+/// The value of a key as a user writes it.
+fn at(root: &Item, path: &str) -> Option<String> {
+    let mut item = root;
+    for step in path.split('.') {
+        item = match step.parse::<usize>() {
+            Ok(index) if item.is_array_of_tables() || item.is_array() => item.get(index)?,
+            _ => item.get(step)?,
+        };
+    }
+    match item {
+        Item::Value(Value::String(text)) => Some(text.value().clone()),
+        item => Some(item.to_string().trim().to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lashloop_bench::scenario::plant::standard;
+
+    #[test]
+    fn an_override_names_the_value_of_the_file_or_the_default() {
+        let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/smooth-after.toml"));
+        let set = |text: &str| Override::Set(text.to_owned());
+        let overrides = [
+            set("plant.dead_zone_rad = 0.2"),
+            set("run.warm_up_steps=5"),
+            set("expect.0.max=9"),
+            set("controller.parameters.no_such=1"),
+            Override::Controller("pd".to_owned()),
+        ];
+        let source = RunSource::new(path, &overrides, &standard());
+        let was: Vec<_> =
+            source.overrides.iter().map(|it| (&*it.key, &*it.value, it.was.as_deref())).collect();
+        let want = [
+            ("plant.dead_zone_rad", "0.2", Some("0.16")),
+            ("run.warm_up_steps", "5", Some("0")),
+            ("expect.0.max", "9", Some("5.24")),
+            ("controller.parameters.no_such", "1", None),
+            ("controller.name", "pd", Some("merzouki")),
+        ];
+        assert_eq!(was, want);
+        assert_eq!(source.scenario_sha256.map(|it| it.len()), Some(64));
+    }
+}
