@@ -121,8 +121,7 @@ def open_page(browser: Browser) -> Iterator[Opener]:
 
 
 def run(folder: Path, scenario: Path, *arguments: str) -> Record:
-    lashloop("run", scenario, "--device", "inproc", "--out", folder, *arguments)
-    lashloop("report", folder)
+    lashloop("run", scenario, "--device", "inproc", "--out", folder, "--report", *arguments)
     return Record(folder)
 
 

@@ -23,6 +23,7 @@ use super::error::CliError;
 use super::options::{RecordOptions, RigOption, ScenarioOptions};
 use super::output::{error_line, outln};
 use super::progress::Progress;
+use super::report;
 use super::run_report;
 use super::supervision::start_supervisor;
 use crate::identify::gate::{self, KeyInterval, RecordedMotion};
@@ -59,6 +60,10 @@ pub(crate) struct Arguments {
 
     #[command(flatten)]
     record: RecordOptions,
+
+    /// Write the record as a page for a browser too: report.html in the folder of --out
+    #[arg(long, requires = "out")]
+    report: bool,
 
     /// Give no verdict if the plant model of the scenario does not follow the recorded motion: the law then ran on another
     /// plant. FILE is the estimates.json of `commission` or `identify`, whose intervals the model may use
@@ -141,6 +146,9 @@ impl Arguments {
         drop(signals);
         if let Some(departure) = departure {
             outln!("GATE   {departure}");
+        }
+        if let Some(folder) = self.record.out.as_deref().filter(|_| self.report) {
+            report::write(folder)?;
         }
         run_report::print(&scenario, &summary, &outcome);
         Ok(summary.verdict.into())
