@@ -184,6 +184,7 @@ pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -
         seed: scenario.run.seed,
         end: outcome.end.to_string(),
         broken_rule: outcome.end.broken_rule(),
+        breaches: outcome.judgement.breaches.clone(),
         steps: outcome.steps,
         simulated_s: outcome.simulated_s,
         wall_s: outcome.wall_s,
