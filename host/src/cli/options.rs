@@ -124,18 +124,9 @@ pub(super) struct RecordOptions {
     /// Replace the record that the folder of --out holds
     #[arg(long, requires = "out")]
     pub(super) force: bool,
-
-    /// Write the record as a page for a browser too: report.html in the folder of --out, see docs/report.md
-    #[arg(long, requires = "out")]
-    pub(super) report: bool,
 }
 
 impl RecordOptions {
-    /// The folder whose record is to be a page.
-    pub(super) fn page(&self) -> Option<PathBuf> {
-        self.out.clone().filter(|_| self.report)
-    }
-
     /// Claims the folder; `None` without one.
     pub(super) fn claim(&self) -> Result<Option<RecordFolder>, CliError> {
         let claimed = self.out.as_deref().map(|path| RecordFolder::claim(path, self.force));

@@ -64,6 +64,10 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     record: RecordOptions,
 
+    /// Write the record as a page for a browser too: report.html in the folder of --out
+    #[arg(long, requires = "out")]
+    report: bool,
+
     /// Give no verdict if the plant model of the scenario does not follow the recorded motion: the law then ran on another
     /// plant. FILE is the estimates.json of `commission` or `identify`, whose intervals the model may use
     #[arg(long, value_name = "FILE", num_args = 0..=1)]
@@ -89,7 +93,7 @@ impl Arguments {
     }
 
     fn run_once(self, bench: &Bench) -> Result<Exit, CliError> {
-        let page = self.record.page();
+        let page = self.record.out.clone().filter(|_| self.report);
         let Executed { scenario, summary, outcome, departure } = self.execute(bench)?;
         if let Some(folder) = page {
             super::report::write(&folder)?;
@@ -219,6 +223,7 @@ pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -
         seed: scenario.run.seed,
         end: outcome.end.to_string(),
         broken_rule: outcome.end.broken_rule(),
+        breaches: outcome.judgement.breaches.clone(),
         steps: outcome.steps,
         simulated_s: outcome.simulated_s,
         wall_s: outcome.wall_s,

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::data::{Chart, Data, Part, Series};
 use super::input::Run;
-use super::part::{metrics, plots};
+use super::part::{metrics, plots, settings};
 use super::run_charts::{error_rad, estimates, spelled};
 use super::shell::{Link, document};
 use super::why::{Tone, sentence, verdict};
@@ -25,7 +25,7 @@ pub fn comparison(runs: &[Run]) -> String {
             h1 { (title) }
             (table(runs))
         }
-        (settings(runs))
+        (settings::section(runs))
         section #plots {
             h2 { "Plots" }
             (plots::controls())
@@ -47,43 +47,6 @@ fn table(runs: &[Run]) -> Markup {
                 td.meaning { (sentence(run)) }
             } } }
         } }
-    }
-}
-
-/// Facts of each run, those first in which the runs differ.
-fn settings(runs: &[Run]) -> Markup {
-    let text = |fact: fn(&super::summary::Summary) -> String| -> Vec<String> {
-        runs.iter().map(|run| run.summary.as_ref().map_or_else(|| "unknown".to_owned(), fact)).collect()
-    };
-    let facts = [
-        ("scenario", text(|it| it.scenario.clone())),
-        ("device", text(|it| it.device.clone())),
-        ("law", text(|it| it.controller.clone())),
-        ("seed", text(|it| it.seed.map_or_else(String::new, |seed| seed.to_string()))),
-        ("clock", text(|it| it.timing.clock.clone())),
-        ("period in us", text(|it| it.timing.period_us.to_string())),
-        ("steps", text(|it| it.steps.to_string())),
-        ("bench", text(|it| it.evidence.bench_build.clone())),
-        ("digest of all torques", text(|it| it.torque_sha256.clone().unwrap_or_default())),
-    ];
-    let (same, different): (Vec<_>, Vec<_>) =
-        facts.into_iter().partition(|(_, values)| values.iter().all(|value| *value == values[0]));
-    html! {
-        section #settings {
-            h2 { "What differs" }
-            @if different.is_empty() { p { "No fact of the summaries differs." } } @else {
-                div.scroll { table.settings {
-                    thead { tr { th scope="col" { "fact" } @for run in runs { th scope="col" { (run.name) } } } }
-                    tbody { @for (name, values) in different { tr {
-                        th scope="row" { (name) }
-                        @for value in values { td { code { (value) } } }
-                    } } }
-                } }
-            }
-            @if !same.is_empty() { p.note { "Equal: "
-                @for (at, (name, values)) in same.iter().enumerate() { @if at > 0 { ", " } (name) " " code { (values[0]) } } "."
-            } }
-        }
     }
 }
 

@@ -114,7 +114,7 @@ pub fn suite(suite: &Suite) -> String {
                     button type="button" aria-pressed="true" data-filter=(tone.class()) { span class={ "grade " (tone.class()) } { (name(tone)) } " " (count(tone)) }
                 } }
             }
-            div.scroll { table.suite {
+            div.scroll { table.suite.stacked {
                 thead { tr {
                     @for name in ["verdict", "run", "why", "smallest margin"] { th scope="col" { (name) } }
                     th.number scope="col" { "time in s" }

@@ -6,5 +6,6 @@ pub(super) mod faults;
 pub(super) mod metrics;
 pub(super) mod origin;
 pub(super) mod plots;
+pub(super) mod settings;
 pub(super) mod timing;
 pub(super) mod verdict;
