@@ -3,8 +3,8 @@
 use lashloop_bench::names::UnknownName;
 use lashloop_record::columns::Columns;
 
+use crate::draw_error::DrawError;
 use crate::plot::{Axis, Panel, Role, Series};
-use crate::runs::DrawError;
 
 /// Curves of one panel that have a colour of their own.
 const MOST: usize = Role::COLOURS;
