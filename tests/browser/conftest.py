@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import subprocess
@@ -59,10 +60,9 @@ class Record:
         return summary
 
     def rows(self) -> list[dict[str, float]]:
-        """The steps of the trace."""
-        header, *lines = (self.folder / "trace.csv").read_text().splitlines()
-        names = header.split(",")
-        return [dict(zip(names, map(float, line.split(",")), strict=True)) for line in lines]
+        """The steps of the trace, rounded; an empty field is no number."""
+        with (self.folder / "trace.csv").open() as file:
+            return [{name: float(text or "nan") for name, text in row.items()} for row in csv.DictReader(file)]
 
 
 @dataclass
@@ -121,8 +121,7 @@ def open_page(browser: Browser) -> Iterator[Opener]:
 
 
 def run(folder: Path, scenario: Path, *arguments: str) -> Record:
-    lashloop("run", scenario, "--device", "inproc", "--out", folder, *arguments)
-    lashloop("report", folder)
+    lashloop("run", scenario, "--device", "inproc", "--out", folder, "--report", *arguments)
     return Record(folder)
 
 

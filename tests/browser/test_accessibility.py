@@ -69,7 +69,7 @@ def test_the_button_switches_between_light_and_dark(open_page: Opener, failed: R
 
 def test_all_that_is_interactive_or_drawn_has_a_name(open_page: Opener, failed: Record) -> None:
     page = open_page(failed.page)
-    page.locator("details summary").click()
+    page.get_by_text("Further signals").click()
     nameless = page.evaluate(
         """[...document.querySelectorAll("a, button, input, svg.plot, svg[role=img]")].filter((it) => {
             const label = it.getAttribute("aria-label") || it.closest("label")?.textContent || it.textContent;

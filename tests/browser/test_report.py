@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import math
 import re
+import shlex
 import shutil
 from typing import TYPE_CHECKING
 
 import pytest
-from conftest import OUTPUT, WORKSPACE, Opener, Record, lashloop
+from conftest import OUTPUT, WORKSPACE, Opener, Record, lashloop, run
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -93,8 +94,8 @@ def test_a_run_of_25_s_opens_at_once_and_is_small(open_page: Opener, passed: Rec
     assert times[0] < 5_000
 
 
-def test_the_read_out_at_the_cursor_is_the_recorded_step(open_page: Opener, passed: Record) -> None:
-    page, rows = open_page(passed.page), passed.rows()
+def test_the_read_out_at_the_cursor_is_the_recorded_step(open_page: Opener, failed: Record) -> None:
+    page, rows = open_page(failed.page), failed.rows()
     chart = page.locator(".chart").first
     box = chart.locator(".plot").bounding_box()
     assert box
@@ -118,8 +119,8 @@ def test_a_page_without_a_summary_states_the_interruption(open_page: Opener, fai
     folder = tmp_path / "killed"
     shutil.copytree(failed.folder, folder)
     (folder / "summary.json").unlink()
-    trace = (folder / "trace.csv").read_text()
-    (folder / "trace.csv").write_text(trace[: len(trace) // 3])
+    samples = (folder / "run.mcap").read_bytes()
+    (folder / "run.mcap").write_bytes(samples[: len(samples) * 2 // 3])
     lashloop("report", folder)
     page = open_page(folder / "report.html")
     assert page.locator(".badge").inner_text() == "NO VERDICT"
@@ -133,19 +134,21 @@ HOSTILE = """</script></style><script>document.title="owned"</script><img src=x 
 def test_names_of_others_are_text(open_page: Opener, failed: Record, tmp_path: Path) -> None:
     folder = tmp_path / HOSTILE.replace("/", "\N{FRACTION SLASH}")
     shutil.copytree(failed.folder, folder)
-    summary = replaced(failed.summary)
-    (folder / "summary.json").write_text(json.dumps(summary))
+    for file in ("summary.json", "record.json"):
+        (folder / file).write_text(json.dumps(replaced(json.loads((folder / file).read_text()))))
+    # Without the samples, the page is that of the CSV files.
+    (folder / "run.mcap").unlink()
     columns = json.loads((folder / "trace.json").read_text())
-    last = columns["columns"][-2]
+    signal = next(it for it in columns["columns"] if it["name"] == "drive.measured_twist_rad")
     trace = (folder / "trace.csv").read_text()
     name = HOSTILE.replace('"', "")
-    (folder / "trace.csv").write_text(trace.replace(last["name"], name, 1))
-    last["name"], last["unit"] = name, HOSTILE
+    (folder / "trace.csv").write_text(trace.replace(signal["name"], name, 1))
+    signal["name"], signal["unit"] = name, HOSTILE
     (folder / "trace.json").write_text(json.dumps(columns))
     lashloop("report", folder)
     page = open_page(folder / "report.html")
     assert page.locator("h1").inner_text() == HOSTILE
-    page.locator("details summary").click()
+    page.get_by_text("Further signals").click()
     assert page.get_by_text(name).count() > 0
     assert page.locator("img").count() == 0
     assert page.title() == f"{HOSTILE}: {HOSTILE}"
@@ -160,8 +163,34 @@ def test_names_of_others_are_text(open_page: Opener, failed: Record, tmp_path: P
 def replaced(value: object) -> object:
     """Hostile text in place of every text but those that steer the page."""
     if isinstance(value, dict):
-        kept = {"signals", "mode"}
+        kept = {"signals", "mode", "clock"}
         return {key: it if key in kept else replaced(it) for key, it in value.items()}
     if isinstance(value, list):
         return [replaced(it) for it in value]
     return HOSTILE if isinstance(value, str) else value
+
+
+def test_a_reader_learns_what_was_set_and_how_to_repeat_it(open_page: Opener, records: Path, failed: Record) -> None:
+    setting = "controller.parameters.torque_limit_nm"
+    record = run(records / "set", failed.folder.parent / "faults.toml", "--set", f"{setting}=15")
+    manifest = json.loads((record.folder / "record.json").read_text())
+    page = open_page(record.page)
+    assert page.locator("h1").inner_text() == manifest["scenario"]["name"]
+    cells = page.locator("table.overrides tbody tr").first.locator("th, td").all_inner_texts()
+    assert cells == [setting, "15", "20.0"]
+    row = page.locator("table.parameters tr", has_text="torque_limit_nm").locator("td").all_inner_texts()
+    assert row[0] == "15"
+    assert manifest["scenario"]["sha256"] in page.locator("#origin").inner_text()
+    command = page.locator("#repeat code").inner_text()
+    assert shlex.split(command) == manifest["command_line"]
+    assert f"{setting}=15" in command
+
+
+def test_a_record_of_format_1_states_what_it_lacks(open_page: Opener, failed: Record, tmp_path: Path) -> None:
+    folder = tmp_path / "old"
+    shutil.copytree(failed.folder, folder)
+    (folder / "record.json").unlink()
+    lashloop("report", folder)
+    page = open_page(folder / "report.html")
+    assert "has no manifest" in page.locator("#origin").inner_text()
+    assert page.locator("#repeat code").inner_text().startswith("lashloop run ")

@@ -15,7 +15,7 @@ use lashloop_bench::fault::log::FaultRecord;
 use lashloop_bench::scenario::RunMode;
 use lashloop_bench::session::Subscription;
 use lashloop_bench::timing::TimingReport;
-use lashloop_bench::verdict::{BrokenRule, JudgedExpectation, LinkCounts, Verdict};
+use lashloop_bench::verdict::{Breach, BrokenRule, JudgedExpectation, LinkCounts, Verdict};
 use lashloop_plant::metrics::{Measured, Metric, Metrics};
 
 /// Summary of a run: one JSON object with its keys in this order.
@@ -44,6 +44,9 @@ pub struct Summary {
     /// The rule that ended the run, if the drive broke one; left out otherwise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub broken_rule: Option<BrokenRule>,
+    /// Why the verdict is INVALID; left out otherwise.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub breaches: Vec<Breach>,
     /// Number of control steps.
     pub steps: u64,
     /// Simulated time.
@@ -200,6 +203,7 @@ mod tests {
             seed: 1,
             end: "complete".to_owned(),
             broken_rule: None,
+            breaches: Vec::new(),
             steps: 4,
             simulated_s: 2.0,
             wall_s: 0.25,

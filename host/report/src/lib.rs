@@ -23,7 +23,6 @@
 mod chosen;
 pub mod demo;
 mod draw_error;
-pub mod number;
 pub mod page;
 pub mod paper;
 pub mod plot;

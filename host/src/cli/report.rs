@@ -30,16 +30,17 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     pub(crate) fn run(self, _: &Bench) -> Result<Exit, CliError> {
+        if let ([folder], None) = (&self.records[..], &self.out) {
+            return write(folder).map(|()| Exit::Pass);
+        }
         let read = |folder: &PathBuf| Ok(page::Run::read(self.name(folder), folder)?);
         let runs = self.records.iter().map(read).collect::<Result<Vec<_>, CliError>>()?;
-        let (file, text) = match &runs[..] {
-            [run] => (RUN_FILE, page::run(run)),
-            runs => (COMPARISON_FILE, page::comparison(runs)),
+        let text = match &runs[..] {
+            [run] => page::run(run),
+            runs => page::comparison(runs),
         };
-        let path = self.out.unwrap_or_else(|| self.records[0].join(file));
-        write_file(&path, &text)?;
-        outln!("page: {}", path.display());
-        Ok(Exit::Pass)
+        let path = self.out.unwrap_or_else(|| self.records[0].join(COMPARISON_FILE));
+        save(&path, &text).map(|()| Exit::Pass)
     }
 
     /// The last part of the path; the whole path where two folders share a name.
@@ -49,4 +50,17 @@ impl Arguments {
         let name = folder.file_name().filter(|_| is_alone).unwrap_or(folder.as_os_str());
         name.to_string_lossy().into_owned()
     }
+}
+
+/// Writes the page of a record into its folder.
+pub(super) fn write(folder: &Path) -> Result<(), CliError> {
+    let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy();
+    let run = page::Run::read(name, folder)?;
+    save(&folder.join(RUN_FILE), &page::run(&run))
+}
+
+fn save(path: &Path, text: &str) -> Result<(), CliError> {
+    write_file(path, text)?;
+    outln!("page: {}", path.display());
+    Ok(())
 }

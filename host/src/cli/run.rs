@@ -22,6 +22,7 @@ use super::clock_options::ClockOptions;
 use super::error::CliError;
 use super::options::{RecordOptions, RigOption, ScenarioOptions};
 use super::output::{error_line, outln};
+use super::report;
 use super::run_report;
 use super::supervision::start_supervisor;
 use super::watch_options::WatchOptions;
@@ -62,6 +63,10 @@ pub(crate) struct Arguments {
 
     #[command(flatten)]
     record: RecordOptions,
+
+    /// Write the record as a page for a browser too: report.html in the folder of --out
+    #[arg(long, requires = "out")]
+    report: bool,
 
     /// Give no verdict if the plant model of the scenario does not follow the recorded motion: the law then ran on another
     /// plant. FILE is the estimates.json of `commission` or `identify`, whose intervals the model may use
@@ -148,6 +153,9 @@ impl Arguments {
         if let Some(departure) = departure {
             outln!("GATE   {departure}");
         }
+        if let Some(folder) = self.record.out.as_deref().filter(|_| self.report) {
+            report::write(folder)?;
+        }
         run_report::print(&scenario, &summary, &outcome);
         Ok(summary.verdict.into())
     }
@@ -182,6 +190,7 @@ pub(super) fn summary(scenario: &Scenario, device: &Device, outcome: &Outcome) -
         seed: scenario.run.seed,
         end: outcome.end.to_string(),
         broken_rule: outcome.end.broken_rule(),
+        breaches: outcome.judgement.breaches.clone(),
         steps: outcome.steps,
         simulated_s: outcome.simulated_s,
         wall_s: outcome.wall_s,

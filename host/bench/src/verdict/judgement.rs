@@ -96,7 +96,7 @@ impl fmt::Display for JudgedExpectation {
 }
 
 /// A count of the link or a figure of timing beyond what the scenario allows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Breach {
     /// The key of `[allow]`.
     pub what: &'static str,

@@ -4,13 +4,16 @@ use maud::{Markup, html};
 
 use super::data::{Chart, Data, Part, Series};
 use super::input::Run;
-use super::part::{metrics, plots};
+use super::part::{metrics, plots, settings};
 use super::run_charts::{error_rad, estimates, spelled};
 use super::shell::{Link, document};
 use super::why::{Tone, sentence, verdict};
 
 const LINKS: [Link; 4] =
     [("runs", "Runs"), ("settings", "What differs"), ("plots", "Plots"), ("metrics", "Metrics")];
+
+/// A quantity of a run: name of its column, and a value for each step.
+type Named = (String, Vec<f64>);
 
 /// Several records over the same axes, as a self-contained HTML document. The first is what the others are compared with.
 #[must_use]
@@ -22,7 +25,7 @@ pub fn comparison(runs: &[Run]) -> String {
             h1 { (title) }
             (table(runs))
         }
-        (settings(runs))
+        (settings::section(runs))
         section #plots {
             h2 { "Plots" }
             (plots::controls())
@@ -47,43 +50,6 @@ fn table(runs: &[Run]) -> Markup {
     }
 }
 
-/// Facts of each run, those first in which the runs differ.
-fn settings(runs: &[Run]) -> Markup {
-    let text = |fact: fn(&super::summary::Summary) -> String| -> Vec<String> {
-        runs.iter().map(|run| run.summary.as_ref().map_or_else(|| "unknown".to_owned(), fact)).collect()
-    };
-    let facts = [
-        ("scenario", text(|it| it.scenario.clone())),
-        ("device", text(|it| it.device.clone())),
-        ("law", text(|it| it.controller.clone())),
-        ("seed", text(|it| it.seed.map_or_else(String::new, |seed| seed.to_string()))),
-        ("clock", text(|it| it.timing.clock.clone())),
-        ("period in us", text(|it| it.timing.period_us.to_string())),
-        ("steps", text(|it| it.steps.to_string())),
-        ("bench", text(|it| it.evidence.bench_build.clone())),
-        ("digest of all torques", text(|it| it.torque_sha256.clone().unwrap_or_default())),
-    ];
-    let (same, different): (Vec<_>, Vec<_>) =
-        facts.into_iter().partition(|(_, values)| values.iter().all(|value| *value == values[0]));
-    html! {
-        section #settings {
-            h2 { "What differs" }
-            @if different.is_empty() { p { "No fact of the summaries differs." } } @else {
-                div.scroll { table.settings {
-                    thead { tr { th scope="col" { "fact" } @for run in runs { th scope="col" { (run.name) } } } }
-                    tbody { @for (name, values) in different { tr {
-                        th scope="row" { (name) }
-                        @for value in values { td { code { (value) } } }
-                    } } }
-                } }
-            }
-            @if !same.is_empty() { p.note { "Equal: "
-                @for (at, (name, values)) in same.iter().enumerate() { @if at > 0 { ", " } (name) " " code { (values[0]) } } "."
-            } }
-        }
-    }
-}
-
 fn charts(runs: &[Run], mut data: Data) -> Data {
     let mut position =
         of_all(&mut data, runs, "Load position", "rad", |run| column(run, "load_position_rad"));
@@ -97,13 +63,12 @@ fn charts(runs: &[Run], mut data: Data) -> Data {
         position.series.push(Series::new("reference", number, id).style("reference").dashed());
     }
     data.charts.push(position);
-    let push =
-        |data: &mut Data, title: &str, unit: &str, quantity: &dyn Fn(&Run) -> Option<(String, Vec<f64>)>| {
-            let chart = of_all(data, runs, title, unit, quantity);
-            if !chart.series.is_empty() {
-                data.charts.push(chart);
-            }
-        };
+    let push = |data: &mut Data, title: &str, unit: &str, quantity: &dyn Fn(&Run) -> Option<Named>| {
+        let chart = of_all(data, runs, title, unit, quantity);
+        if !chart.series.is_empty() {
+            data.charts.push(chart);
+        }
+    };
     push(&mut data, "Position error", "rad", &|run| Some(("error_rad".to_owned(), error_rad(run)?)));
     push(&mut data, "Torque", "N m", &|run| column(run, "torque_nm"));
     push(&mut data, "Twist", "rad", &|run| column(run, "twist_rad"));
@@ -117,12 +82,11 @@ fn charts(runs: &[Run], mut data: Data) -> Data {
         let unit = runs.iter().find_map(|run| run.record.trace.columns.unit(estimate)).unwrap_or_default();
         let title = format!("Estimate: {}", spelled(truth, unit));
         let mut chart = of_all(&mut data, runs, &title, unit, |run| column(run, estimate));
-        if let Some((number, values)) =
-            runs.iter().enumerate().find_map(|(at, run)| Some((at, run.column(truth)?)))
-        {
-            let id = data.column(number, truth, || values.to_vec());
-            let name = format!("truth of {}", runs[number].name);
-            chart.series.push(Series::new(name, number, id).style("reference").dashed());
+        // One truth for all, such as a gap that no run has changed.
+        let truths: Vec<_> = runs.iter().map(|run| run.column(truth)).collect();
+        if let Some(Some(values)) = truths.first().filter(|first| truths.iter().all(|it| it == *first)) {
+            let id = data.column(0, truth, || values.to_vec());
+            chart.series.push(Series::new("truth", 0, id).style("reference").dashed());
         }
         data.charts.push(chart);
     }
@@ -147,7 +111,7 @@ fn charts(runs: &[Run], mut data: Data) -> Data {
     data
 }
 
-fn column(run: &Run, name: &str) -> Option<(String, Vec<f64>)> {
+fn column(run: &Run, name: &str) -> Option<Named> {
     Some((name.to_owned(), run.column(name)?.to_vec()))
 }
 
@@ -157,7 +121,7 @@ fn of_all(
     runs: &[Run],
     title: &str,
     unit: &str,
-    quantity: impl Fn(&Run) -> Option<(String, Vec<f64>)>,
+    quantity: impl Fn(&Run) -> Option<Named>,
 ) -> Chart {
     let mut series = Vec::new();
     for (number, run) in runs.iter().enumerate() {

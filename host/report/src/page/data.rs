@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::codec::{Encoded, STEPS};
 use super::input::Run;
-use crate::number::typeset_unit;
+use super::typeset;
 
 /// Most rows of all runs of a page. A run of 25 s at 1 kHz has 25,000.
 const MOST_ROWS: usize = 90_000;
@@ -130,7 +130,7 @@ impl Chart {
     pub(super) fn new(title: impl Into<String>, unit: impl Into<String>, series: Vec<Series>) -> Self {
         Self {
             title: title.into(),
-            unit: typeset_unit(&unit.into()),
+            unit: typeset::unit(&unit.into()),
             part: Part::Motion,
             series,
             shades: Vec::new(),

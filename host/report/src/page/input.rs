@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use lashloop_record::file_names::SUMMARY_FILE;
 use lashloop_record::reader::{ReadError, Record};
 use lashloop_record::row::Row;
-use lashloop_record::summary::SUMMARY_FILE;
 use lashloop_record::timing::TimingRow;
 
 use super::summary::Summary;
@@ -46,10 +46,10 @@ impl Run {
 
     /// The scenario's title, else its file, else the record's name.
     pub(super) fn title(&self) -> &str {
-        match &self.summary {
-            Some(Summary { title: Some(title), .. }) => title,
-            Some(summary) => &summary.scenario,
-            None => &self.name,
+        match (&self.record.manifest, &self.summary) {
+            (Some(manifest), _) => &manifest.scenario.name,
+            (None, Some(summary)) => &summary.scenario,
+            (None, None) => &self.name,
         }
     }
 }

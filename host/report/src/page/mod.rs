@@ -8,6 +8,7 @@
 //! | input | `input`, `summary` | a record with its whole summary |
 //! | judgement | `margin`, `why` | pass, marginal, fail; the verdict in one sentence |
 //! | charts | `run_charts`, `data`, `codec` | which charts the signals permit; columns as short text |
+//! | numbers | `typeset` | numbers and units as a book prints them |
 //! | parts | `part` | one section of a page per file |
 //! | pages | `run_page`, `comparison_page`, `suite_page` | the parts of a page, in their order |
 //! | document | `shell`, `assets` | head, policy, style and scripts |
@@ -26,6 +27,7 @@ mod suite_page;
 mod summary;
 #[cfg(test)]
 mod tests;
+mod typeset;
 mod why;
 
 pub use comparison_page::comparison;

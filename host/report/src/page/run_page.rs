@@ -7,8 +7,8 @@ use super::input::Run;
 use super::part::{expectations, faults, metrics, origin, plots, timing, verdict};
 use super::run_charts::{Constant, charts};
 use super::shell::{Link, document};
+use super::typeset::{shown, unit as typeset_unit};
 use super::why::verdict as verdict_of;
-use crate::number::{DIGITS, significant, typeset};
 
 const LINKS: [Link; 7] = [
     ("expectations", "Expectations"),
@@ -64,7 +64,7 @@ fn further(data: &Data, constants: &[Constant]) -> Markup {
             @if !constants.is_empty() {
                 p.note { "Without a change: "
                     @for (at, Constant { name, value, unit }) in constants.iter().enumerate() {
-                        @if at > 0 { ", " } code { (name) } " " (typeset(&significant(*value, DIGITS))) " " (unit)
+                        @if at > 0 { ", " } code { (name) } " " (shown(*value)) " " (typeset_unit(unit))
                     }
                     "."
                 }

@@ -37,7 +37,7 @@ pub(super) fn document(title: &str, links: &[Link], data: Option<&Data>, content
                     button.theme type="button" hidden { "Dark" }
                 }
                 main { (content) }
-                footer { p { "Made by lashloop " (env!("CARGO_PKG_VERSION")) " from the record of the run. This file loads nothing from a network." } }
+                footer { p { "Made by lashloop " (env!("CARGO_PKG_VERSION")) ". This file loads nothing from a network." } }
                 script type="application/json" id="data" { (PreEscaped(data)) }
                 script nonce=(nonce) { (PreEscaped(CHARTS)) (PreEscaped(REPORT)) }
             }

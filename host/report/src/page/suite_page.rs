@@ -3,9 +3,10 @@
 use maud::{Markup, html};
 
 use super::margin::{Grade, MARGINAL, Margin};
+use super::part::command::copied;
 use super::shell::document;
-use super::why::{Tone, bound, percent};
-use crate::number::{DIGITS, significant, typeset, typeset_unit};
+use super::typeset::{apart, percent, shown, unit};
+use super::why::Tone;
 
 /// A suite: one row for each run.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -100,7 +101,7 @@ pub fn suite(suite: &Suite) -> String {
             p.badge { (verdict) }
             div {
                 h1 { (suite.title) }
-                p.why { (passed) " of " (suite.rows.len()) " runs passed in " (significant(suite.wall_s, 3)) " s." }
+                p.why { (passed) " of " (suite.rows.len()) " runs passed in " (format!("{:.1}", suite.wall_s)) " s." }
             }
         }
         section #runs {
@@ -110,7 +111,7 @@ pub fn suite(suite: &Suite) -> String {
                     button type="button" aria-pressed="true" data-filter=(tone.class()) { span class={ "grade " (tone.class()) } { (name(tone)) } " " (count(tone)) }
                 } }
             }
-            div.scroll { table.suite {
+            div.scroll { table.suite.stacked {
                 thead { tr {
                     @for name in ["verdict", "run", "why", "smallest margin"] { th scope="col" { (name) } }
                     th.number scope="col" { "time in s" }
@@ -120,7 +121,7 @@ pub fn suite(suite: &Suite) -> String {
         }
         section #repeat {
             h2 { "Run it again" }
-            div.command { code { (suite.command) } button type="button" data-copy=(suite.command) { "Copy" } }
+            (copied(&suite.command))
         }
     };
     document(
@@ -156,11 +157,11 @@ fn row(row: &SuiteRow) -> Markup {
             td.meaning { (row.reason) }
             td.meaning { @if let Some((it, fraction)) = row.tightest() {
                 strong { (percent(fraction)) } " " (it.name) ": "
-                @if let Some(value) = it.value { (typeset(&significant(value, DIGITS))) " " (typeset_unit(&it.unit)) }
-                @if let Some(min) = it.min { ", \u{2265} " (bound(min)) }
-                @if let Some(max) = it.max { ", \u{2264} " (bound(max)) }
+                @if let Some(value) = it.value { (apart(value, it.min, it.max)) " " (unit(&it.unit)) }
+                @if let Some(min) = it.min { ", \u{2265} " (shown(min)) }
+                @if let Some(max) = it.max { ", \u{2264} " (shown(max)) }
             } }
-            td.number { (significant(row.wall_s, 3)) }
+            td.number { (format!("{:.2}", row.wall_s)) }
         }
     }
 }

@@ -14,8 +14,6 @@ use serde::Deserialize;
 pub(super) struct Summary {
     pub(super) verdict: String,
     pub(super) scenario: String,
-    #[serde(default)]
-    pub(super) title: Option<String>,
     pub(super) device: String,
     #[serde(default)]
     pub(super) evidence: Evidence,

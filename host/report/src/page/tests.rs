@@ -23,7 +23,7 @@ fn record(folder: &Path, text: &str, steps: usize, columns: usize) {
     }
     let units: Vec<_> = names.iter().map(|name| serde_json::json!({ "name": name, "unit": text })).collect();
     let summary = serde_json::json!({
-        "verdict": text, "scenario": text, "device": text, "controller": text, "end": "complete", "title": text,
+        "verdict": text, "scenario": text, "device": text, "controller": text, "end": "complete",
         "evidence": { "files": [{ "path": text, "sha256": text }], "bench_build": text, "warnings": [text] },
         "metrics": { "static_error_rad": 0.25, text: 1.0 }, "metrics_without_value": { text: text },
         "expectations": [{ "metric": text, "value": 1.0, "unit": text, "min": null, "max": 2.0, "ok": true }],
@@ -108,7 +108,7 @@ fn a_page_refers_to_nothing_outside_itself() {
 fn columns_of_pure_noise_are_rounded_until_the_page_is_small() {
     let page = run(&read("plain", 25_000, 30));
     assert!(page.len() < 3_000_000, "{} bytes", page.len());
-    assert!(page.contains("rounded to 4096 steps"), "coarser than a quiet run");
+    assert!(page.contains("rounded to 1/4096 of"), "coarser than a quiet run");
 }
 
 #[test]
@@ -117,5 +117,54 @@ fn a_suite_counts_passes_with_a_small_margin_apart() {
     let rows: Vec<_> =
         page.match_indices("<tr data-tone=").map(|(at, _)| page[at + 15..].split('"').next()).collect();
     assert_eq!(rows, [Some("pass"), Some("marginal"), Some("fail")]);
-    assert!(page.contains("2 of 3 runs passed in 1.00 s."));
+    assert!(page.contains("2 of 3 runs passed in 1.0 s."));
+}
+
+/// The page of a run with this summary; keys that it lacks are those of a plain one.
+fn page_of(summary: &serde_json::Value) -> String {
+    let folder = tempfile::tempdir().expect("a folder");
+    record(folder.path(), "plain", 10, 1);
+    let mut whole = serde_json::json!({
+        "verdict": "PASS", "scenario": "s.toml", "device": "inproc", "controller": "pd", "end": "complete",
+    });
+    let (Some(whole_keys), Some(keys)) = (whole.as_object_mut(), summary.as_object()) else {
+        panic!("two objects")
+    };
+    whole_keys.extend(keys.clone());
+    fs::write(folder.path().join("summary.json"), whole.to_string()).expect("a file");
+    run(&Run::read("plain", folder.path()).expect("a record"))
+}
+
+#[test]
+fn the_sentence_states_why_the_verdict_is_what_it_is() {
+    let limit = |value: f64| {
+        let ok = value <= 2.0;
+        serde_json::json!({ "metric": "static_error_rad", "value": value, "unit": "rad", "min": null, "max": 2.0, "ok": ok })
+    };
+    for (summary, sentence) in [
+        (serde_json::json!({}), "The scenario has no expectation, and every value of the run is finite."),
+        (
+            serde_json::json!({ "expectations": [limit(1.0), limit(1.9)] }),
+            "All 2 expectations are met, 1 of them marginally; the smallest margin is 5.0\u{202f}% of static_error_rad.",
+        ),
+        (
+            serde_json::json!({ "verdict": "FAIL", "expectations": [limit(1.0), limit(2.000_000_1)] }),
+            "static_error_rad is 2.0000001 rad, above the limit of 2 rad.",
+        ),
+        (
+            serde_json::json!({ "verdict": "INVALID", "breaches": [{ "what": "late", "counted": 312, "allowed": 0 }] }),
+            "late is 312, allow.late is 0: the run is no evidence on the drive.",
+        ),
+        (
+            serde_json::json!({ "verdict": "FAIL", "end": "the drive latched X", "simulated_s": 1.5 }),
+            "The run ended at 1.500 s: the drive latched X.",
+        ),
+    ] {
+        let page = page_of(&summary);
+        assert!(
+            page.contains(sentence),
+            "{sentence}\n{:?}",
+            page.find("class=\"why\"").map(|at| &page[at..at + 200])
+        );
+    }
 }

@@ -3,7 +3,7 @@
 use super::input::Run;
 use super::margin::Grade;
 use super::summary::{Breach, Expectation, Summary};
-use crate::number::{DIGITS, exact, significant, typeset, typeset_unit};
+use super::typeset::{self, apart, percent, shown};
 
 /// What a page shows as the verdict. The name is a class of the style, too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,7 +104,7 @@ fn failed(summary: &Summary) -> String {
 
 /// How an expectation is missed.
 fn departure(missed: &Expectation) -> String {
-    let unit = typeset_unit(&missed.unit);
+    let unit = typeset::unit(&missed.unit);
     let Some(value) = missed.value else {
         return format!(
             "{missed} has no value: {}",
@@ -112,11 +112,11 @@ fn departure(missed: &Expectation) -> String {
         );
     };
     let side = match (missed.min, missed.max) {
-        (Some(min), _) if value < min => format!("below the limit of {}", bound(min)),
-        (_, Some(max)) => format!("above the limit of {}", bound(max)),
+        (Some(min), _) if value < min => format!("below the limit of {}", shown(min)),
+        (_, Some(max)) => format!("above the limit of {}", shown(max)),
         _ => "outside its limits".to_owned(),
     };
-    format!("{missed} is {} {unit}, {side} {unit}", typeset(&significant(value, DIGITS)))
+    format!("{missed} is {} {unit}, {side} {unit}", apart(value, missed.min, missed.max))
 }
 
 fn invalid(summary: &Summary) -> String {
@@ -132,14 +132,4 @@ fn invalid(summary: &Summary) -> String {
         ),
         None => format!("{what} has nothing to measure, allow.{what} is {allowed}{rest}."),
     }
-}
-
-/// A bound for people to read.
-pub(super) fn bound(value: f64) -> String {
-    typeset(&exact(value))
-}
-
-/// A fraction in percent.
-pub(super) fn percent(fraction: f64) -> String {
-    typeset(&format!("{}\u{202f}%", significant(fraction * 100.0, 2)))
 }

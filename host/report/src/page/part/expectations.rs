@@ -4,8 +4,7 @@ use maud::{Markup, html};
 
 use super::super::margin::Grade;
 use super::super::summary::Expectation;
-use super::super::why::{bound, percent};
-use crate::number::{DIGITS, significant, typeset, typeset_unit};
+use super::super::typeset::{self, apart, percent, shown};
 
 pub(in super::super) fn section(expectations: &[Expectation]) -> Markup {
     html! {
@@ -29,12 +28,12 @@ pub(in super::super) fn section(expectations: &[Expectation]) -> Markup {
 
 fn row(expectation: &Expectation) -> Markup {
     let grade = expectation.grade();
-    let unit = &typeset_unit(&expectation.unit);
+    let unit = &typeset::unit(&expectation.unit);
     html! {
         tr class=(grade.name()) {
             th scope="row" { (expectation.to_string()) }
             td { span class={ "grade " (grade.name()) } { (symbol(grade)) " " (grade.name()) } }
-            td.number data-label="value" { (value(expectation.value, unit, expectation.reason.as_deref())) }
+            td.number data-label="value" { (judged(expectation)) }
             td.number data-label="limits" { (limits(expectation)) " " (unit) }
             td.number data-label="margin" { (margin(expectation)) }
             td.gauge { (gauge(expectation)) }
@@ -54,18 +53,29 @@ fn symbol(grade: Grade) -> &'static str {
 /// A rounded value, with all its digits for scripts and as a hint.
 pub(in super::super) fn value(value: Option<f64>, unit: &str, reason: Option<&str>) -> Markup {
     match value {
-        Some(value) => html! {
-            data value=(value) title={ (value) " " (unit) } { (typeset(&significant(value, DIGITS))) } " " (typeset_unit(unit))
-        },
+        Some(value) => rounded(value, &shown(value), unit),
         None => html! { span.absent { (reason.unwrap_or("no value")) } },
+    }
+}
+
+fn rounded(value: f64, text: &str, unit: &str) -> Markup {
+    html! { data value=(value) title={ (value) " " (unit) } { (text) } " " (typeset::unit(unit)) }
+}
+
+/// The value of an expectation: it differs in print from a bound that it does not equal.
+fn judged(expectation: &Expectation) -> Markup {
+    let Expectation { value, unit, reason, min, max, .. } = expectation;
+    match value {
+        Some(number) => rounded(*number, &apart(*number, *min, *max), unit),
+        None => self::value(None, unit, reason.as_deref()),
     }
 }
 
 fn limits(expectation: &Expectation) -> String {
     match (expectation.min, expectation.max) {
-        (Some(min), Some(max)) => format!("{} to {}", bound(min), bound(max)),
-        (Some(min), None) => format!("\u{2265} {}", bound(min)),
-        (None, Some(max)) => format!("\u{2264} {}", bound(max)),
+        (Some(min), Some(max)) => format!("{} to {}", shown(min), shown(max)),
+        (Some(min), None) => format!("\u{2265} {}", shown(min)),
+        (None, Some(max)) => format!("\u{2264} {}", shown(max)),
         (None, None) => "none".to_owned(),
     }
 }
@@ -73,7 +83,7 @@ fn limits(expectation: &Expectation) -> String {
 fn margin(expectation: &Expectation) -> Markup {
     let Some(margin) = expectation.margin() else { return html! { span.absent { "none" } } };
     html! {
-        data value=(margin.distance) { (typeset(&significant(margin.distance, 3))) } " " (typeset_unit(&expectation.unit))
+        data value=(margin.distance) { (shown(margin.distance)) } " " (typeset::unit(&expectation.unit))
         @if let Some(fraction) = margin.fraction { " " small { "(" (percent(fraction)) ")" } }
     }
 }

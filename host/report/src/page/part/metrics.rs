@@ -7,8 +7,8 @@ use maud::{Markup, html};
 
 use super::super::input::Run;
 use super::super::summary::Summary;
+use super::super::typeset::{percent, shown, unit};
 use super::expectations::value;
-use crate::number::{significant, typeset, typeset_unit};
 
 /// A metric as a table shows it.
 struct Row<'a> {
@@ -71,9 +71,9 @@ pub(in super::super) fn side_by_side(runs: &[Run]) -> Markup {
                 } }
                 tbody { @for row in rows(&summaries) { tr {
                     th scope="row" { code { (row.name) } }
-                    td { (typeset_unit(row.unit)) }
+                    td { (unit(row.unit)) }
                     @for (number, run) in runs.iter().enumerate() {
-                        td.number data-metric=(row.name) { (value(of(run, row.name), "", None)) }
+                        td.number data-metric=(row.name) { (value(of(run, row.name), "", reason(run, row.name))) }
                         @if number > 0 { td.number { (difference(of(&runs[0], row.name), of(run, row.name))) } }
                     }
                 } } }
@@ -83,6 +83,10 @@ pub(in super::super) fn side_by_side(runs: &[Run]) -> Markup {
     }
 }
 
+fn reason<'a>(run: &'a Run, name: &str) -> Option<&'a str> {
+    run.summary.as_ref()?.metrics_without_value.get(name).map(String::as_str)
+}
+
 fn difference(first: Option<f64>, other: Option<f64>) -> Markup {
     let Some((first, other)) = first.zip(other) else { return html! {} };
     let difference = other - first;
@@ -90,10 +94,9 @@ fn difference(first: Option<f64>, other: Option<f64>) -> Markup {
         return html! { span.absent { "equal" } };
     }
     let sign = if difference > 0.0 { "+" } else { "" };
-    let percent =
-        (first != 0.0).then(|| difference / first.abs() * 100.0).filter(|percent| percent.abs() < 1e4);
+    let relative = (first != 0.0).then(|| difference / first.abs()).filter(|relative| relative.abs() < 100.0);
     html! {
-        data value=(difference) { (sign) (typeset(&significant(difference, 3))) }
-        @if let Some(percent) = percent { " " small { "(" (sign) (typeset(&significant(percent, 2))) "\u{202f}%)" } }
+        data value=(difference) { (sign) (shown(difference)) }
+        @if let Some(relative) = relative { " " small { "(" (sign) (percent(relative)) ")" } }
     }
 }

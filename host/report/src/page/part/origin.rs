@@ -1,38 +1,137 @@
 //! What was run, and how to run it again.
 
+use lashloop_record::manifest::{Manifest, Number, ParameterInForce};
 use maud::{Markup, html};
 
 use super::super::input::Run;
-use super::super::summary::Summary;
+use super::super::summary::{Evidence, Summary};
+use super::super::typeset;
 
 pub(in super::super) fn section(run: &Run) -> Markup {
     html! {
         section #origin {
             h2 { "What was run" }
-            @match &run.summary {
-                Some(summary) => (summary_rows(summary)),
-                None => p { "The record has no summary, so scenario and device are unknown." },
+            @match (&run.record.manifest, &run.summary) {
+                (Some(manifest), _) => (of_manifest(manifest)),
+                (None, Some(summary)) => (of_summary(summary)),
+                (None, None) => p { "The record has neither a manifest nor a summary, so scenario and device are unknown." },
+            }
+            @if let Some(summary) = &run.summary { (results(summary)) }
+        }
+    }
+}
+
+fn of_manifest(manifest: &Manifest) -> Markup {
+    let host = &manifest.host;
+    let facts = [
+        ("processor", host.cpu.clone()),
+        ("kernel", Some(host.kernel.clone())),
+        ("governor", host.governor.clone()),
+        ("clock source", host.clock_source.clone()),
+    ];
+    html! {
+        h3 { "Settings of the command line" }
+        @if manifest.overrides.is_empty() { p { "None: the scenario ran as its file has it." } } @else {
+            div.scroll { table.overrides {
+                thead { tr { th scope="col" { "key" } th scope="col" { "value" } th scope="col" { "in the file" } } }
+                tbody { @for it in &manifest.overrides { tr {
+                    th scope="row" { code { (it.key) } }
+                    td { code { (it.value) } }
+                    td { @match &it.was { Some(was) => code { (was) }, None => span.absent { "not set" } } }
+                } } }
+            } }
+        }
+        h3 { "Origin" }
+        dl.origin {
+            dt { "scenario" } dd { (manifest.scenario.name) br; code { (manifest.scenario.path) }
+                @if let Some(hash) = &manifest.scenario.sha256 { br; code.hash { (hash) } } }
+            dt { "started" } dd { (manifest.started) }
+            dt { "device" } dd { (manifest.device_description) }
+            dt { "mode and clock" } dd { (if manifest.mode.is_hil() { "hil" } else { "bench" }) ", " (manifest.clock) ", period " (manifest.period_us) " \u{b5}s" }
+            dt { "law" } dd { code { (manifest.law) } }
+            dt { "seed" } dd { (manifest.seed) }
+            dt { "lashloop" } dd { (manifest.versions.lashloop) ", " (manifest.evidence.bench_build) ", protocol " (manifest.versions.protocol) }
+            dt { "firmware" } dd { (manifest.versions.firmware)
+                @if let Some(build) = &manifest.versions.firmware_build { ", build " (build) }
+                @if manifest.versions.firmware_dirty { " with changes" } }
+            @for file in &manifest.evidence.files { (drive_file(&file.path, &file.sha256)) }
+            @for warning in &manifest.evidence.warnings { dt { "warning" } dd.warning { (warning) } }
+            dt { "host" }
+            dd { (host.cores) " processors" @for (name, fact) in facts { @if let Some(fact) = fact { "; " (name) " " (fact) } } }
+        }
+        (parameters(&manifest.parameters))
+    }
+}
+
+fn number(number: Number) -> String {
+    match number {
+        Number::Whole(value) => value.to_string(),
+        Number::Real(value) => typeset::shown(f64::from(value)),
+    }
+}
+
+/// The value of a parameter; of a choice its name.
+pub(super) fn in_force(parameter: &ParameterInForce) -> String {
+    parameter.choice.clone().unwrap_or_else(|| number(parameter.value))
+}
+
+/// Those that differ from the drive's defaults first.
+fn parameters(all: &[ParameterInForce]) -> Markup {
+    let (default, changed): (Vec<_>, Vec<_>) = all.iter().partition(|it| it.value == it.default);
+    html! {
+        h3 { "Parameters in force" }
+        @if changed.is_empty() { p { "Each has the drive's default." } } @else {
+            div.scroll { table.parameters {
+                thead { tr { th scope="col" { "parameter" } th.number scope="col" { "value" } th scope="col" { "unit" } th.number scope="col" { "default" } } }
+                tbody { @for it in changed { tr {
+                    th scope="row" { code { (it.name) } }
+                    td.number { (in_force(it)) }
+                    td { (typeset::unit(&it.unit)) }
+                    td.number { (number(it.default)) }
+                } } }
+            } }
+        }
+        @if !default.is_empty() {
+            details {
+                summary { (default.len()) " parameters at the drive's default" }
+                p.note { @for (at, it) in default.iter().enumerate() {
+                    @if at > 0 { ", " } code { (it.name) } " " (in_force(it)) " " (typeset::unit(&it.unit))
+                } }
             }
         }
     }
 }
 
-fn summary_rows(summary: &Summary) -> Markup {
+fn drive_file(path: &str, sha256: &str) -> Markup {
+    html! { dt { "file of the drive" } dd { code { (path) } br; code.hash { (sha256) } } }
+}
+
+/// Of a record without a manifest.
+fn of_summary(summary: &Summary) -> Markup {
+    let Evidence { files, bench_build, warnings } = &summary.evidence;
     html! {
+        p.note { "The record has no manifest (format 1): settings of the command line, parameters in force and the host are unknown." }
         dl.origin {
             dt { "scenario" } dd { code { (summary.scenario) } }
             dt { "device" } dd { (summary.device) }
-            @if let Some(mode) = &summary.mode { dt { "mode" } dd { (mode) ": positions from the drive's encoders, no truth" } }
+            @if let Some(mode) = &summary.mode { dt { "mode" } dd { (mode) } }
             dt { "law" } dd { code { (summary.controller) } }
             @if let Some(seed) = summary.seed { dt { "seed" } dd { (seed) } }
             @for (name, version) in &summary.versions {
                 dt { (name.replace('_', " ")) } dd { (version.as_str().map_or_else(|| version.to_string(), str::to_owned)) }
             }
-            @if !summary.evidence.bench_build.is_empty() { dt { "bench" } dd { (summary.evidence.bench_build) } }
-            @for file in &summary.evidence.files {
-                dt { "file of the drive" } dd { code { (file.path) } br; code.hash { (file.sha256) } }
-            }
-            @for warning in &summary.evidence.warnings { dt { "warning" } dd.warning { (warning) } }
+            @if !bench_build.is_empty() { dt { "bench" } dd { (bench_build) } }
+            @for file in files { (drive_file(&file.path, &file.sha256)) }
+            @for warning in warnings { dt { "warning" } dd.warning { (warning) } }
+        }
+    }
+}
+
+/// What identifies the result.
+fn results(summary: &Summary) -> Markup {
+    html! {
+        h3 { "Result" }
+        dl.origin {
             @if let Some(digest) = &summary.torque_sha256 { dt { "digest of all torques" } dd { code.hash { (digest) } } }
             @if !summary.link.is_empty() {
                 dt { "link" }
@@ -42,22 +141,36 @@ fn summary_rows(summary: &Summary) -> Markup {
     }
 }
 
-/// The command that repeats the run.
+/// The commands that repeat the run.
 pub(in super::super) fn repeat(run: &Run) -> Markup {
-    let Some(summary) = &run.summary else { return html! {} };
-    let device = summary.device.split(" (").next().unwrap_or(&summary.device);
-    let command = format!(
-        "lashloop run {} --device {} --controller {}",
-        quoted(&summary.scenario),
-        quoted(device),
-        quoted(&summary.controller)
-    );
+    let (command, note) = match (&run.record.manifest, &run.summary) {
+        (Some(manifest), _) => (
+            manifest.command_line.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" "),
+            "The command of this run. The folder of the record has scenario.toml with every key resolved, which runs again as it is.",
+        ),
+        (None, Some(summary)) => {
+            let device = summary.device.split(" (").next().unwrap_or(&summary.device);
+            let words = [
+                "lashloop",
+                "run",
+                &summary.scenario,
+                "--device",
+                device,
+                "--controller",
+                &summary.controller,
+            ];
+            (
+                words.map(quoted).join(" "),
+                "Without the settings of the command line, which this record lacks.",
+            )
+        }
+        (None, None) => return html! {},
+    };
     html! {
         section #repeat {
             h2 { "Run it again" }
-            div.command { code { (command) } button type="button" data-copy=(command) { "Copy" } }
-            p.note { "This record is of an older format: it lacks the settings of the command line, the parameters in force and the host. \
-                      A run with --set needs the same settings again." }
+            (super::command::copied(&command))
+            p.note { (note) }
         }
     }
 }

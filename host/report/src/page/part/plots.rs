@@ -42,7 +42,7 @@ pub(in super::super) fn note(data: &Data) -> Markup {
         p.note #chart-keys {
             "Drag to zoom, Shift and drag to pan, Ctrl and wheel to zoom, double click for the whole range. On a focused chart the arrow keys \
              move the cursor, with Shift they pan; + and \u{2212} zoom, Home and End go to the ends, Escape shows the whole range. "
-            "Curves are rounded to " (data.steps) " steps of their range"
+            "Curves are rounded to 1/" (data.steps) " of their range"
             @match data.thinned() {
                 Some(steps) => { "; of each " (steps) " steps they have the smallest and the largest value. " }
                 None => "; every step is there. ",

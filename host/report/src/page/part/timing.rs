@@ -5,7 +5,7 @@ use maud::{Markup, html};
 
 use super::super::input::Run;
 use super::super::summary::{Quantiles, Timing};
-use crate::number::{DIGITS, significant, typeset};
+use super::super::typeset::shown;
 
 /// Worst steps that are listed.
 const LISTED: usize = 10;
@@ -57,7 +57,7 @@ fn quantiles(timing: &Timing) -> Markup {
             tbody { @for (name, quantiles) in rows {
                 @if let Some(quantiles) = quantiles { tr {
                     th scope="row" { (name) }
-                    @for value in cells(quantiles) { td.number { data value=(value) { (typeset(&significant(value, DIGITS))) } } }
+                    @for value in cells(quantiles) { td.number { data value=(value) { (shown(value)) } } }
                 } }
             } }
         } }
@@ -86,8 +86,8 @@ fn histogram(name: &str, bins: &[(f64, u64)]) -> Markup {
 fn duration(us: f64) -> String {
     match us {
         _ if us < 1e3 => format!("{us:.0} \u{b5}s"),
-        _ if us < 1e6 => format!("{} ms", significant(us / 1e3, 3)),
-        _ => format!("{} s", significant(us / 1e6, 3)),
+        _ if us < 1e6 => format!("{} ms", shown(us / 1e3)),
+        _ => format!("{} s", shown(us / 1e6)),
     }
 }
 
@@ -101,7 +101,7 @@ fn worst(run: &Run) -> Markup {
     rows.sort_by(|(a, _), (b, _)| until_torque_us(b).total_cmp(&until_torque_us(a)));
     rows.truncate(LISTED);
     let cell = |value: f64| {
-        if value.is_finite() { typeset(&significant(value, DIGITS)) } else { "\u{2013}".to_owned() }
+        if value.is_finite() { shown(value) } else { "\u{2013}".to_owned() }
     };
     html! {
         @if rows.is_empty() {

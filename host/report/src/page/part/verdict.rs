@@ -20,19 +20,24 @@ pub(in super::super) fn section(run: &Run) -> Markup {
 }
 
 fn facts(run: &Run) -> Markup {
-    let Some(summary) = &run.summary else {
-        return html! { dl.facts { dt { "record" } dd { (run.name) } dt { "steps" } dd { (run.times_s().len()) } } };
-    };
-    let drive = summary.device.split(" (").next().unwrap_or(&summary.device);
-    let speed = summary.simulated_s / summary.wall_s;
+    let (manifest, summary) = (&run.record.manifest, &run.summary);
+    let device = summary.as_ref().map(|it| it.device.split(" (").next().unwrap_or(&it.device).to_owned());
+    let speed = summary.as_ref().map(|it| it.simulated_s / it.wall_s).filter(|speed| speed.is_finite());
+    let facts = [
+        ("device", manifest.as_ref().map(|it| it.device.clone()).or(device)),
+        (
+            "law",
+            manifest.as_ref().map(|it| it.law.clone()).or(summary.as_ref().map(|it| it.controller.clone())),
+        ),
+        ("simulated", summary.as_ref().map(|it| format!("{:.3} s", it.simulated_s))),
+        ("steps", Some(summary.as_ref().map_or(run.times_s().len().to_string(), |it| it.steps.to_string()))),
+        ("clock", summary.as_ref().map(|it| it.timing.clock.replace('-', " "))),
+        ("speed", speed.map(|speed| format!("{speed:.1} \u{d7} real time"))),
+        ("started", manifest.as_ref().map(|it| it.started.replace('T', " ").replace('Z', " UTC"))),
+    ];
     html! {
-        dl.facts {
-            div { dt { "device" } dd { (drive) } }
-            div { dt { "law" } dd { (summary.controller) } }
-            div { dt { "simulated" } dd { (format!("{:.3}", summary.simulated_s)) " s" } }
-            div { dt { "steps" } dd { (summary.steps) } }
-            div { dt { "clock" } dd { (summary.timing.clock.replace('-', " ")) } }
-            @if speed.is_finite() { div { dt { "speed" } dd { (crate::number::significant(speed, 3)) " × real time" } } }
-        }
+        dl.facts { @for (name, fact) in facts {
+            @if let Some(fact) = fact { div { dt { (name) } dd { (fact) } } }
+        } }
     }
 }
