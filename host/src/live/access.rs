@@ -131,8 +131,8 @@ impl Access {
     pub(super) fn check_token(&self, query: Option<&str>) -> Result<(), Denied> {
         let Some(token) = &self.token else { return Ok(()) };
         let given = query.into_iter().flat_map(|query| query.split('&'));
-        let given = given.filter_map(|pair| pair.strip_prefix("token="));
-        if given.into_iter().any(|given| token.equals(given)) { Ok(()) } else { Err(Denied::Token) }
+        let mut given = given.filter_map(|pair| pair.strip_prefix("token="));
+        if given.any(|given| token.equals(given)) { Ok(()) } else { Err(Denied::Token) }
     }
 }
 
