@@ -171,8 +171,9 @@ mod tests {
 
     #[test]
     fn requests_of_foreign_hosts_and_origins_are_refused() {
-        let access = Access { token: None };
-        let check = |host, origin| access.check_source(host, origin).err();
+        fn check(host: Option<&str>, origin: Option<&str>) -> Option<Denied> {
+            Access { token: None }.check_source(host, origin).err()
+        }
         for host in ["127.0.0.1:8080", "localhost:9000", "LOCALHOST", "[::1]:80", "127.1.2.3"] {
             assert_eq!(check(Some(host), None), None, "{host}");
             let origin = format!("http://{host}");
