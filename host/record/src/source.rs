@@ -44,7 +44,7 @@ impl RunSource {
         };
         let before = before.and_then(|text| text.parse::<DocumentMut>().ok());
         Self {
-            command_line: std::env::args().collect(),
+            command_line: std::env::args().map(without_secret).collect(),
             scenario_sha256: text.as_deref().map(sha256),
             overrides: overrides.iter().map(|it| Overridden::new(it, before.as_ref())).collect(),
         }
@@ -76,6 +76,14 @@ fn at(root: &Item, path: &str) -> Option<String> {
     match item {
         Item::Value(Value::String(text)) => Some(text.value().clone()),
         item => Some(item.to_string().trim().to_owned()),
+    }
+}
+
+/// An argument as a record may show it: others read records.
+fn without_secret(argument: String) -> String {
+    match argument.split_once('=') {
+        Some((option @ "--live-token", _)) => format!("{option}=***"),
+        _ => argument,
     }
 }
 

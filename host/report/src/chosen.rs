@@ -3,8 +3,8 @@
 use lashloop_bench::names::UnknownName;
 use lashloop_record::columns::Columns;
 
+use crate::draw_error::DrawError;
 use crate::plot::{Axis, Panel, Role, Series};
-use crate::runs::DrawError;
 
 /// Curves of one panel that have a colour of their own.
 const MOST: usize = Role::COLOURS;
@@ -86,8 +86,8 @@ fn is_match(pattern: &str, name: &str) -> bool {
     match pattern.split_once('*') {
         None => pattern == name,
         Some((start, rest)) => name.strip_prefix(start).is_some_and(|tail| {
-            let ends = tail.char_indices().map(|(at, _)| at).chain([tail.len()]);
-            ends.into_iter().any(|at| is_match(rest, &tail[at..]))
+            let mut ends = tail.char_indices().map(|(at, _)| at).chain([tail.len()]);
+            ends.any(|at| is_match(rest, &tail[at..]))
         }),
     }
 }

@@ -22,6 +22,7 @@
 
 mod chosen;
 pub mod demo;
+mod draw_error;
 pub mod page;
 pub mod paper;
 pub mod plot;

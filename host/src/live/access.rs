@@ -131,8 +131,8 @@ impl Access {
     pub(super) fn check_token(&self, query: Option<&str>) -> Result<(), Denied> {
         let Some(token) = &self.token else { return Ok(()) };
         let given = query.into_iter().flat_map(|query| query.split('&'));
-        let given = given.filter_map(|pair| pair.strip_prefix("token="));
-        if given.into_iter().any(|given| token.equals(given)) { Ok(()) } else { Err(Denied::Token) }
+        let mut given = given.filter_map(|pair| pair.strip_prefix("token="));
+        if given.any(|given| token.equals(given)) { Ok(()) } else { Err(Denied::Token) }
     }
 }
 
@@ -171,8 +171,9 @@ mod tests {
 
     #[test]
     fn requests_of_foreign_hosts_and_origins_are_refused() {
-        let access = Access { token: None };
-        let check = |host, origin| access.check_source(host, origin).err();
+        fn check(host: Option<&str>, origin: Option<&str>) -> Option<Denied> {
+            Access { token: None }.check_source(host, origin).err()
+        }
         for host in ["127.0.0.1:8080", "localhost:9000", "LOCALHOST", "[::1]:80", "127.1.2.3"] {
             assert_eq!(check(Some(host), None), None, "{host}");
             let origin = format!("http://{host}");

@@ -102,7 +102,7 @@ impl Publisher {
         if self.published.is_none_or(|last| now.saturating_duration_since(last) >= FRAME) {
             // While a reader copies, the next step tries again.
             let Self { feed, tiers, status, .. } = self;
-            if feed.try_change(|state| {
+            let is_published = feed.try_change(|state| {
                 for (history, tier) in state.histories.iter_mut().zip(tiers) {
                     history.append(&tier.completed);
                     tier.completed.clear();
@@ -110,7 +110,8 @@ impl Publisher {
                 if let Some(status) = status.take() {
                     state.set_status(status);
                 }
-            }) {
+            });
+            if is_published {
                 self.published = Some(now);
             }
         }

@@ -237,6 +237,9 @@ fn other_machines_need_the_token() {
         assert_eq!(status(path), "403", "{path}");
     }
     assert_eq!(status("/?token=0123456789abcdef"), "200");
-    drop(run.connect());
+    let mut client = run.connect();
+    Received::read(&mut client, |_| false);
+    let manifest = fs::read_to_string(run.folder.path().join("record.json")).unwrap();
+    assert!(manifest.contains("--live-token=***") && !manifest.contains("0123456789abcdef"), "{manifest}");
     assert_eq!(run.end().0, Some(0));
 }

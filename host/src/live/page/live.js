@@ -136,8 +136,8 @@
         return node;
       };
       cell(line.window ? `${line.quantity}, ${line.window}` : line.quantity, "", "th").scope = "row";
-      cell(line.value, "number");
-      cell(line.bounds, "number");
+      cell(line.value, "number").dataset.label = "value";
+      cell(line.bounds, "number").dataset.label = "limit";
       const [text, tone] = STANDINGS[line.standing];
       cell(text, `live-tone ${tone}`);
       return row;
