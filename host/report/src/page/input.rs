@@ -4,7 +4,7 @@ use std::path::Path;
 
 use lashloop_record::reader::{ReadError, Record};
 use lashloop_record::row::Row;
-use lashloop_record::summary::SUMMARY_FILE;
+use lashloop_record::file_names::SUMMARY_FILE;
 use lashloop_record::timing::TimingRow;
 
 use super::summary::Summary;
