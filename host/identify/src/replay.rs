@@ -113,7 +113,8 @@ impl Motion {
 fn altered(series: &Series, instruments: &Instruments) -> Vec<Altered> {
     /// Places of the torque within a step: a power stage rounds, and where it rounds to is not known.
     const PLACES: u32 = 8;
-    let Instruments { torque_delay_us, torque_delay_deviation_us, torque_step_nm: step_nm, .. } = *instruments;
+    let Instruments { torque_delay_us, torque_delay_deviation_us, torque_step_nm: step_nm, .. } =
+        *instruments;
     let mut altered = Vec::new();
     if torque_delay_deviation_us > 0 {
         let held = held(series, torque_delay_us + torque_delay_deviation_us, |torque_nm| torque_nm);

@@ -220,7 +220,8 @@ impl Arguments {
         let of_rig = rig.map(|taken| encoders_of(&taken.rig)).unwrap_or_default();
         let settings =
             self.set.iter().cloned().chain(of_rig).chain(settings(limits)).chain(more.iter().cloned());
-        let settings: Vec<_> = mode.map(Override::Mode).into_iter().chain(settings.map(Override::Set)).collect();
+        let settings: Vec<_> =
+            mode.map(Override::Mode).into_iter().chain(settings.map(Override::Set)).collect();
         match &self.scenario {
             Some(file) => Scenario::from_file_with(file, &settings, &plants(bench)),
             None => Scenario::from_str_with(SCENARIO_NAME, SCENARIO, &settings, &plants(bench)),

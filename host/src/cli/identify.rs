@@ -102,7 +102,9 @@ impl Arguments {
         let of_file = fs::read(file).ok().and_then(|text| serde_json::from_slice(&text).ok());
         let known = match (of_file, of_record) {
             (Some(known), _) => known,
-            (None, Ok(scenario)) => instruments(scenario, scenario.bench.torque_per_duty_nm(), TORQUE_DELAY_US),
+            (None, Ok(scenario)) => {
+                instruments(scenario, scenario.bench.torque_per_duty_nm(), TORQUE_DELAY_US)
+            }
             (None, Err(reason)) => return Err(CliError::Instruments { reason: reason.clone() }),
         };
         Ok(Instruments {

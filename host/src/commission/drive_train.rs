@@ -107,8 +107,7 @@ impl DriveTrain for OnDevice<'_> {
             rig.complete(&mut scenario, &device.device.session.parameters)?;
         }
         let (supervisor, instruments) = (self.supervisor, self.instruments);
-        let mut watch =
-            Watch { columns: Columns::default(), guard, halt: None, instruments, supervisor };
+        let mut watch = Watch { columns: Columns::default(), guard, halt: None, instruments, supervisor };
         let outcome = run::run(&scenario, &mut device, self.clock, &mut watch)?;
         let Watch { columns, guard, halt, .. } = watch;
         // An error ends the commissioning, and this the session.

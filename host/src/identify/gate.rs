@@ -123,7 +123,8 @@ pub fn check(
     }
     let period_s = scenario.run.control_period_s();
     let mut worst: Option<Departure> = None;
-    for (step, (positions, model_rad)) in recorded.positions_rad.iter().zip(&model.positions_rad).enumerate() {
+    for (step, (positions, model_rad)) in recorded.positions_rad.iter().zip(&model.positions_rad).enumerate()
+    {
         for (at, encoder) in ["motor", "load"].into_iter().enumerate() {
             let distance_rad = (positions[at] - model_rad[at]).abs();
             let limit_rad = model.squares[step][at].sqrt();

@@ -68,7 +68,8 @@ pub(super) struct BenchLoop<'a, S> {
 impl<'a, S: StepSink> BenchLoop<'a, S> {
     /// The loop for a drive that is about to be started.
     pub(super) fn new(scenario: &'a Scenario, timeline: Timeline, settings: LoopSettings, sink: S) -> Self {
-        let LoopSettings { clock, torque_limit_nm, plant_signals, drive_signals, takes_torque, .. } = settings;
+        let LoopSettings { clock, torque_limit_nm, plant_signals, drive_signals, takes_torque, .. } =
+            settings;
         let start = &scenario.plant.initial;
         let positions = BenchPositions::new(scenario);
         let waiting = || WaitingTime::new(scenario.link.mean_wait(), scenario.link.answer_timeout());

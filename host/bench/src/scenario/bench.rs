@@ -119,7 +119,8 @@ pub(super) fn read(bench: &mut Section<'_>) -> BenchSettings {
     let docs = STARTS.map(|(name, _, doc)| Choice { name, doc }).to_vec();
     let names = STARTS.map(|(name, start, _)| (name, start));
     let doc = "Where the load stands at the first step.";
-    let start = bench.doc(doc).choice_docs(docs).choice(START, BenchStart::Initial, &names).unwrap_or_default();
+    let start =
+        bench.doc(doc).choice_docs(docs).choice(START, BenchStart::Initial, &names).unwrap_or_default();
     BenchSettings { start, parameters }
 }
 

@@ -103,7 +103,8 @@ fn is_still(counts: &[f64]) -> bool {
     let number = counts.len() as f64;
     let mean = counts.iter().sum::<f64>() / number;
     let variance = counts.iter().map(|it| (it - mean).powi(2)).sum::<f64>() / number;
-    let noise = counts.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>() / (2.0 * (number - 1.0));
+    let noise =
+        counts.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>() / (2.0 * (number - 1.0));
     variance.sqrt() <= REST_COUNTS + REST_NOISE * noise.sqrt()
 }
 

@@ -133,7 +133,10 @@ pub fn commission<T: DriveTrain>(
         return Err(CommissioningError::Directions { forward: shown[0], backward: shown[1] });
     }
     let breakaway = Breakaway { forward_nm, backward_nm };
-    bench.wound = Some(Wound { torque_nm: forward_nm.min(backward_nm), twist_rad: bench.twist_rad(&[&forward, &backward]) });
+    bench.wound = Some(Wound {
+        torque_nm: forward_nm.min(backward_nm),
+        twist_rad: bench.twist_rad(&[&forward, &backward]),
+    });
     let mut records = Vec::new();
     for motion in [motions::slow_reversal(&breakaway, period_s), motions::steps(&breakaway, period_s)] {
         let made = bench.make(&motion, None)?;

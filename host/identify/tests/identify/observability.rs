@@ -33,8 +33,7 @@ fn load_at_rest_shows_neither_inertia_nor_friction_nor_ratio() {
 #[test]
 fn motor_at_rest_shows_nothing() {
     let series = Series::new(1000, vec![0.001; 500], vec![7; 500], vec![-3; 500]).expect("a series");
-    let instruments =
-        Instruments::exact(4000, 4000, 1000);
+    let instruments = Instruments::exact(4000, 4000, 1000);
     let error = identify(&[series], &instruments, &Start::default()).expect_err("nothing moves");
     assert_eq!(error, IdentifyError::MotorAtRest);
 }

@@ -56,9 +56,8 @@ impl<'a> Model<'a> {
         self.scenario.plant.values.insert(TORQUE_DELAY_US, delay(torque_delay_us));
         let doubt_rad = self.find_twist(count_rad)?;
         self.positions_rad = replay(&self.scenario, self.recorded, &self.recorded.torque_nm)?;
-        let turned = [-doubt_rad, doubt_rad].map(|by_rad| {
-            replay(&turned(&self.scenario, by_rad), self.recorded, &self.recorded.torque_nm)
-        });
+        let turned = [-doubt_rad, doubt_rad]
+            .map(|by_rad| replay(&turned(&self.scenario, by_rad), self.recorded, &self.recorded.torque_nm));
         self.widen(turned)?;
         let late_us = DEVIATIONS * torque_delay_deviation_us;
         let ends = [torque_delay_us.saturating_sub(late_us), torque_delay_us + late_us];
@@ -68,7 +67,8 @@ impl<'a> Model<'a> {
             let rounded = [-0.375, -0.125, 0.125, 0.375].map(|place| {
                 let shift_nm = place * torque_step_nm;
                 let round = |nm: &f32| {
-                    (((f64::from(*nm) + shift_nm) / torque_step_nm).round() * torque_step_nm - shift_nm) as f32
+                    (((f64::from(*nm) + shift_nm) / torque_step_nm).round() * torque_step_nm - shift_nm)
+                        as f32
                 };
                 let torque_nm: Vec<_> = self.recorded.torque_nm.iter().map(round).collect();
                 replay(&self.scenario, self.recorded, &torque_nm)
@@ -156,11 +156,7 @@ fn turned(scenario: &Scenario, by_rad: f64) -> Scenario {
 
 /// Positions of the scenario's plant under these torques. The encoders of a bench count from the first sample on, so there
 /// the positions begin as the recorded ones.
-fn replay(
-    scenario: &Scenario,
-    recorded: &RecordedMotion,
-    torque_nm: &[f32],
-) -> Result<Positions, RunError> {
+fn replay(scenario: &Scenario, recorded: &RecordedMotion, torque_nm: &[f32]) -> Result<Positions, RunError> {
     let mut simulator = Simulator::new(scenario)?;
     let mut positions: Positions = Vec::with_capacity(torque_nm.len());
     for (step, &torque_nm) in (0..).zip(torque_nm) {
