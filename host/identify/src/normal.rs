@@ -9,8 +9,8 @@ use crate::replay::{Altered, Prediction};
 
 /// Difference of an element.
 const STEP: f64 = 1e-4;
-/// Time whose residuals count as one sample of the scatter: errors last.
-const CLUSTER_S: f64 = 0.02;
+/// Time whose residuals count as one sample of the scatter: an error of the motor's breakaway lasts for a swing.
+const CLUSTER_S: f64 = 0.06;
 
 /// What the scatter is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

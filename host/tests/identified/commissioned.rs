@@ -43,6 +43,7 @@ fn commissioned(
         period_s: 1e-3,
         rig: None,
         folder: folder.path(),
+        writer: &|_| Ok(None),
         record: &mut |_| Ok(()),
         drive: None,
     };

@@ -11,6 +11,7 @@ mod script;
 
 mod against_hil;
 mod bench_mode;
+mod commission;
 mod conversation;
 mod equipment;
 mod runs;
@@ -40,6 +41,7 @@ const TRIALS: [(&str, Check); 16] = [
     ("against_hil::smooth_before_differs_as_explained", || against_hil::check(bench_mode::SMOOTH_BEFORE)),
     ("against_hil::smooth_after_differs_as_explained", || against_hil::check(bench_mode::SMOOTH_AFTER)),
     ("against_hil::friction_after_differs_as_explained", || against_hil::check(bench_mode::FRICTION_AFTER)),
+    ("commission::truth_of_hidden_plants_is_within_the_intervals", commission::hidden_plants),
     ("faults::the_watchdog_removes_the_torque_in_time", || {
         fault_table::check_watchdog_on("silicon");
     }),

@@ -57,12 +57,29 @@ impl Coverage {
         }
     }
 
-    /// What is outside its interval on more than one plant of ten, or not observed on half of them.
+    /// Quantities outside their interval on more than one plant of ten; of fewer than ten plants one may miss.
     #[must_use]
     pub fn missed(&self) -> Vec<String> {
-        let missed = |it: &Tally| 10 * it.covered < 9 * it.observed || 2 * it.observed < self.plants;
+        self.lines(|it| it.observed - it.covered > (it.observed / 10).max(1))
+    }
+
+    /// Quantities that the motions show on fewer than half of the plants.
+    #[must_use]
+    pub fn unobserved(&self) -> Vec<String> {
+        self.lines(|it| 2 * it.observed < self.plants)
+    }
+
+    /// Fraction of all intervals that contain the truth.
+    #[must_use]
+    pub fn fraction(&self) -> f64 {
+        let sum = |of: fn(&Tally) -> usize| self.tallies.values().map(of).sum::<usize>() as f64;
+        sum(|it| it.covered) / sum(|it| it.observed)
+    }
+
+    fn lines(&self, is_listed: impl Fn(&Tally) -> bool) -> Vec<String> {
         let line = |(name, it): (&String, &Tally)| {
-            missed(it).then(|| format!("{name}: {} of {}, {} plants", it.covered, it.observed, self.plants))
+            is_listed(it)
+                .then(|| format!("{name}: {} of {}, {} plants", it.covered, it.observed, self.plants))
         };
         self.tallies.iter().filter_map(line).collect()
     }
