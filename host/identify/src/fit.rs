@@ -25,19 +25,24 @@ pub(crate) struct Fit {
     pub(crate) covariance: DMatrix<f64>,
     /// Root mean square of the residuals of both encoders, in counts.
     pub(crate) residual_counts: [f64; 2],
+    /// What the errors of the torque explain of it.
+    pub(crate) explained_counts: [f64; 2],
 }
 
 /// Residual of a model that follows, in counts: quantisation alone leaves 0.29.
 const FOLLOWS_COUNTS: f64 = 1.0;
+/// Standard deviations of the errors of the torque that it may have on top.
+const EXPLAINED: f64 = 2.0;
 
-/// Whether residuals of motor and load are about those of the quantisation.
-pub(crate) fn follows(residual_counts: [f64; 2]) -> bool {
-    residual_counts.iter().all(|&counts| counts < FOLLOWS_COUNTS)
+/// Whether residuals of motor and load are about those of the quantisation and of errors of the torque.
+pub(crate) fn follows(residual_counts: [f64; 2], explained_counts: [f64; 2]) -> bool {
+    let mut pairs = residual_counts.into_iter().zip(explained_counts);
+    pairs.all(|(counts, explained)| counts < FOLLOWS_COUNTS.hypot(EXPLAINED * explained))
 }
 
 impl Fit {
     pub(crate) fn is_followed(&self) -> bool {
-        follows(self.residual_counts)
+        follows(self.residual_counts, self.explained_counts)
     }
 }
 
@@ -139,6 +144,6 @@ impl Problem<'_> {
         let inverse = normal.matrix.try_inverse()?;
         let covariance = &inverse * &normal.scatter * &inverse;
         let residual_counts = [0, 1].map(|encoder| self.root_mean_square(&point, &predictions, encoder));
-        Some(Fit { point, covariance, residual_counts })
+        Some(Fit { point, covariance, residual_counts, explained_counts: normal.explained_counts })
     }
 }

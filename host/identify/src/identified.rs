@@ -60,6 +60,8 @@ pub struct Identified {
     pub quantities: Vec<Quantity>,
     /// Root mean square of what the model leaves of the counts of motor and load.
     pub residual_counts: [f64; 2],
+    /// Root mean square of what step and delay of the torque explain of it.
+    pub explained_counts: [f64; 2],
     /// Probability of each interval.
     pub confidence: f64,
     /// The most likely parameters, those that the motions don't show included.
@@ -75,7 +77,7 @@ impl Identified {
     /// one than the model: the intervals are those of the nearest model.
     #[must_use]
     pub fn is_followed(&self) -> bool {
-        follows(self.residual_counts)
+        follows(self.residual_counts, self.explained_counts)
     }
 
     /// A quantity by its name.
@@ -99,6 +101,7 @@ impl Identified {
             instruments: *instruments,
             quantities,
             residual_counts: fit.residual_counts,
+            explained_counts: fit.explained_counts,
             confidence: CONFIDENCE,
             mechanics: vector.mechanics(),
             shaft: vector.shaft(),

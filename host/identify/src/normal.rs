@@ -27,6 +27,8 @@ pub(crate) struct Normal {
     pub(crate) gradient: DVector<f64>,
     /// Covariance of the gradient, from clusters of residuals.
     pub(crate) scatter: DMatrix<f64>,
+    /// Root mean square of what the errors of the torque move the counts of motor and load by.
+    pub(crate) explained_counts: [f64; 2],
 }
 
 impl Problem<'_> {
@@ -49,6 +51,7 @@ impl Problem<'_> {
         let kinds = self.motions.first().map_or(0, |motion| motion.altered.len());
         let kinds = if errors == Errors::All { kinds } else { 0 };
         let mut systematic = DMatrix::<f64>::zeros(size, kinds);
+        let (mut squares, mut samples) = ([0.0; 2], [0.0_f64; 2]);
         for (base, &index) in predictions.iter().zip(&self.used) {
             let (motion, own) = (&self.motions[index], point.own[index]);
             let mut columns = Vec::with_capacity(COUNT + 1);
@@ -88,8 +91,11 @@ impl Problem<'_> {
                         row[COUNT + 1] = 0.0;
                         row[COUNT + 2] = 0.0;
                         row[COUNT + 1 + encoder] = 1.0 / counts;
+                        samples[encoder] += 1.0;
                         for (kind, (scale, moved)) in moved_by.iter().enumerate() {
-                            let away = weight * scale * (moved[encoder][at] - base[encoder][at]) / counts;
+                            let away_counts = scale * (moved[encoder][at] - base[encoder][at]);
+                            squares[encoder] += away_counts.powi(2);
+                            let away = weight * away_counts / counts;
                             for (i, &left) in row.iter().enumerate() {
                                 bias[(i, kind)] += left * away;
                             }
@@ -149,6 +155,7 @@ impl Problem<'_> {
         }
         // An error of the instruments is the same in all motions.
         scatter += &systematic * systematic.transpose();
-        Some(Normal { matrix, gradient, scatter })
+        let explained_counts = [0, 1].map(|at| (squares[at] / samples[at].max(1.0)).sqrt());
+        Some(Normal { matrix, gradient, scatter, explained_counts })
     }
 }

@@ -18,7 +18,7 @@ use lashloop_plant::metrics::SignalTable;
 
 use super::clock_options::ClockOptions;
 use super::error::{CliError, system};
-use super::identify::{instruments, write_estimates};
+use super::identify::write_estimates;
 use super::options::{RigOption, TakenRig, plants};
 use super::output::{error_line, outln, prepare_folder, write_file};
 use super::run::summary;
@@ -26,13 +26,9 @@ use super::supervision::start_supervisor;
 use crate::bench::Bench;
 use crate::commission::{MotionError, OnDevice, RecordError, RunRecord, settings};
 use crate::identify::files::{INSTRUMENTS_FILE, table};
+use crate::identify::power_stage::{TORQUE_DELAY_US, instruments};
 use crate::rig::Rig;
 use crate::rig::check::check_board;
-
-/// Time from a tick of a drive in bench mode to its torque: its step, and two periods of a PWM of 20 kHz at most.
-const TORQUE_DELAY_US: u32 = 75;
-/// Steps of the duty on the boards of the tree: 168 MHz at 20 kHz.
-const DUTY_STEPS: f64 = 8_400.0;
 
 /// The scenario of a command line without one.
 const SCENARIO: &str = include_str!("../../../scenarios/commission.toml");
@@ -236,19 +232,9 @@ impl Arguments {
 
     /// What is given of the instruments. In bench mode the power stage has a delay and a step.
     fn instruments(&self, template: &Scenario, rig: Option<&TakenRig>) -> Instruments {
-        let of_scenario = instruments(template);
-        if template.run.mode.is_hil() {
-            return of_scenario;
-        }
         let of_rig = rig.and_then(|taken| taken.rig.power_stage.torque_per_duty_nm);
         let torque_per_duty_nm = of_rig.or(template.bench.torque_per_duty_nm());
-        let delay_us = self.torque_delay_us.unwrap_or(TORQUE_DELAY_US);
-        Instruments {
-            torque_delay_us: delay_us,
-            torque_delay_deviation_us: delay_us.div_ceil(3),
-            torque_step_nm: torque_per_duty_nm.map_or(0.0, |scale_nm| scale_nm.abs() / DUTY_STEPS),
-            ..of_scenario
-        }
+        instruments(template, torque_per_duty_nm, self.torque_delay_us.unwrap_or(TORQUE_DELAY_US))
     }
 
     fn scenario(

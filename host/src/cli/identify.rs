@@ -21,6 +21,7 @@ use crate::bench::Bench;
 use crate::identify::files::{
     DRIVE_FILE, ESTIMATES_FILE, INSTRUMENTS_FILE, PLANT_FILE, drive_toml, plant_toml, table,
 };
+use crate::identify::power_stage::{TORQUE_DELAY_US, instruments};
 use crate::identify::record::series;
 
 /// Estimate a drive train from records, with 95 % intervals
@@ -101,7 +102,9 @@ impl Arguments {
         let of_file = fs::read(file).ok().and_then(|text| serde_json::from_slice(&text).ok());
         let known = match (of_file, of_record) {
             (Some(known), _) => known,
-            (None, Ok(scenario)) => instruments(scenario),
+            (None, Ok(scenario)) => {
+                instruments(scenario, scenario.bench.torque_per_duty_nm(), TORQUE_DELAY_US)
+            }
             (None, Err(reason)) => return Err(CliError::Instruments { reason: reason.clone() }),
         };
         Ok(Instruments {
@@ -117,13 +120,6 @@ impl Arguments {
 fn scenario(record: &Record, bench: &Bench) -> Result<Scenario, String> {
     let name = record.summary.as_ref().map(|summary| &summary.scenario).ok_or("the record has no summary")?;
     Scenario::from_file_with(Path::new(name), &[], &plants(bench)).map_err(|error| error.to_string())
-}
-
-/// The instruments of a scenario.
-pub(super) fn instruments(scenario: &Scenario) -> Instruments {
-    let encoders = &scenario.encoders;
-    let delay_us = scenario.plant.torque_delay_us();
-    Instruments::exact(encoders.motor_counts_per_rev, encoders.load_counts_per_rev, delay_us)
 }
 
 /// Writes `plant.toml`, `drive.toml` and `estimates.json`. `offers` is whether the drive has a parameter.

@@ -27,7 +27,7 @@ use super::output::{error_line, outln, prepare_folder};
 use super::progress::Progress;
 use super::run_report;
 use super::supervision::start_supervisor;
-use crate::identify::gate::{self, KeyInterval, RecordedMotion};
+use crate::identify::gate::{self, Intervals, RecordedMotion};
 use crate::rig::check::check_board;
 
 /// Run a scenario on a drive and print its verdict
@@ -157,7 +157,7 @@ impl Arguments {
 /// What the gate compares after the run.
 struct Gate {
     recorded: RecordedMotion,
-    intervals: Vec<KeyInterval>,
+    intervals: Intervals,
 }
 
 impl Gate {

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use lashloop::identify::gate::{RecordedMotion, check, intervals};
+use lashloop::identify::gate::{Departure, Intervals, RecordedMotion, check, intervals};
 use lashloop::{Bench, Outcome, Scenario, run};
 use lashloop_bench::record::columns::Columns;
 
@@ -23,21 +23,24 @@ fn recorded(settings: &[&str]) -> RecordedMotion {
     RecordedMotion::of(&columns).expect("torques and positions")
 }
 
+/// Settings of other plants.
+const OTHER: [&str; 5] = [
+    "plant.dead_zone_rad=0.17",
+    "plant.load_coulomb_nm=3.2",
+    "plant.load_inertia_kg_m2=7.2",
+    "plant.motor_inertia_kg_m2=1.02e-3",
+    "plant.stiffness_nm_rad=1.03",
+];
+
 #[test]
 fn a_record_of_the_same_plant_passes_without_any_interval() {
-    assert_eq!(check(&scenario(&[]), &recorded(&[]), &[]).expect("a plant"), None);
+    assert_eq!(check(&scenario(&[]), &recorded(&[]), &Intervals::default()).expect("a plant"), None);
 }
 
 #[test]
 fn a_record_of_another_plant_gives_no_verdict() {
-    for setting in [
-        "plant.dead_zone_rad=0.17",
-        "plant.load_coulomb_nm=3.2",
-        "plant.load_inertia_kg_m2=7.2",
-        "plant.motor_inertia_kg_m2=1.02e-3",
-        "plant.stiffness_nm_rad=1.03",
-    ] {
-        let departure = check(&scenario(&[]), &recorded(&[setting]), &[]).expect("a plant");
+    for setting in OTHER {
+        let departure = check(&scenario(&[]), &recorded(&[setting]), &Intervals::default()).expect("a plant");
         let departure = departure.unwrap_or_else(|| panic!("{setting} passes"));
         assert!(departure.distance_rad > departure.limit_rad, "{setting}: {departure}");
         let sentence = departure.to_string();
@@ -62,4 +65,28 @@ fn a_plant_within_the_intervals_passes_and_one_beyond_them_does_not() {
     assert_eq!(judged("plant.dead_zone_rad=0.17"), None);
     assert!(judged("plant.dead_zone_rad=0.22").is_some());
     assert!(judged("plant.load_inertia_kg_m2=6.5").is_some(), "no interval explains another inertia");
+}
+
+/// Bench mode, with a motor that stands elsewhere in the gap than the scenario has it.
+const BENCH: [&str; 3] = ["run.mode=bench", "bench.torque_per_duty_nm=62.5", "bench.twist_limit_rad=40"];
+
+fn judged_on_bench(plant: &[&str]) -> Option<Departure> {
+    let recorded = recorded(&[&BENCH[..], plant].concat());
+    check(&scenario(&BENCH), &recorded, &Intervals::default()).expect("a plant")
+}
+
+#[test]
+fn on_a_bench_the_same_plant_passes_wherever_the_motor_stands() {
+    for by_rad in [-0.15, -0.05, 0.0, 0.12] {
+        let motor_rad = 3.0 * std::f64::consts::FRAC_PI_2 + by_rad;
+        let start = format!("plant.initial.motor_position_rad={motor_rad}");
+        assert_eq!(judged_on_bench(&[&start]), None, "turned by {by_rad} rad");
+    }
+}
+
+#[test]
+fn on_a_bench_each_wrong_parameter_gives_no_verdict() {
+    for setting in OTHER {
+        assert!(judged_on_bench(&[setting]).is_some(), "{setting} passes");
+    }
 }

@@ -11,6 +11,7 @@ mod script;
 
 mod against_hil;
 mod bench_mode;
+mod commission;
 mod conversation;
 mod equipment;
 mod runs;
@@ -24,7 +25,7 @@ use tests::{fault_table, optional, own_core};
 type Check = fn();
 
 /// Trials that need the image and the program.
-const TRIALS: [(&str, Check); 14] = [
+const TRIALS: [(&str, Check); 15] = [
     ("conversation::the_documented_frames_come_back_byte_by_byte", conversation::byte_by_byte),
     ("runs::the_image_identifies_itself_as_the_board", runs::identity),
     ("runs::the_rate_of_steps_is_reported", runs::speed),
@@ -38,6 +39,7 @@ const TRIALS: [(&str, Check); 14] = [
     ("against_hil::smooth_before_differs_as_explained", || against_hil::check(bench_mode::SMOOTH_BEFORE)),
     ("against_hil::smooth_after_differs_as_explained", || against_hil::check(bench_mode::SMOOTH_AFTER)),
     ("against_hil::friction_after_differs_as_explained", || against_hil::check(bench_mode::FRICTION_AFTER)),
+    ("commission::truth_of_hidden_plants_is_within_the_intervals", commission::hidden_plants),
     ("faults::the_watchdog_removes_the_torque_in_time", || {
         fault_table::check_watchdog_on("silicon");
     }),

@@ -21,8 +21,8 @@ struct Tally {
     covered: usize,
     /// Half widths of the intervals relative to the truth.
     widths: Vec<f64>,
-    /// Number of half widths from the middle of an interval to the truth, with the plant.
-    furthest: Option<(f64, u64)>,
+    /// Plants whose truth is outside, with its distance from the middle in half widths.
+    outside: Vec<(u64, f64)>,
 }
 
 /// The truths within their intervals, for each quantity.
@@ -52,17 +52,34 @@ impl Coverage {
         let half = 0.5 * (high - low);
         tally.widths.push(if name == FRACTION { half } else { half / truth });
         let away = (truth - 0.5 * (low + high)).abs() / half;
-        if tally.furthest.is_none_or(|(furthest, _)| away > furthest) {
-            tally.furthest = Some((away, seed));
+        if away > 1.0 {
+            tally.outside.push((seed, away));
         }
     }
 
-    /// What is outside its interval on more than one plant of ten, or not observed on half of them.
+    /// Quantities outside their interval on more than one plant of ten; of fewer than ten plants one may miss.
     #[must_use]
     pub fn missed(&self) -> Vec<String> {
-        let missed = |it: &Tally| 10 * it.covered < 9 * it.observed || 2 * it.observed < self.plants;
+        self.lines(|it| it.observed - it.covered > (it.observed / 10).max(1))
+    }
+
+    /// Quantities that the motions show on fewer than half of the plants.
+    #[must_use]
+    pub fn unobserved(&self) -> Vec<String> {
+        self.lines(|it| 2 * it.observed < self.plants)
+    }
+
+    /// Fraction of all intervals that contain the truth.
+    #[must_use]
+    pub fn fraction(&self) -> f64 {
+        let sum = |of: fn(&Tally) -> usize| self.tallies.values().map(of).sum::<usize>() as f64;
+        sum(|it| it.covered) / sum(|it| it.observed)
+    }
+
+    fn lines(&self, is_listed: impl Fn(&Tally) -> bool) -> Vec<String> {
         let line = |(name, it): (&String, &Tally)| {
-            missed(it).then(|| format!("{name}: {} of {}, {} plants", it.covered, it.observed, self.plants))
+            is_listed(it)
+                .then(|| format!("{name}: {} of {}, {} plants", it.covered, it.observed, self.plants))
         };
         self.tallies.iter().filter_map(line).collect()
     }
@@ -78,19 +95,19 @@ impl fmt::Display for Coverage {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             out,
-            "{} hidden plants, {} followed to the quantisation: truth within the 95 % interval, median half width, largest \
-             distance in half widths (plant)",
+            "{} hidden plants, {} followed to the quantisation: truth within the 95 % interval, median half width; truths \
+             outside as plant:half widths",
             self.plants, self.followed
         )?;
-        for (name, Tally { observed, covered, widths, furthest }) in &self.tallies {
+        for (name, Tally { observed, covered, widths, outside }) in &self.tallies {
             let mut widths = widths.clone();
             widths.sort_by(f64::total_cmp);
             let median = widths.get(widths.len() / 2).map_or(f64::NAN, |width| 100.0 * width);
             write!(out, "  {name:<26} {covered:>3} of {observed:<3} {median:>9.4} %")?;
-            match furthest {
-                Some((away, seed)) => writeln!(out, "  {away:>6.2} ({seed})")?,
-                None => writeln!(out)?,
+            for (seed, away) in outside {
+                write!(out, "  {seed}:{away:.2}")?;
             }
+            writeln!(out)?;
         }
         Ok(())
     }

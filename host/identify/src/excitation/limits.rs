@@ -51,8 +51,10 @@ pub enum Halt {
 
 /// Time without torque at the begin of a motion, in which the drive train has to be at rest, in s.
 pub(super) const REST_S: f64 = 0.05;
-/// Largest motion from the first half of that time to the second, in counts of either encoder.
-const REST_COUNTS: f64 = 1.0;
+/// Largest standard deviation of the counts of an encoder at rest: less than a count that comes once. On top, in terms of
+/// the noise from sample to sample, which a motion does not raise.
+const REST_COUNTS: f64 = 0.3;
+const REST_NOISE: f64 = 1.5;
 
 /// Time over which a speed is formed, in s: long against a count, short against an impact.
 const SPEED_WINDOW_S: f64 = 0.01;
@@ -73,32 +75,37 @@ pub struct Guard {
     peaks: Peaks,
 }
 
-/// Sums of the counts in both halves of the time at rest: means, because encoders may be noisy.
+/// The counts of the time at rest. An encoder may be noisy.
 #[derive(Debug, Clone)]
 struct Rest {
-    half: u32,
-    samples: u32,
-    sums: [[i64; 2]; 2],
+    samples: usize,
+    counts: [Vec<f64>; 2],
 }
 
 impl Rest {
     fn new(period_s: f64) -> Self {
-        let half = (REST_S / period_s / 2.0).floor().max(1.0) as u32;
-        Self { half, samples: 0, sums: [[0; 2]; 2] }
+        Self { samples: ((REST_S / period_s).floor() as usize).max(3), counts: Default::default() }
     }
 
     /// Takes the counts of a sample. Whether the drive train is at rest; `None` as long as the time lasts.
     fn check(&mut self, counts: [i64; 2]) -> Option<bool> {
-        if let Some(sums) = self.sums.get_mut((self.samples / self.half) as usize) {
-            self.samples += 1;
-            sums[0] += counts[0];
-            sums[1] += counts[1];
+        if self.counts[0].len() < self.samples {
+            for (all, now) in self.counts.iter_mut().zip(counts) {
+                all.push(now as f64);
+            }
         }
-        (self.samples == 2 * self.half).then(|| {
-            let moved = |encoder: usize| (self.sums[1][encoder] - self.sums[0][encoder]).abs() as f64;
-            (0..2).all(|encoder| moved(encoder) <= REST_COUNTS * f64::from(self.half))
-        })
+        (self.counts[0].len() == self.samples).then(|| self.counts.iter().all(|counts| is_still(counts)))
     }
+}
+
+/// Compares the scatter of all samples with that from one sample to the next, as von Neumann's ratio does.
+fn is_still(counts: &[f64]) -> bool {
+    let number = counts.len() as f64;
+    let mean = counts.iter().sum::<f64>() / number;
+    let variance = counts.iter().map(|it| (it - mean).powi(2)).sum::<f64>() / number;
+    let noise =
+        counts.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum::<f64>() / (2.0 * (number - 1.0));
+    variance.sqrt() <= REST_COUNTS + REST_NOISE * noise.sqrt()
 }
 
 /// Largest values of a motion so far.

@@ -3,7 +3,7 @@
 use super::limits::REST_S;
 
 /// Duration of a ramp until the torque limit, in s.
-const RAMP_S: f64 = 4.0;
+const RAMP_S: f64 = 3.0;
 /// The ramp begins at this fraction of the torque limit.
 const RAMP_FROM: f64 = 1e-3;
 
@@ -52,7 +52,7 @@ pub(super) fn ramp(limit_nm: f64, sign: f64, period_s: f64) -> PlannedMotion {
 
 /// A reversal within breakaway, then one beyond it. Half cosines leave the motor's swing on the shaft small.
 pub(super) fn slow_reversal(breakaway: &Breakaway, period_s: f64) -> PlannedMotion {
-    const RATE_1_S: f64 = 1.6;
+    const RATE_1_S: f64 = 2.0;
     const CORNERS: [f64; 5] = [0.7, -0.7, 1.15, -1.15, 0.0];
     let mut torque_nm = Vec::new();
     let mut from = 0.0_f64;
@@ -76,7 +76,7 @@ pub(super) fn steps(breakaway: &Breakaway, period_s: f64) -> PlannedMotion {
 
 /// Pulses beyond breakaway, there and back: the load accelerates and friction stops it.
 pub(super) fn pulses(breakaway: &Breakaway, pulse: &Pulse, index: usize, period_s: f64) -> PlannedMotion {
-    const REST_S: f64 = 0.4;
+    const STOP_S: f64 = 0.3;
     const FLANK_S: f64 = 0.15;
     const HOLD: f64 = 0.3;
     const EDGE_S: f64 = 0.1;
@@ -85,7 +85,7 @@ pub(super) fn pulses(breakaway: &Breakaway, pulse: &Pulse, index: usize, period_
     let hold_nm = |sign: f64| breakaway.along(HOLD * sign);
     let mut held = vec![(hold_nm(1.0), FLANK_S), (hold_nm(-1.0), FLANK_S)];
     for sign in [1.0, -1.0, -1.0, 1.0] {
-        held.extend([(breakaway.along(sign * pulse.breakaways), pulse.duration_s), (hold_nm(sign), REST_S)]);
+        held.extend([(breakaway.along(sign * pulse.breakaways), pulse.duration_s), (hold_nm(sign), STOP_S)]);
     }
     held.push((0.0, 0.1));
     let mut torque_nm = hold(&held, period_s);

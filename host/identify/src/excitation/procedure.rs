@@ -14,10 +14,10 @@ const BREAKAWAY_RAD: f64 = 0.004;
 const TRAVEL: f64 = 0.25;
 /// Fraction of a speed limit from which the pulses don't grow: the next would be up to twice as fast.
 const SPEED: f64 = 0.5;
-/// Most sizes that a pulse grows by at once, as long as the travel and the speed that they lead to are within bounds.
+/// Most sizes that a pulse grows by at once.
 const GROWTH_MAX: i32 = 3;
 /// Attempts at a motion of a drive train that is not at rest yet.
-const ATTEMPTS: u32 = 40;
+const ATTEMPTS: u32 = 200;
 /// Excess of the twist that is explained over the one that is expected.
 const TWIST_MARGIN: f64 = 2.0;
 /// Height of a pulse in breakaway torques from which pulses don't grow: the shaft would wind far.
@@ -225,7 +225,7 @@ impl<T: DriveTrain> Bench<'_, T> {
     /// Pulses, each larger than the one before, until the load travels far enough. Returns the last one.
     fn pulses(&mut self, breakaway: &Breakaway) -> Result<(String, Series), CommissioningError<T::Error>> {
         let mut pulse = Pulse { breakaways: 1.3, duration_s: 0.1 };
-        let (mut index, mut last) = (1, None);
+        let (mut index, mut last, mut before) = (1, None, None);
         loop {
             let motion = motions::pulses(breakaway, &pulse, index, self.period_s);
             let Made { series, peaks, .. } = match (self.make(&motion, None), last) {
@@ -242,20 +242,26 @@ impl<T: DriveTrain> Bench<'_, T> {
                 return Ok((motion.name, series));
             }
             last = Some((motion.name, series));
-            for _ in 0..growth(&peaks, self.limits) {
+            for _ in 0..before.map_or(1, |before| growth(&before, &peaks, self.limits)) {
                 pulse = pulse.grown();
             }
+            before = Some(peaks);
             index += 1;
         }
     }
 }
 
-/// Sizes by which the next pulse may grow: each triples the travel at most, and doubles the speeds.
-fn growth(peaks: &Peaks, limits: &Limits) -> i32 {
-    let sizes = |reached: f64, aim: f64, factor: f64| (aim / reached.max(1e-9)).log(factor).floor() as i32;
-    let travel = sizes(peaks.load_travel_rad, TRAVEL * limits.load_travel_rad, 3.0);
-    let motor = sizes(peaks.motor_speed_rad_s, SPEED * limits.motor_speed_rad_s, 2.0);
-    let load = sizes(peaks.load_speed_rad_s, SPEED * limits.load_speed_rad_s, 2.0);
+/// Sizes by which the next pulse may grow: a size more multiplies travel and speeds by no more than the last growth did,
+/// because a pulse barely beyond breakaway gains the most.
+fn growth(before: &Peaks, peaks: &Peaks, limits: &Limits) -> i32 {
+    const FACTOR_MIN: f64 = 1.25;
+    let sizes = |before: f64, reached: f64, aim: f64| {
+        let factor = (reached / before.max(1e-9)).max(FACTOR_MIN);
+        (aim / reached.max(1e-9)).log(factor).floor() as i32
+    };
+    let travel = sizes(before.load_travel_rad, peaks.load_travel_rad, TRAVEL * limits.load_travel_rad);
+    let motor = sizes(before.motor_speed_rad_s, peaks.motor_speed_rad_s, SPEED * limits.motor_speed_rad_s);
+    let load = sizes(before.load_speed_rad_s, peaks.load_speed_rad_s, SPEED * limits.load_speed_rad_s);
     travel.min(motor).min(load).clamp(1, GROWTH_MAX)
 }
 

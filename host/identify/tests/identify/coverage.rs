@@ -57,7 +57,7 @@ fn report(name: &str, text: &str) {
 }
 
 fn assert_covered(coverage: &Coverage) {
-    let missed = coverage.missed();
+    let missed = [coverage.missed(), coverage.unobserved()].concat();
     assert!(
         missed.is_empty(),
         "truth outside the interval, or not observed, too often:\n{}",
