@@ -11,7 +11,8 @@ use rigless::edge::Pulse;
 use rigless::emulator::{Host, Watch};
 use rigless::session::Session;
 use rigless::soc::Width;
-use rigless::soc::stm32f427::generated::{gpioa, tim1};
+use rigless::mcu::Mcu;
+use rigless::soc::stm32f427::generated::{dbg, gpioa, tim1};
 use rigless::soc::stm32f427::peripherals::tim::Channel as TimerChannel;
 use rigless::time::VirtualNanos;
 
@@ -93,6 +94,19 @@ impl<'a> Pins<'a> {
         if let Some(pin) = self.wiring.break_input {
             self.drive_pin(pin, is_high);
         }
+    }
+
+    /// Stops the crystal.
+    pub fn stop_crystal(&mut self) {
+        let chip = self.session.board_mut();
+        chip.mcu.drive_clocks(self.at, |rcc, registers, context| rcc.fail_hse(registers, context));
+    }
+
+    /// What a core that a debugger halts does not stop: the independent watchdog, and what it stops: TIM1.
+    pub fn halted_by_debugger(&mut self) -> (bool, bool) {
+        let debug = Mcu::bus(&self.session.board_mut().mcu).registers("DBG").expect("the part has it");
+        let is_set = |register, bit: u32| debug.get(register) >> bit & 1 == 1;
+        (!is_set(dbg::Register::DbgmcuApb1Fz, 12), is_set(dbg::Register::DbgmcuApb2Fz, 0))
     }
 
     /// Drives the fault line of the gate driver high or low. A board may have none.

@@ -147,6 +147,8 @@ impl Wiring {
             Pin::plain(C, 6),
             Pin::plain(C, 7),
             Pin::plain(C, 8),
+            Pin::plain(B, 10),
+            Pin::plain(B, 11),
         ],
     };
 

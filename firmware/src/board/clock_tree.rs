@@ -33,6 +33,8 @@ pub(crate) fn start(rcc: RCC, emulated: bool) -> (Rcc, Source) {
     rcc.cr().modify(|_, w| w.hseon().on());
     let steady = (0..CRYSTAL_POLLS).any(|_| rcc.cr().read().hserdy().is_ready());
     let (config, source) = if steady {
+        // From here on a crystal that stops is a break of TIM1, and a non-maskable interrupt, which switches off too.
+        rcc.cr().modify(|_, w| w.csson().on());
         (Config::hse(CRYSTAL_HZ.Hz()), Source::Crystal)
     } else {
         rcc.cr().modify(|_, w| w.hseon().off());

@@ -1,4 +1,7 @@
 //! The independent watchdog: resets the chip, and with it every output, if the tasks stop without a fault.
+//!
+//! A core that a debugger halts has stopped too. The watchdog goes on, and TIM1 stops with its outputs idle, as without main
+//! output enable (RM0090 17.3.21): a motor never waits at its last torque for a breakpoint to end.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
@@ -15,7 +18,9 @@ static IS_RUNNING: AtomicBool = AtomicBool::new(false);
 /// Starts the watchdog. Only a reset stops it.
 pub(super) fn start(watchdog: IWDG, debug: &DBGMCU) {
     let mut watchdog = IndependentWatchdog::new(watchdog);
-    watchdog.stop_on_debug(debug, true);
+    // A debugger may have set the first bit, and a reset leaves it.
+    watchdog.stop_on_debug(debug, false);
+    debug.apb2_fz().modify(|_, w| w.dbg_tim1_stop().set_bit());
     watchdog.start(TIMEOUT_MS.millis());
     IS_RUNNING.store(true, Ordering::Relaxed);
 }

@@ -114,10 +114,6 @@ pub fn start<L: LawSet>(
     let (drive, bench) = match source {
         Source::Emulator => (Drive::with_laws("stm32f405-qemu"), None),
         Source::Crystal | Source::InternalOscillator => {
-            let mut drive = Drive::with_pins(fitted::NAME, bench::HARDWARE).with_loader();
-            if let Source::InternalOscillator = source {
-                drive.log(LogLevel::Warning, &["no crystal, clock is 1% RC"]);
-            }
             let ports: Ports = (
                 (gpioa.pa7, gpioa.pa8, gpioa.pa9, gpioa.pa10),
                 device.GPIOB.split(&mut rcc),
@@ -126,11 +122,19 @@ pub fn start<L: LawSet>(
             );
             let timers = (device.TIM1, device.TIM3, device.TIM4);
             let (motor, load, stage) = fitted::start(ports, timers, &mut rcc);
-            let timer = device.TIM5.counter(&mut rcc);
-            let tick = Tick::start(timer, (motor, load), clock, drive.period());
-            let monitor = TickMonitor::start(device.TIM2, &mut rcc);
-            last_resort::start(device.IWDG, &device.DBGMCU);
-            (drive, Some((Stage::new(stage), (tick, monitor))))
+            if let Source::InternalOscillator = source {
+                // Its periods are too inaccurate for a motor, and nothing would notice that it drifts.
+                let mut drive = Drive::with_laws(fitted::NAME).with_loader();
+                drive.log(LogLevel::Warning, &["no crystal: clock 1% RC, no bench mode"]);
+                (drive, None)
+            } else {
+                let drive = Drive::with_pins(fitted::NAME, bench::HARDWARE).with_loader();
+                let timer = device.TIM5.counter(&mut rcc);
+                let tick = Tick::start(timer, (motor, load), clock, drive.period());
+                let monitor = TickMonitor::start(device.TIM2, &mut rcc);
+                last_resort::start(device.IWDG, &device.DBGMCU);
+                (drive, Some((Stage::new(stage), (tick, monitor))))
+            }
         }
     };
     Board { drive, bench, clock, ticker, usart, lines }

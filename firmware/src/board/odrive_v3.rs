@@ -72,6 +72,9 @@ pub(super) fn start(
     c.pc6.into_pull_down_input();
     c.pc7.into_pull_down_input();
     c.pc8.into_pull_down_input();
+    // The half-bridge of AUX.
+    b.pb10.into_pull_down_input();
+    b.pb11.into_pull_down_input();
     let motor_pins = (
         b.pb4.into_alternate().internal_resistor(Pull::Up),
         b.pb5.into_alternate().internal_resistor(Pull::Up),

@@ -10,7 +10,7 @@ use lashloop_bench::capture::{self, Capture, WhenFull};
 use lashloop_bench::device::{Device, DeviceChoice};
 use lashloop_bench::link::Link;
 use lashloop_bench::run::DeviceUnderTest;
-use lashloop_bench::run::{self, Observers, Outcome, Step, StepObserver};
+use lashloop_bench::run::{self, Observers, Outcome, Step, StepObserver, check_bench_mode};
 use lashloop_bench::scenario::{Override, Scenario};
 use lashloop_bench::supervisor::Supervisor;
 use lashloop_bench::timing::ClockName;
@@ -139,6 +139,9 @@ impl Arguments {
         let mut device = DeviceUnderTest::open(&scenario, choice, clock.name(), &supervisor, listen)?;
         if let Some(taken) = &rig {
             check_board(&taken.rig, &device.device)?;
+            if !scenario.run.mode.is_hil() {
+                check_bench_mode(&device.device, clock.name())?;
+            }
             taken.rig.complete(&mut scenario, &device.device.session.parameters)?;
         }
         for warning in device.device.warnings() {

@@ -336,7 +336,7 @@ fn read_loader(loader: &mut Section<'_>) -> Loader {
             .text("probe", None)
             .map(str::to_owned),
         port: loader
-            .doc("Path of the terminal at USART1 or USART3 of the chip, where its ROM loader listens; that of the drive if absent.")
+            .doc("Path of the terminal at USART1 or USART3 of the chip, where its ROM loader listens; that of the drive if absent. Only with this key a drive is requested to enter its loader for `uart`.")
             .text("port", None)
             .map(PathBuf::from),
     }

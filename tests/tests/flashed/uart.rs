@@ -77,7 +77,7 @@ pub(crate) fn no_request() {
     let ended = bench.flash_with(&["--via", "uart", "--device", &chip.device]).with_code(4);
     assert!(!ended.stdout.contains("enters"), "{}", ended.stdout);
     // It still runs its firmware.
-    let doctor = tests::program::run(["doctor", "--device", &chip.device]);
+    let doctor = tests::program::run(["doctor", &chip.device]);
     assert!(doctor.stdout.contains("native-twin"), "{}{}", doctor.stdout, doctor.stderr);
 }
 
@@ -174,7 +174,8 @@ pub(crate) fn silent() {
 
 pub(crate) fn no_loader() {
     let (bench, twin) = (right(), Twin::start());
-    let ended = bench.flash_with(&["--via", "uart", "--device", &twin.device()]).with_code(4);
+    let port = twin.device();
+    let ended = bench.flash_with(&["--via", "uart", "--device", &port, "--loader-port", &port]).with_code(4);
     assert!(ended.stdout.contains("enters no boot loader: "), "{}", ended.stdout);
     assert!(
         ended.stderr.contains("no boot loader answers") && ended.stderr.contains("BOOT0"),

@@ -38,9 +38,9 @@ fn the_experiment_is_compared_with_its_simulation() {
 }
 
 #[test]
-fn a_drive_on_hardware_is_not_moved_without_a_person() {
+fn nobody_moves_a_load_for_a_drive_without_pins() {
     let ended =
-        program::run(["experiment", "--device", "native", "--out", &Records::new().out()]).with_code(2);
-    assert!(ended.stderr.contains("the load at its start is not confirmed"), "{}", ended.stderr);
-    assert!(ended.stdout.contains("bring the load to 1.5708 rad"), "{}", ended.stdout);
+        program::run(["experiment", "--device", "native", "--out", &Records::new().out()]).with_code(4);
+    assert!(ended.stderr.contains("no parameter sample_source"), "{}", ended.stderr);
+    assert!(!ended.stdout.contains("bring the load"), "{}", ended.stdout);
 }

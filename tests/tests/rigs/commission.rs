@@ -53,7 +53,8 @@ fn without_a_terminal_the_option_is_needed() {
 #[test]
 fn a_rig_bounds_a_commissioning_and_has_its_encoders_in_bench_mode() {
     let twin = Twin::start();
-    let limits = "torque_nm = 5.0\nload_travel_rad = 0.002\n[encoders]\nmotor_counts_per_rev = 4000";
+    let limits = "torque_nm = 5.0\nload_travel_rad = 0.002\n[encoders]\nmotor_counts_per_rev = 4000\n\
+                  [power_stage]\ntorque_per_duty_nm = 62.5";
     let path = RigFile::with(&twin.device(), "native-twin", limits);
     let on_rig = |more: &[&str]| {
         let speeds = ["--motor-speed-limit", "400", "--load-speed-limit", "10", "--yes"];
@@ -63,8 +64,9 @@ fn a_rig_bounds_a_commissioning_and_has_its_encoders_in_bench_mode() {
     assert!(above.stderr.contains("--torque-limit 6 exceeds the rig's 5"), "{}", above.stderr);
     // The twin has no pins.
     let bench = on_rig(&[]).with_code(4);
-    assert!(bench.stderr.contains("torque up to 5 N m"), "{}", bench.stderr);
     assert!(bench.stderr.contains("no bench mode"), "{}", bench.stderr);
+    assert!(!bench.stderr.contains("about to move"), "{}", bench.stderr);
     let simulated = on_rig(&["--mode", "hil"]).with_code(3);
+    assert!(simulated.stderr.contains("torque up to 5 N m"), "{}", simulated.stderr);
     assert!(simulated.stderr.contains("the limit is 0.002 rad"), "{}", simulated.stderr);
 }

@@ -25,7 +25,7 @@ use tests::{fault_table, optional, own_core};
 type Check = fn();
 
 /// Trials that need the image and the program.
-const TRIALS: [(&str, Check); 16] = [
+const TRIALS: [(&str, Check); 17] = [
     ("conversation::the_documented_frames_come_back_byte_by_byte", conversation::byte_by_byte),
     ("runs::the_image_identifies_itself_as_the_board", runs::identity),
     ("runs::the_rate_of_steps_is_reported", runs::speed),

@@ -21,6 +21,13 @@ fn the_image_boots_from_the_crystal_with_every_pin_connected() {
 }
 
 #[test]
+fn a_core_halted_by_a_debugger_stops_the_pwm_and_not_the_watchdog() {
+    let mut bench = Bench::boot(&image(), (0, 0));
+    bench.advance(Duration::from_millis(200));
+    assert_eq!(bench.act(|chip, _| chip.halted_by_debugger()), (true, true));
+}
+
+#[test]
 fn a_booted_drive_is_off_and_describes_its_bench_mode() {
     let mut host = Host::at(&image(), (0, 0));
     let identity = host.shake_hands(SESSION);

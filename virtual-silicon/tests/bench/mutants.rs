@@ -20,7 +20,7 @@ fn is_noticed(cause: &Cause, image: &Symbols) -> bool {
 #[test]
 fn an_image_that_never_switches_off_is_noticed_by_every_cause_of_software() {
     let careless = image().without("switch_off").expect("the function");
-    let by_hardware = ["all tasks stopped", "break input", "break wire open"];
+    let by_hardware = ["all tasks stopped", "lock-up", "break input", "break wire open"];
     let software: Vec<_> = CAUSES.iter().filter(|cause| !by_hardware.contains(&cause.name)).collect();
     std::thread::scope(|scope| {
         let threads: Vec<_> =
@@ -68,8 +68,8 @@ fn a_request_that_is_not_applied_to_the_stage_is_noticed() {
     // The image without the call of `Actuator::follow` in the task that serves requests: later tasks switch off.
     let careless = image().without_calls("OTG_FS", "follow").expect("a call");
     let off = cause("Stop").times_to_off(&careless, &[INSTANT])[0];
-    let careful = cause("Stop").times_to_off(&image(), &[INSTANT])[0];
-    assert!(off > careful, "{off:?} {careful:?}");
+    let careful = cause("Stop").times_to_off(&image(), &[INSTANT])[0].expect("the bridge off");
+    assert!(off.is_none_or(|off| off > careful), "{off:?} {careful:?}");
 }
 
 #[test]

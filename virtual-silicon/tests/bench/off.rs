@@ -3,9 +3,12 @@
 use std::path::Path;
 use std::time::Duration;
 
+use lashloop_protocol::enums::{Outcome, State};
+
 use crate::bench::image;
 use crate::causes::{CAUSES, Cause, SITE, cause, report_of};
 use crate::failures::PANIC_LINE;
+use crate::host::Host;
 use crate::report;
 
 /// Number of the interrupt of TIM7.
@@ -62,6 +65,35 @@ fn every_cause_turns_the_bridge_off_within_its_time() {
     for (cause, (period, off)) in all() {
         let limit = (cause.limit)(*period);
         assert!(*off <= limit, "{} at {period:?}: off after {off:?}, limit {limit:?}", cause.name);
+    }
+}
+
+#[test]
+fn a_crystal_that_stops_turns_the_bridge_off_without_software() {
+    let mut host = Host::under_torque(&image(), PERIODS[0]);
+    let at = host.bench.act(|chip, _| {
+        chip.stop_crystal();
+        chip.now()
+    });
+    host.bench.advance(Duration::from_micros(1));
+    assert_eq!(host.bench.time_to_off(at), Some(Duration::ZERO));
+}
+
+#[test]
+fn a_tick_that_is_missing_from_the_start_on_turns_the_bridge_off() {
+    for period in PERIODS {
+        let missing = cause("tick missing");
+        let mut host = Host::at(&(missing.prepare)(image()), (0, 0));
+        host.period = period;
+        host.set_all(&[]);
+        assert_eq!(host.arm(), (Outcome::Accepted, State::Armed));
+        (missing.happen)(&mut host);
+        let at = host.bench.now();
+        assert_eq!(host.start(), (Outcome::Accepted, State::Running));
+        host.bench.advance(period.mul_f64(1.5));
+        let changes = host.bench.act(|_, site| site.log.bridge.clone());
+        assert!(changes.iter().any(|(on, bridge)| *on > at && bridge.driving().is_some()), "never on");
+        assert_eq!(host.bench.bridge().driving(), None, "{period:?}");
     }
 }
 
