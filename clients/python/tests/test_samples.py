@@ -26,7 +26,7 @@ SETTINGS = {"run.duration_s": 1.5, "record.flush_rows": 100, "expect": []}
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The record of a run of 1500 steps."""
     out = tmp_path_factory.mktemp("records") / "run"
-    scenario = WORKSPACE / "scenarios/shaft-sine.toml"
+    scenario = WORKSPACE / "scenarios/smooth-after.toml"
     lashloop.run(scenario, set=SETTINGS, device="inproc", out=out, program=program())
     return out
 
@@ -57,11 +57,11 @@ def test_the_rounded_trace_is_the_samples_within_its_digits(folder: Path) -> Non
     assert len(rounded["time_s"]) == exact.steps == 1500
     for name, digits in (("time_s", 1e-9), ("load_position_rad", 0.5e-5), ("motor_counts", 0.0)):
         np.testing.assert_allclose(rounded[name], exact[name], rtol=0.0, atol=1.001 * digits)
-    np.testing.assert_allclose(rounded["torque_nm"], exact["torque_nm"], rtol=0.501e-4, atol=0.0)
+    np.testing.assert_allclose(rounded["torque_nm"], exact["torque_nm"], rtol=0.501e-3, atol=0.0)
     fresh = ~np.isnan(rounded["telemetry_time_s"])
     assert 0 < fresh.sum() < 1500
     np.testing.assert_allclose(
-        rounded["drive.requested_torque_nm"][fresh], exact["drive.requested_torque_nm"][fresh], rtol=0.501e-4
+        rounded["drive.requested_torque_nm"][fresh], exact["drive.requested_torque_nm"][fresh], rtol=0.501e-3
     )
 
 

@@ -7,9 +7,9 @@ use std::io::Write;
 pub enum Digits {
     /// As many as read back to the same bits.
     Exact,
-    /// At most so many behind the point.
+    /// At most this number of digits behind the point.
     Decimals(u8),
-    /// At least so many from the first that isn't zero.
+    /// At least this number of digits, from the first that isn't zero.
     Significant(u8),
 }
 

@@ -13,6 +13,7 @@ use serde::de::DeserializeOwned;
 use crate::columns::Columns;
 use crate::file_names::{COLUMNS_FILE, MANIFEST_FILE, SAMPLES_FILE, SUMMARY_FILE, TIMING_FILE, TRACE_FILE};
 use crate::manifest::Manifest;
+use crate::row::Row;
 use crate::samples::{Samples, SamplesError};
 use crate::trace::TELEMETRY_TIME;
 use lashloop_bench::scenario::RunMode;
@@ -208,6 +209,19 @@ impl Table {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.columns.is_empty()
+    }
+
+    /// All rows, each column by its name. Further columns are ignored.
+    ///
+    /// # Errors
+    /// The table lacks a column.
+    pub fn rows<R: Row>(&self) -> Result<Vec<R>, ReadError> {
+        let columns = R::COLUMNS.iter().map(|(name, _)| self.column(name)).collect::<Result<Vec<_>, _>>()?;
+        let row = |row: usize| {
+            let mut values = columns.iter().map(|column| column[row]);
+            R::of(|| values.next().unwrap_or(f64::NAN))
+        };
+        Ok((0..self.len()).map(row).collect())
     }
 
     /// A column by its name.

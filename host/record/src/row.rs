@@ -1,7 +1,5 @@
 //! Rows whose columns are declared once.
 
-use crate::reader::{ReadError, Table};
-
 /// A row of numbers in a table with named columns.
 pub trait Row: Sized {
     /// Name and unit of each column, in their order in the file.
@@ -10,11 +8,8 @@ pub trait Row: Sized {
     /// The values, in the order of [`COLUMNS`](Self::COLUMNS).
     fn values(&self) -> impl Iterator<Item = f64>;
 
-    /// Reads all rows of a table, each column by its name. Further columns are ignored.
-    ///
-    /// # Errors
-    /// The table lacks a column.
-    fn read(table: &Table) -> Result<Vec<Self>, ReadError>;
+    /// The row with these values; `value` is called once for each column, in their order.
+    fn of(value: impl FnMut() -> f64) -> Self;
 }
 
 /// Declares the columns of a row: the name of each field with its unit.
@@ -27,11 +22,8 @@ macro_rules! row {
                 [$(self.$column),+].into_iter()
             }
 
-            fn read(
-                table: &$crate::reader::Table,
-            ) -> Result<Vec<Self>, $crate::reader::ReadError> {
-                $(let $column = table.column(stringify!($column))?;)+
-                Ok((0..table.len()).map(|row| Self { $($column: $column[row]),+ }).collect())
+            fn of(mut value: impl FnMut() -> f64) -> Self {
+                Self { $($column: value()),+ }
             }
         }
     };

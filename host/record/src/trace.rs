@@ -10,7 +10,7 @@
 //! | `sent_reference_rad` | the reference as sent | no |
 //!
 //! `trace.csv` is for spreadsheets: an empty field stands for NaN and for telemetry that came before. Its numbers are rounded
-//! to an eighth of an encoder count, and to 5 significant digits in units other than rad. [`samples`](crate::samples) have
+//! to an eighth of an encoder count, and to 4 significant digits in units other than rad. [`samples`](crate::samples) have
 //! every column and every bit. `trace.json` lists the columns of `trace.csv` with their units. The trace doesn't depend on the
 //! link or on timing, which are in [`timing`](crate::timing).
 
@@ -158,7 +158,7 @@ fn digits(column: &Signal, position_decimals: u8) -> Digits {
         "s" => Digits::Decimals(6),
         "rad" => Digits::Decimals(position_decimals),
         "counts" => Digits::Decimals(0),
-        _ => Digits::Significant(5),
+        _ => Digits::Significant(4),
     }
 }
 

@@ -4,8 +4,7 @@ use std::ops::RangeInclusive;
 
 use lashloop_bench::names::UnknownName;
 use lashloop_record::columns::Columns;
-use lashloop_record::reader::{ReadError, Record};
-use lashloop_record::row::Row;
+use lashloop_record::reader::{ReadError, Record, Table};
 use lashloop_record::timing::TimingRow;
 
 use crate::plot::{Axis, Figure, Panel, Role, Series};
@@ -153,7 +152,7 @@ impl<'a> Run<'a> {
         let end = time_s.partition_point(|time_s| time_s <= shown_s.end());
         let first_step = time_s[..end].partition_point(|time_s| time_s < shown_s.start());
         let shown = record.trace.columns.select(|row| (first_step..end).contains(&row));
-        let timing = record.timing.as_ref().map(TimingRow::read).transpose()?;
+        let timing = record.timing.as_ref().map(Table::rows::<TimingRow>).transpose()?;
         // The two most distinct colours first.
         let role = match number {
             0 => Role::After,

@@ -117,7 +117,7 @@ impl TakenRig {
 /// Where a record goes.
 #[derive(Args)]
 pub(super) struct RecordOptions {
-    /// Folder for the record: manifest, scenario, samples, tables and summary, see docs/records.md
+    /// Folder for the record: manifest, resolved scenario, samples, tables and summary; `latest` next to it points to it
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
 

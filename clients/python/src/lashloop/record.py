@@ -4,7 +4,7 @@
 |---|---|
 | `record.json` | what was run: command line, scenario, overrides, parameters, host, versions |
 | `run.mcap` | every step with all its bits: positions, torque, signals of plant and drive, timing |
-| `trace.csv`, `trace.json`, `timing.csv` | columns, rounded, and their units; what older versions have left has no `run.mcap` |
+| `trace.csv`, `trace.json`, `timing.csv` | columns, rounded, with units; older records have no `run.mcap` |
 | `summary.json` | verdict, metrics, expectations, counters of the link; absent if the run was interrupted |
 """
 
@@ -69,11 +69,7 @@ class Record:
         """Read the record in a folder; `RecordError` names the file that can't be read."""
         path = Path(folder)
         samples, summary, manifest = path / "run.mcap", path / "summary.json", path / "record.json"
-        if samples.exists():
-            read = Samples.read(samples)
-            trace, units, timing = read.trace, read.units, read.timing
-        else:
-            trace, units, timing = _tables(path)
+        trace, units, timing = _samples(samples) if samples.exists() else _tables(path)
         return cls(
             folder=path,
             trace=trace,
@@ -124,6 +120,11 @@ class Record:
     ) -> Figure:
         """Draw columns over time: one diagram for each unit, or all of them into `axes`. Requires matplotlib."""
         return draw(self.trace, self.units, columns, from_s, to_s, axes)
+
+
+def _samples(path: Path) -> tuple[Table, dict[str, str], Table | None]:
+    samples = Samples.read(path)
+    return samples.trace, samples.units, samples.timing
 
 
 def _tables(folder: Path) -> tuple[Table, dict[str, str], Table | None]:

@@ -76,7 +76,8 @@ def run(
     `set` replaces values of the scenario by key: `{"plant.dead_zone_rad": 0.2, "controller.name": "pd"}`. A value is a
     text, a truth value, a number, a list or a table. `device` is the drive: an option `--device` of the program, or a
     `Drive` of this package, which runs in this process; by default that of the program. `out` is a folder for the
-    record, which stays there; without it the record is in memory only. `force` replaces a record that the folder holds. `program` is found by `find_program`.
+    record, which stays there; without it the record is in memory only. `force` replaces a record that the folder
+    holds. `program` is found by `find_program`.
     `timeout_s` limits the run in wall-clock time.
 
     `ScenarioError` and `DeviceError` have the text of the program. An error of a control law in a `Drive` is raised.

@@ -1,6 +1,6 @@
 """The samples of a run, `run.mcap`: every column with the bits that it had in the run.
 
-A message has fields of fixed size without padding. Its schema is the text of a ROS message, and the comment of a field is
+A message has fields of fixed size without padding. Its schema is the text of a ROS message. The comment of a field is
 `NAME [UNIT]` of its column.
 """
 
@@ -68,7 +68,8 @@ class _Topic:
 
     @classmethod
     def of(cls, channel: Channel, schema: Schema) -> _Topic:
-        columns, types = [], []
+        columns: list[tuple[str, str]] = []
+        types: list[tuple[str, str]] = []
         for line in schema.data.decode().splitlines():
             declaration, _, comment = line.partition(" # ")
             name, _, unit = comment.removesuffix("]").rpartition(" [")

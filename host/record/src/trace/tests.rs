@@ -82,8 +82,8 @@ fn a_trace_has_new_telemetry_only_and_no_truth_of_the_plant() {
     writer.finish().expect("the rows");
     insta::assert_snapshot!(fs::read_to_string(&path).expect("a trace"), @r#"
     time_s,reference_rad,load_position_rad,motor_position_rad,torque_nm,drive.requested_torque_nm,"drive.backlash, wide",telemetry_time_s,motor_counts,load_counts
-    0.004,0,0.31416,0,0.1,0,1.0000e-9,0,-8388604,512
-    0.005,0,0.2618,0,0.1,5,1.0000e-9,0.005,-8388603,512
+    0.004,0,0.31416,0,0.1,0,1.000e-9,0,-8388604,512
+    0.005,0,0.2618,0,0.1,5,1.000e-9,0.005,-8388603,512
     0.006,0,0.2244,0,0.1,,,,,
     0.007,0,0.19635,0,0.1,,,,-8388601,512
     "#);
