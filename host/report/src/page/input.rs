@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use lashloop_record::reader::{ReadError, Record};
-use lashloop_record::row::Row;
+use lashloop_record::reader::{ReadError, Record, Table};
 use lashloop_record::file_names::SUMMARY_FILE;
 use lashloop_record::timing::TimingRow;
 
@@ -30,7 +29,7 @@ impl Run {
         let path = folder.join(SUMMARY_FILE);
         let summary =
             Summary::read(&path).map_err(|fault| ReadError { path: path.clone(), line: None, fault })?;
-        let timing = record.timing.as_ref().map(TimingRow::read).transpose()?.unwrap_or_default();
+        let timing = record.timing.as_ref().map(Table::rows).transpose()?.unwrap_or_default();
         Ok(Self { name: name.into(), record, summary, timing })
     }
 
