@@ -151,7 +151,7 @@ impl Settings {
     }
 }
 
-/// A summary has results besides.
+/// A summary has results too.
 fn is_manifest(value: &Value) -> bool {
     value.get("verdict").is_none()
 }
