@@ -125,7 +125,7 @@ fn page_of(summary: &serde_json::Value) -> String {
     let folder = tempfile::tempdir().expect("a folder");
     record(folder.path(), "plain", 10, 1);
     let mut whole = serde_json::json!({
-        "verdict": "PASS", "scenario": "s.toml", "device": "inproc", "controller": "pd", "end": "complete",
+        "verdict": "PASS", "scenario": "s.toml", "device": "inproc", "controller": "pd", "end": "complete", "faults": [],
     });
     let (Some(whole_keys), Some(keys)) = (whole.as_object_mut(), summary.as_object()) else {
         panic!("two objects")

@@ -11,6 +11,8 @@ use lashloop_plant::metrics::{Measured, Measurement, Sample, SignalTable};
 use lashloop_record::columns::Columns;
 use lashloop_record::trace::columns;
 
+/// Counts and reference as sent, which no figure shows.
+const SENT: [f64; 3] = [0.0; 3];
 const PERIOD_S: f64 = 0.001;
 
 /// The signals of the synthetic runs: those of a plant with a gap, and those of a law with an estimator.
@@ -48,7 +50,7 @@ fn run(seconds: f64, rest_rad: f64) -> Run {
         let fixed = [time_s, 0.0, load_position_rad, 3.0 * FRAC_PI_2, -1.0];
         let plant = [0.0, 0.0, 3.0 * load_position_rad, 2.0 * load_position_rad, 0.16, -load_position_rad];
         let drive = [0.16, 0.0, load_position_rad];
-        trace.push(fixed.into_iter().chain(plant).chain(drive).chain([telemetry_s]));
+        trace.push(fixed.into_iter().chain(plant).chain(drive).chain([telemetry_s]).chain(SENT));
         measurement.push(&Sample {
             time_s,
             reference_rad: 0.0,
@@ -169,7 +171,7 @@ fn a_drive_without_an_estimator_leaves_its_panels_empty() {
     let mut runs = runs(1.0);
     for run in [&mut runs.smooth.before, &mut runs.smooth.after, &mut runs.smooth.beyond] {
         let mut trace = Columns::new(columns(&SignalTable { drive: Vec::new(), ..signals() }));
-        trace.push([0.0; 12]);
+        trace.push([0.0; 15]);
         run.trace = trace;
     }
     let figures = figures(&runs);

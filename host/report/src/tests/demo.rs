@@ -20,7 +20,7 @@ fn demo_run(settle_time_s: Option<f64>, static_error_rad: f64) -> Run {
         let time_s = sample as f64 * 1e-3;
         let load_position_rad = static_error_rad + 1.57 * (-time_s).exp();
         let (torque_nm, estimate_rad) = (20.0 * noise(sample) - 10.0, 0.16 + 0.1 * noise(sample));
-        trace.push([time_s, 0.0, load_position_rad, 0.0, torque_nm, estimate_rad, time_s]);
+        trace.push([time_s, 0.0, load_position_rad, 0.0, torque_nm, estimate_rad, time_s, 0.0, 0.0, 0.0]);
         let is_settled = settle_time_s.is_none_or(|settle_s| time_s >= settle_s);
         measurement.push(&Sample {
             time_s,
