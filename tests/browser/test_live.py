@@ -72,7 +72,9 @@ def test_page_of_a_complete_run_has_the_numbers_of_its_summary(pages: Any, tmp_p
     assert str(tmp_path) in page.locator("#why").inner_text()
     assert page.locator(".chart").count() == 6
     left, right = (page.locator(".chart").nth(index).bounding_box() for index in (0, 1))
-    assert left and right and left["y"] == right["y"], "two charts are side by side"
+    assert left is not None
+    assert right is not None
+    assert left["y"] == right["y"], "two charts are side by side"
     rows = page.locator("#expectations tr")
     assert rows.count() == len(summary["expectations"])
     for row, expected in zip(rows.all(), summary["expectations"], strict=True):

@@ -115,7 +115,7 @@ impl Access {
     /// Checks where a request comes from.
     pub(super) fn check_source(&self, host: Option<&str>, origin: Option<&str>) -> Result<(), Denied> {
         let host = host.ok_or(Denied::Host)?;
-        // A token of 128 bits is unknown to a foreign page, whatever name it uses.
+        // A token of 128 bits is unknown to a foreign page under any name.
         if self.token.is_none() && !is_loopback(host) {
             return Err(Denied::Host);
         }

@@ -104,7 +104,7 @@ impl Live {
 
     fn shut_down(&mut self) {
         if let Some(stop) = self.stop.take() {
-            // The receiver is gone only if the thread is.
+            // The receiver is closed only once the thread has ended.
             let _ = stop.send(());
         }
         if let Some(thread) = self.thread.take() {

@@ -19,6 +19,13 @@ impl Runs {
         self.0.path().join(name)
     }
 
+    /// A record without its samples, so that its tables are what a reader has.
+    fn tables(&self, name: &str, settings: &[&str]) -> PathBuf {
+        let out = self.run(name, settings);
+        fs::remove_file(out.join("run.mcap")).unwrap();
+        out
+    }
+
     fn run(&self, name: &str, settings: &[&str]) -> PathBuf {
         let (scenario, out) = (root().join("scenarios/faults.toml"), self.folder(name));
         let mut arguments = vec!["run", scenario.to_str().unwrap(), "--device", "inproc"];
@@ -93,7 +100,7 @@ fn folders_with_equal_names_are_labelled_by_path() {
 #[test]
 fn steps_without_timing_are_not_counted_as_answered() {
     let runs = Runs::new();
-    let one = runs.run("one", &[]);
+    let one = runs.tables("one", &[]);
     let timing = fs::read_to_string(one.join("timing.csv")).unwrap();
     let lines: Vec<_> = timing.lines().collect();
     for (rows, text_shown) in [(0, "timing.csv covers 0 of them."), (40, "covers 40 of them, all answered.")]
@@ -121,7 +128,7 @@ fn only_the_selected_range_is_plotted() {
 #[test]
 fn killed_run_is_plotted_up_to_its_last_whole_row() {
     let runs = Runs::new();
-    let one = runs.run("one", &[]);
+    let one = runs.tables("one", &[]);
     fs::remove_file(one.join("summary.json")).unwrap();
     fs::remove_file(one.join("timing.csv")).unwrap();
     let trace = fs::read(one.join("trace.csv")).unwrap();
@@ -145,7 +152,7 @@ fn malformed_record_is_named_by_file_and_line() {
     let error = plot(&[&nowhere]).unwrap_err();
     assert!(error.contains("nowhere/trace.csv: can't be read: No such file"), "{error}");
 
-    let one = runs.run("one", &[]);
+    let one = runs.tables("one", &[]);
     let trace = fs::read_to_string(one.join("trace.csv")).unwrap();
     fs::write(one.join("trace.csv"), trace.replacen("\n0.001,", "\nsoon,", 1)).unwrap();
     let error = plot(&[&one]).unwrap_err();
@@ -181,7 +188,7 @@ fn any_signal_gets_a_panel_with_its_unit() {
 #[test]
 fn record_without_gap_and_estimator_has_the_other_panels() {
     let runs = Runs::new();
-    let one = runs.run("one", &["telemetry.every_steps=0"]);
+    let one = runs.tables("one", &["telemetry.every_steps=0"]);
     let trace = fs::read_to_string(one.join("trace.csv")).unwrap();
     fs::write(one.join("trace.csv"), trace.replacen("twist_rad", "bend_rad", 1)).unwrap();
     plot(&[&one]).unwrap();
