@@ -11,8 +11,8 @@ use super::motion::RecordedMotion;
 /// Positions of motor and load at each sample, in rad.
 pub(super) type Positions = Vec<[f64; 2]>;
 
-/// Standard deviations of the delay within the band.
-const DEVIATIONS: u32 = 2;
+/// Standard deviations of the delay within the band: in process the delay is 0.
+const DEVIATIONS: u32 = 3;
 
 /// The model of a scenario, and its band.
 pub(super) struct Model<'a> {
