@@ -59,6 +59,10 @@ impl<'a> Model<'a> {
         let turned = [-doubt_rad, doubt_rad]
             .map(|by_rad| replay(&turned(&self.scenario, by_rad), self.recorded, &self.recorded.torque_nm));
         self.widen(turned)?;
+        // A displacement is of two readings, each off by up to a count: in all (2 q)^2.
+        for square in &mut self.squares {
+            *square = [0, 1].map(|encoder| square[encoder] + 3.0 * count_rad[encoder].powi(2));
+        }
         let late_us = DEVIATIONS * torque_delay_deviation_us;
         let ends = [torque_delay_us.saturating_sub(late_us), torque_delay_us + late_us];
         self.vary(TORQUE_DELAY_US, ends.map(delay))?;
