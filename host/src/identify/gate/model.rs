@@ -11,8 +11,8 @@ use super::motion::RecordedMotion;
 /// Positions of motor and load at each sample, in rad.
 pub(super) type Positions = Vec<[f64; 2]>;
 
-/// Standard deviations of the delay within the band.
-const DEVIATIONS: u32 = 2;
+/// Standard deviations of the delay within the band: in process the delay is 0.
+const DEVIATIONS: u32 = 3;
 
 /// The model of a scenario, and its band.
 pub(super) struct Model<'a> {
@@ -59,6 +59,10 @@ impl<'a> Model<'a> {
         let turned = [-doubt_rad, doubt_rad]
             .map(|by_rad| replay(&turned(&self.scenario, by_rad), self.recorded, &self.recorded.torque_nm));
         self.widen(turned)?;
+        // A displacement is of two readings, each off by up to a count: in all (2 q)^2.
+        for square in &mut self.squares {
+            *square = [0, 1].map(|encoder| square[encoder] + 3.0 * count_rad[encoder].powi(2));
+        }
         let late_us = DEVIATIONS * torque_delay_deviation_us;
         let ends = [torque_delay_us.saturating_sub(late_us), torque_delay_us + late_us];
         self.vary(TORQUE_DELAY_US, ends.map(delay))?;
