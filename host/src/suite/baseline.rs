@@ -182,7 +182,8 @@ impl CaseBaseline {
             let (min, max) = (entry.value - entry.tolerance, entry.value + entry.tolerance);
             let ok = value.is_some_and(|value| (min..=max).contains(&value));
             if !ok {
-                let value = value.map_or("no value".to_owned(), |value| format!("{} {unit}", six_digits(value)));
+                let value =
+                    value.map_or("no value".to_owned(), |value| format!("{} {unit}", six_digits(value)));
                 let Entry { value: baseline, tolerance } = entry;
                 reasons
                     .push(format!("{name}: {value}; leaves its baseline {baseline} +- {tolerance} {unit}"));

@@ -75,7 +75,8 @@ fn every_scenario_of_a_folder_has_a_row_and_the_worst_is_the_exit_code() {
     let options = ["--out", &out, "--junit", &junit, "--html", &html, "--jobs", "2", "--device", "native"];
     let scenarios = suite.path("s");
     let ended = program::run(["test", &scenarios].iter().copied().chain(options)).with_code(2);
-    let swept = ["0.1", "0.2", "0.3", "0.4"].map(|noise| format!("PASS swept.toml: encoders.noise_counts={noise}"));
+    let swept =
+        ["0.1", "0.2", "0.3", "0.4"].map(|noise| format!("PASS swept.toml: encoders.noise_counts={noise}"));
     let first = ["ERROR bad.toml", "PASS good.toml", "FAIL missed.toml", "SKIPPED pins.toml"];
     let want: Vec<_> = first.into_iter().map(str::to_owned).chain(swept).collect();
     assert_eq!(suite.rows(&ended), want, "{}", ended.stdout);
@@ -180,7 +181,8 @@ fn an_interrupted_suite_ends_its_jobs_and_can_be_resumed() {
 
 #[test]
 fn one_run_has_a_junit_report_with_a_verdict_or_without() {
-    let suite = Suite::new(&[("a.toml", format!("{SHORT}{PEAK}max = 0.1\n")), ("b.toml", format!("{SHORT}{NOISE}"))]);
+    let suite =
+        Suite::new(&[("a.toml", format!("{SHORT}{PEAK}max = 0.1\n")), ("b.toml", format!("{SHORT}{NOISE}"))]);
     let junit = suite.path("junit.xml");
     for (name, code, want) in [
         ("s/a.toml", 1, r#"failures="1" errors="0""#),
