@@ -66,11 +66,12 @@ struct Interval {
 /// # Errors
 /// The file can't be read or isn't a file of `identify` or `commission`.
 pub fn intervals(path: &Path) -> io::Result<Intervals> {
-    let Estimates { quantities, instruments } = serde_json::from_slice(&fs::read(path)?).map_err(|error| {
-        io::Error::other(format!(
-            "it is no estimates.json of `lashloop commission` or `lashloop identify`: {error}"
-        ))
-    })?;
+    let Estimates { quantities, instruments } =
+        serde_json::from_slice(&fs::read(path)?).map_err(|error| {
+            io::Error::other(format!(
+                "it is no estimates.json of `lashloop commission` or `lashloop identify`: {error}"
+            ))
+        })?;
     let interval = |Quantity { name: key, estimate }| {
         let Interval { value, low, high } = estimate?;
         Some(KeyInterval { key, below: value - low, above: high - value })
