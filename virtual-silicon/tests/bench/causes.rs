@@ -70,7 +70,7 @@ const IN_HANDLER: Cause = Cause {
     ..ON_REQUEST
 };
 
-pub const CAUSES: [Cause; 19] = [
+pub const CAUSES: [Cause; 18] = [
     Cause {
         name: "panic",
         prepare: |image| with(&image, panicking(&image)),
@@ -215,20 +215,6 @@ pub const CAUSES: [Cause; 19] = [
         // 5 ms, and a count of the watchdog.
         limit: |_| Duration::from_micros(5_200),
         prepare: |image| with(&image, |_| Code::default().halfwords(&[MASK_INTERRUPTS, FOREVER])),
-        happen: |host| {
-            host.bench.allow_resets();
-            fail(host)
-        },
-        is_referred: false,
-        ..IN_HANDLER
-    },
-    Cause {
-        name: "lock-up",
-        from: "the instruction",
-        by: "the independent watchdog, at 32 kHz",
-        limit: |_| Duration::from_micros(5_200),
-        // A processor fault without a stack: movs r0, #0; msr msp, r0.
-        prepare: |image| with(&image, |_| Code::default().halfwords(&[0x2000, 0xf380, 0x8808, UNDEFINED])),
         happen: |host| {
             host.bench.allow_resets();
             fail(host)
