@@ -68,7 +68,7 @@ impl Dist {
 pub(crate) fn make(profile: Profile) -> Result<()> {
     let musl = format!("{ARCH}-unknown-linux-musl");
     let libraries =
-        output(&mut command("rustc", "--print target-libdir --target").arg(&musl)).unwrap_or_default();
+        output(mut command("rustc", "--print target-libdir --target").arg(&musl)).unwrap_or_default();
     let has_musl = Path::new(libraries.trim()).is_dir();
     let library = if has_musl { Library::Musl } else { Library::Glibc };
     let version = env!("CARGO_PKG_VERSION");
