@@ -67,8 +67,7 @@ impl Dist {
 /// Builds the program, checks it and packs it.
 pub(crate) fn make(profile: Profile) -> Result<()> {
     let musl = format!("{ARCH}-unknown-linux-musl");
-    let libraries =
-        output(mut command("rustc", "--print target-libdir --target").arg(&musl)).unwrap_or_default();
+    let libraries = output(command("rustc", "--print target-libdir --target").arg(&musl)).unwrap_or_default();
     let has_musl = Path::new(libraries.trim()).is_dir();
     let library = if has_musl { Library::Musl } else { Library::Glibc };
     let version = env!("CARGO_PKG_VERSION");

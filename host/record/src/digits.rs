@@ -43,7 +43,7 @@ fn exact(value: f64, text: &mut Vec<u8>) {
 
 fn fixed(value: f64, decimals: i32, text: &mut Vec<u8>) {
     let scaled = (value * 10_f64.powi(decimals)).round();
-    if !(scaled.abs() < LARGEST_WHOLE) {
+    if scaled.is_nan() || scaled.abs() >= LARGEST_WHOLE {
         return exact(value, text);
     }
     let (scaled, unit) = (scaled as i64, 10_i64.pow(decimals.unsigned_abs()));
