@@ -53,8 +53,19 @@ impl<'a> Model<'a> {
     ) -> Result<(), RunError> {
         let Instruments { torque_delay_us, torque_delay_deviation_us, torque_step_nm, .. } = *instruments;
         let delay = |us: u32| PlantValue::Integer(us.into());
-        self.scenario.plant.values.insert(TORQUE_DELAY_US, delay(torque_delay_us));
-        let doubt_rad = self.find_twist(count_rad)?;
+        let late_us = DEVIATIONS * torque_delay_deviation_us;
+        let ends_us = [torque_delay_us.saturating_sub(late_us), torque_delay_us + late_us];
+        // A wrong delay would be taken for twist.
+        let mut nearest: Option<(f64, f64, Scenario)> = None;
+        for us in [torque_delay_us, ends_us[0], ends_us[1]] {
+            self.scenario.plant.values.insert(TORQUE_DELAY_US, delay(us));
+            let (away, doubt_rad, turned) = self.find_twist(count_rad)?;
+            if nearest.as_ref().is_none_or(|it| away < it.0) {
+                nearest = Some((away, doubt_rad, turned));
+            }
+        }
+        let (_, doubt_rad, scenario) = nearest.expect("a delay was tried");
+        self.scenario = scenario;
         self.positions_rad = replay(&self.scenario, self.recorded, &self.recorded.torque_nm)?;
         let turned = [-doubt_rad, doubt_rad]
             .map(|by_rad| replay(&turned(&self.scenario, by_rad), self.recorded, &self.recorded.torque_nm));
@@ -63,9 +74,7 @@ impl<'a> Model<'a> {
         for square in &mut self.squares {
             *square = [0, 1].map(|encoder| square[encoder] + 3.0 * count_rad[encoder].powi(2));
         }
-        let late_us = DEVIATIONS * torque_delay_deviation_us;
-        let ends = [torque_delay_us.saturating_sub(late_us), torque_delay_us + late_us];
-        self.vary(TORQUE_DELAY_US, ends.map(delay))?;
+        self.vary(TORQUE_DELAY_US, ends_us.map(delay))?;
         if torque_step_nm > 0.0 {
             // Where a power stage rounds to is not known.
             let rounded = [-0.375, -0.125, 0.125, 0.375].map(|place| {
@@ -82,9 +91,9 @@ impl<'a> Model<'a> {
         Ok(())
     }
 
-    /// Turns the motor, within the gap, to where the model follows the begin of the record best. Returns how far from there
-    /// it may stand.
-    fn find_twist(&mut self, count_rad: [f64; 2]) -> Result<f64, RunError> {
+    /// Turns the motor, within the gap, to where the model follows the begin of the record best. Returns the distance of the
+    /// model, how far from there the motor may stand, and the scenario with the motor there.
+    fn find_twist(&self, count_rad: [f64; 2]) -> Result<(f64, f64, Scenario), RunError> {
         /// Samples that the search follows.
         const FOLLOWED: usize = 1000;
         /// Places either way of the middle that are tried at first, and halvings of their distance.
@@ -94,7 +103,7 @@ impl<'a> Model<'a> {
         let (Some(half_gap_rad), Some(ratio)) =
             (plant.number("dead_zone_rad"), plant.number("reduction_ratio"))
         else {
-            return Ok(0.0);
+            return Ok((0.0, 0.0, self.scenario.clone()));
         };
         let start = plant.initial;
         let middle_rad = ratio * start.load_position_rad - start.motor_position_rad;
@@ -128,9 +137,9 @@ impl<'a> Model<'a> {
                 break;
             }
         }
-        self.scenario = turned(&self.scenario, best.1);
         // The counts at the first sample are off by up to one of either encoder.
-        Ok(step_rad + count_rad[0] + ratio * count_rad[1])
+        let doubt_rad = step_rad + count_rad[0] + ratio * count_rad[1];
+        Ok((best.0, doubt_rad, turned(&self.scenario, best.1)))
     }
 
     fn widen<const N: usize>(&mut self, moved: [Result<Positions, RunError>; N]) -> Result<(), RunError> {
