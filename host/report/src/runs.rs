@@ -25,7 +25,7 @@ pub struct Selection {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Input {
     /// The record of a run.
-    Record(Record),
+    Record(Box<Record>),
     /// The steps of a capture.
     Capture {
         /// The axis first: `time_s`, or the number of the step.
@@ -56,7 +56,7 @@ pub fn figure(inputs: &[(String, Input)], selection: &Selection) -> Result<Figur
         match input {
             Input::Record(record) => runs.push(Run::new(number, name, record, shown_s)?),
             Input::Capture { columns, torn } => {
-                captures.push(Capture::new(name, columns, torn.as_deref(), shown_s))
+                captures.push(Capture::new(name, columns, torn.as_deref(), shown_s));
             }
         }
     }

@@ -84,7 +84,7 @@ impl Arguments {
 
 fn read(path: &Path) -> Result<Input, CliError> {
     if !path.is_file() {
-        return Ok(Input::Record(Record::read(path)?));
+        return Ok(Input::Record(Box::new(Record::read(path)?)));
     }
     let bytes = fs::read(path).map_err(|source| CliError::Input { path: path.to_owned(), source })?;
     let Some(Series { columns, torn }) = series(&bytes) else {
