@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use lashloop_record::file_names::{SAMPLES_FILE, SUMMARY_FILE};
+use lashloop_record::file_names::{SUMMARY_FILE, TRACE_FILE};
 use lashloop_record::reader::{Record, Table};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -99,10 +99,10 @@ impl Records {
         Trace(table)
     }
 
-    /// Waits until a run has written samples.
+    /// Waits until a run has written rows. The samples follow in the same step.
     pub fn wait_for_rows(&self) {
-        wait::until("samples in run.mcap", || {
-            fs::metadata(self.path(SAMPLES_FILE)).is_ok_and(|file| file.len() > 40_000).then_some(())
+        wait::until("rows in trace.csv", || {
+            fs::metadata(self.path(TRACE_FILE)).is_ok_and(|file| file.len() > 4096).then_some(())
         });
     }
 }
