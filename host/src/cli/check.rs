@@ -1,6 +1,6 @@
 //! `lashloop check`: scenarios without a run, for editors and hooks.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use lashloop_bench::scenario::ScenarioError;
@@ -59,7 +59,7 @@ impl Arguments {
     }
 }
 
-fn check(file: &PathBuf, plants: &Plants) -> Vec<Finding> {
+fn check(file: &Path, plants: &Plants) -> Vec<Finding> {
     let finding = |error: &ScenarioError| {
         let (file, line, column) = error.place().unwrap_or_else(|| (file.display().to_string(), 1, 1));
         Finding { file, line, column, message: error.problem() }

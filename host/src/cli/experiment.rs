@@ -168,7 +168,7 @@ fn experiment(
         Ok(device)
     };
     if !has_plant {
-        // Nobody moves a load for a drive that is not there. The port is free while its drive is powered off and on.
+        // An operator moves no load for a drive that is not there. The port is free while its drive is powered off and on.
         drop(open(&scenario)?);
         wait_for_start(&scenario)?;
     }

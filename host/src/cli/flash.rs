@@ -174,7 +174,7 @@ impl Known<'_> {
                 );
             }
             (_, None) => {
-                outln!("before     no --device to disarm: the probe connects under reset, which needs NRST")
+                outln!("before     no --device to disarm: the probe connects under reset, which needs NRST");
             }
         }
         Ok(matches!(drive, Some(Ok(_))))

@@ -122,14 +122,11 @@ impl Baseline {
 
     /// Takes the metrics of a run as values. A case that has a baseline keeps its metrics and their tolerances.
     pub fn update(&mut self, settings: &[String], metrics: &BTreeMap<String, f64>) {
-        let case = match self.cases.iter_mut().find(|case| case.settings == settings) {
-            Some(case) => case,
-            None => {
-                let entry = |(name, value): (&String, &f64)| (name.clone(), Entry::new(*value));
-                let metrics = metrics.iter().map(entry).collect();
-                self.cases.push(CaseBaseline { settings: settings.to_vec(), metrics });
-                return;
-            }
+        let Some(case) = self.cases.iter_mut().find(|case| case.settings == settings) else {
+            let entry = |(name, value): (&String, &f64)| (name.clone(), Entry::new(*value));
+            let metrics = metrics.iter().map(entry).collect();
+            self.cases.push(CaseBaseline { settings: settings.to_vec(), metrics });
+            return;
         };
         case.metrics.retain(|name, _| metrics.contains_key(name));
         for (name, entry) in &mut case.metrics {

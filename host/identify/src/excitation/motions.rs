@@ -14,8 +14,8 @@ pub struct PlannedMotion {
     pub name: String,
     /// Torque of each sample in N m.
     pub torque_nm: Vec<f64>,
-    /// Largest twist by the counts of both encoders that the motion explains, whatever their directions and the reduction
-    /// ratio are, in rad at the motor. `None` while nothing is known of the drive train.
+    /// Largest twist by the counts of both encoders that the motion explains, for any directions and any reduction
+    /// ratio, in rad at the motor. `None` while nothing is known of the drive train.
     pub twist_rad: Option<f64>,
 }
 

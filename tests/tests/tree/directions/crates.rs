@@ -33,6 +33,7 @@ const ALLOWED: [(&str, &[&str]); 14] = [
         &[
             "lashloop-protocol",
             "lashloop-firmware",
+            "lashloop-identify",
             "lashloop-plant",
             "lashloop-link",
             "lashloop-bench",
