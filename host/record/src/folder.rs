@@ -56,7 +56,8 @@ impl RecordFolder {
     /// One does, without `force`.
     pub fn check_inside(path: &Path, force: bool) -> Result<(), FolderError> {
         let Ok(entries) = fs::read_dir(path) else { return Ok(()) };
-        let folders = entries.filter_map(|entry| Some(entry.ok()?.path()));
+        let entries = entries.flatten().filter(|entry| entry.file_name() != LATEST);
+        let folders = entries.map(|entry| entry.path());
         match folders.filter(|_| !force).find_map(|folder| Some((record_in(&folder)?, folder))) {
             Some((file, path)) => Err(FolderError::Taken { path, file }),
             None => Ok(()),

@@ -104,7 +104,7 @@ pub(crate) fn of_every_law() {
     let laws = [
         ("pd", 1000, 751),
         ("merzouki", 1000, 972),
-        ("merzouki-as-printed", 1000, 912),
+        ("merzouki-as-printed", 1000, 920),
         ("backlash-inverse", 5000, 1040),
         ("braking-curve", 5000, 1435),
         ("open-loop", 1000, 700),

@@ -32,7 +32,7 @@ fn the_torque_limit_of_the_rig_holds_where_the_scenario_has_none() {
     let (twin, records) = (Twin::start(), Records::new());
     let rig = RigFile::with(&twin.device(), "native-twin", "torque_nm = 1.5\nload_travel_rad = 2.0");
     let text = fs::read_to_string(tests::workspace().join(RUNS[1].scenario())).expect("a scenario");
-    let scenario = records.path("scenario.toml");
+    let scenario = records.path("without-limit.toml");
     fs::write(&scenario, text.replace("torque_limit_nm = 25.0\n", "")).expect("a scenario without a limit");
     let (scenario, out) = (scenario.display().to_string(), records.out());
     let settings = ["--set", "run.duration_s=1", "--set", "expect=[]", "--out", &out];
@@ -145,14 +145,15 @@ fn with_scale(device: &str, limits: &str) -> RigFile {
 
 #[test]
 fn an_experiment_takes_the_limits_of_the_rig_and_moves_no_load_without_a_drive() {
-    let twin = Twin::start();
-    let rig = with_scale(&twin.device(), "torque_nm = 2.0\nload_travel_rad = 3.2");
-    let ended = program::run(["experiment", "--rig", &rig.path()]).with_code(4);
+    let (twin, records) = (Twin::start(), Records::new());
+    let (rig, out) = (with_scale(&twin.device(), "torque_nm = 2.0\nload_travel_rad = 3.2"), records.out());
+    let ended = program::run(["experiment", "--rig", &rig.path(), "--out", &out]).with_code(4);
     let reduced = "bench-smooth-before.toml: torque_limit_nm is 2 N m by limits.torque_nm, not 25";
     assert!(ended.stderr.contains(reduced), "{}", ended.stderr);
     assert!(ended.stderr.contains("no parameter sample_source"), "{}", ended.stderr);
     assert!(!ended.stdout.contains("bring the load"), "{}", ended.stdout);
-    let absent = program::run(["experiment", "--device", "/dev/serial/by-id/usb-none"]).with_code(4);
+    let absent =
+        program::run(["experiment", "--device", "/dev/serial/by-id/usb-none", "--out", &out]).with_code(4);
     assert!(!absent.stdout.contains("bring the load"), "{}", absent.stdout);
 }
 
