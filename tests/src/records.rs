@@ -40,7 +40,7 @@ impl Records {
     /// The folder as an argument of `--out`.
     #[must_use]
     pub fn out(&self) -> String {
-        self.path("").display().to_string()
+        self.folder.path().join("record").display().to_string()
     }
 
     /// Path of a file in the folder.

@@ -69,10 +69,10 @@ impl Arguments {
         let scenarios = BENCH_SCENARIOS.map(|(name, text)| scenarios(name, text, rig.as_ref()));
         for scenarios in scenarios.into_iter().collect::<Result<Vec<_>, _>>()? {
             let Both { name, of_bench, of_hil } = scenarios;
-            let (simulation, simulated) = simulate(&of_hil, &supervisor, self.recorder(name, "simulation")?)?;
             let recorder = self.recorder(name, "experiment")?;
             let (experiment, judged, description) =
                 experiment(of_bench, choice, rig.as_ref(), &supervisor, recorder)?;
+            let (simulation, simulated) = simulate(&of_hil, &supervisor, self.recorder(name, "simulation")?)?;
             outln!("{name:<40} simulation {simulated}, experiment {judged}");
             (worst, drive) = (worst.max(simulated).max(judged), description);
             compared.push(Compared { simulation, experiment });

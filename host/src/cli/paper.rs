@@ -161,8 +161,8 @@ fn twist(mut scenario: Scenario) -> Result<Columns, CliError> {
             let signals = SignalTable { plant: simulator.signals().to_vec(), drive: Vec::new() };
             Columns::new(columns(&signals))
         });
-        // No drive has sent telemetry.
-        trace.push(row.values().chain(plant).chain([f64::NAN]));
+        // No drive has sent telemetry, and none has taken a sample.
+        trace.push(row.values().chain(plant).chain([f64::NAN; 4]));
     }
     Ok(trace.unwrap_or_default())
 }

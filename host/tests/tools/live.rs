@@ -7,6 +7,7 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
+use lashloop_record::reader::Record;
 use serde_json::Value;
 use tempfile::TempDir;
 use tungstenite::stream::MaybeTlsStream;
@@ -134,7 +135,7 @@ impl Received {
 fn a_reader_gets_every_extreme_of_the_run_and_its_end() {
     let run = Run::start(5.0, &[]);
     let received = Received::read(&mut run.connect(), |_| false);
-    let trace = fs::read(run.folder.path().join("trace.csv")).unwrap();
+    let trace = Record::read(run.folder.path()).unwrap().trace;
     let record = run.folder.path().display().to_string();
     let (code, summary) = run.end();
     assert_eq!(code, Some(0));
@@ -151,14 +152,11 @@ fn a_reader_gets_every_extreme_of_the_run_and_its_end() {
     assert_eq!((buckets[0][0], buckets[1][0]), (0.0, 0.002));
     let columns = received.texts[0]["columns"].as_array().unwrap();
     let column = columns.iter().position(|column| column["name"] == "torque_nm").unwrap();
-    let mut trace = csv::Reader::from_reader(&trace[..]);
-    let at = trace.headers().unwrap().iter().position(|name| name == "torque_nm").unwrap();
-    let torques: Vec<f32> = trace.records().map(|row| row.unwrap()[at].parse::<f32>().unwrap()).collect();
-    for (bucket, pair) in buckets.iter().zip(torques.chunks_exact(2)) {
-        let extremes = [pair[0].min(pair[1]), pair[0].max(pair[1])];
-        let shown = &bucket[1 + 2 * column..3 + 2 * column];
-        // A trace is rounded to thousandths of a newton metre.
-        assert!(shown.iter().zip(extremes).all(|(a, b)| (a - b).abs() < 1e-3), "{shown:?} {extremes:?}");
+    let torques_nm = trace.column("torque_nm").unwrap();
+    assert_eq!(torques_nm.len(), 2 * buckets.len());
+    for (bucket, pair) in buckets.iter().zip(torques_nm.chunks_exact(2)) {
+        let extremes = [pair[0].min(pair[1]) as f32, pair[0].max(pair[1]) as f32];
+        assert_eq!(bucket[1 + 2 * column..3 + 2 * column], extremes);
     }
 }
 

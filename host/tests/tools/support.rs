@@ -1,15 +1,16 @@
 //! The program, a short run and tshark.
 
+use std::env;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
-use std::{env, fs};
 
 use lashloop::decode::message::AnyMessage;
 use lashloop_protocol::enums::{Outcome, State};
 use lashloop_protocol::message::{CommandResult, Subscribe};
 use lashloop_protocol::wire::Payload;
 use lashloop_protocol::{DriveMessage, Message};
+use lashloop_record::reader::Record;
 use tempfile::TempDir;
 
 use crate::examples;
@@ -59,7 +60,7 @@ pub fn subscribed_frames() -> Vec<Vec<u8>> {
 pub struct Run {
     _folder: TempDir,
     pub capture: PathBuf,
-    /// Column `torque_nm` of the trace.
+    /// Column `torque_nm` of the record.
     pub torques_nm: Vec<f64>,
 }
 
@@ -73,10 +74,7 @@ pub fn short_run() -> Run {
     let ended = lashloop(&["run", scenario, "--set", &duration, "--out", out, "--capture", file], &[]);
     // A run this short misses its expectations; only its record matters here.
     assert_eq!(ended.status.code(), Some(1), "{}", text(&ended.stderr));
-    let trace = fs::read(folder.path().join("trace.csv")).unwrap();
-    let mut trace = csv::Reader::from_reader(&trace[..]);
-    let column = trace.headers().unwrap().iter().position(|name| name == "torque_nm").unwrap();
-    let torques_nm = trace.records().map(|row| row.unwrap()[column].parse().unwrap()).collect();
+    let torques_nm = Record::read(folder.path()).unwrap().trace.column("torque_nm").unwrap().to_vec();
     Run { _folder: folder, capture, torques_nm }
 }
 

@@ -13,9 +13,9 @@ const OFF: Bridge = Bridge { duty: None, is_enabled: false, has_main_output: fal
 /// Half a count of the modulation, and the nanosecond of the pulse's reading.
 const RESOLUTION: f64 = 0.5 / 8_400.0 + 1.0 / 50_000.0;
 
-/// The gains of the law `pd` make a torque for each reference while the encoders stand.
+/// The gains of the law `pd` make a torque for each reference while the encoders stand, two steps after a change.
 fn step(host: &mut Host, reference_rad: f32) -> (BenchSample, Bridge) {
-    let samples = host.steps(3, reference_rad);
+    let samples = host.steps(5, reference_rad);
     (*samples.last().expect("samples"), host.bench.bridge())
 }
 

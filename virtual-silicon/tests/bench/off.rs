@@ -76,7 +76,8 @@ fn a_crystal_that_stops_turns_the_bridge_off_without_software() {
         chip.now()
     });
     host.bench.advance(Duration::from_micros(1));
-    assert_eq!(host.bench.time_to_off(at), Some(Duration::ZERO));
+    let off = host.bench.time_to_off(at);
+    assert!(off.is_some_and(|off| off < Duration::from_micros(1)), "{off:?}");
 }
 
 #[test]
