@@ -87,6 +87,15 @@ def browser() -> Iterator[Browser]:
         browser.close()
 
 
+def wait_until(page: Page, expression: str) -> None:
+    """Waits until an expression holds. Playwright's own way polls by `eval` in the page, which the page's policy forbids."""
+    for _ in range(200):
+        if page.evaluate(expression):
+            return
+        page.wait_for_timeout(50)
+    pytest.fail(f"not within 10 s: {expression}")
+
+
 @contextmanager
 def watched(browser: Browser, width: int, scheme: Any, *, has_touch: bool) -> Iterator[tuple[Page, Watch]]:
     context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme, has_touch=has_touch)
@@ -110,7 +119,7 @@ def open_page(browser: Browser) -> Iterator[Opener]:
         opened.append((context, path, watch))
         page.goto(path.as_uri())
         page.wait_for_selector("html[data-ready]", timeout=30_000)
-        page.wait_for_function(DRAWN)
+        wait_until(page, DRAWN)
         return page
 
     yield open_page

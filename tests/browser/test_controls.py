@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import pytest
-from conftest import Opener, Record
+from conftest import Opener, Record, wait_until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Locator, Page
@@ -96,7 +96,7 @@ def test_ctrl_and_wheel_zoom_about_the_pointer(page: Page) -> None:
 def test_the_plain_wheel_scrolls_the_page(page: Page) -> None:
     page.mouse.move(*place(page.locator(".chart").first, 0.5))
     page.mouse.wheel(0, 300)
-    page.wait_for_function("scrollY > 100")
+    wait_until(page, "scrollY > 100")
     assert view(page) == pytest.approx((0, END_S), abs=1e-3)
 
 

@@ -24,16 +24,16 @@ const SETUP: &str = "setup";
 /// Chores that need the compiler alone.
 const WITHOUT_EQUIPMENT: [&str; 2] = [SETUP, "check"];
 
-/// Need no answer in time, and yield to the tests that do.
-const IN_BACKGROUND: [&str; 2] = ["test python --timing untimed", "test browser"];
+/// Needs no answer in time, and yields to the tests that do.
+const IN_BACKGROUND: &str = "test python --timing untimed";
 
 /// The lanes of a stage run at the same time, the stages one after the other. Each chore is a call of this program.
 pub(crate) const STAGES: [&[Lane]; 2] = [
     &[
-        &[SETUP, "test image", "test usb"],
+        &[SETUP, "test image", "test usb", "test browser"],
         &["check", "test unit --timing untimed", "test fuzz", "test silicon"],
     ],
-    &[&["test python --timing timed", "test loop", "test unit --timing timed"], &IN_BACKGROUND],
+    &[&["test python --timing timed", "test loop", "test unit --timing timed"], &[IN_BACKGROUND]],
 ];
 
 /// Runs the stages, and prints the reports of the tests, the time of each chore, and the names of what failed.
@@ -96,7 +96,7 @@ impl Gate {
                 println!("{} {chore} | {line}", minutes(self.started.elapsed()));
             }
         };
-        let mut command = command("nice", if IN_BACKGROUND.contains(&chore) { "-n 19" } else { "-n 0" });
+        let mut command = command("nice", if chore == IN_BACKGROUND { "-n 19" } else { "-n 0" });
         command.arg(env::current_exe()?).args(chore.split(' '));
         let counts = Counts::of_output(command, Counts::of_sum, print);
         let mut recap = self.recap.lock().unwrap_or_else(PoisonError::into_inner);

@@ -168,9 +168,9 @@ pub(crate) fn start_run(machine: &mut Machine, device: &str, settings: &[&str]) 
     machine.start_lashloop(User::Root, &words)
 }
 
-/// Waits until a run has begun: its record is there.
+/// Waits until a run has begun: the last file of a record ahead of the first step is there.
 pub(crate) fn await_run(machine: &mut Machine) {
-    machine.await_file(&format!("{OUT}/trace.csv"));
+    machine.await_file(&format!("{OUT}/record.json"));
 }
 
 /// Waits for the end of a run.
