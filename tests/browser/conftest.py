@@ -88,7 +88,7 @@ def browser() -> Iterator[Browser]:
 
 
 def wait_until(page: Page, expression: str) -> None:
-    """Waits until an expression holds. Playwright's own way polls by `eval` in the page, which the page's policy forbids."""
+    """Waits until an expression holds. Playwright's own way polls by `eval`, which the page's policy forbids."""
     for _ in range(200):
         if page.evaluate(expression):
             return

@@ -3,12 +3,14 @@
 use std::ops::{Deref, DerefMut};
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::thread;
+use std::time::Duration;
 
 use regex_lite::Regex;
 use serde_json::Value;
-use tests::program;
 use tests::usb_guest::guest::{Ended, Guest};
 use tests::usb_guest::request::User;
+use tests::{program, wait};
 
 /// The run of most trials: a move and a rest, with expectations that only an undisturbed drive meets.
 pub(crate) const SCENARIO: &str = "scenarios/faults.toml";
@@ -163,14 +165,20 @@ pub(crate) fn run(machine: &mut Machine, device: &str, settings: &[&str]) -> (En
 /// Starts a run and waits until it has begun.
 pub(crate) fn start_run(machine: &mut Machine, device: &str, settings: &[&str]) -> u32 {
     machine.remove_folder(OUT);
-    let mut words = vec!["run", SCENARIO, "--device", device, "--out", OUT];
+    let mut words = vec!["run", SCENARIO, "--device", device, "--out", OUT, "--set", "record.flush_rows=20"];
     words.extend(settings.iter().flat_map(|setting| ["--set", setting]));
     machine.start_lashloop(User::Root, &words)
 }
 
-/// Waits until a run has begun: the last file of a record ahead of the first step is there.
+/// Waits until a run has written rows.
 pub(crate) fn await_run(machine: &mut Machine) {
-    machine.await_file(&format!("{OUT}/record.json"));
+    machine.await_file(&format!("{OUT}/trace.csv"));
+    wait::until("rows in trace.csv", || {
+        // Each look is work for the guest.
+        thread::sleep(Duration::from_millis(100));
+        let table = machine.read_if_present(&format!("{OUT}/trace.csv"))?;
+        (table.lines().count() > 1).then_some(())
+    });
 }
 
 /// Waits for the end of a run.
