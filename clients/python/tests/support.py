@@ -32,7 +32,7 @@ M = TypeVar("M", bound=DriveMessage)
 PARAMETER_COUNT = len(Drive([PD]).parameters)
 SIGNAL_COUNT = len(Drive([PD]).signals)
 
-SOON_S = 30.0
+SOON_S = 90.0
 """Deadline for events that are immediate on an idle machine; sufficient on a busy one."""
 
 
